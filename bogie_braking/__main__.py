@@ -115,7 +115,7 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     text = "folder of the results (default: results)"
     reporter.add_argument("--out", type=Path, default=Path("results"), help=text)
     if asked in ("sweep", "completion"):
-        from scenarios.sweep.command import add_command  # heavy: all scenarios, and what each lets vary
+        from scenarios.sweep import add_command  # heavy: all scenarios, and what each lets vary
 
         add_command(commands)
     else:

@@ -20,7 +20,9 @@ from fmu_src.cosimulation.slave import CosimulationError
 from fmu_src.kernel import KernelError
 from products.prebuilt import PAGE
 from products.registry import FMUS
+from products.study.points import SweepError
 from readers.storage import StorageError, cannot_write
+from scenarios import sweep
 from scenarios.catalogue import SCENARIOS, find
 from scenarios.completion import completion
 from scenarios.controllers import command as controllers
@@ -32,8 +34,6 @@ from scenarios.reporting.progress import ticking, without_bars
 from scenarios.reporting.report import Report, save, short_table, stopwatch, table
 from scenarios.reporting.saved import wall_seconds
 from scenarios.scenario import BadInputError, Options, Scenario
-from scenarios.sweep import command as sweep
-from scenarios.sweep.points import SweepError
 
 #: The largest macro step that any scenario is meant for, and the smallest, with which one takes hours [s].
 LARGEST_STEP, SMALLEST_STEP = 0.1, 1e-5

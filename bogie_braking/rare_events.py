@@ -18,7 +18,7 @@ from bogie_braking.checks import MOST_INSTANCES, at_most, known, number, once, r
 from bogie_braking.doubts import doubts_about
 from bogie_braking.machines import Runnable, model_from
 from bogie_braking.splitting import POPULATIONS, Numbers, Population, climb, confidence_of, interval_of
-from bogie_braking.sweeping import PAYS_FROM, check_executor, mark_of, marked, of_their_tasks
+from bogie_braking.sweeping import PAYS_FROM, check_executor
 from fmu_src.batch import Ends, run_batch
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System
@@ -194,9 +194,8 @@ def rare(
         def make(given: dict[str, Numbers]) -> list[Ends]:
             if executor is None:
                 return [run_batch(library, {**values, **given}, duration, names, threads, path)]
-            tasks = tasks_of(given)
-            work = partial(marked, mark_of, partial(one_task, what, duration, names, line, values))
-            return list(of_their_tasks(mark_of, tasks, executor.map(work, tasks)))
+            work = partial(one_task, what, duration, names, line, values)
+            return [made.result() for made in [executor.submit(work, some) for some in tasks_of(given)]]
 
         runs = Runs(distributions, make, output, limit)
         idle, probed = runs.without_effect(seed)

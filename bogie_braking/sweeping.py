@@ -5,15 +5,15 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import pickle
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
-from tqdm import tqdm
 
 from bogie_braking.batches import batch
 from bogie_braking.checks import is_number, known, line_or_none, names_of, not_both, once, seconds, shown
@@ -23,29 +23,41 @@ from bogie_braking.simulation import Simulation
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import KernelError
-from fmu_src.progress import PATIENCE
 from fmu_src.system import Model, System
+from products.study.points import Evaluate, Outcome, Outcomes, Point, outcomes_from
+from products.study.study import Study, kept_outcomes_of, outcomes_of
 from rbd_model.track.line import Line
 
 #: From so many runs on a batch is made, for its compilation takes, once, as long as thousands of them. A task of an
 #: executor is so many runs then.
 PAYS_FROM = 1000
-#: Values and sentences of one run.
-Ending = tuple[list[float], str]
-Task = TypeVar("Task")
-Answer = TypeVar("Answer")
+#: Runs of one batch where a folder keeps them: what is lost at most when a study is interrupted.
+KEPT_AT_ONCE = 10_000
+#: Outcomes of many points at once; None where they cannot be a batch. threads: None for all processors.
+Batch = Callable[[int | None, Sequence[Point]], list[Outcome] | None]
 
 
 def end_of(
-    what: Runnable, duration: float, line: Line | None, names: Sequence[str], values: Mapping[str, Value]
-) -> Ending:
-    """Values of `names` at the end of one run, and what it said; NaN, and why, where it could not be made."""
+    what: Runnable,
+    duration: float,
+    line: Line | None,
+    names: Sequence[str],
+    values: Mapping[str, Value],
+    point: Point,
+) -> Outcome:
+    """Values of `names` at the end of one run, and what it said; or why it could not be made."""
     try:
-        one = Simulation(what, line, **values)
+        one = Simulation(what, line, **{**values, **point})
         found = one.advance(duration, names, duration)
-        return [one[asked] for asked in names], found.status
+        return outcome_of(names, [one[asked] for asked in names], point, found.status)
     except (KernelError, ValueError) as error:
-        return [math.nan] * len(names), str(error)
+        return Outcome(failure=str(error), point=point)
+
+
+def outcome_of(names: Sequence[str], values: Sequence[float], point: Point, said: str) -> Outcome:
+    """The outcome of a run that was made; NaN is no result."""
+    ends = {name: None if math.isnan(value) else value for name, value in zip(names, values, strict=True)}
+    return Outcome(ends, point=point, said=said)
 
 
 def in_batch(
@@ -53,96 +65,52 @@ def in_batch(
     duration: float,
     line: Line | None,
     names: Sequence[str],
+    values: Mapping[str, Value],
     threads: int | None,
-    given: Sequence[Mapping[str, Any]],
-) -> list[Ending] | None:
-    """`end_of` of many runs whose values are numbers, with the same bits and sentences; None where none can be."""
-    values = {name: np.array([row[name] for row in given], float) for name in given[0]}
+    points: Sequence[Point],
+) -> list[Outcome] | None:
+    """`end_of` of many points whose values are numbers, with the same bits and sentences; None where none can be."""
+    columns = {name: np.array([point[name] for point in points], float) for name in points[0]}
     try:
-        ends = batch(what, duration, names, line, threads, said=True, **values)
+        ends = batch(what, duration, names, line, threads, said=True, **{**values, **columns})  # type: ignore[arg-type]
     except (CompilerError, KernelError, ValueError):  # alone, each run says why
         return None
-    rows = np.column_stack([ends[name] for name in names]).tolist()
-    return list(zip(rows, ends.said or [], strict=True))
-
-
-def mark_of(values: Mapping[str, ArrayLike]) -> str:
-    """Return a digest of names and numbers, to all digits."""
-    found = hashlib.sha256()
-    for name, value in values.items():
-        found.update(name.encode() + b"\0" + np.array(value, float).tobytes())
-    return found.hexdigest()
-
-
-def marked(mark: Callable[[Task], str], work: Callable[[Task], Answer], task: Task) -> tuple[str, Answer]:
-    """Return the mark of a task and the result of the work on it. Workers run this."""
-    return mark(task), work(task)
-
-
-def of_their_tasks(
-    mark: Callable[[Task], str], tasks: Sequence[Task], answers: Iterable[tuple[str, Answer]]
-) -> Iterator[Answer]:
-    """Yield answers in the order of their tasks. Raises RuntimeError if one is that of another task."""
-    for number, (task, (own, answer)) in enumerate(zip(tasks, answers, strict=True)):
-        if own != mark(task):
-            raise RuntimeError(
-                f"The executor's map must give results in the order of its tasks; got another one's for task {number}. "
-                "Give an executor of concurrent.futures, or none."
-            )
-        yield answer
-
-
-def task(
-    what: Runnable, duration: float, line: Line | None, names: Sequence[str], given: Sequence[Mapping[str, Any]]
-) -> list[Ending]:
-    """What an executor is given: many runs."""
-    ends = in_batch(what, duration, line, names, 1, given)
-    return [end_of(what, duration, line, names, row) for row in given] if ends is None else ends
-
-
-def ends_of(
-    what: Runnable,
-    duration: float,
-    line: Line | None,
-    names: Sequence[str],
-    given: Sequence[Mapping[str, Value]],
-    executor: Executor | None,
-    varied: Sequence[str],
-) -> list[Ending]:
-    """`end_of` of all runs, here or by an executor, in batches where these pay; varied: names by which runs differ."""
-    pays = len(given) >= PAYS_FROM and all(is_number(value) for value in given[0].values())
-    if pays and executor:
-        tasks = [list(some) for some in np.array_split(np.array(given, object), len(given) // PAYS_FROM)]
-        mark = partial(mark_of_rows, varied)
-        made = executor.map(partial(marked, mark, partial(task, what, duration, line, names)), tasks)
-        bar = tqdm(of_their_tasks(mark, tasks, made), "sweep", len(tasks), delay=PATIENCE, leave=False, unit="batch")
-        return [end for some in bar for end in some]
-    ends = in_batch(what, duration, line, names, None, given) if pays else None
-    if ends is not None:
-        return ends
-    own = partial(mark_of_row, varied)
-    one = partial(marked, own, partial(end_of, what, duration, line, names))
-    with nullcontext(executor) if executor else ThreadPoolExecutor(os.cpu_count()) as runs:
-        done = of_their_tasks(own, given, runs.map(one, given))
-        return list(tqdm(done, "sweep", len(given), delay=PATIENCE, leave=False, unit="run"))
-
-
-def mark_of_row(varied: Sequence[str], row: Mapping[str, Any]) -> str:
-    """Return the mark of one run."""
-    return mark_of({name: row[name] for name in varied})
-
-
-def mark_of_rows(varied: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the mark of many runs."""
-    return mark_of({name: [row[name] for row in rows] for name in varied})
-
-
-def sentences_of(ends: Sequence[Ending]) -> list[str]:
-    """What runs said; of one that was refused with the number of its row."""
-    refused = (all(map(math.isnan, values)) and said for values, said in ends)
+    rows = zip(points, np.column_stack([ends[name] for name in names]).tolist(), ends.said or [], strict=True)
     return [
-        f"Row {row}: {said}" if one else said for row, (one, (_, said)) in enumerate(zip(refused, ends, strict=True))
+        Outcome(failure=said, point=point)
+        if said and all(map(math.isnan, row))
+        else outcome_of(names, row, point, said)
+        for point, row, said in rows
     ]
+
+
+def task(many: Batch, evaluate: Evaluate, points: Sequence[Point]) -> list[Outcome]:
+    """What an executor is given: many runs."""
+    return many(1, points) or [evaluate(point) for point in points]
+
+
+def run_by(
+    executor: Executor | None, many: Batch | None, at_once: int, evaluate: Evaluate, points: Mapping[int, Point]
+) -> Outcomes:
+    """Outcomes of runs, here or by an executor; in batches where `many` makes them and they pay, of `at_once` here."""
+    left = dict(points)
+    pays = many is not None and len(left) >= PAYS_FROM
+    if many and pays and executor:
+        groups = dict(enumerate(np.array_split(list(left), len(left) // PAYS_FROM)))
+        tasks = {group: [left[number] for number in numbers] for group, numbers in groups.items()}
+        for group, made in outcomes_from(executor, partial(task, many, evaluate), tasks, len(tasks)):
+            yield dict(zip(groups[group].tolist(), made.result(), strict=True))
+        return
+    while many and pays and left:
+        numbers = list(left)[:at_once]
+        outcomes = many(None, [left[number] for number in numbers])
+        if outcomes is None:
+            break
+        yield dict(zip(numbers, outcomes, strict=True))
+        left = {number: left[number] for number in list(left)[at_once:]}
+    with nullcontext(executor) if executor else ThreadPoolExecutor(os.cpu_count()) as runs:
+        for number, future in outcomes_from(runs, evaluate, left, max(len(left), 1)):
+            yield {number: future.result()}
 
 
 def sweep(
@@ -152,6 +120,7 @@ def sweep(
     vary: Mapping[str, Column],
     executor: Executor | None = None,
     line: Line | None = None,
+    folder: str | Path | None = None,
     **values: Value,
 ) -> Recording:
     """Runs as `run` makes them, one for each row of the equally long columns of `vary`: a row for each.
@@ -161,9 +130,11 @@ def sweep(
     sentence says why, after the number of its row. executor: what runs them, such as
     `dask.distributed.Client(...).get_executor()`; by default a thread for each processor, as the equations leave
     Python's lock. A thousand runs or more whose values are numbers are made by `batch`, on an executor a thousand a
-    task; that changes no bit. Raises KeyError for a name that there is not, ValueError where columns differ in length
-    or the duration is not above 0, TypeError for equations of one's own on an executor, which they cannot be sent to,
-    RuntimeError where an executor gives another row's results.
+    task; that changes no bit. folder: keeps finished runs, as the command line keeps those of a scenario: after an
+    interruption the same call goes on from there, and the table is written there too. Raises KeyError for a name that
+    there is not, ValueError where columns differ in length, the duration is not above 0, or the folder holds another
+    sweep, TypeError for equations of one's own on an executor, which they cannot be sent to, and for what a folder
+    cannot keep, RuntimeError where an executor gives another row's results.
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
     check_executor(executor, what)
@@ -176,16 +147,63 @@ def sweep(
         known(name, machine.variables, "variable")
     names = names_of(names, machine.variables)
     once(("number", *vary, *names), "column")
-    units = {"number": "1"} | {key: machine.variables[key].unit for key in (*vary, *names)}
-    given: list[dict[str, Value]] = [{**values, **row} for row in rows]
-    ends = ends_of(what, duration, line, names, given, executor, list(columns))
-    table = [[number, *row.values(), *end] for number, (row, (end, _)) in enumerate(zip(rows, ends, strict=True))]
-    return Recording(units, table, sentences_of(ends), {"runs": len(rows)})
+    varied = {key: machine.variables[key].unit for key in vary}
+    results = {key: machine.variables[key].unit for key in names}
+    numbers = all(map(is_number, values.values()))
+    many = partial(in_batch, what, duration, line, names, values) if numbers else None
+    run_points = partial(run_by, executor, many, KEPT_AT_ONCE if folder else len(rows))
+    study = Study(
+        "sweep" if folder is None else Path(folder).name,
+        varied | results,
+        names,
+        rows,
+        partial(end_of, what, duration, line, names, values),
+        {} if folder is None else head_of(what, duration, columns, varied | results, line, values),
+    )
+    if folder is None:
+        found = outcomes_of(study, run_points)
+        outcomes = [found[number] for number in range(len(rows))]
+    else:
+        outcomes, _ = kept_outcomes_of(study, nullcontext(run_points), Path(folder))
+    ends = [[(one.results or {}).get(name) for name in names] for one in outcomes]
+    table = [[number, *row.values(), *end] for number, (row, end) in enumerate(zip(rows, ends, strict=True))]
+    said = [one.said if one.failure is None else f"Row {row}: {one.failure}" for row, one in enumerate(outcomes)]
+    return Recording({"number": "1"} | varied | results, np.array(table, float), said, {"runs": len(rows)})
+
+
+def head_of(
+    what: Runnable,
+    duration: float,
+    columns: Mapping[str, Sequence[float]],
+    units: Mapping[str, str],
+    line: Line | None,
+    values: Mapping[str, Value],
+) -> dict[str, Any]:
+    """What must be the same for runs to stand in one folder. Raises TypeError or ValueError for what it cannot keep."""
+    for name, column in columns.items():
+        if not all(map(math.isfinite, column)):
+            raise ValueError(f"{name} must be finite where a folder keeps the runs; got {shown(column)}.")
+    try:
+        rest = hashlib.sha256(pickle.dumps((what, line, values))).hexdigest()[:24]
+    except (pickle.PicklingError, AttributeError, TypeError):
+        raise TypeError(
+            "A folder keeps runs of ready machines and of vehicles, with numbers and tables; got equations or a "
+            "function. Leave folder out."
+        ) from None
+    held = {name: float(value) for name, value in values.items() if is_number(value)}
+    name = what if isinstance(what, str) else what.name
+    return {
+        "sweep": name,
+        "vary": dict(columns),
+        "held": held | {"duration": duration},
+        "units": dict(units),
+        "machine, line, values": rest,
+    }
 
 
 def check_executor(executor: Any, what: Runnable) -> None:
     """Raises TypeError for what is no executor, and for equations that none can be sent."""
-    if not (executor is None or callable(getattr(executor, "map", None))):
+    if not (executor is None or callable(getattr(executor, "submit", None))):
         raise TypeError(f"Give an executor of concurrent.futures, or none: it was {shown(executor)}.")
     if executor and isinstance(what, System | Model):
         raise TypeError("Equations of your own cannot be sent to an executor; leave it out, and threads run them here.")

@@ -1,8 +1,13 @@
 """Which equations and which code these are: digests of source files, in the checkout or in an installed package."""
 
 import hashlib
+import platform
 from collections.abc import Collection
+from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
+
+from fmu_src import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
 #: The rooms of the house; each knows those ahead of it.
@@ -37,3 +42,12 @@ def _sources(place: Path, kinds: Collection[str]) -> list[Path]:
 
 def _name(path: Path) -> str:
     return path.relative_to(ROOT).as_posix()
+
+
+def versions() -> dict[str, str]:
+    """What a result came out of; zig is an extra."""
+    packages = ["casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy"]
+    packages += [name for name in ["ziglang"] if find_spec(name)]
+    return {"bogie-braking": __version__, "python": platform.python_version()} | {
+        name: version(name) for name in packages
+    }

@@ -28,6 +28,10 @@ QUOTED = 40
 REMARKS = ("#", "%", "!", "//")
 
 
+class BadInputError(ValueError):
+    """Something the user gave cannot be used; the text says why, and what to do."""
+
+
 class FileError(ValueError):
     """A user's file that cannot be read as it is meant; the message names file, place, value and remedy."""
 

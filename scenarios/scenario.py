@@ -5,11 +5,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from fmu_src.cosimulation.master import Master
+from readers.text import BadInputError as BadInputError
 from scenarios.reporting.report import Report
-
-
-class BadInputError(ValueError):
-    """Something the user gave cannot be used; the text says what, and what to do."""
 
 
 @dataclass(frozen=True)

@@ -16,53 +16,19 @@ import argparse
 import inspect
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext
-from dataclasses import dataclass
-from functools import cached_property, partial
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
-from readers.storage import is_full, sync_folder
+from products.study.cluster import cluster
+from products.study.grid import grid_of, points_of
+from products.study.journal import JOURNAL, Journal
+from products.study.points import Evaluator, Outcome, in_processes, point_function
+from products.study.study import Study, kept_outcomes_of
 from scenarios import catalogue
-from scenarios.reporting.progress import PATIENCE
-from scenarios.reporting.report import versions
-from scenarios.scenario import BadInputError, Scenario, Sweepable
-from scenarios.sweep.cluster import cluster
-from scenarios.sweep.grid import Grid, grid_of, points_of
-from scenarios.sweep.journal import JOURNAL, Journal
-from scenarios.sweep.lock import only_writer
-from scenarios.sweep.points import Evaluator, SweepError, in_processes, point_function, sources
-from scenarios.sweep.table import Rows, remove_table, write_table
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """What is swept, and where its files go."""
-
-    scenario: Scenario
-    sweepable: Sweepable
-    grid: Grid
-    folder: Path
-
-    @cached_property
-    def points(self) -> list[dict[str, float]]:
-        """Parameters by the numbers of the points."""
-        return list(points_of(self.grid))
-
-    def head(self) -> dict[str, Any]:
-        """What must be the same for two points to stand in one table."""
-        defaults = inspect.signature(self.sweepable.run).parameters
-        held = {name: defaults[name].default for name in self.sweepable.parameters if name not in self.grid}
-        return {
-            "sweep": self.scenario.name,
-            "vary": dict(self.grid),
-            "held": held,
-            "units": dict(self.sweepable.parameters) | dict(self.sweepable.results),
-            "versions": versions() | {"sources": sources()},
-        }
+from scenarios.scenario import BadInputError
 
 
 def add_command(commands: Any) -> None:
@@ -101,19 +67,30 @@ def sweepable_text() -> str:
     return "\n".join(lines)
 
 
-def sweep_of(chosen: argparse.Namespace) -> Sweep:
+def study_of(chosen: argparse.Namespace) -> Study:
     """What the command line asks for. Raises BadInputError."""
     scenario = catalogue.find(chosen.name)
-    if scenario.sweep is None:
+    sweepable = scenario.sweep
+    if sweepable is None:
         takers = ", ".join(one.name for one in catalogue.SCENARIOS if one.sweep)
         raise BadInputError(f"{scenario.name} takes no part in sweeps; these do: {takers}.")
     if chosen.jobs is not None and chosen.jobs < 1:
         raise BadInputError(f"Give --jobs a value of at least 1: it was {chosen.jobs}.")
-    folder = chosen.out / f"sweep-{scenario.name}"
-    for path in (chosen.out, folder):
+    name = f"sweep-{scenario.name}"
+    for path in (chosen.out, chosen.out / name):
         if path.exists() and not path.is_dir():
             raise BadInputError(f"{path} is a file; give --out a folder.")
-    return Sweep(scenario, scenario.sweep, grid_of(chosen.vary, scenario.sweep.parameters, scenario.name), folder)
+    grid = grid_of(chosen.vary, sweepable.parameters, scenario.name)
+    defaults = inspect.signature(sweepable.run).parameters
+    head = {
+        "sweep": scenario.name,
+        "vary": dict(grid),
+        "held": {one: defaults[one].default for one in sweepable.parameters if one not in grid},
+        "units": dict(sweepable.parameters) | dict(sweepable.results),
+    }
+    units = {one: sweepable.parameters[one] for one in grid} | dict(sweepable.results)
+    promised = list(sweepable.results)
+    return Study(name, units, promised, list(points_of(grid)), point_function(sweepable.run, promised), head)
 
 
 def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:
@@ -123,93 +100,34 @@ def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:
     return nullcontext(partial(in_processes, chosen.jobs or os.cpu_count() or 1))
 
 
-def finish(sweep: Sweep, journal: Journal, run_points: Evaluator) -> None:
-    """Runs the points that the journal does not have. Raises SweepError, and KeyboardInterrupt with a sentence."""
-    left = {number: point for number, point in enumerate(sweep.points) if number not in journal.outcomes}
-    evaluate = point_function(sweep.sweepable.run, list(sweep.sweepable.results))
-    name, done, count = sweep.folder.name, len(journal.outcomes), len(sweep.points)
-    try:
-        with (
-            closing(run_points(evaluate, left)) as outcomes,
-            tqdm(total=count, initial=done, desc=name, delay=PATIENCE, leave=False, unit="point") as bar,
-        ):
-            for number, outcome in outcomes:
-                journal.add(number, outcome)
-                bar.update()
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            f"{name} was interrupted with {len(journal.outcomes)} of {count} points done; the same command goes "
-            "on from there."
-        ) from None
-
-
-def tell_what_is_done(sweep: Sweep, journal: Journal, chosen: argparse.Namespace) -> None:
+def tell_what_is_done(study: Study, chosen: argparse.Namespace, journal: Journal) -> None:
     """Says what an earlier run has left."""
     if journal.cut and not chosen.quiet:
-        print(
-            f"The last line of {sweep.folder / JOURNAL} was cut off; what it held is computed again.", file=sys.stderr
-        )
+        path = chosen.out / study.name / JOURNAL
+        print(f"The last line of {path} was cut off; what it held is computed again.", file=sys.stderr)
     if journal.outcomes and not (chosen.quiet or chosen.json):
-        print(f"{sweep.folder.name}: {len(journal.outcomes)} of {len(sweep.points)} points are done already.")
+        print(f"{study.name}: {len(journal.outcomes)} of {len(study.points)} points are done already.")
 
 
 def run(chosen: argparse.Namespace) -> bool:
     """Runs or resumes a sweep; whether all its points are good. Raises BadInputError, SweepError, KeyboardInterrupt."""
-    sweep = sweep_of(chosen)
-    head = sweep.head()
-    with saying_where_room_is_missing(sweep.folder), ExitStack() as held:
-        run_points: Evaluator | None = None
-        if not sweep.folder.exists():  # where no cluster answers, no folder is made
-            run_points = held.enter_context(evaluator(chosen))
-        held.enter_context(only_writer(sweep.folder))
-        if chosen.restart:
-            forget(sweep.folder)
-        journal = Journal(sweep.folder / JOURNAL, head, sweep.points, sweep.sweepable.results)
-        tell_what_is_done(sweep, journal, chosen)
-        if len(journal.outcomes) < len(sweep.points):
-            run_points = run_points or held.enter_context(evaluator(chosen))
-            with journal:
-                remove_table(sweep.folder)
-                finish(sweep, journal, run_points)
-        rows = [(point, journal.outcomes[number]) for number, point in enumerate(sweep.points)]
-        failures = sum(outcome.failure is not None for _, outcome in rows)
-        written = write_table(sweep.folder, sweep.sweepable, rows, head | {"points": len(rows), "failed": failures})
+    study = study_of(chosen)
+    folder, tell = chosen.out / study.name, partial(tell_what_is_done, study, chosen)
+    outcomes, written = kept_outcomes_of(study, evaluator(chosen), folder, chosen.restart, tell)
     if chosen.json:
-        print((sweep.folder / "summary.json").read_text(encoding="utf-8"), end="")
+        print((folder / "summary.json").read_text(encoding="utf-8"), end="")
     elif not chosen.quiet:
-        report(sweep, rows, written)
-    return failures == 0
+        report(study, outcomes, folder, written)
+    return all(outcome.failure is None for outcome in outcomes)
 
 
-def forget(folder: Path) -> None:
-    """Drops what an earlier sweep left, before anything of another one is written."""
-    remove_table(folder)
-    (folder / JOURNAL).unlink(missing_ok=True)
-    sync_folder(folder)
-
-
-@contextmanager
-def saying_where_room_is_missing(folder: Path) -> Iterator[None]:
-    """Raises SweepError, with the folder and what to do, where a disk is full."""
-    try:
-        yield
-    except OSError as error:
-        if not is_full(error):
-            raise
-        reason = error.strerror or str(error)
-        raise SweepError(
-            f"{folder} must have room for the results; got {reason!r}. Make room, and the same command goes on from "
-            "the points that are done."
-        ) from None
-
-
-def report(sweep: Sweep, rows: Rows, written: Sequence[str]) -> None:
+def report(study: Study, outcomes: Sequence[Outcome], folder: Path, written: Sequence[str]) -> None:
     """Prints what came out, and the first failure."""
-    failed = [(point, outcome.failure) for point, outcome in rows if outcome.failure is not None]
-    print(f"{sweep.folder.name}: {len(rows)} points, {len(failed)} failed.")
+    failed = [number for number, outcome in enumerate(outcomes) if outcome.failure is not None]
+    print(f"{study.name}: {len(outcomes)} points, {len(failed)} failed.")
     if failed:
-        at = ", ".join(f"{name} = {value}" for name, value in failed[0][0].items())
-        print(f"The first that failed, at {at}: {failed[0][1]}")
-    print(f"Table: {', '.join(str(sweep.folder / name) for name in written)}")
+        at = ", ".join(f"{name} = {value}" for name, value in study.points[failed[0]].items())
+        print(f"The first that failed, at {at}: {outcomes[failed[0]].failure}")
+    print(f"Table: {', '.join(str(folder / name) for name in written)}")
     if "table.parquet" not in written:
         print("No table.parquet: pip install 'bogie-braking[sweep]' and give the same command again.")

@@ -210,7 +210,7 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 
 ROOT = Path(release.__file__).parent
-#: Looked for before they are imported (`scenarios/methods/sundials.py: is_installed`, `scenarios/sweep/cluster.py:
+#: Looked for before they are imported (`scenarios/methods/sundials.py: is_installed`, `products/study/cluster.py:
 #: client_of`, `bogie_braking/commands.py: look_for_plotly`), or at the beginning of their only file
 #: (`bogie_braking/gym.py`).
 LOOKED_FOR = {"sksundae", "distributed", "plotly", "gymnasium"}

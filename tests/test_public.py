@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -460,17 +460,42 @@ def test_a_sweep_is_its_runs_in_their_order_whoever_makes_them() -> None:
 
 
 class Mixed(ThreadPoolExecutor):
-    """Gives the results of its tasks in another order than it was given them."""
+    """Gives the results of its first task for all that come after it."""
 
-    def map(self, function: Any, *tasks: Any, **more: Any) -> Iterator[Any]:
-        return reversed(list(super().map(function, *tasks, **more)))
+    first: Any = None
+
+    def submit(self, function: Any, *task: Any, **more: Any) -> Any:
+        self.first = self.first or task
+        return super().submit(function, *self.first, **more)
 
 
 @pytest.mark.parametrize("count", [2, 2 * PAYS_FROM])
 def test_results_of_another_row_are_refused(count: int) -> None:
     vary = {"friction_1": np.linspace(0.1, 0.3, count)}
-    with Mixed(1) as executor, pytest.raises(RuntimeError, match="in the order of its tasks; got another one's for"):
+    with Mixed(1) as executor, pytest.raises(RuntimeError, match="A worker must return the results of"):
         bb.sweep("bogie", 0.01, ["distance"], vary, executor, level=1, **BRAKED)
+
+
+def test_a_sweep_in_a_folder_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
+    """By the journal and the table of the command line; the same table as without a folder."""
+    folder, vary = tmp_path / "stops", {"friction_1": [0.1, 0.2, -1.0]}
+    scene: dict[str, Any] = {"level": 1, "friction_2": 0.2, **BRAKED}
+    without = bb.sweep("bogie", 5.0, ["distance"], vary, **scene)
+    for _ in range(2):
+        kept = bb.sweep("bogie", 5.0, ["distance"], vary, folder=folder, **scene)
+        assert np.array_equal(kept["distance"], without["distance"], equal_nan=True)
+        assert kept.sentences == without.sentences
+        journal = (folder / "journal.jsonl").read_bytes()
+        (folder / "journal.jsonl").write_bytes(journal[: -len(journal.splitlines()[-1]) // 2])
+    assert (folder / "table.csv").read_text().startswith("friction_1 [1],distance [m],failure\n0.1,")
+    for other, sentence in (
+        (scene | {"friction_2": 0.3}, "held friction_2 (0.2, now 0.3)"),
+        (scene | {"friction_2": lambda time: 0.3}, "Leave folder out."),
+    ):
+        with pytest.raises((ValueError, TypeError), match=re.escape(sentence)):
+            bb.sweep("bogie", 5.0, ["distance"], vary, folder=folder, **other)
+    with pytest.raises(ValueError, match="friction_1 must be finite where a folder keeps the runs"):
+        bb.sweep("bogie", 5.0, ["distance"], {"friction_1": [np.nan]}, folder=folder, **scene)
 
 
 def test_a_value_that_is_refused_is_told_with_its_row_and_no_other_stays_in_force(

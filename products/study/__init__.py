@@ -1,1 +1,1 @@
-"""A scenario over a grid of its parameters."""
+"""A study: a function of named numbers over many points; kept, resumed, and written as one table."""

@@ -10,8 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from scenarios.scenario import BadInputError
-from scenarios.sweep.points import (
+from products.study.points import (
     AHEAD,
     Evaluate,
     Evaluator,
@@ -22,6 +21,7 @@ from scenarios.sweep.points import (
     outcomes_from,
     sources,
 )
+from readers.text import BadInputError
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -101,7 +101,7 @@ def on_cluster(client: Client, evaluate_point: Evaluate, points: Mapping[int, Po
             except KilledWorker:
                 died = "The workers of the cluster died of this point, one after the other."
                 outcome = Outcome(failure=died, point=points[number])
-            yield number, outcome
+            yield {number: outcome}
     except CancelledError:
         raise SweepError("The Dask scheduler went away; the same command goes on when it is back.") from None
     finally:

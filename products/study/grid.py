@@ -6,7 +6,7 @@ from fractions import Fraction
 from itertools import product
 
 from fmu_src.suggestion import suggestion
-from scenarios.scenario import BadInputError
+from readers.text import BadInputError
 
 #: Values of each varied parameter, in the order of the command line.
 Grid = Mapping[str, Sequence[float]]

@@ -15,11 +15,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO
 
+from products.study.points import Outcome, Point, SweepError
 from readers.documents import LARGEST, document, integer_in, is_number, mapping_in, text_in
 from readers.storage import sync_folder
-from readers.text import shown
-from scenarios.scenario import BadInputError
-from scenarios.sweep.points import Outcome, Point, SweepError
+from readers.text import BadInputError, shown
 
 #: Its name in the folder of a sweep.
 JOURNAL = "journal.jsonl"
@@ -111,7 +110,7 @@ class Journal:
         point, given = self._points[number], mapping_in(found, "parameters", what)
         if given != point or not all(isinstance(value, float) for value in given.values()):
             raise ValueError(f"{what} must have the parameters of point {number}, {shown(point)}; got {shown(given)}.")
-        if set(found) - {"point", "parameters", "check"} not in ({"results"}, {"failure"}):
+        if set(found) - {"point", "parameters", "check"} not in ({"results"}, {"results", "said"}, {"failure"}):
             raise ValueError(f"{what} must have results or failure; got {shown(', '.join(found))}.")
         if "failure" in found:
             return number, Outcome(failure=text_in(found, "failure", what), point=point)
@@ -123,7 +122,7 @@ class Journal:
             if not (value is None or is_number(value)):
                 raise ValueError(f"{what}: {name} must be a finite number or null; got {shown(value)}.")
         numbers = {name: None if results[name] is None else float(results[name]) for name in self._results}
-        return number, Outcome(numbers, point=point)
+        return number, Outcome(numbers, point=point, said=text_in(found, "said", what) if "said" in found else "")
 
     def _told(self, damaged: Mapping[int, str]) -> str:
         """One message on all damaged lines."""
@@ -152,28 +151,26 @@ class Journal:
     ) -> None:
         self._file.close()
 
-    def add(self, number: int, outcome: Outcome) -> None:
-        """Keep a finished point; when this returns, it survives a loss of power.
+    def add(self, outcomes: Mapping[int, Outcome]) -> None:
+        """Keep finished points; when this returns, they survive a loss of power.
 
-        Raises SweepError if the outcome is that of another point, or if the file was moved or deleted.
+        Raises SweepError if the file was moved or deleted.
         """
-        point = self._points[number]
-        if outcome.point != point:
-            raise SweepError(
-                f"A worker must return the results of {shown(dict(point))}; got those of "
-                f"{shown(dict(outcome.point or {}))}. Nothing of them is kept; restart the workers, and the same "
-                "command goes on."
-            )
-        answer = {"results": outcome.results} if outcome.failure is None else {"failure": outcome.failure}
-        self._append(checked({"point": number, "parameters": point, **answer}, self._head["check"]))
-        self.outcomes[number] = outcome
+        self._append(*(self._line(number, outcome) for number, outcome in outcomes.items()))
+        self.outcomes.update(outcomes)
 
-    def _append(self, line: Mapping[str, Any]) -> None:
-        """Writes a line to its end; where there is no room for it, nothing of it stays. Raises OSError, SweepError."""
+    def _line(self, number: int, outcome: Outcome) -> dict[str, Any]:
+        answer: dict[str, Any] = {"failure": outcome.failure}
+        if outcome.failure is None:
+            answer = {"results": outcome.results} | ({"said": outcome.said} if outcome.said else {})
+        return checked({"point": number, "parameters": self._points[number], **answer}, self._head["check"])
+
+    def _append(self, *lines: Mapping[str, Any]) -> None:
+        """Writes lines to their end; where there is no room for them, none stays. Raises OSError, SweepError."""
         here = os.fstat(self._file.fileno())
         if not (self._path.exists() and os.path.samestat(here, self._path.stat())):
             raise SweepError(f"{self._path} must stay while the sweep runs; it was moved or deleted. Start it again.")
-        text = line_of(line)
+        text = b"".join(map(line_of, lines))
         try:
             written = 0
             while written < len(text):

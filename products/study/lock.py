@@ -13,7 +13,7 @@ from pathlib import Path
 
 from readers.documents import integer_in, read_document, text_in
 from readers.storage import hold
-from scenarios.scenario import BadInputError
+from readers.text import BadInputError
 
 #: The file that is locked; it says who holds it and stays behind.
 LOCK = ".lock"

@@ -10,19 +10,20 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from typing import Any
+from queue import SimpleQueue
+from typing import Any, TypeVar
 
-from products.sources import CODE, ROOMS, digest
+from fmu_src.progress import hide_bars
+from products.sources import CODE, HOUSE, digest
 from readers.documents import is_number
 from readers.storage import is_full
 from readers.text import shown
-from scenarios.reporting.progress import hide_bars
 
 #: Points that each worker has before it, so that it need not wait for the next one.
 AHEAD = 2
@@ -44,18 +45,21 @@ class SweepError(RuntimeError):
 class Outcome:
     """What became of a point: its results (None: did not happen), or in a sentence why there are none.
 
-    point: the parameters that the worker was given, which must be those of the row.
+    point: the parameters that the worker was given, which must be those of the row. said: a status beside results.
     """
 
     results: Mapping[str, float | None] | None = None
     failure: str | None = None
     point: Point | None = None
+    said: str = ""
 
 
 Evaluate = Callable[[Point], Outcome]
-#: Outcomes as they come, by the number of the point.
-Outcomes = Generator[tuple[int, Outcome], None, None]
+#: Outcomes as they come, by the number of the point: of one point, or of several that were made together.
+Outcomes = Generator[dict[int, Outcome], None, None]
 Evaluator = Callable[[Evaluate, Mapping[int, Point]], Outcomes]
+Task = TypeVar("Task")
+Answer = TypeVar("Answer")
 
 
 def evaluate(run: Callable[..., Mapping[str, float | None]], promised: Sequence[str], point: Point) -> Outcome:
@@ -102,22 +106,34 @@ def sources() -> str:
 
     How results look, pictures and styles of pages, changes none.
     """
-    return digest("build_fmu.py", *ROOMS, kinds=CODE)
+    return digest("build_fmu.py", *HOUSE, kinds=CODE)
+
+
+def check_point(point: Point, outcome: Outcome) -> None:
+    """Raise SweepError if an outcome is that of another point."""
+    if outcome.point is not point and repr(outcome.point) != repr(point):  # repr: NaN is NaN, and 0.0 is not -0.0
+        raise SweepError(
+            f"A worker must return the results of {shown(dict(point))}; got those of "
+            f"{shown(dict(outcome.point or {}))}. Nothing of them is kept; restart the workers, and the same "
+            "command goes on."
+        )
 
 
 def outcomes_from(
-    executor: Executor, evaluate_point: Evaluate, points: Mapping[int, Point], window: int
-) -> Iterator[tuple[int, Future[Outcome]]]:
-    """Points as they are done, by their number; at most `window` of them are under way."""
-    waiting = iter(points.items())
-    under_way: dict[Future[Outcome], int] = {}
+    executor: Executor, work: Callable[[Task], Answer], tasks: Mapping[int, Task], window: int
+) -> Iterator[tuple[int, Future[Answer]]]:
+    """Tasks as they are done, by their number; at most `window` of them are under way."""
+    waiting, done = iter(tasks.items()), SimpleQueue[Future[Answer]]()
+    under_way: dict[Future[Answer], int] = {}
     while True:
-        for number, point in islice(waiting, window - len(under_way)):
-            under_way[executor.submit(evaluate_point, point)] = number
+        for number, task in islice(waiting, window - len(under_way)):
+            future = executor.submit(work, task)
+            under_way[future] = number
+            future.add_done_callback(done.put)
         if not under_way:
             return
-        for future in wait(under_way, return_when=FIRST_COMPLETED).done:
-            yield under_way.pop(future), future
+        future = done.get()
+        yield under_way.pop(future), future
 
 
 def leave_with_parent() -> None:
@@ -159,11 +175,11 @@ def in_processes(jobs: int, evaluate_point: Evaluate, points: Mapping[int, Point
                 for number, future in outcomes_from(executor, evaluate_point, dict(left), AHEAD * jobs):
                     outcome = future.result()
                     del left[number]
-                    yield number, outcome
+                    yield {number: outcome}
         except BrokenProcessPool:
             # Points go out in order, so those under way are the first that are left.
             for number in list(left)[: AHEAD * jobs]:
-                yield number, alone(evaluate_point, left.pop(number))
+                yield {number: alone(evaluate_point, left.pop(number))}
 
 
 def alone(evaluate_point: Evaluate, point: Point) -> Outcome:

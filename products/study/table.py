@@ -6,10 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from products.study.points import Outcome, Point
 from readers.documents import document_text
 from readers.storage import remove_partial, write_whole
-from scenarios.scenario import Sweepable
-from scenarios.sweep.points import Outcome, Point
 
 FILES = ("table.csv", "table.parquet", "summary.json")
 #: Name of the last column: why a point has no results.
@@ -17,14 +16,13 @@ FAILURE = "failure"
 Rows = Sequence[tuple[Point, Outcome]]
 
 
-def write_table(folder: Path, sweepable: Sweepable, rows: Rows, summary: Mapping[str, Any]) -> list[str]:
+def write_table(folder: Path, units: Mapping[str, str], rows: Rows, summary: Mapping[str, Any]) -> list[str]:
     """Writes the files and returns their names; without pyarrow there is no Parquet.
 
+    units: of the columns, by their names.
     Rows come in the order of the grid and hold nothing but parameters and results: the same sweep gives the same bytes.
     Each file is there as a whole or not at all, and summary.json, by which a report knows the table, last.
     """
-    varied = list(rows[0][0])
-    units = {name: sweepable.parameters[name] for name in varied} | dict(sweepable.results)
     columns = {name: [_value(name, *row) for row in rows] for name in units}
     failures = [outcome.failure for _, outcome in rows]
     contents = {"table.csv": _csv(units, columns, failures), "table.parquet": _parquet(units, columns, failures)}

@@ -5,12 +5,12 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from functools import partialmethod
 from typing import Any
 
 from tqdm import tqdm
 
 from fmu_src.progress import PATIENCE as PATIENCE
+from fmu_src.progress import hide_bars
 
 #: Time between two looks at the clock [s].
 TICK = 0.5
@@ -21,11 +21,6 @@ def counting(
 ) -> tqdm:
     """A bar over items, or up to a total of what `update` counts, that is gone at the end."""
     return tqdm(items, text, total, delay=PATIENCE, leave=False, unit=unit)
-
-
-def hide_bars() -> None:
-    """No bars from now on, wherever they are made."""
-    tqdm.__init__ = partialmethod(tqdm.__init__, disable=True)
 
 
 @contextmanager

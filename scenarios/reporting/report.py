@@ -1,21 +1,18 @@
 """What a scenario leaves behind: a table of thesis against simulation, time series, a figure, one JSON."""
 
 import math
-import platform
 import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from fmu_src import __version__
 from fmu_src.cosimulation.recording import Recording
+from products.sources import versions
 from readers.documents import document_text
 from readers.storage import cannot_write
 from scenarios.reporting.motion import Motion
@@ -153,15 +150,6 @@ def value_of(rows: Sequence[Row], quantity: str) -> float:
         if row.quantity == quantity and row.simulated is not None:
             return row.simulated
     raise LookupError(f"nothing was simulated of {quantity}")
-
-
-def versions() -> dict[str, str]:
-    """What a result came out of; zig is an extra."""
-    packages = ["casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy"]
-    packages += [name for name in ["ziglang"] if find_spec(name)]
-    return {"bogie-braking": __version__, "python": platform.python_version()} | {
-        name: version(name) for name in packages
-    }
 
 
 def save(

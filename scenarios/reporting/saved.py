@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from products.study.grid import LARGEST_GRID
+from products.study.journal import JOURNAL
 from readers.documents import (
     integer_in,
     is_number,
@@ -18,8 +20,6 @@ from readers.documents import (
 )
 from readers.text import shown
 from scenarios.reporting.report import parted, verdict_of
-from scenarios.sweep.grid import LARGEST_GRID
-from scenarios.sweep.journal import JOURNAL
 
 #: Keys of a row that the pages show as text, and as a number or nothing.
 TEXTS, NUMBERS = ("quantity", "unit"), ("thesis", "simulated", "deviation")

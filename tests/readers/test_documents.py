@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 
 from fmu_src.cosimulation.recording import Recording
+from products.study.points import judge
 from readers.documents import DEEPEST, LARGEST_INTEGER, document, document_text, is_number, read_document
 from readers.storage import StorageError, sync_folder, write_whole
 from readers.text import FileError, shown
-from scenarios.sweep.points import judge
 
 REFUSED = {
     b"": "must be JSON; got a fault in line 1, column 1",

@@ -10,10 +10,11 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 
 def cheap(x: float = 1.0, y: float = 2.0, z: float = 0.1) -> dict[str, float | None]:
@@ -60,17 +61,17 @@ def ticks(token: float) -> dict[str, float]:
     return {"done": 1.0}
 
 
-def in_here(jobs: int, evaluate: Callable[[Any], Any], points: Mapping[int, Any]) -> Iterator[tuple[int, Any]]:
+def in_here(jobs: int, evaluate: Callable[[Any], Any], points: Mapping[int, Any]) -> Iterator[dict[int, Any]]:
     """Outcomes without worker processes, which take half a second to begin."""
     for number, point in points.items():
-        yield number, evaluate(point)
+        yield {number: evaluate(point)}
 
 
 @cache
 def made_by() -> tuple[str, dict[str, str]]:
     """The digest of the sources and the versions of packages, looked up once: that takes longer than a sweep here."""
-    from scenarios.reporting.report import versions
-    from scenarios.sweep.points import sources
+    from products.sources import versions
+    from products.study.points import sources
 
     return sources(), versions()
 
@@ -78,18 +79,16 @@ def made_by() -> tuple[str, dict[str, str]]:
 @contextmanager
 def catalogued(evaluator: Callable[..., Any] | None, code: tuple[str, dict[str, str]]) -> Iterator[None]:
     """These points are scenarios, and an evaluator may stand in for worker processes."""
+    from products.study import study
+    from products.study.points import in_processes, sources
     from scenarios import catalogue
-    from scenarios.reporting.report import versions
+    from scenarios import sweep as command
     from scenarios.scenario import Scenario, Sweepable
-    from scenarios.sweep import command
-    from scenarios.sweep.points import in_processes, sources
 
     def scenario(name: str, sweep: Sweepable) -> Scenario:
         return Scenario(name, "for the tests", lambda options: None, sweep=sweep)
 
     before = list(catalogue.SCENARIOS)
-    known = {sources: lambda: code[0], versions: lambda: code[1], in_processes: evaluator or in_processes}
-    originals = {name: getattr(command, name) for name in ("sources", "versions", "in_processes")}
     catalogue.SCENARIOS += [
         scenario("cheap", Sweepable({"x": "m", "y": "s", "z": "1"}, {"product": "m.s", "ratio": "m/s"}, cheap)),
         scenario("moody", Sweepable({"mood": "1"}, {"answer": "1"}, moody)),
@@ -97,14 +96,16 @@ def catalogued(evaluator: Callable[..., Any] | None, code: tuple[str, dict[str, 
         scenario("hidden", Sweepable({"x": "1"}, {"y": "1"}, lambda x=0.0: {"y": x})),
         scenario("ticks", Sweepable({"token": "1"}, {"done": "1"}, ticks)),
     ]
+    known = [(study, "versions", lambda: code[1]), (command, "in_processes", evaluator or in_processes)]
+    if study.sources is sources:  # what a test has put there stays
+        known.append((study, "sources", lambda: code[0]))
     try:
-        for name, function in originals.items():
-            setattr(command, name, known.get(function, function))  # what a test has put there stays
-        yield
+        with ExitStack() as patches:
+            for module, name, function in known:
+                patches.enter_context(patch.object(module, name, function))
+            yield
     finally:
         catalogue.SCENARIOS[:] = before
-        for name, function in originals.items():
-            setattr(command, name, function)
 
 
 def run(
@@ -127,11 +128,11 @@ def run_here(arguments: list[str]) -> int:
 def run_and_stay(arguments: list[str], count: int, code: tuple[str, dict[str, str]]) -> None:
     """Run the command line until `count` points are done; then wait to be killed."""
 
-    def stays(jobs: int, evaluate: Callable[[Any], Any], points: Mapping[int, Any]) -> Iterator[tuple[int, Any]]:
+    def stays(jobs: int, evaluate: Callable[[Any], Any], points: Mapping[int, Any]) -> Iterator[dict[int, Any]]:
         for done, (number, point) in enumerate(points.items()):
             if done == count:
                 time.sleep(60.0)
-            yield number, evaluate(point)
+            yield {number: evaluate(point)}
 
     sys.exit(run(arguments, stays, code))
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from scenarios.sweep.table import FILES
+from products.study.table import FILES
 
 HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
 #: 78 points.

@@ -15,13 +15,13 @@ from typing import Any
 import pytest
 
 from bogie_braking.__main__ import main
+from products.study.grid import evenly_spaced
+from products.study.points import sources as sources_of_points
+from products.study.table import FILES
 from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.catalogue import SCENARIOS
 from scenarios.numerics.levels import one_stop as stop_of_levels
 from scenarios.scenario import Options
-from scenarios.sweep.grid import evenly_spaced
-from scenarios.sweep.points import sources as sources_of_points
-from scenarios.sweep.table import FILES
 from scenarios.thesis.heavy_braking import CASES, brake, lock_time
 from scenarios.thesis.heavy_braking import one_stop as heavy_stop
 from tests.scenarios.swept import GRID, JOURNAL, files, points, rows, token, whole
@@ -178,7 +178,7 @@ def test_cluster_out_of_reach_gets_one_sentence(
     address: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("scenarios.sweep.cluster.PATIENCE", 0.5)
+    monkeypatch.setattr("products.study.cluster.PATIENCE", 0.5)
     assert main(["sweep", "levels", "--vary", "level=1", "--scheduler", address, "--out", str(tmp_path / "out")]) == 2
     assert sentence in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -15,10 +15,10 @@ from typing import Any
 
 import pytest
 
+from products.study.journal import Journal, checked
+from products.study.lock import LOCK, only_writer
 from readers.storage import PARTIAL
 from scenarios.scenario import BadInputError
-from scenarios.sweep.journal import Journal, checked
-from scenarios.sweep.lock import LOCK, only_writer
 from tests.scenarios.swept import GRID, JOURNAL, files, points, rows, start, token, whole
 
 __all__ = ["points", "start", "token", "whole"]  # fixtures
@@ -150,7 +150,7 @@ def test_a_table_without_room_is_left_out_and_comes_later(
     def full(path: Path, content: bytes) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("scenarios.sweep.table.write_whole", full)
+    monkeypatch.setattr("products.study.table.write_whole", full)
     assert small(points, tmp_path) == 3
     assert f"{folder} must have room for the results; got 'No space left on device'." in capsys.readouterr().err
     assert not files(folder)
@@ -200,7 +200,7 @@ def test_journal_of_another_sweep_is_refused(
         assert points.run_here([*command, *(part for text in vary for part in ("--vary", text))]) == 2
         assert difference in capsys.readouterr().err
     with monkeypatch.context() as patch:
-        patch.setattr("scenarios.sweep.command.sources", lambda: "other")
+        patch.setattr("products.study.study.sources", lambda: "other")
         assert points.run_here([*command, "--vary", "x=1,2", "--vary", "y=1"]) == 2
         assert "different: versions sources (" in capsys.readouterr().err
     assert path.read_bytes() == journal
@@ -233,7 +233,7 @@ def test_a_damaged_line_is_refused_by_its_number(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    for module in ("readers.documents", "scenarios.sweep.journal"):
+    for module in ("readers.documents", "products.study.journal"):
         monkeypatch.setattr(f"{module}.LARGEST", 1_000_000)
     text, sentence = DAMAGED[kind]
     path = written(tmp_path, [*good[:3], text, *good[4:]])
@@ -428,11 +428,11 @@ def test_a_journal_that_is_moved_while_it_is_written_ends_the_sweep(
 ) -> None:
     path = tmp_path / "sweep-cheap" / JOURNAL
 
-    def moves(jobs: int, evaluate: Callable[[Any], Any], some: Mapping[int, Any]) -> Iterator[tuple[int, Any]]:
+    def moves(jobs: int, evaluate: Callable[[Any], Any], some: Mapping[int, Any]) -> Iterator[dict[int, Any]]:
         for number, point in some.items():
             if number == 2:
                 path.rename(tmp_path / "moved")
-            yield number, evaluate(point)
+            yield {number: evaluate(point)}
 
     assert points.run(["sweep", "cheap", *SMALL, "--out", str(tmp_path)], moves) == 3
     assert f"{path} must stay while the sweep runs; it was moved or deleted." in capsys.readouterr().err
@@ -442,10 +442,10 @@ def test_a_journal_that_is_moved_while_it_is_written_ends_the_sweep(
 def test_a_worker_that_returns_another_points_results_ends_the_sweep(
     points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def mixed(jobs: int, evaluate: Callable[[Any], Any], some: Mapping[int, Any]) -> Iterator[tuple[int, Any]]:
+    def mixed(jobs: int, evaluate: Callable[[Any], Any], some: Mapping[int, Any]) -> Iterator[dict[int, Any]]:
         given = list(some.values())
         for number in some:
-            yield number, evaluate(given[{3: 4, 4: 3}.get(number, number)])
+            yield {number: evaluate(given[{3: 4, 4: 3}.get(number, number)])}
 
     assert points.run(["sweep", "cheap", *SMALL, "--out", str(tmp_path)], mixed) == 3
     said = capsys.readouterr().err

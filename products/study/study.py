@@ -1,0 +1,121 @@
+"""One function of named numbers over many points: in memory, or kept in a folder, resumed there, and one table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from fmu_src.progress import PATIENCE
+from products.sources import versions
+from products.study.journal import JOURNAL, Journal
+from products.study.lock import only_writer
+from products.study.points import Evaluate, Evaluator, Outcome, Point, SweepError, check_point, sources
+from products.study.table import remove_table, write_table
+from readers.storage import is_full, sync_folder
+
+
+@dataclass(frozen=True)
+class Study:
+    """A function of named numbers, and the points at which it is evaluated.
+
+    name: that of its folder and of its bar. units: of what is varied, then of the results. results: their names.
+    points: what is varied, by the numbers of the points. head: what must be the same for two points to stand in one
+    table, beside the code that computes them.
+    """
+
+    name: str
+    units: Mapping[str, str]
+    results: Sequence[str]
+    points: Sequence[Point]
+    evaluate: Evaluate
+    head: Mapping[str, Any]
+
+
+def outcomes_of(study: Study, run_points: Evaluator, journal: Journal | None = None) -> dict[int, Outcome]:
+    """Evaluate the points that the journal does not have; return the outcomes of all by the numbers of the points.
+
+    Raises SweepError if a worker returns the results of another point, and KeyboardInterrupt with a sentence.
+    """
+    found = dict(journal.outcomes) if journal else {}
+    left = {number: point for number, point in enumerate(study.points) if number not in found}
+    count = len(study.points)
+    try:
+        with (
+            closing(run_points(study.evaluate, left)) as outcomes,
+            tqdm(total=count, initial=len(found), desc=study.name, delay=PATIENCE, leave=False, unit="point") as bar,
+        ):
+            for some in outcomes:
+                for number, outcome in some.items():
+                    check_point(study.points[number], outcome)
+                if journal:
+                    journal.add(some)
+                found.update(some)
+                bar.update(len(some))
+    except KeyboardInterrupt:
+        if journal is None:
+            raise
+        raise KeyboardInterrupt(
+            f"{study.name} was interrupted with {len(journal.outcomes)} of {count} points done; the same command goes "
+            "on from there."
+        ) from None
+    return found
+
+
+def kept_outcomes_of(
+    study: Study,
+    evaluator: AbstractContextManager[Evaluator],
+    folder: Path,
+    restart: bool = False,
+    tell: Callable[[Journal], None] = lambda journal: None,
+) -> tuple[list[Outcome], list[str]]:
+    """Run or resume a study in a folder; return the outcomes in the order of the points, and the files of the table.
+
+    restart: drops the points of an earlier study. tell: is given the journal as an earlier run has left it. evaluator:
+    is entered only if points are left. Raises BadInputError, SweepError, KeyboardInterrupt.
+    """
+    head = {**study.head, "versions": versions() | {"sources": sources()}}
+    with _saying_where_room_is_missing(folder), ExitStack() as held:
+        run_points: Evaluator | None = None
+        if not folder.exists():  # where no cluster answers, no folder is made
+            run_points = held.enter_context(evaluator)
+        held.enter_context(only_writer(folder))
+        if restart:
+            _forget(folder)
+        journal = Journal(folder / JOURNAL, head, study.points, study.results)
+        tell(journal)
+        if len(journal.outcomes) < len(study.points):
+            run_points = run_points or held.enter_context(evaluator)
+            with journal:
+                remove_table(folder)
+                outcomes_of(study, run_points, journal)
+        rows = [(point, journal.outcomes[number]) for number, point in enumerate(study.points)]
+        outcomes = [outcome for _, outcome in rows]
+        failed = sum(outcome.failure is not None for outcome in outcomes)
+        return outcomes, write_table(folder, study.units, rows, head | {"points": len(rows), "failed": failed})
+
+
+def _forget(folder: Path) -> None:
+    """Drops what an earlier sweep left, before anything of another one is written."""
+    remove_table(folder)
+    (folder / JOURNAL).unlink(missing_ok=True)
+    sync_folder(folder)
+
+
+@contextmanager
+def _saying_where_room_is_missing(folder: Path) -> Iterator[None]:
+    """Raises SweepError, with the folder and what to do, where a disk is full."""
+    try:
+        yield
+    except OSError as error:
+        if not is_full(error):
+            raise
+        reason = error.strerror or str(error)
+        raise SweepError(
+            f"{folder} must have room for the results; got {reason!r}. Make room, and the same command goes on from "
+            "the points that are done."
+        ) from None
