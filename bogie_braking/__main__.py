@@ -122,7 +122,7 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
         commands.add_parser("sweep", help="run one scenario over a grid of parameters")
     form: dict[str, Any]
     if asked in ("pace", "completion"):
-        from scenarios.methods import pace  # heavy: FMUs
+        from scenarios.measuring import pace  # heavy: FMUs
 
         form = {"description": pace.__doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
         pace.add_arguments(commands.add_parser("pace", help=PACE, **form))

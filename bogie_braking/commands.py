@@ -29,7 +29,7 @@ from scenarios.controllers import command as controllers
 from scenarios.live.page import write_page
 from scenarios.live.train_page import PAGE as TRAIN_PAGE
 from scenarios.live.train_page import write_train_page
-from scenarios.methods import pace
+from scenarios.measuring import pace
 from scenarios.reporting.progress import ticking, without_bars
 from scenarios.reporting.report import Report, save, short_table, stopwatch, table
 from scenarios.reporting.saved import wall_seconds

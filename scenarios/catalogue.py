@@ -1,11 +1,13 @@
 """All scenarios. A new one is a file and one entry here."""
 
+from importlib.util import find_spec
+
 from fmu_src.suggestion import suggestion
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, sanding, uneven_brakes
 from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import curve_braking, curve_steering, gradient, line_from_file, track_yields, transition
-from scenarios.numerics import levels, levels_in_curves, oracle, speed, speed_accuracy, stability_atlas, throughput
+from scenarios.numerics import levels, levels_in_curves, oracle, speed, stability_atlas
 from scenarios.scenario import BadInputError, Scenario
 from scenarios.thesis import (
     asymmetric_braking,
@@ -34,7 +36,6 @@ from scenarios.trains import (
     train_coupling,
     train_depths,
     train_low_adhesion,
-    train_methods,
     train_one_vehicle_in_detail,
     train_parts,
     train_release,
@@ -96,7 +97,6 @@ SCENARIOS: list[Scenario] = [
     train_parts.SCENARIO,
     train_standing.SCENARIO,
     train_one_vehicle_in_detail.SCENARIO,
-    train_methods.SCENARIO,
     creep_laws.SCENARIO,
     coupling_step.SCENARIO,
     sensitivity.SCENARIO,
@@ -104,11 +104,15 @@ SCENARIOS: list[Scenario] = [
     levels.SCENARIO,
     levels_in_curves.SCENARIO,
     speed.SCENARIO,
-    speed_accuracy.SCENARIO,
-    throughput.SCENARIO,
     stability_atlas.SCENARIO,
     thesis_step.SCENARIO,
 ]
+#: Comparisons with other programs, which a checkout has and a wheel has not (hatch_build.py).
+COMPARISONS = ("speed-accuracy", "throughput", "train-methods")
+if find_spec(f"{__package__}.comparisons"):
+    from scenarios.comparisons import speed_accuracy, throughput, train_methods
+
+    SCENARIOS += [speed_accuracy.SCENARIO, throughput.SCENARIO, train_methods.SCENARIO]
 
 
 def find(name: str) -> Scenario:
@@ -116,5 +120,7 @@ def find(name: str) -> Scenario:
     by_name = {scenario.name: scenario for scenario in SCENARIOS}
     if name in by_name:
         return by_name[name]
+    if name in COMPARISONS:
+        raise BadInputError(f"{name} needs a checkout of the repository: no wheel has what it compares with.")
     shown = "'python -m bogie_braking list' shows what there is."
     raise BadInputError(f"There is no scenario {name}; {suggestion(name, by_name, shown)}")

@@ -22,7 +22,7 @@ from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Run
 from scenarios.controllers.given import fmu_names, in_c, in_fmu
-from scenarios.methods.protected_throughput import SHARE, SOURCE, LetGo
+from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetGo
 from scenarios.scenario import BadInputError
 
 NAMES = {

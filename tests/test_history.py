@@ -16,7 +16,7 @@ from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Fault, Run
-from scenarios.methods.protected_throughput import LetAllGo, LetGo, in_c
+from scenarios.measuring.protected_throughput import LetAllGo, LetGo, in_c
 
 RUNS = [Run(rail.values()) for rail in RAILS[:3]]
 

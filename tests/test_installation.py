@@ -24,6 +24,7 @@ from fmu_src import __version__
 from fmu_src.compile import CACHE, compiler
 from fmu_src.native_fmu import PLATFORMS
 from products.sources import HOUSE, ROOMS
+from scenarios.catalogue import COMPARISONS, SCENARIOS
 from scenarios.live.page import page
 
 #: Of the FMUs that a release compiles, that of the scenario that runs here.
@@ -164,6 +165,7 @@ def test_a_wheel_brings_one_name_and_minds_no_folder_of_the_user(installed: Path
     info = f"bogie_braking-{__version__}.dist-info"
     assert {Path(name).parts[0] for name in names} - {".."} == {"bogie_braking", info}
     assert [name for name in names if name.startswith("..")] == ["../../../bin/bogie-braking"]
+    assert not [name for name in names if "comparisons" in name]
     for room in (*ROOMS, "tests", "build_fmu"):
         (tmp_path / room).mkdir()
         (tmp_path / room / "__init__.py").write_text("raise ImportError('This is the folder of a user.')\n")
@@ -181,6 +183,15 @@ def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path
     done = subprocess.run([installed, "page.py"], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout == "".join(text for kind, text in blocks if kind == "text")
+
+
+def test_comparisons_with_other_programs_need_a_checkout(installed: Path, tmp_path: Path) -> None:
+    listed = call(installed, tmp_path, "-m", "bogie_braking", "list", "--quiet").split()
+    assert {one.name for one in SCENARIOS} - set(listed) == set(COMPARISONS)
+    asked = {"throughput": "throughput needs a checkout", "speed --against HEAD": "--against needs git and a checkout"}
+    for words, sentence in asked.items():
+        shown = call(installed, tmp_path, "-m", "bogie_braking", "run", *words.split(), status=BAD_INPUT)
+        assert shown.startswith(sentence)
 
 
 def test_a_wheel_that_is_uninstalled_leaves_nothing(wheels: Path, tmp_path: Path) -> None:
@@ -210,9 +221,9 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 
 ROOT = Path(release.__file__).parent
-#: Looked for before they are imported (`scenarios/methods/sundials.py: is_installed`, `products/study/cluster.py:
-#: client_of`, `bogie_braking/commands.py: look_for_plotly`), or at the beginning of their only file
-#: (`bogie_braking/gym.py`).
+#: Looked for before they are imported (`scenarios/comparisons/peers/sundials.py: is_installed`,
+#: `products/study/cluster.py: client_of`, `bogie_braking/commands.py: look_for_plotly`), or at the beginning of their
+#: only file (`bogie_braking/gym.py`).
 LOOKED_FOR = {"sksundae", "distributed", "plotly", "gymnasium"}
 
 

@@ -34,7 +34,7 @@ from products.protection.rig_in_c import SensorSettings
 from products.protection.runs import Fault, Run, Stop
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.scoring import ideal_distance
-from scenarios.methods.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
+from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
 from tests.fmu.sanitized import SANITIZERS, run
 
 #: Without jitter at 100 teeth above 3 m/s: what is asked of a reading.

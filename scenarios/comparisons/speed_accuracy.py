@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
-from scenarios.methods import sundials
-from scenarios.methods.exchange import EXCHANGE
-from scenarios.methods.integrators import own
-from scenarios.methods.oracle_cost import oracle_point
-from scenarios.methods.scenes import ASYMMETRIC, ON_PATCHES, ON_STRIPS, SCENES, SMOOTH, STANDING, Scene
-from scenarios.methods.timing import least
-from scenarios.methods.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, difference, study, works
+from scenarios.comparisons.peers import sundials
+from scenarios.comparisons.peers.exchange import EXCHANGE
+from scenarios.comparisons.peers.oracle_cost import oracle_point
+from scenarios.comparisons.peers.work_precision import DEFAULT, OMITTED, PEERS, Point, Study, study, works
+from scenarios.measuring.runs import own
+from scenarios.measuring.scenes import ASYMMETRIC, ON_PATCHES, ON_STRIPS, SCENES, SMOOTH, STANDING, Scene, difference
+from scenarios.measuring.timing import least
 from scenarios.reporting.plots import label_edges, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
-from scenarios.methods import ensembles, sundials
-from scenarios.methods.ensembles import ALONE, BATCH, FIXED, IN_PROCESSES, IN_THREADS, PEERS, Study
+from scenarios.comparisons.peers import ensembles, sundials
+from scenarios.comparisons.peers.ensembles import ALONE, BATCH, FIXED, IN_PROCESSES, IN_THREADS, PEERS, Study
 from scenarios.reporting.plots import label_edges, plt, titled
 from scenarios.reporting.report import Report, Row, at_most
 from scenarios.scenario import Options, Scenario

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
 from products.train.numbers import SHARE
-from scenarios.methods import sundials
-from scenarios.methods.train_couplers import (
+from scenarios.comparisons.peers import sundials
+from scenarios.comparisons.peers.train_couplers import (
     LOADS,
     LONG,
     RECORDED,

@@ -25,10 +25,9 @@ from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.asymmetric_shoes import BRAKE_START, BRAKE_TORQUE, SPEED, YAW_TORQUE
 from scenarios.bench.drive import History, play, prepare
-from scenarios.methods.integrators import Run, layout, own
-from scenarios.methods.scenes import SMOOTH, Scene, lateral_peak
-from scenarios.methods.timing import least
-from scenarios.methods.work_precision import difference
+from scenarios.measuring.runs import Run, layout, own
+from scenarios.measuring.scenes import SMOOTH, Scene, difference, lateral_peak
+from scenarios.measuring.timing import least
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Bound, Report, Row, at_least, at_most

@@ -23,8 +23,8 @@ from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.creep.strip_theory import strip_theory
 from rbd_model.contact.creep.tabulated import table_of, tabulated
-from scenarios.methods import exact_states
-from scenarios.methods.creep_cost import cost, values, with_coefficients
+from scenarios.measuring import exact_states
+from scenarios.measuring.creep_cost import cost, values, with_coefficients
 from scenarios.reporting.plots import label_edges, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Bound, Report, Row, at_most

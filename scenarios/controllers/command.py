@@ -54,7 +54,7 @@ from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
 from scenarios.controllers.scoring import PHASES, Scored, compare, ideal_distance, runs_of
 from scenarios.controllers.table import document, lines, write_document
-from scenarios.methods.pace import time_of
+from scenarios.measuring.pace import time_of
 from scenarios.reporting.plots import plt
 from scenarios.scenario import BadInputError
 

@@ -28,7 +28,7 @@ from products.protection.protected_stop import LONGEST_PERIOD
 from readers.text import FileError, quoted, shown
 from scenarios.controllers.given import Given, controller_of
 from scenarios.controllers.table import write_document
-from scenarios.methods.pace import time_of
+from scenarios.measuring.pace import time_of
 from scenarios.reporting.plots import FOUR, one_word, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError

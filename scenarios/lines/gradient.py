@@ -14,7 +14,7 @@ from fmu_src.cosimulation.recording import Recording
 from rbd_model.track.line import line_of, straight
 from scenarios.bench.curves import BOGIE, MASS, TURNING_MASS
 from scenarios.bench.drive import History, play, prepare_on_line
-from scenarios.methods.timing import LEVELS
+from scenarios.measuring.timing import LEVELS
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import counting

@@ -1,1 +1,1 @@
-"""Integration methods beside each other on the same equations: scenes, peers, limits."""
+"""What scenarios measure: wall time, throughput and pace; limits of stability; scenes, and exact states of contacts."""

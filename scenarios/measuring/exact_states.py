@@ -1,6 +1,6 @@
 """Random states of a contact patch and their forces by Kalker's exact theory, for the bands of fast creep laws.
 
-`python -m bogie_braking.methods.exact_states` makes the table anew, in some twenty minutes.
+`python -m scenarios.measuring.exact_states` makes the table anew, in some twenty minutes.
 """
 
 import math
@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from rbd_model.contact.creep.exact import exact, half_space
 from rbd_model.contact.creep.law import CreepLaw
-from scenarios.methods.creep_cost import SHEAR_MODULUS, values, with_coefficients
+from scenarios.measuring.creep_cost import SHEAR_MODULUS, values, with_coefficients
 
 #: The table that `write` makes.
 TABLE = Path(__file__).parent / "exact_states.csv"

@@ -8,8 +8,8 @@ from scipy.optimize import curve_fit
 from fmu_src.kernel import Kernel, KernelError
 from rbd_model.vehicle.parameters import AS_PRINTED
 from rbd_model.wheelset.rigid import FOLD_MARGIN
-from scenarios.methods.integrators import layout_of
-from scenarios.methods.scenes import ASYMMETRIC, Scene, asymmetric
+from scenarios.measuring.runs import layout_of
+from scenarios.measuring.scenes import ASYMMETRIC, Scene, asymmetric
 
 #: 75 % error of the shoes on the leading wheelset, as the thesis read its model: a flange pushed at the rail stays on.
 DERAILING = replace(ASYMMETRIC, name="derailment", inputs=asymmetric(75), values={**ASYMMETRIC.values, **AS_PRINTED})

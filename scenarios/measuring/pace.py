@@ -40,7 +40,7 @@ from fmu_src.suggestion import suggestion
 from products.building import up_to_date
 from products.registry import FMUS
 from scenarios.bench.drive import value_at
-from scenarios.methods.instructions import stop_of
+from scenarios.measuring.stops import stop_of
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 

@@ -98,6 +98,11 @@ def peak_and_stop(samples: Samples) -> dict[str, float]:
     return lateral_peak(samples) | stopping(samples)
 
 
+def difference(one: dict[str, float], other: dict[str, float]) -> float:
+    """Largest relative difference of two sets of measures."""
+    return max(abs(one[name] / value - 1.0) for name, value in other.items())
+
+
 #: Speed from which a stop is extended to rest: near it, and still above the creep at rest [m/s].
 WALKING = 0.5
 FULL = 20e3

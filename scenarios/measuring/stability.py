@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from fmu_src.kernel import Kernel
 from scenarios.bench.drive import RIGID, prepare
-from scenarios.methods.integrators import Layout, layout
+from scenarios.measuring.runs import Layout, layout
 
 #: Values of integration_method.
 RODAS5P, ROS34PW2, RUNGE_KUTTA = 1, 2, 3

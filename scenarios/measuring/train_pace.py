@@ -10,7 +10,7 @@ from products.train.consist import block_train
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import draft_gear
-from scenarios.methods.timing import least
+from scenarios.measuring.timing import least
 from scenarios.reporting.report import Row
 
 #: Vehicles, and how long an emergency from SPEED is watched in one step [s].

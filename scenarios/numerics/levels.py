@@ -20,7 +20,7 @@ from rbd_model.contact.geometry import contact_at, thesis_pair
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import AT_REST, RIGID, located_lock_time, play, prepare
-from scenarios.methods.timing import LEVELS, least
+from scenarios.measuring.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near

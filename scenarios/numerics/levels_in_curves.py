@@ -29,7 +29,7 @@ from scenarios.bench.curves import (
     transition_length,
 )
 from scenarios.bench.drive import play, prepare_on_line
-from scenarios.methods.timing import LEVELS, least
+from scenarios.measuring.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import counting

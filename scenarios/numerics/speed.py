@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from types import ModuleType
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,14 +19,14 @@ from products.building import kernel_of, up_to_date
 from products.coach import AS_PUBLISHED, brakes
 from products.sources import PREBUILT
 from scenarios.bench.asymmetric_shoes import run_all
-from scenarios.methods import fmi_overhead, old_and_new, throughput
-from scenarios.methods.environment_throughput import environment_rows
-from scenarios.methods.protected_throughput import protected_rows
-from scenarios.methods.timing import LEVELS, REPEATS, least
-from scenarios.methods.train_pace import train_rows
+from scenarios.measuring import fmi_overhead, throughput
+from scenarios.measuring.environment_throughput import environment_rows
+from scenarios.measuring.protected_throughput import protected_rows
+from scenarios.measuring.timing import LEVELS, REPEATS, least
+from scenarios.measuring.train_pace import train_rows
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.report import Report, Row
-from scenarios.scenario import Options, Scenario
+from scenarios.scenario import BadInputError, Options, Scenario
 
 KINDS = ("native", "python")
 #: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (it stands from 16.9 s on).
@@ -139,8 +140,19 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
     return [Timing("doStep of 1 ms", name, kind, host), Timing("22.9 s stop in one doStep", name, kind, stop)]
 
 
+def old_and_new() -> ModuleType:
+    """What measures another revision. Raises BadInputError: a wheel does not have it."""
+    try:
+        from scenarios.comparisons.peers import old_and_new
+    except ModuleNotFoundError:
+        message = "--against needs git and a checkout of the repository: run speed in one."
+        raise BadInputError(message) from None
+    return old_and_new
+
+
 def run(options: Options) -> Report:
-    commit = old_and_new.commit_of(options.against) if options.against else None
+    peers = old_and_new() if options.against else None
+    commit = peers.commit_of(options.against) if peers else None
     kernel = kernel_of("bogie")
     library = Library(kernel)
     timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
@@ -169,8 +181,8 @@ def run(options: Options) -> Report:
     cases = len(run_all())
     seconds = time.perf_counter() - begin
     rows.append(Row(f"chapter 9, {cases} cases with recording", "s", None, seconds, None, "measured now, once"))
-    if commit:
-        rows += old_and_new.rows(commit)
+    if peers and commit:
+        rows += peers.rows(commit)
     stops = {level: stop_of(library, level) for level in LEVELS}
     series = Recording({"time": "s"}, [[t] for t in stops[1]["time"]])
     for level, name in LEVELS.items():

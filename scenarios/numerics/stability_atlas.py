@@ -12,11 +12,11 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, KernelError
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import RIGID, prepare
-from scenarios.methods.drift import STEP as DRIFT_STEP
-from scenarios.methods.drift import Drift, drift
-from scenarios.methods.fold import DERAILING, Approach, approach, derail
-from scenarios.methods.integrators import layout
-from scenarios.methods.stability import (
+from scenarios.measuring.drift import STEP as DRIFT_STEP
+from scenarios.measuring.drift import Drift, drift
+from scenarios.measuring.fold import DERAILING, Approach, approach, derail
+from scenarios.measuring.runs import layout
+from scenarios.measuring.stability import (
     EXPLICIT,
     MACHINES,
     PATCHES,

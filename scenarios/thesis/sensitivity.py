@@ -27,7 +27,7 @@ from scenarios.bench.asymmetric_shoes import (
 from scenarios.bench.drive import bogie, play
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue
 from scenarios.bench.irregularities import CROSS_LEVEL, LATERAL_PEAK, WHEEL_LOAD, largest_wheel_load, travel
-from scenarios.methods.scenes import asymmetric
+from scenarios.measuring.scenes import asymmetric
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row

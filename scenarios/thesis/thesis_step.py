@@ -20,7 +20,7 @@ from scenarios.bench import asymmetric_shoes, hunting_wheelset, irregularities
 from scenarios.bench.asymmetric_shoes import APPLICATION_TIMES, AS_THESIS, PEAKS, Case
 from scenarios.bench.drive import PADDING, RIGID, in_space, library
 from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, LATERAL_PEAK, WHEEL_LOAD
-from scenarios.methods.stability import RUNGE_KUTTA, Machine, limit
+from scenarios.measuring.stability import RUNGE_KUTTA, Machine, limit
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row

@@ -14,7 +14,7 @@ from products.protection.braked_machine import coach
 from rbd_model.vehicle.parameters import one_bogie_of
 from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads
-from scenarios.methods.timing import LEVELS, least
+from scenarios.measuring.timing import LEVELS, least
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, near

@@ -1,7 +1,7 @@
 /* A host in C that makes the steps of a plan on an FMU of FMI 2.0 and prints what it reads after each. It counts what
  * memory and locks a step takes, and lets the system kill it where a step calls the system (seccomp, strict mode).
  *
- *   step_host LIBRARY PLAN [guarded | calling]     calling: guarded, and the host itself calls the system within a step
+ *   counting_host LIBRARY PLAN [guarded | calling]     calling: guarded, and the host itself calls the system within a step
  *
  * PLAN: guid, folder of the resources, step [s], number of steps; then a number of parameters with kind, reference and
  * value each; of inputs, with kind and reference; of outputs, the same; then a row of inputs for each step. */
@@ -95,7 +95,7 @@ static void *find(void *library, const char *name) {
 }
 
 int main(int count, char **argument) {
-    if (count < 3) fail("step_host LIBRARY PLAN [guarded | calling]");
+    if (count < 3) fail("counting_host LIBRARY PLAN [guarded | calling]");
     void *library = dlopen(argument[1], RTLD_NOW);
     if (!library) fail(dlerror());
     *(void **)&set_real = find(library, "fmi2SetReal");
@@ -121,7 +121,7 @@ int main(int count, char **argument) {
     const double size = read_number(plan);
     const int steps = (int)read_number(plan), parameters = (int)read_number(plan);
     static const fmi2CallbackFunctions callbacks;
-    fmi2Component component = instantiate("step_host", fmi2CoSimulation, guid, resources, &callbacks, 0, 0);
+    fmi2Component component = instantiate("counting_host", fmi2CoSimulation, guid, resources, &callbacks, 0, 0);
     if (!component) fail("The FMU was not instantiated.");
     for (int i = 0; i < parameters; ++i) {
         const variable one = read_variable(plan);

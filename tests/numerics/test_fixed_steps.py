@@ -14,9 +14,10 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import System, Variable, model_of
 from scenarios.bench.drive import prepare, value_at
-from scenarios.methods.instructions import CASES, HostError, Steps, Stop, make_steps, stop_of
+from scenarios.measuring.stops import Stop, stop_of
 from tests.conftest import Fmus
 from tests.needed import needed
+from tests.numerics.counted_steps import CASES, HostError, Steps, make_steps
 
 #: Band for the largest over the median number of instructions of a step.
 SPREAD = 1.3

@@ -14,11 +14,12 @@ from fmu_src.kernel import ERROR, Kernel, KernelError, Library
 from fmu_src.system import System, Variable, model_of
 from rbd_model.vehicle.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.drive import RIGID, prepare
-from scenarios.methods import sundials
-from scenarios.methods.exchange import IN_THE_PLANE, exchange
-from scenarios.methods.integrators import layout, own, scipy
-from scenarios.methods.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene
-from scenarios.methods.work_precision import difference, in_the_plane, reference_of
+from scenarios.comparisons.peers import sundials
+from scenarios.comparisons.peers.exchange import IN_THE_PLANE, exchange
+from scenarios.comparisons.peers.scipy_methods import scipy
+from scenarios.comparisons.peers.work_precision import in_the_plane, reference_of
+from scenarios.measuring.runs import layout, own
+from scenarios.measuring.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene, difference
 
 #: Band of docs/checking.md for the orders.
 ORDER_BAND = 0.2

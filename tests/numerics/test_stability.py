@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenarios.methods.drift import drift
-from scenarios.methods.fold import approach
-from scenarios.methods.stability import (
+from scenarios.measuring.drift import drift
+from scenarios.measuring.fold import approach
+from scenarios.measuring.stability import (
     MACHINES,
     PATCHES,
     PLANAR,

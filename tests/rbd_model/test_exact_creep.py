@@ -19,9 +19,9 @@ from rbd_model.contact.creep.kalker import kalker_coefficients, smooth_kalker_co
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.tabulated import axes, patch_at
 from scenarios.contact.creep_laws import exact as published
-from scenarios.methods.creep_cost import SHEAR_MODULUS, symbols, values, with_coefficients
-from scenarios.methods.creep_cost import forces as law_at
-from scenarios.methods.exact_states import LARGEST, counts, distance, linear_forces, points_of, random_states, read
+from scenarios.measuring.creep_cost import SHEAR_MODULUS, symbols, values, with_coefficients
+from scenarios.measuring.creep_cost import forces as law_at
+from scenarios.measuring.exact_states import LARGEST, counts, distance, linear_forces, points_of, random_states, read
 
 #: The published rows on two grids.
 ROWS = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"

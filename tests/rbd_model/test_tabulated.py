@@ -19,7 +19,7 @@ from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.contact.creep_laws import exact
-from scenarios.methods.creep_cost import values
+from scenarios.measuring.creep_cost import values
 from tests.quick_library import quick_library
 
 #: Between the places of the table, of mu N: measured 0.53 % at the cases of exact theory, 0.07 % on average.

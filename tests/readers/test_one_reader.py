@@ -17,7 +17,7 @@ READS = re.compile(
 READERS = {"readers/tables.py", "readers/toml_files.py"}
 OF_OWN_DATA = {
     *("products/promise.py", "scenarios/contact/creep_laws.py", "scenarios/contact/contact_manchester.py"),
-    "scenarios/methods/exact_states.py",
+    "scenarios/measuring/exact_states.py",
 }
 
 

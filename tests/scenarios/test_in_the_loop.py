@@ -27,7 +27,7 @@ from products.protection.runs import Run
 from scenarios.controllers import loop, remote
 from scenarios.controllers.loop import Looped, run_in_loop, sentences
 from scenarios.controllers.remote import WATCHDOG, Remote
-from scenarios.methods.protected_throughput import SHARE, SOURCE, LetGo
+from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetGo
 from scenarios.reporting.progress import counting
 
 ROOT = Path(__file__).parents[2]

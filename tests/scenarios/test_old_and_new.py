@@ -10,8 +10,8 @@ import pytest
 from bogie_braking.__main__ import main
 from products.sources import ROOT
 from scenarios.bench.drive import prepare
-from scenarios.methods import old_and_new
-from scenarios.methods.old_and_new import NEW, OLD, Comparison, Job, Timed, Tree
+from scenarios.comparisons.peers import old_and_new
+from scenarios.comparisons.peers.old_and_new import NEW, OLD, Comparison, Job, Timed, Tree
 from scenarios.scenario import BadInputError
 
 STOPS = {tree: Job(tree, "bogie", "stop", (("level", 1),)) for tree in (OLD, NEW)}

@@ -11,8 +11,8 @@ import pytest
 
 from bogie_braking.__main__ import main
 from fmu_src.cosimulation.slave import Slave
-from scenarios.methods import pace
-from scenarios.methods.pace import Paced
+from scenarios.measuring import pace
+from scenarios.measuring.pace import Paced
 from tests.conftest import Fmus
 
 

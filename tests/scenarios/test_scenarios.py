@@ -21,12 +21,14 @@ from bogie_braking.__main__ import main
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
+from scenarios.comparisons import speed_accuracy, train_methods
+from scenarios.comparisons.peers import ensembles
 from scenarios.contact import contact_depth, creep_laws
 from scenarios.coupling import coupling_step
 from scenarios.lines import track_yields
-from scenarios.methods import ensembles, environment_throughput, protected_throughput, throughput, train_pace
-from scenarios.methods import scenes as six_scenes
-from scenarios.numerics import oracle, speed, speed_accuracy, stability_atlas
+from scenarios.measuring import environment_throughput, protected_throughput, throughput, train_pace
+from scenarios.measuring import scenes as six_scenes
+from scenarios.numerics import oracle, speed, stability_atlas
 from scenarios.reporting import report
 from scenarios.reporting.report import Row
 from scenarios.thesis import qr30, thesis_step
@@ -35,7 +37,6 @@ from scenarios.trains import (
     braking_distance,
     train_braking,
     train_depths,
-    train_methods,
     train_one_vehicle_in_detail,
     train_standing,
 )

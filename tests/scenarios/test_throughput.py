@@ -9,11 +9,11 @@ import pytest
 
 from fmu_src.batch import Instances, library_of_batch
 from rbd_model.levels.models import DEFAULT_TOLERANCE
-from scenarios.methods import ensembles
-from scenarios.methods import throughput as rates
-from scenarios.methods.ensembles import ALONE, BATCH, IN_THREADS, Rate, Study
-from scenarios.methods.integrators import Run
-from scenarios.numerics import throughput
+from scenarios.comparisons import throughput
+from scenarios.comparisons.peers import ensembles
+from scenarios.comparisons.peers.ensembles import ALONE, BATCH, IN_THREADS, Rate, Study
+from scenarios.measuring import throughput as rates
+from scenarios.measuring.runs import Run
 
 
 def found() -> Study:

@@ -9,7 +9,7 @@ import pytest
 
 from products.train.numbers import SHARE
 from rbd_model.train.coupler import Coupler, coupling, draft_gear, screw_coupler
-from scenarios.methods.train_couplers import braked_train, rates
+from scenarios.comparisons.peers.train_couplers import braked_train, rates
 from tests.train.chains import spring
 
 #: What is asked: of forces of the rate form, relative to the largest; of the default, as the scenario asks it.

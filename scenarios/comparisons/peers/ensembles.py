@@ -16,10 +16,11 @@ from fmu_src.batch import library_of_batch, run_batch
 from fmu_src.kernel import KernelError
 from products.registry import model_of
 from scenarios.bench.drive import library
-from scenarios.methods import sundials
-from scenarios.methods.integrators import Run, layout_of, scipy
-from scenarios.methods.scenes import SMOOTH, Samples, Scene, both
-from scenarios.methods.work_precision import refer
+from scenarios.comparisons.peers import sundials
+from scenarios.comparisons.peers.scipy_methods import scipy
+from scenarios.comparisons.peers.work_precision import refer
+from scenarios.measuring.runs import Run, layout_of
+from scenarios.measuring.scenes import SMOOTH, Samples, Scene, both
 from scenarios.reporting.progress import counting
 
 #: What chooses a level, and the system that a batch of it runs.

@@ -10,8 +10,9 @@ from fmpy.simulation import instantiate_fmu
 
 from products.building import up_to_date
 from scenarios.bench.drive import History, value_at
-from scenarios.methods.integrators import BUDGET, Run
-from scenarios.methods.scenes import LOCK_UP, SMOOTH, Scene
+from scenarios.comparisons.peers.scipy_methods import BUDGET
+from scenarios.measuring.runs import Run
+from scenarios.measuring.scenes import LOCK_UP, SMOOTH, Scene
 
 #: Name of this method; scenes that stay in the plane; the level that the FMU's start values choose.
 EXCHANGE, IN_THE_PLANE, LEVEL = "model exchange, FMPy's CVODE", (SMOOTH, LOCK_UP), 2

@@ -22,7 +22,7 @@ from products.coach import AS_PUBLISHED, brakes
 from products.registry import FMUS
 from products.sources import ROOT
 from rbd_model.track.line import Line, arc, clothoid, line_of, straight
-from scenarios.methods.timing import LEVELS
+from scenarios.measuring.timing import LEVELS
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Row
 from scenarios.scenario import BadInputError

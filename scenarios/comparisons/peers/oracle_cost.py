@@ -10,8 +10,8 @@ from rbd_model.thesis.mechanism import FIRST_WHEELSET, Inputs, Mechanism
 from rbd_model.thesis.program import run as run_program
 from rbd_model.track.irregularity import derivatives_along, section_5_3
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
-from scenarios.methods.scenes import FULL, SMOOTH
-from scenarios.methods.work_precision import Point
+from scenarios.comparisons.peers.work_precision import Point
+from scenarios.measuring.scenes import FULL, SMOOTH
 
 #: Time that is integrated, and step [s]; Runge-Kutta is unstable above 0.8 ms at 25 m/s.
 SHOWN, STEP = 0.1, 5e-4

@@ -13,8 +13,9 @@ import numpy as np
 
 from fmu_src import compile as compiling
 from fmu_src.kernel import Kernel, KernelError
-from scenarios.methods.integrators import BUDGET, Run, failed, finish, layout_of
-from scenarios.methods.scenes import SMOOTH, Scene
+from scenarios.comparisons.peers.scipy_methods import BUDGET
+from scenarios.measuring.runs import Run, failed, finish, layout_of
+from scenarios.measuring.scenes import SMOOTH, Scene
 
 SOURCE = Path(__file__).parent / "sundials.c"
 FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror")

@@ -25,7 +25,7 @@ from products.train.library import sources
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import Coupler, draft_gear, fastest
-from scenarios.methods import sundials
+from scenarios.comparisons.peers import sundials
 
 SOURCE = Path(__file__).with_suffix(".c")
 #: Speed at which the train brakes [m/s]; how long it is followed [s]; wagons; their loads by name [kg].

@@ -9,10 +9,11 @@ import numpy as np
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.building import up_to_date
 from rbd_model.levels.models import DEFAULT_TOLERANCE
-from scenarios.methods import sundials
-from scenarios.methods.exchange import EXCHANGE, IN_THE_PLANE, LEVEL, exchange
-from scenarios.methods.integrators import BUDGET, Run, own, scipy
-from scenarios.methods.scenes import LOCK_UP, SMOOTH, STANDING, Scene
+from scenarios.comparisons.peers import sundials
+from scenarios.comparisons.peers.exchange import EXCHANGE, IN_THE_PLANE, LEVEL, exchange
+from scenarios.comparisons.peers.scipy_methods import BUDGET, scipy
+from scenarios.measuring.runs import Run, own
+from scenarios.measuring.scenes import LOCK_UP, SMOOTH, STANDING, Scene, difference
 
 #: Runs shorter than this together are repeated, others once, and the fastest counts [s].
 REPEATED, MOST_REPEATS = 0.5, 5
@@ -63,11 +64,6 @@ class Study:
         """The fastest point with at most this error."""
         good = [p for m in methods for p in self.of(m) if p.error is not None and p.error <= error]
         return min(good, key=lambda point: point.seconds, default=None)
-
-
-def difference(one: dict[str, float], other: dict[str, float]) -> float:
-    """Largest relative difference of two sets of measures."""
-    return max(abs(one[name] / value - 1.0) for name, value in other.items())
 
 
 def reference_of(scene: Scene) -> tuple[Run, str]:

@@ -1,112 +1,19 @@
-"""Integrators on the same compiled equations: our own and SciPy's. Each runs a scene at one accuracy."""
+"""SciPy's integrators on the compiled equations; each runs a scene at one accuracy."""
 
 import time as clock
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from scipy.integrate import BDF, LSODA, RK45, OdeSolver, Radau
 
 from fmu_src.kernel import Kernel, KernelError
-from scenarios.bench.drive import system_of
-from scenarios.methods.scenes import Samples, Scene
+from scenarios.measuring.runs import Run, failed, finish, layout_of
+from scenarios.measuring.scenes import Scene
 
 #: Seconds after which a run is given up; the point then says so.
 BUDGET = 5.0
-
-
-@dataclass(frozen=True)
-class Run:
-    """What a run came to: samples of the scene's states (none after a failure), seconds of wall time, work, reason."""
-
-    samples: Samples
-    seconds: float
-    work: Mapping[str, int] = field(default_factory=dict)
-    failure: str = ""
-    journal: tuple[str, ...] = ()
-
-
-def failed(scene: Scene, seconds: float, reason: str, kernel: Kernel | None = None) -> Run:
-    counts = kernel.counts if kernel else {}
-    return Run({}, seconds, counts, reason, tuple(kernel.journal) if kernel else ())
-
-
-# ---- our own -----------------------------------------------------------------------------------------------------
-
-
-#: Outputs that all levels have, in place of states that not all have.
-AT_AXLES = {"frame_distance": "distance", "frame_speed": "speed"}
-
-
-def own(scene: Scene, at_axles: bool = False, **values: float) -> Run:
-    """The kernel in long steps between the corners of the inputs; `values`: tolerance, method, fixed step, level.
-
-    at_axles: distance and speed are those of the axles, which all levels have; the frame sways by micrometres.
-    """
-    kernel = scene.kernel(**values)
-    names = [AT_AXLES.get(name, name) if at_axles else f"state_{name}" for name in scene.read]
-    begin, rows = clock.perf_counter(), []
-    try:
-        for start, end in scene.segments():
-            scene.set_inputs(kernel, start, end)
-            table = kernel.record(end - start, scene.interval, names)
-            first = 0 if start == 0.0 else 1
-            rows += list(zip(*(table[name][first:] for name in names), strict=True))
-    except KernelError as error:
-        return failed(scene, clock.perf_counter() - begin, str(error), kernel)
-    seconds = clock.perf_counter() - begin
-    return finish(scene, np.array(rows), seconds, kernel.counts, kernel)
-
-
-def finish(scene: Scene, rows: np.ndarray, seconds: float, work: Mapping[str, int], kernel: Kernel) -> Run:
-    """A run from rows of the scene's states; a failure when they are fewer than the scene has, or not finite."""
-    times = scene.times()
-    if kernel.ended or len(rows) < times.size:
-        return failed(
-            scene, seconds, f"it ended early: {kernel.journal[-1] if kernel.journal else 'no samples'}", kernel
-        )
-    if not np.isfinite(rows).all():
-        return failed(scene, seconds, "the result is not finite", kernel)
-    samples = {"time": times} | dict(zip(scene.read, rows.T, strict=True))
-    return Run(samples, seconds, work, journal=tuple(kernel.journal))
-
-
-# ---- others: what they share -------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Places of states: all names; which have a derivative; nominal values of all."""
-
-    names: list[str]
-    differential: np.ndarray
-    nominal: np.ndarray
-
-    @property
-    def kept(self) -> list[str]:
-        return [name for name, own in zip(self.names, self.differential, strict=True) if own]
-
-
-@lru_cache
-def layout(fmu: str, **values: float) -> Layout:
-    """That of the equations of a kernel with these parameters."""
-    states = system_of(fmu, **values).states.values()
-    return Layout(
-        [state.name for state in states],
-        np.array([not state.algebraic for state in states]),
-        np.array([state.nominal for state in states]),
-    )
-
-
-def layout_of(scene: Scene) -> Layout:
-    """That of the equations of a scene."""
-    return layout(scene.fmu, **scene.parameters)
-
-
-# ---- SciPy ---------------------------------------------------------------------------------------------------------
 
 
 class _Bdf(BDF):
