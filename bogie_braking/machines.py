@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -15,19 +15,19 @@ from fmu_src.chosen import alone
 from fmu_src.compile import build_library
 from fmu_src.kernel import Library
 from fmu_src.system import Model, System, Variable, model_of
-from products.building import kernel_of, variables_of
+from products.building import kernel_at, kernel_of, variables_of, whole_kernel
+from products.one_level import SELECTORS, model_at, place_of
 from products.registry import FMUS
 from products.registry import model_of as model_of_fmu
 from rbd_model.levels.models import (
     DEFAULT_DEPTH,
     DEPTH_ON_LINE,
     EVERY,
-    choice_of,
     model_of_levels,
     places_of,
 )
 from rbd_model.track.line_table import LINE
-from rbd_model.vehicle.description import Vehicle, relations_of
+from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 from rbd_model.wheelset.rigid import check_one_contact
 
@@ -37,8 +37,6 @@ Runnable = str | Model | System | Vehicle
 TOLERANCE = 1e-6
 #: The level of detail unless another is asked for, and those that there are.
 LEVEL, LEVELS = 2, (1, 2, 3)
-#: What chooses the equations of a vehicle.
-VEHICLE_SELECTORS = ("level", "contact_depth")
 #: Vehicles as data, by the names of their FMUs.
 VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
     "bogie": two_axle_bogie,
@@ -50,12 +48,16 @@ VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
 
 @dataclass(frozen=True)
 class Machine:
-    """Compiled equations with their variables; fixed: parameters that chose which equations were compiled."""
+    """Compiled equations with their variables; fixed: parameters that chose which equations were compiled.
+
+    place: number of the one system that it has of those that its variables choose from; None: it has all.
+    """
 
     name: str
     variables: Mapping[str, Variable]
     library: Library
     fixed: frozenset[str] = frozenset()
+    place: int | None = None
 
 
 def vehicle(name: str) -> Vehicle:
@@ -69,11 +71,13 @@ def vehicle(name: str) -> Vehicle:
 def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Machine:
     """What is to be run, compiled unless it was; of a vehicle only the level and contact depth that `values` ask for.
 
+    A vehicle by its name has the variables of all levels; other values may choose another machine of that name.
     Raises KeyError for a name that there is not, TypeError for what cannot be run, ValueError for a level or depth that
     there is not, CompilerError where no C compiler works.
     """
     if isinstance(what, str):
-        return _of_the_list(known(what, FMUS, "FMU"))
+        variables = variables_of(known(what, FMUS, "FMU"))
+        return machine_at(what, place_of(what, variables, values, on_line))
     with ONE_WRITES:
         if isinstance(what, Vehicle):
             level, depth = _level_and_depth(values)
@@ -90,8 +94,8 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
     """
     with ONE_WRITES:
         if isinstance(what, str):
-            levelled = _is_levelled(known(what, FMUS, "FMU"))
-            selected = VEHICLE_SELECTORS if levelled else model_of_fmu(what).selectors
+            levelled = FMUS[known(what, FMUS, "FMU")].vehicle
+            selected = SELECTORS if levelled else model_of_fmu(what).selectors
             return _batch_of_the_list(what, tuple((name, values[name]) for name in selected if name in values), on_line)
         if isinstance(what, Vehicle):
             level, depth = _level_and_depth(values)
@@ -100,24 +104,16 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
         return _batch_of_a_model(alone(model, values, on_line))
 
 
-def _is_levelled(name: str) -> bool:
-    """Whether an FMU of the list is a vehicle at all levels."""
-    return name in VEHICLES and variables_of(name).keys() >= set(VEHICLE_SELECTORS)
-
-
 @lru_cache
 def _batch_of_the_list(name: str, selected: tuple[tuple[str, float], ...], on_line: bool) -> BatchLibrary:
     """Of a vehicle no other level is written; its table is the whole one, so that its runs say the same."""
-    if not _is_levelled(name):
-        return _batch_of_a_model(alone(model_of_fmu(name), dict(selected), on_line))
-    level, depth = _level_and_depth(dict(selected))
-    what = VEHICLES[name]()
-    model = _one_level(what, level, depth, on_line)
-    table = [one for one in variables_of(name).values() if one.causality != "local"]
-    kept = tuple(one for one in table if on_line or one != LINE.variable)
-    choice = choice_of(places_of(level, depth, on_line), max(LEVELS), on_line)
-    relations = relations_of(what, [one.name for one in kept])
-    return _batch_of_a_model(replace(model, variables=kept, choice=choice, relations=relations))
+    values = dict(selected)
+    if name in VEHICLES and FMUS[name].vehicle:
+        level, depth = _level_and_depth(values)
+        _check_places(VEHICLES[name](), places_of(level, depth, on_line), level, depth)
+    place = place_of(name, variables_of(name), values, on_line)
+    model = model_of_fmu(name) if place is None else model_at(name, variables_of(name), place)
+    return _batch_of_a_model(alone(model, values, on_line))
 
 
 @lru_cache
@@ -172,14 +168,21 @@ def _chosen(name: str, values: Mapping[str, Any], start: int) -> int:
 
 
 @lru_cache
-def _of_the_list(name: str) -> Machine:
-    return Machine(name, variables_of(name), Library(kernel_of(name)))
+def machine_at(name: str, place: int | None) -> Machine:
+    """Return an FMU of the list compiled: one of its systems by its number, or all.
+
+    All, too, where a release has compiled them. None: an FMU without levels.
+    """
+    whole = whole_kernel(name)
+    if whole or place is None:
+        return Machine(name, variables_of(name), Library(whole or kernel_of(name)))
+    return Machine(name, variables_of(name), Library(kernel_at(name, place)), place=place)
 
 
 @lru_cache
 def _of_a_vehicle(pickled: bytes, places: tuple[int, ...]) -> Machine:
     """Return a vehicle compiled. Its bytes are the key, as its parts may be lists, which have no hash."""
-    return _compiled(model_from(pickle.loads(pickled), places), frozenset(VEHICLE_SELECTORS))
+    return _compiled(model_from(pickle.loads(pickled), places), frozenset(SELECTORS))
 
 
 @lru_cache

@@ -12,13 +12,19 @@ import numpy as np
 from bogie_braking.batches import file_of
 from bogie_braking.checks import is_number, line_or_none, names_of, refused, seconds, shown
 from bogie_braking.histories import History, Value
-from bogie_braking.machines import Runnable, machine_of
+from bogie_braking.machines import Machine, Runnable, machine_at, machine_of
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import MOST_NUMBERS, Kernel, KernelError
 from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
+from fmu_src.system import NONE
+from products.one_level import SELECTORS
+from rbd_model.levels.models import EVERY
 from rbd_model.track.line import Line
+from rbd_model.track.line_table import LINE
 
+#: The parameter that names a line's file.
+LINE_FILE = LINE.variable.name
 #: Columns of a recording are this far apart unless another interval is asked for [s].
 INTERVAL = 0.01
 #: Values that differ by so small a share of them are the same, and instants so near to each other [s]; and a share that
@@ -42,23 +48,24 @@ class Simulation:
     """
 
     def __init__(self, what: Runnable, line: Line | None = None, **values: Value) -> None:
-        line = line_or_none(line)
+        self._line, self._laid = line_or_none(line), ""
         self._machine = machine_of(what, values, line is not None)
         self._kernel = Kernel(self._machine.library)
         self._histories: dict[str, History] = {}
         self._told = 0  # of the kernel's sentences, so many were in a recording
         try:
-            if line is not None:
-                self._lay(line)
+            if self._line is not None:
+                self._lay(self._kernel, self._line)
             self._take(values)
         except KernelError as error:
             raise KernelError(without_value_before(str(error)), error.status) from error
 
-    def _lay(self, line: Line) -> None:
-        if "line_file" not in self._machine.variables:
+    def _lay(self, kernel: Kernel, line: Line) -> None:
+        if LINE_FILE not in self._machine.variables:
             raise refused(f"{self._machine.name} runs on no line; leave the line out.")
         with tempfile.TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
-            self._kernel.set(line_file=str(file_of(line, folder)))
+            self._laid = str(file_of(line, folder))
+            kernel.set(**{LINE_FILE: self._laid})
 
     @property
     def histories(self) -> list[History]:
@@ -86,7 +93,34 @@ class Simulation:
         """
         for name in self._machine.fixed & values.keys():
             raise refused(f"{name} chose the equations of {self._machine.name}; give it as the simulation is made.")
+        if self._machine.place is not None and not self._kernel.initialised:
+            now = {name: self._kernel[name] for name in SELECTORS} | {LINE_FILE: self._line_file()} | values
+            self._go_on_with(machine_of(self._machine.name, now, on_line=False))
         self._take(values)
+
+    def _line_file(self) -> str:
+        """Return the path of the line's file, no text if there is none."""
+        return self._kernel.get_text(self._kernel.number_of(LINE_FILE)) if LINE_FILE in self._machine.variables else ""
+
+    def _go_on_with(self, machine: Machine, state: bytes | None = None) -> None:
+        """Put another system of the same FMU in place of this one, with its values and its line; restore a state.
+
+        Raises KernelError, nothing changed.
+        """
+        kernel = self._kernel
+        if machine.place != self._machine.place:
+            numbers = (one for one in machine.variables.values() if one.causality in ("parameter", "input"))
+            now = {one.name: self._kernel[one.name] for one in numbers if one.kind != "string"}
+            changed = {name: value for name, value in now.items() if value != machine.variables[name].start}
+            kernel, path = Kernel(machine.library, **changed), self._line_file()
+            if self._line is not None and path == self._laid:
+                self._lay(kernel, self._line)
+            elif path:
+                kernel.set(**{LINE_FILE: path})
+            kernel.journal[:] = self._kernel.journal
+        if state is not None:
+            kernel.restore(state)
+        self._machine, self._kernel = machine, kernel
 
     def _take(self, values: Mapping[str, Value]) -> None:
         for name, value in values.items():
@@ -170,18 +204,24 @@ class Simulation:
 
     def save(self) -> bytes:
         """The complete state, to be kept in a file or sent elsewhere; inputs over time are not part of it."""
-        return self._machine.name.encode() + b"\0" + self._kernel.save()
+        return _mark(self._machine.name, self._machine.place) + self._kernel.save()
 
     def restore(self, state: bytes) -> None:
         """Back to a saved state of the same FMU, of another process too. Raises KernelError for what cannot be one."""
         if not isinstance(state, bytes):
             raise TypeError(f"Give the bytes that save gave: it was {shown(state)}.")
-        name, _, block = state.partition(b"\0")
-        if name != self._machine.name.encode():
-            raise refused(
-                f"This is no saved state of {self._machine.name}, whose equations are these; none is restored."
-            )
-        self._kernel.restore(block)
+        name, own = self._machine.name, self._machine.place
+        places = [own] if own is None else sorted({*EVERY, NONE})
+        found = [one for one in places if state.startswith(_mark(name, one))]
+        if not found:
+            raise refused(f"This is no saved state of {name}, whose equations are these; none is restored.")
+        machine = self._machine if found[0] == own else machine_at(name, found[0])
+        self._go_on_with(machine, state.removeprefix(_mark(name, found[0])))
+
+
+def _mark(name: str, place: int | None) -> bytes:
+    """Return what stands before a saved state: the name of the FMU and the number of the system."""
+    return "".join(f"{one}\0" for one in (name, place) if one is not None).encode()
 
 
 def on_grid(distance: float, interval: float) -> bool:

@@ -26,7 +26,7 @@ def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> M
     choice = tuple(0 if one == place else NONE for one in model.choice)
     if file:
         choice = choice[: len(choice) // 2]
-    return replace(model, variables=kept, systems=(system,), choice=choice)
+    return replace(model, variables=kept, systems=(system,), choice=choice, reads=None if file else model.reads)
 
 
 def _place(model: Model, values: Mapping[str, Any], with_file: bool) -> int:

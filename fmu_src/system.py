@@ -599,6 +599,7 @@ class Model:
     them without a table and then for all with one; NONE where there is no system. Outputs that the chosen system does
     not have are 0.
     `step_size` and `stop_time` are the default experiment. `relations` are looked at before each start.
+    reads: the table file that its instances read, where none of its systems says so.
     """
 
     name: str
@@ -610,6 +611,7 @@ class Model:
     step_size: float = 1e-3
     stop_time: float = 10.0
     relations: tuple[Relation, ...] = ()
+    reads: TableFile | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "variables", (*self.variables, *self._state_variables()))
@@ -655,7 +657,7 @@ class Model:
     @property
     def table_file(self) -> TableFile | None:
         """The table file of its systems; None: they read none."""
-        return next((system.table_file for system in self.systems if system.table_file), None)
+        return next((system.table_file for system in self.systems if system.table_file), self.reads)
 
     def index(self, name: str) -> int:
         """Value reference of a variable."""

@@ -1,13 +1,13 @@
 """BrakedVehicle: a complete vehicle and the brake cylinders of its wheelsets as one FMU, without a coupling's error."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from brake_controller.cylinder import timed_brake
 from brake_controller.parameters import BrakeParameters, qr30
 from fmu_src.compose import compose, scope
 from fmu_src.system import Model, System, Variable, model_of_choices
-from rbd_model.levels.models import CHOICE, DEFAULT_TOLERANCE, levels, selectors
+from rbd_model.levels.models import CHOICE, DEFAULT_TOLERANCE, LEVELS, choice_of, selectors, system_at
 from rbd_model.vehicle.description import Vehicle, relations_of
 from rbd_model.vehicle.ready import passenger_coach
 
@@ -15,6 +15,8 @@ from rbd_model.vehicle.ready import passenger_coach
 #: of its cylinder with a dump valve [s]. Assumed: the benchmark prints no brake.
 FULL_PRESSURE, FULL_TORQUE = 380e3, 6.4e3
 APPLICATION_TIME, RELEASE_TIME = 2.0, 0.6
+#: Numbers of its systems, those of a vehicle on level track.
+PLACES = tuple(sorted(set(CHOICE)))
 
 
 def coach_brake() -> BrakeParameters:
@@ -57,10 +59,15 @@ def on_each_wheelset(system: System, vehicle: Vehicle, make: Callable[[], System
     return compose(system.name, system.description, [system, *parts], {name: name for name in faces})
 
 
-def braked_vehicle(vehicle: Vehicle | None = None, brake: BrakeParameters | None = None) -> Model:
-    """Pressure demands and valves in; speed, wheel speeds and pressures out; by default the coach, its brake timed."""
+def braked_vehicle(
+    vehicle: Vehicle | None = None, brake: BrakeParameters | None = None, places: Sequence[int] = PLACES
+) -> Model:
+    """Pressure demands and valves in; speed, wheel speeds and pressures out; by default the coach, its brake timed.
+
+    places: which of the systems it has; those that it lacks cannot be chosen.
+    """
     whole, cylinder = vehicle or passenger_coach(), brake or coach_brake()
-    systems = tuple(with_brakes(system, whole, lambda: timed_brake(cylinder)) for system in levels(whole))
+    systems = tuple(with_brakes(system_at(whole, place), whole, lambda: timed_brake(cylinder)) for place in places)
     text = "Four-axle railway vehicle with a brake cylinder on each wheelset: pressure in, speed and slip out"
     parameters = {name for system in systems for name in system.parameter_symbols}
     return model_of_choices(
@@ -68,7 +75,7 @@ def braked_vehicle(vehicle: Vehicle | None = None, brake: BrakeParameters | None
         text,
         systems,
         selectors(),
-        CHOICE,
+        choice_of(places, len(LEVELS), on_line=False),
         DEFAULT_TOLERANCE,
         relations=relations_of(whole, parameters),
         stop_time=25.0,

@@ -24,8 +24,9 @@ from fmu_src.step_fmu_in_c import build_step_fmu_in_c
 from fmu_src.system import StepInPython, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.experiments import experiments_of
+from products.one_level import model_at
 from products.parameter_sets import set_files
-from products.prebuilt import PICTURES, content_of, prebuilt
+from products.prebuilt import PICTURES, content_of, prebuilt, prebuilt_from_these
 from products.registry import FMUS, model_of
 from products.remembered import remembered, remembered_path
 from products.sources import ROOT
@@ -105,9 +106,28 @@ def _in_cache(name: str, kind: str) -> Path:
 
 def kernel_of(name: str) -> Path:
     """Path of the library of an FMU's equations for fmu_src/kernel.py, likewise."""
-    file = f"kernel/{name}{library_suffix()}"
+    file = _kernel_file(name)
     with ONE_WRITES:
         return prebuilt(name, file) or remembered_path(name, file, lambda: build_library(model_of(name)))
+
+
+def _kernel_file(name: str) -> str:
+    return f"kernel/{name}{library_suffix()}"
+
+
+def whole_kernel(name: str) -> Path | None:
+    """Path of the library of all equations of an FMU if one came with the package and no source has changed since."""
+    return prebuilt_from_these(_kernel_file(name))
+
+
+def kernel_at(name: str, place: int) -> Path:
+    """Path of the library of one of a vehicle's systems, by its number (`one_level.place_of`), compiled if missing."""
+
+    def built() -> Path:
+        return build_library(model_at(name, variables_of(name), place))
+
+    with ONE_WRITES:
+        return remembered_path(name, f"system {place}, {_kernel_file(name)}", built)
 
 
 @lru_cache

@@ -89,11 +89,15 @@ def damaged() -> list[str]:
 
 def prebuilt(name: str, file: str) -> Path | None:
     """The file of an FMU of the registry that a release made: whole, and as the sources here would make it."""
-    path, about = shipped(file), contents()
-    if path is None:
-        return None
-    same = about.get("sources") == sources_here() or about["contents"].get(name) == content_of(name)
+    path = shipped(file)
+    same = path and (prebuilt_from_these(file) or contents()["contents"].get(name) == content_of(name))
     return path if same else None
+
+
+def prebuilt_from_these(file: str) -> Path | None:
+    """A file that a release made from sources that are as they are here, which is known at once."""
+    path = shipped(file)
+    return path if path and contents().get("sources") == sources_here() else None
 
 
 def prebuilt_page(name: str = PAGE) -> Path | None:

@@ -10,26 +10,30 @@ from fmu_src.system import Model
 from products.braked_vehicle import braked_vehicle
 from rbd_model.levels.models import bogie_dynamics, coal_wagon_dynamics, vehicle_dynamics, wheelset_dynamics
 from rbd_model.track.recovery import rail_adhesion
+from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 
 
 @dataclass(frozen=True)
 class Fmu:
     """What becomes an FMU, and the picture on the page inside it, a file in pictures/ beside this one.
 
-    alike: the FMU whose equations and variables it has, with other numbers.
+    alike: the FMU whose equations and variables it has, with other numbers. vehicle: that which it has at all levels;
+    its `model` takes the `places` of those that are asked for.
     """
 
-    model: Callable[[], Model]
+    model: Callable[..., Model]
     picture: str | None = None
     alike: str | None = None
+    vehicle: Callable[[], Vehicle] | None = None
 
 
 #: By the name that the command line and the scenarios know.
 FMUS: dict[str, Fmu] = {
-    "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png"),
-    "vehicle": Fmu(vehicle_dynamics),
-    "coal-wagon": Fmu(coal_wagon_dynamics, alike="vehicle"),
-    "braked-vehicle": Fmu(braked_vehicle),
+    "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png", vehicle=two_axle_bogie),
+    "vehicle": Fmu(vehicle_dynamics, vehicle=passenger_coach),
+    "coal-wagon": Fmu(coal_wagon_dynamics, alike="vehicle", vehicle=loaded_coal_wagon),
+    "braked-vehicle": Fmu(braked_vehicle, vehicle=passenger_coach),
     "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
     "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
     "rail": Fmu(rail_adhesion),

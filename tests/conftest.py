@@ -7,12 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from brake_controller.cylinder import brake_cylinder
-from fmu_src.compile import build_library
 from fmu_src.kernel import Library
-from products.building import KINDS, up_to_date
+from products.building import KINDS, kernel_of, up_to_date
 from products.registry import DIFFERENT
-from rbd_model.levels.models import bogie_dynamics
 
 #: Files whose fixtures take a minute: they come first, for whoever comes to them last lets the other processor wait.
 SLOW_TO_BEGIN = {"test_installation.py", "test_pages_run.py"}
@@ -24,12 +21,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def bogie() -> Library:
-    return Library(build_library(bogie_dynamics()))
+    return Library(kernel_of("bogie"))
 
 
 @pytest.fixture(scope="session")
 def brake() -> Library:
-    return Library(build_library(brake_cylinder()))
+    return Library(kernel_of("brake"))
 
 
 class Fmus(Mapping[tuple[str, str], Path]):

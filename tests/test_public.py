@@ -118,6 +118,18 @@ def test_a_run_that_is_continued_from_a_saved_state_is_the_same_to_the_last_bit(
     assert ends[0].sentences == ends[1].sentences != []
 
 
+def test_a_vehicle_goes_on_with_the_system_that_is_chosen_before_the_start() -> None:
+    """Its name stands for all levels, of which one is compiled at a time; on a line, which it keeps."""
+    climb = bb.line_of([bb.straight(1000.0, gradient=0.01)])
+    chosen, moved = bb.Simulation("bogie", climb, level=1, **BRAKED), bb.Simulation("bogie", climb, **BRAKED)
+    moved.set(level=1)
+    assert np.array_equal(moved.advance(1.0)["speed"], chosen.advance(1.0)["speed"])
+    other = bb.Simulation("bogie", climb)  # at level 2
+    other.restore(chosen.save())
+    assert other["level"] == 1.0
+    assert np.array_equal(other.advance(1.0)["speed"], chosen.advance(1.0)["speed"])
+
+
 def test_what_cannot_be_is_told_in_a_sentence() -> None:
     with pytest.raises(KeyError, match=r"There is no FMU bogey; did you mean bogie\?"):
         bb.run("bogey", 1.0)

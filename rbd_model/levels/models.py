@@ -129,22 +129,25 @@ def parameters_of(vehicle: Vehicle, systems: Iterable[System]) -> list[Variable]
     return [found[name] for name in sorted(found, key=lambda name: first.index(name) if name in first else len(first))]
 
 
-def bogie_dynamics(defaults: BogieParameters | None = None) -> Model:
-    """The bogie as one FMU, that of chapter 5 by default: brake torque capacity in; speed, rotation and slip out."""
+def bogie_dynamics(defaults: BogieParameters | None = None, places: Sequence[int] = EVERY) -> Model:
+    """The bogie as one FMU, that of chapter 5 by default: brake torque capacity in; speed, rotation and slip out.
+
+    places: as `model_of_levels` takes them.
+    """
     text = "Two-axle railway bogie under brake and traction torque, after Handoko (2006)"
-    return model_of_levels("BogieDynamics", text, two_axle_bogie(defaults))
+    return model_of_levels("BogieDynamics", text, two_axle_bogie(defaults), places)
 
 
-def vehicle_dynamics(vehicle: Vehicle | None = None) -> Model:
-    """A complete vehicle as one FMU, vehicle 1 of the Manchester benchmarks by default."""
+def vehicle_dynamics(vehicle: Vehicle | None = None, places: Sequence[int] = EVERY) -> Model:
+    """A complete vehicle as one FMU, vehicle 1 of the Manchester benchmarks by default; places: as above."""
     whole = vehicle or passenger_coach()
     text = "Four-axle railway vehicle under brake and traction torque: car body, two bogies, four wheelsets"
-    return model_of_levels(whole.name, text, whole)
+    return model_of_levels(whole.name, text, whole, places)
 
 
-def coal_wagon_dynamics() -> Model:
-    """The coal wagon of two bogies of chapter 5 as an FMU."""
-    return vehicle_dynamics(loaded_coal_wagon())
+def coal_wagon_dynamics(places: Sequence[int] = EVERY) -> Model:
+    """The coal wagon of two bogies of chapter 5 as an FMU; places: as above."""
+    return vehicle_dynamics(loaded_coal_wagon(), places)
 
 
 #: Share of the adhesion that the brakes of the chapter 5 bogie may ask for while static loads give speed, distance and

@@ -9,10 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from fmu_src.chosen import alone
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System
-from products.building import kernel_of, units_of
+from products.building import kernel_at, kernel_of, units_of, variables_of, whole_kernel
+from products.one_level import model_at, place_of
 from products.registry import model_of
 from rbd_model.levels.models import smallest_level
 from rbd_model.track.line import Line
@@ -28,15 +30,19 @@ AT_REST = 0.05
 PADDING = 8
 
 
+def library(name: str, **values: float | str) -> Library:
+    """The compiled kernel inside the FMU of this name; of a vehicle the one system that the values choose."""
+    return _library(name, place_of(name, variables_of(name), values))
+
+
 @lru_cache
-def library(name: str) -> Library:
-    """The compiled kernel inside the FMU of this name."""
-    return Library(kernel_of(name))
+def _library(name: str, place: int | None) -> Library:
+    return Library(whole_kernel(name) or (kernel_of(name) if place is None else kernel_at(name, place)))
 
 
 def prepare(name: str, **values: float | str) -> Kernel:
-    """A kernel with parameters and first inputs."""
-    return Kernel(library(name), **values)
+    """A kernel with parameters and first inputs; it has no system but that which they choose."""
+    return Kernel(library(name, **values), **values)
 
 
 def prepare_on_line(name: str, line: Line, **values: float) -> Kernel:
@@ -52,10 +58,13 @@ def in_space(name: str) -> dict[str, float]:
 
 def system_of(name: str, **values: float) -> System:
     """The equations that a kernel with these parameters solves."""
-    model, place = model_of(name), 0
-    for selector in (variable for variable in model.variables if variable.name in model.selectors):
-        place = place * int(selector.maximum) + int(values.get(selector.name, selector.start)) - 1
-    return model.systems[model.choice[place] if model.selectors else 0]
+    place = place_of(name, variables_of(name), values)
+    return alone(model_of(name), values).systems[0] if place is None else _system(name, place)
+
+
+@lru_cache
+def _system(name: str, place: int) -> System:
+    return model_at(name, variables_of(name), place).systems[0]
 
 
 def bogie(driven: Iterable[str], read: Iterable[str], **values: float) -> Kernel:

@@ -193,7 +193,7 @@ Study = dict[tuple[Run, float | None], Found]
 def study() -> Study:
     """All runs with all steps; they share the compiled libraries and run beside each other."""
     for name in ("bogie", "wheelset"):
-        library(name)  # compiled once, before the threads ask for them
+        library(name, **in_space(name))  # compiled once, before the threads ask for them
     asked = list(product(RUNS, (None, *STEPS)))
     with ThreadPoolExecutor() as pool:
         found = pool.map(lambda one: one[0].found(one[1]), asked)

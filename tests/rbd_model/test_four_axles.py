@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
-from rbd_model.levels.models import levels, vehicle_dynamics
+from products.building import kernel_of
+from rbd_model.levels.models import levels
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.linear import oscillations
 from rbd_model.track.irregularity import irregular_track, section_5_3
@@ -29,7 +29,7 @@ STATICS_BAND = 2e-4
 
 @pytest.fixture(scope="module")
 def vehicle() -> Library:
-    return Library(build_library(vehicle_dynamics()))
+    return Library(kernel_of("vehicle"))
 
 
 @pytest.fixture(scope="module")

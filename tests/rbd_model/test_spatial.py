@@ -16,7 +16,7 @@ from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
 from fmu_src.system import model_of
 from rbd_model.contact.geometry import contact_at, equivalent_conicity, flange_of, thesis_pair
 from rbd_model.contact.hertz import ellipse_fit, ellipse_shape, moving_ellipse
-from rbd_model.levels.models import DEPTH_ON_LINE, bogie_dynamics, levels, smallest_level, wheelset_in_frame
+from rbd_model.levels.models import DEPTH_ON_LINE, levels, smallest_level, wheelset_in_frame
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.track.irregularity import (
@@ -41,11 +41,6 @@ POWERS = ("brake_power", "creep_power", "damping_power")
 ENERGY_BAND, GAP_BAND, MIRROR_BAND = 1e-8, 1e-9, 1e-9
 #: Wavelength of the kinematic wave; the profiles' splines make its conicity good to 1e-3, the creep at 1 m/s to less.
 KLINGEL_BAND = 1e-3
-
-
-@pytest.fixture(scope="module")
-def bogie() -> Library:
-    return Library(build_library(bogie_dynamics()))
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import FrictionSlider, SeriesDamper, Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 from scenarios.bench.curves import suited_speed
-from scenarios.bench.drive import library
+from scenarios.bench.drive import prepare
 from tests.quick_library import quick_library
 
 VEHICLES = {"bogie": two_axle_bogie(), "vehicle": passenger_coach(), "coal-wagon": loaded_coal_wagon()}
@@ -63,7 +63,7 @@ CHORD_BAND = 3e-3
 def on_line(name: str, line: Line, folder: Path, **values: float) -> Kernel:
     """An FMU's kernel in space on a line."""
     path = line.write(folder / "line.csv")
-    return Kernel(library(name), line_file=str(path), **{"level": 3.0, "constant_speed": 1.0, **values})
+    return prepare(name, line_file=str(path), **{"level": 3.0, "constant_speed": 1.0, **values})
 
 
 def curve(radius: float, cant: float, length: float = 400.0) -> Line:
@@ -295,7 +295,7 @@ def test_the_input_gradient_starts_level_2_as_a_line_does(tmp_path: Path) -> Non
     for speed in (0.0, 20.0):
         line = line_of([straight(400.0, -0.02)], BEHIND)
         one = on_line("bogie", line, tmp_path, level=2.0, initial_speed=speed, brake_torque_1=2e4, brake_torque_2=2e4)
-        other = Kernel(library("bogie"), level=2.0, gradient=-0.02, initial_speed=speed)
+        other = prepare("bogie", level=2.0, gradient=-0.02, initial_speed=speed)
         other.set(brake_torque_1=2e4, brake_torque_2=2e4)
         for kernel in (one, other):
             kernel.initialise()

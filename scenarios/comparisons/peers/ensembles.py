@@ -164,8 +164,8 @@ def of_cvode(level: str, tolerance: float, torque: float) -> Run:
 
 def warm_up(_: int) -> None:
     """What a process needs before its first stop."""
-    library("bogie")
     for level in LEVELS:
+        library("bogie", **LEVELS[level][0])
         layout_of(stop(level, TORQUES[0]))
 
 
