@@ -30,7 +30,7 @@ from rbd_model.contact.patches import patches_of, stand_on_treads
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.description import as_sum
-from rbd_model.vehicle.ready import two_axle_bogie
+from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
 from rbd_model.wheelset.touch import Placement, Wheel, touch
 from rbd_model.wheelset.touching_patch import Line, Outline, along_and_square
 from scenarios.bench.climbing_wheelset import INTERVAL, climbing_wheelset, push
@@ -375,17 +375,17 @@ def test_wheels_on_the_head_brake_by_its_friction_whatever_the_gauge_face_has(pa
 
 @lru_cache
 def unequal(mirrored: bool, depth: int) -> Library:
-    """The bogie whose leading wheelset has a wheel of 850 mm and one of 852 mm, and S1002 on one side."""
+    """A wheelset in a frame with a wheel of 850 mm and one of 852 mm, and S1002 on one side."""
     thesis, european = thesis_pair().left, european_pair().left
     other = replace(thesis, wheel=european.wheel, rail=european.rail, radius=thesis.radius + 1e-3)
     distances = {"wheel_half_distance": european.wheel_half_distance, "rail_half_distance": european.rail_half_distance}
     sides = Sides(thesis, replace(other, **distances))
-    bogie = two_axle_bogie()
+    alone = wheelset_under_frame()
     radius = ("wheel_radius", as_sum("wheel_radius") + 1e-3)
-    first = replace(bogie.wheelsets[0], pair=sides, radius=radius)
+    first = replace(alone.wheelsets[0], pair=sides, radius=radius)
     if mirrored:
         first = replace(first, pair=sides.mirrored, radius=radius[::-1])
-    vehicle = replace(bogie, wheelsets=(first, bogie.wheelsets[1]))
+    vehicle = replace(alone, wheelsets=(first,))
     return quick_library(model_of(spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(depth)), 1e-7))
 
 
