@@ -1,1 +1,0 @@
-"""The study of the macro step: error, chatter and the boundary of feedback."""
