@@ -109,8 +109,8 @@ def test_a_ring_is_found() -> None:
     assert floors({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == {"c": 1, "b": 2, "a": 3}
 
 
-#: Rooms of scenarios/ that hold scenarios, one file each; the others are the machinery.
-SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "lines", "numerics", "coupling", "trains", "comparisons")
+#: Rooms of scenarios/ that hold scenarios, one file each; `coupling` is one with its parts, the others the machinery.
+SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "lines", "numerics", "trains", "comparisons")
 
 
 #: What comparisons stand on, which no wheel has.

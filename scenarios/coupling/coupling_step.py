@@ -7,11 +7,11 @@ import numpy as np
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from fmu_src.cosimulation.recording import Recording
 from products.bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE, brake_values
-from scenarios.macro_step import error as coupling_error
-from scenarios.macro_step import feedback_boundary, signed_torque
-from scenarios.macro_step.error import MASTERS
-from scenarios.macro_step.figure import draw
-from scenarios.macro_step.findings import Findings, find
+from scenarios.coupling import error as coupling_error
+from scenarios.coupling import feedback_boundary, signed_torque
+from scenarios.coupling.error import MASTERS
+from scenarios.coupling.figure import draw
+from scenarios.coupling.findings import Findings, find
 from scenarios.reporting.report import Report, Row, at_least, at_most, near
 from scenarios.scenario import Options, Scenario
 

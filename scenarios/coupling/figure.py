@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from products.bogie import BOGIE
-from scenarios.macro_step import signed_torque
-from scenarios.macro_step.error import MASTERS, error_on_paper, order
-from scenarios.macro_step.feedback_boundary import SPEED, boundary_on_paper, pressure_per_slip
-from scenarios.macro_step.findings import Findings
+from scenarios.coupling import signed_torque
+from scenarios.coupling.error import MASTERS, error_on_paper, order
+from scenarios.coupling.feedback_boundary import SPEED, boundary_on_paper, pressure_per_slip
+from scenarios.coupling.findings import Findings
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 

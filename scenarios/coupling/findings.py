@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.open_fmus import open_bogie, open_brake
-from scenarios.macro_step import error as coupling_error
-from scenarios.macro_step import signed_torque
-from scenarios.macro_step.error import MASTERS, CoupledStop
-from scenarios.macro_step.feedback_boundary import ClosedLoop, Plant, boundary_on_paper, linear_bogie
-from scenarios.macro_step.signed_torque import Chatter
+from scenarios.coupling import error as coupling_error
+from scenarios.coupling import signed_torque
+from scenarios.coupling.error import MASTERS, CoupledStop
+from scenarios.coupling.feedback_boundary import ClosedLoop, Plant, boundary_on_paper, linear_bogie
+from scenarios.coupling.signed_torque import Chatter
 from scenarios.reporting.progress import counting
 from scenarios.scenario import Options
 

@@ -13,8 +13,8 @@ from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
 from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.braked_bogie import bogie_values
 from scenarios.bench.drive import prepare
-from scenarios.macro_step.error import MASTERS, RATE, CoupledStop, coupled_stop, error_on_paper, order, reference
-from scenarios.macro_step.feedback_boundary import (
+from scenarios.coupling.error import MASTERS, RATE, CoupledStop, coupled_stop, error_on_paper, order, reference
+from scenarios.coupling.feedback_boundary import (
     FEEDBACK,
     SETTLING,
     SPEED,
@@ -25,7 +25,7 @@ from scenarios.macro_step.feedback_boundary import (
     boundary_on_paper,
     linear_bogie,
 )
-from scenarios.macro_step.signed_torque import (
+from scenarios.coupling.signed_torque import (
     capacity_stop,
     jump_at_rest,
     jump_in_skid,
