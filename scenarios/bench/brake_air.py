@@ -17,7 +17,7 @@ from scenarios.bench.gas_dynamics import (
     choked_venting_time,
     unchoked_filling_time,
 )
-from scenarios.reporting.report import Row, near
+from scenarios.reporting.report import Row, measured, near
 
 #: Asked of peaks and times.
 RELATIVE = 5e-3
@@ -88,7 +88,7 @@ def closed_form_rows() -> list[Row]:
             ("filling to 95 % of the absolute supply", "s", choked + unchoked, crossing(filling, full - ambient)),
             ("vent, choked part", "s", vent, crossing(venting, low - ambient) - venting["time"][0]),
         ):
-            rows.append(Row(f"{word}: {text}", unit, None, found, near(exact, RELATIVE * exact), source))
+            rows.append(measured(f"{word}: {text}", unit, found, source, near(exact, RELATIVE * exact)))
     return rows
 
 
@@ -117,6 +117,6 @@ def balance_rows() -> list[Row]:
     source, how = "conservation", f"exponent 1.2, tolerance {TIGHT:g}, over what went in"
     lost = energy / gathered["enthalpy_in"]
     return [
-        Row("mass of air that is missing", "1", None, mass / gathered["mass_flow_in"], near(0.0, BALANCE), source, how),
-        Row("energy of air that is missing", "1", None, lost, near(0.0, BALANCE), source, how),
+        measured("mass of air that is missing", "1", mass / gathered["mass_flow_in"], source, near(0.0, BALANCE), how),
+        measured("energy of air that is missing", "1", lost, source, near(0.0, BALANCE), how),
     ]

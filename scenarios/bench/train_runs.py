@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,6 +77,11 @@ def follow(train: Train, seconds: float, interval: float = 0.1, act: Callable[[T
         train.advance(interval)
         look()
     return Course(*(np.array(values) for values in zip(*rows, strict=True)))
+
+
+def seconds_of(courses: Iterable[Course]) -> float:
+    """Simulated by all that begin at rest of the clock [s]."""
+    return float(sum(course.time[-1] for course in courses))
 
 
 def stands(train: Train) -> bool:

@@ -41,7 +41,7 @@ from fmu_src.cosimulation.slave import Slave
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
 from scenarios.bench.open_fmus import open_brake
 from scenarios.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
-from scenarios.reporting.report import Report, Row, between, value_of
+from scenarios.reporting.report import Report, Row, between, measured, value_of
 from scenarios.scenario import Options, Scenario
 
 TIMED, FLOW = 1, 2
@@ -130,13 +130,13 @@ def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
         quantity, printed = f"{case.name}, {kind}: {word}", window.shortest == window.longest
         if not printed:
             window_of_standard = between(window.shortest, window.longest)
-            rows.append(Row(quantity, "s", None, seconds, window_of_standard, case.source))
+            rows.append(measured(quantity, "s", seconds, case.source, window_of_standard))
         elif word is words[0]:
             why = "0-95 % definition, section 2.4.2"
             rows.append(Row(quantity, "s", window.middle, seconds, PRINTED_TIME, case.source, why))
         else:
             why = "not judged: release is not printed, assumed as fast as application"
-            rows.append(Row(quantity, "s", None, seconds, None, case.source, why))
+            rows.append(measured(quantity, "s", seconds, case.source, None, why))
     return rows
 
 

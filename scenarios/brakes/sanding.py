@@ -25,7 +25,7 @@ from fmu_src.system import System, Variable, model_of
 from rbd_model.track.sand import SandParameters, common_sand, sanders
 from scenarios.reporting.plots import BOGIE, THESIS, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, between
+from scenarios.reporting.report import Report, Row, at_least, between, measured
 from scenarios.scenario import Options, Scenario
 
 #: 55 mph [m/s], what the brake asks for [m/s2], and adhesion without sand: printed. To 95 % of the brake [s]: assumed.
@@ -119,19 +119,19 @@ def fitted(trials: Sequence[Trial] = FITTED) -> SandParameters:
 def rows_of(sand: SandParameters, ways: Mapping[str, float], others: Mapping[int, float]) -> list[Row]:
     """What was fitted, and what that predicts."""
     source = "RSSB T1107 (Rail Engineer, February 2018)"
-    rows = [Row("no sander: stopping distance", "m", None, ways[NONE.name], at_least(NONE.printed), source)]
+    rows = [measured("no sander: stopping distance", "m", ways[NONE.name], source, at_least(NONE.printed))]
     near = between(ONE.printed - NEAR, ONE.printed + NEAR)
-    rows.append(Row(f"{ONE.name}: stopping distance", "m", None, ways[ONE.name], near, f"{source}: 600 m"))
+    rows.append(measured(f"{ONE.name}: stopping distance", "m", ways[ONE.name], f"{source}: 600 m", near))
     misses = "not judged: the trial stopped shorter than sand of this law explains; the wheels may clean the rail"
-    rows.append(Row(f"{TWO.name}: stopping distance", "m", None, ways[TWO.name], None, f"{source}: 400 m", misses))
+    rows.append(measured(f"{TWO.name}: stopping distance", "m", ways[TWO.name], f"{source}: 400 m", None, misses))
     for trial in FITTED:
         at = f"{source}: {trial.printed:g} m"
-        rows.append(Row(f"{trial.name}: stopping distance", "m", None, ways[trial.name], None, at, "fitted to it"))
+        rows.append(measured(f"{trial.name}: stopping distance", "m", ways[trial.name], at, None, "fitted to it"))
     for number, found in others.items():
         name = f"the same with the second sander ahead of wheelset {number}, fitted again"
-        rows.append(Row(f"{name}: {TWO.name}", "m", None, found, None, source))
-    rows.append(Row("friction on much sand", "1", None, sand.sanded_friction, None, "fitted"))
-    rows.append(Row("sand on each metre for 63 % of it", "g/m", None, 1e3 * sand.sand_scale, None, "fitted"))
+        rows.append(measured(f"{name}: {TWO.name}", "m", found, source))
+    rows.append(measured("friction on much sand", "1", sand.sanded_friction, "fitted"))
+    rows.append(measured("sand on each metre for 63 % of it", "g/m", 1e3 * sand.sand_scale, "fitted"))
     return rows
 
 

@@ -16,7 +16,7 @@ from scenarios.bench.asymmetric_shoes import DERAILED_AT
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, single
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row
+from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import Options, Scenario
 
 SPEED, BRAKE_START, STEP, LONGEST = 25.0, 1.0, 5e-3, 60.0
@@ -129,9 +129,9 @@ def rows_of(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float
     source = f"planar, 25 m/s, friction {FRICTION:g}, the same torque in total"
     for share, stop in uneven.items():
         name = f"{share:.0%} of the torque on the leading wheelset"
-        rows.append(Row(f"{name}: stopping distance", "m", None, stop.distance, None, source))
+        rows.append(measured(f"{name}: stopping distance", "m", stop.distance, source))
         for number, word in ((1, "leading"), (2, "trailing")):
-            rows.append(Row(f"{name}: {word} locks at", "s", None, stop.locked_at(number), None, source))
+            rows.append(measured(f"{name}: {word} locks at", "s", stop.locked_at(number), source))
     for (leading, trailing), stop in asymmetric.items():
         wheelset, error = (1, leading) if leading else (2, trailing)
         name = f"shoes {error:.0%} uneven, {'leading' if wheelset == 1 else 'trailing'} wheelset"
@@ -142,7 +142,7 @@ def rows_of(uneven: dict[float, UnevenStop], asymmetric: dict[tuple[float, float
             near = (wheelset, error) == (2, 0.75)
             judged, note = (None, CLOSE) if near else (0.0, "")
             rows.append(Row(f"{name}: derailed", "1", 0.0, float(stop.derails), judged, "Tables 9.2, 9.3", note))
-        rows.append(Row(f"{name}: peak lateral shift", "mm", None, 1e3 * stop.peak(wheelset), None, "spatial"))
+        rows.append(measured(f"{name}: peak lateral shift", "mm", 1e3 * stop.peak(wheelset), "spatial"))
     return rows
 
 

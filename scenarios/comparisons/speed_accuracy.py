@@ -21,7 +21,7 @@ from scenarios.measuring.scenes import ASYMMETRIC, ON_PATCHES, ON_STRIPS, SCENES
 from scenarios.measuring.timing import least
 from scenarios.reporting.plots import label_edges, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: What a user asks for: relative error of peak lateral displacement, stop time and distance.
@@ -78,30 +78,30 @@ def scene_rows(one: Study) -> list[Row]:
     default = one.at(DEFAULT, DEFAULT_TOLERANCE)
     of_default, words = f"{name}: error of the default", "relative, the largest"
     rows = [
-        Row(of_default, "1", None, default.error, at_most(EXPECTED), source, words),
-        Row(f"{name}: time of the default", "ms", None, 1e3 * default.seconds, None, "measured now"),
+        measured(of_default, "1", default.error, source, at_most(EXPECTED), words),
+        measured(f"{name}: time of the default", "ms", 1e3 * default.seconds, "measured now"),
     ]
     for setting, word in ((1e-4, "at 1e-4"), (1e-5, "at 1e-5")):
         for point in one.of(DEFAULT):
             if point.setting == setting:
-                rows.append(Row(f"{name}: error of RODAS5P {word}", "1", None, point.error, None, source))
+                rows.append(measured(f"{name}: error of RODAS5P {word}", "1", point.error, source))
                 share = point.seconds / default.seconds
-                rows.append(Row(f"{name}: time {word} over the default's", "1", None, share, None, "measured now"))
+                rows.append(measured(f"{name}: time {word} over the default's", "1", share, "measured now"))
     ours, other = one.fastest([DEFAULT], WANTED), one.fastest(PEERS, WANTED)
     if ours and other:
         words = f"{other.method} at {other.setting:g}: {1e3 * other.seconds:.1f} ms, error {other.error:.1e}"
         ratio = other.seconds / ours.seconds
         quantity = f"{name}: best peer's time over ours, at {WANTED:g}"
-        rows.append(Row(quantity, "1", None, ratio, None, "measured now", words))
+        rows.append(measured(quantity, "1", ratio, "measured now", None, words))
         ratio = other.seconds / default.seconds
         quantity = f"{name}: best peer's time to {WANTED:g} over the default's"
-        rows.append(Row(quantity, "1", None, ratio, None, "measured now"))
+        rows.append(measured(quantity, "1", ratio, "measured now"))
     exchanged, planar = one.fastest([EXCHANGE], WANTED), one.of("level planar")
     if exchanged and planar:
         words = f"{exchanged.method} at {exchanged.setting:g}: {1e3 * exchanged.seconds:.0f} ms"
         ratio = exchanged.seconds / planar[0].seconds
         quantity = f"{name}: time of model exchange over that of co-simulation, in the plane"
-        rows.append(Row(quantity, "1", None, ratio, None, "measured now", words))
+        rows.append(measured(quantity, "1", ratio, "measured now", None, words))
     return rows
 
 
@@ -113,10 +113,10 @@ def stop_rows() -> list[Row]:
     kernel = STOP.kernel()
     seconds = least(lambda: one_step(STOP)) - least(lambda: STOP.kernel())
     rows = [
-        Row("22.9 s stop in one doStep", "s", None, seconds, None, "measured now; to reach 0.03"),
-        Row("22.9 s stop: times real time", "1", None, STOP.duration / seconds, None, "measured now; to reach 760"),
-        Row("22.9 s stop: error of stop time", "s", None, late, near(0.0, STOP_TIME), "RODAS5P 1e-11"),
-        Row("22.9 s stop: error of distance", "m", None, beyond, near(0.0, DISTANCE), "RODAS5P 1e-11"),
+        measured("22.9 s stop in one doStep", "s", seconds, "measured now; to reach 0.03"),
+        measured("22.9 s stop: times real time", "1", STOP.duration / seconds, "measured now; to reach 760"),
+        measured("22.9 s stop: error of stop time", "s", late, "RODAS5P 1e-11", near(0.0, STOP_TIME)),
+        measured("22.9 s stop: error of distance", "m", beyond, "RODAS5P 1e-11", near(0.0, DISTANCE)),
     ]
     rows += sundials_stop_rows(exact, difference(found, exact))
     kernel.step(0.0, 1e-3)
@@ -124,14 +124,14 @@ def stop_rows() -> list[Row]:
     begin = clock.perf_counter()
     kernel.repeat_step(1e-3, count)
     host = (clock.perf_counter() - begin) / count
-    rows.append(Row("host step of 1 ms, spatial", "us", None, 1e6 * host, None, "measured now; to reach 20"))
+    rows.append(measured("host step of 1 ms, spatial", "us", 1e6 * host, "measured now; to reach 20"))
     flange = own(ASYMMETRIC)
     peak = ASYMMETRIC.measure(flange.samples)["peak lateral"]
     tight = ASYMMETRIC.measure(own(ASYMMETRIC, tolerance=1e-9).samples)["peak lateral"]
     words = "flange contact and rotating yaw torque"
     rows += [
-        Row(f"{words}: time", "s", None, flange.seconds, None, "measured now; to reach 0.2"),
-        Row(f"{words}: error of the peak", "mm", None, 1e3 * (peak - tight), near(0.0, 1e3 * PEAK), "RODAS5P 1e-9"),
+        measured(f"{words}: time", "s", flange.seconds, "measured now; to reach 0.2"),
+        measured(f"{words}: error of the peak", "mm", 1e3 * (peak - tight), "RODAS5P 1e-9", near(0.0, 1e3 * PEAK)),
     ]
     return rows
 
@@ -146,7 +146,7 @@ def sundials_stop_rows(exact: dict[str, float], ours: float) -> list[Row]:
         if good:
             seconds, value, error = min(good)
             words = f"tolerance {value:g}, relative error {error:.1e}; ours {ours:.1e}"
-            rows.append(Row(f"22.9 s stop: {method}", "s", None, seconds, None, "measured now", words))
+            rows.append(measured(f"22.9 s stop: {method}", "s", seconds, "measured now", None, words))
     return rows
 
 
@@ -167,9 +167,9 @@ def host_rows() -> list[Row]:
             found[method, tolerance] = seconds
             name = {"own": "default", "CVODE": "CVODE anew"}[method]
             what = f"new torque each {1e3 * step:g} ms: {name}, {tolerance:g}"
-            rows.append(Row(what, "us", None, 1e6 * seconds, None, "measured now, one host step", words))
+            rows.append(measured(what, "us", 1e6 * seconds, "measured now, one host step", None, words))
         ratio = min(found["CVODE", DEFAULT_TOLERANCE], found["CVODE", 1e-3]) / found["own", DEFAULT_TOLERANCE]
-        rows.append(Row(f"new torque each {1e3 * step:g} ms: CVODE over ours", "1", None, ratio, None, "measured now"))
+        rows.append(measured(f"new torque each {1e3 * step:g} ms: CVODE over ours", "1", ratio, "measured now"))
     return rows
 
 

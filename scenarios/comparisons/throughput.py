@@ -14,7 +14,7 @@ from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.comparisons.peers import ensembles, sundials
 from scenarios.comparisons.peers.ensembles import ALONE, BATCH, FIXED, IN_PROCESSES, IN_THREADS, PEERS, Study
 from scenarios.reporting.plots import label_edges, plt, titled
-from scenarios.reporting.report import Report, Row, at_most
+from scenarios.reporting.report import Report, Row, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 #: Relative error of the distance that an engineer needs, and that of the default at most.
@@ -42,22 +42,22 @@ def level_rows(found: Study, level: str) -> list[Row]:
     apart = f"{level}: largest difference of a batch and single runs"
     words = f"distance, against references that differ by {found.uncertainty[level]:.1e}"
     rows += [
-        Row(off, "1", None, batch.error, at_most(EXPECTED), words),
-        Row(apart, "m", None, found.apart[level], at_most(0.0), "the same bits at every setting"),
-        Row(f"{level}: stops a second, batch at the default", "1/s", None, batch.stops, None, source),
-        Row(f"{level}: stops a second, one instance at the default", "1/s", None, alone.stops, None, source),
+        measured(off, "1", batch.error, words, at_most(EXPECTED)),
+        measured(apart, "m", found.apart[level], "the same bits at every setting", at_most(0.0)),
+        measured(f"{level}: stops a second, batch at the default", "1/s", batch.stops, source),
+        measured(f"{level}: stops a second, one instance at the default", "1/s", alone.stops, source),
     ]
     best, peer = found.fastest(level, [BATCH, f"{BATCH}, {FIXED}"], WANTED), found.fastest(level, PEERS, WANTED)
     if best:
         words = f"{best.way} at {best.setting:g}"
         what = f"{level}: stops a second, best batch to {WANTED:g}"
-        rows.append(Row(what, "1/s", None, best.stops, None, source, words))
+        rows.append(measured(what, "1/s", best.stops, source, None, words))
     if peer:
         words = f"{peer.way} at {peer.setting:g}"
         what = f"{level}: stops a second, best of others to {WANTED:g}"
-        rows.append(Row(what, "1/s", None, peer.stops, None, source, words))
+        rows.append(measured(what, "1/s", peer.stops, source, None, words))
         what = f"{level}: batch at the default over the best of others to {WANTED:g}"
-        rows.append(Row(what, "1", None, batch.stops / peer.stops, None, source))
+        rows.append(measured(what, "1", batch.stops / peer.stops, source))
     return rows
 
 

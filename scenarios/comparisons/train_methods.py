@@ -22,12 +22,12 @@ from scenarios.comparisons.peers.train_couplers import (
     Costs,
     Found,
     braked_train,
-    measured,
+    measured_costs,
 )
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import FOUR, THESIS, single
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, between
+from scenarios.reporting.report import Report, Row, at_most, between, measured
 from scenarios.scenario import Options, Scenario
 
 #: Settings of the methods: shares of the longest stable step; steps [s]; steps in one of the pipe; tolerances.
@@ -131,7 +131,7 @@ def _joined(points: list[Point]) -> Point:
 
 def study() -> tuple[Study, Mapping[str, BrakedTrain]]:
     trains = {name: braked_train(load) for name, load in LOADS.items()}
-    costs = measured(trains[EMPTY].consist)
+    costs = measured_costs(trains[EMPTY].consist)
     references = {name: one.reference() for name, one in counting(trains.items(), "references", unit="train")}
     apart = {name: _point(one.explicit(CHECK), references[name][0], costs) for name, one in trains.items()}
     scatter = {few: braked_train(LOADS[EMPTY], few).scatter(STEADY, CHANGES) for few in FEW}
@@ -184,10 +184,10 @@ def judged_rows(found: Study) -> list[Row]:
             ("default, error of the largest compression", one.force, FORCE, found.source),
             ("default, error of the head's distance", one.distance, DISTANCE, found.source),
         ):
-            rows.append(Row(f"{name}: {text}", "%", None, 100 * error, at_most(100 * band), source))
+            rows.append(measured(f"{name}: {text}", "%", 100 * error, source, at_most(100 * band)))
     lie = found.points[EXPLICIT, LYING][EMPTY].force
     text = f"{EMPTY}: explicit at share {LYING:g}, error of the largest compression"
-    rows.append(Row(text, "%", None, 100 * lie, between(100 * LIE, 100 * BLOWN), "it lies without blowing up"))
+    rows.append(measured(text, "%", 100 * lie, "it lies without blowing up", between(100 * LIE, 100 * BLOWN)))
     return [*rows, *ratio_rows(found)]
 
 
@@ -197,10 +197,10 @@ def ratio_rows(found: Study) -> list[Row]:
     for safe, text in ((False, "cheapest other method"), (True, "cheapest other method whose finer settings hold too")):
         ratio, which = found.ratio(safe=safe)
         source = f"{which}; one setting for both trains; counted work times measured costs"
-        rows.append(Row(f"{text}, over the default", "1", None, ratio, None, source))
+        rows.append(measured(f"{text}, over the default", "1", ratio, source))
     (other, which), (own, by) = found.cheapest(), found.cheapest(explicit=True)
     text = "cheapest other method, over the cheapest explicit steps"
-    return [*rows, Row(text, "1", None, other / own, None, f"{which}; {by}; one setting for both trains")]
+    return [*rows, measured(text, "1", other / own, f"{which}; {by}; one setting for both trains")]
 
 
 def alone_rows(found: Study) -> list[Row]:
@@ -210,23 +210,23 @@ def alone_rows(found: Study) -> list[Row]:
         ratio, which = found.ratio(name)
         (other, _), (own, by) = found.cheapest(name), found.cheapest(name, explicit=True)
         text = f"{name} alone: cheapest other method over"
-        rows.append(Row(f"{text} the default", "1", None, ratio, None, which))
-        rows.append(Row(f"{text} the cheapest explicit steps", "1", None, other / own, None, f"{which}; {by}"))
+        rows.append(measured(f"{text} the default", "1", ratio, which))
+        rows.append(measured(f"{text} the cheapest explicit steps", "1", other / own, f"{which}; {by}"))
     return rows
 
 
 def cost_rows(found: Study) -> list[Row]:
     """What is measured, and what slack leaves unknown."""
     rows = [
-        Row("one evaluation of all couplers and vehicles", "us", None, 1e6 * found.costs.evaluation, None, "measured"),
-        Row("one tridiagonal solution", "us", None, 1e6 * found.costs.solve, None, "measured"),
+        measured("one evaluation of all couplers and vehicles", "us", 1e6 * found.costs.evaluation, "measured"),
+        measured("one tridiagonal solution", "us", 1e6 * found.costs.solve, "measured"),
     ]
     for few, scatter in found.scatter.items():
         text = f"{few} wagons, {EMPTY}: scatter of the largest compression"
         about = f"brakes changed by up to {max(CHANGES):g}; explicit, share {STEADY:g}"
-        rows.append(Row(text, "%", None, 100 * scatter, None, about))
+        rows.append(measured(text, "%", 100 * scatter, about))
     apart = 100 * found.apart[EMPTY].distance
-    return [*rows, Row(f"{EMPTY}: references apart, of distance", "%", None, apart, None, found.source)]
+    return [*rows, measured(f"{EMPTY}: references apart, of distance", "%", apart, found.source)]
 
 
 def point_rows(found: Study) -> list[Row]:
@@ -235,7 +235,7 @@ def point_rows(found: Study) -> list[Row]:
         for name, one in trains.items():
             text = f"{name}: {method}, {METHODS[method][2].format(setting)}: error of the largest compression"
             about = one.reason or f"distance {one.distance:.1e}, cost {1e3 * one.cost:.3g} ms"
-            rows.append(Row(text, "%", None, None if one.reason else 100 * one.force, None, about))
+            rows.append(measured(text, "%", None if one.reason else 100 * one.force, about))
     return rows
 
 

@@ -30,7 +30,7 @@ from scenarios.measuring.scenes import SMOOTH, Scene, difference, lateral_peak
 from scenarios.measuring.timing import least
 from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Bound, Report, Row, at_least, at_most
+from scenarios.reporting.report import Bound, Report, Row, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 #: Brakes applied as slowly as in chapter 9 [s], so that the wheelset moves from its tread to its flange step by step.
@@ -328,7 +328,7 @@ def accuracy_rows(depth: int, found: Findings) -> list[Row]:
         middle = float(np.median(errors)) * DEFAULT_TOLERANCE
         rows[f"{words}, median about the default"] = middle, at_most(ERROR_BAND), spread
     return [
-        Row(f"depth {depth}: {words} over the tolerance", "1", None, error / DEFAULT_TOLERANCE, asked, source, note)
+        measured(f"depth {depth}: {words} over the tolerance", "1", error / DEFAULT_TOLERANCE, source, asked, note)
         for words, (error, asked, note) in rows.items()
     ]
 
@@ -341,11 +341,11 @@ def step_rows(found: Findings) -> list[Row]:
         asked = at_least(period / STEPS_OF_A_PERIOD)
         note = f"the fastest vibration takes {period:.2g} ms; mean of windows of {1e3 * WINDOW:g} ms"
         quantity, source = f"depth {depth}: shortest step onto the flange", "eigenvalues of the exact Jacobian"
-        rows.append(Row(quantity, "ms", None, shortest, asked, source, note))
+        rows.append(measured(quantity, "ms", shortest, source, asked, note))
     source = "work of brakes, creep, dampers and contacts"
     for depth, missing in found.missing.items():
         quantity = f"depth {depth}: energy that is missing, as a share"
-        rows.append(Row(quantity, "1", None, missing, at_most(ENERGY_BAND), source))
+        rows.append(measured(quantity, "1", missing, source, at_most(ENERGY_BAND)))
     return rows
 
 
@@ -358,7 +358,7 @@ def difference_rows(found: Findings) -> list[Row]:
         one, two = (scale * found.peaks[number][torque][name] for number in (depth, 2))
         quantity = f"{1e-3 * torque:.3g} kN.m: {words}, depth {depth} over depth 2, less 1"
         note = f"depth {depth} finds {one:.4g}, depth 2 {two:.4g} in {unit}"
-        rows.append(Row(quantity, "%", None, found.more(name, torque, depth), None, "measured now", note))
+        rows.append(measured(quantity, "%", found.more(name, torque, depth), "measured now", None, note))
     return rows
 
 
@@ -371,10 +371,10 @@ def cost_rows(found: Findings) -> list[Row]:
         ("stop without flange contact", found.costs, asked),
         ("run onto the flange", onto, ""),
     ):
-        rows += [Row(f"depth {n}: {words}", "ms", None, 1e3 * one, None, source) for n, one in seconds.items()]
+        rows += [measured(f"depth {n}: {words}", "ms", 1e3 * one, source) for n, one in seconds.items()]
         for depth in (2, 3):
             quantity = f"{words}: time of depth {depth} over depth 1"
-            rows.append(Row(quantity, "1", None, seconds[depth] / seconds[1], None, source, note if depth == 2 else ""))
+            rows.append(measured(quantity, "1", seconds[depth] / seconds[1], source, None, note if depth == 2 else ""))
     return rows
 
 

@@ -39,7 +39,7 @@ from rbd_model.wheelset.touching_patch import Line, PatchTables, find_nearest
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, value_of
+from scenarios.reporting.report import Report, Row, at_most, measured, value_of
 from scenarios.scenario import Options, Scenario
 
 #: The benchmark: load of each wheel [N], speed [m/s], friction, steel.
@@ -332,7 +332,7 @@ def with_other_laws() -> list[Row]:
         ]
         for quantity, of in FORCES.items():
             name = f"depth 2, {words}: largest miss of {quantity}"
-            rows.append(Row(name, "% of mu N", None, largest_miss(pairs, of), None, SOURCE))
+            rows.append(measured(name, "% of mu N", largest_miss(pairs, of), SOURCE))
     return rows
 
 
@@ -348,7 +348,7 @@ def misses(method: Method, lines: dict[tuple[str, str], list[Found]]) -> list[Ro
     def largest(quantity: str, unit: str, of: Callable[[Found], float], scale: float, band: float) -> Row:
         worst = largest_miss(pairs, of, scale)
         name = f"{method.name}: largest miss of {quantity}"
-        return Row(name, unit, None, worst, at_most(band), SOURCE, method.limit)
+        return measured(name, unit, worst, SOURCE, at_most(band), method.limit)
 
     percent = 100 / (FRICTION * LOAD)
     return [
@@ -369,7 +369,7 @@ def apart() -> list[Row]:
         note = f"{patch.load:.0f} N, exact {load:.0f} N; {1e3 * off:+.2f} mm from its place"
         quantity = f"depth 3 at 5 mm, kept apart: miss of the load at y = {1e3 * place:.2f} mm"
         miss = 100 * abs(patch.load / load - 1)
-        rows.append(Row(quantity, "%", None, miss, at_most(100 * SHARE_BAND), SOURCE, note))
+        rows.append(measured(quantity, "%", miss, SOURCE, at_most(100 * SHARE_BAND), note))
     return rows
 
 

@@ -27,7 +27,7 @@ from scenarios.measuring import exact_states
 from scenarios.measuring.creep_cost import cost, values, with_coefficients
 from scenarios.reporting.plots import label_edges, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Bound, Report, Row, at_most
+from scenarios.reporting.report import Bound, Report, Row, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 #: The exact theory as CONTACT v25.2 computes it (61 x 61 elements), Poisson's ratio 0.25, G = 82 GPa; its own grid is
@@ -169,17 +169,17 @@ def rows_of(found: Mapping[str, Measured]) -> list[Row]:
         for name, one in found.items():
             words = "on the front of cost and distance" if name in ahead[kind] else ""
             quantity = f"{name}: {kind}, largest distance"
-            rows.append(Row(quantity, "% of mu N", None, one.distance[kind], asked(name), SOURCE, words))
+            rows.append(measured(quantity, "% of mu N", one.distance[kind], SOURCE, asked(name), words))
     for name, one in found.items():
         for states, off in (("random states", one.at_random), (TOGETHER, one.together)):
             for words, value in (("mean", off.mean), ("99 %", off.most), ("largest", off.largest)):
                 bound = at_most(AT_RANDOM[name]) if name in AT_RANDOM and words == "99 %" else None
-                rows.append(Row(f"{name}: {states}, {words}", "% of mu N", None, value, bound, OUR_EXACT))
+                rows.append(measured(f"{name}: {states}, {words}", "% of mu N", value, OUR_EXACT, bound))
     for name, one in found.items():
         reach = f"; to reach {TO_REACH[name]:g}" if name in TO_REACH else ""
         for words, seconds in (("value", one.value), ("value and derivatives", one.with_slopes)):
             note = f"measured now{reach if words == 'value' else ''}"
-            rows.append(Row(f"{name}: {words}", "us", None, 1e6 * seconds, None, note))
+            rows.append(measured(f"{name}: {words}", "us", 1e6 * seconds, note))
     return rows
 
 

@@ -15,7 +15,7 @@ from scenarios.bench.climbing_wheelset import GROWTH, SPEED, climbing_wheelset, 
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, near
+from scenarios.reporting.report import Report, Row, at_least, measured, near
 from scenarios.scenario import Options, Scenario
 
 ANGLES, FRICTIONS = (60.0, 70.3, 75.0), (0.1, 0.3, 0.5)
@@ -49,7 +49,7 @@ def run(options: Options) -> Report:
         limit, steps = nadal(angle, friction), steps + climb.steps
         name = f"Y/Q at the onset of climbing, flange {angle:g} degrees, friction {friction:g}"
         found = climb.limit(*ONSET)
-        rows.append(Row(name, "1", None, found, near(limit, BAND * limit), SOURCE, climb.sentences[-1]))
+        rows.append(measured(name, "1", found, SOURCE, near(limit, BAND * limit), climb.sentences[-1]))
     curves = {
         name: [push(climbing_wheelset(math.radians(CURVE_ANGLE), law), CURVE_FRICTION, yaw) for yaw in YAWS]
         for name, law in counting(LAWS.items(), "flange-climb")
@@ -96,10 +96,10 @@ def remarks(series: Recording) -> list[Row]:
         "the unsafe side"
     )
     return [
-        Row(rises, "1", None, rise, near(0.0, BAND), SOURCE, lower),
-        Row(f"{fall}: exact theory", "1", None, falls["exact"], at_least(FALLS), SOURCE, no_yaw),
-        Row(f"{fall}: default", "1", None, falls["default"], None, SOURCE, spin),
-        Row(polach, "1", None, settled["Polach"] / limit, None, SOURCE, unsafe),
+        measured(rises, "1", rise, SOURCE, near(0.0, BAND), lower),
+        measured(f"{fall}: exact theory", "1", falls["exact"], SOURCE, at_least(FALLS), no_yaw),
+        measured(f"{fall}: default", "1", falls["default"], SOURCE, None, spin),
+        measured(polach, "1", settled["Polach"] / limit, SOURCE, None, unsafe),
     ]
 
 

@@ -12,7 +12,7 @@ from scenarios.coupling import feedback_boundary, signed_torque
 from scenarios.coupling.error import MASTERS
 from scenarios.coupling.figure import draw
 from scenarios.coupling.findings import Findings, find
-from scenarios.reporting.report import Report, Row, at_least, at_most, near
+from scenarios.reporting.report import Report, Row, at_least, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Macro steps [s], evenly on a logarithmic axis.
@@ -32,12 +32,12 @@ def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
         slope = coupling_error.order(steps, [f.errors[name][step].distance for step in steps])
         expected = 2.0 if master.extrapolated else 1.0
         quantity, asked = f"{name}: order of the stop distance", near(expected, 0.05)
-        rows.append(Row(quantity, "1", None, slope, asked, "theory", reference))
+        rows.append(measured(quantity, "1", slope, "theory", asked, reference))
     for name, master in MASTERS.items():
         size = f.errors[name][sized].distance / coupling_error.error_on_paper(master, sized, f.stop).distance
         source = f"theory: surplus of impulse, {1e3 * sized:g} ms"
         following = "next term: h over the cylinder's lag"
-        rows.append(Row(f"{name}: error of distance over paper", "1", None, size, near(1.0, 0.02), source, following))
+        rows.append(measured(f"{name}: error of distance over paper", "1", size, source, near(1.0, 0.02), following))
     name = "Gauss-Seidel, held"
     error, paper = f.errors[name][shown], coupling_error.error_on_paper(MASTERS[name], shown, f.stop)
     source = f"theory, macro step {1e3 * shown:g} ms"
@@ -46,7 +46,7 @@ def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
         place = f"after {coupling_error.MIDWAY:g} s" if quantity == "speed" else f"until {coupling_error.AT_REST:g} m/s"
         note = f"{place}; the suspension sways by some percent of the deceleration"
         asked = near(expected, 0.03 * abs(expected))
-        rows.append(Row(f"{name}: error of {quantity}", unit, None, value, asked, source, note))
+        rows.append(measured(f"{name}: error of {quantity}", unit, value, source, asked, note))
     return rows
 
 
@@ -66,11 +66,11 @@ def chatter_rows(f: Findings, shown: float) -> list[Row]:
     wide = near(1.0, swaying + signed_torque.WIDTH_RESOLUTION)
     creep = f"{at}; creep force not quite constant"
     return [
-        Row(held, "1", None, f.capacity.standing, at_least(1.0), "a brake holds", at),
-        Row("signed: wheels at rest, share of the time", "1", None, standing, at_most(0.0), "theory", steps),
-        Row("signed, at rest: jump over h T r/(J + m r2)", "1", None, rest, near(1.0, swaying), "theory", sways),
-        Row("signed, skid: jump over h T r/J", "1", None, skid, near(1.0, 0.02), "theory", creep),
-        Row("smoothed sign: least width over h T/2(J + m r2)", "1", None, width, wide, "theory: linear", sways),
+        measured(held, "1", f.capacity.standing, "a brake holds", at_least(1.0), at),
+        measured("signed: wheels at rest, share of the time", "1", standing, "theory", at_most(0.0), steps),
+        measured("signed, at rest: jump over h T r/(J + m r2)", "1", rest, "theory", near(1.0, swaying), sways),
+        measured("signed, skid: jump over h T r/J", "1", skid, "theory", near(1.0, 0.02), creep),
+        measured("smoothed sign: least width over h T/2(J + m r2)", "1", width, "theory: linear", wide, sways),
     ]
 
 
@@ -83,7 +83,7 @@ def boundary_rows(f: Findings) -> list[Row]:
         name = f"{method.title()}: boundary found over eigenvalues, farthest"
         theory = "theory: exact sampling of the linearised bogie and brake"
         words = f"all macro steps; bisection to {feedback_boundary.RESOLUTION}"
-        rows.append(Row(name, "1", None, farthest, near(1.0, 0.01), theory, words))
+        rows.append(measured(name, "1", farthest, theory, near(1.0, 0.01), words))
     return rows
 
 

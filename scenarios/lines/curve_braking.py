@@ -26,9 +26,9 @@ from scenarios.bench.curves import (
 )
 from scenarios.bench.drive import play, prepare_on_line
 from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import FOUR, THREE, plt, titled
+from scenarios.reporting.plots import FOUR, THREE, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Radii of curves to the left, and straight track [m].
@@ -61,6 +61,13 @@ COLUMNS = {
 }
 GIVEN = {"radius": "m", "utilisation": "1", "cant": "m"}
 STOP_COLUMNS = ("distance", "speed", QUOTIENT, "guiding_force_1", "locked_2")
+
+
+TORQUED = (
+    "Y/Q of the leading outer wheel [1]",
+    "guiding force, inwards [kN];\ndotted: trailing",
+    "lateral shift, outwards [mm];\ndotted: trailing",
+)
 
 
 def brake_torque(utilisation: float) -> float:
@@ -157,12 +164,12 @@ def steady_rows(radius: float, found: Recording) -> list[Row]:
         guiding = float(found["guiding_force_1"][at] + found["guiding_force_2"][at]) / 1e3
         name = f"{place}: sum of guiding forces, utilisation {UTILISATIONS[at]:g}"
         source = "Newton's second law: m (V^2 / R cos - g sin of the cant)"
-        rows.append(Row(name, "kN", None, guiding, near(outwards, band), source))
+        rows.append(measured(name, "kN", guiding, source, near(outwards, band)))
     for utilisation in (0.0, 0.4, 0.65):
         at = UTILISATIONS.index(utilisation)
         name = f"{place}: Y/Q of the leading outer wheel, utilisation {utilisation:g}"
         force, load = (found[column][at] / 1e3 for column in ("lateral_force_1_right", "wheel_load_1_right"))
-        rows.append(Row(name, "1", None, float(found[QUOTIENT][at]), None, f"Y {force:.1f} kN, Q {load:.1f} kN"))
+        rows.append(measured(name, "1", found[QUOTIENT][at], f"Y {force:.1f} kN, Q {load:.1f} kN"))
     return rows
 
 
@@ -175,7 +182,7 @@ def stop_rows(radius: float, found: dict[float, Recording]) -> list[Row]:
         locked = np.any(series["locked_2"][series["speed"] > SLOW] > 0.5)
         note = "the trailing wheelset locks" if locked else "no wheelset locks"
         name, source = f"{place_of(radius)}: Y/Q at {READ:g} m/s, {words}", f"rolling at this speed: {rolling:.3f}"
-        rows.append(Row(name, "1", None, read(series, QUOTIENT), None, source, note))
+        rows.append(measured(name, "1", read(series, QUOTIENT), source, None, note))
     return rows
 
 
@@ -206,43 +213,33 @@ def remarks(series: Recording) -> list[str]:
 
 
 def draw(series: Recording, stops: Stops) -> Figure:
-    figure, grid = plt.subplots(2, 3, figsize=(12.5, 7.2))
-    quotient, guiding, shift, through, within, speed = grid.ravel()
+    first, *_, last = of_radius(series, RADII[0])[QUOTIENT]
+    word, place = "lowers" if last < first else "raises", f"stops at R = {RADII[0]:g} m"
+    message = f"Braking {word} Y/Q at {RADII[0]:g} m radius from {first:.2f} to {last:.2f}"
+    titles = dict.fromkeys(TORQUED, "adhesion utilisation of the brakes [1]")
+    stopped = f"Y/Q, braked from the transition on, {THROUGH:g} [1]", f"Y/Q, {place} [1]", f"speed, {place} [m/s]"
+    titles |= dict.fromkeys(stopped, "distance [m]")
+    figure, (quotient, guiding, shift, through, within, speed) = charts(message, titles, (12.5, 7.2), columns=3)
     for radius, colour in zip(RADII, FOUR, strict=True):
-        found = of_radius(series, radius)
-        quotient.plot(found["utilisation"], found[QUOTIENT], "o-", color=colour, markersize=3, label=place_of(radius))
+        found, look = of_radius(series, radius), {"color": colour, "markersize": 3}
+        quotient.plot(found["utilisation"], found[QUOTIENT], "o-", label=place_of(radius), **look)
         for number, style in ((1, "o-"), (2, "o:")):
-            look = {"color": colour, "markersize": 3}
             guiding.plot(found["utilisation"], found[f"guiding_force_{number}"] / 1e3, style, **look)
             shift.plot(found["utilisation"], -1e3 * found[f"lateral_{number}"], style, **look)
-        one = stops[radius][0.0]
-        moving = one["speed"] > SLOW
-        through.plot(one["distance"][moving], one[QUOTIENT][moving], color=colour)
-    draw_stops(within, speed, stops[RADII[0]])
-    quotient.set_title("Y/Q of the leading outer wheel [1]")
-    quotient.legend(fontsize=8)
-    guiding.set_title("guiding force, inwards [kN];\ndotted: trailing")
-    shift.set_title("lateral shift, outwards [mm];\ndotted: trailing")
-    for axis in (quotient, guiding, shift):
-        axis.set_xlabel("adhesion utilisation of the brakes [1]")
-    through.set_title(f"Y/Q, braked from the transition on, {THROUGH:g} [1]")
-    for axis in (through, within, speed):
-        axis.set_xlabel("distance [m]")
-    first, *_, last = of_radius(series, RADII[0])[QUOTIENT]
-    word = "lowers" if last < first else "raises"
-    return titled(figure, f"Braking {word} Y/Q at {RADII[0]:g} m radius from {first:.2f} to {last:.2f}")
-
-
-def draw_stops(quotient: Axes, speed: Axes, found: dict[float, Recording]) -> None:
-    """In the tightest curve, by torque."""
+        draw_stop(through, stops[radius][0.0], colour)
     for utilisation, colour in zip(STOPPED, THREE, strict=True):
-        one = found[utilisation]
-        moving = one["speed"] > SLOW
-        quotient.plot(one["distance"][moving], one[QUOTIENT][moving], color=colour, label=f"{utilisation:g}")
+        one = stops[RADII[0]][utilisation]
+        draw_stop(within, one, colour, f"{utilisation:g}")
         speed.plot(one["distance"], one["speed"], color=colour)
-    quotient.set_title(f"Y/Q, stops at R = {RADII[0]:g} m [1]")
-    quotient.legend(title="utilisation")
-    speed.set_title(f"speed, stops at R = {RADII[0]:g} m [m/s]")
+    quotient.legend(fontsize=8)
+    within.legend(title="utilisation")
+    return figure
+
+
+def draw_stop(axis: Axes, one: Recording, colour: str, name: str | None = None) -> None:
+    """Y/Q over the distance, as long as it does not rock."""
+    moving = one["speed"] > SLOW
+    axis.plot(one["distance"][moving], one[QUOTIENT][moving], color=colour, label=name)
 
 
 SCENARIO = Scenario(

@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 from fmu_src.cosimulation.recording import Recording
 from scenarios.bench.curves import BOGIE, MASS, MOST_CANT, into_curve, outward_acceleration, suited_cant, suited_speed
 from scenarios.bench.drive import prepare_on_line
-from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
+from scenarios.reporting.plots import LEADING, TRAILING, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 RADII = (150.0, 200.0, 300.0, 450.0, 700.0, 1000.0, 1500.0, 3000.0)
@@ -56,10 +56,10 @@ def run(options: Options) -> Report:
         name = f"sum of guiding forces, R = {radius:g} m, cant deficiency {1e3 * deficiency:g} mm"
         asked = near(MASS * outwards / 1e3, BAND * MASS * BOGIE.gravity / 1e3)
         law = "Newton's second law: m (V^2 / R cos - g sin of the cant)"
-        rows.append(Row(name, "kN", None, guiding / 1e3, asked, law))
+        rows.append(measured(name, "kN", guiding / 1e3, law, asked))
     wide = float(series["lateral_1"][RADII.index(3000.0)])
     name = "shift of the leading wheelset, R = 3000 m"
-    rows.append(Row(name, "mm", None, 1e3 * abs(wide), at_most(9.5), "flange at 9.5 mm"))
+    rows.append(measured(name, "mm", 1e3 * abs(wide), "flange at 9.5 mm", at_most(9.5)))
     return Report(rows, series, lambda: draw(series), {"speed": SPEED}, 0.0, [who_flanges(series)])
 
 
@@ -74,27 +74,23 @@ def who_flanges(series: Recording) -> str:
 
 
 def draw(series: Recording) -> Figure:
-    figure, axes = plt.subplots(2, 2, figsize=(9.5, 7.0))
-    (shift, yaw), (guiding, balance) = axes
     radii, rest = slice(0, len(RADII)), slice(len(RADII), None)
+    tightest = 1e-3 * abs(float(series["guiding_force_1"][radii][0]))
+    message = f"The leading wheelset guides with {tightest:.0f} kN at {RADII[0]:g} m radius"
+    names = ("lateral shift, to the left [mm]", "yaw against the track [mrad]", "guiding force, to the left [kN]")
+    titles = dict.fromkeys(names, "radius [m]") | {f"guiding force at R = {RADIUS:g} m [kN]": "cant deficiency [mm]"}
+    figure, (*over_radius, balance) = charts(message, titles, (9.5, 7.0))
     for number, colour, line, word in ((1, LEADING, "o-", "leading"), (2, TRAILING, "s--", "trailing")):
-        for axis, name, factor in ((shift, "lateral", 1e3), (yaw, "yaw", 1e3), (guiding, "guiding_force", 1e-3)):
+        for axis, name, factor in zip(over_radius, ("lateral", "yaw", "guiding_force"), (1e3, 1e3, 1e-3), strict=True):
             values = factor * series[f"{name}_{number}"][radii]
             axis.semilogx(series["radius"][radii], values, line, color=colour, label=word)
         forces = series[f"guiding_force_{number}"][rest] / 1e3
         balance.plot(1e3 * series["deficiency"][rest], forces, line, color=colour)
-    shift.set_title("lateral shift, to the left [mm]")
-    yaw.set_title("yaw against the track [mrad]")
-    guiding.set_title("guiding force, to the left [kN]")
-    balance.set_title(f"guiding force at R = {RADIUS:g} m [kN]")
-    for axis in (shift, yaw, guiding):
-        axis.set_xlabel("radius [m]")
+    for axis in over_radius:
         axis.set_xticks([150, 300, 700, 1500, 3000], ["150", "300", "700", "1500", "3000"], minor=False)
         axis.minorticks_off()
-    balance.set_xlabel("cant deficiency [mm]")
-    shift.legend()
-    tightest = 1e-3 * abs(float(series["guiding_force_1"][radii][0]))
-    return titled(figure, f"The leading wheelset guides with {tightest:.0f} kN at {RADII[0]:g} m radius")
+    over_radius[0].legend()
+    return figure
 
 
 SCENARIO = Scenario(

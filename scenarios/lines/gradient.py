@@ -16,9 +16,9 @@ from scenarios.bench.curves import BOGIE, MASS, TURNING_MASS
 from scenarios.bench.drive import History, play, prepare_on_line
 from scenarios.measuring.timing import LEVELS
 from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
+from scenarios.reporting.plots import LEADING, TRAILING, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Downhill, uphill, and of the track on which the bogie is held [1].
@@ -134,7 +134,7 @@ def acceleration_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:
         quantity = f"{name}: acceleration {1e3 * abs(gradient):g} permille {words[case]}"
         asked = near(1e3 * closed, 1e3 * BAND * abs(closed))
         source = "Newton's second law with the slip of the wheels as recorded"
-        rows.append(Row(quantity, "mm/s2", None, 1e3 * acceleration(found[case]), asked, source))
+        rows.append(measured(quantity, "mm/s2", 1e3 * acceleration(found[case]), source, asked))
     return rows
 
 
@@ -142,7 +142,7 @@ def terminal_row(name: str, series: Recording) -> Row:
     quantity = f"{name}: terminal speed {1e3 * abs(DOWN):g} permille down, braked a little"
     closed = terminal_speed()
     source = "Davis (1926): a + b V + c V^2 balances gravity and brake"
-    return Row(quantity, "m/s", None, float(series["speed"][-1]), near(closed, BAND * closed), source)
+    return measured(quantity, "m/s", series["speed"][-1], source, near(closed, BAND * closed))
 
 
 def standing_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:
@@ -154,39 +154,34 @@ def standing_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:
     moved = 1e3 * float(np.ptp(held["distance"][standing]))
     place = f"{1e3 * HELD:g} permille"
     return [
-        Row(f"{name}: held on {place}, wheelsets turn at", "rad/s", None, turning, at_most(0.0), "brakes outdo it"),
-        Row(f"{name}: held on {place} for a day, moves by", "mm", None, moved, at_most(1e3 * MOVED), "rails hold it"),
-        Row(f"{name}: rolls late once released, by", "ms", None, 1e3 * late(held), near(0.0, 1e3 * LATE), "Newton"),
-        Row(f"{name}: rolls back before its motors pull, by", "mm", None, back, None, "measured"),
+        measured(f"{name}: held on {place}, wheelsets turn at", "rad/s", turning, "brakes outdo it", at_most(0.0)),
+        measured(f"{name}: held on {place} for a day, moves by", "mm", moved, "rails hold it", at_most(1e3 * MOVED)),
+        measured(f"{name}: rolls late once released, by", "ms", 1e3 * late(held), "Newton", near(0.0, 1e3 * LATE)),
+        measured(f"{name}: rolls back before its motors pull, by", "mm", back, "measured"),
     ]
 
 
 def draw(found: Mapping[str, Mapping[str, Recording]], ends: Mapping[str, Recording], off: float) -> Figure:
-    figure, grid = plt.subplots(2, 2, figsize=(10.0, 7.2))
-    axes = dict(zip(("down", "terminal", "started", "held"), grid.ravel(), strict=True))
+    message = f"All levels meet the closed forms of gradients to {math.floor(-math.log10(max(off, 1e-16)))} digits"
+    titles = (
+        f"{1e3 * abs(DOWN):g} ‰ down, rolling freely and braked:\nspeed [m/s]",
+        "down against Davis's resistance and a brake:\nspeed [m/s]",
+        f"started {1e3 * UP:g} ‰ up:\nspeed [m/s]",
+        f"held on {1e3 * HELD:g} ‰, released at 0 s:\nspeed downhill [m/s]",
+    )
+    figure, (down, braked, started, held) = charts(message, titles, (10.0, 7.2), "time [s]")
     for name, of_level in found.items():
         style = {"color": COLOURS[name], "linestyle": STYLES[name]}
         for case in ("rolling", "braked"):
-            axes["down"].plot(of_level[case]["time"], of_level[case]["speed"], **style)
-        early = of_level["started"]["time"] < 3 * HAND_OVER[1]
-        axes["started"].plot(
-            of_level["started"]["time"][early], of_level["started"]["speed"][early], label=name, **style
-        )
-        after = of_level["held"]["time"] - STANDING
-        axes["held"].plot(after, -of_level["held"]["speed"], **style)
-    for name, series in ends.items():
-        axes["terminal"].plot(series["time"], series["speed"], color=COLOURS[name], linestyle=STYLES[name])
-    axes["terminal"].axhline(terminal_speed(), color=GREY, linewidth=0.8)
-    axes["down"].set_title(f"{1e3 * abs(DOWN):g} ‰ down, rolling freely and braked:\nspeed [m/s]")
-    axes["terminal"].set_title("down against Davis's resistance and a brake:\nspeed [m/s]")
-    axes["started"].set_title(f"started {1e3 * UP:g} ‰ up:\nspeed [m/s]")
-    axes["held"].set_title(f"held on {1e3 * HELD:g} ‰, released at 0 s:\nspeed downhill [m/s]")
-    axes["held"].set_xlim(-SETTLED / 4, SETTLED)
-    for axis in axes.values():
-        axis.set_xlabel("time [s]")
-    axes["started"].legend()
-    digits = math.floor(-math.log10(max(off, 1e-16)))
-    return titled(figure, f"All levels meet the closed forms of gradients to {digits} digits")
+            down.plot(of_level[case]["time"], of_level[case]["speed"], **style)
+        time, speed = (of_level["started"][column] for column in ("time", "speed"))
+        started.plot(time[time < 3 * HAND_OVER[1]], speed[time < 3 * HAND_OVER[1]], label=name, **style)
+        held.plot(of_level["held"]["time"] - STANDING, -of_level["held"]["speed"], **style)
+        braked.plot(ends[name]["time"], ends[name]["speed"], **style)
+    braked.axhline(terminal_speed(), color=GREY, linewidth=0.8)
+    held.set_xlim(-SETTLED / 4, SETTLED)
+    started.legend()
+    return figure
 
 
 SCENARIO = Scenario(

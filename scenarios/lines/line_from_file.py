@@ -37,7 +37,7 @@ from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, TRAILING, plt, single, titled, write_at
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, near
+from scenarios.reporting.report import Report, Row, at_least, measured, near
 from scenarios.scenario import BadInputError, Options, Scenario
 
 #: Speed, and most cant deficiency at it: EN 13803 has 130 mm for freight trains, here with a margin [m/s], [m].
@@ -149,9 +149,9 @@ def closed_forms(series: Recording, line: Line) -> list[Row]:
     band, newton = BAND * 4 * WHEEL_LOAD / 1e3, "Newton's second law, of the line at the speed that was run"
     gone = float(series["distance"][-1])
     return [
-        Row("way run along the line", "m", None, gone, at_least(way), f"the line, {LEFT_OVER:g} m before its end"),
-        Row("mean sum of the guiding forces, to the left", "kN", None, guiding, near(across, band), newton),
-        Row("mean sum of the wheel loads", "kN", None, carried, near(upwards, band), newton),
+        measured("way run along the line", "m", gone, f"the line, {LEFT_OVER:g} m before its end", at_least(way)),
+        measured("mean sum of the guiding forces, to the left", "kN", guiding, newton, near(across, band)),
+        measured("mean sum of the wheel loads", "kN", carried, newton, near(upwards, band)),
     ]
 
 
@@ -172,9 +172,9 @@ def safety(series: Recording) -> list[Row]:
     limit = 10.0 + 2 * WHEEL_LOAD / 3e3
     note = "not judged: its limits are for filtered signals"
     return [
-        Row("largest Y/Q of the leading wheelset", "1", None, quotient, None, "EN 14363: limit 0.8", note),
-        Row("largest guiding force", "kN", None, guiding, None, f"EN 14363: limit {limit:.0f} kN", note),
-        Row("largest unloading dQ/Q", "1", None, 1.0 - least / WHEEL_LOAD, None, "EN 14363: limit 0.6", note),
+        measured("largest Y/Q of the leading wheelset", "1", quotient, "EN 14363: limit 0.8", None, note),
+        measured("largest guiding force", "kN", guiding, f"EN 14363: limit {limit:.0f} kN", None, note),
+        measured("largest unloading dQ/Q", "1", 1.0 - least / WHEEL_LOAD, "EN 14363: limit 0.6", None, note),
     ]
 
 

@@ -17,9 +17,9 @@ from fmu_src.kernel import Kernel
 from rbd_model.track.line import ERRI_LOW, Line, irregular, line_of, straight
 from scenarios.bench.curves import into_curve, suited_speed
 from scenarios.bench.drive import prepare_on_line
-from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
+from scenarios.reporting.plots import LEADING, TRAILING, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most
+from scenarios.reporting.report import Report, Row, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 WHEELS = [f"{number}_{side}" for number in (1, 2, 3, 4) for side in ("left", "right")]
@@ -119,6 +119,11 @@ class Outcome:
         return abs(self.rigid[0] / self.yielding[0] - 1)
 
     @property
+    def cost(self) -> float:
+        """Time with rails that yield over that with rigid ones."""
+        return self.times[1] / self.times[0]
+
+    @property
     def spread(self) -> tuple[float, float]:
         """What the damping of the contacts makes of the largest load on (rigid, yielding) rails."""
         first, second = ((max(loads) - min(loads)) / loads[0] for loads in (self.rigid, self.yielding))
@@ -136,16 +141,15 @@ def compare(scene: Scene) -> Outcome:
 
 def rows_of(outcome: Outcome) -> list[Row]:
     """What is judged is that rails that yield make loads independent of an assumed damping."""
-    rigid, yielding = outcome.spread
-    ratio = outcome.times[1] / outcome.times[0]
+    (rigid, yielding), scene, most = outcome.spread, outcome.scene, at_most(1e2 * BAND)
+    hangs, off = "largest wheel load hangs on contact damping by", "error of the largest wheel load on rigid rails"
+    against = "rigid rails against those that yield"
     return [
-        Row(f"{outcome.scene}: largest wheel load hangs on contact damping by", "%", None, 1e2 * yielding,
-            at_most(1e2 * BAND), "rails that yield, 0.5 to 2 s/m"),
-        Row(f"{outcome.scene}: on rigid rails it hangs on that by", "%", None, 1e2 * rigid, None, "rigid rails"),
-        Row(f"{outcome.scene}: error of the largest wheel load on rigid rails", "%", None, 1e2 * outcome.error, None,
-            "rigid rails against those that yield"),
-        Row(f"{outcome.scene}: time of rails that yield over that of rigid ones", "1", None, ratio, None, "processor"),
-    ]  # fmt: skip
+        measured(f"{scene}: {hangs}", "%", 1e2 * yielding, "rails that yield, 0.5 to 2 s/m", most),
+        measured(f"{scene}: on rigid rails it hangs on that by", "%", 1e2 * rigid, "rigid rails"),
+        measured(f"{scene}: {off}", "%", 1e2 * outcome.error, against),
+        measured(f"{scene}: time of rails that yield over that of rigid ones", "1", outcome.cost, "processor"),
+    ]
 
 
 def shown_loads(scene: Scene) -> Recording:
@@ -171,28 +175,29 @@ def run(options: Options) -> Report:
 
 
 def draw(series: Recording, outcomes: list[Outcome]) -> Figure:
-    figure, (load, cost) = plt.subplots(1, 2, figsize=(11.0, 4.8), width_ratios=(1, 1.5))
+    needed = sum(one.error > BAND for one in outcomes)
+    message = f"Rails must yield in {needed} of {len(outcomes)} scenes, or loads err"
+    titles = {
+        f"load of the outer leading wheel, {SHOWN} [kN]": "along the curve [m]",
+        "error of the largest wheel load on rigid rails [%]": "time with rails that yield, over time with rigid ones",
+    }
+    figure, (load, cost) = charts(message, titles, (11.0, 4.8), width_ratios=(1, 1.5))
+    load.title.set_fontsize(10)
     way = (series["time"] - series["time"][0]) * DRAWN / (series["time"][-1] - series["time"][0])
     load.plot(way, series["rigid"] / 1e3, color=TRAILING, linewidth=0.8, label="rigid rails")
     load.plot(way, series["yielding"] / 1e3, color=LEADING, linewidth=2.4, label="rails that yield (default)")
-    load.set_title(f"load of the outer leading wheel, {SHOWN} [kN]", fontsize=10)
-    load.set_xlabel("along the curve [m]")
     load.set_ylim(0.0)
     load.legend(loc="lower left")
     for number, one in enumerate(outcomes):
-        ratio, error = one.times[1] / one.times[0], 1e2 * one.error
-        cost.loglog(ratio, error, "o", color=TRAILING if one.error > BAND else LEADING)
-        aside = number % 2 == 1 or ratio < 0.3
+        cost.loglog(one.cost, 1e2 * one.error, "o", color=TRAILING if one.error > BAND else LEADING)
+        aside = number % 2 == 1 or one.cost < 0.3
         place = {"xytext": (-6 if aside else 6, 5), "ha": "right" if aside else "left"}
-        cost.annotate(one.scene, (ratio, error), textcoords="offset points", fontsize=8, **place)
+        cost.annotate(one.scene, (one.cost, 1e2 * one.error), textcoords="offset points", fontsize=8, **place)
     cost.axhspan(1e2 * BAND, 3e3, color=TRAILING, alpha=0.07)
     cost.axvline(1.0, color="#999999", linewidth=0.8)
     cost.set(ylim=(0.02, 3e3), xlim=(0.02, 6.0))
     cost.text(0.022, 1e2 * BAND * 1.15, "above: rails must yield", fontsize=8, color=TRAILING)
-    cost.set_title("error of the largest wheel load on rigid rails [%]")
-    cost.set_xlabel("time with rails that yield, over time with rigid ones")
-    needed = sum(one.error > BAND for one in outcomes)
-    return titled(figure, f"Rails must yield in {needed} of {len(outcomes)} scenes, or loads err")
+    return figure
 
 
 SCENARIO = Scenario(

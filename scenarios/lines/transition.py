@@ -26,9 +26,9 @@ from scenarios.bench.curves import BOGIE, MASS, WHEEL_LOAD, suited_speed
 from scenarios.bench.drive import prepare_on_line
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, legend_above, plt, titled
+from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, charts, legend_above
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Cant ramps 1:n; EN 13803 has 1:444 as limit and 1:400 as exception.
@@ -184,28 +184,23 @@ def motion() -> Motion:
 
 def row_of(case: Case, series: Recording) -> Row:
     """What the twist moves, against statics."""
-    measured = by_twist(case, series, moved(series)) / 1e3
+    load, parts = by_twist(case, series, moved(series)) / 1e3, shares(case, series)
     if case.free:
-        expected, source = (
-            statics(case) / 1e3,
-            "statics: springs, contacts and track in series take half of the twist each",
-        )
-        name = f"load moved, ramp 1:{case.ramp:g} without a curve, wheelsets free to turn"
+        due, source = statics(case), "statics: springs, contacts and track in series take half of the twist each"
+        name, note = f"load moved, ramp 1:{case.ramp:g} without a curve, wheelsets free to turn", ""
     else:
-        expected, source = (
-            sum(shares(case, series).values()) / 1e3,
-            "statics, with guiding forces and shifts as recorded",
-        )
+        due, source = sum(parts.values()), "statics, with guiding forces and shifts as recorded"
         name = f"load moved, ramp 1:{case.ramp:g} into R = {RADIUS:g} m at {case.speed:.1f} m/s"
-    note = "" if case.free else f"springs alone: {shares(case, series)['springs'] / 1e3:.2f} kN"
-    return Row(name, "kN", None, measured, near(expected, BAND * expected), source, note)
+        note = f"springs alone: {parts['springs'] / 1e3:.2f} kN"
+    expected = due / 1e3
+    return measured(name, "kN", load, source, near(expected, BAND * expected), note)
 
 
 def unloading_row(case: Case, series: Recording) -> Row:
     """Context: curve and cant excess are in it, too."""
     name = f"largest dQ/Q, ramp 1:{case.ramp:g} into R = {RADIUS:g} m at {case.speed:.1f} m/s"
     note = "not judged: the limit is that of the test on twisted track; cant excess and guiding forces are in it"
-    return Row(name, "1", None, unloading(series), None, "EN 14363: limit 0.6", note)
+    return measured(name, "1", unloading(series), "EN 14363: limit 0.6", None, note)
 
 
 def remarks(found: Found) -> list[str]:
@@ -222,29 +217,30 @@ def remarks(found: Found) -> list[str]:
 
 
 def draw(found: Found) -> Figure:
-    figure, ((line, twisted), (loads, bars)) = plt.subplots(2, 2, figsize=(11.0, 7.6))
+    ends = [Case(ramp, SLOW) for ramp in (RAMPS[0], RAMPS[-1])]
+    most, least = (by_twist(case, found[case], moved(found[case])) / 1e3 for case in ends)
+    message = f"A ramp of 1:{RAMPS[0]:g} moves {most:.1f} kN, one of 1:{RAMPS[-1]:g} {least:.1f} kN"
+    titles = {
+        f"cant [mm], R = {RADIUS:g} m": "distance [m]",
+        f"load moved [kN]; dotted: at {FAST:.1f} m/s": "distance [m]",
+        f"largest dQ/Q, 1:{RAMPS[0]:g} [1]": "distance [m]",
+        "bars: statics; marks: measured": "load moved by the twist [kN]",
+    }
+    figure, (line, twisted, loads, bars) = charts(message, titles, (11.0, 7.6))
     for ramp, colour in zip(RAMPS, THREE, strict=True):
         rows = Case(ramp, SLOW).line.rows
         line.plot(rows["distance"], 1e3 * rows["cant"], color=colour, label=f"1:{ramp:g}")
         for speed, style in ((SLOW, "-"), (FAST, ":")):
             series = found[Case(ramp, speed)]
             twisted.plot(series["distance"], moved(series) / 1e3, style, color=colour)
-    line.set_title(f"cant [mm], R = {RADIUS:g} m")
-    legend_above(line, 3)
-    twisted.set_title(f"load moved [kN]; dotted: at {FAST:.1f} m/s")
     for speed, colour in ((SLOW, LEADING), (FAST, TRAILING)):
         series = found[Case(RAMPS[0], speed)]
-        least = np.min([series[wheel] for wheel in WHEELS], axis=0)
-        loads.plot(series["distance"], 1.0 - least / WHEEL_LOAD, color=colour, label=f"{speed:.1f} m/s")
-    loads.set_title(f"largest dQ/Q, 1:{RAMPS[0]:g} [1]")
+        lightest = np.min([series[wheel] for wheel in WHEELS], axis=0)
+        loads.plot(series["distance"], 1.0 - lightest / WHEEL_LOAD, color=colour, label=f"{speed:.1f} m/s")
+    legend_above(line, 3)
     legend_above(loads)
-    for axis in (line, twisted, loads):
-        axis.set_xlabel("distance [m]")
     draw_shares(bars, found)
-    steep, flat = (Case(ramp, SLOW) for ramp in (RAMPS[0], RAMPS[-1]))
-    most, least = (by_twist(case, found[case], moved(found[case])) / 1e3 for case in (steep, flat))
-    message = f"A ramp of 1:{steep.ramp:g} moves {most:.1f} kN, one of 1:{flat.ramp:g} {least:.1f} kN"
-    return titled(figure, message)
+    return figure
 
 
 def draw_shares(axis: Axes, found: Found) -> None:
@@ -261,7 +257,6 @@ def draw_shares(axis: Axes, found: Found) -> None:
     names = [f"1:{case.ramp:g}, {'free' if case.free else f'{case.speed:.1f} m/s'}" for case in cases]
     axis.set_yticks(-np.arange(len(cases)), names)
     axis.grid(axis="y", visible=False)
-    axis.set(xlabel="load moved by the twist [kN]", title="bars: statics; marks: measured")
     legend_above(axis, 3)
 
 

@@ -23,7 +23,7 @@ from scenarios.bench.drive import AT_REST, RIGID, located_lock_time, play, prepa
 from scenarios.measuring.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, FRICTION = 25.0, 0.3
@@ -230,7 +230,7 @@ def boundary_rows(found: Findings) -> list[Row]:
     for name, limits in found.boundaries.items():
         why = "static loads: both alike" if name == "point" else f"load moves forward; -: not up to {max(UTILISATIONS)}"
         for wheelset, limit in zip(("leading", "trailing"), limits, strict=True):
-            rows.append(Row(f"{name}: {wheelset} wheelset locks from utilisation", "1", None, limit, None, SOURCE, why))
+            rows.append(measured(f"{name}: {wheelset} wheelset locks from utilisation", "1", limit, SOURCE, None, why))
     planar, spatial = found.trailing_boundary("planar"), found.trailing_boundary("spatial")
     quantity, why = (
         "planar: locks the trailing wheelset earlier by",
@@ -238,7 +238,7 @@ def boundary_rows(found: Findings) -> list[Row]:
     )
     # Of what the rail gives more, load transfer takes a part: the boundary grows by as much less as it is lower.
     share = (adhesion_of_the_cone() - 1.0) * planar / found.trailing_boundary("point")
-    rows.append(Row(quantity, "1", None, spatial - planar, near(share * spatial, BOUNDARY_TOLERANCE), SOURCE, why))
+    rows.append(measured(quantity, "1", spatial - planar, SOURCE, near(share * spatial, BOUNDARY_TOLERANCE), why))
     return rows
 
 
@@ -269,7 +269,7 @@ def error_rows(found: Findings) -> list[Row]:
     for name, stops, question, span, bound, note in asked:
         words, unit = ERRORS[question]
         largest, limit = found.largest_error(stops, question, *span), None if bound is None else at_most(bound)
-        rows.append(Row(f"{name}: largest error of {words}{where[span]}", unit, None, largest, limit, SOURCE, note))
+        rows.append(measured(f"{name}: largest error of {words}{where[span]}", unit, largest, SOURCE, limit, note))
     return rows
 
 
@@ -279,7 +279,7 @@ def cost_rows(found: Findings) -> list[Row]:
         for utilisation, seconds in costs.items():
             note = f"{duration(utilisation):.1f} s simulated at the default tolerance, {DEFAULT_TOLERANCE:g}"
             quantity = f"{name}: cost of the stop at utilisation {utilisation}"
-            rows.append(Row(quantity, "ms", None, 1e3 * seconds, None, "measured now, least of several runs", note))
+            rows.append(measured(quantity, "ms", 1e3 * seconds, "measured now, least of several runs", None, note))
     return rows
 
 

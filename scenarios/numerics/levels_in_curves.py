@@ -33,7 +33,7 @@ from scenarios.measuring.timing import LEVELS, least
 from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
 RADII = (150.0, 200.0, 250.0, 299.0, 300.0, 400.0, 500.0, 700.0, 1000.0, 1500.0, 2000.0, 3000.0)
@@ -176,8 +176,8 @@ def checks(found: Findings) -> list[Row]:
     name = "point: largest relative error of the share of the weight that a curve takes"
     straight = "spatial: share of the weight that straight track takes"
     return [
-        Row(name, "1", None, off, near(0.0, SHARE_BAND), source),
-        Row(straight, "1", None, found.straight, near(0.0, NOTHING), "conservation of energy: nothing slides"),
+        measured(name, "1", off, source, near(0.0, SHARE_BAND)),
+        measured(straight, "1", found.straight, "conservation of energy: nothing slides", near(0.0, NOTHING)),
     ]
 
 
@@ -190,7 +190,7 @@ def loss_rows(found: Findings) -> list[Row]:
         words = f"{frictions}; von Roeckl {1e3 * found.roeckl[at]:.3g}"
         name = f"spatial: resistance at R = {radius:g} m"
         resistance = 1e3 * float(found.spatial[FRICTION][at])
-        rows.append(Row(name, "N/kN", None, resistance, None, words))
+        rows.append(measured(name, "N/kN", resistance, words))
     return rows
 
 
@@ -200,14 +200,14 @@ def stop_rows(found: Findings) -> list[Row]:
         at = RADII.index(radius)
         percent, metres = 100 * found.share(model, utilisation)[at], found.error(model, utilisation)[at]
         name = f"{model}: error of the stop at R = {radius:g} m, utilisation {utilisation:g}"
-        rows.append(Row(name, "%", None, float(percent), None, f"against the spatial level; {metres:+.2f} m"))
+        rows.append(measured(name, "%", percent, f"against the spatial level; {metres:+.2f} m"))
     apart = [np.abs(found.stops["planar", one] - found.stops["point", one]) for one in UTILISATIONS]
     name = "planar: largest difference of a stop from that of the point level"
     even = "point: errs less without the term from a radius of"
     return [
         *rows,
-        Row(name, "m", None, float(np.max(apart)), None, "all radii, both utilisations"),
-        Row(even, "m", None, found.break_even, None, "in space the resistance is half of the term there"),
+        measured(name, "m", np.max(apart), "all radii, both utilisations"),
+        measured(even, "m", found.break_even, "in space the resistance is half of the term there"),
     ]
 
 
@@ -218,7 +218,7 @@ def cost_rows(found: Findings) -> list[Row]:
         "measured now, least of several runs",
     )
     return [
-        Row(f"{name}: {what}", "1", None, seconds / point, None, source, f"{1e3 * seconds:.2g} ms")
+        measured(f"{name}: {what}", "1", seconds / point, source, None, f"{1e3 * seconds:.2g} ms")
         for name, seconds in found.costs.items()
     ]
 

@@ -18,7 +18,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_
 from scenarios.bench.drive import in_space, play, prepare
 from scenarios.reporting.plots import BOGIE, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Steps of the oracle and samples [s]; Runge-Kutta is unstable above 0.99 ms at 15 m/s and 0.8 ms at 25 m/s.
@@ -140,11 +140,11 @@ def run(options: Options) -> Report:
         difference = f"{scene.name}: difference of lateral shift"
         apart = 1e3 * outcome.difference("lateral_1")
         rows += [
-            Row(shift, "mm", None, peak, asked, source, polynomials),
-            Row(difference, "mm", None, apart, at_most(0.005 * largest), source),
-            Row(f"{scene.name}: difference of speed", "m/s", None, outcome.difference("speed"), at_most(1e-3), source),
-            Row(f"{scene.name}: time of the fast model", "s", None, outcome.seconds[0], None, cost),
-            Row(f"{scene.name}: time of chapter 3", "s", None, outcome.seconds[1], None, cost),
+            measured(shift, "mm", peak, source, asked, polynomials),
+            measured(difference, "mm", apart, source, at_most(0.005 * largest)),
+            measured(f"{scene.name}: difference of speed", "m/s", outcome.difference("speed"), source, at_most(1e-3)),
+            measured(f"{scene.name}: time of the fast model", "s", outcome.seconds[0], cost),
+            measured(f"{scene.name}: time of chapter 3", "s", outcome.seconds[1], cost),
         ]
     longest = outcomes[SCENES[0]]
     series = Recording({"time": "s"}, [[instant] for instant in longest.fast["time"]])

@@ -25,7 +25,7 @@ from scenarios.measuring.protected_throughput import protected_rows
 from scenarios.measuring.timing import LEVELS, REPEATS, least
 from scenarios.measuring.train_pace import train_rows
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Report, Row
+from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import BadInputError, Options, Scenario
 
 KINDS = ("native", "python")
@@ -90,12 +90,12 @@ def vehicle_rows() -> list[Row]:
     for level in (2, 3):
         for t in kernel_timings(library, level, torques):
             what = f"complete vehicle: {t.what}, {t.level}, from C"
-            rows.append(Row(what, "us", None, t.microseconds, None, "measured now, least of several runs"))
+            rows.append(measured(what, "us", t.microseconds, "measured now, least of several runs"))
         for words, published in (("as published", AS_PUBLISHED), ("with traction rods", {})):
             values = start_of(level) | torques | published
             seconds = min(stop_time(library, values) for _ in range(REPEATS))
             what = f"complete vehicle {words}: 22.9 s stop in one call, {LEVELS[level]}"
-            rows.append(Row(what, "ms", None, 1e3 * seconds, None, "measured now, least of several runs"))
+            rows.append(measured(what, "ms", 1e3 * seconds, "measured now, least of several runs"))
     return rows
 
 
@@ -106,7 +106,7 @@ def beginning_rows() -> list[Row]:
         command = [sys.executable, *arguments]
         seconds = least(partial(subprocess.run, command, check=True, stdout=subprocess.DEVNULL))
         source = f"measured now; to stay below {most}"
-        rows.append(Row(f"{what}, with the start of Python", "s", None, seconds, None, source))
+        rows.append(measured(f"{what}, with the start of Python", "s", seconds, source))
     return rows
 
 
@@ -160,18 +160,18 @@ def run(options: Options) -> Report:
     rows = []
     for t in timings:
         what = f"{t.what}, {t.level}, {'from C' if t.kind == 'C' else t.kind + ' FMU through fmpy'}"
-        rows.append(Row(what, "us", None, t.microseconds, None, "measured now, least of several runs"))
+        rows.append(measured(what, "us", t.microseconds, "measured now, least of several runs"))
     found = {(t.what, t.level, t.kind): t.microseconds for t in timings}
     for name in LEVELS.values():
         for kind in KINDS:
             times = STOP_SECONDS * 1e6 / found["22.9 s stop in one doStep", name, kind]
             what = f"times real time, 22.9 s stop, {name}, {kind} FMU"
             aim = f"measured now; to reach {TARGETS[name]:.0f}" if kind == "native" else "measured now"
-            rows.append(Row(what, "1", None, times, None, aim))
+            rows.append(measured(what, "1", times, aim))
         extra = found["doStep of 1 ms", name, "python"] - found["doStep of 1 ms", name, "native"]
         what = f"doStep of 1 ms, {name}: pythonfmu beyond native"
         aim = f"measured now; to stay below {PYTHON_OVERHEAD_TARGET:.0f}"
-        rows.append(Row(what, "us", None, extra, None, aim))
+        rows.append(measured(what, "us", extra, aim))
     rows += vehicle_rows()
     rows += throughput.batch_rows() + throughput.control_rows() + protected_rows() + environment_rows()
     rows += train_rows()
@@ -180,7 +180,7 @@ def run(options: Options) -> Report:
     begin = time.perf_counter()
     cases = len(run_all())
     seconds = time.perf_counter() - begin
-    rows.append(Row(f"chapter 9, {cases} cases with recording", "s", None, seconds, None, "measured now, once"))
+    rows.append(measured(f"chapter 9, {cases} cases with recording", "s", seconds, "measured now, once"))
     if peers and commit:
         rows += peers.rows(commit)
     stops = {level: stop_of(library, level) for level in LEVELS}

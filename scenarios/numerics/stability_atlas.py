@@ -33,7 +33,7 @@ from scenarios.measuring.stability import (
 )
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most, near
+from scenarios.reporting.report import Report, Row, at_least, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 NAMES = {RODAS5P: "RODAS5P", ROS34PW2: "ROS34PW2", RUNGE_KUTTA: "RK4"}
@@ -238,42 +238,42 @@ def rows_of(atlas: Atlas) -> list[Row]:
         ratios = [found / step for found, step in zip(atlas.found[machine.name], predicted, strict=True)]
         worst = max(ratios, key=lambda ratio: abs(ratio - 1.0))
         name = f"RK4, {machine.name}: largest stable step, found over predicted"
-        rows.append(Row(name, "1", None, worst, near(1.0, BOUNDARY_BAND), theory))
+        rows.append(measured(name, "1", worst, theory, near(1.0, BOUNDARY_BAND)))
         step = limit(machine, 25.0)
-        rows.append(Row(f"RK4, {machine.name}: limit at 25 m/s", "ms", None, 1e3 * step, None, theory))
+        rows.append(measured(f"RK4, {machine.name}: limit at 25 m/s", "ms", 1e3 * step, theory))
     for machine in (SPATIAL, PATCHES, STRIPS):
         step = limit(machine, TRIED[-1])
-        rows.append(Row(f"RK4, {machine.name}: limit at {TRIED[-1]:g} m/s", "ms", None, 1e3 * step, None, theory))
+        rows.append(measured(f"RK4, {machine.name}: limit at {TRIED[-1]:g} m/s", "ms", 1e3 * step, theory))
     for share, word in ((0.9, "largest"), (1.1, "least")):
         chosen = [one for one in atlas.growth if one[2] == share]
         pick = max if share < 1.0 else min
         worst = pick(one[3] for one in chosen)
         name = f"RK4 at {share:g} of the limit: {word} growth in a step"
-        rows.append(Row(name, "1", None, worst, near(chosen[0][4], 0.03 * chosen[0][4]), "stability function"))
+        rows.append(measured(name, "1", worst, "stability function", near(chosen[0][4], 0.03 * chosen[0][4])))
         right = sum(one[5] == (share > 1.0) for one in chosen) / len(chosen)
         words = "says so" if share > 1.0 else "is silent"
         name = f"RK4 at {share:g} of the limit: share of runs whose log {words}"
-        rows.append(Row(name, "1", None, right, at_least(1.0), "guard"))
+        rows.append(measured(name, "1", right, "guard", at_least(1.0)))
     growth = max(one[3] for one in atlas.default_growth)
     name = "RODAS5P at 2 to 100 times that limit: largest growth in a step"
-    rows.append(Row(name, "1", None, growth, at_most(1.0), "L-stable"))
+    rows.append(measured(name, "1", growth, "L-stable", at_most(1.0)))
     return rows + silent_rows(atlas) + rest_rows(atlas) + fold_rows(atlas) + drift_rows(atlas)
 
 
 def silent_rows(atlas: Atlas) -> list[Row]:
     least, largest = atlas.silent_limits
     rows = [
-        Row("RK4 over a wave, braked: least limit", "ms", None, 1e3 * least, None, "eigenvalues along the run"),
-        Row("RK4 over a wave, braked: largest limit", "ms", None, 1e3 * largest, None, "eigenvalues along the run"),
+        measured("RK4 over a wave, braked: least limit", "ms", 1e3 * least, "eigenvalues along the run"),
+        measured("RK4 over a wave, braked: largest limit", "ms", 1e3 * largest, "eigenvalues along the run"),
     ]
     for step in (6e-4, 1e-3):
         error, warned = next((e, w) for s, e, w in atlas.silent[RUNGE_KUTTA] if s == step)
         words = "the log says so" if warned else "the log is silent"
         name = f"RK4 over a wave, step {1e3 * step:g} ms: error of the lateral motion"
-        rows.append(Row(name, "mm", None, 1e3 * error, None, "against RODAS5P 1e-10", words))
+        rows.append(measured(name, "mm", 1e3 * error, "against RODAS5P 1e-10", None, words))
     error = next(e for s, e, _ in atlas.silent[RODAS5P] if s == 1e-3)
     name, source = "RODAS5P with the same step of 1 ms", "against RODAS5P 1e-10"
-    rows.append(Row(name, "mm", None, 1e3 * error, at_most(1e-3), source))
+    rows.append(measured(name, "mm", 1e3 * error, source, at_most(1e-3)))
     return rows
 
 
@@ -285,10 +285,10 @@ def rest_rows(atlas: Atlas) -> list[Row]:
     slip = "slip at rest of driven wheels over its regularisation: slope"
     stop = "stop distance, creepage speed 0.01 m/s against 0.001 m/s"
     rows = [
-        Row(slip, "1", None, slope, near(1.0, 0.01), "viscous creep: proportional"),
-        Row("slip at rest of driven wheels, 20 kN, creepage speed 0.01 m/s", "um/s", None, 1e6 * default[1], None, ""),
-        Row("speed of locked wheels at rest, 20 kN", "um/s", None, 1e6 * atlas.left, at_most(0.0), "rails hold them"),
-        Row(stop, "mm", None, 1e3 * (default[2] - least[2]), near(0.0, 0.1), "what the regularisation costs"),
+        measured(slip, "1", slope, "viscous creep: proportional", near(1.0, 0.01)),
+        measured("slip at rest of driven wheels, 20 kN, creepage speed 0.01 m/s", "um/s", 1e6 * default[1]),
+        measured("speed of locked wheels at rest, 20 kN", "um/s", 1e6 * atlas.left, "rails hold them", at_most(0.0)),
+        measured(stop, "mm", 1e3 * (default[2] - least[2]), "what the regularisation costs", near(0.0, 0.1)),
     ]
     for method, name in NAMES.items():
         good = [speed for _, speed, failure in atlas.stops[method] if not failure]
@@ -298,7 +298,7 @@ def rest_rows(atlas: Atlas) -> list[Row]:
             f"{failed} of {len(atlas.stops[method])} runs ended with a sentence: friction chatters" if failed else ""
         )
         asked, quantity = None if failed else at_most(1e-9), f"{name}, fixed steps 0.1-100 ms: speed left at rest"
-        rows.append(Row(quantity, "m/s", None, largest, asked, "false equilibria", words))
+        rows.append(measured(quantity, "m/s", largest, "false equilibria", asked, words))
     return rows
 
 
@@ -312,9 +312,9 @@ def fold_rows(atlas: Atlas) -> list[Row]:
     derailment = "derailment of chapter 9: speed, default"
     spread = "derailment: spread over tolerances 1e-5 to 1e-7"
     return [
-        Row(fold, "1", None, atlas.approach.exponent, near(0.5, 0.03), "square root: a fold"),
+        measured(fold, "1", atlas.approach.exponent, "square root: a fold", near(0.5, 0.03)),
         Row(derailment, "m/s", 6.1, speeds[3], None, "Table 9.2; tolerance 1e-6", FITTED),
-        Row(spread, "m/s", None, float(np.ptp(speeds[2:])), None, "flange impacts before it are chaotic"),
+        measured(spread, "m/s", np.ptp(speeds[2:]), "flange impacts before it are chaotic"),
     ]
 
 
@@ -323,10 +323,10 @@ def drift_rows(atlas: Atlas) -> list[Row]:
     source = f"chapter 3, step {1e3 * DRIFT_STEP:g} ms, after {free.time[-1]:g} s"
     left = float(closed.norm[-1])
     return [
-        Row("constraints without partitioning: residual", "m", None, float(free.residual[-1]), None, source),
-        Row("constraints with partitioning: residual", "m", None, float(closed.residual[-1]), at_most(1e-12), source),
-        Row("Euler parameters without partitioning: norm less 1", "1", None, float(free.norm[-1]), None, source),
-        Row("Euler parameters with partitioning: norm less 1", "1", None, left, near(0.0, 1e-12), source),
+        measured("constraints without partitioning: residual", "m", free.residual[-1], source),
+        measured("constraints with partitioning: residual", "m", closed.residual[-1], source, at_most(1e-12)),
+        measured("Euler parameters without partitioning: norm less 1", "1", free.norm[-1], source),
+        measured("Euler parameters with partitioning: norm less 1", "1", left, source, near(0.0, 1e-12)),
     ]
 
 

@@ -3,7 +3,7 @@
 import math
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib
@@ -57,6 +57,24 @@ def single(message: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
     figure, axis = plt.subplots(figsize=(8.0, 5.2))
     axis.set(xlabel=x_label, ylabel=y_label)
     return titled(figure, message), axis
+
+
+def charts(
+    message: str,
+    titles: Mapping[str, str] | Sequence[str],
+    size: tuple[float, float],
+    x_label: str = "",
+    columns: int = 2,
+    **options: Any,
+) -> tuple[Figure, list[Any]]:
+    """A figure of charts in rows of some `columns`; size: of the figure [inch].
+
+    titles: of the charts, each with the label of its x axis, or with one label for all. options: of `plt.subplots`.
+    """
+    figure, grid = plt.subplots(math.ceil(len(titles) / columns), columns, figsize=size, squeeze=False, **options)
+    for axis, title in zip(grid.flat, titles, strict=True):
+        axis.set(title=title, xlabel=titles[title] if isinstance(titles, Mapping) else x_label)
+    return titled(figure, message), list(grid.flat)
 
 
 def titled(figure: Figure, message: str) -> Figure:

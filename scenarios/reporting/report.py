@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, SupportsFloat, TypeVar
 
 from matplotlib.figure import Figure
 
@@ -118,6 +118,42 @@ class Row:
             "assumption": self.assumption,
             "holds": self.holds,
         }
+
+
+def measured(
+    quantity: str,
+    unit: str,
+    value: SupportsFloat | None,
+    source: str = "",
+    asked: Bound | None = None,
+    assumption: str = "",
+) -> Row:
+    """A row of what the thesis does not print; a count stays a whole number."""
+    found = value if value is None or isinstance(value, int) else float(value)
+    return Row(quantity, unit, None, found, asked, source, assumption)
+
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class Measure(Generic[Found]):
+    """What is measured of each run: a quantity with its unit and how it is read; asked, source: as in a `Row`."""
+
+    quantity: str
+    unit: str
+    value: Callable[[Found], SupportsFloat | None]
+    source: str = ""
+    asked: Bound | None = None
+
+
+def rows_of(runs: Mapping[str, Found], *measures: Measure[Found]) -> list[Row]:
+    """All measures of each run; the name of the run stands ahead of the quantity."""
+    return [
+        measured(f"{name}: {one.quantity}", one.unit, one.value(run), one.source, one.asked)
+        for name, run in runs.items()
+        for one in measures
+    ]
 
 
 @dataclass

@@ -37,7 +37,7 @@ from scenarios.bench.asymmetric_shoes import (
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, single, titled, write_at
-from scenarios.reporting.report import Report, Row, at_least, rounding
+from scenarios.reporting.report import Report, Row, at_least, measured, rounding
 from scenarios.scenario import Options, Scenario
 
 #: Readings that are drawn, in words; wheelsets with uneven shoes, and the line and marker of each.
@@ -97,7 +97,7 @@ def rows_of_loads(outcomes: dict[Case, Outcome]) -> list[Row]:
             name, load = f"{case.name}: largest load of a flanging wheel", 1e-3 * outcomes[case].flanging_load(1)
             asked = None if case is printed else at_least(least)
             statics = "statics: a force at the rail presses its wheel down, one at the centre (3.106) does not"
-            rows.append(Row(name, "kN", None, load, asked, statics))
+            rows.append(measured(name, "kN", load, statics, asked))
     return rows
 
 

@@ -27,7 +27,7 @@ from scenarios.bench.irregularities import (
 )
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Report, Row, near, rounding
+from scenarios.reporting.report import Report, Row, measured, near, rounding
 from scenarios.scenario import Options, Scenario
 
 SPACING = "half spacing of the suspension 0.7 m and frame height 0.8 m are fitted, to other values"
@@ -63,7 +63,7 @@ def lateral_rows(runs: dict[float, Recording]) -> list[Row]:
         rows.append(Row(name, "Hz", thesis, frequency, asked, source, note, vampire=vampire))
     late = runs[25.0]["time"] > DURATION - 2.0
     ratio = np.abs(runs[25.0]["lateral_1"][late]).max() / np.abs(runs[25.0]["lateral_1"]).max()
-    rows.append(Row("25 m/s: shift of the last 2 s over the largest", "1", None, float(ratio), None, source, "stable"))
+    rows.append(measured("25 m/s: shift of the last 2 s over the largest", "1", ratio, source, None, "stable"))
     return rows
 
 
@@ -83,7 +83,7 @@ def vertical_rows(runs: dict[float, Recording]) -> list[Row]:
     formula = undamped * float(np.sqrt(1 - damping**2)) / (2 * np.pi)
     other = "the other value: sqrt(4k/M) sqrt(1 - D^2)/2 pi"
     found, asked = bounce_mode(levels(two_axle_bogie())[2]), near(formula, BAND * formula)
-    rows = [Row("bounce frequency by eigenvalue", "Hz", None, found, asked, other)]
+    rows = [measured("bounce frequency by eigenvalue", "Hz", found, other, asked)]
     for speed, (thesis, vampire) in {15.0: (0.48, 0.49), 25.0: (0.77, 0.78)}.items():
         series = runs[speed]
         frequency, density = spectrum(series["time"], series["bounce"])

@@ -11,7 +11,7 @@ from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import RIGID, period, play, prepare
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, TRAILING, panels
-from scenarios.reporting.report import Report, Row, at_most
+from scenarios.reporting.report import Report, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 TORQUE = 15e3
@@ -50,12 +50,12 @@ def run(options: Options) -> Report:
     same, levels = at_most(SAME * abs(pull)), "levels against each other, not the thesis"
     note = "of the pitch in traction what rigid statics are asked for, 0.1 %"
     rows = [
-        Row("pitch in traction", "mrad", None, pull, None, source, "negative"),
-        Row("pitch in braking", "mrad", None, 1e3 * mean_between(series, *BRAKED), None, source, "positive"),
-        Row("pitch in traction, motors hung", "mrad", None, 1e3 * mean_between(hung, *PULLED), None, where),
-        Row("pitch in braking, brakes hung", "mrad", None, 1e3 * mean_between(hung, *BRAKED), None, where),
-        Row("period of the ringing after the release", "s", None, ringing_period, None, source),
-        Row("largest difference of pitch, spatial - planar", "mrad", None, difference, same, levels, note),
+        measured("pitch in traction", "mrad", pull, source, None, "negative"),
+        measured("pitch in braking", "mrad", 1e3 * mean_between(series, *BRAKED), source, None, "positive"),
+        measured("pitch in traction, motors hung", "mrad", 1e3 * mean_between(hung, *PULLED), where),
+        measured("pitch in braking, brakes hung", "mrad", 1e3 * mean_between(hung, *BRAKED), where),
+        measured("period of the ringing after the release", "s", ringing_period, source),
+        measured("largest difference of pitch, spatial - planar", "mrad", difference, levels, same, note),
     ]
     series.add_from("pitch, spatial", runs[3], "pitch")
     remark = "Symmetric track and loads: the planar level is enough; the spatial one is run to show it."

@@ -12,7 +12,7 @@ from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import bogie, play
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, mark, single
-from scenarios.reporting.report import Report, Row
+from scenarios.reporting.report import Report, measured
 from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 60e3, 4.0, 25.0
@@ -47,11 +47,11 @@ def run(options: Options) -> Report:
         for number in CASES[name]:
             locked = series.first_time(series[f"locked_{number}"] > 0.5)
             delay = None if locked is None else locked - APPLIED
-            rows.append(Row(f"{name}: lock of wheelset {number} after", "s", None, delay, None, "section 5.5, rapidly"))
+            rows.append(measured(f"{name}: lock of wheelset {number} after", "s", delay, "section 5.5, rapidly"))
         before = series["time"] < APPLIED
         for label, chosen in (("just before the brake", before & (series["time"] > APPLIED - 0.5)), ("after", ~before)):
             shift = 1e3 * float(np.abs(series["lateral_1"][chosen]).max())
-            rows.append(Row(f"{name}: shift of wheelset 1 {label}", "mm", None, shift, None, "Figs 5.45, 5.47"))
+            rows.append(measured(f"{name}: shift of wheelset 1 {label}", "mm", shift, "Figs 5.45, 5.47"))
     first = runs["leading wheelset braked"][0]
     choice = smallest_level(("brake_torque_1", *WAVE), RECORDED)
     remarks += [choice.reason, f"The picture tells the largest shift later than {SETTLED:g} s after the brake."]

@@ -27,7 +27,7 @@ from rbd_model.contact.geometry import (
 from scenarios.bench.profile_files import gauge_of, sides_from_files
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, mark, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, rounding
+from scenarios.reporting.report import Report, Row, measured, rounding
 from scenarios.scenario import BadInputError, Options, Scenario
 
 SHIFTS = np.linspace(0.0, 9.0e-3, 91)
@@ -187,7 +187,7 @@ def rows_of_files(centred: ContactAtShift, flanges: list[float], conicity: Recor
     source = "EN 15302, level wheelset"
 
     def row(quantity: str, unit: str, value: float, note: str = "") -> Row:
-        return Row(quantity, unit, None, value if np.isfinite(value) else None, None, source, note)
+        return measured(quantity, unit, value if np.isfinite(value) else None, source, None, note)
 
     rows = [row("shift of equal rolling radii", "mm", 1e3 * centred.shift, "to the left; the wheelset runs about it")]
     for word, flange, angle in zip(WORDS, flanges, centred.angle, strict=True):

@@ -9,7 +9,7 @@ from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
 from scenarios.reporting.plots import BOGIE, LEADING, LINES, THREE, plt, titled
-from scenarios.reporting.report import Report, Row, at_most
+from scenarios.reporting.report import Report, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 #: One contact: semi-axes [m], load [N], friction, shear modulus [Pa].
@@ -72,7 +72,7 @@ def run(options: Options) -> Report:
         ("with spin", with_spin, "Polach's own limit, largest where spin works against the creepage"),
     ):
         quantity = f"largest distance from exact theory, {name}"
-        rows.append(Row(quantity, "% of mu N", None, float(distance[chosen].max()), at_most(BAND), source, assumption))
+        rows.append(measured(quantity, "% of mu N", distance[chosen].max(), source, at_most(BAND), assumption))
     series = Recording({"creepage": "1"}, [[c] for c in np.linspace(0.0, 0.01, 201)])
     creepage = series["creepage"]
     zero = np.zeros_like(creepage)

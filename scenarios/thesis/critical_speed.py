@@ -10,7 +10,7 @@ from rbd_model.vehicle.parameters import tables_4_1_and_4_2
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import RANGE, growth_by_eigenvalue, modes_at
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, single, write_at
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
 FITTED, PRINTED = tables_4_1_and_4_2().longitudinal_half_spacing, 0.35
@@ -59,7 +59,7 @@ def run(options: Options) -> Report:
     rows = [
         Row("critical speed by eigenvalues", "m/s", 27.0, critical[FITTED], None, source, fitted),
         Row("critical speed by simulation in time", "m/s", 27.0, in_time, None, source, fitted),
-        Row("simulation in time over eigenvalues", "1", None, in_time / critical[FITTED], near(1.0, 0.005), methods),
+        measured("simulation in time over eigenvalues", "1", in_time / critical[FITTED], methods, near(1.0, 0.005)),
         Row("critical speed with the printed spacing", "m/s", 27.0, critical[PRINTED], None, source, printed),
     ]
     series = Recording({"speed": "m/s"}, [[float(speed)] for speed in SPEEDS])

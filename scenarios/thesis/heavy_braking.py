@@ -14,7 +14,7 @@ from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, panels
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, rounding
+from scenarios.reporting.report import Report, Row, measured, rounding
 from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
@@ -71,9 +71,9 @@ def printed_rows(planar: dict[str, Recording], hung: dict[str, Recording]) -> li
     return [
         Row(alone, "s", 0.5, lock_time(planar["leading"], 1), None, "Fig. 5.44, about", fitted),
         Row(both, "s", 0.2, early, rounding("0.2"), "Fig. 5.46, about", assumed),
-        Row(later, "s", None, later_by(early, late), None, forward, "planar"),
-        Row(alone_hung, "s", None, lock_time(hung["leading"], 1), None, HUNG, "planar"),
-        Row(both_hung, "s", None, lock_time(hung["both"], 2), None, HUNG, "planar"),
+        measured(later, "s", later_by(early, late), forward, None, "planar"),
+        measured(alone_hung, "s", lock_time(hung["leading"], 1), HUNG, None, "planar"),
+        measured(both_hung, "s", lock_time(hung["both"], 2), HUNG, None, "planar"),
     ]
 
 
@@ -83,8 +83,8 @@ def point_rows(point: dict[str, Recording]) -> list[Row]:
     later, source = later_by(lock_time(point["both"], 2), lock_time(point["both"], 1)), "static loads"
     early = "point: too early, because the load that moves forward is missing"
     return [
-        Row(apart, "s", None, later, None, source, "point: both alike"),
-        Row(alone, "s", None, lock_time(point["leading"], 1), None, source, early),
+        measured(apart, "s", later, source, None, "point: both alike"),
+        measured(alone, "s", lock_time(point["leading"], 1), source, None, early),
     ]
 
 

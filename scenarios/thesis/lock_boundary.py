@@ -16,7 +16,7 @@ from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.bench.qr30_bogie import FRICTION, FRICTION_RANGE, bogie_parameters
 from scenarios.reporting.plots import BOGIE, LINES, THREE, single
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Many short runs: the torque of 0.8 s build-up needs no finer macro step [s].
@@ -109,8 +109,8 @@ def run(options: Options) -> Report:
     alone_words = f"torque on the wheelset alone; wheel-rail {FRICTION}; the printed 8.85 kN a wheel has {printed:.0f}"
     hung_words = f"not judged: the brake takes its torque over the wheel base off the load; wheel-rail {FRICTION}"
     rows = [
-        Row(torque, "N.m", None, adhesion[ALONE], statics, f"{source} of the printed masses", alone_words),
-        Row(f"{torque}, brake hung in the frame", "N.m", None, adhesion[HUNG], None, source, hung_words),
+        measured(torque, "N.m", adhesion[ALONE], f"{source} of the printed masses", statics, alone_words),
+        measured(f"{torque}, brake hung in the frame", "N.m", adhesion[HUNG], source, None, hung_words),
     ]
     for pressure, curve in curves.items():
         low, high = printed_range(pressure)

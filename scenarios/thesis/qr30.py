@@ -25,7 +25,7 @@ from scenarios.bench.torque_history import read_torque_history
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, near, number, rounding
+from scenarios.reporting.report import Report, Row, measured, near, number, rounding
 from scenarios.scenario import Options, Scenario
 
 #: Time of brake application [s]. Assumed: the thesis's figures begin about a second before.
@@ -205,7 +205,7 @@ def chain_rows(pressure: int, one: Run) -> list[Row]:
         Row("pressure 0.8 s after application", "kPa", 0.95 * pressure, reached, digit, pressed, definition),
         Row("normal force of one shoe (brake rod)", "kN", rod, shoe, percent * specified, loss, efficiency),
         Row("deceleration while coasting", "m/s2", 0.1, coast, None, about, one_digit),
-        Row("deceleration while coasting, closed form", "m/s2", None, coast, closed, formula, corrected),
+        measured("deceleration while coasting, closed form", "m/s2", coast, formula, closed, corrected),
     ]
 
 
@@ -265,7 +265,7 @@ def run_history(pressure: int, options: Options) -> Report:
     history = f"torque from {options.torque_csv.name}"
     note = "not judged: the history is the user's"
     rows = [
-        Row("deceleration until lock or rest", "m/s2", None, one.deceleration, None, history),
+        measured("deceleration until lock or rest", "m/s2", one.deceleration, history),
         Row("speed at lock", "m/s", printed, one.lock_speed, None, history, note),
     ]
     parameters = tables_8_1_and_8_2().values() | {"friction": FRICTION, "torque_csv": options.torque_csv.name}

@@ -23,7 +23,7 @@ from scenarios.bench.irregularities import CROSS_LEVEL, HUNTING_PEAK, LATERAL, L
 from scenarios.measuring.stability import RUNGE_KUTTA, Machine, limit
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row
+from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import Options, Scenario
 
 #: Steps of the explicit method [s], and the one that is looked at more closely.
@@ -239,7 +239,7 @@ def limit_rows() -> list[Row]:
     theory = "eigenvalues of the exact Jacobian times the stability region"
     one_of_each = {(run.fmu, run.speed): run for run in RUNS}
     return [
-        Row(f"{fmu}: limit of the step at {speed:g} m/s", "ms", None, 1e3 * run.limit(), None, theory)
+        measured(f"{fmu}: limit of the step at {speed:g} m/s", "ms", 1e3 * run.limit(), theory)
         for (fmu, speed), run in one_of_each.items()
     ]
 
@@ -249,7 +249,7 @@ def rows_below() -> list[Row]:
     case, words = Case(1, 25, 1.0, AS_THESIS), "shoes of the leading wheelset, 25 %: its shift"
     span = f"from {CUT:g} to {BELOW:g} m/s"
     return [
-        Row(f"{words} {span}, {words_of(step)}", "mm", None, below_the_cut(case, step), None, "below the cut")
+        measured(f"{words} {span}, {words_of(step)}", "mm", below_the_cut(case, step), "below the cut")
         for step in (None, CLOSER)
     ]
 
@@ -295,7 +295,7 @@ def run(options: Options) -> Report:
     found, below = study(), rows_below()
     names = verdicts(found)
     counted = [
-        Row(f"numbers {words}, step {1e3 * CLOSER:g} ms", "1", None, len(which), None, f"of {len(numbers())}")
+        measured(f"numbers {words}, step {1e3 * CLOSER:g} ms", "1", len(which), f"of {len(numbers())}")
         for words, which in names.items()
     ]
     rows = [*rows_of(found), *below, *limit_rows(), *counted]

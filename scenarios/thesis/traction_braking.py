@@ -12,7 +12,7 @@ from rbd_model.levels.models import smallest_level
 from rbd_model.vehicle.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.plots import BOGIE, THESIS, mark, panels
-from scenarios.reporting.report import Report, Row, near, number, rounding
+from scenarios.reporting.report import Report, Row, measured, near, number, rounding
 from scenarios.scenario import Options, Scenario
 
 DURATION = 40.0
@@ -120,7 +120,7 @@ def load_row(words: str, series: Recording, judged: bool) -> Row:
         if judged or asked is None
         else f"not judged: moments ask for {asked:.1f} kN, torques that react on nothing do not"
     )
-    return Row(f"braking, {words}: load that moves forward", "kN", None, moved, band, "moments about the rail", lacking)
+    return measured(f"braking, {words}: load that moves forward", "kN", moved, "moments about the rail", band, lacking)
 
 
 def run(options: Options) -> Report:

@@ -17,7 +17,7 @@ from scenarios.bench.hunting_wheelset import (
 )
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import LEADING, TRAILING, plt, titled
-from scenarios.reporting.report import Report, Row
+from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import Options, Scenario
 
 SPEEDS = (15.0, 25.0, 30.0)
@@ -44,10 +44,10 @@ def run(options: Options) -> Report:
     rows = [
         Row("wavelength at 15 m/s", "m", WAVELENGTH[0], wave, WAVELENGTH_BAND, source, fitted, vampire=WAVELENGTH[1]),
         Row("frequency at 25 m/s", "Hz", FREQUENCY[0], swing, FREQUENCY_BAND, source, fitted, vampire=FREQUENCY[1]),
-        Row(f"30 m/s, {words}: growth in 10 s", "1", None, growth(small), None, source, "above 1: unstable"),
-        Row("limit cycle at 30 m/s", "mm", None, 1e3 * late[1], None, source, "bounded by the flange"),
-        Row("limit cycle, flange pushed at the rail", "mm", None, 1e3 * at_rail, None, source, "the physical reading"),
-        Row("limit cycle: change over 20 s", "1", None, late[1] / late[0], None, source),
+        measured(f"30 m/s, {words}: growth in 10 s", "1", growth(small), source, None, "above 1: unstable"),
+        measured("limit cycle at 30 m/s", "mm", 1e3 * late[1], source, None, "bounded by the flange"),
+        measured("limit cycle, flange pushed at the rail", "mm", 1e3 * at_rail, source, None, "the physical reading"),
+        measured("limit cycle: change over 20 s", "1", late[1] / late[0], source),
     ]
     series = runs[15.0]
     for speed in (25.0, 30.0):

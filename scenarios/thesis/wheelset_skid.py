@@ -11,7 +11,7 @@ from rbd_model.vehicle.ready import wheelset_under_frame
 from scenarios.bench.drive import play, prepare
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, TRAILING, mark, single, write_at
-from scenarios.reporting.report import Report, Row, at_least, at_most, between, near
+from scenarios.reporting.report import Report, Row, at_least, at_most, between, measured, near
 from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 25e3, 2.0, 25.0
@@ -55,16 +55,16 @@ def run(options: Options) -> Report:
         name = f"friction {friction}: time from brake to lock"
         rows.append(Row(name, "s", printed, delay, asked, "section 4.7", words))
         closed = lock_in_closed_form(friction)
-        rows.append(Row(f"{name}, closed form", "s", None, delay, near(closed, 2 * INTERVAL), SATURATED))
+        rows.append(measured(f"{name}, closed form", "s", delay, SATURATED, near(closed, 2 * INTERVAL)))
         speed = None if locked is None else float(series["speed"][series["time"] >= locked][0])
         words = "'more than 20 m/s', of 25 m/s at the start"
         above = at_least(20.0) if friction == FRICTIONS[0] else None
-        rows.append(Row(f"friction {friction}: speed at lock", "m/s", None, speed, above, "section 4.7", words))
+        rows.append(measured(f"friction {friction}: speed at lock", "m/s", speed, "section 4.7", above, words))
         shift = 1e3 * float(series["lateral_1"][-1])
-        rows.append(Row(f"friction {friction}: lateral shift at the end", "mm", None, shift, None, "Figs 4.28, 4.29"))
+        rows.append(measured(f"friction {friction}: lateral shift at the end", "mm", shift, "Figs 4.28, 4.29"))
         shift = 1e3 * float(brake(friction, {})["lateral_1"][-1])
         name = f"friction {friction}: lateral shift at the end, brake hung in the frame"
-        rows.append(Row(name, "mm", None, shift, None, "Figs 4.28, 4.29"))
+        rows.append(measured(name, "mm", shift, "Figs 4.28, 4.29"))
     series = runs[FRICTIONS[0]]
     for name in RECORDED:
         series.add_from(f"{name}, friction {FRICTIONS[1]}", runs[FRICTIONS[1]], name)

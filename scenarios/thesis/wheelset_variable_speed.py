@@ -15,7 +15,7 @@ from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import WAVELENGTH
 from scenarios.reporting.motion import Motion, irregular, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt, titled
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Neither the torque nor the disturbance is printed. The smaller torque hardly moves the critical speed.
@@ -95,7 +95,7 @@ def run(options: Options) -> Report:
         name = f"{kind} with {torque / 1e3:g} kN.m: against eigenvalues"
         asked = near(expected, change_in_a_wave(one, expected))
         note = "within the change of speed in one wave"
-        rows.append(Row(name, "m/s", None, found, asked, source, note))
+        rows.append(measured(name, "m/s", found, source, asked, note))
     series = runs["braking", TORQUES[1]]
     shown = {kind: runs[kind, TORQUES[1]] for kind in START}
     for name in ("speed", "lateral_1"):

@@ -16,7 +16,7 @@ from fmu_src.cosimulation.recording import Recording
 from scenarios.bench.shunting_stop import ONCE, PUBLISHED, SHIFTED, Array, Rules, distances
 from scenarios.reporting.plots import LEADING, TRAILING, single
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario, Sweepable
 
 
@@ -93,20 +93,10 @@ def run(options: Options) -> Report:
     rows = [model_row(stop) for stop in STOPS]
     rows += [row for name, stops in published.items() for row in published_rows(name, stops)]
     rows += [row for name in PRINTED for row in beside_rows(name, found)]
-    parameters = {
-        "stops": [[stop.case.name, stop.speed, stop.percentage, stop.length] for stop in STOPS],
-        "stops_published_method": FEW,
-        "stops_distribution": MANY,
-        "seed": SEED,
-    }
-    return Report(
-        rows,
-        histogram(found),
-        lambda: draw(found),
-        parameters,
-        0.0,
-        [f"{message(found)}: they count the locomotive twice."],
-    )
+    stops_of = [[stop.case.name, stop.speed, stop.percentage, stop.length] for stop in STOPS]
+    parameters = {"stops": stops_of, "stops_published_method": FEW, "stops_distribution": MANY, "seed": SEED}
+    said = [f"{message(found)}: they count the locomotive twice."]
+    return Report(rows, histogram(found), lambda: draw(found), parameters, 0.0, said)
 
 
 def model_row(stop: Stop) -> Row:
@@ -115,7 +105,7 @@ def model_row(stop: Stop) -> Row:
     quantity = f"{words}, {stop.speed:g} km/h, {stop.percentage:g} %, {stop.length:g} m: distance"
     value = stopping_distance(stop.case, stop.speed / KILOMETRES_PER_HOUR, stop.percentage, stop.length)
     source = "SUBSET-026 A.3.7 to A.3.9, v T and v^2 / 2 a over its steps, computed apart"
-    return Row(quantity, "m", None, value, near(stop.distance, BAND), source)
+    return measured(quantity, "m", value, source, near(stop.distance, BAND))
 
 
 def published_rows(name: str, stops: Array) -> list[Row]:
@@ -126,9 +116,9 @@ def published_rows(name: str, stops: Array) -> list[Row]:
     deviation = near(printed.deviation, DEVIATION_BAND * printed.deviation)
     mean = near(printed.mean, MEAN_BAND * printed.mean)
     return [
-        Row(f"{name}, as published: mean distance", "m", None, float(np.mean(stops)), mean, source),
-        Row(f"{name}, as published: standard deviation", "m", None, float(np.std(stops)), deviation, source),
-        Row(beyond, "1", None, share, near(printed.beyond, share_band(printed.beyond)), source),
+        measured(f"{name}, as published: mean distance", "m", np.mean(stops), source, mean),
+        measured(f"{name}, as published: standard deviation", "m", np.std(stops), source, deviation),
+        measured(beyond, "1", share, source, near(printed.beyond, share_band(printed.beyond))),
     ]
 
 
@@ -139,9 +129,9 @@ def beside_rows(name: str, found: Found) -> list[Row]:
     means = {rules: float(np.mean(found[name, rules])) for rules in (PUBLISHED, ONCE, SHIFTED)}
     computed, longer = "computed here", f"{means[SHIFTED] / means[PUBLISHED]:.2f} times as far as published"
     return [
-        Row(f"{name}, published rules: mean, second order", "m", None, means[PUBLISHED], asked, source),
-        Row(f"{name}, locomotive once: mean", "m", None, means[ONCE], None, computed, "printed nowhere"),
-        Row(f"{name}, locomotive once, true delay: mean", "m", None, means[SHIFTED], None, computed, longer),
+        measured(f"{name}, published rules: mean, second order", "m", means[PUBLISHED], source, asked),
+        measured(f"{name}, locomotive once: mean", "m", means[ONCE], computed, None, "printed nowhere"),
+        measured(f"{name}, locomotive once, true delay: mean", "m", means[SHIFTED], computed, None, longer),
     ]
 
 

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 
 from products.train.train import Train
 from rbd_model.train.coupler import COUPLERS
-from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, stop, train_of
-from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, seconds_of, stop, train_of
+from scenarios.reporting.plots import FOUR, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most
+from scenarios.reporting.report import Report, Row, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario, Sweepable
 
 LENGTHS, SPEED = (400.0, 750.0, 1000.0, 1500.0), 100 / 3.6
@@ -58,17 +58,16 @@ def cases() -> list[Case]:
 
 def run(options: Options) -> Report:
     done = {case: case.run() for case in counting(cases(), "trains", unit="train")}
-    rows = [*judged_rows(done)]
+    rows = judged_rows(done)
     for case, (train, course) in done.items():
         where = f"in coupling {train.largest_compression_at:g}"
         rows += [
-            Row(f"{case.name}: stopping distance", "m", None, course.braking_distance, None, "from 100 km/h"),
-            Row(f"{case.name}: build-up time", "s", None, build_up_time(course), None, "mean of all cylinders"),
-            Row(f"{case.name}: largest compression", "kN", None, 1e-3 * train.largest_compression, None, where),
-            Row(f"{case.name}: largest tension", "kN", None, 1e-3 * train.largest_tension, None, ""),
+            measured(f"{case.name}: stopping distance", "m", course.braking_distance, "from 100 km/h"),
+            measured(f"{case.name}: build-up time", "s", build_up_time(course), "mean of all cylinders"),
+            measured(f"{case.name}: largest compression", "kN", 1e-3 * train.largest_compression, where),
+            measured(f"{case.name}: largest tension", "kN", 1e-3 * train.largest_tension),
         ]
     drawn = {mode: done[Case(DRAWN, mode, "emergency")] for mode in MODES}
-    seconds = sum(float(course.time[-1]) for _, course in done.values())
     parameters = {"speed": SPEED, "wagon": "80 t, 14 m, composite blocks", "mode": list(MODES)}
     force = {mode: 1e-3 * train.largest_compression for mode, (train, _) in drawn.items()}
     said = [
@@ -76,52 +75,43 @@ def run(options: Options) -> Report:
         f"{force['five in G']:.0f} kN with five vehicles in G at the head, {force['G']:.0f} kN in G: "
         "the head brakes before the end.",
     ]
-    series = drawn["P"][1].recording()
-    return Report(rows, series, lambda: draw(drawn), parameters, seconds, said)
+    seconds = seconds_of(course for _, course in done.values())
+    return Report(rows, drawn["P"][1].recording(), lambda: draw(drawn), parameters, seconds, said)
 
 
 def judged_rows(done: Mapping[Case, tuple[Train, Course]]) -> list[Row]:
     """What the standard asks of the wave; what an order of positions and lengths must be."""
-    train, _ = done[Case(DRAWN, "P", "emergency")]
     fresh = Case(DRAWN, "P", "emergency").train()
     fresh.drive("emergency")
-    wave = propagation(follow(fresh, 8.0, 0.01), train.consist.length)
-    rows = [Row(f"{DRAWN:g} m, emergency: propagation", "m/s", None, wave, at_least(WAVE), "UIC 540: at least 250 m/s")]
+    wave, standard = propagation(follow(fresh, 8.0, 0.01), fresh.consist.length), "UIC 540: at least 250 m/s"
+    rows = [measured(f"{DRAWN:g} m, emergency: propagation", "m/s", wave, standard, at_least(WAVE))]
     for length in LENGTHS[1:]:  # shorter ones hardly leave the preload of their buffers
-        most = {mode: done[Case(length, mode, "emergency")][0].largest_compression for mode in MODES}
-        share = most["G"] / most["P"]
+        slow, fast = (done[Case(length, mode, "emergency")][0].largest_compression for mode in ("G", "P"))
         name = f"{length:g} m, emergency: compression in G over that in P"
-        rows.append(Row(name, "1", None, share, at_most(0.8), "slow filling is what position G is for"))
+        rows.append(measured(name, "1", slow / fast, "slow filling is what position G is for", at_most(0.8)))
     for mode in MODES:
-        distances = [done[Case(length, mode, "emergency")][1].braking_distance for length in LENGTHS]
-        grows = float(np.diff(distances).min())
-        rows.append(Row(f"{mode}: least growth of the distance with length", "m", None, grows, at_least(0.0), "delay"))
+        grows = np.diff([done[Case(length, mode, "emergency")][1].braking_distance for length in LENGTHS]).min()
+        rows.append(measured(f"{mode}: least growth of the distance with length", "m", grows, "delay", at_least(0.0)))
     return rows
 
 
 def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
-    figure, grid = plt.subplots(2, 3, figsize=(11.0, 6.6), sharey="row")
-    for axes, (mode, (train, course)) in zip(grid.T, drawn.items(), strict=True):
-        place = train.distance[0] - train.distance
-        until = course.time <= 25.0
-        shades = axes[0].pcolormesh(
-            course.time[until], place, course.pipe[until].T / 1e5, vmin=0.0, vmax=5.0, cmap="cividis", shading="nearest"
-        )
-        axes[0].set_title(f"{mode}: pressure in the pipe [bar]")
-        axes[0].set_xlabel("time [s]")
-        axes[1].fill_between(
-            range(1, course.force.shape[1] + 1),
-            course.force.min(axis=0) / 1e3,
-            course.force.max(axis=0) / 1e3,
-            color=FOUR[0],
-        )
-        axes[1].set_title(f"{mode}: extremes of\ncoupler forces [kN]")
-        axes[1].set_xlabel("coupler")
-    grid[0, 0].set_ylabel("behind the head [m]")
-    grid[1, 0].set_ylabel("tension above 0 [kN]")
-    figure.colorbar(shades, ax=list(grid[0]), label="bar")
     slow, fast = (1e-3 * drawn[mode][0].largest_compression for mode in ("G", "P"))
-    return titled(figure, f"Position G compresses couplers with {slow:.0f} kN, position P with {fast:.0f} kN")
+    message = f"Position G compresses couplers with {slow:.0f} kN, position P with {fast:.0f} kN"
+    titles = {f"{mode}: pressure in the pipe [bar]": "time [s]" for mode in drawn}
+    titles |= {f"{mode}: extremes of\ncoupler forces [kN]": "coupler" for mode in drawn}
+    figure, axes = charts(message, titles, (11.0, 6.6), columns=3, sharey="row")
+    for pipe, forces, (train, course) in zip(axes[:3], axes[3:], drawn.values(), strict=True):
+        until, place, force = course.time <= 25.0, train.distance[0] - train.distance, course.force / 1e3
+        pressure = course.pipe[until].T / 1e5
+        shades = pipe.pcolormesh(
+            course.time[until], place, pressure, vmin=0.0, vmax=5.0, cmap="cividis", shading="nearest"
+        )
+        forces.fill_between(range(1, force.shape[1] + 1), force.min(axis=0), force.max(axis=0), color=FOUR[0])
+    axes[0].set_ylabel("behind the head [m]")
+    axes[3].set_ylabel("tension above 0 [kN]")
+    figure.colorbar(shades, ax=axes[:3], label="bar")
+    return figure
 
 
 def point(length: float = DRAWN, load: float = 60e3, position: float = 0.0) -> dict[str, float | None]:

@@ -19,9 +19,9 @@ from products.train.consist import Consist
 from products.train.numbers import Settings
 from products.train.train import Train
 from scenarios.bench.train_runs import Course, build_up_time, follow, train_of
-from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.plots import FOUR, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most
+from scenarios.reporting.report import Report, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 #: Lengths by position [m]; mixed trains have five vehicles in G at their head.
@@ -97,16 +97,13 @@ def run(options: Options) -> Report:
     moved = {(mode, name): shift(mode, name) for mode, name in counting(tries, "unknowns", unit="train")}
     rows = []
     for (mode, name), seconds in moved.items():
-        sense = UNKNOWNS[name].later
-        asked = {1: at_least(-0.05), 0: None, -1: at_most(0.05)}[sense]
+        asked = {1: at_least(-0.05), 0: None, -1: at_most(0.05)}[UNKNOWNS[name].later]
         quantity = f"{mode}, {VARIED[mode]:g} m, {name}: moves it by"
-        rows.append(Row(quantity, "s", None, seconds, asked, "the way physics says"))
+        rows.append(measured(quantity, "s", seconds, "the way physics says", asked))
     for (mode, length), (seconds, _) in found.items():
-        due = formula(CASES[mode], length)
-        rows.append(Row(f"{mode}, {length:g} m: build-up time", "s", None, seconds, None, f"formula {due:.2f} s"))
-        rows.append(
-            Row(f"{mode}, {length:g} m: over that of the formula", "1", None, seconds / due, None, "SUBSET-026")
-        )
+        due, name = formula(CASES[mode], length), f"{mode}, {length:g} m"
+        rows.append(measured(f"{name}: build-up time", "s", seconds, f"formula {due:.2f} s"))
+        rows.append(measured(f"{name}: over that of the formula", "1", seconds / due, "SUBSET-026"))
     largest = max(moved, key=lambda one: moved[one])
     said = [
         f"Plain physics builds up in {found['P', 600.0][0]:.1f} s in P at 600 m, where the formula has "
@@ -129,25 +126,22 @@ def shift(mode: str, name: str) -> float:
 
 
 def draw(found: Mapping[tuple[str, float], tuple[float, Course]], moved: Mapping[tuple[str, str], float]) -> Figure:
-    figure, grid = plt.subplots(1, 2, figsize=(11.0, 4.8))
-    for colour, mark, (mode, lengths) in zip((FOUR[0], FOUR[2], FOUR[3]), "os^", LENGTHS.items(), strict=True):
-        grid[0].plot(
-            lengths, [found[mode, one][0] for one in lengths], mark + "-", color=colour, label=f"{mode}, physics"
-        )
-        fine = np.linspace(lengths[0], lengths[-1], 50)
-        grid[0].plot(fine, [formula(CASES[mode], one) for one in fine], "--", color=colour, label=f"{mode}, formula")
-    grid[0].set(xlabel="length [m]", title="equivalent build-up time [s]")
-    grid[0].legend(fontsize=8)
-    names = list(UNKNOWNS)
-    for offset, colour, mode in ((-0.2, FOUR[0], "P"), (0.2, FOUR[3], "G")):
-        places = np.arange(len(names)) + offset
-        label = f"{mode}, {VARIED[mode]:g} m"
-        grid[1].barh(places, [moved[mode, name] for name in names], 0.38, color=colour, label=label)
-    grid[1].set_yticks(range(len(names)), names, fontsize=8)
-    grid[1].set(xlabel="moves the build-up time by [s]", title="what is not known")
-    grid[1].legend(fontsize=8)
     physics, due = found["P", 600.0][0], formula(CASES["P"], 600.0)
-    return titled(figure, f"Position P builds up in {physics:.1f} s, its formula in {due:.1f} s")
+    message = f"Position P builds up in {physics:.1f} s, its formula in {due:.1f} s"
+    titles = {"equivalent build-up time [s]": "length [m]", "what is not known": "moves the build-up time by [s]"}
+    figure, (times, unknowns) = charts(message, titles, (11.0, 4.8))
+    for colour, mark, (mode, lengths) in zip((FOUR[0], FOUR[2], FOUR[3]), "os^", LENGTHS.items(), strict=True):
+        own = [found[mode, one][0] for one in lengths]
+        times.plot(lengths, own, mark + "-", color=colour, label=f"{mode}, physics")
+        fine = np.linspace(lengths[0], lengths[-1], 50)
+        times.plot(fine, [formula(CASES[mode], one) for one in fine], "--", color=colour, label=f"{mode}, formula")
+    for offset, colour, mode in ((-0.2, FOUR[0], "P"), (0.2, FOUR[3], "G")):
+        places, label = np.arange(len(UNKNOWNS)) + offset, f"{mode}, {VARIED[mode]:g} m"
+        unknowns.barh(places, [moved[mode, name] for name in UNKNOWNS], 0.38, color=colour, label=label)
+    unknowns.set_yticks(range(len(UNKNOWNS)), list(UNKNOWNS), fontsize=8)
+    for axis in (times, unknowns):
+        axis.legend(fontsize=8)
+    return figure
 
 
 SCENARIO = Scenario(

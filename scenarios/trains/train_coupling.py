@@ -17,7 +17,7 @@ from rbd_model.train.coupler import COUPLERS, Coupler, Curve
 from scenarios.bench.train_runs import Course, follow
 from scenarios.reporting.plots import FOUR, single
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Measure, Report, at_most, measured, near, rows_of
 from scenarios.scenario import Options, Scenario
 
 #: Speeds [m/s], standing vehicles, of which the first holds its brake, and gap before [m].
@@ -51,6 +51,12 @@ def _rolling(one: TrainVehicle, coupler: Coupler) -> TrainVehicle:
     return replace(one, mass=80e3, rotating_share=1e-9, resistance=(0.0, 0.0, 0.0), coupler=coupler)
 
 
+MEASURES: tuple[Measure[Train], ...] = (
+    Measure("compression", "kN", lambda train: 1e-3 * train.largest_compression),
+    Measure("tension after it", "kN", lambda train: 1e-3 * train.largest_tension),
+)
+
+
 def run(options: Options) -> Report:
     names = ("screw", "draft-gear")
     tries = [(name, speed) for name in names for speed in SPEEDS]
@@ -58,22 +64,19 @@ def run(options: Options) -> Report:
     rows = []
     for speed in (SPEEDS[0], SPEEDS[-1]):
         train, _ = impact(spring(), speed, standing=1)
-        due = 1e-3 * speed * math.sqrt(STIFFNESS * 80e3 / 2)
-        asked, source = near(due, CLOSED * due), "v sqrt(k m / 2)"
-        value = 1e-3 * train.largest_compression
-        rows.append(Row(f"one against one on a spring, {speed:g} m/s: compression", "kN", None, value, asked, source))
+        due, name = 1e-3 * speed * math.sqrt(STIFFNESS * 80e3 / 2), f"one against one on a spring, {speed:g} m/s"
+        asked, value = near(due, CLOSED * due), 1e-3 * train.largest_compression
+        rows.append(measured(f"{name}: compression", "kN", value, "v sqrt(k m / 2)", asked))
     for (name, speed), (train, course) in found.items():
         mass = np.array([one.mass for one in train.consist.vehicles])
-        kept = float(abs(mass @ course.speed[-1] / (mass[-1] * speed) - 1.0))
-        rows.append(Row(f"{name}, {speed:g} m/s: momentum that is missing", "1", None, kept, at_most(1e-9), "Newton"))
-    for (name, speed), (train, _) in found.items():
-        rows.append(Row(f"{name}, {speed:g} m/s: compression", "kN", None, 1e-3 * train.largest_compression, None, ""))
-        rows.append(Row(f"{name}, {speed:g} m/s: tension after it", "kN", None, 1e-3 * train.largest_tension, None, ""))
+        kept = abs(mass @ course.speed[-1] / (mass[-1] * speed) - 1.0)
+        rows.append(measured(f"{name}, {speed:g} m/s: momentum that is missing", "1", kept, "Newton", at_most(1e-9)))
+    trains = {f"{name}, {speed:g} m/s": train for (name, speed), (train, _) in found.items()}
+    rows += rows_of(trains, *MEASURES)
     force = {name: [found[name, v][0].largest_compression for v in SPEEDS] for name in names}
     screw, gear = (1e-3 * force[name][-1] for name in names)
     said = [f"At 3 m/s side buffers take {screw:.0f} kN, draft gears {gear:.0f} kN: their strokes are used up."]
-    parameters = {"standing": STANDING, "mass": 80e3, "gap": GAP}
-    series = found["screw", 2.0][1].recording()
+    parameters, series = {"standing": STANDING, "mass": 80e3, "gap": GAP}, found["screw", 2.0][1].recording()
     return Report(rows, series, lambda: draw(force), parameters, LONG * len(tries), said)
 
 

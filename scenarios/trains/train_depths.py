@@ -14,9 +14,9 @@ from products.train.choice import DEPTHS_BY_COST
 from products.train.train import Train
 from scenarios.bench.train_runs import train_of
 from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.plots import FOUR, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most
+from scenarios.reporting.report import Report, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 #: Trains that the errors in products/train/choice.py are from, and those that they are held against [m].
@@ -83,24 +83,15 @@ def run(options: Options) -> Report:
     rows = []
     for depth, one in held.items():
         claim, source = DEPTHS_BY_COST[depth], "what `smallest` counts with, from other trains"
-        name = f"{depth}: largest error of"
-        rows.append(Row(f"{name} distance", "%", None, 100 * one.distance, at_most(100 * claim.distance), source))
-        rows.append(Row(f"{name} compression", "%", None, 100 * one.force, at_most(100 * claim.force), source))
+        for name, error, most in (("distance", one.distance, claim.distance), ("compression", one.force, claim.force)):
+            asked = at_most(100 * most)
+            rows.append(measured(f"{depth}: largest error of {name}", "%", 100 * error, source, asked))
     for depth, one in fitted.items():
-        rows.append(
-            Row(f"{depth}: error of distance, fitted half", "%", None, 100 * one.distance, None, "300 and 900 m")
-        )
-        rows.append(
-            Row(f"{depth}: error of compression, fitted half", "%", None, 100 * one.force, None, "300 and 900 m")
-        )
-    for depth in DEPTHS_BY_COST:
-        paces = [found[one, depth][2] for one in scenes((SHOWN,))]
-        rows.append(
-            Row(
-                f"{depth}: times real time, {SHOWN:g} m", "1", None, float(np.median(paces)), None, "measured, one core"
-            )
-        )
+        for name, error in (("distance", one.distance), ("compression", one.force)):
+            rows.append(measured(f"{depth}: error of {name}, fitted half", "%", 100 * error, "300 and 900 m"))
     pace = {depth: float(np.median([found[one, depth][2] for one in scenes((SHOWN,))])) for depth in DEPTHS_BY_COST}
+    for depth, times in pace.items():
+        rows.append(measured(f"{depth}: times real time, {SHOWN:g} m", "1", times, "measured, one core"))
     cheap = held["empirical, half a cell"]
     said = [
         f"Empirical valves on half a cell a vehicle err by {100 * cheap.distance:.1f} % of the distance and "
@@ -114,24 +105,23 @@ def run(options: Options) -> Report:
 
 
 def draw(found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Mapping[str, float]) -> Figure:
-    figure, grid = plt.subplots(1, 2, figsize=(10.0, 4.6), sharey=True)
-    for axis, which, label in zip(grid, (0, 1), ("stopping distance", "largest compression"), strict=True):
+    cheap, names = "empirical, half a cell", list(DEPTHS_BY_COST)[:-1]
+    off, times = 100 * errors(cheap, found, HELD).distance, float(f"{pace[cheap]:.2g}")
+    message = f"Empirical valves err by {off:.1f} % and run {times:g} times real time"
+    figure, axes = charts(message, ("", ""), (10.0, 4.6), sharey=True)
+    for axis, which, label in zip(axes, (0, 1), ("stopping distance", "largest compression"), strict=True):
         for colour, mark, length in zip((*FOUR, GREY), "o^sDv", sorted((*FITTED, *HELD)), strict=False):
-            errors_of = []
-            for depth in DEPTHS_BY_COST:
-                kept = [one for one in scenes((length,)) if which == 0 or found[one, REFERENCE][1] > LEAST]
-                pairs = [(found[one, depth][which], found[one, REFERENCE][which]) for one in kept]
-                errors_of.append(max((100 * abs(a / b - 1) for a, b in pairs), default=np.nan))
-            names = list(DEPTHS_BY_COST)[:-1]
-            axis.loglog(errors_of[:-1], [pace[name] for name in names], mark + "-", color=colour, label=f"{length:g} m")
+            kept = [one for one in scenes((length,)) if which == 0 or found[one, REFERENCE][1] > LEAST]
+            due = [found[one, REFERENCE][which] for one in kept]
+            pairs = {name: zip([found[one, name][which] for one in kept], due, strict=True) for name in names}
+            off_by = [max((100 * abs(a / b - 1) for a, b in pairs[name]), default=np.nan) for name in names]
+            axis.loglog(off_by, [pace[name] for name in names], mark + "-", color=colour, label=f"{length:g} m")
         axis.set(xlabel=f"largest error of the {label} [%]")
-    for name in list(DEPTHS_BY_COST)[:-1]:
-        grid[1].annotate(name, (1.02, pace[name]), xycoords=("axes fraction", "data"), va="center", fontsize=8)
-    grid[0].set_ylabel(f"times real time, {SHOWN:g} m")
-    grid[0].legend(fontsize=8)
-    name = "empirical, half a cell"
-    off, times = 100 * errors(name, found, HELD).distance, float(f"{pace[name]:.2g}")
-    return titled(figure, f"Empirical valves err by {off:.1f} % and run {times:g} times real time")
+    for name in names:
+        axes[1].annotate(name, (1.02, pace[name]), xycoords=("axes fraction", "data"), va="center", fontsize=8)
+    axes[0].set_ylabel(f"times real time, {SHOWN:g} m")
+    axes[0].legend(fontsize=8)
+    return figure
 
 
 SCENARIO = Scenario(

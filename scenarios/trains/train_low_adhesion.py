@@ -14,10 +14,10 @@ from products.train.consist import Consist, coach, locomotive
 from products.train.train import Train
 from rbd_model.track.friction import RailCondition, dry, low
 from rbd_model.track.recovery import assumed_recovery
-from scenarios.bench.train_runs import Course, follow, stands
-from scenarios.reporting.plots import FOUR, LINES, plt, titled
+from scenarios.bench.train_runs import Course, follow, seconds_of, stands
+from scenarios.reporting.plots import FOUR, LINES, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most
+from scenarios.reporting.report import Report, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 COACHES, SPEED, INTERVAL = 7, 140 / 3.6, 0.02
@@ -108,68 +108,43 @@ def stop(way: Way) -> Stop:
 def run(options: Options) -> Report:
     found = {name: stop(way) for name, way in counting(WAYS.items(), "stops", unit="stop")}
     distance = {name: one.course.braking_distance for name, one in found.items()}
-    shown = found["low, protected"]
-    rise = shown.friction.mean(axis=0)
-    source = f"above {ABOVE:g} m/s"
+    protected, dirty = "low, protected", "low, protected, rail stays dirty"
+    shown, stays, source = found[protected], "rail that stays dirty: distance over", f"above {ABOVE:g} m/s"
+    rise, locks = shown.friction.mean(axis=0), {name: one.longest_lock() for name, one in found.items()}
+    unprotected, last = locks["low, unprotected"], f"{protected}: friction under the last vehicle over the first"
+    rolls, gives = distance[dirty] / distance[protected], distance[dirty] / (SPEED**2 / (2 * low().friction * 9.80665))
+    enough = "no more than the rail gives, resistance aside"
     rows = [
-        Row("low, protected: longest lock", "s", None, shown.longest_lock(), at_most(LOCKED), source),
-        Row(
-            "low, unprotected: longest lock", "s", None, found["low, unprotected"].longest_lock(), at_least(1.0), source
-        ),
-        Row(
-            "low, protected: friction under the last vehicle over the first",
-            "1",
-            None,
-            float(rise[-1] / rise[0]),
-            at_least(1.05),
-            "it is cleaned",
-        ),
-        Row(
-            "rail that stays dirty: distance over that of one that is cleaned",
-            "1",
-            None,
-            distance["low, protected, rail stays dirty"] / distance["low, protected"],
-            at_least(1.0),
-            "more friction for those behind",
-        ),
-        Row(
-            "rail that stays dirty: distance over v^2 / (2 mu g)",
-            "1",
-            None,
-            distance["low, protected, rail stays dirty"] / (SPEED**2 / (2 * low().friction * 9.80665)),
-            at_least(0.95),
-            "no more than the rail gives, resistance aside",
-        ),
+        measured(f"{protected}: longest lock", "s", locks[protected], source, at_most(LOCKED)),
+        measured("low, unprotected: longest lock", "s", unprotected, source, at_least(1.0)),
+        measured(last, "1", rise[-1] / rise[0], "it is cleaned", at_least(1.05)),
+        measured(f"{stays} that of one that is cleaned", "1", rolls, "more friction for those behind", at_least(1.0)),
+        measured(f"{stays} v^2 / (2 mu g)", "1", gives, enough, at_least(0.95)),
+        *(measured(f"{name}: stopping distance", "m", value, "from 140 km/h") for name, value in distance.items()),
+        *(measured(f"{name}: longest lock", "s", value, source) for name, value in locks.items()),
     ]
-    rows += [
-        Row(f"{name}: stopping distance", "m", None, value, None, "from 140 km/h") for name, value in distance.items()
-    ]
-    rows += [Row(f"{name}: longest lock", "s", None, one.longest_lock(), None, source) for name, one in found.items()]
     for n, value in enumerate(rise, 1):
-        rows.append(
-            Row(f"low, protected: mean friction under vehicle {n}", "1", None, float(value), None, "assumed recovery")
-        )
+        rows.append(measured(f"{protected}: mean friction under vehicle {n}", "1", value, "assumed recovery"))
     said = [
-        f"Cleaned by those ahead the train stops after {distance['low, protected']:.0f} m, on a rail that "
-        f"stays dirty after {distance['low, protected, rail stays dirty']:.0f} m, dry after {distance['dry']:.0f} m.",
+        f"Cleaned by those ahead the train stops after {distance[protected]:.0f} m, on a rail that "
+        f"stays dirty after {distance[dirty]:.0f} m, dry after {distance['dry']:.0f} m.",
     ]
-    seconds = float(sum(one.course.time[-1] for one in found.values()))
+    seconds = seconds_of(one.course for one in found.values())
     parameters = {"coaches": COACHES, "speed": SPEED, "vents": VENTS, "applies": APPLIES}
     return Report(rows, shown.course.recording(), lambda: draw(found), parameters, seconds, said)
 
 
 def draw(found: Mapping[str, Stop]) -> Figure:
-    figure, grid = plt.subplots(1, 2, figsize=(10.0, 4.4))
+    rise = found["low, protected"].friction.mean(axis=0)
+    message = f"Sliding wheels raise friction from {rise[0]:.3f} to {rise[-1]:.3f} for those behind"
+    titles = {"speed [km/h]": "distance of the head [m]"}
+    titles["low, protected: mean friction under each vehicle [1]"] = "vehicle, from the head"
+    figure, (speed, friction) = charts(message, titles, (10.0, 4.4))
     for line, colour, (name, one) in zip(LINES, FOUR, found.items(), strict=True):
-        grid[0].plot(one.course.distance[:, 0], 3.6 * one.course.speed[:, 0], line, color=colour, label=name)
-    grid[0].set(title="speed [km/h]", xlabel="distance of the head [m]")
-    grid[0].legend(fontsize=8)
-    shown = found["low, protected"]
-    rise = shown.friction.mean(axis=0)
-    numbers = np.arange(1, rise.size + 1)
-    grid[1].bar(numbers, rise, color=FOUR[0])
-    grid[1].set(title="low, protected: mean friction under each vehicle [1]", xlabel="vehicle, from the head")
-    return titled(figure, f"Sliding wheels raise friction from {rise[0]:.3f} to {rise[-1]:.3f} for those behind")
+        speed.plot(one.course.distance[:, 0], 3.6 * one.course.speed[:, 0], line, color=colour, label=name)
+    speed.legend(fontsize=8)
+    friction.bar(np.arange(1, rise.size + 1), rise, color=FOUR[0])
+    return figure
 
 
 SCENARIO = Scenario(

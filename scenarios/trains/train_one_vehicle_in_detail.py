@@ -27,9 +27,9 @@ from scenarios.bench.mixed_train import (
 )
 from scenarios.bench.pushed_in_a_curve import RADIUS, on_paper, pushed
 from scenarios.reporting.plots import BOGIE as GREY
-from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.plots import FOUR, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Macro steps [s]; that of the rows, and the fine one of the reference; an emergency from SPEED for so long [s].
@@ -88,7 +88,7 @@ def run(options: Options) -> Report:
     rows += curve_rows(stops[DEFAULT, SHOWN].compression)
     for (way, size), stop in stops.items():
         error = 100 * (stop.compression / whole[0] - 1)
-        rows.append(Row(f"{way}, {1e3 * size:g} ms: error of the largest compression", "%", None, error, None, "point"))
+        rows.append(measured(f"{way}, {1e3 * size:g} ms: error of the largest compression", "%", error, "point"))
     parameters = {"mass": MASS, "speed": SPEED, "vehicles": VEHICLES, "place": PLACE + 1}
     said = [
         f"With '{DEFAULT}', the default, a macro step of {1e3 * SHOWN:g} ms errs by "
@@ -109,9 +109,8 @@ def default_rows(whole: tuple[float, float], point: Stop, planar: Stop, shown: S
     for level, (force, distance), stop, source in pairs:
         name = f"{level}, default at {1e3 * SHOWN:g} ms"
         asked = near(1e-3 * force, 1e-3 * FORCE * force)
-        rows.append(Row(f"{name}: largest compression", "kN", None, 1e-3 * stop.compression, asked, source))
-        asked = near(distance, DISTANCE)
-        rows.append(Row(f"{name}: distance of the head", "m", None, stop.distance, asked, source))
+        rows.append(measured(f"{name}: largest compression", "kN", 1e-3 * stop.compression, source, asked))
+        rows.append(measured(f"{name}: distance of the head", "m", stop.distance, source, near(distance, DISTANCE)))
     return rows
 
 
@@ -122,10 +121,9 @@ def curve_rows(compression: float) -> list[Row]:
     for force in (compression, HEAVY):
         one, due = pushed(force), 1e-3 * on_paper(force)
         name = f"curve of {RADIUS:g} m, couplers pushed by {1e-3 * force:.0f} kN"
-        asked = near(due, CURVE * due)
-        aside = 1e-3 * (one.force - free.force)
-        rows.append(Row(f"{name}: pushed outwards", "kN", None, aside, asked, "2 F a / R, couplers along the track"))
-        rows.append(Row(f"{name}: largest Y/Q", "1", None, one.quotient, None, f"{free.quotient:.3f} without"))
+        aside, source = 1e-3 * (one.force - free.force), "2 F a / R, couplers along the track"
+        rows.append(measured(f"{name}: pushed outwards", "kN", aside, source, near(due, CURVE * due)))
+        rows.append(measured(f"{name}: largest Y/Q", "1", one.quotient, f"{free.quotient:.3f} without"))
     return rows
 
 
@@ -154,33 +152,29 @@ def boundary_rows(borders: Mapping[tuple[str, str, int], Border]) -> list[Row]:
     for (name, way, level), one in borders.items():
         asked = near(1e3 * one.paper, 1e3 * BOUNDARY * one.paper)
         quantity = f"{name}, {way}, {LEVELS[level]}: largest stable macro step"
-        rows.append(Row(quantity, "ms", None, 1e3 * one.found, asked, "eigenvalues of a macro step, exact Jacobian"))
+        rows.append(measured(quantity, "ms", 1e3 * one.found, "eigenvalues of a macro step, exact Jacobian", asked))
     smallest = 1e3 * min(one.paper for (_, way, _), one in borders.items() if way == DEFAULT)
     quantity = f"default step over the smallest boundary of '{DEFAULT}'"
-    return [*rows, Row(quantity, "1", None, 1e3 * SHOWN / smallest, at_most(0.5), "eigenvalues")]
+    return [*rows, measured(quantity, "1", 1e3 * SHOWN / smallest, "eigenvalues", at_most(0.5))]
 
 
 def draw(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float]) -> Figure:
-    figure, grid = plt.subplots(1, 2, figsize=(10.0, 4.8))
-    colours = dict(zip(WAYS, (*FOUR, GREY), strict=True))
-    marks = dict(zip(WAYS, "o^sDv", strict=True))
+    corrected, held = (100 * abs(stops[way, STEPS[-1]].distance - whole[1]) for way in (DEFAULT, "held"))
     steps = [1e3 * size for size in STEPS]
-    for way in WAYS:
+    message = f"At {steps[-1]:g} ms {DEFAULT} copies err by {corrected:.0f} cm, held {held:.0f} cm"
+    titles = ("error of the largest compression [%]", "error of the distance [cm]")
+    figure, axes = charts(message, titles, (10.0, 4.8), "macro step [ms]")
+    for way, colour, mark in zip(WAYS, (*FOUR, GREY), "o^sDv", strict=True):
         force = [max(100 * abs(stops[way, size].compression / whole[0] - 1), 1e-3) for size in STEPS]
         distance = [max(100 * abs(stops[way, size].distance - whole[1]), 1e-3) for size in STEPS]
         label = f"{way} (default)" if way == DEFAULT else way
-        for axis, errors in zip(grid, (force, distance), strict=True):
-            axis.loglog(steps, errors, marks[way] + "-", color=colours[way], label=label)
-    for axis, asked, name in zip(grid, (100 * FORCE, 100 * DISTANCE), ("1 %", "1 cm"), strict=True):
+        for axis, errors in zip(axes, (force, distance), strict=True):
+            axis.loglog(steps, errors, mark + "-", color=colour, label=label)
+    for axis, asked, name in zip(axes, (100 * FORCE, 100 * DISTANCE), ("1 %", "1 cm"), strict=True):
         axis.axhline(asked, color=GREY, linewidth=0.8)
         axis.annotate(f"asked: {name}", (steps[-1], asked), va="bottom", ha="right", fontsize=8)
-        axis.set_xlabel("macro step [ms]")
-    grid[0].set_title("error of the largest compression [%]")
-    grid[1].set_title("error of the distance [cm]")
-    grid[0].legend(loc="upper left", bbox_to_anchor=(0.0, 0.9))
-    corrected, held = (100 * abs(stops[way, STEPS[-1]].distance - whole[1]) for way in (DEFAULT, "held"))
-    message = f"At {steps[-1]:g} ms {DEFAULT} copies err by {corrected:.0f} cm, held {held:.0f} cm"
-    return titled(figure, message)
+    axes[0].legend(loc="upper left", bbox_to_anchor=(0.0, 0.9))
+    return figure
 
 
 SCENARIO = Scenario(

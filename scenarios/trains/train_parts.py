@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from products.train.train import Train
-from scenarios.bench.train_runs import Course, follow, stands, train_of
+from scenarios.bench.train_runs import Course, follow, seconds_of, stands, train_of
 from scenarios.reporting.plots import FOUR, panels
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most
+from scenarios.reporting.report import Report, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 LENGTH, SPEED = 500.0, 80 / 3.6
@@ -61,25 +61,25 @@ def run(options: Options) -> Report:
     found = {one: part(*one) for one in counting(tries, "partings", unit="run")}
     rows = []
     for (place, shut), one in found.items():
-        when = "shut off after 2 s" if np.isfinite(shut) else "left in running"
-        name = f"parts at {100 * place:g} %, valve {when}"
-        asked = at_most(SOON) if np.isfinite(shut) else None
+        closed, course = np.isfinite(shut), one.course
+        name = f"parts at {100 * place:g} %, valve {'shut off after 2 s' if closed else 'left in running'}"
         all_brake = one.all_brake if np.isfinite(one.all_brake) else None
-        rows.append(Row(f"{name}: all brake after", "s", None, all_brake, asked, "both ends of the hose are open"))
-        behind = float(one.course.time[(one.course.speed[:, one.coupling + 1] == 0).argmax()])
-        rows.append(Row(f"{name}: the rear part stands after", "s", None, behind, None, ""))
-        rows.append(Row(f"{name}: gap at the end", "m", None, float(one.gap[-1]), None, "below 0: they have met"))
-        met = 1e-3 * float(-one.course.force[:, one.coupling].min())
-        rows.append(Row(f"{name}: they meet with", "kN", None, met, None, "0: they do not"))
-        rows.append(Row(f"{name}: air that the head's valve lost", "kg", None, one.train.air_used, None, ""))
-    drawn = found[PLACES[1], SHUT[0]]
-    kept = found[PLACES[1], SHUT[1]]
+        source, asked = "both ends of the hose are open", at_most(SOON) if closed else None
+        behind = course.time[(course.speed[:, one.coupling + 1] == 0).argmax()]
+        met = 1e-3 * -course.force[:, one.coupling].min()
+        rows += [
+            measured(f"{name}: all brake after", "s", all_brake, source, asked),
+            measured(f"{name}: the rear part stands after", "s", behind),
+            measured(f"{name}: gap at the end", "m", one.gap[-1], "below 0: they have met"),
+            measured(f"{name}: they meet with", "kN", met, "0: they do not"),
+            measured(f"{name}: air that the head's valve lost", "kg", one.train.air_used),
+        ]
+    drawn, kept = (found[PLACES[1], shut] for shut in SHUT)
     said = [
         f"Parting in the middle brings both parts to rest {drawn.gap[-1]:.1f} m apart; a valve that goes on feeding "
         f"leaves {kept.gap[-1]:.1f} m, as the head brakes less.",
     ]
-    seconds = float(sum(one.course.time[-1] for one in found.values()))
-    parameters = {"length": LENGTH, "speed": SPEED}
+    parameters, seconds = {"length": LENGTH, "speed": SPEED}, seconds_of(one.course for one in found.values())
     return Report(rows, drawn.course.recording(), lambda: draw(drawn, kept), parameters, seconds, said)
 
 

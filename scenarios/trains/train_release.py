@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 
 from products.train.train import Train
 from scenarios.bench.train_runs import Course, follow, train_of
-from scenarios.reporting.plots import FOUR, plt, titled
+from scenarios.reporting.plots import FOUR, charts
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_least, at_most, between
+from scenarios.reporting.report import Measure, Report, at_least, at_most, between, measured, rows_of
 from scenarios.scenario import Options, Scenario
 
 LENGTHS, SPEED = (400.0, 750.0, 1200.0), 80 / 3.6
@@ -24,6 +24,7 @@ APPLIED, OVERCHARGED, WATCHED = 20.0, 10.0, 150.0
 RELEASED, WINDOW = 40e3, (15.0, 20.0)
 WAYS = ("running", "overcharge")
 DRAWN = 750.0
+GAINS = "an overcharge gains at the end"
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,13 @@ class Release:
         empty = self.course.cylinder < RELEASED
         when = self.course.time[empty.argmax(axis=0)] - self.course.time[0]
         return np.where(empty.any(axis=0), when, np.inf)
+
+
+MEASURES: tuple[Measure[Release], ...] = (
+    Measure("last cylinder below 0.4 bar", "s", lambda one: one.released().max(), "from the release on"),
+    Measure("largest tension", "kN", lambda one: 1e-3 * one.train.largest_tension, "with the application before"),
+    Measure("air used", "kg", lambda one: one.train.air_used, "through the driver's valve"),
+)
 
 
 def release(length: float, way: str) -> Release:
@@ -62,66 +70,39 @@ def run(options: Options) -> Report:
     rows = []
     for length in LENGTHS:
         plain, over = (found[length, way].released() for way in WAYS)
-        late = float(plain[-1] - plain[0])
-        rows.append(
-            Row(f"{length:g} m: end releases behind the head", "s", None, late, at_least(0.0), "its pipe fills later")
-        )
-        gained = float(plain[-1] - over[-1])
-        source = "more pressure at the head"
-        rows.append(Row(f"{length:g} m: an overcharge gains at the end", "s", None, gained, at_least(0.0), source))
-        first = float(plain.min())
-        rows.append(Row(f"{length:g} m: first release", "s", None, first, between(*WINDOW), "UIC 540, P"))
-    for (length, way), one in found.items():
-        name = f"{length:g} m, {way}"
+        late, gained, name = plain[-1] - plain[0], plain[-1] - over[-1], f"{length:g} m"
         rows += [
-            Row(
-                f"{name}: last cylinder below 0.4 bar",
-                "s",
-                None,
-                float(one.released().max()),
-                None,
-                "from the release on",
+            measured(f"{name}: end releases behind the head", "s", late, "its pipe fills later", at_least(0.0)),
+            measured(
+                f"{name}: an overcharge gains at the end", "s", gained, "more pressure at the head", at_least(0.0)
             ),
-            Row(
-                f"{name}: largest tension",
-                "kN",
-                None,
-                1e-3 * one.train.largest_tension,
-                None,
-                "with the application before",
-            ),
-            Row(f"{name}: air used", "kg", None, one.train.air_used, None, "through the driver's valve"),
+            measured(f"{name}: first release", "s", plain.min(), "UIC 540, P", between(*WINDOW)),
         ]
+    rows += rows_of({f"{length:g} m, {way}": one for (length, way), one in found.items()}, *MEASURES)
+    again, asked = 1e-3 * max(one.course.cylinder[-1].max() for one in found.values()), at_most(1e-3 * RELEASED)
+    rows.append(measured("largest pressure in a cylinder at the end", "kPa", again, "released", asked))
     drawn = {way: found[DRAWN, way] for way in WAYS}
-    again = float(max(one.course.cylinder[-1].max() for one in found.values()))
-    rows.append(
-        Row(
-            "largest pressure in a cylinder at the end", "kPa", None, 1e-3 * again, at_most(1e-3 * RELEASED), "released"
-        )
-    )
-    last = {way: float(drawn[way].released().max()) for way in WAYS}
-    said = [
-        f"{DRAWN:g} m are released after {last['running']:.0f} s, with an overcharge after {last['overcharge']:.0f} s."
-    ]
-    seconds = len(tries) * (APPLIED + WATCHED)
+    plain, over = (one.released().max() for one in drawn.values())
+    said = [f"{DRAWN:g} m are released after {plain:.0f} s, with an overcharge after {over:.0f} s."]
     parameters = {"speed": SPEED, "applied": APPLIED, "overcharged": OVERCHARGED}
-    series = drawn["running"].course.recording()
+    series, seconds = drawn["running"].course.recording(), len(tries) * (APPLIED + WATCHED)
     return Report(rows, series, lambda: draw(drawn), parameters, seconds, said)
 
 
 def draw(drawn: Mapping[str, Release]) -> Figure:
-    figure, grid = plt.subplots(1, 2, figsize=(10.0, 4.4), sharey=True)
-    for axis, (way, one) in zip(grid, drawn.items(), strict=True):
+    plain, over = (one.released().max() for one in drawn.values())
+    message = f"With overcharge the train releases in {over:.0f} s, without in {plain:.0f} s"
+    titles = [f"released with the valve in {way}" for way in drawn]
+    figure, axes = charts(message, titles, (10.0, 4.4), "time from the release on [s]", sharey=True)
+    for axis, one in zip(axes, drawn.values(), strict=True):
         course, last = one.course, one.course.cylinder.shape[1] - 1
         for colour, (name, place) in zip(FOUR, {"head": 0, "middle": last // 2, "end": last}.items(), strict=False):
             time = course.time - course.time[0]
             axis.plot(time, course.pipe[:, place] / 1e5, color=colour, label=f"pipe, {name}")
             axis.plot(time, course.cylinder[:, place] / 1e5, "--", color=colour, label=f"cylinder, {name}")
-        axis.set(title=f"released with the valve in {way}", xlabel="time from the release on [s]")
-    grid[0].set_ylabel("gauge pressure [bar]")
-    grid[1].legend(fontsize=8)
-    plain, over = (float(drawn[way].released().max()) for way in WAYS)
-    return titled(figure, f"With overcharge the train releases in {over:.0f} s, without in {plain:.0f} s")
+    axes[0].set_ylabel("gauge pressure [bar]")
+    axes[1].legend(fontsize=8)
+    return figure
 
 
 SCENARIO = Scenario(

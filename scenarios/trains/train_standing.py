@@ -14,10 +14,10 @@ from products.train.consist import Consist, block_train
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
-from scenarios.bench.train_runs import Course, follow
+from scenarios.bench.train_runs import Course, follow, seconds_of
 from scenarios.reporting.plots import FOUR, LINES, mark, panels
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Gradients [1], diameters of the leaks of each cylinder [m], and wagons.
@@ -99,16 +99,16 @@ def run(options: Options) -> Report:
         rolls = float(course.time[moves.argmax()]) if moves.any() else math.inf
         due = time_on_paper(gradient, leak)
         source = "isothermal leak of cylinder and reservoir, statics"
-        rows.append(Row(f"{name}: rolls after", "s", None, rolls, near(due, ASKED * due), source))
+        rows.append(measured(f"{name}: rolls after", "s", rolls, source, near(due, ASKED * due)))
         before = course.speed[: max(int(moves.argmax()) - 1, 1)]
-        rows.append(Row(f"{name}: speed before", "m/s", None, float(np.abs(before).max()), at_most(0.0), "it stands"))
+        rows.append(measured(f"{name}: speed before", "m/s", np.abs(before).max(), "it stands", at_most(0.0)))
     drawn = found[GRADIENTS[-1], LEAKS[-1]]
-    minutes = float(found[GRADIENTS[-1], LEAKS[-1]][1].time[-1]) / 60
+    minutes = drawn[1].time[-1] / 60
     said = [
         f"With holes of {1e3 * LEAKS[-1]:g} mm in each cylinder air alone holds it on "
         f"{1e3 * GRADIENTS[-1]:g} permille for {minutes:.0f} minutes."
     ]
-    seconds = float(sum(course.time[-1] for _, course in found.values()))
+    seconds = seconds_of(course for _, course in found.values())
     parameters = {"wagons": WAGONS, "gradients": list(GRADIENTS), "leaks": list(LEAKS)}
     return Report(rows, drawn[1].recording(), lambda: draw(found), parameters, seconds, said)
 

@@ -12,7 +12,7 @@ from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import FOUR, LINES, panels
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, measured, near
 from scenarios.scenario import Options, Scenario
 
 PLANAR = 2
@@ -57,12 +57,12 @@ def run(options: Options) -> Report:
         for number, load in zip(NUMBERS, expected, strict=True):
             found = float(np.mean(series[f"axle_load_{number}"][late]))
             asked = near(load / 1e3, BAND * load / 1e3)
-            rows.append(Row(f"axle load {number}, brakes {name}", "kN", None, found / 1e3, asked, "rigid statics"))
+            rows.append(measured(f"axle load {number}, brakes {name}", "kN", found / 1e3, "rigid statics", asked))
         ramps[name] = locking(reaction)
         for number, time in ramps[name][1].items():
             torque = None if time is None else time / RAMP_TIME * RAMP / 1e3
             source = f"all brakes rise to {RAMP / 1e3:g} kN.m at friction {FRICTION:g}"
-            rows.append(Row(f"torque that locks wheelset {number}, brakes {name}", "kN.m", None, torque, None, source))
+            rows.append(measured(f"torque that locks wheelset {number}, brakes {name}", "kN.m", torque, source))
     remarks = [f"Brakes {name}: {order(times)}." for name, (_, times) in ramps.items()]
     remarks.append(
         "Assumed: the traction rods. The published vehicle has none, and its body swings along the track at 1.26 Hz "

@@ -16,7 +16,7 @@ from products.building import up_to_date
 from products.protection.braked_machine import BrakedMachine, coach
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Full brake from this speed [m/s] at t = 0, looked at after so long [s]: the brake is full by 95 %.
@@ -112,17 +112,17 @@ def rows_of(found: Findings) -> list[Row]:
     rows = []
     for name, runs in found.coupled.items():
         errors = {step: found.error(run) for step, run in runs.items()}
-        rows.append(Row(f"coupled, {name}: order", "1", None, order(errors), near(ORDERS[name], ORDER_BAND), "theory"))
+        rows.append(measured(f"coupled, {name}: order", "1", order(errors), "theory", near(ORDERS[name], ORDER_BAND)))
         label = f"coupled, {name}: error of distance at {1e3 * SHOWN:g} ms"
-        rows.append(Row(label, "1", None, errors[SHOWN], at_most(ALLOWED), source))
+        rows.append(measured(label, "1", errors[SHOWN], source, at_most(ALLOWED)))
     worst = max(found.error(run) for run in found.composed[TIGHT].values())
-    rows.append(Row("one FMU: largest error of distance", "1", None, worst, at_most(1e-9), "any step: no coupling"))
+    rows.append(measured("one FMU: largest error of distance", "1", worst, "any step: no coupling", at_most(1e-9)))
     lost = max(found.error(run) for run in found.composed[DEFAULT].values())
-    rows.append(Row("one FMU, default tolerance: the same", "1", None, lost, at_most(ALLOWED), "any step"))
+    rows.append(measured("one FMU, default tolerance: the same", "1", lost, "any step", at_most(ALLOWED)))
     for step in COSTED:
         ratio = found.coupled["held"][step].seconds / found.composed[TIGHT][step].seconds
         label = f"cost of coupling at {1e3 * step:g} ms over that of one FMU"
-        rows.append(Row(label, "1", None, ratio, None, f"measured now, tolerance {TIGHT:g}"))
+        rows.append(measured(label, "1", ratio, f"measured now, tolerance {TIGHT:g}"))
     return rows
 
 

@@ -14,7 +14,7 @@ from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobia
 from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
 #: Speeds of the picture [m/s].
@@ -162,12 +162,12 @@ def rows_of(onsets: Mapping[str, Onset]) -> list[Row]:
         what = "body" if case.body else "bogie"
         ratio = found.in_time / found.by_eigenvalues
         rows += [
-            Row(f"{case.name}: {what} hunting from, by eigenvalues", "m/s", None, found.by_eigenvalues, None, ""),
-            Row(f"{case.name}: the same in time", "m/s", None, found.in_time, None, "growth just below and above it"),
-            Row(f"{case.name}: in time over eigenvalues", "1", None, ratio, near(1.0, BAND), "two methods"),
-            Row(f"{case.name}: frequency", "Hz", None, found.mode.frequency, None, ""),
-            Row(f"{case.name}: wavelength", "m", None, found.by_eigenvalues / found.mode.frequency, None, ""),
-            Row(f"{case.name}: share of the body in the energy", "1", None, share, None, "tells which of both it is"),
+            measured(f"{case.name}: {what} hunting from, by eigenvalues", "m/s", found.by_eigenvalues),
+            measured(f"{case.name}: the same in time", "m/s", found.in_time, "growth just below and above it"),
+            measured(f"{case.name}: in time over eigenvalues", "1", ratio, "two methods", near(1.0, BAND)),
+            measured(f"{case.name}: frequency", "Hz", found.mode.frequency),
+            measured(f"{case.name}: wavelength", "m", found.by_eigenvalues / found.mode.frequency),
+            measured(f"{case.name}: share of the body in the energy", "1", share, "tells which of both it is"),
         ]
     return rows
 

@@ -9,7 +9,7 @@ from products.coach import AS_PUBLISHED, COACH, NUMBERS
 from rbd_model.linear import Mode, oscillations
 from scenarios.bench.drive import RIGID, prepare, system_of
 from scenarios.reporting.plots import BOGIE, LEADING, plt, titled
-from scenarios.reporting.report import Report, Row, near
+from scenarios.reporting.report import Report, measured, near
 from scenarios.scenario import Options, Scenario
 
 PLANAR, SPATIAL = 2, 3
@@ -92,11 +92,11 @@ def run(options: Options) -> Report:
     for name, expected in PUBLISHED.items():
         found = float(vertical[np.argmin(np.abs(vertical - expected))])
         source = "closed form of the published data"
-        rows.append(Row(f"{name}, vertical springs alone", "Hz", None, found, near(expected, BAND * expected), source))
+        rows.append(measured(f"{name}, vertical springs alone", "Hz", found, source, near(expected, BAND * expected)))
     whole = shown(modes(SPATIAL, initial_speed=SPEED))
     for mode in whole:
         remark = f"{100 * mode.damping_ratio:.0f} % of critical damping"
-        rows.append(Row(f"{name_of(mode)}, complete, {SPEED:g} m/s", "Hz", None, mode.frequency, None, remark))
+        rows.append(measured(f"{name_of(mode)}, complete, {SPEED:g} m/s", "Hz", mode.frequency, remark))
     series = Recording({"frequency": "Hz"}, [[mode.frequency] for mode in whole])
     series.add("damping_ratio", "1", np.array([mode.damping_ratio for mode in whole]))
     remarks = [

@@ -17,7 +17,7 @@ from scenarios.bench.four_axles import rigid_axle_loads
 from scenarios.measuring.timing import LEVELS, least
 from scenarios.reporting.plots import LEADING, THREE, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, at_most, near
+from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 SPEED, PLANAR = 30.0, 2
@@ -165,18 +165,18 @@ def rows_of(found: Findings) -> list[Row]:
     largest, words = "one bogie: error of the distance, largest", "torques up to 0.8 of the static limit"
     left_out = "one bogie: share of load transfer that it leaves out"
     rows = [
-        Row(largest, "1", None, error, at_most(DISTANCE), "complete vehicle", words),
-        Row(left_out, "1", None, missing, near(rigid_missing(), BAND), "rigid statics"),
+        measured(largest, "1", error, "complete vehicle", at_most(DISTANCE), words),
+        measured(left_out, "1", missing, "rigid statics", near(rigid_missing(), BAND)),
     ]
     for friction in FRICTIONS:
         for name in OWN:
             number, share = found.locks[name, friction]
             expected = rigid_lock(friction, name == WHOLE)
             what = f"friction {friction:g}, {name}: share of the static torque that locks wheelset {number}"
-            rows.append(Row(what, "1", None, share, near(expected, BAND), "rigid statics, Coulomb friction"))
+            rows.append(measured(what, "1", share, "rigid statics, Coulomb friction", near(expected, BAND)))
     for (name, level), seconds in found.costs.items():
         what = f"{name}, {LEVELS[level]}: {DURATION:g} s of braking"
-        rows.append(Row(what, "ms", None, 1e3 * seconds, None, "measured now, least of several runs"))
+        rows.append(measured(what, "ms", 1e3 * seconds, "measured now, least of several runs"))
     return rows
 
 

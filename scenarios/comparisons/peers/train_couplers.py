@@ -315,5 +315,5 @@ def _solve_cost(n: int) -> float:
     return _fastest(lambda: functions().equations_solutions(n, TIMED)) / TIMED
 
 
-def measured(consist: Consist) -> Costs:
+def measured_costs(consist: Consist) -> Costs:
     return Costs(_step_cost(consist), _solve_cost(len(consist.vehicles)))
