@@ -27,7 +27,7 @@ PICTURES = Path(__file__).parent / "pictures"
 SOURCES = ("readers", "fmu_src", "rbd_model", "brake_controller", "products")
 #: The live page in the folder, and what it is made from.
 PAGE = "live.html"
-PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/reporting/motion.py", "scenarios/reporting/page/canvas.js")
+PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/web", "scenarios/reporting/motion.py")
 
 
 def sources_here() -> str:

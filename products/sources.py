@@ -16,7 +16,7 @@ ROOMS = ("readers", "fmu_src", "rbd_model", "brake_controller", "products", "sce
 HOUSE = (*ROOMS, "bogie_braking")
 #: Of all that computes; and with what travels in an FMU or makes a page.
 CODE = {".py", ".c", ".h"}
-KINDS = CODE | {".cpp", ".cs", ".png", ".js", ".css", ".html", ".npz", ".toml"}
+KINDS = CODE | {".cpp", ".cs", ".png", ".js", ".css", ".jinja", ".npz", ".toml"}
 #: What a release has made from them, empty in a checkout; `make release` fills it in wheels.
 PREBUILT = ROOT / "products" / "prebuilt"
 

@@ -1,8 +1,6 @@
 """Writes the live page: one file that brakes a vehicle in a browser, with the kernel of the FMUs as WebAssembly."""
 
-import base64
-import json
-import zlib
+from collections.abc import Callable
 from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
@@ -16,25 +14,16 @@ from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
 from products.braked_vehicle import FULL_PRESSURE
-from products.prebuilt import prebuilt_page
+from products.prebuilt import PAGE, prebuilt_page
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import size_of
 from readers.storage import write_whole
-from scenarios import reporting
 from scenarios.live.lines import CANTS, rows_of
 from scenarios.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of
 from scenarios.live.presets import DEFAULTS, PERIOD, PRESETS
 from scenarios.reporting.motion import drawn
 from scenarios.reporting.progress import PATIENCE
-
-WEB = Path(__file__).parent / "web"
-#: Of all pages with canvases.
-CANVAS = Path(reporting.__file__).parent / "page" / "canvas.js"
-#: In the order in which they use each other.
-SCRIPTS = (
-    *("packed.js", "one_file.js", "kernel.js", "protection.js", "stop.js", "simulation.js", "link.js"),
-    *("desk.js", "look.js", "charts.js", "side_view.js", "section_view.js", "page.js"),
-)
+from scenarios.web.frame import filled, packed
 
 #: What the page knows of the sensors of the wheels.
 SENSOR = ("pulses", "gate", "resolution", "lowest_frequency")
@@ -42,17 +31,20 @@ SENSOR = ("pulses", "gate", "resolution", "lowest_frequency")
 
 def write_page(path: Path) -> Path:
     """Writes the page, about a megabyte; it needs no network. Raises CompilerError, OSError."""
-    made = prebuilt_page()
-    text = made.read_text(encoding="utf-8") if made else page()
+    return write_made(path, PAGE, page)
+
+
+def write_made(path: Path, name: str, page: Callable[[], str]) -> Path:
+    """Writes a page as a release has made it, or as it is now. Raises CompilerError, OSError."""
+    made = prebuilt_page(name)
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, text.encode())
+    write_whole(path, made.read_bytes() if made else page().encode())
     return path
 
 
 @lru_cache
 def page() -> str:
     """Its text, with the kernels, which are compiled unless the cache has them. Raises CompilerError."""
-    script = "\n".join(path.read_text(encoding="utf-8") for path in (CANVAS, *(WEB / name for name in SCRIPTS)))
     data = {
         "version": __version__,
         "protection": {
@@ -66,15 +58,7 @@ def page() -> str:
         "lineVariable": LINE.variable.name,
         "machines": {name: machine(name) for name in tqdm(MACHINES, "machines", delay=PATIENCE, leave=False)},
     }
-    parts = {
-        "@STYLE@": (WEB / "page.css").read_text(encoding="utf-8"),
-        "@DATA@": json.dumps(data, separators=(",", ":")).replace("</", "<\\/"),
-        "@SCRIPT@": script,
-    }
-    whole = (WEB / "page.html").read_text(encoding="utf-8")
-    for mark, text in parts.items():
-        whole = whole.replace(mark, text)
-    return whole
+    return filled("live.html.jinja", data=data)
 
 
 def machine(name: str) -> dict[str, Any]:
@@ -86,7 +70,7 @@ def machine(name: str) -> dict[str, Any]:
     return {
         "title": one.title,
         "guid": guid_of(generate(model)),
-        "module": base64.b64encode(zlib.compress(web_module(model).read_bytes(), 9)).decode(),
+        "module": packed(web_module(model).read_bytes()),
         "variables": [variable.name for variable in model.variables],
         "fullPressure": FULL_PRESSURE,
         "fullTraction": one.full_traction,

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from jinja2 import Environment, PackageLoader
 from plotly.offline import get_plotlyjs
 
 from brake_controller.flow_parameters import FlowParameters
@@ -23,6 +22,7 @@ from scenarios.reporting import plots
 from scenarios.reporting.motion import MOST_EXAGGERATION, packed
 from scenarios.reporting.report import Report, number, parted, verdict_of
 from scenarios.scenario import Scenario
+from scenarios.web.frame import filled
 
 #: Colours and dashes of the lines of a chart, one after the other: neighbours differ in both.
 COLOURS = (plots.LEADING, plots.TRAILING, plots.BOGIE, plots.THESIS, "#e69f00", "#56b4e9")
@@ -52,8 +52,9 @@ def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
     summary = read_document(folder / "summary.json")
     motion = report.motion and report.motion()
     judged, others = parted(summary["rows"], lambda row: row["holds"])
-    page = environment().get_template("report.html.jinja")
-    text = page.render(
+    text = filled(
+        "report.html.jinja",
+        {"figure": number, "note": note},
         title=scenario.name,
         text=scenario.summary,
         summary=summary,
@@ -62,7 +63,7 @@ def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
         judged=judged,
         others=others,
         columns=columns(summary["rows"]),
-        motion=motion and packed(motion) | {"colours": plots.FOUR if len(motion.vehicle.wheelsets) > 2 else COLOURS},
+        data=motion and packed(motion) | {"colours": plots.FOUR if len(motion.vehicle.wheelsets) > 2 else COLOURS},
         motion_text=motion and motion.text,
         most_exaggeration=MOST_EXAGGERATION,
         charts=list(charts(report)),
@@ -71,13 +72,6 @@ def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
         plotly=get_plotlyjs(),
     )
     (folder / "report.html").write_text(text, encoding="utf-8")
-
-
-def environment() -> Environment:
-    """Templates of the pages; what they are given is escaped."""
-    found = Environment(loader=PackageLoader(__package__, "page"), autoescape=True, trim_blocks=True)
-    found.filters |= {"figure": number, "note": note}
-    return found
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,11 @@ from plotly.offline import get_plotlyjs
 from readers.storage import write_whole
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting import plots
-from scenarios.reporting.html_report import drawn, environment, sentence
+from scenarios.reporting.html_report import drawn, sentence
 from scenarios.reporting.report import VERDICTS, number, parted, verdict_of
 from scenarios.reporting.saved import Run, results_in
 from scenarios.scenario import BadInputError
+from scenarios.web.frame import filled
 
 #: Mark and colour by verdict; the marks alone tell them apart.
 MARKS = {True: ("circle", plots.LEADING), None: ("diamond-open", plots.BOGIE), False: ("x", plots.TRAILING)}
@@ -40,22 +41,20 @@ def write_index(out: Path) -> tuple[Path, list[str]]:
     runs = [*judged, *others]
     rows = [row for one in runs for row in one.rows]
     printed = [one for one in runs if one.printed]
-    text = (
-        environment()
-        .get_template("index.html.jinja")
-        .render(
-            title="Results",
-            runs=runs,
-            printed=printed,
-            sweeps=found.sweeps,
-            skipped=found.skipped,
-            texts=texts,
-            holds=verdict_of(one.holds for one in runs),
-            sentence=sentence(rows, ", in " + ", ".join(one.name for one in runs if one.holds is False)),
-            chart=chart(printed),
-            height=CHART_HEIGHT + LINE_HEIGHT * len(printed),
-            plotly=get_plotlyjs(),
-        )
+    text = filled(
+        "index.html.jinja",
+        {"figure": number},
+        title="Results",
+        runs=runs,
+        printed=printed,
+        sweeps=found.sweeps,
+        skipped=found.skipped,
+        texts=texts,
+        holds=verdict_of(one.holds for one in runs),
+        sentence=sentence(rows, ", in " + ", ".join(one.name for one in runs if one.holds is False)),
+        chart=chart(printed),
+        height=CHART_HEIGHT + LINE_HEIGHT * len(printed),
+        plotly=get_plotlyjs(),
     )
     write_whole(out / "index.html", text.encode())
     return out / "index.html", found.skipped

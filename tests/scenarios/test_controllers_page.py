@@ -70,16 +70,16 @@ def page(browser: Browser, folder: Path, request: pytest.FixtureRequest) -> Iter
 
 def choose(page: Page, case: int) -> None:
     """As a person does."""
-    page.evaluate(f"field('case').value = '{case}', field('case').dispatchEvent(new Event('change'))")
+    page.evaluate(f"at('case').value = '{case}', at('case').dispatchEvent(new Event('change'))")
 
 
 def test_names_are_text_and_never_obeyed(page: Page) -> None:
     choose(page, 0)
     assert page.evaluate("globalThis.bad") is None
-    assert page.evaluate("field('case').options[0].textContent") == NASTY
+    assert page.evaluate("at('case').options[0].textContent") == NASTY
     assert page.evaluate("document.querySelector('#scores button').textContent") == NASTY
     assert page.evaluate("document.querySelectorAll('h3')[2].textContent") == GAINS
-    assert NASTY in page.evaluate("field('said').textContent")
+    assert NASTY in page.evaluate("at('said').textContent")
     assert page.evaluate("document.scripts.length") == 2
 
 
@@ -116,14 +116,14 @@ def test_the_page_has_the_numbers_of_the_rig(page: Page, folder: Path) -> None:
 
 def test_it_plays_to_the_end_and_says_who_stands(page: Page) -> None:
     choose(page, 0)
-    page.evaluate("player.go(player.latest - 16), field('pace').value = '20', field('play').click()")
-    assert page.evaluate("field('play').textContent") == "Pause"
-    page.evaluate("new Promise((done) => setInterval(() => player.last === null && done(), 20))")
+    page.evaluate("player.go(player.latest - 16), at('pace').value = '20', at('play').click()")
+    assert page.evaluate("at('play').textContent") == "Pause"
+    page.evaluate("new Promise((done) => setInterval(() => !player.running && done(), 20))")
     assert page.evaluate("player.time === player.latest")
-    assert page.evaluate("field('play').textContent") == "Play"
+    assert page.evaluate("at('play').textContent") == "Play"
     distance = page.evaluate("player.tracks[0].stop.distance")
     assert page.evaluate("player.tracks[0].state.textContent").startswith(f"stands after {distance:.1f} m")
-    assert " m" in page.evaluate("field('told').textContent")
+    assert " m" in page.evaluate("at('told').textContent")
 
 
 def test_it_is_led_by_keys_by_the_bar_and_by_a_touch(page: Page) -> None:
@@ -139,8 +139,8 @@ def test_it_is_led_by_keys_by_the_bar_and_by_a_touch(page: Page) -> None:
     press(" ")
     page.evaluate("new Promise((done) => setInterval(() => player.time > 1 && done(), 10))")
     press(" ")
-    assert page.evaluate("player.last") is None
-    page.evaluate("field('time').value = 6, field('time').dispatchEvent(new Event('input'))")
+    assert page.evaluate("player.running") is False
+    page.evaluate("at('time').value = 6, at('time').dispatchEvent(new Event('input'))")
     assert page.evaluate("player.time") == 6.0
     assert "locked" in page.evaluate("player.tracks[0].canvas.getAttribute('aria-label')")
     place = "player.charts[0].canvas.scrollIntoView(), player.charts[0].canvas.getBoundingClientRect().toJSON()"
@@ -166,7 +166,7 @@ def test_machines_and_cursor_move_and_colours_follow_the_night(page: Page) -> No
 
 def test_a_case_is_chosen_in_the_table(page: Page) -> None:
     page.evaluate("document.querySelectorAll('#scores button')[1].click()")
-    assert page.evaluate("field('case').selectedOptions[0].textContent") == "wet"
+    assert page.evaluate("at('case').selectedOptions[0].textContent") == "wet"
     assert page.evaluate("player.tracks.map(({ stop }) => stop.case)") == ["wet"] * 3
 
 

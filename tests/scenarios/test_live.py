@@ -196,7 +196,7 @@ def test_pictures_for_the_documentation(page: Page) -> None:
     """Wheels that have locked, with the full brake as the run before."""
     for name in ("full", "locks"):
         page.evaluate(f"stopped('#{PRESETS[name].link}')")
-        page.evaluate("live.still = 0; live.frames = CHART_FRAMES; draw()")
+        page.evaluate("draw()")
     if "BOGIE_BRAKING_PICTURES" in os.environ:
         page.screenshot(Path(os.environ["BOGIE_BRAKING_PICTURES"]) / f"live-{page.evaluate('innerWidth')}.png")
     assert re.match(

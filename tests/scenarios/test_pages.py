@@ -178,13 +178,13 @@ def shown_at(page: Page, row: int, factor: int) -> dict[str, np.ndarray]:
     """Points of each part of the vehicle when the time bar stands at a row, by name; shape (3, n)."""
     page.evaluate(
         f"""["time", "exaggeration"].forEach((name, n) => {{
-            const bar = document.getElementById(`motion-${{name}}`);
+            const bar = document.getElementById(`${{name}}`);
             bar.value = [{row}, {factor}][n];
             bar.dispatchEvent(new Event("input"));
         }})"""
     )
     parts = page.evaluate(
-        """document.getElementById("motion-space").data.map(({ name, x, y, z }) =>
+        """document.getElementById("space").data.map(({ name, x, y, z }) =>
             [name, [x, y, z].map((row) => [...row])])"""
     )
     return {name: np.array(points, dtype=float) for name, points in parts}
@@ -197,7 +197,7 @@ def test_time_bar_moves_the_bodies_as_the_run_did(report: Page) -> None:
     kernel = prepare("bogie", **RIGID, initial_speed=SPEEDS[0], **scene)
     names = ("state_lateral_1", "rotation_1", "frame_lateral", "frame_roll")
     run = {name: np.array(values) for name, values in kernel.record(DURATION, INTERVAL, names).items()}
-    count = len(report.evaluate("[...Array(1 + Number(document.getElementById('motion-time').max)).keys()]"))
+    count = len(report.evaluate("[...Array(1 + Number(document.getElementById('time').max)).keys()]"))
     stride = -(-run["time"].size // count)
     centre = np.mean(box(vehicle, vehicle.bodies[0])[:, 2]) - vehicle.number(vehicle.bodies[0].height)
     places = []
@@ -218,7 +218,7 @@ def test_wheels_touch_their_rails_in_the_section(report: Page, summary: dict[str
     for row in (0, 100, 110, 150):
         shown_at(report, row, 1)
         curves = report.evaluate(
-            "document.getElementById('motion-section').data.map(({ x, y }) => [[...x], [...y]])",
+            "document.getElementById('section').data.map(({ x, y }) => [[...x], [...y]])",
         )
         for rail, wheel in ((curves[0], curves[1]), (curves[2], curves[3])):
             (rail_x, rail_y), (x, y) = (np.array(sorted(zip(*curve, strict=True))).T for curve in (rail, wheel))
@@ -228,13 +228,13 @@ def test_wheels_touch_their_rails_in_the_section(report: Page, summary: dict[str
         shifts.append(curves[1][0][0])
     largest = next(row["simulated"] for row in summary["rows"] if "largest shift of the leading" in row["quantity"])
     assert np.ptp(shifts) > 0.8 * largest
-    assert "kN" in report.evaluate("document.getElementById('motion-forces').innerText")
+    assert "kN" in report.evaluate("document.getElementById('forces').innerText")
 
 
 def test_play_runs_and_stops(report: Page) -> None:
     shown_at(report, 0, 1)
-    press = "document.getElementById('motion-play').click()"
-    state = "[Number(document.getElementById('motion-time').value), document.getElementById('motion-play').innerText]"
+    press = "document.getElementById('play').click()"
+    state = "[Number(document.getElementById('time').value), document.getElementById('play').innerText]"
     report.evaluate(press)
     report.evaluate("new Promise((done) => setTimeout(done, 600))")
     row, word = report.evaluate(state)
@@ -300,7 +300,7 @@ def test_texts_of_a_result_are_shown_and_never_obeyed(browser: Browser, tmp_path
     assert "0.4250 m" in shown
     verdicts = page.evaluate("[...document.querySelectorAll('.rows .verdict')].map((one) => one.textContent)")
     assert verdicts == [WORDS[False], WORDS[True], WORDS[None]]
-    assert page.evaluate("document.getElementById('motion-section')") is None
+    assert page.evaluate("document.getElementById('section')") is None
     # Planar: nothing is across the track, and the wheels' radius has its unit.
     assert abs(shown_at(page, 10, 50)["wheelset 1"][1].mean()) < ROUNDED
     assert main(["report", "--out", str(tmp_path)]) == 0
@@ -346,7 +346,7 @@ def test_a_curve_bends_before_and_behind_the_vehicle(browser: Browser, curve: Mo
     page = browser.open(tmp_path / "curve" / "report.html", WIDE)
     assert page.errors == []
     parts = shown_at(page, row, factor)
-    told = page.evaluate("document.getElementById('motion-line').innerText")
+    told = page.evaluate("document.getElementById('line').innerText")
     assert told == "curve to the left of 300 m, cant 12 mm, gradient 5.0 \u2030"
     middle = curve.series["distance"][row]
     parts = {name: without_cant(points, middle) for name, points in parts.items()}

@@ -224,7 +224,7 @@ MISSES = {
 #: Of the lock that the torque was fitted to [m/s, s]: 2.7 s hangs on when the brake starts, which is assumed.
 FITTED_BAND = 0.1
 #: What the view in space of a report is drawn from.
-MOTION = re.compile(r'<script id="motion-data" type="application/json">(.*?)</script>')
+MOTION = re.compile(r'<script id="data" type="application/json">(.*?)</script>')
 
 
 @pytest.mark.usefixtures("short_oracle", "short_coupling", "short_study", "short_ensembles")

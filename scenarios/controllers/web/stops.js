@@ -1,13 +1,5 @@
 // Stops over time, unpacked, and what holds at an instant.
 
-// Whole numbers from a text in base64, deflated, of 16-bit differences.
-async function unpacked(text) {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  const view = new DataView(await new Response(plain).arrayBuffer());
-  return Array.from({ length: view.byteLength / 2 }, (_, place) => view.getInt16(2 * place, true));
-}
-
 class Stop {
   // about: of the page's data; next(): the next column of numbers, each the sum of all differences up to it.
   constructor(about, next, { wheelsets, units }) {
@@ -18,6 +10,7 @@ class Stop {
     this.speed = next(units.speed);
     [this.wheel, this.shown, this.effort, this.valve] = [units.speed, units.speed, 1, 1].map(each);
     this.end = this.time.at(-1);
+    this.colours = wheelColours(wheelsets);
     this.rolled = this.wheel.map((speed) => this.integral(speed));
   }
 
@@ -50,7 +43,7 @@ class Stop {
 
 // All stops of the page, in the order of its data.
 async function stopsOf(data) {
-  const differences = await unpacked(data.histories);
+  const differences = Array.from(new Int16Array(await unpacked(data.histories)));
   let place = 0;
   return data.stops.map((about) => {
     const next = (unit) => {
@@ -62,7 +55,3 @@ async function stopsOf(data) {
     return new Stop(about, next, data);
   });
 }
-
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-const wheelColour = (number) => colour(`wheel${(number % 4) + 1}`);
-const DASHES = [[], [7, 3], [2, 2], [8, 3, 2, 3]]; // told apart without colours, too

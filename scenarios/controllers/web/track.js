@@ -25,7 +25,7 @@ class Track {
     const begin = MARGIN + WHEEL * now.wheel.length;
     const x = (way) => begin + (way / this.far) * (width - begin - MARGIN);
     this.rail(context, x, width, now);
-    context.fillStyle = colour("soft");
+    context.fillStyle = look.soft;
     context.fillRect(x(now.way) - WHEEL * (now.wheel.length - 0.5), RAIL - RADIUS - 1, WHEEL * (now.wheel.length - 1), 2);
     now.wheel.forEach((_, number) => this.wheel(context, x(now.way) - WHEEL * (number + 0.5), number, now));
     this.state.textContent = this.words(now);
@@ -46,39 +46,32 @@ class Track {
   }
 
   rail(context, x, width, now) {
-    context.fillStyle = colour("edge");
+    context.fillStyle = look.edge;
     context.fillRect(0, RAIL, width, 3);
-    context.fillStyle = colour("ink");
+    context.fillStyle = look.ink;
     context.fillRect(x(0), RAIL, x(now.way) - x(0), 3);
     context.textAlign = "center";
-    context.fillStyle = colour("soft");
+    context.fillStyle = look.soft;
     for (let step = roundStep(this.far, width < 600 ? 3 : 8), way = 0; way <= this.far; way += step) {
       context.fillRect(x(way), RAIL + 3, 1, 4);
       context.fillText(`${way} m`, Math.min(x(way), width - 22), RAIL + 18);
     }
     if (this.stop.ideal === null) return;
-    context.strokeStyle = colour("ink");
-    context.setLineDash([4, 3]);
-    context.beginPath();
-    context.moveTo(x(this.stop.ideal), this.first ? 14 : 4);
-    context.lineTo(x(this.stop.ideal), RAIL);
-    context.stroke();
-    context.setLineDash([]);
-    if (this.first) context.fillText("ideal", Math.min(x(this.stop.ideal), width - 18), 11);
+    const ideal = x(this.stop.ideal);
+    stroke(context, [[ideal, this.first ? 14 : 4], [ideal, RAIL]], "ink", 1, [4, 3]);
+    if (this.first) context.fillText("ideal", Math.min(ideal, width - 18), 11);
   }
 
   wheel(context, x, number, now) {
     const y = RAIL - RADIUS, angle = now.rolled[number] / DATA.radius / SLOWER;
     context.lineWidth = 2.5;
-    context.strokeStyle = context.fillStyle = now.locked[number] ? colour("locked") : wheelColour(number);
+    context.strokeStyle = context.fillStyle = now.locked[number] ? look.signal : look[this.stop.colours[number]];
     context.beginPath();
     context.arc(x, y, RADIUS - 1, 0, 2 * Math.PI);
     context.stroke();
     if (now.locked[number]) context.fill();
-    context.beginPath();
-    context.moveTo(x, y);
-    context.lineTo(x + (RADIUS - 1) * Math.cos(angle), y + (RADIUS - 1) * Math.sin(angle));
-    if (!now.locked[number]) context.stroke();
+    const rim = [x + (RADIUS - 1) * Math.cos(angle), y + (RADIUS - 1) * Math.sin(angle)];
+    if (!now.locked[number]) stroke(context, [[x, y], rim], context.strokeStyle, 2.5);
     this.brake(context, x, number, now);
   }
 
@@ -86,11 +79,11 @@ class Track {
   brake(context, x, number, { effort, valve }) {
     const [width, top, bottom] = [14, 24, 42], share = Math.min(effort[number] / DATA.fullEffort, 1);
     context.lineWidth = 1;
-    context.fillStyle = colour("soft");
-    context.strokeStyle = colour("soft");
+    context.fillStyle = look.soft;
+    context.strokeStyle = look.soft;
     context.fillRect(x - width / 2, bottom - share * (bottom - top), width, share * (bottom - top));
     context.strokeRect(x - width / 2, top, width, bottom - top);
-    context.fillStyle = colour("ink");
+    context.fillStyle = look.ink;
     context.beginPath();
     const [up, half] = [20, 5];
     if (valve[number] === 1) context.rect(x - half, up - 2 * half, 2 * half, 2 * half);

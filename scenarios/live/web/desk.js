@@ -1,8 +1,6 @@
-// What both live pages have: ready runs, the space bar, the pause, a table to save, and two runs compared.
+// What both live pages have: ready runs, the space bar, the link, a table to save, and two runs compared.
 
-const LONGEST_FRAME = 0.1; // a page that was asleep does not catch up [s]
 const NAMES = { machine: "vehicle", level: "level of detail", curve: "line", uneven: "shoes", wave: "rails" }; // of settings
-const at = (name) => document.getElementById(name);
 
 // A ready run among the others: its title, and where it leads; the link.
 function addRun(title, href) {
@@ -35,8 +33,9 @@ function besides(own, other) {
   return place === location.pathname ? null : place.split("/").at(-1);
 }
 
-// The large button, and the space bar unless the focus is on what it presses by itself.
-function onBrake(press) {
+// What both pages listen to. press: the large button, and the space bar unless the focus is on what it presses by itself;
+// restart, openLink (of a hash), showLink, redraw; file: a name and a function that gives the rows of its table.
+function onDesk({ press, restart, openLink, showLink, redraw, file: [name, rows] }) {
   at("brake").addEventListener("click", press);
   addEventListener("keydown", (event) => {
     if (event.key !== " " || event.repeat || event.target.closest("button, select, summary, a, [type=checkbox]")) return;
@@ -47,6 +46,12 @@ function onBrake(press) {
   addEventListener("click", (event) => {
     if (event.detail > 0) event.target.closest("button, summary, [type=checkbox]")?.blur();
   });
+  at("share").addEventListener("click", () => share(showLink));
+  at("restart").addEventListener("click", () => restart());
+  at("table").addEventListener("click", () => save(name, rows()));
+  addEventListener("popstate", () => openLink(location.hash));
+  for (const event of ["resize", "click"]) addEventListener(event, redraw);
+  look.changed = redraw;
 }
 
 // A speed [m/s] for people.
@@ -64,13 +69,6 @@ async function share(showLink) {
     at("share").textContent = "the link is the address above";
   }
   setTimeout(() => { at("share").textContent = "copy link"; }, 3000);
-}
-
-function onPause(live) {
-  at("pause").addEventListener("click", () => {
-    live.running = !live.running;
-    at("pause").textContent = live.running ? "pause" : "go on";
-  });
 }
 
 // rows of a table, the first with the heads, as a file of this name.

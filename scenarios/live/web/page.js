@@ -1,11 +1,11 @@
-// The page itself: controls, the loop of frames, and what is told at the end.
+// The page itself: controls, frames, and what is told at the end.
 
 const CHART_FRAMES = 4; // charts are drawn in one frame of so many
 const STARTS = ["machine", "level", "speed", "gradient", "curve", "wave"]; // settings that begin a run anew
 const IN_SPACE = ["curve", "wave", "uneven"]; // that act at level 3 alone
 const ACTS = ["lever", "friction", "protection", "uneven"]; // controls that act while it goes
 
-const live = { modules: {}, kernels: {}, simulation: null, running: true, frames: 0, busy: 0, simulated: 0, still: 0, before: null, turn: 0 };
+const live = Object.assign(new Player(["go on", "pause"], goOn), { modules: {}, kernels: {}, frames: 0, before: null, turn: 0 });
 
 async function kernelOf(name) {
   const { module, variables } = DATA.machines[name];
@@ -42,14 +42,15 @@ async function restart(plan = []) {
   at("sentences").replaceChildren();
   simulation.restart({ ...values, ...wave }, texts, { ...controls, gradient: spatial ? 0 : gradient }, plan);
   if (machine !== live.simulation?.machine) live.charts = chartsOf(machine.wheelsets.length);
-  Object.assign(live, { simulation, settings, running: true, left: 0, busy: 0, simulated: 0, still: 0, told: false, doing: "" });
+  Object.assign(live, { simulation, settings, left: 0, busy: 0, simulated: 0, told: false, doing: "" });
   live.line = { gradient, words: wordsOnLine(settings, spatial) };
   show("lever", 0);
   for (const name of IN_SPACE) at(name).disabled = !spatial;
   at("section-box").hidden = !spatial;
-  at("pause").textContent = "pause";
   showControls();
   showDoing();
+  live.play();
+  draw();
   if (!plan.length) showLink();
 }
 
@@ -78,8 +79,8 @@ function keepBefore() {
 function act(name) {
   live.simulation.act(name, name === "leaves" ? 1 : inside(name, valueOf(name)));
   if (live.simulation.steps === 0 && name in live.settings) live.settings[name] = valueOf(name);
-  live.still = 0;
   showControls();
+  draw();
 }
 
 // A link's plan moves the controls, too.
@@ -130,7 +131,7 @@ function pressBrake() {
 
 function chartsOf(count) {
   const numbers = Array.from({ length: count }, (_, number) => number);
-  const colours = count > 2 ? ["first", "second", "third", "fourth"] : ["first", "fourth"];
+  const colours = wheelColours(count);
   const each = (name) => numbers.map((n) => ({ label: `${n + 1}`, colour: colours[n], dashes: n, value: (point) => point[name][n] }));
   const vehicle = { label: "vehicle", colour: "ink", heavy: true, value: (point) => point.speed };
   return [
@@ -141,9 +142,12 @@ function chartsOf(count) {
   ];
 }
 
+// One frame of a run that has not come to its end.
 function goOn(seconds) {
-  const { simulation } = live, begin = performance.now(), planned = simulation.plan.length;
-  live.left += Number(at("pace").value) * Math.min(seconds, LONGEST_FRAME);
+  const { simulation } = live;
+  if (simulation.ended) return;
+  const begin = performance.now(), planned = simulation.plan.length;
+  live.left += seconds;
   const whole = Math.floor(live.left / PERIOD) * PERIOD;
   live.left -= whole;
   simulation.advance(whole);
@@ -152,7 +156,10 @@ function goOn(seconds) {
   if (simulation.plan.length < planned) followPlan();
   for (const sentence of simulation.sentences.splice(0)) tell(sentence);
   if (!simulation.ended) showDoing();
-  else if (!live.told) finish();
+  else finish();
+  live.frames += 1;
+  if (live.frames % 30 === 0) showCost();
+  draw(Boolean(simulation.ended) || live.frames % CHART_FRAMES === 0);
 }
 
 // What the run came to, beside the run before; the address becomes its link.
@@ -180,32 +187,17 @@ function showCost() {
   at("cost").textContent = `${times.toFixed(0)} times real time on this machine, in this browser`;
 }
 
-function draw() {
+function draw(charts = true) {
   const { simulation, before } = live, { time, kernel, stop } = simulation;
   live.side.draw(simulation, live.line);
   if (!at("section-box").hidden) live.section.draw(simulation);
-  if (live.frames % CHART_FRAMES === 0) {
+  if (charts) {
     const beside = before && stop.begun ? { ...before, shift: stop.begun.time - before.begun } : null;
     live.charts.forEach((chart, number) => chart.draw(simulation.history, number === 0 ? beside : null));
   }
   const now = stop.ended ?? { time, distance: kernel.get("distance") };
   const since = stop.begun && `, ${Math.abs(now.distance - stop.begun.distance).toFixed(0)} m and ${(now.time - stop.begun.time).toFixed(1)} s since braking`;
   at("state").textContent = `${inKmh(kernel.get("speed"))}${since ?? ""}`;
-}
-
-function frame(now) {
-  const seconds = (now - (live.last ?? now)) / 1e3;
-  live.last = now;
-  live.frames += 1;
-  if (live.simulation) {
-    const moves = live.running && !live.simulation.ended;
-    if (moves) goOn(seconds);
-    if (live.frames % 30 === 0) showCost();
-    // What stands still is drawn on a little, until charts have had their turn, and then costs nothing.
-    live.still = moves ? 0 : live.still + 1;
-    if (live.still <= CHART_FRAMES) draw();
-  }
-  requestAnimationFrame(frame);
 }
 
 // Plays the run of an address.
@@ -232,15 +224,9 @@ function fillChoices() {
 function listen() {
   for (const name of ACTS) at(name).addEventListener("input", () => act(name));
   for (const name of STARTS) at(name).addEventListener("change", () => restart());
-  for (const event of ["resize", "click"]) addEventListener(event, () => { live.still = 0; });
-  addEventListener("popstate", () => openLink(location.hash));
-  onBrake(pressBrake);
-  onPause(live);
   at("leaves").addEventListener("click", () => act("leaves"));
-  at("restart").addEventListener("click", () => restart());
-  at("share").addEventListener("click", () => share(showLink));
-  at("table").addEventListener("click", () => save("run.csv", live.simulation.table()));
-  look.changed = () => { live.still = 0; };
+  const redraw = () => live.simulation && draw(), table = () => live.simulation.table();
+  onDesk({ press: pressBrake, restart, openLink, showLink, redraw, file: ["run.csv", table] });
 }
 
 function begin() {
@@ -253,7 +239,6 @@ function begin() {
   live.section = new SectionView(at("section"));
   at("about").textContent = `bogie-braking ${DATA.version}, after Y. A. Handoko (2006).`;
   at("about").title = Object.values(DATA.machines).map(({ title, guid }) => `model of the ${title}: ${guid}`).join("\n");
-  requestAnimationFrame(frame);
   return openLink(location.hash);
 }
 

@@ -1,7 +1,8 @@
-// The page itself: controls, the loop of frames, and what is told at the end.
+// The page itself: controls, frames, and what is told at the end.
 
-const live = { running: true, train: null, module: null, left: 0, frames: 0, told: false, before: null, turn: 0 };
-const chart = new Chart(at("chart-speed"), "speed of the head [km/h]", [{ label: "train", colour: "ink", heavy: true, value: (point) => point.speed }], [0, 10]);
+const live = Object.assign(new Player(["go on", "pause"], advance), { module: null, before: null, turn: 0 });
+const line = { label: "train", colour: "ink", heavy: true, value: (point) => point.speed };
+const chart = new Chart(at("chart-speed"), "speed of the head [km/h]", [line], [0, 10]);
 
 async function start(plan = []) {
   const turn = (live.turn += 1);
@@ -11,8 +12,8 @@ async function start(plan = []) {
   if (turn !== live.turn) return;
   keepBefore();
   train.begin(Number(at("speed").value) / 3.6, plan);
-  Object.assign(live, { train, consist, settings: { train: consist, speed: at("speed").value }, left: 0, told: false, running: true, doing: "" });
-  at("pause").textContent = "pause";
+  Object.assign(live, { train, consist, settings: { train: consist, speed: at("speed").value }, left: 0, told: false, doing: "" });
+  live.play();
   show();
 }
 
@@ -56,10 +57,11 @@ function showDoing(brakes) {
 }
 
 function advance(time) {
+  if (live.told) return;
   live.left += time;
   for (; live.left > 0.5 * STEP && !live.train.ended; live.left -= STEP) live.train.step();
   show();
-  if (live.train.ended && !live.told) finish();
+  if (live.train.ended) finish();
 }
 
 function finish() {
@@ -96,13 +98,6 @@ function openLink(hash) {
   });
 }
 
-function frame(now) {
-  const seconds = Math.min((now - (live.last ?? now)) / 1e3, LONGEST_FRAME) * Number(at("pace").value);
-  live.last = now;
-  if (live.running && live.train && !live.train.ended) advance(seconds);
-  requestAnimationFrame(frame);
-}
-
 function listRuns() {
   addRuns(DATA.presets, openLink);
   const other = besides(/live-train\.html$/, "live.html");
@@ -123,18 +118,12 @@ function listen() {
   }
   for (const name of Object.keys(DATA.consists)) at("train").append(new Option(name, name));
   for (const name of ["train", "speed"]) at(name).addEventListener("change", () => start());
-  addEventListener("popstate", () => openLink(location.hash));
-  addEventListener("resize", show);
-  onBrake(pressBrake);
-  onPause(live);
   at("part").addEventListener("click", () => act("part"));
-  at("share").addEventListener("click", () => share(showLink));
-  at("restart").addEventListener("click", () => start());
-  at("table").addEventListener("click", () => save("train.csv", table()));
-  look.changed = () => show();
+  const redraw = () => live.train && show();
+  onDesk({ press: pressBrake, restart: start, openLink, showLink, redraw, file: ["train.csv", table] });
 }
 
 listen();
 listRuns();
 at("about").textContent = `bogie-braking ${DATA.version}; wagons of 80 t, screw couplers, two cells of the pipe a vehicle.`;
-live.ready = openLink(location.hash).then(() => requestAnimationFrame(frame));
+live.ready = openLink(location.hash);

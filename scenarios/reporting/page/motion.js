@@ -1,11 +1,8 @@
 // Draws a recorded motion: the vehicle in space and its wheels on the rails' heads, at the instant that the time bar tells.
 // Coordinates as in the model: x ahead, y to the left, z above the rails, turned by Rz(yaw) Rx(roll) Ry(pitch).
-"use strict";
 
 (() => {
-  const data = JSON.parse(document.getElementById("motion-data").textContent);
-  const field = (name) => document.getElementById(`motion-${name}`);
-  const space = field("space"), section = field("section"), bar = field("time"), factor = field("exaggeration");
+  const data = DATA, space = at("space"), section = at("section"), bar = at("time"), factor = at("exaggeration");
   const SLEEPER_DISTANCE = 0.6, RIM = 24, HALF_TREAD = 0.065, GREY = "#777777";
   const STRAIGHTEST = 1e5; // a curve of a longer radius is called straight [m]
 
@@ -90,20 +87,20 @@
     return { wheels, strokes: [axle, ...marks] };
   };
 
-  const at = (places, values, place) => {
+  const valueAt = (places, values, place) => {
     const pitch = places[1] - places[0], last = places.length - 1;
     const share = Math.min(Math.max((place - places[0]) / pitch, 0), last), n = Math.min(Math.floor(share), last - 1);
     return values[n] + (share - n) * (values[n + 1] - values[n]);
   };
   const railPoint = (side, x, frame, factor) => {
     const { distance, lateral, left, right, curvature } = data.rails, here = data.distance[frame], place = here + x;
-    const [aside, above] = [lateral, side > 0 ? left : right].map((values) => at(distance, values, place));
-    const bend = (x * x * (2 * at(distance, curvature, here) + at(distance, curvature, place))) / 6;
+    const [aside, above] = [lateral, side > 0 ? left : right].map((values) => valueAt(distance, values, place));
+    const bend = (x * x * (2 * valueAt(distance, curvature, here) + valueAt(distance, curvature, place))) / 6;
     return [x, side * data.wheelsets[0].half_distance + factor * (aside + bend), factor * above];
   };
   // The cross-section at x, turned by the cant there about the track's axis: the right rail rises where it is positive.
   const canted = (frame, x) => {
-    const { distance, cant } = data.rails, sine = at(distance, cant, data.distance[frame] + x) / data.gauge;
+    const { distance, cant } = data.rails, sine = valueAt(distance, cant, data.distance[frame] + x) / data.gauge;
     const cosine = Math.sqrt(1 - sine * sine);
     return ([ahead, y, z]) => [ahead, cosine * y + sine * z, cosine * z - sine * y];
   };
@@ -196,7 +193,7 @@
 
   const lineAt = (place) => {
     const [curvature, cant, gradient] = ["curvature", "cant", "gradient"].map(
-      (name) => at(data.rails.distance, data.rails[name], place));
+      (name) => valueAt(data.rails.distance, data.rails[name], place));
     const radius = Math.abs(1 / curvature), hand = curvature > 0 ? "left" : "right";
     const plan = radius < STRAIGHTEST ? `curve to the ${hand} of ${shown(radius, 0)} m` : "straight";
     return `${plan}, cant ${shown(1e3 * cant, 0)} mm, gradient ${shown(1e3 * gradient, 1)} \u2030`;
@@ -206,52 +203,46 @@
     const frame = Number(bar.value), times = Number(factor.value);
     const [x, y, z] = [0, 1, 2].map((axis) => pointsAt(frame, times).map((points) => columns(points)[axis]));
     Plotly.restyle(space, { x, y, z });
-    field("instant").textContent = `${shown(data.time[frame], 2)} s, ${shown(data.speed[frame], 2)} m/s, `
+    at("instant").textContent = `${shown(data.time[frame], 2)} s, ${shown(data.speed[frame], 2)} m/s, `
       + `${shown(data.distance[frame], 1)} m`;
-    if (data.on_line) field("line").textContent = lineAt(data.distance[frame]);
-    field("factor").textContent = `${times} times`;
-    bar.setAttribute("aria-valuetext", field("instant").textContent);
-    factor.setAttribute("aria-valuetext", field("factor").textContent);
+    if (data.on_line) at("line").textContent = lineAt(data.distance[frame]);
+    at("factor").textContent = `${times} times`;
+    bar.setAttribute("aria-valuetext", at("instant").textContent);
+    factor.setAttribute("aria-valuetext", at("factor").textContent);
     if (section) drawSection(frame);
   };
   const drawSection = (frame) => {
-    const one = data.wheelsets[Number(field("wheelset").value)];
+    const one = data.wheelsets[Number(at("wheelset").value)];
     const curves = one.wheels.map((wheel) => wheelOverRail(one, wheel, frame));
     // Without what a restyle does to axes and margins, which takes ten times as long.
     const atOnce = { transition: { duration: 0 }, frame: { duration: 0, redraw: false }, mode: "immediate" };
     Plotly.animate(section, { data: curves, traces: [1, 3] }, atOnce);
-    field("forces").textContent = one.wheels.map((wheel) => forces(wheel, frame)).join("; ");
+    at("forces").textContent = one.wheels.map((wheel) => forces(wheel, frame)).join("; ");
   };
 
   // -- playing ------------------------------------------------------------------------------------------------------
 
-  let playing = null;
-  const stop = () => { playing = null; field("play").textContent = "Play"; };
-  const advance = (now) => {
-    if (!playing) return;
-    const time = playing.time + ((now - playing.now) / 1e3) * Number(field("pace").value);
-    let frame = Number(bar.value);
-    while (frame < data.time.length - 1 && data.time[frame] < time) frame++;
-    bar.value = frame;
+  const last = data.time.length - 1;
+  let time = 0;
+  const player = new Player(["Play", "Stop"], (seconds) => {
+    time += seconds;
+    while (Number(bar.value) < last && data.time[Number(bar.value)] < time) bar.value = Number(bar.value) + 1;
     draw();
-    if (frame < data.time.length - 1) requestAnimationFrame(advance); else stop();
-  };
-  field("play").addEventListener("click", () => {
-    if (playing) return stop();
-    if (Number(bar.value) >= data.time.length - 1) bar.value = 0;
-    playing = { time: data.time[Number(bar.value)], now: performance.now() };
-    field("play").textContent = "Stop";
-    requestAnimationFrame(advance);
+    if (Number(bar.value) >= last) player.stop();
   });
-  bar.max = data.time.length - 1;
+  player.begin = () => {
+    if (Number(bar.value) >= last) bar.value = 0;
+    time = data.time[Number(bar.value)];
+  };
+  bar.max = last;
   factor.value = data.exaggeration;
-  bar.addEventListener("input", () => { stop(); draw(); });
+  bar.addEventListener("input", () => { player.stop(); draw(); });
   factor.addEventListener("input", draw);
 
   const options = { responsive: true, displaylogo: false };
   const ready = [Plotly.newPlot(space, vehicleTraces(), spaceLayout(), options)];
   if (section) {
-    field("wheelset").addEventListener("change", draw);
+    at("wheelset").addEventListener("change", draw);
     ready.push(Plotly.newPlot(section, sectionTraces(), sectionLayout(), options));
   }
   Promise.all(ready).then(draw);
