@@ -12,8 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from scipy.optimize import brentq
-
 KILOMETRES_PER_HOUR = 3.6
 #: Of the conversion model (SUBSET-026): percentages [%] and the highest speed [m/s] for which it is valid.
 LEAST_PERCENTAGE, MOST_PERCENTAGE, MOST_SPEED = 30.0, 250.0, 200.0 / KILOMETRES_PER_HOUR
@@ -173,21 +171,6 @@ def stopping_distance(case: Case, speed: float, percentage: float, length: float
     return coming + braking_distance(deceleration_steps(case, percentage), speed)
 
 
-def percentage_of_train(case: Case, speed: float, distance: float, length: float) -> float:
-    """Brake weight percentage [%] with which a train stops in a distance [m]: SUBSET-026 inverted."""
-    _above_zero("speed", speed, "m/s", "a train that stands needs no brake")
-    most = SERVICE_PERCENTAGE if case.value.service else MOST_PERCENTAGE
-    longest = stopping_distance(case, speed, LEAST_PERCENTAGE, length)
-    shortest = stopping_distance(case, speed, most, length)
-    advice = f"only these lie between {LEAST_PERCENTAGE:g} and {most:g} %, give one of them, or another speed or length"
-    _within("stopping distance", distance, "m", shortest, longest, advice)
-
-    def missed(percentage: float) -> float:
-        return stopping_distance(case, speed, percentage, length) - distance
-
-    return float(brentq(missed, LEAST_PERCENTAGE, most, xtol=1e-10, rtol=1e-14))
-
-
 def train_percentage(braked_weights: Sequence[float], masses: Sequence[float]) -> float:
     """Brake weight percentage of a train [%]: all braked weights over all masses, both [kg] (UIC 544-1).
 
@@ -253,16 +236,6 @@ def distance_of_deceleration(speed: float, deceleration: float, build_up: float 
     _within("build-up time", build_up, "s", 0.0, math.inf, "give the equivalent time of the brake")
     _above_zero("deceleration", deceleration, "m/s2", "give it as a positive number")
     return build_up * speed + speed**2 / (2 * deceleration)
-
-
-def percentage_of_force(force: float, turning_mass: float, assessment: Assessment) -> float:
-    """Percentage of a vehicle [%] whose brakes hold with a mean force at the rims [N] (EN 14531-1, EN 16834).
-
-    turning_mass: mass with what its wheelsets add as they turn [kg].
-    """
-    _above_zero("brake force", force, "N", "give the sum over all wheels as a positive number")
-    _above_zero("mass", turning_mass, "kg", "give that of the vehicle with its load and its rotating masses")
-    return percentage_of_vehicle(distance_of_deceleration(assessment.speed, force / turning_mass), assessment)
 
 
 def force_of_percentage(percentage: float, turning_mass: float, assessment: Assessment) -> float:

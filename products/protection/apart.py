@@ -140,12 +140,12 @@ def _made(order: Order, runs: Sequence[Run], limits: Limits, alone: bool) -> tup
     return stops, None
 
 
-def called_apart(function: Callable[..., Result], *arguments: object, limits: Limits | None = None) -> Result:
+def called_apart(function: Callable[..., Result], *arguments: object) -> Result:
     """What a function gives that is called in a process of its own.
 
     Raises EndedError, NoControllerError, and KernelError where anything else fails.
     """
-    limits = limits or Limits(LONGEST_CALL, LONGEST_WAIT, LONGEST_WAIT)
+    limits = Limits(LONGEST_CALL, LONGEST_WAIT, LONGEST_WAIT)
     *_, found = _heard(_call, (function, arguments), limits)
     return cast(Result, found)
 

@@ -144,7 +144,3 @@ class Body:
     def arm(self, place: ca.SX) -> ca.SX:
         """From the centre to the place that has the coordinates `place` in the body's axes: A u of eq. (3.1)."""
         return self.axes @ place
-
-    def velocity_at(self, arm: ca.SX) -> ca.SX:
-        """Velocity of the point at `arm` from the centre, eq. (3.12)."""
-        return self.velocity + ca.cross(self.rate, arm)

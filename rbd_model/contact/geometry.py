@@ -219,11 +219,13 @@ def contact_at(pair: Sides, shift: float, rolls: bool = True) -> ContactAtShift:
     return _touch(pair, shift, (left, right))[0] if rolls else _contact(pair, shift, 0.0, (left, right))[0]
 
 
+#: Contacts are looked for up to this shift [m].
+LARGEST_SHIFT = 15e-3
 #: A contact as steep as this lies on the flange [rad].
 ON_FLANGE = math.radians(30.0)
 
 
-def flange_contact_shift(pair: Sides, largest: float = 15e-3, rolls: bool = True) -> float:
+def flange_contact_shift(pair: Sides, rolls: bool = True) -> float:
     """Shift [m] to the left at which the contact leaves the tread for the flange, as in Fig. 4.8.
 
     Infinite if it stays on the tread, 0 if it is on the flange from the start. To the right: that of `pair.mirrored`.
@@ -234,7 +236,7 @@ def flange_contact_shift(pair: Sides, largest: float = 15e-3, rolls: bool = True
 
     if on_flange(0.0) > 0.0:
         return 0.0
-    for shift in np.arange(0.0, largest, 0.5e-3).tolist():
+    for shift in np.arange(0.0, LARGEST_SHIFT, 0.5e-3).tolist():
         if on_flange(shift + 0.5e-3) > 0.0:
             return float(brentq(on_flange, shift, shift + 0.5e-3, xtol=1e-6))
     return math.inf
@@ -273,7 +275,7 @@ def flange_of(pair: Pair) -> Flange:
 FOLLOW, FOLLOW_GRID = 0.1e-3, 2e-6
 
 
-def last_tread_contact(pair: Sides, largest: float = 15e-3, step: float = 20e-6) -> ContactAtShift:
+def last_tread_contact(pair: Sides, largest: float = LARGEST_SHIFT, step: float = 20e-6) -> ContactAtShift:
     """The contact at the largest shift to the left at which a tread contact exists; a fold lies within `step` [m].
 
     There the curvatures of wheel and rail sum to zero. Follows the tread contact even where the flange already touches,

@@ -202,25 +202,19 @@ def wheel_cone_120() -> Profile:
     return from_points("synthetic wheel 1:20", "fitted to sections 4.3 and 9.4.1 of the thesis", *synthetic_wheel())
 
 
-def synthetic_wheel(
-    transition_start: float = TRANSITION_START,
-    fillet_start: float = FILLET_START,
-    step: float = POINT_DISTANCE,
-    flange_angle: float = FLANGE_ANGLE,
-) -> np.ndarray:
+def synthetic_wheel(flange_angle: float = FLANGE_ANGLE) -> np.ndarray:
     """Contour (y row, z row) of the synthetic wheel: cone, two concave arcs, flange; from the flange outwards [m].
 
-    transition_start, fillet_start [m]: where the arcs begin, fitted to sections 4.3 and 9.4.1; step [m]: of the points;
-    flange_angle [rad].
+    Where the arcs begin is fitted to sections 4.3 and 9.4.1. flange_angle [rad].
     """
     angle = np.arctan(INCLINATION)
-    points = [np.array([[transition_start, transition_start * INCLINATION]])]
+    points = [np.array([[TRANSITION_START, TRANSITION_START * INCLINATION]])]
 
     def add_arc(radius: float, end_angle: float) -> None:
         """Walks inwards on a concave arc until the contour's angle is `end_angle`."""
         nonlocal angle
         y, z = points[-1][-1]
-        steps = np.linspace(angle, end_angle, max(2, int(radius * (end_angle - angle) / step)))[1:]
+        steps = np.linspace(angle, end_angle, max(2, int(radius * (end_angle - angle) / POINT_DISTANCE)))[1:]
         points.append(
             np.column_stack(
                 [y - radius * (np.sin(steps) - np.sin(angle)), z + radius * (np.cos(steps) - np.cos(angle))]
@@ -228,11 +222,11 @@ def synthetic_wheel(
         )
         angle = end_angle
 
-    add_arc(TRANSITION_RADIUS, np.arcsin(np.sin(angle) + (transition_start - fillet_start) / TRANSITION_RADIUS))
+    add_arc(TRANSITION_RADIUS, np.arcsin(np.sin(angle) + (TRANSITION_START - FILLET_START) / TRANSITION_RADIUS))
     add_arc(FILLET_RADIUS, flange_angle)
-    along = np.arange(step, FLANGE_LENGTH, step)[:, None]
+    along = np.arange(POINT_DISTANCE, FLANGE_LENGTH, POINT_DISTANCE)[:, None]
     points.append(points[-1][-1] - along * np.array([np.cos(flange_angle), np.sin(flange_angle)]))
-    cone = np.arange(FIELD_SIDE, transition_start + step / 2, -step)
+    cone = np.arange(FIELD_SIDE, TRANSITION_START + POINT_DISTANCE / 2, -POINT_DISTANCE)
     tread = np.column_stack([cone, cone * INCLINATION])
     return np.concatenate([tread, *points])[::-1].T
 

@@ -76,9 +76,7 @@ def rolling(mechanism: Mechanism, speed: float) -> State:
     return drive_to(mechanism, wheelsets, frames, centred(mechanism))
 
 
-def drive_to(
-    mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame], near: np.ndarray, time: float = 0.0
-) -> State:
+def drive_to(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame], near: np.ndarray) -> State:
     """The state with these driving constraints beside the system's own, eq. (3.79); near: (q, s) to begin with.
 
     The speed must be free. Raises NoSolutionError where no contact exists: the Newton-Raphson iteration diverges.
@@ -86,7 +84,7 @@ def drive_to(
     found, cut = near.copy(), mechanism.q_count
     for _ in range(MAXIMUM_ROUNDS):
         try:
-            c, jacobian = mechanism.constraints(time, found[:cut], found[cut:])
+            c, jacobian = mechanism.constraints(0.0, found[:cut], found[cut:])
         except OffTheProfileError:
             break
         errors, rows = driving_constraints(mechanism, wheelsets, frames, found)
@@ -96,7 +94,7 @@ def drive_to(
                 square_of_rates(mechanism, wheelsets, jacobian, found), driven_rates(mechanism, wheelsets, frames)
             )
             turning = [1] * mechanism.wheelsets
-            return State(time, found[:cut], found[cut:], rates[:cut], rates[cut:], turning)
+            return State(0.0, found[:cut], found[cut:], rates[:cut], rates[cut:], turning)
         try:
             found = found - np.linalg.solve(square, error)
         except np.linalg.LinAlgError:

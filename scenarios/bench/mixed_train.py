@@ -78,10 +78,10 @@ class MixedTrain:
         self.forces.append(train.coupler_force)
 
 
-def mixed(coupler: Coupler, level: int, way: str, speed: float = SPEED, share: float = 0.4) -> MixedTrain:
-    """At a speed, couplers without force."""
-    train = Train(consist_of(coupler), speed=speed, settings=Settings(share=share))
-    vehicle = prepare("vehicle", level=level, initial_speed=speed)
+def mixed(coupler: Coupler, level: int, way: str, share: float = 0.4) -> MixedTrain:
+    """At SPEED, couplers without force."""
+    train = Train(consist_of(coupler), speed=SPEED, settings=Settings(share=share))
+    vehicle = prepare("vehicle", level=level, initial_speed=SPEED)
     vehicle.initialise()
     return MixedTrain(train, vehicle, level, way)
 
@@ -127,9 +127,9 @@ class Linear:
     c: Matrix
 
 
-def linear_vehicle(level: int, speed: float = SPEED) -> Linear:
+def linear_vehicle(level: int) -> Linear:
     """From the exact Jacobian of its kernel; it rolls freely."""
-    vehicle = prepare("vehicle", level=level, initial_speed=speed)
+    vehicle = prepare("vehicle", level=level, initial_speed=SPEED)
     vehicle.initialise()
     vehicle.advance(1.0)
     place = vehicle.linearise().state

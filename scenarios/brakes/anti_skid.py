@@ -37,7 +37,7 @@ PERIODS, HOST_STEPS, TEETH = (2e-3, 5e-3, 1e-2, 2e-2), (1e-3, 5e-3, 1e-2), (80, 
 #: errors of the teeth there, as shares of their pitch.
 STRENGTHS, JITTERS = (1.0, 1.25, 1.5), (0.0, 0.1)
 #: Runs of the measurement of speed.
-COUNTED = 24
+COUNTED, WORKERS = 24, 2
 
 
 #: What is meant by the ideal, and by the largest force of a rail.
@@ -100,12 +100,12 @@ def one_stop(machine: BrakedMachine, rail: RailCase, mode: str, settings: Settin
     return protected_stop(machine, rail.values(), make() if make else None, settings)
 
 
-def stops_per_minute(workers: int = 2) -> float:
+def stops_per_minute() -> float:
     """Protected stops on the low rail that two processes finish in a minute through fmpy, their start not counted."""
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        list(pool.map(count_stops, [1] * workers))  # the processes start, and the FMUs are unpacked once
+    with ProcessPoolExecutor(WORKERS, get_context("spawn")) as pool:
+        list(pool.map(count_stops, [1] * WORKERS))  # the processes start, and the FMUs are unpacked once
         begin = clock.perf_counter()
-        list(pool.map(count_stops, [COUNTED // workers] * workers))
+        list(pool.map(count_stops, [COUNTED // WORKERS] * WORKERS))
         return 60.0 * COUNTED / (clock.perf_counter() - begin)
 
 

@@ -38,15 +38,15 @@ def free_step(mechanism: Mechanism, state: State, size: float, inputs: Inputs) -
     return moved(state, size, position, rate)
 
 
-def drift(partitioned: bool, step: float = STEP, duration: float = DURATION) -> Drift:
+def drift(partitioned: bool, duration: float = DURATION) -> Drift:
     """A braked wheelset with or without the partitioning that closes the constraints in each step."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, derivatives_along(section_5_3()))
     inputs, state, rows = Inputs(brake_torque=(TORQUE, 0.0)), rolling(mechanism, SPEED), []
-    for _ in range(round(duration / step)):
+    for _ in range(round(duration / STEP)):
         if partitioned:
-            state = partitioned_step(mechanism, state, step, lambda time: inputs)
+            state = partitioned_step(mechanism, state, STEP, lambda time: inputs)
         else:
-            state = free_step(mechanism, state, step, inputs)
+            state = free_step(mechanism, state, STEP, inputs)
         residual = mechanism.constraints(state.time, state.q, state.s)[0]
         turn = state.q[mechanism.body(FIRST_WHEELSET)][3:]
         rows.append((state.time, np.abs(residual).max(), abs(float(turn @ turn) - 1.0)))

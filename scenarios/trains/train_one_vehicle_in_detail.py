@@ -68,12 +68,12 @@ def _course(one: MixedTrain, size: float) -> Recording:
     return Recording({"time": "s", "coupler_force_front": "N", "coupler_force_rear": "N"}, rows)
 
 
-def monolithic(size: float = SHOWN) -> tuple[float, float]:
+def monolithic() -> tuple[float, float]:
     """All vehicles as points in one system: largest compression [N] and distance of the head [m]."""
     train = Train(consist_of(screw_coupler()), speed=SPEED)
     train.drive("emergency")
-    for _ in range(round(LONG / size)):
-        train.advance(size)
+    for _ in range(round(LONG / SHOWN)):
+        train.advance(SHOWN)
     return train.largest_compression, float(train.distance[0])
 
 

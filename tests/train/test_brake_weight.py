@@ -26,8 +26,6 @@ from brake_controller.brake_weight import (
     force_of_percentage,
     limit_speed,
     mean_deceleration,
-    percentage_of_force,
-    percentage_of_train,
     percentage_of_vehicle,
     stopping_distance,
     train_percentage,
@@ -188,14 +186,6 @@ def test_full_service_is_braked_with_135_percent_at_most() -> None:
         assert service == deceleration_steps(Case.EMERGENCY_PASSENGER_P, 135.0)
 
 
-@pytest.mark.parametrize("case", Case)
-def test_the_percentage_comes_back_from_the_distance_of_a_train(case: Case) -> None:
-    for percentage in (30.0, 64.1, 98.2, 134.9):
-        for speed in (5.0, 100.0, 137.5, 200.0):
-            distance = told(case, speed, percentage, 650.0)
-            assert percentage_of_train(case, speed * KMH, distance, 650.0) == pytest.approx(percentage, rel=INVERTED)
-
-
 def test_the_percentage_of_a_train_is_that_of_its_weights() -> None:
     masses = [80e3, 90e3, 30e3]
     percentages = [105.0, 60.0, 70.0]
@@ -248,7 +238,6 @@ def test_distance_force_and_percentage_come_back(assessment: Assessment) -> None
         assert distance_of_deceleration(assessment.speed, deceleration) == pytest.approx(distance, rel=INVERTED)
         force = force_of_percentage(percentage, 93.6e3, assessment)
         assert force == pytest.approx(93.6e3 * deceleration, rel=INVERTED)
-        assert percentage_of_force(force, 93.6e3, assessment) == pytest.approx(percentage, rel=INVERTED)
 
 
 # ---- what is refused -------------------------------------------------------------------------------------------------
@@ -276,12 +265,6 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: build_up_time(Case.SERVICE_FREIGHT_G, -1), "length of the train is -1 m"),
     (lambda: build_up_time(Case.SERVICE_FREIGHT_G, math.nan), "length of the train is nan m"),
     (lambda: limit_speed(math.inf), "percentage is inf %"),
-    (
-        lambda: percentage_of_train(Case.EMERGENCY_FREIGHT_P, 30.0, 100.0, 400),
-        "stopping distance is 100 m, but must be",
-    ),
-    (lambda: percentage_of_train(Case.SERVICE_FREIGHT_P, 30.0, 500.0, 400), "only these lie between 30 and 135 %"),
-    (lambda: percentage_of_train(Case.SERVICE_FREIGHT_P, 0.0, 500.0, 400), "speed is 0 m/s"),
     (lambda: percentage_of_vehicle(5284.0, FROM_100), "distance is 5284 m, but must be below 5284 m"),
     (lambda: percentage_of_vehicle(0.0, FROM_100), "stopping distance is 0 m"),
     (lambda: percentage_of_vehicle(math.nan, FROM_100), "stopping distance is nan m"),
@@ -290,7 +273,6 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: mean_deceleration(30.0, 600.0, -1.0), "build-up time is -1 s, but must be finite and at least 0 s"),
     (lambda: mean_deceleration(30.0, math.nan), "stopping distance is nan m"),
     (lambda: distance_of_deceleration(30.0, 0.0), "deceleration is 0 m/s2"),
-    (lambda: percentage_of_force(0.0, 80e3, FROM_100), "brake force is 0 N"),
     (lambda: force_of_percentage(65.0, math.nan, FROM_100), "mass is nan kg"),
     (lambda: force_of_percentage(1000.0, 80e3, FROM_100), "which the vehicle runs before its brake is on"),
     (lambda: braked_weight(65.0, 0.0), "mass is 0 kg"),
