@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from brake_controller.distributor import AMBIENT, DISCHARGE, WALL
+from brake_controller.distributors.uic import AMBIENT, DISCHARGE, WALL
 from fmu_src.system import ParameterSet, quantity
 
 #: Positions, by the number that a host sets.

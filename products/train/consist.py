@@ -18,7 +18,7 @@ from brake_controller.brake_weight import (
     percentage_of_vehicle,
     train_percentage,
 )
-from brake_controller.distributor import AMBIENT, DistributorParameters, freight
+from brake_controller.distributors.uic import AMBIENT, DistributorParameters, freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.vehicle_brake import VehicleBrake, braking
 from rbd_model.train.coupler import Coupler, screw_coupler

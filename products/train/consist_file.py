@@ -25,7 +25,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from brake_controller.distributor import DISCHARGE
+from brake_controller.distributors.uic import DISCHARGE
 from brake_controller.drivers_valve import drivers_valve
 from fmu_src.suggestion import suggestion
 from products.train.consist import EMPTY, KINDS, LONGEST_VEHICLE, Consist, TrainVehicle, braked_by

@@ -9,7 +9,7 @@ from typing import Any
 
 from brake_controller.air import GAS_CONSTANT
 from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
-from brake_controller.distributor import AMBIENT, distributing, empirical
+from brake_controller.distributors.uic import AMBIENT, distributing, empirical
 from brake_controller.vehicle_brake import braking
 from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells

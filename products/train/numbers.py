@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from brake_controller.distributor import AMBIENT, EMPIRICAL_PACE, WALL, fastest_change
+from brake_controller.distributors.uic import AMBIENT, EMPIRICAL_PACE, WALL, fastest_change
 from products.train.consist import Consist
 from products.train.pipe import COURANT
 from rbd_model.track.line import Line

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
-from brake_controller.distributor import AMBIENT, STATES, DistributorParameters, fastest_change
+from brake_controller.distributors.uic import AMBIENT, STATES, DistributorParameters, fastest_change
 from products.train.library import OutsideInC, PassedInC, functions
 
 #: Of what a wave needs through a cell, how long a step may be [1]; above 1 the method is not stable.

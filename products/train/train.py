@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from brake_controller.distributor import AMBIENT
+from brake_controller.distributors.uic import AMBIENT
 from brake_controller.drivers_valve import POSITIONS
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import other_unit

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from brake_controller.brake_weight import Case
 from brake_controller.brake_weight import build_up_time as formula
-from brake_controller.distributor import filling_choke, freight
+from brake_controller.distributors.uic import filling_choke, freight
 from products.train.consist import Consist
 from products.train.numbers import Settings
 from products.train.train import Train

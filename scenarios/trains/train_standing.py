@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.integrate import quad
 
-from brake_controller.distributor import DISCHARGE, freight
+from brake_controller.distributors.uic import DISCHARGE, freight
 from products.train.consist import Consist, block_train
 from products.train.numbers import Settings
 from products.train.train import Train

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from brake_controller.distributor import STATES, DistributorParameters, fastest_change, freight
+from brake_controller.distributors.uic import STATES, DistributorParameters, fastest_change, freight
 from products.train.pipe import Outside, Pipe
 
 AMBIENT, R, WARM = 101325.0, 287.05287, 293.15

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from brake_controller.distributor import freight
+from brake_controller.distributors.uic import freight
 from brake_controller.drivers_valve import drivers_valve
 from products.train.consist import Consist, block_train, locomotive, wagon
 from products.train.numbers import Settings

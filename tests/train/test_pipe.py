@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from brake_controller.distributor import freight
+from brake_controller.distributors.uic import freight
 from fmu_src.codegen import RUNTIME
 from fmu_src.compile import FLAGS, compiler
 from products.train.library import sources

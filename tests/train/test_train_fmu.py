@@ -18,7 +18,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from brake_controller.brake_pipe import CONSTANTS
-from brake_controller.distributor import DistributorParameters
+from brake_controller.distributors.uic import DistributorParameters
 from brake_controller.drivers_valve import drivers_valve
 from brake_controller.vehicle_brake import VehicleBrake
 from fmu_src.arrays_fmu import all_sources

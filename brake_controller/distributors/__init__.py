@@ -1,0 +1,1 @@
+"""Distributors, one file each."""
