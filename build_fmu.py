@@ -35,7 +35,8 @@ from products.promise import changes
 from products.registry import FMUS, model_of
 from products.systems import build_systems
 from products.train.building import build_coupler, build_train
-from products.train.numbers import DEPTHS, SETTING_LIMITS, Settings
+from products.train.layout import DEPTHS
+from products.train.numbers import SETTING_LIMITS, Settings
 from rbd_model.train.coupler import COUPLERS
 
 #: What can be built.

@@ -10,6 +10,8 @@ import casadi as ca
 
 #: Dry air: gas constant [J/(kg.K)] (ISO 2533) and ratio of the heat capacities (kappa).
 GAS_CONSTANT, HEAT_CAPACITY_RATIO = 287.05287, 1.4
+#: In trains: discharge coefficient of all chokes, temperature of all walls [K] and pressure around [Pa]. Assumed.
+DISCHARGE, WALL, AMBIENT = 0.8, 293.15, 101325.0
 
 _K = HEAT_CAPACITY_RATIO
 #: Heat capacity at constant pressure [J/(kg.K)].

@@ -18,6 +18,7 @@ import casadi as ca
 
 from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY, HEAT_CAPACITY_RATIO, elliptic_flow, mass_flow
 from fmu_src.chain import function_of
+from fmu_src.system import Field
 
 _K = HEAT_CAPACITY_RATIO
 #: Heat capacity at constant volume [J/(kg.K)].
@@ -105,10 +106,17 @@ def passing() -> ca.Function:
     return function_of("passing", [left_symbols, right_symbols], flux)
 
 
-#: What is constant in a cell, in this order: its length and inner diameter [m], temperature of its wall [K]; shares of
-#: friction and heat at the wall, 1 as they are; effective area of its leaks [m2], pressure around it [Pa].
-#: And what its branches hold, as a length of the pipe [m].
-CONSTANTS = ("length", "diameter", "wall_temperature", "friction", "heat", "leak_area", "ambient_pressure", "branch")
+#: What is constant in a cell. Shares of friction and heat at the wall are 1 as they are; areas are effective.
+CELL = (
+    Field("length", "m", 1e-3, 1e6, "the length of a cell"),
+    Field("diameter", "m", 1e-4, 10.0, "the diameter of the pipe"),
+    Field("wall_temperature", "K", 50.0, 1e4, "the warmth of the pipe's wall"),
+    Field("friction", "1", 0.0, 1e6, "friction or heat in the pipe"),
+    Field("heat", "1", 0.0, 1e6, "friction or heat in the pipe"),
+    Field("leak_area", "m2", 0.0, 1.0, "a leak"),
+    Field("ambient_pressure", "Pa", 1.0, 1e8, "the pressure around the pipe"),
+    Field("branch", "m", 0.0, 1e6, "a branch of the pipe"),
+)
 
 
 def rates() -> ca.Function:
@@ -120,7 +128,7 @@ def rates() -> ca.Function:
     wall is in `warmed`, leaks are in `leaking`.
     """
     cell, behind, ahead, given = (
-        ca.SX.sym(name, size) for name, size in (("cell", 3), ("first", 3), ("last", 3), ("given", len(CONSTANTS)))
+        ca.SX.sym(name, size) for name, size in (("cell", 3), ("first", 3), ("last", 3), ("given", len(CELL)))
     )
     length, diameter, _, friction, _, _, _, branch = ca.vertsplit(given)
     air = air_of(cell)
@@ -135,7 +143,7 @@ def rates() -> ca.Function:
 
 def leaking() -> ca.Function:
     """Of a cell and its constants: mass [kg/(m3.s)] and energy [W/m3] that leave through its leaks (ISO 6358-1)."""
-    cell, given = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CONSTANTS))
+    cell, given = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CELL))
     length, diameter, _, _, _, leak_area, ambient, branch = ca.vertsplit(given)
     air = air_of(cell)
     volume = ca.pi / 4 * diameter**2 * (length + branch)
@@ -149,7 +157,7 @@ def warmed() -> ca.Function:
     First law, m c_v dT/dt = h S (T_w - T), solved exactly; h by the Reynolds analogy with friction, or laminar. With a
     large share of heat the air is isothermal, with none adiabatic.
     """
-    cell, given, time = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CONSTANTS)), ca.SX.sym("time")
+    cell, given, time = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CELL)), ca.SX.sym("time")
     _, diameter, wall, _, heat, _, _, _ = ca.vertsplit(given)
     air = air_of(cell)
     fast = ca.fabs(air.speed)

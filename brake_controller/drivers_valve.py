@@ -9,11 +9,30 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from brake_controller.distributors.uic import AMBIENT, DISCHARGE, WALL
-from fmu_src.system import ParameterSet, quantity
+from brake_controller.air import AMBIENT, DISCHARGE, WALL
+from fmu_src.system import Field, ParameterSet, quantity
 
 #: Positions, by the number that a host sets.
 POSITIONS = {"shut-off": 0, "running": 1, "overcharge": 2, "service": 3, "emergency": 4}
+_AREA, _PRESSURE, _STEP = "an area of a driver's valve", "a pressure of a driver's valve", "a step of a driver's valve"
+_RATE = "a rate of a driver's valve"
+#: A valve as C takes it, pressures absolute and areas effective: before which cell it stands; areas; band, supply and
+#: its warmth, pressure around; running pressure and overcharge; falls of the first step and of full service; rates of
+#: service, release, overcharge and emergency; place from the head, backwards below 0; delay behind the first valve,
+#: while its own position is 0, below 0 never.
+VALVE = (
+    Field("face", "1", 0.0, 0.0, "a driver's valve's place at the pipe", whole=True, counts="cells"),
+    *(Field(name, "m2", 0.0, 1.0, _AREA) for name in ("feeding", "exhaust", "emergency")),
+    Field("band", "Pa", 1e-3, 1e8, "the band of a driver's valve"),
+    Field("supply", "Pa", 1.0, 1e8, "the supply of a driver's valve"),
+    Field("warmth", "K", 50.0, 1e4, "the warmth of a driver's valve"),
+    Field("around", "Pa", 1.0, 1e8, "the pressure around a driver's valve"),
+    *(Field(name, "Pa", 1.0, 1e8, _PRESSURE) for name in ("running", "overcharge")),
+    *(Field(name, "Pa", 0.0, 1e8, _STEP) for name in ("first", "full")),
+    *(Field(name, "Pa/s", 0.0, 1e9, _RATE) for name in ("down", "up", "slowly", "quickly")),
+    Field("place", "m", -1e7, 1e7, "the place of a driver's valve"),
+    Field("delay", "s", -1e3, 1e3, "the delay of a driver's valve"),
+)
 
 
 @dataclass(frozen=True)
@@ -37,9 +56,7 @@ class DriversValve(ParameterSet):
     )
 
     def numbers(self, face: int, place: float, delay: float) -> list[float]:
-        """As C takes them (products/train/c/train.h); face: of the pipe; place: from the head [m]; delay: [s], or
-        below 0.
-        """
+        """Return the numbers of VALVE; face: of the pipe; place: from the head [m]; delay: [s], or below 0."""
         areas = [DISCHARGE * area for area in (self.feeding_area, self.exhaust_area, self.emergency_area)]
         levels = [self.running + AMBIENT, self.overcharge + AMBIENT, self.first_step, self.full_service]
         paces = [self.service_rate, self.release_rate, self.overcharge_rate, self.emergency_rate]

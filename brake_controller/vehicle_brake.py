@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.distributors.uic import AMBIENT
+from brake_controller.air import AMBIENT
 from brake_controller.rigging import shoe_force
 from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI, LAWS, composite, karwatzki
 from fmu_src.chain import function_of

@@ -75,6 +75,23 @@ def quantity(
     )
 
 
+@dataclass(frozen=True)
+class Field:
+    """One number of a row that C takes: name, unit, limits, and what it is, in words that a message can use.
+
+    counts: of what there are so many, `most` is added to their number. rises: it grows from each row to the next.
+    """
+
+    name: str
+    unit: str
+    least: float
+    most: float
+    text: str
+    whole: bool = False
+    counts: str = ""
+    rises: bool = False
+
+
 def other_unit(value: float, unit: str, least: float, most: float) -> str:
     """The end of the sentence for a number in km/h in place of m/s, or mm in place of m; nothing for another."""
     own = value / (3.6 if unit == "m/s" else 1000.0)

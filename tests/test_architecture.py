@@ -215,6 +215,7 @@ PLUMBING = {
     "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check", "relations_of"},
     "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
     "brake_controller/cylinder.py": {"alone", "brake_model"},
+    "brake_controller/distributors/__init__.py": {"kind_of"},
     "brake_controller/discs.py": {"axle_discs"},
     "brake_controller/motors.py": {"available", "dynamic_brake", "motor_of", "traction_motor"},
     "brake_controller/wheel_spin.py": {"common_spin_protection", "filtered"},

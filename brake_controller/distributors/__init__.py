@@ -1,1 +1,18 @@
-"""Distributors, one file each."""
+"""Distributors by the names that consists use, one file each: add a file with a `Distributor`, and a line here."""
+
+from brake_controller.distributors.distributor import Distributor
+from brake_controller.distributors.uic import UIC
+
+#: All that the C of trains holds; a test may add to them.
+DISTRIBUTORS: dict[str, Distributor] = {one.name: one for one in (UIC,)}
+
+
+def kind_of(parameters: object) -> Distributor:
+    """Return the kind of a vehicle's distributor, of these parameters. Raises ValueError for parameters of none."""
+    for one in DISTRIBUTORS.values():
+        if type(parameters) is one.parameters:
+            return one
+    raise ValueError(
+        f"The distributor of a vehicle must be parameters of {', '.join(DISTRIBUTORS)}; got {parameters!r}. Take one "
+        "of these, or add its kind to DISTRIBUTORS."
+    )

@@ -1,4 +1,4 @@
-"""The distributor of a vehicle: from the pressure in the brake pipe to that in the brake cylinder.
+"""The distributor of UIC 540: from the pressure in the brake pipe to that in the brake cylinder.
 
 Control chamber, accelerator, auxiliary reservoir and cylinder are volumes of air at the temperature of their walls (an
 ideal gas), between which chokes let air pass (ISO 6358-1). The cylinder follows the difference between control chamber
@@ -9,6 +9,7 @@ excerpts and from memory; all else is assumed.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -16,29 +17,29 @@ import casadi as ca
 from scipy.integrate import quad
 
 from brake_controller.air import (
+    AMBIENT,
     CHOKED_FLOW,
     CRITICAL_RATIO,
+    DISCHARGE,
     GAS_CONSTANT,
     HEAT_CAPACITY,
     LAMINAR_DIFFERENCE,
+    WALL,
     effective_area,
     elliptic_flow,
 )
-from brake_controller.brake_pipe import air_of
+from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
-from fmu_src.chain import function_of
-from fmu_src.system import ParameterSet, quantity
+from fmu_src.system import quantity
 
-#: Discharge coefficient of all chokes, temperature of all walls [K] and pressure around [Pa, absolute]. Assumed.
-DISCHARGE, WALL, AMBIENT = 0.8, 293.15, 101325.0
 #: Over this difference a relay opens [Pa]: the cylinder is held to a few kPa.
 RELAY = 5e3
-#: States of a vehicle, absolute pressures [Pa].
-STATES = ("control", "accelerator", "auxiliary", "cylinder")
+#: States, absolute pressures [Pa], and how each begins.
+STATES = (("control", "charged"), ("accelerator", "around"), ("auxiliary", "charged"), ("cylinder", "cylinder"))
 
 
 @dataclass(frozen=True)
-class DistributorParameters(ParameterSet):
+class UicDistributor(DistributorParameters):
     """One distributor with its volumes and chokes; pressures are differences or gauge pressures."""
 
     control_volume: float = quantity("m3", "Volume of the control chamber", 1e-5)
@@ -54,13 +55,12 @@ class DistributorParameters(ParameterSet):
     accelerator_time: float = quantity("s", "Time to 95 % in which the accelerator's chamber fills", 1e-2)
     sensitivity: float = quantity("Pa", "Difference at which all brakes; from half of it on it begins to", 1e2)
     full_difference: float = quantity("Pa", "Difference that gives the full pressure of the cylinder", 1e3)
-    full_pressure: float = quantity("Pa", "Largest pressure of the cylinder", 0.0)
     vent_choke: float = quantity("m", "Diameter of the choke that wheel-slide protection opens", 0.0)
     cylinder_leak: float = quantity("m", "Diameter of a hole through which the cylinder leaks", 0.0)
 
 
 @lru_cache
-def freight(position: str = "P") -> DistributorParameters:
+def freight(position: str = "P") -> UicDistributor:
     """Of a wagon, whose cylinder fills and empties in the middle of the times of UIC 540, to 95 % and to 0.4 bar.
 
     P: 4 and 17.5 s, G: 24 and 52.5 s. 3.8 bar at a difference of 1.5 bar (UIC 540); auxiliary reservoir 100 l,
@@ -70,7 +70,7 @@ def freight(position: str = "P") -> DistributorParameters:
     fills, 10 mm for wheel-slide protection.
     """
     filling, release = {"P": (4.0, 17.5), "G": (24.0, 52.5)}[position]
-    bare = DistributorParameters(
+    bare = UicDistributor(
         control_volume=4e-3,
         accelerator_volume=0.46e-3,
         auxiliary_volume=0.1,
@@ -101,7 +101,7 @@ def _flow_of_a_metre(pressure: float, behind: float) -> float:
     return float(ca.evalf(elliptic_flow(area, ca.SX(pressure), ca.SX(WALL), ca.SX(behind))))
 
 
-def filling_choke(p: DistributorParameters, time: float) -> float:
+def filling_choke(p: UicDistributor, time: float) -> float:
     """Diameter [m] with which a cylinder comes to 95 % in a time [s] (UIC 540), from 5 bar that stay.
 
     Isothermal: t = V / (R T) int dp / (G of a metre) / d^2. What the in-shot takes is left out, which takes its share
@@ -112,13 +112,13 @@ def filling_choke(p: DistributorParameters, time: float) -> float:
     return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
 
 
-def release_choke(p: DistributorParameters, time: float) -> float:
+def release_choke(p: UicDistributor, time: float) -> float:
     """Diameter [m] with which a cylinder comes from full to 0.4 bar in a time [s] (UIC 540), isothermal."""
     integral = quad(lambda x: 1.0 / _flow_of_a_metre(x + AMBIENT, AMBIENT), 40e3, p.full_pressure, limit=200)[0]
     return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
 
 
-def fastest_change(p: DistributorParameters) -> float:
+def fastest_change(p: UicDistributor) -> float:
     """How fast a state comes to rest at most [1/s]: an explicit step of more than two over it lies.
 
     A choke of an area A into a volume V: sqrt(R T) A / V times the steepest slope of the flow (ISO 6358-1); behind a
@@ -137,20 +137,11 @@ def fastest_change(p: DistributorParameters) -> float:
     return max(TIME_CONSTANTS_TO_95_PERCENT / p.accelerator_time, *(specific * pace for pace in paces))
 
 
-def _given() -> tuple[list[ca.SX], ca.SX, ca.SX, dict[str, ca.SX]]:
-    """Symbols; of them the states, the cell of the pipe, and parameters and commands by name."""
-    fields = list(DistributorParameters.__dataclass_fields__)
-    sizes = {"states": len(STATES), "pipe": 3, "given": len(fields), "command": len(COMMANDED)}
-    symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
-    values = [*ca.vertsplit(symbols[2]), *ca.vertsplit(symbols[3])]
-    return symbols, symbols[0], symbols[1], dict(zip([*fields, *COMMANDED], values, strict=True))
-
-
 def _share(value: ca.SX) -> ca.SX:
     return ca.fmax(ca.fmin(value, 1), 0)
 
 
-def _accelerating(p: dict[str, ca.SX], line: ca.SX, chamber: ca.SX, brakes: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _accelerating(p: Mapping[str, ca.SX], line: ca.SX, chamber: ca.SX, brakes: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Rate of the accelerator's pressure [Pa/s], and air that it takes from the pipe [kg/s].
 
     Braking, the chamber fills from the pipe; released, it empties to the surroundings, as fast.
@@ -160,21 +151,15 @@ def _accelerating(p: dict[str, ca.SX], line: ca.SX, chamber: ca.SX, brakes: ca.S
     return into - (chamber - AMBIENT) * pace * (1 - brakes), into * p["accelerator_volume"] / (GAS_CONSTANT * WALL)
 
 
-#: What wheel-slide protection commands, as shares: no air into the cylinder nor out; the cylinder open to the
-#: surroundings.
-COMMANDED = ("held", "vented")
+def whole(moment: Moment) -> Answer:
+    """Return rates and flows of the whole distributor.
 
-
-def distributing() -> ca.Function:
-    """Of a vehicle's states, its cell of the pipe, and its parameters: rates of the states [Pa/s], and what goes.
-
-    That is, from the pipe to the vehicle: air [kg/s] and its enthalpy [W]; and air to the cylinder [kg/s]. Ideal gas at
-    the temperature of the walls, V dp/dt = R T G; flows by ISO 6358-1. What comes back is as warm as the walls.
+    Ideal gas at the temperature of the walls, V dp/dt = R T G; flows by ISO 6358-1. What comes back is as warm as the
+    walls.
     """
-    symbols, states, pipe, p = _given()
-    control, accelerator, auxiliary, cylinder = ca.vertsplit(states)
-    air = air_of(pipe)
-    line, warmth = air.pressure, air.temperature
+    p = moment.given
+    control, accelerator, auxiliary, cylinder = moment.states.values()
+    line, warmth = moment.pipe.pressure, moment.pipe.temperature
 
     def through(choke: ca.SX, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
         return elliptic_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
@@ -194,32 +179,30 @@ def distributing() -> ca.Function:
     released = through(p["release_choke"], cylinder, WALL, AMBIENT)
     vents = (p["vented"] * p["vent_choke"] ** 2 + p["cylinder_leak"] ** 2) / p["release_choke"] ** 2 * released
     fills, empties = (1 - p["held"]) * fills, (1 - p["held"]) * _share((over - wanted) / RELAY) * released + vents
-    rates = ca.vertcat(
-        specific * (to_control - from_control) / p["control_volume"],
-        quickens,
-        specific * (to_auxiliary - fills) / p["auxiliary_volume"],
-        specific * (fills - empties) / p["cylinder_volume"],
-    )
+    rates = {
+        "control": specific * (to_control - from_control) / p["control_volume"],
+        "accelerator": quickens,
+        "auxiliary": specific * (to_auxiliary - fills) / p["auxiliary_volume"],
+        "cylinder": specific * (fills - empties) / p["cylinder_volume"],
+    }
     taken = to_control - from_control + to_auxiliary + to_accelerator
     enthalpy = HEAT_CAPACITY * taken * ca.if_else(taken > 0, warmth, WALL)
-    return function_of("distributing", symbols, ca.vertcat(rates, taken, enthalpy, fills))
+    return Answer(rates, taken, enthalpy, fills)
 
 
 #: How fast an empirical valve comes to what is wanted at most [1/s]. Assumed: a relay that is near gives way.
 EMPIRICAL_PACE = 10.0
 
 
-def empirical() -> ca.Function:
-    """As `distributing`, of a valve that follows the pipe and takes nothing from it but what its accelerator takes.
+def empirical(moment: Moment) -> Answer:
+    """As `whole`, of a valve that follows the pipe and takes nothing from it but what its accelerator takes.
 
     The cylinder fills from 5 bar and empties by its chokes, as ISO 6358-1 has it with sqrt(1 - y^2) as 1 - y^2 / 2, and
     comes to what is wanted with EMPIRICAL_PACE; the auxiliary reservoir stays full; the control chamber fills with a
     time constant of its choke. Without the roots and volumes of the whole valve; fails where a reservoir is not full.
     """
-    symbols, states, pipe, p = _given()
-    control, accelerator, auxiliary, cylinder = ca.vertsplit(states)
-    air = air_of(pipe)
-    line = air.pressure
+    p, line = moment.given, moment.pipe.pressure
+    control, accelerator, auxiliary, cylinder = moment.states.values()
     fallen = control - line
     brakes = _share(2 * fallen / p["sensitivity"] - 1)
     choked = CHOKED_FLOW * DISCHARGE * math.pi / 4 * (GAS_CONSTANT * WALL) ** 0.5
@@ -237,6 +220,18 @@ def empirical() -> ca.Function:
     changes = (1 - p["held"]) * ca.fmax(ca.fmin(EMPIRICAL_PACE * (wanted - over), fills), -empties) - vents
     charged = ca.fmin(-fallen, 0.1 * line) * (1 - brakes) * choked * 10 * p["control_choke"] ** 2 / p["control_volume"]
     quickens, taken = _accelerating(p, line, accelerator, brakes)
-    enthalpy = HEAT_CAPACITY * taken * air.temperature
-    rates = ca.vertcat(charged, quickens, 0, changes)
-    return function_of("empirical", symbols, ca.vertcat(rates, taken, enthalpy, ca.fmax(changes, 0)))
+    enthalpy = HEAT_CAPACITY * taken * moment.pipe.temperature
+    rates = {"control": charged, "accelerator": quickens, "auxiliary": 0.0, "cylinder": changes}
+    return Answer(rates, taken, enthalpy, ca.fmax(changes, 0))
+
+
+UIC = Distributor(
+    name="uic",
+    parameters=UicDistributor,
+    states=STATES,
+    ready=freight,
+    whole=whole,
+    pace=fastest_change,
+    empirical=empirical,
+    empirical_pace=EMPIRICAL_PACE,
+)

@@ -1,7 +1,9 @@
 """Writes docs/variables.md: the variables of every FMU, as tables from the equations. --check only compares."""
 
+import math
 import re
 import sys
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 from pages import DOCS, write_or_check
@@ -9,9 +11,13 @@ from pages import DOCS, write_or_check
 from brake_controller.cylinder import TIMES
 from brake_controller.protection_fmu import wheel_slide_protection
 from brake_controller.shoe_friction import EXAMPLE_TABLE, KILOMETRES_PER_HOUR, TABULATED
+from fmu_src.arrays_fmu import ArraysInC
 from fmu_src.model_description import variable_table
 from fmu_src.system import Model
 from products.registry import FMUS, model_of
+from products.train.coupler_fmu import coupler_in_c
+from products.train.fmu import train_in_c
+from products.train.layout import layout
 from rbd_model.levels.models import DEPTH_ON_LINE
 
 PAGE = DOCS / "variables.md"
@@ -118,10 +124,59 @@ def section(model: Model, alike: str | None) -> str:
     return f"## {model.name}\n\n{model.description}.\n\n{table}"
 
 
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Markdown of a table."""
+    return "\n".join(f"| {' | '.join(row)} |" for row in [heads, ["---"] * len(heads), *rows]) + "\n"
+
+
+def arrays(given: ArraysInC) -> str:
+    """Of an FMU whose variables are arrays."""
+
+    def limit(value: float) -> str:
+        return f"{value:g}" if math.isfinite(value) else ""
+
+    rows = [
+        (f"`{one.name}`", one.causality, one.unit, limit(one.minimum), limit(one.maximum), one.description)
+        for one in given.arrays
+    ]
+    heads = ("name", "causality", "unit", "min", "max", "meaning")
+    return f"## {given.name}\n\n{given.description}.\n\n{table(heads, rows)}"
+
+
+NUMBERS = """## Numbers of a train
+
+The file train.bin in the resources of TrainDynamics.fmu holds doubles in these rows, one behind the other. A row has a
+number for each of what the second column names; `n` counts from 1. A file with a number outside its limits is refused,
+and the message says which.
+
+"""
+
+
+def numbers_of_a_train() -> str:
+    """Rows of train.bin; those that are numbered are one line."""
+    rows: dict[str, Sequence[str]] = {}
+    for group in layout():
+        for one in group.fields:
+            name, most = re.sub(r"_\d+$", "_n", one.name), f"{one.most:g}"
+            if one.counts:
+                most = f"{one.counts} {one.most:+g}" if one.most else one.counts
+            rows[f"{group.name} {name}"] = (
+                group.name,
+                group.of,
+                f"`{name}`",
+                one.unit,
+                f"{one.least:g}",
+                most,
+                one.text,
+            )
+    return NUMBERS + table(("group", "one for each of", "name", "unit", "from", "to", "what"), rows.values())
+
+
 def page() -> str:
     """The text of docs/variables.md."""
     alike = [*(fmu.alike for fmu in FMUS.values()), None]
-    return "\n".join([HEAD, choices(), *map(section, models(), alike)])
+    trains = [arrays(train_in_c()), arrays(coupler_in_c()), numbers_of_a_train()]
+    return "\n".join([HEAD, choices(), *map(section, models(), alike), *trains])
 
 
 if __name__ == "__main__":

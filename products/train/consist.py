@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import (
     FROM_100,
     VEHICLE_BUILD_UP,
@@ -18,7 +19,8 @@ from brake_controller.brake_weight import (
     percentage_of_vehicle,
     train_percentage,
 )
-from brake_controller.distributors.uic import AMBIENT, DistributorParameters, freight
+from brake_controller.distributors.distributor import DistributorParameters
+from brake_controller.distributors.uic import freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.vehicle_brake import VehicleBrake, braking
 from rbd_model.train.coupler import Coupler, screw_coupler
@@ -30,8 +32,8 @@ HOSE = 0.62
 ROTATING = 0.04
 #: Masses without a load [kg].
 WAGON, LOCOMOTIVE, COACH = 20e3, 84e3, 46e3
-#: Of a vehicle, at most [m], and inner diameter of its pipe, from and to [m] (UIC 540).
-LONGEST_VEHICLE, NARROWEST, WIDEST = 31.0, 0.025, 0.032
+#: Length of a vehicle at most [m].
+LONGEST_VEHICLE = 31.0
 
 _BRAKING = braking()
 
@@ -66,7 +68,7 @@ class TrainVehicle:
     leads: bool = False
 
     def motion(self) -> list[float]:
-        """Constants of its motion, VEHICLE_CONSTANTS of rbd_model/train/vehicle.py."""
+        """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""
         weight = self.mass * GRAVITY * self.braked_share
         shape = [self.friction_left, self.friction_fall, *self.resistance]
         return [self.mass, self.rotating_share * self.mass, weight, *shape]

@@ -3,6 +3,7 @@
 kind        wagon, locomotive, coach
 count       how many of them, one behind the other (default 1)
 load        on each [t] (default 60 t for wagons, otherwise 0)
+distributor of each: uic (default uic)
 position    of the distributor, P or G (default P)
 coupler     behind each: screw, draft-gear, rigid (default screw)
 weighing    of a wagon's brake: lever (for empty and loaded) or continuous (default lever)
@@ -20,15 +21,17 @@ delay       of that radio [s] (default 0)
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from brake_controller.distributors.uic import DISCHARGE
+from brake_controller.air import DISCHARGE
+from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import drivers_valve
 from fmu_src.suggestion import suggestion
 from products.train.consist import EMPTY, KINDS, LONGEST_VEHICLE, Consist, TrainVehicle, braked_by
+from products.train.layout import MOST_VALVES
 from rbd_model.train.coupler import COUPLERS
 from readers.tables import Column, number_of, read_table
 from readers.text import quoted, shown
@@ -36,8 +39,6 @@ from readers.toml_files import toml_of
 
 #: Vehicles of a train at most, and of what a consist may have: load and mass [t], lambda [%], delay [s], leak [mm].
 MOST = 2000
-#: Driver's valves at most, MOST_VALVES of pipe.h.
-MOST_VALVES = 16
 LIMITS = {
     "count": (1, MOST),
     "load": (0.0, 200.0),
@@ -60,8 +61,9 @@ UNITS = {
     "branch": "l",
     "delay": "s",
 }
-WORDS = {
+WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
+    "distributor": DISTRIBUTORS,
     "position": ("P", "G"),
     "coupler": tuple(COUPLERS),
     "weighing": ("lever", "continuous"),
@@ -69,14 +71,15 @@ WORDS = {
 }
 
 
-#: Columns of a CSV file: empty cells leave a value to its default.
-COLUMNS = (
-    *(Column(name, words=words, required=name == "kind", filled=name == "kind") for name, words in WORDS.items()),
-    *(
-        Column(name, UNITS.get(name, "1"), *limits, filled=False, whole=name == "count")
-        for name, limits in LIMITS.items()
-    ),
-)
+def _columns() -> list[Column]:
+    """Return the columns of a CSV file: empty cells leave a value to its default."""
+    found = [
+        Column(name, words=tuple(words), required=name == "kind", filled=name == "kind")
+        for name, words in WORDS.items()
+    ]
+    for name, limits in LIMITS.items():
+        found.append(Column(name, UNITS.get(name, "1"), *limits, filled=False, whole=name == "count"))
+    return found
 
 
 def read_consist(path: Path) -> Consist:
@@ -90,7 +93,7 @@ def read_consist(path: Path) -> Consist:
     if path.suffix.lower() == ".toml":
         rows = _rows_of_toml(path)
         return consist_of(rows, str(path), [f"vehicle {number}" for number in range(1, len(rows) + 1)])
-    table = read_table(path, COLUMNS, most_rows=MOST)
+    table = read_table(path, _columns(), most_rows=MOST)
     rows = []
     for row in range(table.places.size):
         numbers = {name: float(values[row]) for name, values in table.numbers.items() if not math.isnan(values[row])}
@@ -183,6 +186,8 @@ def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
         raise ValueError(f"weighing must be of a wagon; the vehicle is a {kind}. Leave it out.")
     more = {"weighing": values["weighing"]} if "weighing" in values else {}
     one = KINDS[kind](1e3 * load, values.get("position", "P"), **more)
+    if "distributor" in values:
+        one = replace(one, distributor=DISTRIBUTORS[values["distributor"]].ready(values.get("position", "P")))
     if "lambda" in values:
         one = replace(one, brake=braked_by(values["lambda"], one.mass, one.resistance))
     one = replace(

@@ -11,6 +11,7 @@ from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, build_arrays_f
 from fmu_src.codegen import RUNTIME
 from fmu_src.equations_in_c import function_of_cells
 from products.train.fmu import binaries_of
+from products.train.layout import layout_in_c
 from products.train.library import FOLDER
 from rbd_model.train.coupler import Coupler, coupling
 
@@ -29,7 +30,11 @@ ARRAYS = (
 def coupler_in_c() -> ArraysInC:
     """Its object in C with its arrays."""
     places = f"enum {{ WAY, COUPLED, FORCE, MEAN_FORCE, WORK, ARRAYS_MOST = {len(ARRAYS)} }};\n"
-    own = {"coupler_arrays.h": places, "coupler_cells.h": function_of_cells(coupling())}
+    own = {
+        "coupler_arrays.h": places,
+        "coupler_cells.h": function_of_cells(coupling()),
+        "train_layout.h": layout_in_c(),
+    }
     own["coupler_fmu.c"] = (FOLDER / "coupler_fmu.c").read_text(encoding="utf-8")
     own |= {path.name: path.read_text(encoding="utf-8") for path in sorted(RUNTIME.glob("lanes*.h"))}
     return ArraysInC(NAME, "A coupler with friction that sticks, between two vehicles of a train", ARRAYS, own)

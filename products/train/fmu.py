@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Sequence
 from pathlib import Path
 
 import fmpy
@@ -12,9 +12,10 @@ from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, binary_of_arra
 from fmu_src.compile import library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3
 from products.prebuilt import contents, shipped, sources_here
+from products.train import layout
 from products.train.consist import Consist
-from products.train.inputs import INPUT_LIMITS
-from products.train.library import FOLDER, START_FRICTION, sources
+from products.train.layout import START_FRICTION, Array
+from products.train.library import FOLDER, sources
 from products.train.numbers import Settings, numbers_of
 from products.train.train import FARTHEST, HIGHEST, START_PIPE_PRESSURE
 from rbd_model.track.line import Line
@@ -31,67 +32,21 @@ PARAMETERS = (
         "start_cylinder_pressure", "parameter", "Pa", "Gauge pressure in all cylinders at the start", 0.0, HIGHEST
     ),
 )
-POSITIONS = (
-    "Driver's valve: 0 shut off, or a second valve follows the head's; 1 running, 2 overcharge, 3 service, 4 emergency"
-)
-LED = "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither"
-INPUTS = (
-    ArrayVariable("driver_position", "input", "1", POSITIONS, *INPUT_LIMITS["position"]),
-    ArrayVariable("driver_step", "input", "1", "Step of service: 0 the first, 1 full service", *INPUT_LIMITS["step"]),
-    ArrayVariable(
-        "pull",
-        "input",
-        "N",
-        "Force of motors at the rim; below zero it drives backwards",
-        *INPUT_LIMITS["pull"],
-    ),
-    ArrayVariable("friction", "input", "1", "Friction between wheels and rail, by vehicle", *INPUT_LIMITS["friction"]),
-    ArrayVariable(
-        "protection",
-        "input",
-        "1",
-        "Wheel-slide protection by vehicle: 0 apply, 1 hold, 2 release",
-        *INPUT_LIMITS["protection"],
-    ),
-    ArrayVariable(
-        "coupled",
-        "input",
-        "1",
-        "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (its hose: joined)",
-        *INPUT_LIMITS["coupled"],
-    ),
-    ArrayVariable(
-        "joined",
-        "input",
-        "1",
-        "Pipe behind each vehicle: 0 joined, 1 cock shut, 2 hose parted",
-        *INPUT_LIMITS["joined"],
-    ),
-    ArrayVariable(
-        "end_force", "input", "N", "Pull forwards at the head, and backwards at the end", *INPUT_LIMITS["ends"]
-    ),
-    ArrayVariable("led", "input", "1", LED, *INPUT_LIMITS["led"]),
-    ArrayVariable("led_speed", "input", "m/s", "Speed of a vehicle that is led", *INPUT_LIMITS["led_speed"]),
-)
+
+
+def _arrays(causality: str, arrays: Sequence[Array]) -> tuple[ArrayVariable, ...]:
+    return tuple(
+        ArrayVariable(one.called or one.name, causality, one.unit, one.text, one.least, one.most, one.whole)
+        for one in arrays
+    )
+
+
+INPUTS = _arrays("input", layout.INPUTS)
 OUTPUTS = (
-    ArrayVariable("distance", "output", "m", "Distance of each vehicle's middle"),
-    ArrayVariable("speed", "output", "m/s", "Speed of each vehicle"),
-    ArrayVariable("wheel_speed", "output", "m/s", "Speed of each vehicle's wheels at the rim"),
-    ArrayVariable("pipe_pressure", "output", "Pa", "Gauge pressure in the pipe at each vehicle's distributor"),
-    ArrayVariable("cylinder_pressure", "output", "Pa", "Gauge pressure in each vehicle's cylinders"),
-    ArrayVariable("brake_force", "output", "N", "What each vehicle's brake can hold at the rim"),
-    ArrayVariable("rail_force", "output", "N", "What the rail gives to each vehicle's wheels, forwards above zero"),
-    ArrayVariable(
-        "coupler_force", "output", "N", "Tension in the coupling behind each vehicle, compression below zero"
-    ),
-    ArrayVariable("mean_coupler_force", "output", "N", "Mean tension over the last step, which has its impulse"),
+    *_arrays("output", layout.OUTPUTS),
     ArrayVariable("locked", "output", "1", "Whether a vehicle's wheels are locked while it moves", 0, 1, True),
     ArrayVariable("slip", "output", "1", "(v - w) over the larger of both, of each vehicle's wheels"),
-    ArrayVariable("largest_tension", "output", "N", "Largest tension in any coupling so far"),
-    ArrayVariable("largest_tension_at", "output", "1", "The coupling where that was, from 1 on"),
-    ArrayVariable("largest_compression", "output", "N", "Largest compression in any coupling so far"),
-    ArrayVariable("largest_compression_at", "output", "1", "The coupling where that was, from 1 on"),
-    ArrayVariable("air_used", "output", "kg", "Air that driver's valves have let in"),
+    *_arrays("output", layout.SUMS[1:]),
 )
 ARRAYS = (*PARAMETERS, *INPUTS, *OUTPUTS)
 
@@ -107,7 +62,6 @@ def _places() -> str:
     )
 
 
-@lru_cache
 def train_in_c() -> ArraysInC:
     """The train's object in C with its arrays."""
     own = {"train_fmu.c": (FOLDER / "train_fmu.c").read_text(encoding="utf-8"), "train_arrays.h": _places()}
@@ -119,10 +73,9 @@ def lengths_of(consist: Consist) -> Lengths:
     """Of a consist, in the order of the arrays, with start values."""
     vehicles = len(consist.vehicles)
     valves = sum(one.valve is not None for one in consist.vehicles)
-    inputs = [valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2, vehicles, vehicles]
-    lengths = (
-        [1] * len(PARAMETERS) + inputs + [vehicles] * 7 + [vehicles - 1, vehicles - 1, vehicles, vehicles] + [1] * 5
-    )
+    counts = {"one": 1, "ends": 2, "valves": valves, "vehicles": vehicles, "couplings": vehicles - 1}
+    lengths = [1] * len(PARAMETERS) + [counts[one.of] for one in (*layout.INPUTS, *layout.OUTPUTS)]
+    lengths += [vehicles] * 2 + [1] * len(layout.SUMS[1:])  # locked and slip; numbers of the run
     starts = [[0.0] * length for length in lengths]
     names = [one.name for one in ARRAYS]
     starts[names.index("start_pipe_pressure")] = [START_PIPE_PRESSURE]

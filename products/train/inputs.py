@@ -8,20 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fmu_src.suggestion import suggestion
+from products.train.layout import INPUTS
 
-#: Least and largest value of each input, and whether it is a whole number.
-INPUT_LIMITS = {
-    "position": (0.0, 4.0, True),
-    "step": (0.0, 1.0, False),
-    "pull": (-1e7, 1e7, False),
-    "friction": (0.0, 2.0, False),
-    "protection": (0.0, 2.0, True),
-    "coupled": (0.0, 1.0, True),
-    "joined": (0.0, 2.0, True),
-    "ends": (-1e8, 1e8, False),
-    "led": (0.0, 2.0, True),
-    "led_speed": (-300.0, 300.0, False),
-}
+#: By name, with their limits.
+BY_NAME = {one.name: one for one in INPUTS}
 
 
 class Inputs(Mapping[str, NDArray[np.float64]]):
@@ -52,7 +42,7 @@ class Inputs(Mapping[str, NDArray[np.float64]]):
         return repr(self._arrays)
 
     def _check(self, name: str, value: ArrayLike) -> None:
-        least, most, whole = INPUT_LIMITS[name]
+        least, most, whole = BY_NAME[name].least, BY_NAME[name].most, BY_NAME[name].whole
         try:
             given = np.asarray(value)
         except ValueError:  # rows of different lengths
@@ -72,6 +62,6 @@ class Inputs(Mapping[str, NDArray[np.float64]]):
 
 def wrong_input(name: str, place: int, value: float) -> str:
     """Return the message for a value of an input outside its limits."""
-    least, most, whole = INPUT_LIMITS[name]
-    kind = "a whole number from" if whole else "a number from"
-    return f"Set inputs['{name}'][{place}] to {kind} {least:g} to {most:g}: it was {value:g}."
+    one = BY_NAME[name]
+    kind = "a whole number from" if one.whole else "a number from"
+    return f"Set inputs['{name}'][{place}] to {kind} {one.least:g} to {one.most:g}: it was {value:g}."

@@ -7,49 +7,47 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from brake_controller.air import GAS_CONSTANT
 from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
-from brake_controller.distributors.uic import AMBIENT, distributing, empirical
+from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors.distributor import Distributor
 from brake_controller.vehicle_brake import braking
 from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
-from products.train.inputs import INPUT_LIMITS
+from products.train.layout import fields_in_c, layout_in_c
 from rbd_model.train.coupler import coupling
-from rbd_model.train.vehicle import GRAVITY, rolling, sliding
+from rbd_model.train.vehicle import rolling, sliding
 
 FOLDER = Path(folder.__file__ or "").parent
-#: Friction between wheels and rail at the start.
-START_FRICTION = 0.3
 #: Functions of cells by the C file whose loops call them.
 FUNCTIONS = {
-    "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped, distributing, empirical),
+    "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, rolling, sliding),
     "train": (braking,),
 }
 
 
 def sources() -> dict[str, str]:
-    """C files by name."""
+    """C files by name; those of the distributors that there are now."""
+    return dict(_sources(tuple(DISTRIBUTORS.values())))
+
+
+@lru_cache
+def _sources(kinds: tuple[Distributor, ...]) -> dict[str, str]:
     files = [path for path in sorted(FOLDER.glob("*.[ch]")) if not path.name.endswith("_fmu.c")]
-    texts = {path.name: path.read_text(encoding="utf-8") for path in files} | {"train_limits.h": _limits()}
+    texts = {path.name: path.read_text(encoding="utf-8") for path in files}
+    texts |= {"train_layout.h": layout_in_c(), "train_fields.h": fields_in_c()}
     for name, functions_of in FUNCTIONS.items():
-        texts[f"{name}_cells.h"] = "\n".join(function_of_cells(one()) for one in functions_of)
+        made = [one() for one in functions_of]
+        if name == "pipe":
+            made += [one.function(depth) for one in kinds for depth in dict.fromkeys(one.depths())]
+        texts[f"{name}_cells.h"] = "\n".join(map(function_of_cells, made))
         for lanes in (1, *WIDTHS):
             loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'
             texts[f"{name}_{lanes}.c"] = (
                 f'#include "lanes_widest.h"\n#include "{name}_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
             )
     return texts
-
-
-def _limits() -> str:
-    """C of INPUT_LIMITS, and of constants that C and Python share; no macros, which would hide other names."""
-    rows = ", ".join(f"{{{least!r}, {most!r}, {int(whole)}}}" for least, most, whole in INPUT_LIMITS.values())
-    shape = "typedef struct {\n    double least, most;\n    int whole;\n} input_limits;"
-    shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
-    constants = "".join(f"static const double {name} = {value!r};\n" for name, value in shared.items())
-    return f"{constants}{shape}\nstatic const input_limits INPUT_LIMITS[] = {{{rows}}};\n"
 
 
 class OutsideInC(ctypes.Structure):
@@ -68,17 +66,22 @@ class PassedInC(ctypes.Structure):
     )
 
 
-@lru_cache
 def functions() -> ctypes.CDLL:
-    """The functions of pipe.h and train.h, compiled once."""
-    library = loaded(plain_library(sources()))
+    """The functions of pipe.h and train.h, compiled once for the distributors that there are now."""
+    return _functions(tuple(DISTRIBUTORS.values()))
+
+
+@lru_cache
+def _functions(kinds: tuple[Distributor, ...]) -> ctypes.CDLL:
+    library = loaded(plain_library(_sources(kinds)))
     pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
     block, told = ctypes.POINTER(number), ctypes.POINTER(count)
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "pipe_create": (pointer, [count, pointer, pointer]),
         "pipe_free": (None, [pointer]),
-        "pipe_vehicles": (ctypes.c_int, [pointer, count, pointer, pointer, pointer, number]),
-        "pipe_vehicle_states": (None, [pointer, pointer]),
+        "pipe_vehicles": (ctypes.c_int, [pointer, count, pointer, pointer, pointer, ctypes.c_int, number]),
+        "pipe_charge": (None, [pointer, number, number, number]),
+        "pipe_vehicle_states": (None, [pointer, ctypes.c_int, pointer]),
         "pipe_end": (None, [pointer, ctypes.c_int, ctypes.POINTER(OutsideInC)]),
         "pipe_state": (None, [pointer, pointer]),
         "pipe_has_passed": (ctypes.POINTER(PassedInC), [pointer]),

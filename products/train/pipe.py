@@ -10,8 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from brake_controller.air import GAS_CONSTANT, HEAT_CAPACITY_RATIO
-from brake_controller.distributors.uic import AMBIENT, STATES, DistributorParameters, fastest_change
+from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY_RATIO
+from brake_controller.distributors import DISTRIBUTORS, kind_of
+from brake_controller.distributors.distributor import DistributorParameters
+from products.train.layout import DEPTHS
 from products.train.library import OutsideInC, PassedInC, functions
 
 #: Of what a wave needs through a cell, how long a step may be [1]; above 1 the method is not stable.
@@ -128,27 +130,35 @@ class Pipe(Air):
         if not self.own:
             raise MemoryError(f"There is no memory for {cells} cells; take fewer.")
         weakref.finalize(self, self._call.pipe_free, self.own)
-        self.steps, self.vehicles = 0, 0
+        self.steps, self.kinds = 0, list[int]()
 
     def connect(self, cells: Sequence[int], distributors: Sequence[DistributorParameters], pressure: float) -> None:
         """Vehicles take air from these cells, charged to an absolute pressure [Pa]; their cylinders are empty."""
         places = np.array(cells, np.int64)
         if not (places.size == len(distributors) and places.size and places.min() >= 0 and places.max() < self.cells):
             raise ValueError(f"Give each distributor one of the cells 0 to {self.cells - 1}: it was {list(cells)}.")
-        self.vehicles = len(cells)
-        given = np.array([list(one.values().values()) for one in distributors]).T.copy()
-        first = {"control": pressure, "accelerator": AMBIENT, "auxiliary": pressure, "cylinder": AMBIENT}
-        state = np.array([[first[name]] * self.vehicles for name in STATES])
-        pace = max(map(fastest_change, dict.fromkeys(distributors)))
-        rows = (one.ctypes.data for one in (places, state, given))
-        if not self._call.pipe_vehicles(self.own, self.vehicles, *rows, pace):
-            raise MemoryError(f"There is no memory for {self.vehicles} vehicles; take fewer.")
+        known = list(DISTRIBUTORS.values())
+        kinds = [kind_of(one) for one in distributors]
+        self.kinds = [known.index(kind) for kind in kinds]
+        given = [np.array([list(one.values().values()) for one in distributors if kind_of(one) is k]).T for k in known]
+        given = [one.copy() for one in given]
+        rows = (ctypes.c_void_p * len(known))(*(one.ctypes.data for one in given))
+        pace = max(kind.pace(one) for kind, one in set(zip(kinds, distributors, strict=True)))
+        own, whole = np.array(self.kinds, np.int64), DEPTHS["whole"]
+        if not self._call.pipe_vehicles(self.own, len(cells), own.ctypes.data, places.ctypes.data, rows, whole, pace):
+            raise MemoryError(f"There is no memory for {len(cells)} vehicles; take fewer.")
+        self._call.pipe_charge(self.own, pressure, AMBIENT, AMBIENT)
 
     def vehicle_pressures(self, name: str) -> NDArray[np.float64]:
-        """Absolute, of control, accelerator, auxiliary or cylinder [Pa], shape (vehicles,)."""
-        found = np.empty((len(STATES), self.vehicles))
-        self._call.pipe_vehicle_states(self.own, found.ctypes.data)
-        return np.asarray(found[STATES.index(name)])
+        """Absolute, of a state of the distributors [Pa], shape (vehicles,); NaN where one has no such state."""
+        found, kinds = np.full(len(self.kinds), np.nan), np.array(self.kinds)
+        for number, kind in enumerate(DISTRIBUTORS.values()):
+            names, own = [state for state, _ in kind.states], np.flatnonzero(kinds == number)
+            states = np.empty((len(names), own.size))
+            self._call.pipe_vehicle_states(self.own, number, states.ctypes.data)
+            if name in names:
+                found[own] = states[names.index(name)]
+        return found
 
     def open_to(self, end: int, outside: Outside) -> None:
         """What an end, 0 or 1, opens to from now on."""

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from brake_controller.distributors.uic import AMBIENT
+from brake_controller.air import AMBIENT
 from brake_controller.drivers_valve import POSITIONS
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import other_unit
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
+from products.train.layout import INPUTS, OUTPUTS, SUMS
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air
@@ -28,30 +29,10 @@ HIGHEST = 800e3
 START_PIPE_PRESSURE = 500e3
 #: Distance [m] at the start, from minus to plus; and what a train goes on by or records at most [s], [1].
 FARTHEST, LONGEST, MOST = 1e9, 86400.0, 1e8
-#: What is set from outside and what is found, in the order of train.h.
-INPUTS = ("position", "step", "pull", "friction", "protection", "coupled", "joined", "ends", "led", "led_speed")
-OUTPUTS = (
-    "distance",
-    "speed",
-    "wheel_speed",
-    "pipe_pressure",
-    "cylinder_pressure",
-    "brake_force",
-    "rail_force",
-    "coupler_force",
-    "mean_coupler_force",
-)
-#: Of the outputs that are recorded.
-UNITS = {
-    "distance": "m",
-    "speed": "m/s",
-    "wheel_speed": "m/s",
-    "pipe_pressure": "Pa",
-    "cylinder_pressure": "Pa",
-    "rail_force": "N",
-    "coupler_force": "N",
-}
-SUMS = ("time", "largest_tension", "largest_tension_at", "largest_compression", "largest_compression_at", "air_used")
+#: Of the outputs, those that are recorded.
+RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
+#: Places of outputs, and of numbers of the run.
+OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
 
 
 def _within(name: str, value: float, least: float, most: float, unit: str) -> None:
@@ -104,8 +85,8 @@ class Train:
             raise MemoryError(f"There is no memory for a train of {len(consist.vehicles)} vehicles; take fewer.")
         weakref.finalize(self, self._call.train_free, self._own)
         self._call.train_begin(self._own, 0.0, speed, distance, pipe + AMBIENT, cylinder + AMBIENT)
-        self.inputs = Inputs({name: self._view(self._call.train_input, row) for row, name in enumerate(INPUTS)})
-        self._outputs = {name: self._view(self._call.train_output, row) for row, name in enumerate(OUTPUTS)}
+        self.inputs = Inputs({one.name: self._view(self._call.train_input, row) for row, one in enumerate(INPUTS)})
+        self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
@@ -134,7 +115,7 @@ class Train:
 
     def _wrong_input(self) -> str:
         place = ctypes.c_longlong()
-        name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))]
+        name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))].name
         value = float(self.inputs[name][place.value])
         if name == "joined" and value in (1.0, 2.0):
             depth = f"with {self.settings.cells:g} cells a vehicle"
@@ -150,7 +131,7 @@ class Train:
             raise ValueError(
                 f"Record at intervals above 0 s, for at most {LONGEST:g} s: it was {interval} s for {seconds} s."
             )
-        units = {"time": "s"} | {name: unit for one, unit in UNITS.items() for name in self._names(one)}
+        units = {"time": "s"} | {name: one.unit for one in RECORDED for name in self._names(one.name)}
         if seconds / interval * len(units) > MOST:
             raise ValueError(
                 f"Give an interval above {interval:g} s: {seconds:g} s would be more than {MOST:g} numbers."
@@ -168,14 +149,14 @@ class Train:
         return [f"{output}[{n + 1}]" for n in range(len(self._outputs[output]))]
 
     def _row(self) -> NDArray[np.float64]:
-        return np.concatenate([[self.time], *(getattr(self, name) for name in UNITS)])
+        return np.concatenate([[self.time], *(getattr(self, one.name) for one in RECORDED)])
 
     def __getattr__(self, name: str) -> Any:
-        if name in OUTPUTS:
+        if name in OUTPUT:
             values = self._outputs[name]
             return values - AMBIENT if name.endswith("pressure") else values.copy()
-        if name in SUMS:
-            return float(self._sums[SUMS.index(name)])
+        if name in SUM:
+            return float(self._sums[SUM[name]])
         raise AttributeError(name)
 
     @property

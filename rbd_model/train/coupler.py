@@ -15,12 +15,24 @@ from itertools import pairwise
 import casadi as ca
 
 from fmu_src.chain import function_of
+from fmu_src.system import Field
 
 #: Points of a curve at most, with the one that a preload adds.
 POINTS = 6
-#: Constants of a coupler: locked stiffness [N/m], whether it is coupled, and four curves: tension loading and
-#: unloading, compression loading and unloading, each as ways [m] and changes of slope [N/m].
-COUPLER_CONSTANTS = 2 + 4 * 2 * POINTS
+#: Curves in the order in which C takes them.
+CURVES = ("tension_loading", "tension_unloading", "compression_loading", "compression_unloading")
+_TEXT = "a number of a coupler"
+#: Constants of a coupler: locked stiffness, whether it is coupled, and of each curve ways and changes of slope there.
+COUPLER = (
+    Field("locked", "N/m", -1e15, 1e15, _TEXT),
+    Field("coupled", "1", -1e15, 1e15, _TEXT),
+    *(
+        Field(f"{curve}_{what}_{point}", unit, -1e15, 1e15, _TEXT)
+        for curve in CURVES
+        for what, unit in (("way", "m"), ("slope", "N/m"))
+        for point in range(1, POINTS + 1)
+    ),
+)
 
 
 @dataclass(frozen=True)
@@ -100,7 +112,7 @@ class Coupler:
         return [curve.bends(self.locked, stroke) for curve in curves]
 
     def constants(self) -> list[float]:
-        """As C takes them, COUPLER_CONSTANTS of them."""
+        """Return the numbers of COUPLER."""
         rows = [self.locked, 1.0]
         for bends in (*self._bends(*self.tension), *self._bends(*self.compression)):
             ways, changes = zip(*bends, strict=True)
@@ -159,10 +171,10 @@ def coupling() -> ca.Function:
     (Wu, Spiryagin and Cole (2016)).
     """
     ahead, behind, rest = (ca.SX.sym(name) for name in ("ahead", "behind", "rest"))
-    given = ca.SX.sym("given", COUPLER_CONSTANTS)
+    given = ca.SX.sym("given", len(COUPLER))
     locked, coupled = given[0], given[1]
     size = 2 * POINTS
-    loads, unloads, presses, eases = (given[2 + n * size : 2 + (n + 1) * size] for n in range(4))
+    loads, unloads, presses, eases = (given[2 + n * size : 2 + (n + 1) * size] for n in range(len(CURVES)))
     way = ahead - behind
     upper = coupled * _curve(way, loads) - _curve(-way, eases)
     lower = coupled * _curve(way, unloads) - _curve(-way, presses)

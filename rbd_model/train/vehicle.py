@@ -9,21 +9,22 @@ from __future__ import annotations
 import casadi as ca
 
 from fmu_src.chain import function_of
+from fmu_src.system import Field
 
 #: Standard gravity [m/s2] (ISO 80000-3).
 GRAVITY = 9.80665
-#: Constants of a vehicle's motion: mass and rotating mass at the rim [kg]; weight on its braked wheels [N]; share of
-#: friction that is left at high speed of sliding [1], and its fall [s/m] (Polach (2005)); resistance [N], [N.s/m],
-#: [N.s2/m2].
-VEHICLE_CONSTANTS = (
-    "mass",
-    "rotating_mass",
-    "weight",
-    "friction_left",
-    "friction_fall",
-    "constant",
-    "linear",
-    "square",
+_SHAPE = "friction or resistance of a vehicle"
+#: Constants of a vehicle's motion: mass and rotating mass at the rim; weight on its braked wheels; share of friction
+#: that is left at high speed of sliding, and its fall (Polach (2005)); resistance a + b v + c v^2.
+MOTION = (
+    Field("mass", "kg", 1e-3, 1e9, "the mass of a vehicle"),
+    Field("rotating_mass", "kg", 0.0, 1e10, "the rotating mass or the weight of a vehicle"),
+    Field("weight", "N", 0.0, 1e10, "the rotating mass or the weight of a vehicle"),
+    Field("friction_left", "1", -1e9, 1e9, _SHAPE),
+    Field("friction_fall", "s/m", -1e9, 1e9, _SHAPE),
+    Field("constant", "N", -1e9, 1e9, _SHAPE),
+    Field("linear", "N.s/m", -1e9, 1e9, _SHAPE),
+    Field("square", "N.s2/m2", -1e9, 1e9, _SHAPE),
 )
 #: What acts on a vehicle in a step: forces of gravity and of motors, capacity of its brake [N], friction of its rail
 #: [1], resistance of a curve [N].
@@ -39,12 +40,12 @@ def _slowed(speed: ca.SX, most: ca.SX) -> ca.SX:
 
 
 def _given() -> tuple[list[ca.SX], dict[str, ca.SX]]:
-    sizes = {"acting": len(ACTING), "given": len(VEHICLE_CONSTANTS)}
+    sizes = {"acting": len(ACTING), "given": len(MOTION)}
     names = ("speed", "wheel", "ahead", "behind", "acting", "given", "step")
     symbols = [ca.SX.sym(name, sizes.get(name, 1)) for name in names]
     found = dict(zip(names, symbols, strict=True))
     found |= dict(zip(ACTING, ca.vertsplit(found.pop("acting")), strict=True))
-    return symbols, found | dict(zip(VEHICLE_CONSTANTS, ca.vertsplit(found.pop("given")), strict=True))
+    return symbols, found | dict(zip([one.name for one in MOTION], ca.vertsplit(found.pop("given")), strict=True))
 
 
 def _resistance(p: dict[str, ca.SX]) -> ca.SX:

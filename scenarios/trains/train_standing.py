@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.integrate import quad
 
-from brake_controller.distributors.uic import DISCHARGE, freight
+from brake_controller.air import DISCHARGE
+from brake_controller.distributors.uic import freight
 from products.train.consist import Consist, block_train
 from products.train.numbers import Settings
 from products.train.train import Train

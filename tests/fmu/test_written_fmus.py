@@ -15,7 +15,8 @@ from brake_controller.protection_fmu import MOST_WHEELSETS
 from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.train.building import build_train
-from products.train.numbers import DEPTHS, Settings
+from products.train.layout import DEPTHS
+from products.train.numbers import Settings
 from rbd_model.levels.models import places_of
 from rbd_model.track.line import arc, line_of, straight
 from rbd_model.train.coupler import COUPLERS

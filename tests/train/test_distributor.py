@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from brake_controller.distributors.uic import STATES, DistributorParameters, fastest_change, freight
+from brake_controller.distributors.uic import UIC, UicDistributor, fastest_change, freight
 from products.train.pipe import Outside, Pipe
 
 AMBIENT, R, WARM = 101325.0, 287.05287, 293.15
@@ -123,7 +123,7 @@ def test_air_of_pipe_and_vehicles_closes() -> None:
     """What vehicles took is in their volumes; accelerators, which let it out again, are next to nothing here."""
     pipe = train(12, accelerator_volume=1e-9)
     mass, energy = pipe.mass, pipe.energy
-    volumes = {name: getattr(freight(), f"{name}_volume") for name in STATES if name != "accelerator"}
+    volumes = {name: getattr(freight(), f"{name}_volume") for name, _ in UIC.states if name != "accelerator"}
 
     def in_vehicles() -> float:
         return sum(float(pipe.vehicle_pressures(name).sum()) * volume / (R * WARM) for name, volume in volumes.items())
@@ -145,7 +145,7 @@ def test_trains_at_random_stay_above_zero() -> None:
         vehicles = int(draw.integers(1, 9))
         scale = {
             field.name: getattr(freight(), field.name) * draw.choice([0.7, 1.0, 1.4])
-            for field in fields(DistributorParameters)
+            for field in fields(UicDistributor)
             if field.name.endswith(("volume", "choke"))
         }
         pipe = train(vehicles, str(draw.choice(["P", "G"])), **scale)
@@ -153,7 +153,7 @@ def test_trains_at_random_stay_above_zero() -> None:
             pipe.open_to(int(draw.integers(2)), Outside(draw.choice([0.0, 1e-5, 4e-4]), draw.choice([AMBIENT, 6.5e5])))
             pipe.advance(draw.uniform(0.1, 2.0))
             assert (pipe.pressure > 0.0).all()
-            for name in STATES:
+            for name, _ in UIC.states:
                 assert (pipe.vehicle_pressures(name) > 0.5 * AMBIENT).all()
 
 

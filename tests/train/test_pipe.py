@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,11 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from brake_controller.distributors.uic import freight
-from fmu_src.codegen import RUNTIME
-from fmu_src.compile import FLAGS, compiler
-from products.train.library import sources
 from products.train.pipe import COURANT, Outside, Pipe
-from tests.fmu.sanitized import SANITIZERS, run
 
 KAPPA, R, MU = 1.4, 287.05287, 1.81e-5
 LENGTH, WARM, FILLED, ATMOSPHERE = 100.0, 293.15, 6.01325e5, 101325.0
@@ -354,15 +349,3 @@ def test_steps_longer_than_waves_allow_lie_and_the_default_does_not() -> None:
         errors[courant] = float(np.abs(pipe.state[0] - exact).mean())
     assert errors[COURANT] < 1.2 * errors[0.2]
     assert errors[2.5] > 3.0 * errors[COURANT]
-
-
-def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(tmp_path: Path) -> None:
-    """Under sanitizers; numbers of cells that fill no whole lanes."""
-    for name, text in sources().items():
-        (tmp_path / name).write_text(text)
-    flags = [flag for flag in FLAGS if flag != "-fvisibility=hidden"]
-    files = [*sorted(tmp_path.glob("*.c")), Path(__file__).with_name("pipe_host.c")]
-    own = [f"-I{RUNTIME}", f"-I{tmp_path}", *files, "-o", tmp_path / "host", "-lm"]
-    assert run([*compiler(), *flags, *SANITIZERS, *own], tmp_path).returncode == 0
-    done = run([tmp_path / "host"], tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")

@@ -8,7 +8,7 @@ import subprocess
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,20 +17,18 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from brake_controller.brake_pipe import CONSTANTS
-from brake_controller.distributors.uic import DistributorParameters
 from brake_controller.drivers_valve import drivers_valve
-from brake_controller.vehicle_brake import VehicleBrake
 from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.train.consist import Consist, block_train
 from products.train.fmu import ARRAYS, OUTPUTS, build_train_fmu, train_in_c
+from products.train.layout import layout
+from products.train.library import functions
 from products.train.numbers import Settings, numbers_of
 from products.train.train import Train
-from rbd_model.train.coupler import COUPLER_CONSTANTS
-from rbd_model.train.vehicle import VEHICLE_CONSTANTS
+from rbd_model.track.line import Line
 from tests.fmu.sanitized import HEADERS, SANITIZERS, run
 
 STEP, COUNT, SPEED, PULL = 0.125, 32, 20.0, 65536.0
@@ -463,18 +461,28 @@ def test_a_start_beyond_what_time_can_count_is_refused(version: int, fmus: dict[
 
 # ---- consists that are damaged -----------------------------------------------------------------------------------
 
-VEHICLES, CELLS = 3, 6
-FIRST_PLACE = 10 + len(CONSTANTS) * CELLS
-MASS_AT = FIRST_PLACE + (2 + len(fields(DistributorParameters)) + len(fields(VehicleBrake))) * VEHICLES
-VALVE_AT = MASS_AT + (len(VEHICLE_CONSTANTS) + 2) * VEHICLES + COUPLER_CONSTANTS * (VEHICLES - 1)
+CELLS = 6
+#: How many there are of each in the short train.
+COUNTS = {"one": 1, "cells": CELLS, "vehicles": 3, "couplings": 2, "valves": 1, "points": 1, "distributor_uic": 3}
 
 
-def number_at(place: int, value: float) -> Callable[[Path], None]:
+def place_of(group: str, name: str) -> int:
+    """Where the first number of a field stands in train.bin."""
+    place = 0
+    for own in layout():
+        for one in own.fields:
+            if (own.name, one.name) == (group, name):
+                return place
+            place += COUNTS[own.of]
+    raise KeyError(name)
+
+
+def number_at(group: str, name: str, value: float) -> Callable[[Path], None]:
     """Puts a number there."""
 
     def change(path: Path) -> None:
         numbers = np.fromfile(path, "<f8")
-        numbers[place] = value
+        numbers[place_of(group, name)] = value
         numbers.tofile(path)
 
     return change
@@ -485,32 +493,53 @@ DAMAGES: dict[str, tuple[Callable[[Path], None], str]] = {
     "empty": (lambda path: path.write_bytes(b""), "train.bin cannot be read; build the FMU again."),
     "odd": (lambda path: path.write_bytes(path.read_bytes()[:-3]), "train.bin cannot be read; build the FMU again."),
     "truncated": (lambda path: path.write_bytes(path.read_bytes()[:-8]), "is damaged, its length cannot be"),
-    "head alone": (lambda path: path.write_bytes(path.read_bytes()[:80]), "is damaged, its length cannot be"),
+    "head alone": (lambda path: path.write_bytes(path.read_bytes()[:88]), "is damaged, its length cannot be"),
     "half a head": (lambda path: path.write_bytes(path.read_bytes()[:40]), "is damaged, its length cannot be"),
     "random": (
         lambda path: path.write_bytes(np.random.default_rng(3).bytes(8000)),
         "is damaged, its number of vehicles",
     ),
-    "NaN in the head": (number_at(1, math.nan), "is damaged, its number of cells cannot be"),
-    "half a vehicle": (number_at(0, 2.5), "is damaged, its number of vehicles cannot be"),
-    "no valve": (number_at(2, 0.0), "is damaged, its number of valves cannot be"),
-    "depth": (number_at(4, 3.0), "is damaged, the depth of its brake cannot be"),
-    "a cell of negative length": (number_at(11, -7.0), "is damaged, the length of a cell cannot be"),
-    "a vehicle beyond the cells": (
-        number_at(FIRST_PLACE, CELLS),
-        "is damaged, a vehicle's place at the pipe cannot be",
-    ),
-    "an end beyond the cells": (
-        number_at(FIRST_PLACE + 4, CELLS + 1),
-        "is damaged, a vehicle's end at the pipe cannot be",
-    ),
-    "NaN mass": (number_at(MASS_AT, math.nan), "is damaged, the mass of a vehicle cannot be"),
-    "a valve beyond the pipe": (
-        number_at(VALVE_AT, CELLS + 1),
-        "is damaged, a driver's valve's place at the pipe cannot",
-    ),
-    "a valve before the pipe": (number_at(VALVE_AT, -1), "is damaged, a driver's valve's place at the pipe cannot be"),
 }
+#: Of fields: a value that cannot be. Every field of every group is tried in `test_each_field_is_held_to_its_limits`.
+BEYOND = {
+    ("head", "cells", math.nan): "its number of cells",
+    ("head", "vehicles", 2.5): "its number of vehicles",
+    ("head", "valves", 0.0): "its number of valves",
+    ("head", "depth", 3.0): "the depth of its brake",
+    ("cell", "length", -7.0): "the length of a cell",
+    ("place", "cell", CELLS): "a vehicle's place at the pipe",
+    ("place", "face", CELLS + 1): "a vehicle's end at the pipe",
+    ("motion", "mass", math.nan): "the mass of a vehicle",
+    ("valve", "face", CELLS + 1): "a driver's valve's place at the pipe",
+    ("valve", "face", -1.0): "a driver's valve's place at the pipe",
+}
+DAMAGES |= {
+    " ".join(map(str, change)): (number_at(*change), f"is damaged, {text} cannot be") for change, text in BEYOND.items()
+}
+
+
+def test_each_field_is_held_to_its_limits_and_to_whole_numbers() -> None:
+    """The message names the field; distances of a line have to rise."""
+    numbers, wrong = numbers_of(SHORT, Settings(), None), functions().train_wrong
+    assert wrong(numbers.ctypes.data, numbers.size) is None
+    for group in layout():
+        for one in group.fields:
+            most = one.most + (COUNTS[one.counts] if one.counts else 0)
+            for value in (
+                math.nan,
+                np.nextafter(one.least, -math.inf),
+                np.nextafter(most, math.inf),
+                *[0.5] * one.whole,
+            ):
+                changed = numbers.copy()
+                changed[place_of(group.name, one.name)] = value
+                said = wrong(changed.ctypes.data, changed.size).decode()
+                assert said in (one.text, "its length"), (group.name, one.name, value)
+    line = Line({"distance": np.array([0.0, 1.0])})
+    level = numbers_of(SHORT, Settings(), line)
+    assert wrong(level.ctypes.data, level.size) is None
+    level[place_of("point", "distance") + 1] = 0.0
+    assert wrong(level.ctypes.data, level.size) == b"a distance of the line"
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
@@ -542,28 +571,36 @@ def write_numbers(consist: Consist, settings: Settings, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """arrays_host.c with the train, sanitized."""
+def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with arrays_host.c and pipe_host.c, each with the C of trains, sanitized."""
     folder, texts = tmp_path_factory.mktemp("host"), all_sources(train_in_c())
-    (folder / "arrays.h").write_text(texts["arrays.h"])
+    for name, text in texts.items():
+        (folder / name).write_text(text)
     flags = [*FLAGS, "-O1", *SANITIZERS]
     objects = objects_of(texts, flags)
-    own = [f"-I{folder}", *HEADERS, Path(__file__).with_name("arrays_host.c"), "-o", folder / "host", "-lm"]
-    done = run([*compiler(), *flags, *objects, *own], folder)
-    assert done.returncode == 0, done.stderr
-    return folder / "host"
+    for name in ("arrays_host", "pipe_host"):
+        own = [f"-I{folder}", *HEADERS, Path(__file__).with_name(f"{name}.c"), "-o", folder / name, "-lm"]
+        done = run([*compiler(), *flags, *objects, *own], folder)
+        assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(programs: Path, tmp_path: Path) -> None:
+    """Numbers of cells that fill no whole lanes."""
+    done = run([programs / "pipe_host"], tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize(("how", "seed", "rounds"), [("calls", 1, 8000), ("calls", 2, 8000), ("numbers", 3, 1500)])
 def test_anything_in_any_order_keeps_to_its_own_memory_and_to_what_it_promises(
-    how: str, seed: int, rounds: int, program: Path, tmp_path: Path
+    how: str, seed: int, rounds: int, programs: Path, tmp_path: Path
 ) -> None:
     """Two trains at once in both standards; numbers of a train that some have been changed of."""
     one = write_numbers(block_train(1), Settings(cells=1.0), tmp_path / "one")
     *front, last = block_train(3).vehicles
     second = replace(last, valve=drivers_valve(), valve_delay=1.0)
     other = write_numbers(Consist((*front, second)), Settings(depth="delay", cells=0.5), tmp_path / "other")
-    done = run([program, how, one, other, str(seed), str(rounds)], tmp_path)
+    done = run([programs / "arrays_host", how, one, other, str(seed), str(rounds)], tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert int(done.stdout.split()[0]) > rounds // 10
 

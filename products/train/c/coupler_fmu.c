@@ -7,16 +7,17 @@
 
 #include "arrays.h"
 #include "coupler_arrays.h"
+#include "train_layout.h"
 #define LANES 1
 #include "lanes.h"
 #include "coupler_cells.h"
 
 /* Between the ways of two steps the coupler goes evenly, in so many parts. */
-enum { PARTS = 64, CONSTANTS = 50, COUPLED_AT = 1 };
+enum { PARTS = 64 };
 
 struct arrays_object {
     double values[ARRAYS_MOST]; /* WAY, COUPLED, FORCE, MEAN_FORCE, WORK */
-    double constants[CONSTANTS], rest, way, force;
+    double constants[COUPLER_ROWS], rest, way, force;
     unsigned long long mark; /* of its curves as they were read */
 };
 
@@ -26,8 +27,8 @@ static double *read_curves(const char *folder, char *problem)
     size_t count = 0;
     double *found = arrays_read(folder, "coupler.bin", &count, problem);
     if (!found) return NULL;
-    int good = count == CONSTANTS && found[0] > 0.0;
-    for (size_t n = 0; good && n < CONSTANTS; ++n) good = isfinite(found[n]) != 0;
+    int good = count == COUPLER_ROWS && found[0] > 0.0;
+    for (size_t n = 0; good && n < COUPLER_ROWS; ++n) good = isfinite(found[n]) != 0;
     if (good) return found;
     snprintf(problem, ARRAYS_PROBLEM, "The coupler's curves in %.200s/coupler.bin are damaged; build the FMU again.", folder);
     free(found);
@@ -41,7 +42,7 @@ arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
     arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
     if (self) {
         memcpy(self->constants, curves, sizeof self->constants);
-        self->mark = arrays_mark_of(ARRAYS_MARK, curves, CONSTANTS);
+        self->mark = arrays_mark_of(ARRAYS_MARK, curves, COUPLER_ROWS);
     } else
         snprintf(problem, ARRAYS_PROBLEM, "There is no memory for the coupler.");
     free(curves);
@@ -82,7 +83,7 @@ static void find(arrays_object *self)
 bool arrays_start(arrays_object *self, double time, char problem[ARRAYS_PROBLEM])
 {
     (void)time, (void)problem;
-    self->constants[COUPLED_AT] = self->values[COUPLED];
+    self->constants[COUPLER_COUPLED] = self->values[COUPLED];
     self->rest = 0.0;
     self->values[WORK] = 0.0;
     find(self);
@@ -95,7 +96,7 @@ bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAY
     const double begin = self->way, gone = self->values[WAY] - begin;
     double sum = 0.0, before = self->force;
     /* Coupled, it holds from when the vehicles touch. */
-    if (self->values[COUPLED] == 0.0 || begin <= 0.0 || self->values[WAY] <= 0.0) self->constants[COUPLED_AT] = self->values[COUPLED];
+    if (self->values[COUPLED] == 0.0 || begin <= 0.0 || self->values[WAY] <= 0.0) self->constants[COUPLER_COUPLED] = self->values[COUPLED];
     for (int n = 1; n <= PARTS; ++n) {
         const double force = pull(self, begin + gone * n / PARTS);
         sum += (before + force) / 2.0 / PARTS;

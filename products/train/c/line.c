@@ -3,12 +3,11 @@
 #include <math.h>
 
 #include "train_inside.h"
-#include "train_limits.h"
 
 /* The row before a place, searched from where it was found last. */
 static long long int row_at(const train *self, double at, long long int guess)
 {
-    const double *distance = self->line[0];
+    const double *distance = self->line[POINT_DISTANCE];
     while (guess + 1 < self->points - 1 && distance[guess + 1] <= at) ++guess;
     while (guess > 0 && distance[guess] > at) --guess;
     return guess;
@@ -17,7 +16,7 @@ static long long int row_at(const train *self, double at, long long int guess)
 /* Height of the line [m], with straight lines of gradient between its points, and its ends' gradients beyond them. */
 static double height_at(const train *self, double at, long long int row)
 {
-    const double *distance = self->line[0], *gradient = self->line[1], *height = self->line[3];
+    const double *distance = self->line[POINT_DISTANCE], *gradient = self->line[POINT_GRADIENT], *height = self->height;
     const double first = distance[0], last = distance[self->points - 1];
     if (self->points < 2 || at <= first) return (at - first) * gradient[0];
     if (at >= last) return height[self->points - 1] + (at - last) * gradient[self->points - 1];
@@ -28,7 +27,7 @@ static double height_at(const train *self, double at, long long int row)
 /* Curvature between its points [1/m]; beyond its ends a line is straight. */
 static double curvature_at(const train *self, double at, long long int row)
 {
-    const double *distance = self->line[0], *curvature = self->line[2];
+    const double *distance = self->line[POINT_DISTANCE], *curvature = self->line[POINT_CURVATURE];
     if (self->points < 2 || at < distance[0] || at > distance[self->points - 1]) return 0.0;
     return curvature[row] + (at - distance[row]) / (distance[row + 1] - distance[row]) * (curvature[row + 1] - curvature[row]);
 }
@@ -44,7 +43,7 @@ static double roeckl(double curvature)
 void line_act(train *self, double step)
 {
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves);
-    double *slope = motion_acting(self->moves, SLOPE), *curve = motion_acting(self->moves, CURVE);
+    double *slope = motion_acting(self->moves, ACTING_SLOPE), *curve = motion_acting(self->moves, ACTING_CURVE);
     if (self->level) return; /* nothing has ever been written there */
     for (long long int i = 0; i < self->vehicles; ++i) {
         const double middle = place[i] + self->centre[i] + speed[i] * step / 2.0, half = self->length[i] / 2.0;

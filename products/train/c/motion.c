@@ -8,7 +8,7 @@
 #include "motion_inside.h"
 #include "rows.h"
 
-enum { ROWS = MOTION_STATES + MOTION_ACTING + MOTION_GIVEN + COUPLER_GIVEN + MOTION_FOUND + 5, EXTREMES = 4 };
+enum { ROWS = MOTION_STATES + ACTING_ROWS + MOTION_ROWS + COUPLER_ROWS + MOTION_FOUND + 5, EXTREMES = 4 };
 
 motion *motion_create(long long int vehicles, const double *given, const double *coupler)
 {
@@ -17,18 +17,18 @@ motion *motion_create(long long int vehicles, const double *given, const double 
     const long long int stride = self->stride = rows_stride(vehicles);
     self->vehicles = vehicles;
     self->lanes = lanes_of_processor();
-    self->memory = (double *)malloc((size_t)(ROWS * stride) * sizeof(double));
+    self->memory = (double *)malloc((size_t)(ROWS * stride + ROWS_SPARE) * sizeof(double));
     if (!self->memory) {
         free(self);
         return NULL;
     }
-    double *row = self->memory + ROWS_EDGE;
+    double *row = rows_first(self->memory);
     const struct {
         double **first;
         int rows;
         double value;
-    } parts[] = {{&self->state, MOTION_STATES, 0.0}, {&self->acting, MOTION_ACTING, 0.0}, {&self->given, MOTION_GIVEN, 1.0},
-                 {&self->coupler, COUPLER_GIVEN, 1.0}, {&self->found, MOTION_FOUND, 0.0},   {&self->force, 1, 0.0},
+    } parts[] = {{&self->state, MOTION_STATES, 0.0}, {&self->acting, ACTING_ROWS, 0.0}, {&self->given, MOTION_ROWS, 1.0},
+                 {&self->coupler, COUPLER_ROWS, 1.0}, {&self->found, MOTION_FOUND, 0.0},   {&self->force, 1, 0.0},
                  {&self->step, 1, 1.0},                {&self->wish, 1, 1.0}, {&self->lead, 1, NAN}, {&self->sum, 1, 0.0}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
@@ -37,9 +37,9 @@ motion *motion_create(long long int vehicles, const double *given, const double 
     self->speed = self->state + stride;
     self->wheel = self->speed + stride;
     self->rest = self->wheel + stride;
-    for (int n = 0; n < MOTION_GIVEN; ++n)
+    for (int n = 0; n < MOTION_ROWS; ++n)
         memcpy(self->given + n * stride, given + n * vehicles, (size_t)vehicles * sizeof(double));
-    for (int n = 0; n < COUPLER_GIVEN; ++n)
+    for (int n = 0; n < COUPLER_ROWS; ++n)
         memcpy(self->coupler + n * stride, coupler + n * (vehicles - 1), (size_t)(vehicles - 1) * sizeof(double));
     return self;
 }
@@ -72,7 +72,7 @@ const double *motion_rail(const motion *self) { return self->found + 2 * self->s
 
 int motion_is_coupled(const motion *self, long long int coupler)
 {
-    return self->coupler[coupler + COUPLED * self->stride] > 0.0;
+    return self->coupler[coupler + COUPLER_COUPLED * self->stride] > 0.0;
 }
 
 static void count_waiting(motion *self)
@@ -90,7 +90,7 @@ static void count_led(motion *self)
 void motion_couple(motion *self, long long int coupler, int coupled)
 {
     self->wish[coupler] = coupled;
-    if (!coupled) self->coupler[coupler + COUPLED * self->stride] = 0.0;
+    if (!coupled) self->coupler[coupler + COUPLER_COUPLED * self->stride] = 0.0;
     count_waiting(self);
 }
 
@@ -126,7 +126,7 @@ long long int motion_numbers(const motion *self) { return (MOTION_STATES + 4) * 
 
 static double *kept_rows(const motion *self, int row)
 {
-    double *rows[] = {self->coupler + COUPLED * self->stride, self->wish, self->force, self->lead};
+    double *rows[] = {self->coupler + COUPLER_COUPLED * self->stride, self->wish, self->force, self->lead};
     return rows[row];
 }
 
@@ -155,7 +155,7 @@ static void couple_what_touches(motion *self)
 {
     for (long long int i = 0; i + 1 < self->vehicles; ++i)
         if (self->wish[i] > 0.0 && !motion_is_coupled(self, i) && self->state[i] <= self->state[i + 1]) {
-            self->coupler[i + COUPLED * self->stride] = 1.0;
+            self->coupler[i + COUPLER_COUPLED * self->stride] = 1.0;
             --self->waiting;
         }
 }

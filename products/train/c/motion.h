@@ -6,11 +6,7 @@
 #ifndef MOTION_H
 #define MOTION_H
 
-/* Numbers of a vehicle: what acts on it and its constants (ACTING and VEHICLE_CONSTANTS of vehicle.py); of a coupler: its
- * constants, of which the second says whether it is coupled (coupler.py). */
-enum { MOTION_ACTING = 5, MOTION_GIVEN = 8, COUPLER_GIVEN = 50, COUPLED = 1 };
-/* Rows of what acts. */
-enum { SLOPE, PULL, BRAKE, FRICTION, CURVE };
+#include "train_layout.h"
 
 /* A state: so many numbers, rows of so many vehicles: place [m], speed, speed of the wheels at the rim [m/s], and where the
  * locked force of the coupler behind is zero [m]. */
@@ -18,12 +14,12 @@ enum { MOTION_STATES = 4 };
 
 typedef struct motion motion;
 
-/* given: MOTION_GIVEN rows of so many vehicles, coupler: COUPLER_GIVEN rows of one less; copied. null: there is no memory. */
+/* given: MOTION_ROWS rows of so many vehicles, coupler: COUPLER_ROWS rows of one less; copied. null: there is no memory. */
 motion *motion_create(long long int vehicles, const double *given, const double *coupler);
 void motion_free(motion *self);
 void motion_put(motion *self, const double *state);
 void motion_get(const motion *self, double *state);
-/* What acts on a vehicle from now on, a row of all vehicles: for others to write. */
+/* What acts on a vehicle from now on, a row of all vehicles, ACTING_SLOPE, ...: for others to write. */
 double *motion_acting(motion *self, int row);
 const double *motion_place(const motion *self);
 const double *motion_speed(const motion *self);

@@ -11,19 +11,18 @@
 
 /* Air that rests, for cells that are none. */
 static const double AIR[PIPE_STATES] = {1.2, 0.0, 2.5e5};
-enum { OWN_ROWS = 4 * VEHICLE_STATES + VEHICLE_CONSTANTS + VEHICLE_COMMANDS + PIPE_STATES + VEHICLE_RATES };
 /* A step so far below what waves allowed in the step before is not measured again: air that flows at the speed of sound
  * doubles their speed. */
 static const double WELL_BELOW = 0.4;
 /* How often a step is halved at most. */
 enum { MOST_HALVED = 12 };
-enum { ROWS = 4 * PIPE_STATES + PIPE_CONSTANTS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 2 };
+enum { ROWS = 4 * PIPE_STATES + CELL_ROWS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 2 };
 /* Of the area of the pipe, what a hose that has parted opens. Assumed. */
 static const double HOSE = 0.9;
 
 static double volume(const pipe *self, long long int i)
 {
-    const double *length = self->given, *diameter = length + self->stride, *branch = length + 7 * self->stride;
+    const double *length = self->given, *diameter = length + self->stride, *branch = length + CELL_BRANCH * self->stride;
     return 0.78539816339744831 * diameter[i] * diameter[i] * (length[i] + branch[i]);
 }
 
@@ -34,17 +33,17 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
     self->cells = cells;
     self->stride = rows_stride(cells);
     self->lanes = lanes_of_processor();
-    self->memory = (double *)calloc((size_t)(ROWS * self->stride), sizeof(double));
+    self->memory = (double *)calloc((size_t)(ROWS * self->stride + ROWS_SPARE), sizeof(double));
     self->joint = (unsigned char *)calloc((size_t)(cells + 1), 1);
     if (!self->memory || !self->joint) {
         pipe_free(self);
         return NULL;
     }
-    double *row = self->memory + ROWS_EDGE;
+    double *row = rows_first(self->memory);
     const struct {
         double **first;
         int rows;
-    } parts[] = {{&self->state, PIPE_STATES}, {&self->before, PIPE_STATES}, {&self->kept, PIPE_STATES}, {&self->first, PIPE_STATES}, {&self->given, PIPE_CONSTANTS}, {&self->side, PIPE_SIDES},
+    } parts[] = {{&self->state, PIPE_STATES}, {&self->before, PIPE_STATES}, {&self->kept, PIPE_STATES}, {&self->first, PIPE_STATES}, {&self->given, CELL_ROWS}, {&self->side, PIPE_SIDES},
                  {&self->flux, PIPE_STATES},  {&self->rate, PIPE_STATES},   {&self->leak, PIPE_LEAKS},     {&self->time, 1}, {&self->jump, PIPE_STATES}, {&self->over_volume, 1}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
@@ -54,12 +53,12 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
         rows_fill(self->state + n * self->stride, self->stride, AIR[n]);
         memcpy(self->state + n * self->stride, state + n * cells, (size_t)cells * sizeof(double));
     }
-    for (int n = 0; n < PIPE_CONSTANTS; ++n) {
+    for (int n = 0; n < CELL_ROWS; ++n) {
         rows_fill(self->given + n * self->stride, self->stride, 1.0);
         memcpy(self->given + n * self->stride, constants + n * cells, (size_t)cells * sizeof(double));
     }
     for (long long int i = 0; i < cells; ++i) self->over_volume[i] = 1.0 / volume(self, i);
-    for (long long int i = 0; i < cells; ++i) self->leaks |= self->given[i + 5 * self->stride] > 0.0;
+    for (long long int i = 0; i < cells; ++i) self->leaks |= self->given[i + CELL_LEAK_AREA * self->stride] > 0.0;
     for (int n = 0; n < PIPE_SIDES; ++n) rows_fill(self->side + n * self->stride, self->stride, 1.0);
     for (int end = 0; end < 2; ++end) self->outside[end] = (pipe_outside){0.0, 1.0, 1e5, 293.15};
     return self;
@@ -70,53 +69,9 @@ void pipe_free(pipe *self)
     if (!self) return;
     free(self->memory);
     free(self->joint);
-    free(self->own_memory);
-    free(self->cell);
+    distributors_free(self);
     free(self);
 }
-
-int pipe_vehicles(pipe *self, long long int count, const long long int *cell, const double *state, const double *given, double pace)
-{
-    const long long int stride = self->vehicle_stride = rows_stride(count);
-    free(self->own_memory);
-    free(self->cell);
-    self->vehicles = 0;
-    self->cell = (long long int *)malloc((size_t)count * sizeof *cell);
-    self->own_memory = (double *)calloc((size_t)(OWN_ROWS * stride), sizeof(double));
-    if (!self->cell || !self->own_memory) return 0;
-    memcpy(self->cell, cell, (size_t)count * sizeof *cell);
-    double *row = self->own_memory + ROWS_EDGE;
-    const struct {
-        double **first;
-        int rows;
-    } parts[] = {{&self->own, VEHICLE_STATES},       {&self->own_before, VEHICLE_STATES}, {&self->own_kept, VEHICLE_STATES},
-                 {&self->own_first, VEHICLE_STATES}, {&self->own_given, VEHICLE_CONSTANTS}, {&self->own_pipe, PIPE_STATES}, {&self->own_command, VEHICLE_COMMANDS},
-                 {&self->own_rate, VEHICLE_RATES}};
-    for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
-        *parts[part].first = row;
-        row += parts[part].rows * stride;
-    }
-    for (int n = 0; n < VEHICLE_STATES; ++n) {
-        rows_fill(self->own + n * stride, stride, 1e5);
-        memcpy(self->own + n * stride, state + n * count, (size_t)count * sizeof(double));
-    }
-    for (int n = 0; n < VEHICLE_CONSTANTS; ++n) {
-        rows_fill(self->own_given + n * stride, stride, 1.0);
-        memcpy(self->own_given + n * stride, given + n * count, (size_t)count * sizeof(double));
-    }
-    for (int n = 0; n < PIPE_STATES; ++n) rows_fill(self->own_pipe + n * stride, stride, AIR[n]);
-    self->vehicles = count;
-    self->pace = pace;
-    return 1;
-}
-
-void pipe_command(pipe *self, long long int vehicle, double held, double vented)
-{
-    self->own_command[vehicle] = held;
-    self->own_command[vehicle + self->vehicle_stride] = vented;
-}
-
-void pipe_depth(pipe *self, int depth) { self->depth = depth; }
 
 void pipe_give(pipe *self, long long int cell, double pressure)
 {
@@ -124,19 +79,15 @@ void pipe_give(pipe *self, long long int cell, double pressure)
     self->state[cell + self->stride] = 0.0;
 }
 
-void pipe_vehicle_states(const pipe *self, double *state)
+void pipe_fill(pipe *self, double density, double pressure)
 {
-    for (int n = 0; n < VEHICLE_STATES; ++n)
-        memcpy(state + n * self->vehicles, self->own + n * self->vehicle_stride, (size_t)self->vehicles * sizeof(double));
-}
-
-void pipe_pressures(const pipe *self, double *line, double *cylinder)
-{
-    for (long long int v = 0; v < self->vehicles && line; ++v) {
-        const double *u = self->state + self->cell[v], momentum = u[self->stride];
-        line[v] = 0.4 * (u[2 * self->stride] - momentum * momentum / u[0] / 2.0); /* (kappa - 1) times inner energy */
+    for (long long int i = 0; i < self->cells; ++i) {
+        self->state[i] = density;
+        pipe_give(self, i, pressure);
     }
-    if (cylinder) memcpy(cylinder, self->own + 3 * self->vehicle_stride, (size_t)self->vehicles * sizeof(double));
+    for (int valve = 0; valve < MOST_VALVES; ++valve) self->valve[valve].at = 0.0;
+    memset(&self->passed, 0, sizeof self->passed);
+    self->fastest = self->looked = 0.0;
 }
 
 void pipe_end(pipe *self, int end, const pipe_outside *outside)
@@ -148,21 +99,21 @@ void pipe_end(pipe *self, int end, const pipe_outside *outside)
 void pipe_join(pipe *self, long long int face, int how)
 {
     self->looked = 0.0;
-    self->joints += (how != PIPE_JOINED) - (self->joint[face] != PIPE_JOINED);
+    self->joints += (how != JOINED_WHOLE) - (self->joint[face] != JOINED_WHOLE);
     self->joint[face] = (unsigned char)how;
 }
 
 long long int pipe_numbers(const pipe *self)
 {
     const long long int passed = (long long int)(sizeof self->passed / sizeof(double));
-    return PIPE_STATES * self->cells + VEHICLE_STATES * self->vehicles + passed + MOST_VALVES;
+    return PIPE_STATES * self->cells + distributors_numbers(self) + passed + MOST_VALVES;
 }
 
 void pipe_save(const pipe *self, double *numbers)
 {
     pipe_state(self, numbers);
-    pipe_vehicle_states(self, numbers + PIPE_STATES * self->cells);
-    numbers += PIPE_STATES * self->cells + VEHICLE_STATES * self->vehicles;
+    distributors_save(self, numbers += PIPE_STATES * self->cells);
+    numbers += distributors_numbers(self);
     memcpy(numbers, &self->passed, sizeof self->passed);
     for (int valve = 0; valve < MOST_VALVES; ++valve) numbers[sizeof self->passed / sizeof(double) + valve] = self->valve[valve].at;
 }
@@ -171,8 +122,8 @@ void pipe_load(pipe *self, const double *numbers)
 {
     for (int n = 0; n < PIPE_STATES; ++n, numbers += self->cells)
         memcpy(self->state + n * self->stride, numbers, (size_t)self->cells * sizeof(double));
-    for (int n = 0; n < VEHICLE_STATES && self->vehicles; ++n, numbers += self->vehicles)
-        memcpy(self->own + n * self->vehicle_stride, numbers, (size_t)self->vehicles * sizeof(double));
+    distributors_load(self, numbers);
+    numbers += distributors_numbers(self);
     memcpy(&self->passed, numbers, sizeof self->passed);
     self->fastest = self->looked = 0.0; /* that was of another state: it is looked for again */
     for (int valve = 0; valve < MOST_VALVES; ++valve) self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
@@ -225,31 +176,9 @@ static void leak(pipe *self, pipe_passed *passed)
     }
 }
 
-/* Takes from the rates what goes to vehicles, and finds theirs. */
-static void distribute(pipe *self, pipe_passed *passed)
-{
-    const long long int stride = self->stride, own = self->vehicle_stride;
-    for (long long int v = 0; v < self->vehicles; ++v)
-        for (int n = 0; n < PIPE_STATES; ++n) self->own_pipe[v + n * own] = self->state[self->cell[v] + n * stride];
-    if (self->depth == PIPE_WHOLE)
-        IN_LANES(pipe_distribute);
-    else
-        IN_LANES(pipe_follow);
-    if (self->depth == PIPE_GIVEN) return;
-    const double *mass = self->own_rate + VEHICLE_STATES * own, *energy = mass + own, *filled = energy + own;
-    for (long long int v = 0; v < self->vehicles; ++v) {
-        const long long int i = self->cell[v];
-        self->rate[i] -= mass[v] * self->over_volume[i];
-        self->rate[i + 2 * stride] -= energy[v] * self->over_volume[i];
-        passed->vehicle_mass += mass[v];
-        passed->vehicle_energy += energy[v];
-        passed->cylinder_mass += filled[v];
-    }
-}
-
 static double area_of(const pipe *self, long long int cell)
 {
-    const double diameter = self->given[cell + self->stride];
+    const double diameter = self->given[cell + CELL_DIAMETER * self->stride];
     return 0.78539816339744831 * diameter * diameter;
 }
 
@@ -258,8 +187,8 @@ void pipe_valve(pipe *self, int valve, long long int face, const double numbers[
     valve_at *own = &self->valve[valve];
     own->face = face;
     memcpy(own->numbers, numbers, VALVE_NUMBERS * sizeof(double));
-    own->numbers[VALVE_NUMBERS] = face > 0 ? area_of(self, face - 1) : 0.0;
-    own->numbers[VALVE_NUMBERS + 1] = face < self->cells ? area_of(self, face) : 0.0;
+    own->numbers[TAP_AREA_BEHIND] = face > 0 ? area_of(self, face - 1) : 0.0;
+    own->numbers[TAP_AREA_AHEAD] = face < self->cells ? area_of(self, face) : 0.0;
     if (valve >= self->valves) self->valves = valve + 1;
 }
 
@@ -274,7 +203,7 @@ static void look_at_joints(pipe *self)
                 for (int k = 0; k < 3; ++k) {
                     const double *u = self->state + n * self->stride;
                     const int beyond = (ahead && k == 0) || (!ahead && k == 2);
-                    const double mirrored = n == 1 && self->joint[face] == PIPE_SHUT ? -1.0 : 1.0;
+                    const double mirrored = n == 1 && self->joint[face] == JOINED_SHUT ? -1.0 : 1.0;
                     cells[k][n] = beyond ? mirrored * u[own] : u[own + k - 1];
                 }
             pipe_side_1(cells[0], cells[1], cells[2], found);
@@ -286,7 +215,7 @@ static void look_at_joints(pipe *self)
 static double meet(valve_at *own, const double *behind, const double *ahead)
 {
     enum { MOST = 60 };
-    double low = 0.02 * fmin(behind[2], ahead[2]), high = 4.0 * fmax(fmax(behind[2], ahead[2]), own->numbers[5]), found[TAP_FOUND];
+    double low = 0.02 * fmin(behind[2], ahead[2]), high = 4.0 * fmax(fmax(behind[2], ahead[2]), own->numbers[TAP_SUPPLY_PRESSURE]), found[TAP_FOUND];
     double at = own->at > low && own->at < high ? own->at : behind[2];
     for (int turn = 0; turn < MOST; ++turn) {
         pipe_tapping_1(&at, behind, ahead, own->numbers, found);
@@ -335,8 +264,8 @@ static void pass_joints(pipe *self, pipe_passed *passed)
         for (int ahead = 0; ahead < 2; ++ahead) {
             const long long int own = face - 1 + ahead;
             const double area = area_of(self, own), *given = self->given + own;
-            const double opening = self->joint[face] == PIPE_PARTED ? HOSE * area : 0.0;
-            const pipe_outside o = {opening, area, given[6 * self->stride], given[2 * self->stride]};
+            const double opening = self->joint[face] == JOINED_PARTED ? HOSE * area : 0.0;
+            const pipe_outside o = {opening, area, given[CELL_AMBIENT_PRESSURE * self->stride], given[CELL_WALL_TEMPERATURE * self->stride]};
             pass_end(self, own, !ahead, &o, out[ahead]);
             passed->leak_mass += out[ahead][0] * area;
             passed->leak_energy += out[ahead][2] * area;
@@ -350,7 +279,7 @@ static void pass_joints(pipe *self, pipe_passed *passed)
 /* What the rate of the cell ahead of a face lacks. */
 static void add_jump(pipe *self, long long int face)
 {
-    const double length = self->given[face], branch = self->given[face + 7 * self->stride];
+    const double length = self->given[face], branch = self->given[face + CELL_BRANCH * self->stride];
     for (int n = 0; n < PIPE_STATES; ++n)
         self->rate[face + n * self->stride] += self->jump[face + n * self->stride] / (n == 1 ? length : length + branch);
 }
@@ -385,7 +314,7 @@ static double fastest_at_valves(const pipe *self)
 /* Looks at the sides of cells and at the ends; how fast waves and vehicles change at most [1/s]. passed: through the ends. */
 static double look(pipe *self, pipe_passed *passed)
 {
-    if (self->depth == PIPE_GIVEN) return self->pace / 2.0;
+    if (self->depth == DEPTH_DELAY) return self->pace / 2.0;
     double through[2];
     mirror(self);
     IN_LANES(pipe_sides);
@@ -399,7 +328,7 @@ static double look(pipe *self, pipe_passed *passed)
         for (int n = 0; n < PIPE_STATES; ++n) self->end_flux[end][n] = (n == 1 || end ? 1.0 : -1.0) * out[n];
     }
     const double *wave = self->side + 6 * self->stride, *length = self->given;
-    double fastest = self->vehicles ? self->pace / 2.0 : 0.0; /* Heun's method is stable up to 2 over a pace */
+    double fastest = self->pace / 2.0; /* Heun's method is stable up to 2 over a pace */
     for (long long int i = 0; i < self->cells; ++i)
         fastest = wave[i] > fastest * length[i] ? wave[i] / length[i] : fastest;
     const long long int last = self->cells - 1;
@@ -411,8 +340,8 @@ static double look(pipe *self, pipe_passed *passed)
 static void rates(pipe *self, pipe_passed *passed)
 {
     memset(passed, 0, sizeof *passed);
-    if (self->depth == PIPE_GIVEN) {
-        distribute(self, passed);
+    if (self->depth == DEPTH_DELAY) {
+        distributors_act(self, passed);
         return;
     }
     self->fastest = look(self, passed);
@@ -424,7 +353,7 @@ static void rates(pipe *self, pipe_passed *passed)
     IN_LANES(pipe_rates);
     if (self->valves || self->joints) add_jumps(self);
     if (self->leaks) leak(self, passed);
-    distribute(self, passed);
+    distributors_act(self, passed);
 }
 
 static void add(pipe_passed *to, const pipe_passed *more, double time)
@@ -446,7 +375,7 @@ static void add(pipe_passed *to, const pipe_passed *more, double time)
 /* Heat exchange with the walls for a time. */
 static void warm(pipe *self, double time)
 {
-    if (self->depth == PIPE_GIVEN) return;
+    if (self->depth == DEPTH_DELAY) return;
     for (long long int i = 0; i < self->cells; ++i) self->time[i] = time;
     IN_LANES(pipe_warm);
     double *energy = self->state + 2 * self->stride;
@@ -456,7 +385,7 @@ static void warm(pipe *self, double time)
     }
 }
 
-static void mix(double *u, const double *first, const double *rate, long long int count, double share, double step)
+void pipe_mix(double *u, const double *first, const double *rate, long long int count, double share, double step)
 {
     for (long long int i = 0; i < count; ++i) u[i] = share * first[i] + (1.0 - share) * (u[i] + step * rate[i]);
 }
@@ -465,19 +394,16 @@ static void mix(double *u, const double *first, const double *rate, long long in
 static void go_on(pipe *self, double share, double step)
 {
     for (int row = 0; row < PIPE_STATES; ++row)
-        mix(self->state + row * self->stride, self->before + row * self->stride, self->rate + row * self->stride, self->cells, share,
+        pipe_mix(self->state + row * self->stride, self->before + row * self->stride, self->rate + row * self->stride, self->cells, share,
             step);
-    for (int row = 0; row < VEHICLE_STATES && self->vehicles; ++row) {
-        const long long int at = row * self->vehicle_stride;
-        mix(self->own + at, self->own_before + at, self->own_rate + at, self->vehicles, share, step);
-    }
+    distributors_go_on(self, share, step);
 }
 
-static void copy(const pipe *self, double *to, const double *from, double *own, const double *own_from)
+static void copy(pipe *self, int to, int from)
 {
-    memcpy(to - ROWS_EDGE, from - ROWS_EDGE, (size_t)(PIPE_STATES * self->stride) * sizeof(double));
-    if (!self->vehicles) return;
-    memcpy(own - ROWS_EDGE, own_from - ROWS_EDGE, (size_t)(VEHICLE_STATES * self->vehicle_stride) * sizeof(double));
+    double *blocks[] = {self->state, self->before, self->kept, self->first};
+    memcpy(blocks[to] - ROWS_EDGE, blocks[from] - ROWS_EDGE, (size_t)(PIPE_STATES * self->stride) * sizeof(double));
+    distributors_copy(self, to, from);
 }
 
 static bool sound(const pipe *self)
@@ -485,10 +411,7 @@ static bool sound(const pipe *self)
     const double *density = self->state, *momentum = density + self->stride, *energy = momentum + self->stride;
     for (long long int i = 0; i < self->cells; ++i)
         if (!(density[i] > 0.0 && isfinite(energy[i]) && energy[i] * density[i] > momentum[i] * momentum[i] / 2.0)) return false;
-    for (int row = 0; row < VEHICLE_STATES; ++row)
-        for (long long int v = 0; v < self->vehicles; ++v)
-            if (!(self->own[v + row * self->vehicle_stride] > 0.0 && isfinite(self->own[v + row * self->vehicle_stride]))) return false;
-    return true;
+    return distributors_sound(self);
 }
 
 double pipe_longest(pipe *self, double courant)
@@ -503,7 +426,7 @@ static void step_on(pipe *self, double step)
 {
     pipe_passed first, second;
     warm(self, step / 2.0);
-    copy(self, self->before, self->state, self->own_before, self->own);
+    copy(self, BEFORE, STATE);
     rates(self, &first);
     go_on(self, 0.0, step);
     rates(self, &second);
@@ -520,14 +443,14 @@ static double step_of(pipe *self, double left, double courant)
     const int slow = left * self->fastest < WELL_BELOW * courant && self->fastest > 0.0;
     const double fastest = self->looked > 0.0 ? self->looked : slow ? self->fastest : look(self, &unused);
     self->looked = 0.0;
-    copy(self, self->kept, self->state, self->own_kept, self->own);
+    copy(self, KEPT, STATE);
     for (int halved = 0; halved < MOST_HALVED; ++halved) {
         const double count = ceil(ldexp(left * fastest / courant, halved));
         if (!(count < 1e9)) return 0.0;
         const double step = left / fmax(count, 1.0);
         step_on(self, step);
         if (sound(self)) return step;
-        copy(self, self->state, self->kept, self->own, self->own_kept);
+        copy(self, STATE, KEPT);
         self->passed = passed;
     }
     return 0.0;
@@ -536,12 +459,12 @@ static double step_of(pipe *self, double left, double courant)
 long long int pipe_advance(pipe *self, double time, double courant)
 {
     const pipe_passed passed = self->passed;
-    copy(self, self->first, self->state, self->own_first, self->own);
+    copy(self, FIRST, STATE);
     long long int steps = 0;
     for (double left = time; left > 0.0; ++steps) {
         const double step = step_of(self, left, courant);
         if (step == 0.0) {
-            copy(self, self->state, self->first, self->own, self->own_first);
+            copy(self, STATE, FIRST);
             self->passed = passed;
             return -1;
         }

@@ -5,26 +5,21 @@
 #ifndef PIPE_H
 #define PIPE_H
 
+#include "train_layout.h"
+
 #if defined(_WIN32)
 #define PIPE_SHOWN __declspec(dllexport)
 #else
 #define PIPE_SHOWN __attribute__((visibility("default")))
 #endif
 
-/* Numbers of a cell: density, momentum, energy; its constants, CONSTANTS of brake_pipe.py. Of a vehicle: its states and its
- * parameters, STATES and DistributorParameters of distributor.py. */
-enum { PIPE_STATES = 3, PIPE_CONSTANTS = 8, VEHICLE_STATES = 4, VEHICLE_CONSTANTS = 16, VEHICLE_COMMANDS = 2, VALVE_NUMBERS = 8, MOST_VALVES = 16 };
-/* How two cells are joined: as one pipe; a cock between them is shut; the hose between them has parted. */
-enum { PIPE_JOINED, PIPE_SHUT, PIPE_PARTED };
+/* Numbers of a cell: density, momentum, energy. Of a driver's valve: the first of TAP_ROWS. */
+enum { PIPE_STATES = 3, VALVE_NUMBERS = TAP_AREA_BEHIND };
 
 /* What is outside an end: effective opening [m2], inner area of the pipe [m2], pressure [Pa], temperature [K]. */
 typedef struct {
     double opening, area, pressure, temperature;
 } pipe_outside;
-
-/* How much of the brake is computed: flow of air and whole distributors; flow of air and empirical valves; empirical valves on
- * pressures that are given. */
-enum { PIPE_WHOLE, PIPE_EMPIRICAL, PIPE_GIVEN };
 
 /* What has left since the beginning [kg], [J]: through each end, by leaks, to vehicles; heat that walls have given [J]; and air
  * that cylinders have taken [kg]; net by driver's valves, and air that they have let in [kg]. */
@@ -35,19 +30,23 @@ typedef struct {
 
 typedef struct pipe pipe;
 
-/* state: PIPE_STATES rows of so many cells; constants: PIPE_CONSTANTS rows; both are copied. null: there is no memory. */
+/* state: PIPE_STATES rows of so many cells; constants: CELL_ROWS rows; both are copied. null: there is no memory. */
 PIPE_SHOWN pipe *pipe_create(long long int cells, const double *state, const double *constants);
 PIPE_SHOWN void pipe_free(pipe *self);
-/* Vehicles take air from these cells; state, given: rows of so many vehicles, copied; pace: how fast a state of theirs comes to
- * rest at most [1/s]. 0: there is no memory. */
-PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long int *cell, const double *state, const double *given,
-                             double pace);
-/* What wheel-slide protection of a vehicle commands, COMMANDED of distributor.py. */
-PIPE_SHOWN void pipe_command(pipe *self, long long int vehicle, double held, double vented);
-PIPE_SHOWN void pipe_depth(pipe *self, int depth);
-/* With PIPE_GIVEN: the pressure in a cell [Pa]. */
-PIPE_SHOWN void pipe_give(pipe *self, long long int cell, double pressure);
-PIPE_SHOWN void pipe_vehicle_states(const pipe *self, double *state);
+/* Vehicles with distributors of these kinds take air from these cells; given: of each kind, rows of parameters of its vehicles;
+ * all is copied. depth: of the brake; pace: how fast a state of theirs comes to rest at most [1/s]. 0: there is no memory. */
+PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
+                             const double *const given[KINDS], int depth, double pace);
+/* How all distributors begin: pressures that reservoirs are charged to, around, and in the cylinders [Pa]. */
+PIPE_SHOWN void pipe_charge(pipe *self, double charged, double around, double cylinder);
+/* What wheel-slide protection of each vehicle commands, PROTECTION_APPLY, ... */
+void pipe_protect(pipe *self, const double *protection);
+/* With DEPTH_DELAY: the pressure in a cell [Pa]. */
+void pipe_give(pipe *self, long long int cell, double pressure);
+/* Air at rest in all cells, of a density [kg/m3] and pressure [Pa]; nothing has passed. */
+void pipe_fill(pipe *self, double density, double pressure);
+/* States of the distributors of one kind: rows of so many vehicles as have it. */
+PIPE_SHOWN void pipe_vehicle_states(const pipe *self, int kind, double *state);
 /* Of each vehicle: the pressure in its cell and in its cylinder [Pa]; null: not asked for. */
 PIPE_SHOWN void pipe_pressures(const pipe *self, double *line, double *cylinder);
 PIPE_SHOWN void pipe_end(pipe *self, int end, const pipe_outside *outside);

@@ -6,24 +6,30 @@
 
 #include "pipe.h"
 
-enum { PIPE_SIDES = 7, PIPE_LEAKS = 2, VEHICLE_RATES = VEHICLE_STATES + 3 };
+enum { PIPE_SIDES = 7, PIPE_LEAKS = 2 };
 
 /* A driver's valve: the face, its numbers with the areas of the pipe on both sides, and the pressure there. */
 typedef struct {
     long long int face;
-    double numbers[VALVE_NUMBERS + 2], at;
+    double numbers[TAP_ROWS], at;
 } valve_at;
 enum { TAP_FOUND = 2, TAPPED = 9, VALVE_OUT = 6, ENERGY_OUT = 7, LET_IN = 8 };
+
+/* Distributors of one kind, of the vehicles of the pipe that have it. */
+typedef struct {
+    int lanes, kind, form; /* form: of DISTRIBUTOR_FORMS */
+    long long int count, stride, *vehicle, *cell; /* which vehicle each is of, and which cell it takes its air from */
+    double *memory, *state, *before, *kept, *first, *given, *air, *command, *rate; /* the first cell of each first row */
+} distributors;
 
 struct pipe {
     long long int cells, stride;
     int lanes, depth;
     bool leaks;
-    double *memory, *own_memory;
+    double *memory;
     double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump, *over_volume; /* the first cell of each first row */
-    long long int vehicles, vehicle_stride, *cell; /* which cell a vehicle takes its air from */
+    distributors own[KINDS];
     double pace, fastest, looked; /* of vehicles; of all in the last step; as looked for since, or 0 [1/s] */
-    double *own, *own_before, *own_kept, *own_first, *own_given, *own_command, *own_pipe, *own_rate; /* the same of vehicles */
     pipe_outside outside[2];
     int valves, joints; /* how many are valves, and how many faces are not joined */
     valve_at valve[MOST_VALVES];
@@ -37,8 +43,7 @@ struct pipe {
     void pipe_faces_##lanes(pipe *self);                                                                                        \
     void pipe_rates_##lanes(pipe *self);                                                                                        \
     void pipe_leaks_##lanes(pipe *self);                                                                                        \
-    void pipe_distribute_##lanes(pipe *self);                                                                                   \
-    void pipe_follow_##lanes(pipe *self);                                                                                       \
+    void distributors_answer_##lanes(distributors *self);                                                                       \
     void pipe_warm_##lanes(pipe *self);                                                                                         \
     void pipe_side_##lanes(const double *before, const double *own, const double *behind, double *side);                        \
     void pipe_tapping_##lanes(const double *at, const double *behind, const double *ahead, const double *valve, double *found);  \
@@ -49,5 +54,23 @@ PIPE_LOOPS(1);
 PIPE_LOOPS(2);
 PIPE_LOOPS(4);
 PIPE_LOOPS(8);
+
+/* ---- distributors.c ---- */
+
+/* Rates of all distributors; takes from those of their cells what goes to vehicles. */
+void distributors_act(pipe *self, pipe_passed *passed);
+/* state = share of what was before, and the rest of what the rates make of it in a step. */
+void distributors_go_on(pipe *self, double share, double step);
+/* Copies a block of all states, from and to one of these. */
+enum { STATE, BEFORE, KEPT, FIRST };
+void distributors_copy(pipe *self, int to, int from);
+/* Whether all states are finite and above zero. */
+bool distributors_sound(const pipe *self);
+/* All states: how many, and from and to a place for them. */
+long long int distributors_numbers(const pipe *self);
+void distributors_save(const pipe *self, double *numbers);
+void distributors_load(pipe *self, const double *numbers);
+void distributors_free(pipe *self);
+void pipe_mix(double *u, const double *first, const double *rate, long long int count, double share, double step);
 
 #endif

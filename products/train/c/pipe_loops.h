@@ -33,19 +33,17 @@ void LANES_NAME(pipe_leaks)(pipe *self)
     LANES_LEAVE;
 }
 
-void LANES_NAME(pipe_distribute)(pipe *self)
+void LANES_NAME(distributors_answer)(distributors *self)
 {
-    for (long long int i = 0; i < self->vehicles; i += LANES)
-        LANES_NAME(cells_distributing)(self->own + i, self->own_pipe + i, self->own_given + i, self->own_command + i,
-                                       self->own_rate + i, self->vehicle_stride);
-    LANES_LEAVE;
-}
-
-void LANES_NAME(pipe_follow)(pipe *self)
-{
-    for (long long int i = 0; i < self->vehicles; i += LANES)
-        LANES_NAME(cells_empirical)(self->own + i, self->own_pipe + i, self->own_given + i, self->own_command + i, self->own_rate + i,
-                                    self->vehicle_stride);
+#define FORM(number, name)                                                                                                     \
+    case number:                                                                                                               \
+        for (long long int i = 0; i < self->count; i += LANES)                                                                 \
+            LANES_NAME(cells_##name)(self->state + i, self->air + i, self->given + i, self->command + i, self->rate + i, self->stride); \
+        break;
+    switch (self->form) {
+        DISTRIBUTOR_FORMS(FORM)
+    }
+#undef FORM
     LANES_LEAVE;
 }
 

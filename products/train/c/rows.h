@@ -4,6 +4,7 @@
 #define ROWS_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "lanes_widest.h"
 
@@ -12,6 +13,15 @@ enum { ROWS_EDGE = 8 };
 static inline long long int rows_stride(long long int count)
 {
     return (count + 7) / 8 * 8 + 3 * ROWS_EDGE;
+}
+
+/* Where the first cell of the first row lies in memory that has room for ROWS_SPARE more numbers: at a line of the cache, as
+ * all other rows then do. */
+enum { ROWS_SPARE = ROWS_EDGE };
+static inline double *rows_first(double *memory)
+{
+    const size_t over = (uintptr_t)memory / sizeof(double) % ROWS_EDGE;
+    return memory + ROWS_EDGE + (over ? ROWS_EDGE - over : 0);
 }
 
 /* Sets a row, from its first cell on, with its edges. */

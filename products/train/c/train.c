@@ -7,19 +7,11 @@
 
 #include "rows.h"
 #include "train_inside.h"
-#include "train_limits.h"
 
 /* A step in which brakes and line stay as they are is as long as waves in the pipe allow, from and to [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
 /* Rows of brakes: constants, and three in which all lanes compute. */
-enum { ROWS = BRAKE_GIVEN + 3 };
-
-static long long int widths(const double *head, int row)
-{
-    const long long int vehicles = (long long int)head[HEAD_VEHICLES], valves = (long long int)head[HEAD_VALVES];
-    const long long int of[TRAIN_INPUTS] = {valves, valves, vehicles, vehicles, vehicles, vehicles - 1, vehicles - 1, 2, vehicles, vehicles};
-    return of[row];
-}
+enum { ROWS = BRAKE_ROWS + 3 };
 
 static double *take(double **from, long long int count)
 {
@@ -31,23 +23,12 @@ static double *take(double **from, long long int count)
 static void lay_inputs(train *self, double *room)
 {
     self->given_before = room + self->inputs;
-    for (int n = 0; n < TRAIN_INPUTS; ++n) {
-        self->input[n] = room;
-        room += widths(self->head, n);
-    }
-}
-
-static void lay_outputs(train *self, double *room)
-{
-    for (int n = 0; n < OUT_FORCE; ++n) self->output[n] = take(&room, self->vehicles);
-    self->output[OUT_FORCE] = take(&room, self->vehicles - 1);
-    self->output[OUT_MEAN] = take(&room, self->vehicles - 1);
-    self->output[OUT_SUMS] = take(&room, TRAIN_SUMS);
+    for (int n = 0; n < TRAIN_INPUTS; ++n) self->input[n] = take(&room, layout_input(self->counts, n));
 }
 
 static void put_brakes(train *self, const double *brake)
 {
-    for (int n = 0; n < BRAKE_GIVEN; ++n) {
+    for (int n = 0; n < BRAKE_ROWS; ++n) {
         rows_fill(self->brake + n * self->stride, self->stride, 1.0);
         memcpy(self->brake + n * self->stride, brake + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
     }
@@ -58,66 +39,92 @@ static void put_brakes(train *self, const double *brake)
 /* Height above the first point of the line, from the gradients between its points. */
 static void put_heights(train *self)
 {
-    const double *distance = self->line[0], *gradient = self->line[1];
-    double *height = self->line[3];
+    const double *distance = self->line[POINT_DISTANCE], *gradient = self->line[POINT_GRADIENT];
+    double *height = self->height;
     height[0] = 0.0;
     self->level = 1;
-    for (long long int i = 0; i < self->points; ++i) self->level &= gradient[i] == 0.0 && self->line[2][i] == 0.0;
+    for (long long int i = 0; i < self->points; ++i) self->level &= gradient[i] == 0.0 && self->line[POINT_CURVATURE][i] == 0.0;
     for (long long int i = 1; i < self->points; ++i)
         height[i] = height[i - 1] + (distance[i] - distance[i - 1]) * (gradient[i - 1] + gradient[i]) / 2.0;
 }
 
-static train *lay(train *self, const double *numbers)
+/* Memory for all that is no number of a vehicle in the pipe or in motion; 0: there is none. */
+static int take_memory(train *self)
 {
-    const long long int n = self->vehicles, couplings = n - 1;
-    const double *at = numbers + TRAIN_HEAD, *constants = at, *cells = constants + PIPE_ROWS * self->cells;
-    const double *distributors = cells + 2 * n, *brake = distributors + VEHICLE_CONSTANTS * n, *mass = brake + BRAKE_GIVEN * n;
-    const double *places = mass + MOTION_GIVEN * n, *couplers = places + 2 * n, *valves = couplers + COUPLER_GIVEN * couplings;
-    const double *line = valves + VALVE_ROWS * self->valves;
-    for (int row = 0; row < TRAIN_INPUTS; ++row) self->inputs += widths(self->head, row);
-    const long long int outputs = OUT_FORCE * n + 2 * couplings + TRAIN_SUMS, run = RUN_VALVES + OF_VALVE * self->valves;
-    const long long int given = VEHICLE_STATES * n + VEHICLE_CONSTANTS * n + 3 * n + VALVE_ROWS * self->valves + LINE_ROWS * self->points;
-    self->memory = (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run + ROWS * self->stride), sizeof(double));
+    const long long int n = self->vehicles, run = RUN_VALVES + OF_VALVE * self->valves;
+    long long int outputs = TRAIN_SUMS;
+    for (int row = 0; row < TRAIN_INPUTS; ++row) self->inputs += layout_input(self->counts, row);
+    for (int row = 0; row < OUT_SUMS; ++row) outputs += layout_output(self->counts, row);
+    const long long int given = 3 * n + VALVE_ROWS * self->valves + (POINT_ROWS + 1) * self->points;
+    self->memory = (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run + ROWS * self->stride + ROWS_SPARE), sizeof(double));
     self->cell = (long long int *)calloc((size_t)(3 * n), sizeof(long long int));
-    if (!self->memory || !self->cell) return NULL;
+    if (!self->memory || !self->cell) return 0;
     self->hint = self->cell + n;
     self->face = self->hint + n;
-    double *room = self->memory + ROWS_EDGE;
-    self->brake = take(&room, BRAKE_GIVEN * self->stride);
+    double *room = rows_first(self->memory);
+    self->brake = take(&room, BRAKE_ROWS * self->stride);
     self->cylinder = take(&room, self->stride);
     self->wheel = take(&room, self->stride);
     self->held = take(&room, self->stride);
     room -= ROWS_EDGE;
-    self->vehicle_state = take(&room, VEHICLE_STATES * n);
-    self->vehicle_given = take(&room, VEHICLE_CONSTANTS * n);
     self->mass = take(&room, n);
     self->centre = take(&room, n);
     self->length = take(&room, n);
     self->valve = take(&room, VALVE_ROWS * self->valves);
-    for (int row = 0; row < LINE_ROWS; ++row) self->line[row] = take(&room, self->points);
+    for (int row = 0; row < POINT_ROWS; ++row) self->line[row] = take(&room, self->points);
+    self->height = take(&room, self->points);
     lay_inputs(self, take(&room, 2 * self->inputs));
-    lay_outputs(self, take(&room, outputs));
+    for (int row = 0; row <= OUT_SUMS; ++row) self->output[row] = take(&room, layout_output(self->counts, row));
     self->run = take(&room, run);
-    put_brakes(self, brake);
-    memcpy(self->vehicle_given, distributors, (size_t)(VEHICLE_CONSTANTS * n) * sizeof(double));
-    memcpy(self->mass, mass, (size_t)n * sizeof(double));
-    memcpy(self->centre, places, (size_t)n * sizeof(double));
-    memcpy(self->length, places + n, (size_t)n * sizeof(double));
-    memcpy(self->valve, valves, (size_t)(VALVE_ROWS * self->valves) * sizeof(double));
-    for (int row = 0; row + 1 < LINE_ROWS; ++row)
-        memcpy(self->line[row], line + row * self->points, (size_t)self->points * sizeof(double));
+    return 1;
+}
+
+static void put(double *to, const double *group, int row, long long int count)
+{
+    memcpy(to, group + row * count, (size_t)count * sizeof(double));
+}
+
+/* Numbers of vehicles, valves and the line. */
+static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS])
+{
+    put_brakes(self, at[GROUP_BRAKE]);
+    put(self->mass, at[GROUP_MOTION], MOTION_MASS, self->vehicles);
+    put(self->centre, at[GROUP_FRAME], FRAME_CENTRE, self->vehicles);
+    put(self->length, at[GROUP_FRAME], FRAME_LENGTH, self->vehicles);
+    for (long long int v = 0; v < self->valves; ++v)
+        for (int n = 0; n < VALVE_ROWS; ++n) self->valve[v * VALVE_ROWS + n] = at[GROUP_VALVE][n * self->valves + v];
+    for (int row = 0; row < POINT_ROWS; ++row) put(self->line[row], at[GROUP_POINT], row, self->points);
     put_heights(self);
-    for (long long int i = 0; i < n; ++i) {
-        self->cell[i] = (long long int)cells[i];
-        self->face[i] = (long long int)cells[i + n];
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        self->cell[i] = (long long int)at[GROUP_PLACE][PLACE_CELL * self->vehicles + i];
+        self->face[i] = (long long int)at[GROUP_PLACE][PLACE_FACE * self->vehicles + i];
     }
-    self->moves = motion_create(n, mass, couplers);
+}
+
+/* The pipe with its distributors; 0: there is no memory. */
+static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS])
+{
     double *air = (double *)calloc((size_t)(PIPE_STATES * self->cells), sizeof(double));
-    self->air = air ? pipe_create(self->cells, air, constants) : NULL;
+    long long int *kind = (long long int *)calloc((size_t)self->vehicles, sizeof(long long int));
+    self->air = air && kind ? pipe_create(self->cells, air, at[GROUP_CELL]) : NULL;
+    int made = self->air != NULL;
+    for (long long int i = 0; made && i < self->vehicles; ++i)
+        kind[i] = (long long int)at[GROUP_PLACE][PLACE_DISTRIBUTOR * self->vehicles + i];
+    const double *const *given = at + GROUP_FIRST_KIND; /* one group of each kind */
+    made = made && pipe_vehicles(self->air, self->vehicles, kind, self->cell, given, self->depth, self->head[HEAD_PACE]);
     free(air);
-    if (!self->moves || !self->air) return NULL;
-    if (!pipe_vehicles(self->air, n, self->cell, self->vehicle_state, self->vehicle_given, self->head[HEAD_PACE])) return NULL;
-    pipe_depth(self->air, self->depth);
+    free(kind);
+    return made;
+}
+
+static train *lay(train *self, const double *numbers)
+{
+    const double *at[LAYOUT_GROUPS];
+    layout_find(numbers, self->counts, at);
+    if (!take_memory(self)) return NULL;
+    put_numbers(self, at);
+    self->moves = motion_create(self->vehicles, at[GROUP_MOTION], at[GROUP_COUPLER]);
+    if (!self->moves || !make_pipe(self, at)) return NULL;
     self->saved = (double *)malloc((size_t)train_numbers(self) * sizeof(double));
     return self->saved ? self : NULL;
 }
@@ -128,10 +135,11 @@ train *train_create(const double *numbers, long long int count)
     train *self = (train *)calloc(1, sizeof *self);
     if (!self) return NULL;
     memcpy(self->head, numbers, sizeof self->head);
-    self->vehicles = (long long int)numbers[HEAD_VEHICLES];
-    self->cells = (long long int)numbers[HEAD_CELLS];
-    self->valves = (long long int)numbers[HEAD_VALVES];
-    self->points = (long long int)numbers[HEAD_POINTS];
+    layout_count(numbers, self->counts);
+    self->vehicles = self->counts[OF_VEHICLES];
+    self->cells = self->counts[OF_CELLS];
+    self->valves = self->counts[OF_VALVES];
+    self->points = self->counts[OF_POINTS];
     self->depth = (int)numbers[HEAD_DEPTH];
     self->stride = rows_stride(self->vehicles);
     self->lanes = lanes_of_processor();
@@ -164,28 +172,21 @@ static void fill(double *values, long long int count, double value)
 static void begin_inputs(train *self)
 {
     fill(self->input[0], self->inputs, 0.0);
-    fill(self->input[IN_POSITION], self->valves, VALVE_SHUT_OFF);
-    self->input[IN_POSITION][0] = VALVE_IS_RUNNING;
+    fill(self->input[IN_POSITION], self->valves, POSITION_SHUT_OFF);
+    self->input[IN_POSITION][0] = POSITION_RUNNING;
     fill(self->input[IN_FRICTION], self->vehicles, START_FRICTION);
     fill(self->input[IN_COUPLED], self->vehicles - 1, 1.0);
-    fill(self->input[IN_JOINED], self->vehicles - 1, PIPE_JOINED);
+    fill(self->input[IN_JOINED], self->vehicles - 1, JOINED_WHOLE);
     memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
 }
 
-/* `saved` is no more than a place here. */
 static void begin_air(train *self, double pressure, double cylinder)
 {
-    const double temperature = self->valve[VALVE_WARMTH], density = pressure / (GAS_CONSTANT * temperature);
-    const double charged = fmax(pressure, self->valve[VALVE_RUNNING]);
-    const double state[VEHICLE_STATES] = {charged, self->valve[VALVE_AROUND], charged, cylinder};
-    double *at = self->saved, *own = at + PIPE_STATES * self->cells;
-    fill(at, pipe_numbers(self->air), 0.0);
-    fill(at, self->cells, density);
-    fill(at + 2 * self->cells, self->cells, 2.5 * pressure);
-    for (int n = 0; n < VEHICLE_STATES; ++n) fill(own + n * self->vehicles, self->vehicles, state[n]);
-    pipe_load(self->air, at);
+    pipe_fill(self->air, pressure / (GAS_CONSTANT * self->valve[VALVE_WARMTH]), pressure);
+    pipe_charge(self->air, fmax(pressure, self->valve[VALVE_RUNNING]), self->valve[VALVE_AROUND], cylinder);
 }
 
+/* `saved` is no more than a place here. */
 static void begin_motion(train *self, double speed, double distance)
 {
     double *at = self->saved;
@@ -208,8 +209,8 @@ static void find_brakes(train *self)
 /* Forces of the last step. */
 static void find_forces(train *self)
 {
-    memcpy(self->output[OUT_BRAKE], self->held, (size_t)self->vehicles * sizeof(double));
-    memcpy(self->output[OUT_RAIL], motion_rail(self->moves), (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_BRAKE_FORCE], self->held, (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_RAIL_FORCE], motion_rail(self->moves), (size_t)self->vehicles * sizeof(double));
 }
 
 /* What hangs on the state alone. */
@@ -220,15 +221,15 @@ static void find_outputs(train *self)
     for (long long int i = 0; i < self->vehicles; ++i) {
         self->output[OUT_DISTANCE][i] = place[i] + self->centre[i];
         self->output[OUT_SPEED][i] = speed[i];
-        self->output[OUT_WHEEL][i] = wheel[i];
+        self->output[OUT_WHEEL_SPEED][i] = wheel[i];
     }
-    motion_force_now(self->moves, self->output[OUT_FORCE]);
-    motion_mean(self->moves, self->output[OUT_MEAN]);
-    pipe_pressures(self->air, self->output[OUT_PIPE], self->output[OUT_CYLINDER]);
+    motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
+    motion_mean(self->moves, self->output[OUT_MEAN_COUPLER_FORCE]);
+    pipe_pressures(self->air, self->output[OUT_PIPE_PRESSURE], self->output[OUT_CYLINDER_PRESSURE]);
     memcpy(sums, self->run + RUN_SUMS, TRAIN_SUMS * sizeof(double));
     sums[SUM_TIME] = self->run[RUN_TIME];
-    sums[SUM_AIR] = pipe_has_passed(self->air)->let_in;
-    motion_extremes(self->moves, sums + SUM_TENSION);
+    sums[SUM_AIR_USED] = pipe_has_passed(self->air)->let_in;
+    motion_extremes(self->moves, sums + SUM_LARGEST_TENSION);
 }
 
 /* Joints as inputs had them in the last step. */
@@ -252,14 +253,14 @@ void train_begin(train *self, double time, double speed, double distance, double
         double *own = valves_run(self, v);
         pipe_valve(self->air, (int)v, (long long int)self->valve[v * VALVE_ROWS + VALVE_FACE], closed);
         fill(own, 1 + HISTORY, pressure);
-        fill(own + 1 + HISTORY, HISTORY, v ? VALVE_SHUT_OFF : VALVE_IS_RUNNING);
+        fill(own + 1 + HISTORY, HISTORY, v ? POSITION_SHUT_OFF : POSITION_RUNNING);
     }
     put_joints(self);
     self->steps[0] = self->steps[1] = 0;
     pipe_pressures(self->air, NULL, self->cylinder);
     find_brakes(self);
     find_forces(self);
-    fill(self->output[OUT_RAIL], self->vehicles, 0.0);
+    fill(self->output[OUT_RAIL_FORCE], self->vehicles, 0.0);
     find_outputs(self);
 }
 
@@ -287,16 +288,13 @@ static void take_inputs(train *self)
     }
     lead(self);
     memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
-    for (long long int i = 0; i < self->vehicles; ++i) {
-        const double command = self->input[IN_PROTECTION][i];
-        pipe_command(self->air, i, command != PROTECTION_APPLY, command == PROTECTION_RELEASE);
-    }
+    pipe_protect(self->air, self->input[IN_PROTECTION]);
     motion_begin_mean(self->moves);
     double *force = motion_force(self->moves);
     force[-1] = self->input[IN_ENDS][0];
     force[couplings] = self->input[IN_ENDS][1];
-    memcpy(motion_acting(self->moves, PULL), self->input[IN_PULL], (size_t)self->vehicles * sizeof(double));
-    memcpy(motion_acting(self->moves, FRICTION), self->input[IN_FRICTION], (size_t)self->vehicles * sizeof(double));
+    memcpy(motion_acting(self->moves, ACTING_PULL), self->input[IN_PULL], (size_t)self->vehicles * sizeof(double));
+    memcpy(motion_acting(self->moves, ACTING_FRICTION), self->input[IN_FRICTION], (size_t)self->vehicles * sizeof(double));
 }
 
 /* One step in which brakes and line stay as they are in its middle; 0: it leads nowhere. */
@@ -311,7 +309,7 @@ static int step_on(train *self, double step)
     pipe_pressures(self->air, NULL, self->cylinder);
     for (long long int i = 0; i < self->vehicles; ++i) self->cylinder[i] = (self->cylinder[i] + self->held[i]) / 2.0;
     find_brakes(self);
-    memcpy(motion_acting(self->moves, BRAKE), self->held, (size_t)self->vehicles * sizeof(double));
+    memcpy(motion_acting(self->moves, ACTING_BRAKE), self->held, (size_t)self->vehicles * sizeof(double));
     line_act(self, step);
     const double count = fmax(1.0, ceil(step / (self->head[HEAD_SHARE] * self->head[HEAD_BOUND])));
     if (!(count < 1e9)) return 0;
@@ -382,13 +380,13 @@ int train_go(train *self, double time)
 
 double *train_input(train *self, int row, long long int *count)
 {
-    if (count) *count = widths(self->head, row);
+    if (count) *count = layout_input(self->counts, row);
     return self->input[row];
 }
 
 const double *train_output(const train *self, int row, long long int *count)
 {
-    if (count) *count = row < OUT_FORCE ? self->vehicles : row < OUT_SUMS ? self->vehicles - 1 : TRAIN_SUMS;
+    if (count) *count = layout_output(self->counts, row);
     return self->output[row];
 }
 
@@ -403,8 +401,8 @@ void train_save(const train *self, double *numbers)
     motion_save(self->moves, numbers += pipe_numbers(self->air));
     memcpy(numbers += motion_numbers(self->moves), self->input[0], (size_t)(2 * self->inputs) * sizeof(double));
     memcpy(numbers += 2 * self->inputs, self->run, (size_t)runs(self) * sizeof(double));
-    memcpy(numbers += runs(self), self->output[OUT_BRAKE], (size_t)self->vehicles * sizeof(double));
-    memcpy(numbers + self->vehicles, self->output[OUT_RAIL], (size_t)self->vehicles * sizeof(double));
+    memcpy(numbers += runs(self), self->output[OUT_BRAKE_FORCE], (size_t)self->vehicles * sizeof(double));
+    memcpy(numbers + self->vehicles, self->output[OUT_RAIL_FORCE], (size_t)self->vehicles * sizeof(double));
 }
 
 void train_load(train *self, const double *numbers)
@@ -413,8 +411,8 @@ void train_load(train *self, const double *numbers)
     motion_load(self->moves, numbers += pipe_numbers(self->air));
     memcpy(self->input[0], numbers += motion_numbers(self->moves), (size_t)(2 * self->inputs) * sizeof(double));
     memcpy(self->run, numbers += 2 * self->inputs, (size_t)runs(self) * sizeof(double));
-    memcpy(self->output[OUT_BRAKE], numbers += runs(self), (size_t)self->vehicles * sizeof(double));
-    memcpy(self->output[OUT_RAIL], numbers + self->vehicles, (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_BRAKE_FORCE], numbers += runs(self), (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_RAIL_FORCE], numbers + self->vehicles, (size_t)self->vehicles * sizeof(double));
     put_joints(self);
     find_outputs(self);
 }

@@ -8,7 +8,6 @@
 #include "duration.h"
 #include "train.h"
 #include "train_arrays.h"
-#include "train_limits.h"
 
 /* Times of a run from and to [s]: beyond them hundredths of a second are lost. */
 static const double FARTHEST = FARTHEST_TIME;
@@ -87,18 +86,18 @@ static void find_outputs(arrays_object *self)
 {
     for (int n = 0; n < OUT_SUMS; ++n) {
         long long int count;
-        const double *from = train_output(self->own, n, &count), less = n == OUT_PIPE || n == OUT_CYLINDER ? AMBIENT : 0.0;
+        const double *from = train_output(self->own, n, &count), less = n == OUT_PIPE_PRESSURE || n == OUT_CYLINDER_PRESSURE ? AMBIENT : 0.0;
         double *to = values_of(self, FIRST_OUTPUT + n);
         for (long long int i = 0; i < count; ++i) to[i] = from[i] - less;
     }
     long long int count;
-    const double *speed = train_output(self->own, OUT_SPEED, &count), *wheel = train_output(self->own, OUT_WHEEL, &count);
+    const double *speed = train_output(self->own, OUT_SPEED, &count), *wheel = train_output(self->own, OUT_WHEEL_SPEED, &count);
     for (long long int i = 0; i < count; ++i) {
         values_of(self, LOCKED)[i] = wheel[i] == 0.0 && speed[i] != 0.0;
         values_of(self, SLIP)[i] = speed[i] == wheel[i] ? 0.0 : (speed[i] - wheel[i]) / fmax(fabs(speed[i]), fabs(wheel[i]));
     }
     const double *sums = train_output(self->own, OUT_SUMS, &count);
-    for (int n = SUM_TENSION; n < TRAIN_SUMS; ++n) *values_of(self, FIRST_SUM + n - SUM_TENSION) = sums[n];
+    for (int n = SUM_LARGEST_TENSION; n < TRAIN_SUMS; ++n) *values_of(self, FIRST_SUM + n - SUM_LARGEST_TENSION) = sums[n];
 }
 
 void arrays_reset(arrays_object *self)

@@ -18,7 +18,7 @@ static double told(train *self, long long int valve, int what, double time)
 static double position_of(train *self, long long int valve, double *step)
 {
     const double delay = self->valve[valve * VALVE_ROWS + VALVE_DELAY], time = self->run[RUN_TIME] - delay;
-    const int follows = delay >= 0.0 && self->input[IN_POSITION][valve] == VALVE_SHUT_OFF;
+    const int follows = delay >= 0.0 && self->input[IN_POSITION][valve] == POSITION_SHUT_OFF;
     *step = follows ? told(self, 0, 2, time) : self->input[IN_STEP][valve];
     return follows ? told(self, 0, 1, time) : self->input[IN_POSITION][valve];
 }
@@ -26,18 +26,18 @@ static double position_of(train *self, long long int valve, double *step)
 /* The pressure that a valve is to hold. */
 static double wanted(const double *given, double position, double step)
 {
-    if (position == VALVE_OVERCHARGED) return given[VALVE_OVERCHARGE];
-    if (position == VALVE_IN_SERVICE) return given[VALVE_RUNNING] - given[VALVE_FIRST] - step * (given[VALVE_FULL] - given[VALVE_FIRST]);
-    return position == VALVE_IN_EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
+    if (position == POSITION_OVERCHARGE) return given[VALVE_OVERCHARGE];
+    if (position == POSITION_SERVICE) return given[VALVE_RUNNING] - given[VALVE_FIRST] - step * (given[VALVE_FULL] - given[VALVE_FIRST]);
+    return position == POSITION_EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
 }
 
 static double moved(const double *given, double held, double position, double step, double time)
 {
     const double target = wanted(given, position, step);
-    if (position == VALVE_SHUT_OFF) return held;
+    if (position == POSITION_SHUT_OFF) return held;
     if (held < target) return fmin(target, held + given[VALVE_UP] * time);
-    const int slowly = position == VALVE_IS_RUNNING;
-    return fmax(target, held - given[position == VALVE_IN_EMERGENCY ? VALVE_QUICKLY : slowly ? VALVE_SLOWLY : VALVE_DOWN] * time);
+    const int slowly = position == POSITION_RUNNING;
+    return fmax(target, held - given[position == POSITION_EMERGENCY ? VALVE_QUICKLY : slowly ? VALVE_SLOWLY : VALVE_DOWN] * time);
 }
 
 /* How a valve stands in the middle of a step. */
@@ -48,10 +48,10 @@ void valves_command(train *self, double time)
         double *held = valves_run(self, v), step;
         const double position = position_of(self, v, &step), before = *held;
         *held = moved(given, before, position, step, time);
-        if (self->depth == PIPE_GIVEN) continue;
-        const double regulates = position != VALVE_SHUT_OFF && position != VALVE_IN_EMERGENCY;
+        if (self->depth == DEPTH_DELAY) continue;
+        const double regulates = position != POSITION_SHUT_OFF && position != POSITION_EMERGENCY;
         const double numbers[VALVE_NUMBERS] = {
-            regulates * given[VALVE_FEEDING], regulates * given[VALVE_EXHAUST], (position == VALVE_IN_EMERGENCY) * given[VALVE_EMERGENCY],
+            regulates * given[VALVE_FEEDING], regulates * given[VALVE_EXHAUST], (position == POSITION_EMERGENCY) * given[VALVE_EMERGENCY],
             (before + *held) / 2.0, given[VALVE_BAND], given[VALVE_SUPPLY], given[VALVE_WARMTH], given[VALVE_AROUND]};
         pipe_valve(self->air, (int)v, (long long int)given[VALVE_FACE], numbers);
     }
@@ -64,7 +64,7 @@ static void give_pressures(train *self, double time)
         double nearest = INFINITY, pressure = NAN, step;
         for (long long int v = 0; v < self->valves; ++v) {
             const double distance = fabs(self->centre[i] - self->valve[v * VALVE_ROWS + VALVE_PLACE]);
-            if (distance >= nearest || position_of(self, v, &step) == VALVE_SHUT_OFF) continue;
+            if (distance >= nearest || position_of(self, v, &step) == POSITION_SHUT_OFF) continue;
             nearest = distance;
             pressure = told(self, v, 0, time - distance / self->head[HEAD_PROPAGATION]);
         }
@@ -86,5 +86,5 @@ void valves_tell(train *self, double step)
         }
     }
     self->run[RUN_TOLD] = newest;
-    if (self->depth == PIPE_GIVEN) give_pressures(self, end);
+    if (self->depth == DEPTH_DELAY) give_pressures(self, end);
 }

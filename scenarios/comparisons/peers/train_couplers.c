@@ -206,7 +206,7 @@ TRAIN_SHOWN int equations_explicit(train_equations *self, const double *given, c
                                    long long int steps, double step) {
     motion *moves = motion_create(self->vehicles, given, couplers);
     if (!moves) return 1;
-    double *brake = motion_acting(moves, BRAKE), *friction = motion_acting(moves, FRICTION), extremes[4];
+    double *brake = motion_acting(moves, ACTING_BRAKE), *friction = motion_acting(moves, ACTING_FRICTION), extremes[4];
     for (long long int i = 0; i < self->vehicles; ++i) friction[i] = INFINITY;
     motion_put(moves, moving);
     for (long long int k = 0; k < steps; ++k) {

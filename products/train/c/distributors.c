@@ -1,0 +1,201 @@
+/* Distributors of a pipe's vehicles: rows of each kind, as rows.h lays them. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pipe_inside.h"
+#include "rows.h"
+
+/* Of those kinds that a vehicle has. */
+#define EACH_KIND(self, one)                                                \
+    for (distributors *one = (self)->own; one < (self)->own + KINDS; ++one) \
+        if (one->count)
+#define EACH_CONST(self, one)                                                     \
+    for (const distributors *one = (self)->own; one < (self)->own + KINDS; ++one) \
+        if (one->count)
+
+void distributors_free(pipe *self)
+{
+    for (int k = 0; k < KINDS; ++k) {
+        free(self->own[k].memory);
+        free(self->own[k].vehicle);
+    }
+    memset(self->own, 0, sizeof self->own);
+}
+
+/* Memory of so many; 0: there is none. */
+static int lay(distributors *self, long long int count)
+{
+    const int states = KIND[self->kind].states, given = KIND[self->kind].given;
+    const struct {
+        double **first;
+        int rows;
+        double value;
+    } parts[] = {{&self->state, states, 1e5}, {&self->before, states, 0.0}, {&self->kept, states, 0.0},
+                 {&self->first, states, 0.0}, {&self->given, given, 1.0},   {&self->air, PIPE_STATES, 1.0},
+                 {&self->command, COMMAND_ROWS, 0.0}, {&self->rate, states + ANSWER_ROWS, 0.0}};
+    const long long int rows = 5 * states + given + PIPE_STATES + COMMAND_ROWS + ANSWER_ROWS;
+    const long long int stride = self->stride = rows_stride(count);
+    self->memory = (double *)malloc((size_t)(rows * stride + ROWS_SPARE) * sizeof(double));
+    self->vehicle = (long long int *)malloc((size_t)(2 * count) * sizeof(long long int));
+    if (!self->memory || !self->vehicle) return 0;
+    self->cell = self->vehicle + count;
+    double *row = rows_first(self->memory);
+    for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
+        *parts[part].first = row;
+        for (int n = 0; n < parts[part].rows; ++n, row += stride) rows_fill(row, stride, parts[part].value);
+    }
+    return 1;
+}
+
+/* Air at rest, behind the last one. */
+static void put_air(distributors *self)
+{
+    static const double air[PIPE_STATES] = {1.2, 0.0, 2.5e5};
+    for (int n = 0; n < PIPE_STATES; ++n) rows_fill(self->air + n * self->stride, self->stride, air[n]);
+}
+
+static void put_given(distributors *self, const double *given)
+{
+    for (int n = 0; n < KIND[self->kind].given; ++n)
+        memcpy(self->given + n * self->stride, given + n * self->count, (size_t)self->count * sizeof(double));
+}
+
+int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
+                  const double *const given[KINDS], int depth, double pace)
+{
+    distributors_free(self);
+    long long int counts[KINDS] = {0};
+    for (long long int v = 0; v < count; ++v) ++counts[kind[v]];
+    for (int k = 0; k < KINDS; ++k) {
+        distributors *one = &self->own[k];
+        one->kind = k;
+        one->form = 2 * k + (depth != DEPTH_WHOLE);
+        one->lanes = self->lanes;
+        if (counts[k] && !lay(one, counts[k])) return 0;
+    }
+    for (long long int v = 0; v < count; ++v) {
+        distributors *one = &self->own[kind[v]];
+        one->vehicle[one->count] = v;
+        one->cell[one->count++] = cell[v];
+    }
+    EACH_KIND(self, one) {
+        put_air(one);
+        put_given(one, given[one->kind]);
+    }
+    self->depth = depth;
+    self->pace = pace;
+    return 1;
+}
+
+void pipe_charge(pipe *self, double charged, double around, double cylinder)
+{
+    const double start[STARTS] = {[START_CHARGED] = charged, [START_AROUND] = around, [START_CYLINDER] = cylinder};
+    EACH_KIND(self, one)
+        for (int n = 0; n < KIND[one->kind].states; ++n)
+            for (long long int i = 0; i < one->count; ++i) one->state[i + n * one->stride] = start[KIND[one->kind].start[n]];
+}
+
+void pipe_protect(pipe *self, const double *protection)
+{
+    EACH_KIND(self, one)
+        for (long long int i = 0; i < one->count; ++i) {
+            const double command = protection[one->vehicle[i]];
+            one->command[i + COMMAND_HELD * one->stride] = command != PROTECTION_APPLY;
+            one->command[i + COMMAND_VENTED * one->stride] = command == PROTECTION_RELEASE;
+        }
+}
+
+void pipe_vehicle_states(const pipe *self, int kind, double *state)
+{
+    const distributors *one = &self->own[kind];
+    for (int n = 0; one->count && n < KIND[kind].states; ++n)
+        memcpy(state + n * one->count, one->state + n * one->stride, (size_t)one->count * sizeof(double));
+}
+
+long long int distributors_numbers(const pipe *self)
+{
+    long long int count = 0;
+    EACH_CONST(self, one) count += KIND[one->kind].states * one->count;
+    return count;
+}
+
+void distributors_save(const pipe *self, double *numbers)
+{
+    EACH_CONST(self, one) {
+        pipe_vehicle_states(self, one->kind, numbers);
+        numbers += KIND[one->kind].states * one->count;
+    }
+}
+
+void distributors_load(pipe *self, const double *numbers)
+{
+    EACH_KIND(self, one)
+        for (int n = 0; n < KIND[one->kind].states; ++n, numbers += one->count)
+            memcpy(one->state + n * one->stride, numbers, (size_t)one->count * sizeof(double));
+}
+
+void pipe_pressures(const pipe *self, double *line, double *cylinder)
+{
+    EACH_CONST(self, one) {
+        for (long long int i = 0; i < one->count && line; ++i) {
+            const double *u = self->state + one->cell[i], momentum = u[self->stride];
+            /* (kappa - 1) times inner energy */
+            line[one->vehicle[i]] = 0.4 * (u[2 * self->stride] - momentum * momentum / u[0] / 2.0);
+        }
+        const double *pressure = one->state + KIND[one->kind].cylinder * one->stride;
+        for (long long int i = 0; i < one->count && cylinder; ++i) cylinder[one->vehicle[i]] = pressure[i];
+    }
+}
+
+static void answer(distributors *self) { IN_LANES(distributors_answer); }
+
+void distributors_act(pipe *self, pipe_passed *passed)
+{
+    const long long int stride = self->stride;
+    EACH_KIND(self, one) {
+        for (long long int i = 0; i < one->count; ++i)
+            for (int n = 0; n < PIPE_STATES; ++n) one->air[i + n * one->stride] = self->state[one->cell[i] + n * stride];
+        answer(one);
+        if (self->depth == DEPTH_DELAY) continue;
+        const double *found = one->rate + KIND[one->kind].states * one->stride;
+        const double *mass = found + ANSWER_TAKEN * one->stride, *energy = found + ANSWER_ENTHALPY * one->stride;
+        for (long long int i = 0; i < one->count; ++i) {
+            const long long int cell = one->cell[i];
+            self->rate[cell] -= mass[i] * self->over_volume[cell];
+            self->rate[cell + 2 * stride] -= energy[i] * self->over_volume[cell];
+            passed->vehicle_mass += mass[i];
+            passed->vehicle_energy += energy[i];
+            passed->cylinder_mass += found[i + ANSWER_FILLING * one->stride];
+        }
+    }
+}
+
+void distributors_go_on(pipe *self, double share, double step)
+{
+    EACH_KIND(self, one)
+        for (int n = 0; n < KIND[one->kind].states; ++n) {
+            const long long int at = n * one->stride;
+            pipe_mix(one->state + at, one->before + at, one->rate + at, one->count, share, step);
+        }
+}
+
+void distributors_copy(pipe *self, int to, int from)
+{
+    EACH_KIND(self, one) {
+        double *blocks[] = {one->state, one->before, one->kept, one->first};
+        const size_t size = (size_t)(KIND[one->kind].states * one->stride) * sizeof(double);
+        memcpy(blocks[to] - ROWS_EDGE, blocks[from] - ROWS_EDGE, size);
+    }
+}
+
+bool distributors_sound(const pipe *self)
+{
+    EACH_CONST(self, one)
+        for (int n = 0; n < KIND[one->kind].states; ++n) {
+            const double *state = one->state + n * one->stride;
+            for (long long int i = 0; i < one->count; ++i)
+                if (!(state[i] > 0.0 && isfinite(state[i]))) return false;
+        }
+    return true;
+}

@@ -1,0 +1,277 @@
+"""The numbers of a train: what each is, its unit and limits, what there is one of for. Stated here alone.
+
+From it come the numbers that Python writes (`laid`), the places at which C reads them and the limits that it checks
+(`layout_in_c`), arrays of the FMU (products/train/fmu.py), and tables in docs/variables.md. Fields whose equations lie
+elsewhere are stated beside these.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from brake_controller.air import AMBIENT, GAS_CONSTANT
+from brake_controller.brake_pipe import CELL
+from brake_controller.brake_pipe import VALVE as TAP
+from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
+from brake_controller.drivers_valve import POSITIONS, VALVE
+from brake_controller.vehicle_brake import VehicleBrake
+from fmu_src.c_literals import c_array, c_number, c_text
+from fmu_src.system import Field, ParameterSet
+from rbd_model.train.coupler import COUPLER
+from rbd_model.train.vehicle import ACTING, GRAVITY, MOTION
+
+#: Vehicles, cells or points at most; driver's valves at most.
+MOST, MOST_VALVES = float(1 << 20), 16
+#: Depths of the brake: flow of air and whole distributors; flow of air and empirical valves; a delay and those.
+DEPTHS = {"whole": 0, "empirical": 1, "delay": 2}
+#: Friction between wheels and rail at the start.
+START_FRICTION = 0.3
+
+
+@dataclass(frozen=True)
+class Array(Field):
+    """An input or output: of what there is one for each, its name in an FMU, what its whole numbers choose."""
+
+    of: str = "one"
+    called: str = ""
+    choices: Sequence[str] = ()
+
+
+def _chosen(name: str, text: str, of: str, choices: Sequence[str], called: str = "") -> Array:
+    return Array(name, "1", 0.0, float(len(choices) - 1), text, True, of=of, called=called, choices=choices)
+
+
+_POSITIONS = (
+    "Driver's valve: 0 shut off, or a second valve follows the head's; 1 running, 2 overcharge, 3 service, 4 emergency"
+)
+_STEP = "Step of service: 0 the first, 1 full service"
+_PULL = "Force of motors at the rim; below zero it drives backwards"
+_COUPLED = "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (its hose: joined)"
+_LED = "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither"
+#: What is set from outside; ends: forces at the head and at the end.
+INPUTS = (
+    _chosen("position", _POSITIONS, "valves", [name.replace("-", "_") for name in POSITIONS], "driver_position"),
+    Array("step", "1", 0.0, 1.0, _STEP, of="valves", called="driver_step"),
+    Array("pull", "N", -1e7, 1e7, _PULL, of="vehicles"),
+    Array("friction", "1", 0.0, 2.0, "Friction between wheels and rail, by vehicle", of="vehicles"),
+    _chosen(
+        "protection",
+        "Wheel-slide protection by vehicle: 0 apply, 1 hold, 2 release",
+        "vehicles",
+        ("apply", "hold", "release"),
+    ),
+    _chosen("coupled", _COUPLED, "couplings", ("apart", "together")),
+    _chosen(
+        "joined",
+        "Pipe behind each vehicle: 0 joined, 1 cock shut, 2 hose parted",
+        "couplings",
+        ("whole", "shut", "parted"),
+    ),
+    Array("ends", "N", -1e8, 1e8, "Pull forwards at the head, and backwards at the end", of="ends", called="end_force"),
+    _chosen("led", _LED, "vehicles", ("not", "held", "corrected")),
+    Array("led_speed", "m/s", -300.0, 300.0, "Speed of a vehicle that is led", of="vehicles"),
+)
+
+
+def _found(name: str, unit: str, text: str, of: str = "one") -> Array:
+    return Array(name, unit, -math.inf, math.inf, text, of=of)
+
+
+#: What is found, and numbers of the run.
+OUTPUTS = (
+    _found("distance", "m", "Distance of each vehicle's middle", "vehicles"),
+    _found("speed", "m/s", "Speed of each vehicle", "vehicles"),
+    _found("wheel_speed", "m/s", "Speed of each vehicle's wheels at the rim", "vehicles"),
+    _found("pipe_pressure", "Pa", "Gauge pressure in the pipe at each vehicle's distributor", "vehicles"),
+    _found("cylinder_pressure", "Pa", "Gauge pressure in each vehicle's cylinders", "vehicles"),
+    _found("brake_force", "N", "What each vehicle's brake can hold at the rim", "vehicles"),
+    _found("rail_force", "N", "What the rail gives to each vehicle's wheels, forwards above zero", "vehicles"),
+    _found("coupler_force", "N", "Tension in the coupling behind each vehicle, compression below zero", "couplings"),
+    _found("mean_coupler_force", "N", "Mean tension over the last step, which has its impulse", "couplings"),
+)
+SUMS = (
+    _found("time", "s", "Time of the run"),
+    _found("largest_tension", "N", "Largest tension in any coupling so far"),
+    _found("largest_tension_at", "1", "The coupling where that was, from 1 on"),
+    _found("largest_compression", "N", "Largest compression in any coupling so far"),
+    _found("largest_compression_at", "1", "The coupling where that was, from 1 on"),
+    _found("air_used", "kg", "Air that driver's valves have let in"),
+)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Fields of which there is a row each, one behind the other, with a number for each of its owners."""
+
+    name: str
+    of: str
+    fields: Sequence[Field]
+
+
+def _counted(name: str, text: str, most: float = MOST, least: float = 1.0) -> Field:
+    return Field(name, "1", least, most, text, whole=True)
+
+
+def _head() -> tuple[Field, ...]:
+    return (
+        _counted("vehicles", "its number of vehicles"),
+        _counted("cells", "its number of cells"),
+        _counted("valves", "its number of valves", MOST_VALVES),
+        _counted("points", "its number of points of the line"),
+        *(_counted(f"distributor_{name}", f"its number of distributors {name}", least=0.0) for name in DISTRIBUTORS),
+        _counted("depth", "the depth of its brake", len(DEPTHS) - 1.0, 0.0),
+        Field("pace", "1/s", 1e-3, 1e6, "the pace of its vehicles"),
+        Field("courant", "1", 1e-2, 1.0, "the step of its pipe"),
+        Field("bound", "s", 1e-6, 1e9, "the step of its couplers"),
+        Field("share", "1", 1e-5, 2.5, "the share of its couplers' step"),
+        Field("propagation", "m/s", 1.0, 1e12, "its propagation"),
+    )
+
+
+def _place() -> tuple[Field, ...]:
+    """Where each vehicle takes air, before which cell it ends (0: before none), and the kind of its distributor."""
+    return (
+        Field("cell", "1", 0.0, -1.0, "a vehicle's place at the pipe", whole=True, counts="cells"),
+        Field("face", "1", 0.0, 0.0, "a vehicle's end at the pipe", whole=True, counts="cells"),
+        _counted("distributor", "the distributor of a vehicle", len(DISTRIBUTORS) - 1.0, 0.0),
+    )
+
+
+_FRAME = (
+    Field("centre", "m", -1e7, 1e7, "the place of a vehicle"),
+    Field("length", "m", 0.1, 1e4, "the length of a vehicle"),
+)
+_POINT = (
+    Field("distance", "m", -1e9, 1e9, "a distance of the line", rises=True),
+    Field("gradient", "1", -10.0, 10.0, "a gradient of the line"),
+    Field("curvature", "1/m", -10.0, 10.0, "a curvature of the line"),
+)
+
+
+def _of(parameters: type[ParameterSet], most: float) -> tuple[Field, ...]:
+    """Return the fields of a parameter set; where it has no limit, C has one of this size."""
+    found = []
+    for one in fields(parameters):
+        least, up_to = (max(min(one.metadata[name], most), -most) for name in ("minimum", "maximum"))
+        text = one.metadata["description"].partition(";")[0]
+        text = text[0].lower() + text[1:]
+        found.append(Field(one.name, one.metadata["unit"], least, up_to, text, one.metadata["kind"] == "integer"))
+    return tuple(found)
+
+
+def layout() -> tuple[Group, ...]:
+    """Return the groups in their order."""
+    kinds = DISTRIBUTORS.items()
+    of_kinds = [(f"distributor_{name}", _of(kind.parameters, 1e9)) for name, kind in kinds]
+    return (
+        Group("head", "one", _head()),
+        Group("cell", "cells", CELL),
+        Group("place", "vehicles", _place()),
+        *(Group(name, name, own) for name, own in of_kinds),
+        Group("brake", "vehicles", _of(VehicleBrake, 1e12)),
+        Group("motion", "vehicles", MOTION),
+        Group("frame", "vehicles", _FRAME),
+        Group("coupler", "couplings", COUPLER),
+        Group("valve", "valves", VALVE),
+        Group("point", "points", _POINT),
+    )
+
+
+def laid(columns: Mapping[str, Mapping[str, ArrayLike]]) -> NDArray[np.float64]:
+    """Return the numbers of a train of columns by group and name: a number for each owner. KeyError: one is missing."""
+    rows = [np.ravel(np.asarray(columns[group.name][one.name], float)) for group in layout() for one in group.fields]
+    return np.concatenate(rows)
+
+
+# ---- in C ------------------------------------------------------------------------------------------------------------
+
+
+def _enum(prefix: str, names: Iterable[str], last: str) -> str:
+    return f"enum {{ {', '.join([*(f'{prefix}_{name}'.upper() for name in names), last])} }};"
+
+
+def _owners() -> dict[str, str]:
+    """What there is a number of, by name, as C of the head."""
+    counted = {name: f"(long long int)head[HEAD_{name.upper()}]" for name in ("cells", "vehicles", "valves", "points")}
+    counted |= {f"distributor_{one}": f"(long long int)head[HEAD_DISTRIBUTOR_{one.upper()}]" for one in DISTRIBUTORS}
+    return {"one": "1", "ends": "2"} | counted | {"couplings": f"{counted['vehicles']} - 1"}
+
+
+def layout_in_c() -> str:
+    """Return train_layout.h: what rows and arrays are called, how many there are, constants that Python has too."""
+    shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
+    counts = [f"    counts[OF_{name.upper()}] = {text};" for name, text in _owners().items()]
+    return "\n".join(
+        [
+            "/* Written by products/train/layout.py. */",
+            "#ifndef TRAIN_LAYOUT_H\n#define TRAIN_LAYOUT_H\n",
+            *(f"static const double {name} = {value!r};" for name, value in shared.items()),
+            f"enum {{ MOST_VALVES = {MOST_VALVES} }};",
+            _enum("of", _owners(), "LAYOUT_OWNERS"),
+            _enum("group", (one.name for one in layout()), "LAYOUT_GROUPS"),
+            "enum { GROUP_FIRST_KIND = GROUP_PLACE + 1 };",
+            *(_enum(one.name, (f.name for f in one.fields), f"{one.name.upper()}_ROWS") for one in layout()),
+            "enum { HEAD_FIRST_KIND = HEAD_POINTS + 1 };",
+            _enum("in", (one.name for one in INPUTS), "TRAIN_INPUTS"),
+            *(_enum(one.name, one.choices, f"{one.name.upper()}_CHOICES") for one in INPUTS if one.choices),
+            _enum("out", (one.name for one in OUTPUTS), "OUT_SUMS"),
+            _enum("sum", (one.name for one in SUMS), "TRAIN_SUMS"),
+            _enum("depth", DEPTHS, "DEPTHS"),
+            _enum("acting", ACTING, "ACTING_ROWS"),
+            _enum("tap", TAP, "TAP_ROWS"),
+            *_kinds_in_c(),
+            "static inline void layout_count(const double *head, long long int counts[LAYOUT_OWNERS])",
+            "\n".join(["{", *counts, "}"]),
+            "\n#endif\n",
+        ]
+    )
+
+
+def _kinds_in_c() -> list[str]:
+    """Of distributors: states, how they begin, which is the cylinder; and the functions of each depth."""
+    most = max(len(one.states) for one in DISTRIBUTORS.values())
+    rows, forms = list[str](), list[str]()
+    for name, one in DISTRIBUTORS.items():
+        starts = ", ".join(f"START_{start.upper()}" for _, start in one.states)
+        cylinder = [state for state, _ in one.states].index(CYLINDER)
+        rows.append(f"{{{len(one.states)}, DISTRIBUTOR_{name.upper()}_ROWS, {cylinder}, {{{starts}}}}}")
+        forms += [f"form({len(forms) + n}, {name}_{depth})" for n, depth in enumerate(one.depths())]
+    return [
+        _enum("start", STARTS, "STARTS"),
+        _enum("command", COMMANDED, "COMMAND_ROWS"),
+        _enum("answer", ANSWERED, "ANSWER_ROWS"),
+        _enum("kind", DISTRIBUTORS, "KINDS"),
+        f"typedef struct {{\n    int states, given, cylinder, start[{most}];\n}} distributor_kind;",
+        c_array("distributor_kind", "KIND", rows),
+        f"#define DISTRIBUTOR_FORMS(form) {' '.join(forms)}",
+    ]
+
+
+def fields_in_c() -> str:
+    """Return train_fields.h: owners and limits of all fields and inputs."""
+    of_groups = [f"{{OF_{one.of.upper()}, {len(one.fields)}}}" for one in layout()]
+    own = [_field(one, group.of) for group in layout() for one in group.fields]
+    return "\n".join(
+        [
+            "/* Written by products/train/layout.py. */",
+            "typedef struct {\n    int of, rows;\n} layout_group;",
+            "typedef struct {\n    double least, most;\n    int of, whole, counts, rises;",
+            "    const char *what;\n} layout_field;",
+            c_array("layout_group", "GROUPS", of_groups),
+            c_array("layout_field", "FIELDS", own),
+            c_array("layout_field", "INPUTS", (_field(one, one.of) for one in INPUTS)),
+            c_array("int", "OUTPUT_OF", (f"OF_{one.of.upper()}" for one in OUTPUTS)) + "\n",
+        ]
+    )
+
+
+def _field(one: Field, of: str) -> str:
+    counts = f"OF_{(one.counts or 'one').upper()}"
+    limits = f"{c_number(one.least)}, {c_number(one.most)}"
+    return f"{{{limits}, OF_{of.upper()}, {int(one.whole)}, {counts}, {int(one.rises)}, {c_text(one.text)}}}"
