@@ -55,12 +55,28 @@ class DriversValve(ParameterSet):
         "Pa/s", "How fast the pipe at the valve falls in an emergency, without flow of air", 0.0
     )
 
-    def numbers(self, face: int, place: float, delay: float) -> list[float]:
+    def numbers(self, face: int, place: float, delay: float) -> dict[str, float]:
         """Return the numbers of VALVE; face: of the pipe; place: from the head [m]; delay: [s], or below 0."""
-        areas = [DISCHARGE * area for area in (self.feeding_area, self.exhaust_area, self.emergency_area)]
-        levels = [self.running + AMBIENT, self.overcharge + AMBIENT, self.first_step, self.full_service]
-        paces = [self.service_rate, self.release_rate, self.overcharge_rate, self.emergency_rate]
-        return [face, *areas, self.band, self.supply + AMBIENT, WALL, AMBIENT, *levels, *paces, place, delay]
+        return {
+            "face": face,
+            "feeding": DISCHARGE * self.feeding_area,
+            "exhaust": DISCHARGE * self.exhaust_area,
+            "emergency": DISCHARGE * self.emergency_area,
+            "band": self.band,
+            "supply": self.supply + AMBIENT,
+            "warmth": WALL,
+            "around": AMBIENT,
+            "running": self.running + AMBIENT,
+            "overcharge": self.overcharge + AMBIENT,
+            "first": self.first_step,
+            "full": self.full_service,
+            "down": self.service_rate,
+            "up": self.release_rate,
+            "slowly": self.overcharge_rate,
+            "quickly": self.emergency_rate,
+            "place": place,
+            "delay": delay,
+        }
 
 
 def drivers_valve() -> DriversValve:

@@ -24,7 +24,7 @@ from brake_controller.distributors.uic import freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.vehicle_brake import VehicleBrake, braking
 from rbd_model.train.coupler import Coupler, screw_coupler
-from rbd_model.train.vehicle import GRAVITY
+from rbd_model.train.vehicle import GRAVITY, MOTION
 
 #: Hose at each end of a vehicle [m], as train simulators print it.
 HOSE = 0.62
@@ -67,11 +67,12 @@ class TrainVehicle:
     valve_delay: float = -1.0
     leads: bool = False
 
-    def motion(self) -> list[float]:
+    def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""
         weight = self.mass * GRAVITY * self.braked_share
         shape = [self.friction_left, self.friction_fall, *self.resistance]
-        return [self.mass, self.rotating_share * self.mass, weight, *shape]
+        numbers = [self.mass, self.rotating_share * self.mass, weight, *shape]
+        return dict(zip((one.name for one in MOTION), numbers, strict=True))
 
     @property
     def percentage(self) -> float:

@@ -11,7 +11,7 @@ from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, build_arrays_f
 from fmu_src.codegen import RUNTIME
 from fmu_src.equations_in_c import function_of_cells
 from products.train.fmu import binaries_of
-from products.train.layout import layout_in_c
+from products.train.layout_in_c import layout_in_c
 from products.train.library import FOLDER
 from rbd_model.train.coupler import Coupler, coupling
 

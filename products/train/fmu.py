@@ -14,24 +14,12 @@ from fmu_src.native_fmu import PLATFORMS, PLATFORMS3
 from products.prebuilt import contents, shipped, sources_here
 from products.train import layout
 from products.train.consist import Consist
-from products.train.layout import START_FRICTION, Array
+from products.train.layout import START_FRICTION, START_PIPE_PRESSURE, Array
 from products.train.library import FOLDER, sources
 from products.train.numbers import Settings, numbers_of
-from products.train.train import FARTHEST, HIGHEST, START_PIPE_PRESSURE
 from rbd_model.track.line import Line
-from rbd_model.vehicle.variables import FASTEST
 
 NAME = "TrainDynamics"
-PARAMETERS = (
-    ArrayVariable("start_speed", "parameter", "m/s", "Speed at the start", -FASTEST, FASTEST),
-    ArrayVariable(
-        "start_distance", "parameter", "m", "Distance of the train's front at the start", -FARTHEST, FARTHEST
-    ),
-    ArrayVariable("start_pipe_pressure", "parameter", "Pa", "Gauge pressure in the pipe at the start", 0.0, HIGHEST),
-    ArrayVariable(
-        "start_cylinder_pressure", "parameter", "Pa", "Gauge pressure in all cylinders at the start", 0.0, HIGHEST
-    ),
-)
 
 
 def _arrays(causality: str, arrays: Sequence[Array]) -> tuple[ArrayVariable, ...]:
@@ -41,6 +29,7 @@ def _arrays(causality: str, arrays: Sequence[Array]) -> tuple[ArrayVariable, ...
     )
 
 
+PARAMETERS = _arrays("parameter", layout.INITIAL)
 INPUTS = _arrays("input", layout.INPUTS)
 OUTPUTS = (
     *_arrays("output", layout.OUTPUTS),

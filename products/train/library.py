@@ -14,7 +14,7 @@ from brake_controller.vehicle_brake import braking
 from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
-from products.train.layout import fields_in_c, layout_in_c
+from products.train.layout_in_c import fields_in_c, layout_in_c
 from rbd_model.train.coupler import coupling
 from rbd_model.train.vehicle import rolling, sliding
 

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from brake_controller.air import AMBIENT, WALL
 from brake_controller.distributors import DISTRIBUTORS, kind_of
-from brake_controller.drivers_valve import VALVE
-from fmu_src.system import Field
 from products.train.consist import Consist
-from products.train.layout import DEPTHS, laid
+from products.train.layout import DEPTHS, Rows, laid
 from products.train.pipe import COURANT
 from rbd_model.track.line import Line
-from rbd_model.train.coupler import COUPLER, fastest
-from rbd_model.train.vehicle import MOTION
+from rbd_model.train.coupler import fastest
 
 #: Of the longest stable step of the couplers, what is taken.
 SHARE = 0.4
@@ -93,56 +89,44 @@ def volumes_of(consist: Consist, settings: Settings) -> NDArray[np.float64]:
     return area * (lengths + branches_of(consist, places, len(lengths)))
 
 
-Columns = dict[str, ArrayLike]
-
-
 def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArray[np.float64]:
     """Return all numbers of a train. Raises ValueError if its pipes have several diameters."""
     vehicles = consist.vehicles
     lengths, places, faces = cells_of(consist, settings.cells)
-    cells, kinds = len(lengths), [kind_of(one.distributor) for one in vehicles]
+    kinds, known = [kind_of(one.distributor) for one in vehicles], list(DISTRIBUTORS.values())
     ends = np.concatenate([[0.0], -np.cumsum([one.length for one in vehicles])])
     bound = 2.0 / max(fastest([one.coupler for one in vehicles[:-1]], [one.mass for one in vehicles]), 1e-6)
-    pairs = list(dict.fromkeys(zip(kinds, (one.distributor for one in vehicles), strict=True)))
-    valves = _valves(consist, places, faces, cells, ends)
-    points = _points(line)
-    head: Columns = {
-        "vehicles": len(vehicles),
-        "cells": cells,
-        "valves": len(valves),
-        "points": len(points["distance"]),
+    pace = max(kind_of(one).fastest(one, settings.depth) for one in {one.distributor for one in vehicles})
+    valves = [
+        one.valve.numbers(_face(i, places, faces, len(lengths)), float(ends[i]), one.valve_delay)
+        for i, one in enumerate(vehicles)
+        if one.valve is not None
+    ]
+    rows = line.rows if line is not None else {"distance": np.zeros(1)}
+    level = np.zeros(len(rows["distance"]))
+    head = {"vehicles": len(vehicles), "cells": len(lengths), "valves": len(valves), "points": len(level)}
+    head |= {f"distributor_{kind.name}": kinds.count(kind) for kind in known}
+    shares = {"courant": settings.courant, "share": settings.share, "propagation": settings.propagation}
+    groups: dict[str, Rows] = {
+        "head": head | shares | {"depth": DEPTHS[settings.depth], "pace": pace, "bound": bound},
+        "cell": _cells(consist, settings, lengths, places),
+        "place": {"cell": places, "face": faces, "distributor": [known.index(kind) for kind in kinds]},
+        "brake": [one.brake.values() for one in vehicles],
+        "motion": [one.motion() for one in vehicles],
+        "frame": {"centre": (ends[:-1] + ends[1:]) / 2, "length": [one.length for one in vehicles]},
+        "coupler": [one.coupler.values() for one in vehicles[:-1]],
+        "valve": valves,
+        "point": {name: rows.get(name, level) for name in ("distance", "gradient", "curvature")},
     }
-    head |= {f"distributor_{name}": kinds.count(kind) for name, kind in DISTRIBUTORS.items()}
-    head |= {"depth": DEPTHS[settings.depth], "pace": max(kind.fastest(one, settings.depth) for kind, one in pairs)}
-    head |= {"courant": settings.courant, "bound": bound, "share": settings.share, "propagation": settings.propagation}
-    own = list(DISTRIBUTORS.values())
-    return laid(
-        {
-            "head": head,
-            "cell": _cells(consist, settings, lengths, places),
-            "place": {"cell": places, "face": faces, "distributor": [own.index(kind) for kind in kinds]},
-            **_distributors(consist),
-            "brake": _columns([one.brake.values() for one in vehicles]),
-            "motion": _named(MOTION, [one.motion() for one in vehicles]),
-            "frame": {"centre": (ends[:-1] + ends[1:]) / 2, "length": [one.length for one in vehicles]},
-            "coupler": _named(COUPLER, [one.coupler.constants() for one in vehicles[:-1]]),
-            "valve": _named(VALVE, valves),
-            "point": points,
-        }
-    )
+    for kind in known:
+        own = [one.distributor.values() for one in vehicles if kind_of(one.distributor) is kind]
+        groups[f"distributor_{kind.name}"] = own
+    return laid(groups)
 
 
-def _columns(rows: Sequence[Mapping[str, float]]) -> Columns:
-    """Return columns of rows that have the same names."""
-    return {name: [row[name] for row in rows] for name in (rows[0] if rows else {})}
-
-
-def _named(fields: Sequence[Field], rows: Sequence[Sequence[float]]) -> Columns:
-    """Return columns of rows in the order of fields."""
-    return {one.name: [row[place] for row in rows] for place, one in enumerate(fields)}
-
-
-def _cells(consist: Consist, settings: Settings, lengths: NDArray[np.float64], places: list[int]) -> Columns:
+def _cells(
+    consist: Consist, settings: Settings, lengths: NDArray[np.float64], places: list[int]
+) -> dict[str, NDArray[np.float64]]:
     """Columns of the pipe's cells."""
     if len({one.pipe_diameter for one in consist.vehicles}) > 1:
         raise ValueError("Give all vehicles pipes of one inner diameter, such as 0.03175 m: they had several.")
@@ -150,34 +134,12 @@ def _cells(consist: Consist, settings: Settings, lengths: NDArray[np.float64], p
     np.add.at(leak, places, [one.leak for one in consist.vehicles])
     same = {"diameter": consist.vehicles[0].pipe_diameter, "wall_temperature": WALL, "ambient_pressure": AMBIENT}
     same |= {"friction": settings.friction, "heat": settings.heat}
-    columns: Columns = {name: np.full(len(lengths), value) for name, value in same.items()}
+    columns = {name: np.full(len(lengths), value) for name, value in same.items()}
     return columns | {"length": lengths, "leak_area": leak, "branch": branches_of(consist, places, len(lengths))}
 
 
-def _distributors(consist: Consist) -> dict[str, Columns]:
-    """Columns of each kind, of the vehicles that have it."""
-    found: dict[str, Columns] = {}
-    for name, kind in DISTRIBUTORS.items():
-        own = [one.distributor for one in consist.vehicles if kind_of(one.distributor) is kind]
-        found[f"distributor_{name}"] = {field: [getattr(one, field) for one in own] for field in kind.fields()}
-    return found
-
-
-def _valves(
-    consist: Consist, places: list[int], faces: list[int], cells: int, ends: NDArray[np.float64]
-) -> list[list[float]]:
-    """Rows of the driver's valves."""
-    found, last = [], len(consist.vehicles) - 1
-    for i, one in enumerate(consist.vehicles):
-        if one.valve is not None:
-            face = 0 if i == 0 else (faces[i - 1] or places[i])
-            face = cells if i == last and i > 0 else face
-            found.append(one.valve.numbers(face, float(ends[i]), one.valve_delay))
-    return found
-
-
-def _points(line: Line | None) -> dict[str, NDArray[np.float64]]:
-    """Columns of the line, one point of level straight track if there is none."""
-    rows = line.rows if line is not None else {"distance": np.zeros(1)}
-    none = np.zeros(len(rows["distance"]))
-    return {name: np.asarray(rows.get(name, none)) for name in ("distance", "gradient", "curvature")}
+def _face(vehicle: int, places: list[int], faces: list[int], cells: int) -> int:
+    """Before which cell the driver's valve of a vehicle stands, at its front end; of the last at its back end."""
+    if vehicle == 0:
+        return 0
+    return cells if vehicle == len(places) - 1 else faces[vehicle - 1] or places[vehicle]

@@ -16,19 +16,14 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import other_unit
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
-from products.train.layout import INPUTS, OUTPUTS, SUMS
+from products.train.layout import INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air
 from rbd_model.track.line import Line
-from rbd_model.vehicle.variables import FASTEST
 
-#: Pressures that a train may start with at most [Pa].
-HIGHEST = 800e3
-#: Gauge pressure of the pipe at the start [Pa], by default.
-START_PIPE_PRESSURE = 500e3
-#: Distance [m] at the start, from minus to plus; and what a train goes on by or records at most [s], [1].
-FARTHEST, LONGEST, MOST = 1e9, 86400.0, 1e8
+#: What a train goes on by or records at most [s], [1].
+LONGEST, MOST = 86400.0, 1e8
 #: Of the outputs, those that are recorded.
 RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
 #: Places of outputs, and of numbers of the run.
@@ -68,10 +63,8 @@ class Train:
         line: Line | None = None,
         settings: Settings | None = None,
     ) -> None:
-        _within("speed", speed, -FASTEST, FASTEST, "m/s")
-        _within("distance", distance, -FARTHEST, FARTHEST, "m")
-        _within("pipe", pipe, 0.0, HIGHEST, "Pa")
-        _within("cylinder", cylinder, 0.0, HIGHEST, "Pa")
+        for one, value in zip(INITIAL, (speed, distance, pipe, cylinder), strict=True):
+            _within(one.name, value, one.least, one.most, one.unit)
         self.consist, self.settings = consist, settings or Settings()
         numbers = numbers_of(consist, self.settings, line)
         self._call = functions()

@@ -119,6 +119,10 @@ class Coupler:
             rows += [*ways, *changes]
         return rows
 
+    def values(self) -> dict[str, float]:
+        """Return the numbers of COUPLER by name."""
+        return dict(zip((one.name for one in COUPLER), self.constants(), strict=True))
+
 
 def _scaled(curve: Curve, share: float) -> Curve:
     return Curve(curve.ways, tuple(share * force for force in curve.forces))

@@ -112,7 +112,7 @@ class BrakedTrain:
         self.consist, self.long, self.vehicles = consist, long, len(consist.vehicles)
         self.coupler = consist.vehicles[0].coupler
         self.brake, self.pipe_step = recorded(consist, long)
-        self._motion = np.array([one.motion() for one in consist.vehicles]).T.copy()
+        self._motion = np.array([list(one.motion().values()) for one in consist.vehicles]).T.copy()
         self._constants = np.array(self.coupler.constants())
         self._couplers = np.repeat(self._constants[:, None], self.vehicles - 1, axis=1).copy()
         self._mass = self._motion[0] + self._motion[1]

@@ -1,0 +1,101 @@
+"""Headers of C that say what products/train/layout.py says: names of rows, how many there are, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from brake_controller.air import AMBIENT, GAS_CONSTANT
+from brake_controller.brake_pipe import VALVE as TAP
+from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
+from fmu_src.c_literals import c_array, c_number, c_text
+from fmu_src.system import Field
+from products.train.layout import DEPTHS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, layout
+from rbd_model.train.vehicle import ACTING, GRAVITY
+
+HEAD = "/* Written by products/train/layout_in_c.py. */"
+
+
+def _enum(prefix: str, names: Iterable[str], last: str) -> str:
+    return f"enum {{ {', '.join([*(f'{prefix}_{name}'.upper() for name in names), last])} }};"
+
+
+def _owners() -> dict[str, str]:
+    """What there is a number of, by name, as C of the head."""
+    counted = {name: f"(long long int)head[HEAD_{name.upper()}]" for name in ("cells", "vehicles", "valves", "points")}
+    counted |= {f"distributor_{one}": f"(long long int)head[HEAD_DISTRIBUTOR_{one.upper()}]" for one in DISTRIBUTORS}
+    return {"one": "1", "ends": "2"} | counted | {"couplings": f"{counted['vehicles']} - 1"}
+
+
+def layout_in_c() -> str:
+    """Return train_layout.h: what rows and arrays are called, how many there are, constants that Python has too."""
+    shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
+    counts = [f"    counts[OF_{name.upper()}] = {text};" for name, text in _owners().items()]
+    return "\n".join(
+        [
+            HEAD,
+            "#ifndef TRAIN_LAYOUT_H\n#define TRAIN_LAYOUT_H\n",
+            *(f"static const double {name} = {value!r};" for name, value in shared.items()),
+            f"enum {{ MOST_VALVES = {MOST_VALVES} }};",
+            _enum("of", _owners(), "LAYOUT_OWNERS"),
+            _enum("group", (one.name for one in layout()), "LAYOUT_GROUPS"),
+            "enum { GROUP_FIRST_KIND = GROUP_PLACE + 1 };",
+            *(_enum(one.name, (f.name for f in one.fields), f"{one.name.upper()}_ROWS") for one in layout()),
+            "enum { HEAD_FIRST_KIND = HEAD_POINTS + 1 };",
+            _enum("in", (one.name for one in INPUTS), "TRAIN_INPUTS"),
+            *(_enum(one.name, one.choices, f"{one.name.upper()}_CHOICES") for one in INPUTS if one.choices),
+            _enum("out", (one.name for one in OUTPUTS), "OUT_SUMS"),
+            _enum("sum", (one.name for one in SUMS), "TRAIN_SUMS"),
+            _enum("depth", DEPTHS, "DEPTHS"),
+            _enum("acting", ACTING, "ACTING_ROWS"),
+            _enum("tap", TAP, "TAP_ROWS"),
+            *_kinds_in_c(),
+            "static inline void layout_count(const double *head, long long int counts[LAYOUT_OWNERS])",
+            "\n".join(["{", *counts, "}"]),
+            "\n#endif\n",
+        ]
+    )
+
+
+def _kinds_in_c() -> list[str]:
+    """Of distributors: states, how they begin, which is the cylinder; and the functions of each depth."""
+    most = max(len(one.states) for one in DISTRIBUTORS.values())
+    rows, forms = list[str](), list[str]()
+    for name, one in DISTRIBUTORS.items():
+        starts = ", ".join(f"START_{start.upper()}" for _, start in one.states)
+        cylinder = [state for state, _ in one.states].index(CYLINDER)
+        rows.append(f"{{{len(one.states)}, DISTRIBUTOR_{name.upper()}_ROWS, {cylinder}, {{{starts}}}}}")
+        forms += [f"form({len(forms) + n}, {name}_{depth})" for n, depth in enumerate(one.depths())]
+    return [
+        _enum("start", STARTS, "STARTS"),
+        _enum("command", COMMANDED, "COMMAND_ROWS"),
+        _enum("answer", ANSWERED, "ANSWER_ROWS"),
+        _enum("kind", DISTRIBUTORS, "KINDS"),
+        f"typedef struct {{\n    int states, given, cylinder, start[{most}];\n}} distributor_kind;",
+        c_array("distributor_kind", "KIND", rows),
+        f"#define DISTRIBUTOR_FORMS(form) {' '.join(forms)}",
+    ]
+
+
+def fields_in_c() -> str:
+    """Return train_fields.h: owners and limits of all fields and inputs."""
+    of_groups = [f"{{OF_{one.of.upper()}, {len(one.fields)}}}" for one in layout()]
+    own = [_field(one, group.of) for group in layout() for one in group.fields]
+    return "\n".join(
+        [
+            HEAD,
+            "typedef struct {\n    int of, rows;\n} layout_group;",
+            "typedef struct {\n    double least, most;\n    int of, whole, counts, rises;",
+            "    const char *what;\n} layout_field;",
+            c_array("layout_group", "GROUPS", of_groups),
+            c_array("layout_field", "FIELDS", own),
+            c_array("layout_field", "INPUTS", (_field(one, one.of) for one in INPUTS)),
+            c_array("int", "OUTPUT_OF", (f"OF_{one.of.upper()}" for one in OUTPUTS)) + "\n",
+        ]
+    )
+
+
+def _field(one: Field, of: str) -> str:
+    counts = f"OF_{(one.counts or 'one').upper()}"
+    limits = f"{c_number(one.least)}, {c_number(one.most)}"
+    return f"{{{limits}, OF_{of.upper()}, {int(one.whole)}, {counts}, {int(one.rises)}, {c_text(one.text)}}}"
