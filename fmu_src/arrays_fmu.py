@@ -20,7 +20,7 @@ from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.codegen import RUNTIME
 from fmu_src.compile import FMI_HEADERS, plain_library
 from fmu_src.model_description import DISPLAY_UNITS, LOG_CATEGORIES, NOMINAL, UNITS
-from fmu_src.native_fmu import STANDARD_HEADERS, universal
+from fmu_src.native_fmu import STANDARD_HEADERS, binary_for
 
 FOLDER = Path(__file__).parent / "arrays_in_c"
 #: Elements of an array at most; the value reference in FMI 2.0 is array * ELEMENTS + element.
@@ -79,9 +79,7 @@ def _about(given: ArraysInC) -> str:
 
 def binary_of_arrays(given: ArraysInC, targets: Sequence[str] = ()) -> bytes:
     """The binary for targets of zig, one file for two; none: for this platform. Raises CompilerError."""
-    libraries = {target: plain_library(all_sources(given), target=target).read_bytes() for target in targets}
-    libraries = libraries or {"own": plain_library(all_sources(given)).read_bytes()}
-    return universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
+    return binary_for(targets, lambda target: plain_library(all_sources(given), target=target))
 
 
 @dataclass(frozen=True)

@@ -362,10 +362,13 @@ def plain_library(
 WEB_TARGET = "wasm32-wasi"
 
 
-def web_module(model: Model) -> Path:
-    """Path of a WebAssembly module with the functions of kernel.h, and malloc, compiled now unless the cache has it."""
+def web_module(model: Model, beside: Mapping[str, str] | None = None) -> Path:
+    """Path of a WebAssembly module with the functions of kernel.h, and malloc, compiled now unless the cache has it.
+
+    beside: C files that need nothing of the runtime, whose functions a page calls too.
+    """
     runtime = {name: (RUNTIME / name).read_text() for name in KERNEL_SOURCES}
-    return _web(generate(model), runtime)
+    return _web(generate(model), {**runtime, **(beside or {})})
 
 
 def web_library(sources: Mapping[str, str]) -> Path:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import fmpy
@@ -136,9 +136,15 @@ def _binaries(
 
 def binary_of(sources: Mapping[str, str], targets: Sequence[str], fmu: bool) -> bytes:
     """A library for targets of zig, one file for two; none: for this machine, with its own compiler."""
-    libraries = {target: library_of(sources, target=target, fmu=fmu).read_bytes() for target in targets}
-    libraries = libraries or {"own": library_of(sources, fmu=fmu).read_bytes()}
-    return universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
+    return binary_for(targets, lambda target: library_of(sources, target=target, fmu=fmu))
+
+
+def binary_for(targets: Sequence[str], compiled: Callable[[str | None], Path]) -> bytes:
+    """Return a library for targets of zig, one file for two; none: for this machine. Raises CompilerError."""
+    libraries = {target: compiled(target).read_bytes() for target in targets}
+    if len(libraries) > 1:
+        return universal(libraries)
+    return next(iter(libraries.values()), None) or compiled(None).read_bytes()
 
 
 def build_description(model: Model) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import fmpy
@@ -11,7 +12,7 @@ from fmu_src.archive import write_archive
 from fmu_src.codegen import RUNTIME
 from fmu_src.compile import FMI_HEADERS, library_suffix, plain_library
 from fmu_src.model_description import STEP, model_description
-from fmu_src.native_fmu import STANDARD_HEADERS
+from fmu_src.native_fmu import PLATFORMS, STANDARD_HEADERS, binary_for
 from fmu_src.system import StepInC
 
 FACE = Path(__file__).parent / "step_in_c" / "fmi2_step.c"
@@ -19,20 +20,25 @@ FACE = Path(__file__).parent / "step_in_c" / "fmi2_step.c"
 SHARED = ("duration.h", "fmi2Functions.h", "sealed.h")
 
 
-def build_step_fmu_in_c(step: StepInC, path: Path) -> None:
-    """Writes the FMU, for this platform and with its sources. Raises CompilerError."""
+def build_step_fmu_in_c(step: StepInC, path: Path, platforms: Sequence[str] = ()) -> None:
+    """Writes the FMU with its sources.
+
+    platforms: names in PLATFORMS, compiled with zig; none: the platform it is built on. Raises CompilerError.
+    """
     face = {path.name: path.read_text(encoding="utf-8") for path in (FACE, *(RUNTIME / name for name in SHARED))}
     digest = hashlib.sha256((repr(step) + "".join(face.values())).encode()).hexdigest()
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     headers = {name: text for name, text in step.sources.items() if name.endswith(".h")}
     ours = face | headers | {"step_model.h": numbers(step, guid)}
-    library = plain_library(ours, step.sources)
     named = sorted(name for name in {**ours, **step.sources} if name.endswith(".c"))
     files = {f"sources/{name}": text.encode() for name, text in {**ours, **step.sources}.items()}
     files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[2]}
     about = model_description(step.model, guid, STEP, named)
-    binary = {f"binaries/{fmpy.platform}/{step.name}{library_suffix()}": library.read_bytes()}
-    write_archive(path, {"modelDescription.xml": about.encode(), **files, **binary})
+    for name in platforms or [fmpy.platform]:
+        targets, suffix = PLATFORMS[name] if platforms else ((), library_suffix())
+        library = binary_for(targets, lambda target: plain_library(ours, step.sources, target))
+        files[f"binaries/{name}/{step.name}{suffix}"] = library
+    write_archive(path, {"modelDescription.xml": about.encode(), **files})
 
 
 def numbers(step: StepInC, guid: str) -> str:
