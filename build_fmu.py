@@ -95,7 +95,7 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
         problems = build_all(names, kinds, chosen.out, every)
         write_sets(names, chosen.out)
         if "native" in kinds:
-            build_systems(names, chosen.out)
+            build_systems(names, chosen.out, every)
         for sentence in (one for name in names for one in changes(name)):
             print(sentence)
     except (CompilerError, OSError) as error:

@@ -27,6 +27,7 @@ from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
 from products.building import NATIVE, build_all, extras, license_text
 from products.parameter_sets import write_sets
 from products.prebuilt import PAGE, write_contents
+from products.protection.rig_in_c import SHIPPED, binary_of_rig
 from products.registry import DIFFERENT, FMUS, model_of
 from products.sources import PREBUILT, ROOT
 from products.systems import build_systems
@@ -67,6 +68,9 @@ def fill(folder: Path, platform: str) -> None:
     (folder / "train").mkdir(exist_ok=True)
     for own in (train_in_c(), coupler_in_c()):
         (folder / "train" / f"{own.name}{suffix}").write_bytes(binary_of_arrays(own, targets))
+    rig = folder / f"{SHIPPED}{suffix}"
+    rig.parent.mkdir(exist_ok=True)
+    rig.write_bytes(binary_of_rig(targets))
     write_page(folder / PAGE)
     write_train_page(folder / TRAIN_PAGE)
     write_contents(folder, platform, DIFFERENT)
@@ -99,7 +103,7 @@ def write_fmus(out: Path) -> None:
         if build_all(list(FMUS), NATIVE, folder, all_platforms=True):
             raise CompilerError("An FMU is not valid; nothing was packed")
         write_sets(list(FMUS), folder)
-        build_systems(list(FMUS), folder)
+        build_systems(list(FMUS), folder, all_platforms=True)
         if build_train(folder, NATIVE, all_platforms=True) or build_coupler(folder, NATIVE, all_platforms=True):
             raise CompilerError("An FMU of trains is not valid; nothing was packed")
         made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp", ".ssv")]

@@ -8,12 +8,13 @@ from dataclasses import fields, replace
 from typing import Literal
 
 from bogie_braking.checks import known
-from brake_controller.wheel_slide import SlideProtection, WheelSlideController
+from brake_controller.wheel_slide import WheelSlideController
 from fmu_src.cosimulation.recording import Recording
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
 from products.protection.protected_stop import ProtectedStop, Settings
 from products.protection.protected_stop import protected_stop as run_stop
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, RAILS, RailCase
+from products.protection.slide_protection import SlideProtection
 
 #: A class, or another function that makes a new controller.
 Controller = Callable[[], WheelSlideController] | Literal["protection"] | None

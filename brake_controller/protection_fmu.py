@@ -1,14 +1,15 @@
 """WheelSlideProtection: any wheel-slide controller as the content of an FMU. Names and texts only, FMI is elsewhere."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
-from brake_controller import rig
 from brake_controller.pneumatics import APPLY, VALVE
+from brake_controller.slide_protection import RIG, SlideProtectionParameters, slide_sources
 from fmu_src.system import StepInC, StepInPython, Variable, choosing
 
-#: Place of the protocol, the supervision and the protection that comes with the brake.
-PROTECTION = Path(__file__).parent / "wheel_slide.py"
+#: Place of the protocol and the supervision, which travel with a class.
+SUPERVISION = Path(__file__).parent / "wheel_slide.py"
 OWN_MODULE, OWN_CLASS = f"{__package__}.wheel_slide", "SlideProtection"
 PERIOD = 5e-3
 #: What a controller in C includes, and bytes of its memory at most, as it says.
@@ -17,28 +18,34 @@ HEADER, LARGEST_MEMORY = "wheel_slide.h", 1 << 20
 BOGIE, MOST_WHEELSETS = 2, 16
 
 
-def wheel_slide_protection(file: Path | None = None, name: str = OWN_CLASS, wheelsets: int = BOGIE) -> StepInPython:
-    """The FMU of the class `name` in `file`, and called like it; by default the protection that comes with the brake.
+def wheel_slide_protection(wheelsets: int = BOGIE, parameters: SlideProtectionParameters | None = None) -> StepInC:
+    """Return the FMU of the protection that comes with the brake, by default with its common thresholds.
 
-    wheelsets: how many it protects; where they are not a bogie's two, the name of the FMU ends with their number. The
-    file may import from brake_controller.wheel_slide and from what the host's Python has; nothing else travels with it.
-    Raises ValueError where there is no such class.
+    wheelsets: how many it protects; where they are not a bogie's two, the name of the FMU ends with their number.
     """
-    sources = [PROTECTION.read_text(encoding="utf-8")]
-    if file is not None:
-        text = file.read_text(encoding="utf-8")
-        if f"class {name}" not in text:
-            raise ValueError(f"There is no class {name} in {file}; give --controller FILE:CLASS.")
-        sources.append(text)
-    # The class behind its own name, which may be that of the FMU.
-    sources.append(f"Chosen = {name}\n")
+    return _in_c("WheelSlideProtection", OWN_CLASS, slide_sources(parameters), wheelsets)
+
+
+def wheel_slide_in_python(file: Path, name: str, wheelsets: int = BOGIE) -> StepInPython:
+    """Return the FMU of the class `name` in `file`, called like it.
+
+    wheelsets: as for `wheel_slide_protection`. The file may import from brake_controller.wheel_slide and from what the
+    host's Python has; nothing else travels with it. Raises ValueError if it has no such class, or imports the
+    protection that comes with the brake.
+    """
+    text = file.read_text(encoding="utf-8")
+    if f"class {name}" not in text:
+        raise ValueError(f"There is no class {name} in {file}; give --controller FILE:CLASS.")
+    if re.search(rf"^from {re.escape(OWN_MODULE)} import (\([^)]*|[^\n(]*)\b{OWN_CLASS}\b", text, re.M):
+        raise ValueError(f"{OWN_CLASS} must stay out of {file}; it is C. Give a controller in C that calls it.")
     return StepInPython(
-        named("WheelSlideProtection" if file is None else name, wheelsets),
+        named(name, wheelsets),
         f"Wheel-slide protection: {name}",
         *faces(wheelsets),
         PERIOD,
         [float(APPLY)] * wheelsets,
-        sources,
+        # The class behind its own name, which may be that of the FMU.
+        [SUPERVISION.read_text(encoding="utf-8"), text, f"Chosen = {name}\n"],
         [OWN_MODULE],
         f"Supervised(Chosen(), {wheelsets})",
     )
@@ -51,14 +58,19 @@ def wheel_slide_in_c(file: Path, wheelsets: int = BOGIE) -> StepInC:
     """
     if not re.fullmatch(r"[A-Za-z_]\w*", file.stem, re.ASCII):
         raise ValueError(f"Name the file by letters, digits and _, as the FMU is called like it: it was {file.name}.")
-    header = Path(rig.__file__).with_name(HEADER)
+    sources = {one.name: one.read_text(encoding="utf-8") for one in (file, RIG / HEADER)}
+    return _in_c(file.stem, file.name, sources, wheelsets)
+
+
+def _in_c(name: str, about: str, sources: Mapping[str, str], wheelsets: int) -> StepInC:
+    """The FMU of the three functions of wheel_slide.h in these sources."""
     return StepInC(
-        named(file.stem, wheelsets),
-        f"Wheel-slide protection: {file.name}",
+        named(name, wheelsets),
+        f"Wheel-slide protection: {about}",
         *faces(wheelsets),
         PERIOD,
         [float(APPLY)] * wheelsets,
-        {file.name: file.read_text(encoding="utf-8"), HEADER: header.read_text(encoding="utf-8")},
+        sources,
         HEADER,
         "wheel_slide_size",
         "wheel_slide_start",

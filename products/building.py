@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fmpy.validation import validate_fmu
 
-from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_protection
+from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_in_python
 from fmu_src.chain import ONE_WRITES
 from fmu_src.compile import CompilerError, build_library, compiler, here, in_cache, library_suffix
 from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, build_native_fmu, build_native_fmu3
@@ -21,7 +21,7 @@ from fmu_src.python_fmu import build_python_fmu
 from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.step_fmu_in_c import build_step_fmu_in_c
-from fmu_src.system import StepInPython, Variable
+from fmu_src.system import StepInC, StepInPython, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.experiments import experiments_of
 from products.one_level import model_at
@@ -166,11 +166,14 @@ def build_all(names: Sequence[str], kinds: Sequence[str], out: Path, all_platfor
     return problems
 
 
-def build_protection(out: Path, controller: StepInPython | None = None) -> Path:
-    """Writes OUT/python/NAME.fmu around a controller, by default the one that comes with the brake."""
-    step = controller or wheel_slide_protection()
-    path = out / "python" / f"{step.name}.fmu"
-    build_step_fmu(step, path)
+def build_protection(out: Path, step: StepInC | StepInPython, all_platforms: bool = False) -> Path:
+    """Writes OUT/native/NAME.fmu of a controller in C, all_platforms: of those of zig, or OUT/python/NAME.fmu."""
+    if isinstance(step, StepInPython):
+        path = out / "python" / f"{step.name}.fmu"
+        build_step_fmu(step, path)
+    else:
+        path = out / "native" / f"{step.name}.fmu"
+        build_step_fmu_in_c(step, path, list(PLATFORMS) if all_platforms else [])
     return path
 
 
@@ -195,11 +198,8 @@ def build_controller(text: str, out: Path, wheelsets: int) -> int:
 
 def _controller(text: str, out: Path, wheelsets: int) -> Path:
     if text.endswith(".c"):
-        step = wheel_slide_in_c(Path(text), wheelsets)
-        path = out / "native" / f"{step.name}.fmu"
-        build_step_fmu_in_c(step, path)
-        return path
+        return build_protection(out, wheel_slide_in_c(Path(text), wheelsets))
     file, _, name = text.rpartition(":")
     if not (file and name):
         raise ValueError("it names no class; give FILE:CLASS, such as own.py:LetGo, or a C file.")
-    return build_protection(out, wheel_slide_protection(Path(file), name, wheelsets))
+    return build_protection(out, wheel_slide_in_python(Path(file), name, wheelsets))

@@ -30,7 +30,7 @@ def heard(name: str, values: Mapping[str, float]) -> dict[str, float]:
     return {one: value for one, value in values.items() if one not in unheard}
 
 
-def bogie_braking(path: Path, out: Path) -> None:
+def bogie_braking(path: Path, out: Path, _: bool) -> None:
     """The QR30 bogie of the experiment, its trailing wheelset braked by a cylinder at 180 kPa from the start."""
     scene = {"level": 2, "initial_speed": 2.9, "friction_1": 0.18, "friction_2": 0.18}
     bogie = heard("bogie", values_for("bogie", tables_8_1_and_8_2().values()) | scene)
@@ -59,15 +59,15 @@ def braked_coach(out: Path, **scene: float) -> Component:
     return Component("vehicle", fmu_path("braked-vehicle", "native", out), used, SHOWN)
 
 
-def vehicle_braking(path: Path, out: Path) -> None:
+def vehicle_braking(path: Path, out: Path, _: bool) -> None:
     """The braked coach alone, its only FMU; all wheels roll."""
     write_ssp(path, path.stem, [braked_coach(out)], [], (25.0, 1e-2))
 
 
-def vehicle_protection(path: Path, out: Path) -> None:
-    """The braked coach at a friction of 0.08 with its wheel-slide protection, whose FMU needs Python in the host."""
-    step = wheel_slide_protection(wheelsets=len(NUMBERS))
-    controller = Component("controller", build_protection(out, step), {})
+def vehicle_protection(path: Path, out: Path, all_platforms: bool) -> None:
+    """The braked coach at a friction of 0.08 with its wheel-slide protection."""
+    step = wheel_slide_protection(len(NUMBERS))
+    controller = Component("controller", build_protection(out, step, all_platforms), {})
     vehicle = braked_coach(out, **{f"friction_{number}": SLIDING_FRICTION for number in NUMBERS})
     wires = []
     for number in NUMBERS:
@@ -77,23 +77,23 @@ def vehicle_protection(path: Path, out: Path) -> None:
 
 
 #: Names of the systems, with the native FMUs that they are made of and the function that writes them.
-SYSTEMS: Mapping[str, tuple[frozenset[str], Callable[[Path, Path], None]]] = {
+SYSTEMS: Mapping[str, tuple[frozenset[str], Callable[[Path, Path, bool], None]]] = {
     "BogieBraking": (frozenset({"bogie", "brake"}), bogie_braking),
     "VehicleBraking": (frozenset({"braked-vehicle"}), vehicle_braking),
     "VehicleProtection": (frozenset({"braked-vehicle"}), vehicle_protection),
 }
 
 
-def build_system(name: str, out: Path) -> Path:
-    """Writes OUT/NAME.ssp of the FMUs that are built there."""
+def build_system(name: str, out: Path, all_platforms: bool = False) -> Path:
+    """Writes OUT/NAME.ssp of the FMUs that are built there; all_platforms: of a controller's FMU."""
     path = out / f"{name}.ssp"
-    SYSTEMS[name][1](path, out)
+    SYSTEMS[name][1](path, out, all_platforms)
     return path
 
 
-def build_systems(names: Sequence[str], out: Path) -> None:
+def build_systems(names: Sequence[str], out: Path, all_platforms: bool = False) -> None:
     """Writes the systems that are made of the named FMUs, a line each."""
     for system, (needed, _) in SYSTEMS.items():
         if needed <= set(names):
-            path = build_system(system, out)
+            path = build_system(system, out, all_platforms)
             print(f"{path}  {path.stat().st_size / 1000:.0f} kB")

@@ -223,7 +223,14 @@ PLUMBING = {
     "brake_controller/magnet_valves.py": {"common_valves"},
     "brake_controller/rig/udp_client.py": {"answer", "answer_to", "is_end", "question"},
     "brake_controller/sensors.py": {"edge_errors"},
-    "brake_controller/protection_fmu.py": {"faces", "named", "wheel_slide_in_c", "wheel_slide_protection"},
+    "brake_controller/protection_fmu.py": {
+        "faces",
+        "named",
+        "wheel_slide_in_c",
+        "wheel_slide_in_python",
+        "wheel_slide_protection",
+    },
+    "brake_controller/slide_protection.py": {"slide_sources"},
     "brake_controller/wheel_slide.py": {"failure", "silence", "within"},
 }
 

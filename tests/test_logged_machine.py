@@ -10,8 +10,8 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking.logs import logged_machine
-from brake_controller.wheel_slide import SlideProtection
 from products.bogie import TORQUE_PER_PRESSURE
+from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 
 #: Friction with the law of its fall known, and without: measured 2.1 % and 4.8 %, by sensors whose teeth are 2 % of the

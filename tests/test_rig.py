@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 import re
 import time as clock
@@ -17,21 +16,21 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from brake_controller.protection_fmu import MOST_WHEELSETS
-from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, Encoder, edge_errors
-from brake_controller.wheel_slide import SlideProtection
+from brake_controller.slide_protection import RIG, slide_sources
 from brake_controller.wheel_spin import SpinProtection
-from fmu_src.compile import FLAGS, compiler, plain_library
+from fmu_src.compile import FLAGS, compiler
 from products.protection import forms as forms_module
 from products.protection import rig as module
 from products.protection.braked_machine import APPLICATION_TIME, BrakedMachine, Machine, bogie, coach
 from products.protection.braked_system import filling_by_flow
-from products.protection.forms import FOLDER, Arrays, Form, compiled
+from products.protection.forms import Arrays, Form, compiled
 from products.protection.programme import OWN, Case, read_programme
 from products.protection.protected_stop import BRAKE_START, Settings, protected_stop
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
-from products.protection.rig_in_c import SensorSettings
+from products.protection.rig_in_c import slide_protection
 from products.protection.runs import Fault, Run, Stop
+from products.protection.slide_protection import SlideProtection
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.scoring import ideal_distance
 from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
@@ -50,104 +49,6 @@ def in_c(tmp_path: Path, text: str = SOURCE, share: float = SHARE) -> Form:
     source = tmp_path / f"let_go_{share:g}.c"
     source.write_text(f"#define SHARE {share}\n{text}")
     return compiled(source)
-
-
-# ---- sensors ---------------------------------------------------------------------------------------------------------
-
-
-SHOWN = '__attribute__((visibility("default")))'
-
-
-class Probe:
-    """An encoder in C alone."""
-
-    def __init__(
-        self, pulses: int = 100, timer: float = TIMER, errors: list[float] | None = None, phase: float = 0.0
-    ) -> None:
-        own, head = (FOLDER / name for name in ("encoder.c", "encoder.h"))
-        text = own.read_text().replace("void encoder_begin", f"{SHOWN} void encoder_begin")
-        text = text.replace("double encoder_read", f"{SHOWN} double encoder_read")
-        texts = {"encoder.c": text, "encoder.h": head.read_text()}
-        self.call = ctypes.CDLL(str(plain_library(texts)))
-        self.call.encoder_read.restype = ctypes.c_double
-        self.room = ctypes.create_string_buffer(1 << 14)
-        self.settings = SensorSettings(pulses, GATE, timer, LOWEST_FREQUENCY)
-        self.errors = (ctypes.c_double * len(errors))(*errors) if errors else None
-        self.call.encoder_begin(self.room, self.errors, ctypes.c_double(phase))
-
-    def look(self, time: float, rotation: float) -> float:
-        value = self.call.encoder_read(
-            self.room, ctypes.byref(self.settings), ctypes.c_double(time), ctypes.c_double(rotation)
-        )
-        return float(value)
-
-
-@pytest.mark.parametrize("pulses", [60, 100, 300])
-@pytest.mark.parametrize("timer", [1e-6, 1e-5])
-@pytest.mark.parametrize("speed", [3.0, 11.7, 55.0])
-def test_edges_of_a_wheel_that_turns_evenly_tell_its_speed(pulses: int, timer: float, speed: float) -> None:
-    """Two times, each cut off to the timer's resolution, at least a gate apart: an error of timer over gate at most."""
-    errors = [abs(seen / (speed / RADIUS) - 1) for seen in seen_at(speed, Probe(pulses, timer))]
-    assert max(errors) < 1.01 * timer / GATE < READING
-
-
-def test_a_wheel_that_is_turned_at_the_first_look_shows_its_teeth_sooner() -> None:
-    """From 0.4 of a tooth on what a wheel shows is what one shows that has turned so far; the reading's error moves."""
-    pitch, rate = 2 * math.pi / 100, 1.3
-    ahead, other = Probe(phase=0.4), Probe()
-    seen = [
-        [one.look(0.01 * n, turned + rate * 0.01 * n) for one, turned in ((ahead, 0.0), (other, 0.4 * pitch))]
-        for n in range(60)
-    ]
-    assert [one for one, _ in seen] == pytest.approx([two for _, two in seen], rel=1e-9)
-    assert len({one for one, _ in seen} - {Probe().look(0.0, 0.0)}) > 5
-    straight = Probe()
-    assert [one for one, _ in seen] != pytest.approx(
-        [straight.look(0.01 * n, rate * 0.01 * n) for n in range(60)], rel=1e-3
-    )
-
-
-def test_a_coarse_timer_shows() -> None:
-    assert max(abs(seen / (11.7 / RADIUS) - 1) for seen in seen_at(11.7, Probe(timer=1e-3))) > READING
-
-
-def seen_at(speed: float, probe: Probe) -> list[float]:
-    """Readings of a wheel that turns evenly, behind the first gates."""
-    return [probe.look(5e-3 * n, speed / RADIUS * 5e-3 * n) for n in range(200)][100:]
-
-
-def test_a_sliding_wheel_is_seen_late_by_half_of_the_gate() -> None:
-    """At a deceleration a, the mean of a window w that ended t ago is a (w / 2 + t) too high; the reading is at most
-    one pitch over t, which is too high as well, for no edge came since.
-    """
-    start, a, probe = 20.0, 10.0, Probe()
-    every = []
-    for n in range(1, 300):
-        time = 5e-3 * n
-        speed = start - a * time
-        if speed < 5.0:
-            break
-        seen = RADIUS * probe.look(time, (start * time - a * time**2 / 2) / RADIUS)
-        pitch_time = math.tau / 100 * RADIUS / speed
-        if time > 0.2:
-            every.append((seen - speed) / a)
-            assert 0.0 < every[-1] < (GATE + pitch_time) / 2 + pitch_time + TIMER
-    assert GATE / 2 < np.median(every) < GATE
-
-
-def test_teeth_that_err_are_those_of_the_sensor_in_python() -> None:
-    """Another program of the same sensor: any motion, errors of all edges, to the last bit."""
-    random = np.random.default_rng(4)
-    errors = edge_errors(80, 0.2, 3)
-    probe, other = Probe(80, errors=errors), Encoder(80, 0.2, 3)
-    rotation, seen = 0.0, []
-    for n in range(4000):
-        rotation += max(0.0, random.normal(0.2, 0.2)) * (n % 500 > 60)
-        seen.append((probe.look(5e-3 * n, rotation), other.angular_velocity(5e-3 * n, rotation)))
-    found = np.array(seen)
-    assert np.array_equal(found[:, 0], found[:, 1])
-    assert np.any(found == 0.0)
-    assert np.any(found > 10.0)
 
 
 # ---- controllers -----------------------------------------------------------------------------------------------------
@@ -347,7 +248,9 @@ def test_a_dynamic_brake_lets_go_when_its_valve_vents(tmp_path: Path) -> None:
     """Here nothing but motors brakes: cylinders are cut off from their air. Wheels slide, until the brakes fade."""
     rail = LOW.values() | {"initial_reservoir_pressure": 0.0, "feed_orifice": 0.0, "motor_torque": 15e3}
     run = Run(rail, 15.0, equipment=("dynamic brake",))
-    [alone], [protected] = (Rig(bogie(), one, Settings(), by_flow=True).runs([run]) for one in (None, SlideProtection))
+    [alone], [protected] = (
+        Rig(bogie(), one, Settings(), by_flow=True).runs([run]) for one in (None, slide_protection())
+    )
     assert max(protected.sliding) < 0.1 * max(alone.sliding)
     assert protected.share_in_band > 0.9 > 0.5 > alone.share_in_band
 
@@ -448,15 +351,9 @@ def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str)
 
 
 def test_a_period_of_which_a_sensor_remembers_too_few_is_refused() -> None:
-    """A fast wheel with many teeth would be shown as one that stands."""
-    assert f"#define ENCODER_LOOKS {module.LOOKS}\n" in (FOLDER / "encoder.h").read_text()
+    assert f"#define ENCODER_LOOKS {module.LOOKS}\n" in (RIG / "encoder.h").read_text()
     with pytest.raises(ValueError, match=re.escape("Set period to at least 0.484 ms on the test rig: it was 0.1 ms.")):
         Rig(bogie(), None, Settings(period=1e-4))
-    shortest = GATE / (module.LOOKS - 2)
-    for period in (shortest, shortest / 10):
-        probe = Probe(300)
-        shown = [probe.look(period * n, 55.0 / RADIUS * period * n) for n in range(2000)][-1]
-        assert (shown > 0.0) == (period == shortest)
 
 
 def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
@@ -718,7 +615,7 @@ def test_the_protection_does_without_a_sensor_that_fails(kind: str, machine: Mac
     """From any second on that was looked at: never more than four fifths of the distance of locked wheels."""
     rail, times = LOW.values(len(machine.numbers)), (3.0, 6.0, 12.0, 20.0, 30.0)
     runs = [Run(rail, faults=(Fault(1, sensor=kind, sensor_from=time),)) for time in times]
-    stops = Rig(machine, SlideProtection, Settings(), by_flow=True).runs(runs)
+    stops = Rig(machine, slide_protection(), Settings(), by_flow=True).runs(runs)
     [locked] = Rig(machine, None, Settings(), by_flow=True).stops([rail])
     assert max(stop.distance or math.inf for stop in stops) < 0.8 * (locked.distance or 0.0)
 
@@ -734,7 +631,7 @@ def test_no_failure_of_a_sensor_makes_a_stop_longer_than_locked_wheels(machine: 
         kind, wheelset = str(draw.choice(["stuck", "zero", "doubled"])), int(draw.choice(machine.numbers))
         runs.append(Run(rail, faults=(Fault(wheelset, sensor=kind, sensor_from=draw.uniform(2.0, 30.0)),)))
         whole.append(Run(rail))
-    stops = Rig(machine, SlideProtection, Settings(jitter=0.1), by_flow=by_flow).runs(runs)
+    stops = Rig(machine, slide_protection(), Settings(jitter=0.1), by_flow=by_flow).runs(runs)
     locked = Rig(machine, None, Settings(), by_flow=by_flow).runs(whole)
     for stop, other in zip(stops, locked, strict=True):
         assert (stop.distance or math.inf) < (other.distance or 0.0)
@@ -742,17 +639,19 @@ def test_no_failure_of_a_sensor_makes_a_stop_longer_than_locked_wheels(machine: 
 
 @pytest.mark.parametrize(("pulses", "jitter"), [(60, 0.0), (80, 0.1), (100, 0.1), (300, 0.1), (2000, 0.3)])
 def test_the_protection_believes_teeth_that_err(pulses: int, jitter: float) -> None:
-    """A wheel that was once not believed would have agreed since, or still be waiting to."""
-    made: list[SlideProtection] = []
+    """At no look."""
+    doubted: list[list[bool]] = []
 
-    def controller() -> SlideProtection:
-        made.append(SlideProtection())
-        return made[-1]
+    class Watched(SlideProtection):
+        def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+            found = super().step(time, wheel_speeds)
+            doubted.extend([self.believed] * (not all(self.believed)))
+            return found
 
     settings = Settings(pulses=pulses, jitter=jitter)
     for machine in (bogie(), coach()):
-        Rig(machine, controller, settings, by_flow=True).stops([LOW.values(len(machine.numbers))])
-    assert all(wheel.believed and wheel.agrees_since is None for one in made for wheel in one.wheels)
+        Rig(machine, Watched, settings, by_flow=True).stops([LOW.values(len(machine.numbers))])
+    assert doubted == []
 
 
 def test_a_machine_that_does_not_stop_says_so() -> None:
@@ -765,15 +664,24 @@ def test_a_machine_that_does_not_stop_says_so() -> None:
 
 
 def test_the_most_wheelsets_are_told_once_in_c_and_once_in_python() -> None:
-    [most] = re.findall(r"#define RIG_MOST (\d+)", (FOLDER / "rig.h").read_text())
+    [most] = re.findall(r"#define RIG_MOST (\d+)", (RIG / "rig.h").read_text())
     assert int(most) == MOST_WHEELSETS
 
 
 def test_the_rig_in_c_reads_and_writes_nothing_but_its_own(tmp_path: Path) -> None:
-    """Under sanitizers: 16 wheelsets whose sensors and valves fail, runs that are lost, controllers that fail."""
-    files = [FOLDER / name for name in ("rig.c", "encoder.c")]
+    """Under sanitizers: 16 wheelsets whose sensors and valves fail, lost runs, controllers that fail, our own."""
+    files = [RIG / name for name in ("rig.c", "encoder.c", "slide_protection.c")]
     flags = [flag for flag in FLAGS if flag != "-fvisibility=hidden"]
-    own = [f"-I{FOLDER}", *files, Path(__file__).with_name("rig_host.c"), "-o", tmp_path / "host", "-lm"]
+    (tmp_path / "slide_thresholds.h").write_text(slide_sources()["slide_thresholds.h"])
+    own = [
+        f"-I{RIG}",
+        f"-I{tmp_path}",
+        *files,
+        Path(__file__).with_name("rig_host.c"),
+        "-o",
+        tmp_path / "host",
+        "-lm",
+    ]
     assert run([*compiler(), *flags, *SANITIZERS, *own], tmp_path).returncode == 0
     done = run([tmp_path / "host"], tmp_path)
     assert (done.returncode, done.stderr) == (0, "")

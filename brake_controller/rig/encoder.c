@@ -35,15 +35,32 @@ static encoder_passage *passage_at(encoder *self, int number)
     return &self->passage[(self->oldest + number) % ENCODER_LOOKS];
 }
 
-/* Edges a second up to the last edge; 0 as long as there is none a gate before it. */
-static double mean_of(encoder *self, const encoder_settings *settings)
+/* Drops looks that are a gate before the last edge and have others behind them that are so too. */
+static void forget(encoder *self, double since)
 {
-    const double since = self->edge_time - settings->gate;
     while (self->passages > 1 && passage_at(self, 1)->first_time <= since) {
         self->oldest = (self->oldest + 1) % ENCODER_LOOKS;
         --self->passages;
     }
-    const encoder_passage *of = passage_at(self, 0);
+}
+
+/* Keeps the looks between which edges passed. Where room gets scarce, one that follows the last one sooner than its share of the
+ * gate counts as a part of it. */
+static void keep(encoder *self, const encoder_settings *settings, const encoder_passage *now)
+{
+    const bool is_scarce = self->passages > ENCODER_LOOKS / 2, is_full = self->passages == ENCODER_LOOKS;
+    encoder_passage *last = passage_at(self, is_scarce ? self->passages - 1 : 0);
+    if (is_full || (is_scarce && now->start - last->start < settings->gate / (ENCODER_LOOKS - 1))) {
+        last->end = now->end;
+        last->place = now->place;
+    } else
+        *passage_at(self, self->passages++) = *now;
+}
+
+/* Edges a second up to the last edge; 0 as long as there is none a gate before it. */
+static double mean_of(const encoder *self, const encoder_settings *settings, double since)
+{
+    const encoder_passage *of = &self->passage[self->oldest];
     if (of->first_time > since) return 0.0;
     const double share = fmin(1.0, (since - of->start) / (of->end - of->start));
     long long int before = last_edge(self, settings, of->begin + share * (of->place - of->begin));
@@ -55,18 +72,22 @@ static void turn(encoder *self, const encoder_settings *settings, double time, d
 {
     const long long int edge = last_edge(self, settings, place);
     if (edge > self->edge) {
-        if (self->passages == ENCODER_LOOKS) {
-            self->oldest = (self->oldest + 1) % ENCODER_LOOKS;
-            --self->passages;
-        }
-        encoder_passage *now = passage_at(self, self->passages++);
-        *now = (encoder_passage){self->time, self->place, time, place, 0.0, self->edge + 1};
-        now->first_time = time_of(self, settings, now->first, now);
+        encoder_passage now = {self->time, self->place, time, place, 0.0, self->edge + 1};
+        now.first_time = time_of(self, settings, now.first, &now);
         self->edge = edge;
-        self->edge_time = time_of(self, settings, edge, now);
-        self->mean = mean_of(self, settings);
+        self->edge_time = time_of(self, settings, edge, &now);
+        const double since = self->edge_time - settings->gate;
+        forget(self, since);
+        keep(self, settings, &now);
+        forget(self, since);
+        self->mean = mean_of(self, settings, since);
     }
     self->place = place;
+}
+
+size_t encoder_size(void)
+{
+    return sizeof(encoder);
 }
 
 void encoder_begin(encoder *self, const double *error, double phase)

@@ -8,8 +8,15 @@
 #define ENCODER_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
-/* Looks of a gate that are remembered: a gate is at most so many periods long. */
+#if defined(_WIN32)
+#define ENCODER_SHOWN __declspec(dllexport)
+#else
+#define ENCODER_SHOWN __attribute__((visibility("default")))
+#endif
+
+/* Looks of a gate that are remembered. Where there are more, some that follow each other count as one. */
 #define ENCODER_LOOKS 64
 
 /* What all sensors have in common. */
@@ -33,9 +40,11 @@ typedef struct {
     encoder_passage passage[ENCODER_LOOKS];
 } encoder;
 
+/* Bytes of an encoder. */
+ENCODER_SHOWN size_t encoder_size(void);
 /* error: see there; it must outlive the encoder. phase: pitches by which the wheel is turned at the first look. */
-void encoder_begin(encoder *self, const double *error, double phase);
+ENCODER_SHOWN void encoder_begin(encoder *self, const double *error, double phase);
 /* The reading [rad/s], at least 0, at a time [s], from the rotation of the wheel [rad]. */
-double encoder_read(encoder *self, const encoder_settings *settings, double time, double rotation);
+ENCODER_SHOWN double encoder_read(encoder *self, const encoder_settings *settings, double time, double rotation);
 
 #endif

@@ -12,8 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from brake_controller import rig
 from brake_controller.protection_fmu import HEADER, LARGEST_MEMORY
+from brake_controller.slide_protection import RIG
 from brake_controller.wheel_slide import WheelSlideController
 from fmu_src.compile import plain_library
 from fmu_src.shared_library import fault_of
@@ -21,8 +21,6 @@ from fmu_src.shared_library import fault_of
 Numbers = NDArray[np.float64]
 #: Runs that go on together.
 AT_ONCE, AT_ONCE_IN_ARRAYS = 256, 1024
-#: Where the rig's C lies, and the header of a controller.
-FOLDER = Path(rig.__file__).parent
 
 
 class FunctionsInC(ctypes.Structure):
@@ -94,6 +92,6 @@ def at_once(form: Form) -> int:
 
 def compiled(source: Path) -> InC:
     """A controller from a C file that includes wheel_slide.h. Raises CompilerError."""
-    header = (FOLDER / HEADER).read_text(encoding="utf-8")
+    header = (RIG / HEADER).read_text(encoding="utf-8")
     texts = {source.name: source.read_text(encoding="utf-8"), HEADER: header}
     return InC(plain_library({}, texts))

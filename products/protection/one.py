@@ -22,13 +22,18 @@ class OneInC:
         functions = form.functions(wheelsets)
         self._form = form  # keeps the library
         self._step = _STEP(functions.step)
-        self._memory = ctypes.create_string_buffer(max(functions.size, 1))
+        self.wheelsets, self.memory = wheelsets, ctypes.create_string_buffer(max(functions.size, 1))
         self._valves = (ctypes.c_int * wheelsets)()
-        _START(functions.start)(self._memory, wheelsets, period)
+        _START(functions.start)(self.memory, wheelsets, period)
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
-        """Valve commands of all wheelsets from their speeds [m/s]; those before stay where it sets none."""
-        self._step(self._memory, time, (ctypes.c_double * len(wheel_speeds))(*wheel_speeds), self._valves)
+        """Valve commands of all wheelsets from their speeds [m/s]; those before stay where it sets none.
+
+        Raises ValueError for another number of speeds.
+        """
+        if len(wheel_speeds) != self.wheelsets:
+            raise ValueError(f"wheel_speeds must be {self.wheelsets} numbers; got {len(wheel_speeds)}.")
+        self._step(self.memory, time, (ctypes.c_double * self.wheelsets)(*wheel_speeds), self._valves)
         return list(self._valves)
 
 

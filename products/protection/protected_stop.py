@@ -7,11 +7,12 @@ from numbers import Real
 
 import numpy as np
 
-from brake_controller.sensors import TEETH, Encoder
+from brake_controller.sensors import TEETH
 from brake_controller.wheel_slide import APPLY, ControllerError, NotJudgedError, Supervised, WheelSlideController
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import other_unit
 from products.protection.braked_machine import APPLICATION_TIME, STANDING, BrakedMachine
+from products.protection.encoder import Encoder
 
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0

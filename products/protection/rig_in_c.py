@@ -1,16 +1,21 @@
-"""The rig's C as Python calls it: its structures and its functions (brake_controller/rig/rig.h)."""
+"""The rig's C as Python calls it: its structures and its functions (brake_controller/rig/), in one library."""
 
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from brake_controller.protection_fmu import MOST_WHEELSETS
-from fmu_src.compile import loaded, plain_library
-from products.protection.forms import FOLDER, FunctionsInC
+from brake_controller.slide_protection import RIG, slide_sources
+from fmu_src.compile import library_suffix, loaded, plain_library
+from fmu_src.native_fmu import binary_for
+from products.prebuilt import contents, shipped, sources_here
+from products.protection.forms import FunctionsInC, InC
 
 
 class SensorSettings(ctypes.Structure):
@@ -74,11 +79,42 @@ RUNS, DONE, TOO_LONG, LOST = range(4)
 BEYOND = -1
 
 
+#: The library in the folder of what a release has compiled.
+SHIPPED = "rig/rig"
+
+
+def controlled() -> dict[str, str]:
+    """Return the C of the sensors and of the protection that comes with the brake, by file name."""
+    return {name: (RIG / name).read_text(encoding="utf-8") for name in ("encoder.c", "encoder.h")} | slide_sources()
+
+
+def sources() -> dict[str, str]:
+    """Return the C of the rig with its sensors and the protection that comes with the brake, by file name."""
+    return {name: (RIG / name).read_text(encoding="utf-8") for name in ("rig.c", "rig.h")} | controlled()
+
+
+def binary_of_rig(targets: Sequence[str]) -> bytes:
+    """Return the library for targets of zig, one file for two. Raises CompilerError."""
+    return binary_for(targets, lambda target: plain_library(sources(), target=target))
+
+
+@lru_cache
+def library() -> Path:
+    """Return the library that a wheel brings, if no source has changed, or one compiled here. Raises CompilerError."""
+    path = shipped(f"{SHIPPED}{library_suffix()}")
+    return path if path and contents().get("sources") == sources_here() else plain_library(sources())
+
+
+@lru_cache
+def slide_protection() -> InC:
+    """Return the protection that comes with the brake, with its common thresholds. Raises CompilerError."""
+    return InC(library())
+
+
 @lru_cache
 def functions() -> ctypes.CDLL:
-    """The rig's own C, compiled once."""
-    names = ("rig.c", "encoder.c", "rig.h", "encoder.h", "wheel_slide.h")
-    library = loaded(plain_library({name: (FOLDER / name).read_text(encoding="utf-8") for name in names}))
+    """Return the functions of the library. Raises CompilerError."""
+    found = loaded(library())
     pointer, count = ctypes.c_void_p, ctypes.c_longlong
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "rig_create": (pointer, [count, *map(ctypes.POINTER, (Settings, FunctionsInC, Desk))]),
@@ -88,8 +124,14 @@ def functions() -> ctypes.CDLL:
         "rig_write_down": (None, [pointer, ctypes.POINTER(Notes)]),
         "rig_look": (None, [pointer, count, ctypes.c_int, pointer]),
         "rig_give_up": (None, [pointer, count]),
+        "encoder_size": (ctypes.c_size_t, []),
+        "encoder_begin": (None, [pointer, pointer, ctypes.c_double]),
+        "encoder_read": (ctypes.c_double, [pointer, ctypes.POINTER(SensorSettings), *[ctypes.c_double] * 2]),
+        "slide_set_thresholds": (None, [pointer, pointer]),
+        "slide_reference": (ctypes.c_double, [pointer]),
+        "slide_believes": (ctypes.c_int, [pointer, ctypes.c_int]),
     }
     for name, (result, arguments) in signatures.items():
-        function = getattr(library, name)
+        function = getattr(found, name)
         function.restype, function.argtypes = result, arguments
-    return library
+    return found

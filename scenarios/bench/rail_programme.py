@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
-from brake_controller.wheel_slide import SlideProtection, SlideProtectionParameters
+from brake_controller.slide_protection import SlideProtectionParameters
 from products.protection.braked_machine import BrakedMachine
 from products.protection.protected_stop import Settings, protected_stop
 from products.protection.rails import LOCK_ABOVE, RailCase
+from products.protection.slide_protection import SlideProtection
 from rbd_model.contact.friction import constant_friction
 from rbd_model.track.friction import RailCondition, low, wet
 from scenarios.bench.peak_adhesion import PeakAdhesion

@@ -14,7 +14,7 @@ from multiprocessing import get_context
 import numpy as np
 from numpy.typing import NDArray
 
-from brake_controller.wheel_slide import SlideProtection, SlideProtectionParameters, common_protection
+from brake_controller.slide_protection import SlideProtectionParameters, common_protection
 from products.protection.braked_machine import bogie
 from products.protection.cost import cost_of_no_stop, rolling_stop
 from products.protection.draws import drawn_run
@@ -22,6 +22,7 @@ from products.protection.environment import Environment
 from products.protection.forms import ManyControllers
 from products.protection.protected_stop import Settings
 from products.protection.runs import Run
+from products.protection.slide_protection import SlideProtection
 from scenarios.reporting.progress import counting
 
 Numbers = NDArray[np.float64]

@@ -10,7 +10,7 @@ from multiprocessing import get_context
 import numpy as np
 from matplotlib.figure import Figure
 
-from brake_controller.wheel_slide import SlideProtection, WheelSlideController
+from brake_controller.wheel_slide import WheelSlideController
 from products.protection.braked_machine import APPLICATION_TIME, BrakedMachine, bogie
 from products.protection.protected_stop import ProtectedStop, Settings, protected_stop
 from products.protection.rails import (
@@ -23,6 +23,7 @@ from products.protection.rails import (
     SHARE,
     RailCase,
 )
+from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.peak_adhesion import PeakAdhesion

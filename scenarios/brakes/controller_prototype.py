@@ -4,10 +4,11 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
-from brake_controller.wheel_slide import SlideProtection, WheelSlideController
+from brake_controller.wheel_slide import WheelSlideController
 from products.protection.braked_machine import BrakedMachine
 from products.protection.protected_stop import ProtectedStop, protected_stop
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
+from products.protection.slide_protection import SlideProtection
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.own_controller import FixedSlip
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled

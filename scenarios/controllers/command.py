@@ -40,8 +40,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from brake_controller.slide_protection import RIG
 from products.protection.braked_machine import bogie, coach
-from products.protection.forms import FOLDER
 from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme, speed_of
 from products.protection.protected_stop import MOST_JITTER, STRONGEST, Settings
 from products.protection.rails import RAILS
@@ -144,9 +144,9 @@ def cases_of(chosen: argparse.Namespace) -> list[Case]:
 
 def run(chosen: argparse.Namespace) -> bool:
     """Compares and reports, or prints a file; whether all stopped. Raises BadInputError, CompilerError."""
-    printed = {"header": FOLDER / "wheel_slide.h", "programme": OWN}
+    printed = {"header": RIG / "wheel_slide.h", "programme": OWN}
     if chosen.action == "client":
-        printed["client"] = FOLDER / answering.CLIENTS[chosen.language]
+        printed["client"] = RIG / answering.CLIENTS[chosen.language]
     if chosen.action in printed:
         print(printed[chosen.action].read_text(encoding="utf-8"), end="")
         return True

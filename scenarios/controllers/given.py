@@ -12,7 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from brake_controller.wheel_slide import SlideProtection
 from brake_controller.wheel_spin import SpinProtection
 from fmu_src.archive import ArchiveError
 from fmu_src.compile import CompilerError
@@ -20,6 +19,7 @@ from fmu_src.cosimulation.opening import description_of
 from products.protection.apart import Apart
 from products.protection.forms import Arrays, Form, InC, compiled
 from products.protection.in_fmu import InFmu, Names, names_of
+from products.protection.rig_in_c import slide_protection
 from readers.text import FileError
 from readers.toml_files import toml_of
 from scenarios.scenario import BadInputError
@@ -36,7 +36,7 @@ IN_PYTHON = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)(?P<gains>\(.*\))?", re.D
 
 def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -> dict[str, Given]:
     """Controllers by their names, those of every comparison first. driven: for starts. Raises BadInputError."""
-    found: dict[str, Given] = dict(zip(ALWAYS, (None, SpinProtection if driven else SlideProtection), strict=True))
+    found: dict[str, Given] = dict(zip(ALWAYS, (None, SpinProtection if driven else slide_protection()), strict=True))
     for text in given:
         name, controller = controller_of(text, wheelsets)
         if name in found and Path(text).suffix in KINDS:

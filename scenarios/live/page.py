@@ -1,20 +1,19 @@
 """Writes the live page: one file that brakes a vehicle in a browser, with the kernel of the FMUs as WebAssembly."""
 
 from collections.abc import Callable
-from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
 
-from brake_controller.sensors import Encoder
-from brake_controller.wheel_slide import common_protection
+from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TEETH, TIMER
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
 from products.braked_vehicle import FULL_PRESSURE
 from products.prebuilt import PAGE, prebuilt_page
+from products.protection.rig_in_c import controlled
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import size_of
 from readers.storage import write_whole
@@ -24,9 +23,6 @@ from scenarios.live.presets import DEFAULTS, PERIOD, PRESETS
 from scenarios.reporting.motion import drawn
 from scenarios.reporting.progress import PATIENCE
 from scenarios.web.frame import filled, packed
-
-#: What the page knows of the sensors of the wheels.
-SENSOR = ("pulses", "gate", "resolution", "lowest_frequency")
 
 
 def write_page(path: Path) -> Path:
@@ -47,10 +43,7 @@ def page() -> str:
     """Its text, with the kernels, which are compiled unless the cache has them. Raises CompilerError."""
     data = {
         "version": __version__,
-        "protection": {
-            "thresholds": asdict(common_protection()),
-            "sensor": {name: getattr(Encoder(), name) for name in SENSOR},
-        },
+        "sensor": {"pulses": TEETH, "gate": GATE, "resolution": TIMER, "lowest_frequency": LOWEST_FREQUENCY},
         "period": PERIOD,
         "defaults": DEFAULTS,
         "presets": [{"title": one.title, "link": one.link} for one in PRESETS.values()],
@@ -70,7 +63,7 @@ def machine(name: str) -> dict[str, Any]:
     return {
         "title": one.title,
         "guid": guid_of(generate(model)),
-        "module": packed(web_module(model).read_bytes()),
+        "module": packed(web_module(model, controlled()).read_bytes()),
         "variables": [variable.name for variable in model.variables],
         "fullPressure": FULL_PRESSURE,
         "fullTraction": one.full_traction,

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from brake_controller.wheel_slide import SlideProtection
 from products.coach import NUMBERS
 from products.protection.braked_machine import BrakedMachine, coach
 from products.protection.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase
+from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.reporting.plots import BOGIE, FOUR, plt, titled

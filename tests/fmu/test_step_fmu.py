@@ -1,4 +1,4 @@
-"""FMUs around Python objects: the wheel-slide protection, a controller of one's own, and objects that fail."""
+"""FMUs around Python objects: a controller of one's own, and objects that fail."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import math
 from pathlib import Path
 
 import pytest
-from fmpy import read_model_description
-from fmpy.validation import validate_fmu
 
 import build_fmu
-from brake_controller.protection_fmu import wheel_slide_protection
-from brake_controller.wheel_slide import APPLY, VENT, SlideProtection
+from brake_controller.protection_fmu import wheel_slide_in_python
+from brake_controller.wheel_slide import APPLY, VENT
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.building import build_protection
 from tests.fmu.hosting import THREES, answers_of_a_counter
@@ -20,26 +18,8 @@ ROOT = Path(__file__).parents[2]
 PERIOD = 5e-3
 
 
-def protection(out: Path, file: Path | None = None, name: str = "SlideProtection") -> Path:
-    return build_protection(out, wheel_slide_protection(file, name))
-
-
-def test_protection_gives_the_commands_of_its_class(tmp_path: Path) -> None:
-    path = protection(tmp_path)
-    assert not validate_fmu(str(path))
-    assert read_model_description(str(path)).modelName == "WheelSlideProtection"
-    direct, seen = SlideProtection(), set()
-    with Slave(path) as slave:
-        slave.start(wheel_speed_1=20.0, wheel_speed_2=20.0)
-        for number in range(800):
-            time = number * PERIOD
-            speeds = [20.0 - 0.8 * time, (20.0 - 0.8 * time) * (1.0 - 0.2 * min(1.0, max(0.0, time - 1.0)))]
-            slave.set(wheel_speed_1=speeds[0], wheel_speed_2=speeds[1])
-            slave.step(time, PERIOD)
-            commands = [int(slave["valve_1"]), int(slave["valve_2"])]
-            assert commands == direct.step(time, speeds)
-            seen.update(commands)
-    assert {APPLY, VENT} <= seen
+def protection(out: Path, file: Path, name: str) -> Path:
+    return build_protection(out, wheel_slide_in_python(file, name))
 
 
 def test_outputs_hold_between_the_periods(tmp_path: Path) -> None:
@@ -118,3 +98,13 @@ def test_a_file_without_the_class_is_refused(tmp_path: Path, capsys: pytest.Capt
     file.write_text("")
     assert build_fmu.main(["--controller", f"{file}:Mine"]) == 2
     assert "There is no class Mine" in capsys.readouterr().err
+
+
+def test_the_protection_that_comes_with_the_brake_stays_out_of_a_class(tmp_path: Path) -> None:
+    file, own = tmp_path / "mine.py", "from brake_controller.wheel_slide import"
+    file.write_text(f"{own} APPLY\nclass Mine:  # no SlideProtection\n    pass\n")
+    assert protection(tmp_path, file, "Mine").exists()
+    for names in ("VENT, SlideProtection", "(\n  VENT,\n  SlideProtection,\n)"):
+        file.write_text(f"{own} {names}\nclass Mine: ...\n")
+        with pytest.raises(ValueError, match=r"SlideProtection must stay out of .*; it is C"):
+            protection(tmp_path, file, "Mine")

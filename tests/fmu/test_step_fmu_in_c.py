@@ -9,10 +9,13 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
 import build_fmu
-from brake_controller.protection_fmu import wheel_slide_in_c
+from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_protection
+from brake_controller.wheel_slide import APPLY, VENT
 from fmu_src.compile import FOREIGN_FLAGS, compiler
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from fmu_src.step_fmu_in_c import FACE, numbers
+from products.building import build_protection
+from products.protection.slide_protection import SlideProtection
 from tests.fmu.hosting import THREES, answers_of_a_counter
 from tests.fmu.sanitized import HEADERS, SANITIZERS, run
 
@@ -130,6 +133,24 @@ def test_what_becomes_no_fmu_is_refused(
     (tmp_path / name).write_text(text)
     assert build_fmu.main(["--controller", str(tmp_path / name), "--out", str(tmp_path)]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_the_protection_that_comes_with_the_brake_gives_the_commands_of_its_class(tmp_path: Path) -> None:
+    path = build_protection(tmp_path, wheel_slide_protection())
+    assert not validate_fmu(str(path))
+    assert read_model_description(str(path)).modelName == "WheelSlideProtection"
+    direct, seen = SlideProtection(), set()
+    with Slave(path) as slave:
+        slave.start(wheel_speed_1=20.0, wheel_speed_2=20.0)
+        for number in range(800):
+            time = number * PERIOD
+            speeds = [20.0 - 0.8 * time, (20.0 - 0.8 * time) * (1.0 - 0.2 * min(1.0, max(0.0, time - 1.0)))]
+            slave.set(wheel_speed_1=speeds[0], wheel_speed_2=speeds[1])
+            slave.step(time, PERIOD)
+            commands = [int(slave["valve_1"]), int(slave["valve_2"])]
+            assert commands == direct.step(time, speeds)
+            seen.update(commands)
+    assert {APPLY, VENT} <= seen
 
 
 def test_a_coach_has_four_of_each(tmp_path: Path) -> None:

@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from brake_controller.sensors import Encoder
-from brake_controller.wheel_slide import APPLY, VENT, SlideProtection
+from brake_controller.wheel_slide import APPLY, VENT
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 from products.braked_vehicle import FULL_PRESSURE
+from products.protection.encoder import Encoder
+from products.protection.slide_protection import SlideProtection
 from rbd_model.vehicle.description import size_of
 from scenarios.live.lines import line_for
 from scenarios.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from brake_controller.wheel_slide import SlideProtection, common_protection
+from brake_controller.slide_protection import common_protection
 from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
 from products.protection.protected_stop import Settings, protected_stop
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RAILS, SHARE
+from products.protection.slide_protection import SlideProtection
 from rbd_model.contact.friction import FallingFriction, constant_friction
 from rbd_model.track.friction import RailCondition, low
 from scenarios.bench.own_controller import FixedSlip

@@ -10,7 +10,7 @@ import pytest
 
 import build_fmu
 from bogie_braking.__main__ import main
-from products.protection.forms import FOLDER
+from brake_controller.slide_protection import RIG
 from products.protection.programme import OWN
 
 ROOT = Path(__file__).parents[2]
@@ -170,7 +170,7 @@ def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest
     assert "nothing is no controller (it has no function wheel_slide_size); " in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("action", "path"), [("header", FOLDER / "wheel_slide.h"), ("programme", OWN)])
+@pytest.mark.parametrize(("action", "path"), [("header", RIG / "wheel_slide.h"), ("programme", OWN)])
 def test_files_to_begin_with_are_printed(action: str, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["controllers", action]) == 0
     assert capsys.readouterr().out == path.read_text(encoding="utf-8")

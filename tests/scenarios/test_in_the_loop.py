@@ -16,10 +16,10 @@ import pytest
 
 from bogie_braking.__main__ import main
 from brake_controller.rig.udp_client import ANSWER, HEADER, HELLO, HOST, MAGIC, answer, answer_to, is_end, question
+from brake_controller.slide_protection import RIG
 from brake_controller.wheel_slide import Watch, within
 from fmu_src.compile import compiler
 from products.protection.braked_machine import bogie
-from products.protection.forms import FOLDER
 from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
@@ -116,7 +116,7 @@ def test_a_compiled_client_in_c_makes_the_stop_of_the_class_to_the_last_bit(
 ) -> None:
     (tmp_path / "let_go.c").write_text(f"#define SHARE {SHARE}\n{SOURCE}")
     for name in ("wheel_slide.h", "udp_client.c"):
-        (tmp_path / name).write_text((FOLDER / name).read_text(encoding="utf-8"))
+        (tmp_path / name).write_text((RIG / name).read_text(encoding="utf-8"))
     warnings = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
     subprocess.run([*compiler(), *warnings, "-o", "client", "udp_client.c", "let_go.c"], cwd=tmp_path, check=True)
     found = stop_with([str(tmp_path / "client"), HOST, str(port_of(own))], own)
@@ -292,4 +292,4 @@ def test_a_client_answers_nothing_that_is_no_question(packet: bytes) -> None:
 @pytest.mark.parametrize(("language", "name"), [("c", "udp_client.c"), ("python", "udp_client.py")])
 def test_clients_are_printed(language: str, name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["controllers", "client", language]) == 0
-    assert capsys.readouterr().out == (FOLDER / name).read_text(encoding="utf-8")
+    assert capsys.readouterr().out == (RIG / name).read_text(encoding="utf-8")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 import os
 import re
 from collections.abc import Iterator
@@ -14,8 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from brake_controller.sensors import Encoder
-from brake_controller.wheel_slide import APPLY, HOLD, VENT, SlideProtection
+from brake_controller.sensors import TIMER
 from scenarios.live.machines import MACHINES, model_of
 from scenarios.live.page import write_page
 from scenarios.live.presets import PERIOD, PRESETS
@@ -37,9 +35,8 @@ ACTIONS = ((0, "lever", 100.0), (0, "leaves", 1.0))
 NOMINAL = {"lateral_force": 1e3, "flange_force": 1e3, "guiding_force": 1e3, "creep_force": 1e3}
 #: Looks of a stop without and with protection, 20 and 8 s: valves that act on sliding wheels enlarge rounding in time.
 STEPS = {False: round(20 / PERIOD), True: round(8 / PERIOD)}
-#: Resolution of the timers of the wheels' sensors [s], so fine that it does not enlarge rounding; the real one is that
-#: of `test_sensors_and_protection_of_the_page_give_the_same_commands`.
-FINE_TIMER, TIMER = 1e-12, Encoder().resolution
+#: Resolution of the timers of the wheels' sensors [s], so fine that it does not enlarge rounding.
+FINE_TIMER = 1e-12
 #: Rounding of two mathematical libraries, relative; and what becomes of it where valves act on what the wheels do: the
 #: local error that is allowed, the default `tolerance`.
 BANDS = {False: 1e-9, True: 1e-6}
@@ -64,11 +61,11 @@ function move(values) {{
 const isLocked = () => live.simulation.read("locked").includes(1);
 async function played(start, actions, steps, outputs) {{
   const link = new URLSearchParams({{ ...start, do: actions.map((one) => one.join(":")).join(",") }});
-  const fine = structuredClone(DATA.protection.sensor);
-  DATA.protection.sensor.resolution = {FINE_TIMER};
+  const {{ resolution }} = DATA.sensor;
+  DATA.sensor.resolution = {FINE_TIMER};
   await openLink(`#${{link}}`);
   live.running = false;
-  DATA.protection.sensor.resolution = fine.resolution;
+  DATA.sensor.resolution = resolution;
   let vented = 0;
   for (let step = 0; step < steps; step += 1) {{
     live.simulation.advance({PERIOD});
@@ -93,12 +90,6 @@ async function commandsOnDryRail(machine, level) {{
     commands += live.simulation.valves.filter((valve) => valve !== APPLY).length;
   }}
   return [commands, live.simulation.kernel.get("speed")];
-}}
-function commandsOf(rotations) {{
-  const encoders = rotations[0].map(() => new Encoder(DATA.protection.sensor));
-  const guard = new SlideProtection(DATA.protection.thresholds);
-  return rotations.map((angles, step) => guard.step(
-    step * {PERIOD}, angles.map((angle, i) => encoders[i].angularVelocity(step * {PERIOD}, angle))));
 }}
 """
 
@@ -394,25 +385,3 @@ def test_no_valve_of_the_page_leaves_apply_on_dry_rail(still: Page, name: str, l
     commands, speed = still.evaluate(f"commandsOnDryRail({name!r}, {level})")
     assert commands == 0
     assert abs(speed) < 0.01
-
-
-def test_sensors_and_protection_of_the_page_give_the_same_commands(still: Page) -> None:
-    """Wheels that roll, that slide away again and again, with a sensor that fails for a second, with a dead one."""
-    angles, rotations, protection = [0.0, 0.1, 0.2, 0.3], [], SlideProtection()
-    encoders = [Encoder() for _ in angles]
-    for step in range(4000):
-        time = step * PERIOD
-        speed = max(0.0, 22.0 - 1.1 * time)
-        slips = [0.0, 0.3 * abs(math.sin(time)) if time > 3.0 else 0.0, 1.0 if 5.0 < time < 6.0 else 0.01, 1.0]
-        angles = [angle + PERIOD * speed * (1.0 - slip) for angle, slip in zip(angles, slips, strict=True)]
-        rotations.append(angles)
-    commands, believed = [], []
-    for step, turned in enumerate(rotations):
-        time = step * PERIOD
-        seen = [one.angular_velocity(time, angle) for one, angle in zip(encoders, turned, strict=True)]
-        commands.append(protection.step(time, seen))
-        believed.append([wheel.believed for wheel in protection.wheels])
-    assert [True, True, True, False] == believed[900] == believed[2500]
-    assert believed[1100] == [True, True, False, False]
-    assert {APPLY, HOLD, VENT} == {command for one in commands for command in one}
-    assert still.evaluate(f"commandsOf({json.dumps(rotations)})") == commands

@@ -14,6 +14,8 @@ from brake_controller.parameters import qr30
 from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel, Library
 from products import building, prebuilt
+from products.protection import rig_in_c
+from products.protection.forms import InC
 from scenarios.live import page as live
 
 PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)
@@ -55,6 +57,13 @@ def test_of_unchanged_sources_nothing_is_generated(filled: Path, monkeypatch: py
     kernel = Kernel(Library(library), pressure_demand=180e3)
     kernel.advance(5.0)
     assert kernel["brake_torque"] == from_fmu > 0.0
+
+
+def test_the_protection_that_a_wheel_brings_needs_no_compiler(filled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rig_in_c, "plain_library", refuse)
+    path = rig_in_c.library.__wrapped__()
+    assert path.is_relative_to(filled)
+    assert InC(path).functions(2).size > 0
 
 
 def test_sources_that_make_the_same_are_recognised_by_what_they_make(

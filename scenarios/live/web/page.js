@@ -34,7 +34,7 @@ async function restart(plan = []) {
   const kernel = await kernelOf(settings.machine);
   if (turn !== live.turn) return;
   keepBefore();
-  const simulation = new Simulation(kernel, machine, DATA.protection), gradient = Number(settings.gradient) / 1000;
+  const simulation = new Simulation(kernel, machine, DATA.sensor), gradient = Number(settings.gradient) / 1000;
   const values = { level: Number(settings.level), initial_speed: Number(settings.speed) / 3.6 };
   const wave = spatial ? { lateral_irregularity: Number(settings.wave) / 1e3 } : {};
   const texts = spatial ? { [DATA.lineVariable]: lineText(settings.curve, gradient) } : {};

@@ -6,10 +6,11 @@ const LONGEST_RUN = 1200; // [s]
 const LEAVES = { ahead: 25, length: 100, friction: 0.05 }; // [m], [1]
 
 class Simulation {
-  // machine and protection, with its thresholds and sensor: as page.py writes them.
-  constructor(kernel, machine, protection) {
-    Object.assign(this, { kernel, machine, protection });
+  // machine and sensor: as page.py writes them.
+  constructor(kernel, machine, sensor) {
+    Object.assign(this, { kernel, machine });
     this.count = machine.wheelsets.length;
+    this.guard = kernel.guard ??= new SlideProtection(kernel, sensor, machine.wheelsets.map(({ radius }) => radius));
   }
 
   // values: start values of the kernel, level and initial_speed among them; texts: of files, by variable. controls: lever
@@ -22,8 +23,7 @@ class Simulation {
     this.kernel.start({ ...values, ...off, gradient: this.controls.gradient }, texts);
     Object.assign(this, { steps: 0, patches: [], history: [], ended: "", lifted: false, sentences: [], done: [], plan: [...plan] });
     this.stop = new Stop(this.count);
-    this.guard = new SlideProtection(this.protection.thresholds);
-    this.encoders = this.machine.wheelsets.map(() => new Encoder(this.protection.sensor));
+    this.guard.begin(PERIOD);
     this.valves = Array(this.count).fill(APPLY);
     this.keep();
   }
@@ -82,9 +82,7 @@ class Simulation {
   step() {
     while (this.plan.length && this.plan[0][0] <= this.steps) this.apply(...this.plan.shift().slice(1));
     const { lever, protection } = this.controls;
-    const speeds = this.read("rotation").map(
-      (rotation, i) => this.machine.wheelsets[i].radius * this.encoders[i].angularVelocity(this.time, rotation));
-    const commands = this.guard.step(this.time, speeds);
+    const commands = this.guard.step(this.time, this.read("rotation"));
     this.valves = protection ? commands : commands.map(() => APPLY);
     this.stop.follow(this.time, this.kernel, this.valves, lever > 0);
     this.kernel.set(this.inputs());

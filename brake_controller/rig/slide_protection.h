@@ -1,0 +1,18 @@
+/* The wheel-slide protection that comes with the brake: a controller of wheel_slide.h, and what may be set and read of it.
+ *
+ * memory: of a controller behind wheel_slide_start. slide_thresholds.h is written from SlideProtectionParameters
+ * (brake_controller/slide_protection.py), which has their units and limits. */
+#ifndef SLIDE_PROTECTION_H
+#define SLIDE_PROTECTION_H
+
+#include "slide_thresholds.h"
+#include "wheel_slide.h"
+
+/* Sets all thresholds, before the first step. */
+WHEEL_SLIDE_SHOWN void slide_set_thresholds(void *memory, const slide_thresholds *thresholds);
+/* Reference speed [m/s]. */
+WHEEL_SLIDE_SHOWN double slide_reference(const void *memory);
+/* Whether the sensor of a wheelset is believed. */
+WHEEL_SLIDE_SHOWN int slide_believes(const void *memory, int wheelset);
+
+#endif

@@ -1,0 +1,82 @@
+"""Thresholds of the wheel-slide protection that comes with the brake, and its C (rig/slide_protection.c)."""
+
+import math
+from dataclasses import astuple, dataclass, fields
+from pathlib import Path
+
+#: Where the C lies.
+RIG = Path(__file__).parent / "rig"
+#: The C of the protection, without the header that is written from its thresholds.
+FILES = ("slide_protection.c", "slide_protection.h", "wheel_slide.h")
+
+
+@dataclass(frozen=True)
+class SlideProtectionParameters:
+    """Thresholds of `SlideProtection`; all finite and not below 0."""
+
+    #: Slip below which the brake is applied further, and above which it is vented; in between it is held [1].
+    lower_slip: float
+    upper_slip: float
+    #: The upper slip in m/s at low speed, below which wheels are not told apart.
+    least_slip: float
+    #: Slip that is evidence of sliding [1], and the same in m/s at low speed.
+    evident_slip: float
+    least_evident_slip: float
+    #: Time by which a change of slip is anticipated, and time constants of the filters on speeds and slopes [s].
+    lead_time: float
+    filter_time: float
+    slope_time: float
+    #: Time constant of the calmer speeds that evidence, the reference and its gains are taken from [s].
+    calm_time: float
+    #: Deceleration that wheels which roll exceed on no rail [m/s2].
+    largest_deceleration: float
+    #: Longest time of sliding without a look at the true speed, and longest time of venting at a stretch [s].
+    synchronising_period: float
+    watchdog: float
+    #: Reference speed below which no wheel is protected: all brakes apply [m/s].
+    slowest: float
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise ValueError(f"Set {item.name} to a finite value of at least 0: it was {value}.")
+        if not self.upper_slip > self.lower_slip:
+            raise ValueError(f"Set upper_slip above lower_slip, {self.lower_slip}: it was {self.upper_slip}.")
+
+
+def common_protection() -> SlideProtectionParameters:
+    """Assumed throughout, and chosen on half of the rails of scenarios/bench/rail_programme.py; docs/fitted.md has how.
+
+    The slip is that of (2.10), with the reference speed as that of the car.
+    """
+    return SlideProtectionParameters(
+        lower_slip=0.05,
+        upper_slip=0.10,
+        least_slip=0.3,
+        evident_slip=0.08,
+        least_evident_slip=0.6,
+        lead_time=0.1,
+        filter_time=0.02,
+        slope_time=0.03,
+        calm_time=0.08,
+        largest_deceleration=4.4,
+        synchronising_period=4.0,
+        watchdog=5.0,
+        slowest=0.3,
+    )
+
+
+def slide_sources(parameters: SlideProtectionParameters | None = None) -> dict[str, str]:
+    """Return the C of the protection by file name, with these thresholds or `common_protection()`."""
+    chosen = parameters or common_protection()
+    names = ", ".join(item.name for item in fields(chosen))
+    header = (
+        "/* Thresholds of the wheel-slide protection, and those that it starts with: written from\n"
+        " * SlideProtectionParameters, which has their units and limits. */\n"
+        "#ifndef SLIDE_THRESHOLDS_H\n#define SLIDE_THRESHOLDS_H\n"
+        f"typedef struct {{ double {names}; }} slide_thresholds;\n"
+        f"#define SLIDE_COMMON {{ {', '.join(map(repr, astuple(chosen)))} }}\n"
+        "#endif\n"
+    )
+    return {name: (RIG / name).read_text(encoding="utf-8") for name in FILES} | {"slide_thresholds.h": header}

@@ -1,0 +1,62 @@
+"""A speed sensor of one wheelset: its C (brake_controller/rig/encoder.c) as Python calls it."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from dataclasses import dataclass, field
+
+from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TEETH, TIMER, edge_errors
+from products.protection.rig_in_c import SensorSettings, functions
+
+
+@dataclass
+class Encoder:
+    """A toothed wheel under one probe, which sees edges and their times but not their direction.
+
+    The reading is the mean speed between the last edge and the last one at least `gate` [s] before it. Until the next
+    edge it is at most one pitch over the time since the last one, so that it falls as a wheel stops. Below
+    `lowest_frequency` [Hz] of edges it is 0, as before the first edges: there a wheel that turns slowly and one that
+    stands are the same. Edges between two looks are found as if the wheel had turned evenly between them.
+
+    pulses: teeth, one edge each; jitter: standard deviation of their places as a share of the pitch, from `seed`, the
+    same in every turn; resolution [s]: of the timer; phase: share of a tooth by which the wheel is turned at the first
+    look. Raises ValueError with a sentence for values that cannot be, CompilerError where the C is not compiled.
+    """
+
+    pulses: int = TEETH
+    jitter: float = 0.0
+    seed: int = 1
+    gate: float = GATE
+    resolution: float = TIMER
+    lowest_frequency: float = LOWEST_FREQUENCY
+    phase: float = 0.0
+    errors: list[float] = field(init=False)
+    #: Angle from one edge to the next [rad].
+    pitch: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        if self.pulses < 1:
+            raise ValueError(f"Set pulses to at least 1: it was {self.pulses}.")
+        if not (math.isfinite(self.jitter) and self.jitter >= 0.0):
+            raise ValueError(f"Set jitter to a finite value of at least 0: it was {self.jitter}.")
+        for name in ("gate", "resolution", "lowest_frequency"):
+            if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
+                raise ValueError(f"Set {name} to a finite value above 0: it was {getattr(self, name)}.")
+        self.pitch = math.tau / self.pulses
+        self.errors = edge_errors(self.pulses, self.jitter, self.seed)
+        self._settings = SensorSettings(self.pulses, self.gate, self.resolution, self.lowest_frequency)
+        self._call = functions()
+        self._errors = (ctypes.c_double * len(self.errors))(*self.errors) if self.errors else None
+        # Of pointers, as it has one: such an array refuses to be copied or pickled.
+        self._memory = (ctypes.c_void_p * (self._call.encoder_size() // ctypes.sizeof(ctypes.c_void_p) + 1))()
+        self._call.encoder_begin(self._memory, self._errors, self.phase)
+
+    def angular_velocity(self, time: float, rotation: float) -> float:
+        """Return the reading [rad/s], at least 0, at a time [s], from the rotation of the wheel [rad].
+
+        Raises ValueError for a rotation that is not finite.
+        """
+        if not math.isfinite(rotation):
+            raise ValueError(f"rotation must be finite; got {rotation} rad.")
+        return float(self._call.encoder_read(self._memory, self._settings, time, rotation))

@@ -1,0 +1,64 @@
+"""The wheel-slide protection that comes with the brake, one object for one vehicle: its C as Python calls it."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import astuple
+
+from brake_controller.slide_protection import SlideProtectionParameters, common_protection
+from products.protection import rig_in_c
+from products.protection.one import OneInC
+
+
+class SlideProtection:
+    """Holds the slip of each wheelset in a band around that of the best adhesion, once there is evidence of sliding.
+
+    What it does stands in brake_controller/rig/slide_protection.c; docs/controller.md explains it. A wheel-slide
+    controller (`WheelSlideController`) for as many wheelsets as the first step has speeds. Copies and pickles go on
+    where it stood. parameters: thresholds, by default `common_protection()`. Raises CompilerError if the C is not
+    compiled and cannot be.
+    """
+
+    def __init__(self, parameters: SlideProtectionParameters | None = None) -> None:
+        self.parameters = parameters or common_protection()
+        self._one: OneInC | None = None
+        rig_in_c.library()
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """Return valve commands, as `WheelSlideController` has them. Raises ValueError for another number of speeds."""
+        if self._one is None:
+            self._one = self._made(len(wheel_speeds))
+        return self._one.step(time, wheel_speeds)
+
+    def _made(self, wheelsets: int) -> OneInC:
+        """Return its C before the first step."""
+        if wheelsets < 1:
+            raise ValueError("wheel_speeds must be at least 1 number; got 0.")
+        one = OneInC(rig_in_c.slide_protection(), wheelsets, 0.0)
+        thresholds = astuple(self.parameters)
+        rig_in_c.functions().slide_set_thresholds(one.memory, (ctypes.c_double * len(thresholds))(*thresholds))
+        return one
+
+    @property
+    def reference(self) -> float:
+        """Reference speed [m/s]."""
+        return float(rig_in_c.functions().slide_reference(self._one.memory)) if self._one else 0.0
+
+    @property
+    def believed(self) -> list[bool]:
+        """Whether the sensor of each wheelset is believed."""
+        if self._one is None:
+            return []
+        believes, memory = rig_in_c.functions().slide_believes, self._one.memory
+        return [bool(believes(memory, number)) for number in range(self._one.wheelsets)]
+
+    def __getstate__(self) -> tuple[SlideProtectionParameters, int, bytes]:
+        one = self._one
+        return self.parameters, one.wheelsets if one else 0, one.memory.raw if one else b""
+
+    def __setstate__(self, state: tuple[SlideProtectionParameters, int, bytes]) -> None:
+        self.parameters, wheelsets, memory = state
+        self._one = self._made(wheelsets) if wheelsets else None
+        if self._one:
+            ctypes.memmove(self._one.memory, memory, len(memory))

@@ -1,0 +1,151 @@
+"""The toothed wheel's readings against closed forms of the motion that it sees."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from brake_controller.sensors import GATE
+from products.protection.encoder import Encoder
+from products.protection.rig import LOOKS
+
+PERIOD, RADIUS = 5e-3, 0.425
+#: Error of a reading that is asked for.
+READING = 1e-3
+#: Teeth and errors of the teeth as shares of their pitch; the last are those of the encoders of the experiment.
+TEETH, JITTERS = (80, 100, 128, 10000), (0.0, 0.1, 0.3)
+
+
+@pytest.mark.parametrize("teeth", TEETH)
+@pytest.mark.parametrize("jitter", JITTERS)
+def test_constant_speed_is_read_within_the_timer_and_the_errors_of_the_teeth(teeth: int, jitter: float) -> None:
+    encoder, omega = Encoder(teeth, jitter), 73.7  # with 10000 teeth edges come every 9 us, nine times the timer's
+    spread = max(encoder.errors) - min(encoder.errors) if encoder.errors else 0.0
+    pitches = encoder.gate * omega / encoder.pitch
+    timer = 2.0 * encoder.resolution / encoder.gate
+    # At least the gate less what the errors of two edges take; until a late edge comes the reading falls.
+    low, high = 1.0 / (1.0 + spread), 1.0 + spread / max(1.0, pitches - spread)
+    found = [encoder.angular_velocity(number * PERIOD, omega * number * PERIOD) for number in range(400)][20:]
+    assert omega * (low - timer) <= min(found)
+    assert max(found) <= omega * (high + timer)
+    if jitter == 0.0:
+        assert found == pytest.approx([omega] * len(found), rel=timer)
+
+
+@pytest.mark.parametrize("teeth", [80, 100, 128])
+def test_uniform_deceleration_reads_the_mean_between_two_edges(teeth: int) -> None:
+    """Edge k of theta = w t - a t2 / 2 passes at (w - sqrt(w2 - 2 a theta)) / a."""
+    encoder, omega, slows, look = Encoder(teeth), 20.0, 4.0, 1e-3
+
+    def passes(edge: int) -> float:
+        return (omega - math.sqrt(omega**2 - 2.0 * slows * edge * encoder.pitch)) / slows
+
+    for number in range(round(4.5 / look)):
+        time = number * look
+        angle = omega * time - slows * time**2 / 2.0
+        found = encoder.angular_velocity(time, angle)
+        last = math.floor(angle / encoder.pitch + 1e-9)
+        if last > 20:
+            # An edge between two looks is found as if the speed were constant: off by a look2 / 8 / w at most.
+            late = 2.0 * (slows * look**2 / 8.0 / (omega - slows * time) + encoder.resolution)
+            since, edges = passes(last) - encoder.gate, range(last - 20, last)
+            firsts = {max(edge for edge in edges if passes(edge) <= since + shift) for shift in (-late, late)}
+            means = [(last - first) * encoder.pitch / (passes(last) - passes(first)) for first in firsts]
+            age = max(time - passes(last), encoder.resolution)
+            band = late / min(encoder.gate, age) * found
+            assert min(abs(found - min(mean, encoder.pitch / age)) for mean in means) <= band
+
+
+def test_a_wheel_that_stops_is_read_ever_slower_and_then_as_standing() -> None:
+    encoder, omega, stops = Encoder(100), 10.0, 1.0
+    for number in range(500):
+        time = number * PERIOD
+        found = encoder.angular_velocity(time, omega * min(time, stops))
+        if time > stops + encoder.pitch / omega:
+            assert found <= encoder.pitch / (time - stops - encoder.resolution)
+        if time > stops + 1.0 / encoder.lowest_frequency:
+            assert found == 0.0
+
+
+def test_a_standing_wheel_and_one_below_the_lowest_frequency_are_read_as_zero() -> None:
+    encoder = Encoder(100)
+    slow = 0.9 * encoder.lowest_frequency * encoder.pitch
+    assert all(Encoder().angular_velocity(number * PERIOD, 1.234) == 0.0 for number in range(50))
+    assert all(encoder.angular_velocity(number * PERIOD, slow * number * PERIOD) == 0.0 for number in range(400))
+
+
+def test_the_reading_does_not_depend_on_how_often_it_is_looked_at() -> None:
+    """Two sensors of one wheel at constant speeds with a jump, looked at every 1 and every 5 ms."""
+    often, seldom = Encoder(80, jitter=0.2), Encoder(80, jitter=0.2)
+    for number in range(2000):
+        time = number * 1e-3
+        angle = 30.0 * min(time, 1.0) + 12.0 * max(0.0, time - 1.0)
+        found = often.angular_velocity(time, angle)
+        if number % 5 == 0:
+            timer = 2.0 * often.resolution / often.gate
+            assert seldom.angular_velocity(time, angle) == pytest.approx(found, rel=2.0 * timer)
+
+
+def test_one_probe_does_not_see_the_direction() -> None:
+    forward, backward = Encoder(), Encoder()
+    for number in range(100):
+        found = backward.angular_velocity(number * PERIOD, -0.1 * number)
+        assert found == forward.angular_velocity(number * PERIOD, 0.1 * number)
+
+
+def test_jitter_is_the_same_for_the_same_seed() -> None:
+    def noisy(seed: int) -> list[float]:
+        encoder = Encoder(pulses=200, jitter=0.5, seed=seed)
+        return [encoder.angular_velocity(number * PERIOD, 0.1 * number) for number in range(50)]
+
+    assert noisy(1) == noisy(1)
+    assert noisy(1) != noisy(2)
+
+
+def test_encoder_without_pulses_is_refused() -> None:
+    with pytest.raises(ValueError, match="Set pulses to at least 1: it was 0"):
+        Encoder(pulses=0)
+
+
+@pytest.mark.parametrize("name", ["gate", "resolution", "lowest_frequency"])
+def test_encoder_that_cannot_be_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=f"Set {name} to a finite value above 0: it was 0"):
+        Encoder(**{name: 0.0})
+
+
+def test_a_wheel_that_is_turned_at_the_first_look_shows_its_teeth_sooner() -> None:
+    """From 0.4 of a tooth on what a wheel shows is what one shows that has turned so far; the reading's error moves."""
+    turned, rate = 0.4 * math.tau / 100, 1.3
+    times = [0.01 * n for n in range(60)]
+
+    def seen(sensor: Encoder, begin: float) -> list[float]:
+        return [sensor.angular_velocity(time, begin + rate * time) for time in times]
+
+    ahead = seen(Encoder(phase=0.4), 0.0)
+    assert ahead == pytest.approx(seen(Encoder(), turned), rel=1e-9)
+    assert len(set(ahead)) > 5
+    assert ahead != pytest.approx(seen(Encoder(), 0.0), rel=READING)
+
+
+def test_a_coarse_timer_shows() -> None:
+    probe, omega = Encoder(resolution=1e-3), 27.5
+    found = [probe.angular_velocity(number * PERIOD, omega * number * PERIOD) for number in range(200)][100:]
+    assert max(abs(one / omega - 1.0) for one in found) > READING
+
+
+def test_a_rotation_that_is_no_number_is_refused() -> None:
+    with pytest.raises(ValueError, match="rotation must be finite; got nan rad"):
+        Encoder().angular_velocity(0.0, math.nan)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5, 0.1, 0.01])
+def test_a_sensor_that_is_looked_at_more_often_than_it_remembers_shows_the_speed(share: float) -> None:
+    """At 20 m/s2 between that of now and that of half a gate ago."""
+    period, probe = share * GATE / LOOKS, Encoder(1000)
+    for n in range(round(0.2 / period)):
+        time = period * n
+        shown = probe.angular_velocity(time, (55.0 * time - 10.0 * time**2) / RADIUS)
+        if time > 0.1:
+            low, high = 55.0 - 20.0 * time, 55.0 - 20.0 * (time - GATE / 2)
+            assert low * (1.0 - READING) < shown * RADIUS < high * (1.0 + READING)
