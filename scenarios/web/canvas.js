@@ -27,7 +27,8 @@ night.addEventListener("change", () => { readLook(); look.changed(); });
 
 // Names of the colours of so many wheelsets.
 function wheelColours(count) {
-  return count > 2 ? ["first", "second", "third", "fourth"] : ["first", "fourth"];
+  const names = count > 2 ? ["first", "second", "third", "fourth"] : ["first", "fourth"];
+  return Array.from({ length: count }, (_, number) => names[number % names.length]);
 }
 
 // A canvas with as many dots as the screen has, in the units of the page; its context, width and height.

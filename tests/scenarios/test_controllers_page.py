@@ -18,6 +18,7 @@ from products.protection.protected_stop import Settings
 from products.protection.rig import Rig
 from products.protection.slide_protection import SlideProtection
 from scenarios.controllers.page import MOST_LOOKS, thinned
+from tests.axe import violations
 from tests.browser import Browser, Page, browser
 
 __all__ = ["browser"]  # a fixture
@@ -170,17 +171,11 @@ def test_a_case_is_chosen_in_the_table(page: Page) -> None:
     assert page.evaluate("player.tracks.map(({ stop }) => stop.case)") == ["wet"] * 3
 
 
-def test_every_control_has_a_name(page: Page) -> None:
-    """As a screen reader tells it."""
-    page.call("Accessibility.enable")
-    nodes = page.call("Accessibility.getFullAXTree")["nodes"]
-    kinds = ("button", "slider", "combobox", "image", "region", "table")
-    of_each = [
-        [node.get(key, {}).get("value", "") for key in ("role", "name")] for node in nodes if not node["ignored"]
-    ]
-    controls = [(role, name) for role, name in of_each if role in kinds]
-    assert {role for role, _ in controls} >= {"button", "slider", "image", "table"}
-    assert all(name for _, name in controls), controls
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
+    page.prefer(scheme)
+    assert violations(page, "heading-order") == []
+    page.prefer("light")
 
 
 def test_long_stops_are_thinned_and_keep_their_end(folder: Path) -> None:
