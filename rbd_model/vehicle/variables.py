@@ -79,7 +79,10 @@ def _out_of_plane(body: RigidBody) -> list[Variable]:
 
 
 def outputs(vehicle: Vehicle) -> dict[str, Variable]:
-    """All outputs by name. Those of the second group are 0 below the spatial level."""
+    """All outputs by name. Those of the second group are 0 below the spatial level.
+
+    A new one is a row here, and an expression at each level that has it: `CONTRIBUTING.md`.
+    """
     wheelsets = words(vehicle)
     whole = "vehicle" if len(vehicle.bodies) > 1 else "bogie"
 
