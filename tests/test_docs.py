@@ -23,7 +23,15 @@ WRITTEN = sorted(
 )
 PAGES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "EQUATIONS.md", *WRITTEN]
 #: Written when something is built or run, within an archive, or named as an example.
-MADE = ("build/", "results/", "binaries/", "bogie/", "rbd_model/roller_rig.py", "rbd_model/contact/creep/carter.py")
+MADE = (
+    "build/",
+    "results/",
+    "binaries/",
+    "bogie/",
+    "rbd_model/roller_rig.py",
+    "rbd_model/contact/creep/carter.py",
+    "brake_controller/distributors/direct.py",
+)
 GENERATORS = ("charts", "counts", "numbers_of_pages", "equations", "variables", "catalogue")
 #: A file with its folder, and a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')

@@ -4,7 +4,9 @@ from brake_controller.distributors.distributor import Distributor
 from brake_controller.distributors.uic import UIC
 
 #: All that the C of trains holds; a test may add to them.
-DISTRIBUTORS: dict[str, Distributor] = {one.name: one for one in (UIC,)}
+DISTRIBUTORS: dict[str, Distributor] = {
+    UIC.name: UIC,
+}
 
 
 def kind_of(parameters: object) -> Distributor:

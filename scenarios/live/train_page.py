@@ -10,6 +10,7 @@ import numpy as np
 from fmu_src import __version__
 from fmu_src.compile import web_library
 from products.train.consist import block_train
+from products.train.layout import INPUTS, OUTPUTS
 from products.train.library import sources
 from products.train.numbers import Settings, numbers_of
 from scenarios.live.page import write_made
@@ -38,6 +39,8 @@ def train_page() -> str:
     data = {
         "version": __version__,
         "module": packed(web_library(sources()).read_bytes()),
+        "inputs": [one.name for one in INPUTS],
+        "outputs": [one.name for one in OUTPUTS],
         "presets": [{"title": title, "link": link} for title, link in PRESETS.items()],
         "consists": {name: packed(np.asarray(one, "<f8").tobytes()) for name, one in consists.items()},
     }

@@ -59,7 +59,7 @@ def begin(page: Page, link: str = "") -> None:
 
 
 def pressures(page: Page) -> list[float]:
-    return [float(one) for one in page.evaluate("[...live.train.output('pipe')]")]
+    return [float(one) for one in page.evaluate("[...live.train.output('pipe_pressure')]")]
 
 
 def test_brake_and_pictures_are_on_the_first_screen(page: Page) -> None:

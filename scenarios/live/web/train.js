@@ -8,8 +8,6 @@ const RESTS = 0.01; // slower, the train stands [m/s]
 const VALVE = { running: [1, 0], "first step": [3, 0], "half service": [3, 0.4], "full service": [3, 1], emergency: [4, 0], overcharge: [2, 0] };
 const BRAKING = ["first step", "half service", "full service", "emergency", "part"];
 const RELEASES = ["running", "overcharge"];
-const INPUT = { position: 0, step: 1, coupled: 5, joined: 6 };
-const OUTPUT = { distance: 0, speed: 1, pipe: 3, cylinder: 4, force: 7 };
 
 class Train {
   static async create(module, numbers) {
@@ -34,8 +32,8 @@ class Train {
     return new Float64Array(this.exports.memory.buffer, place, count);
   }
 
-  input(name) { return this.array("input", INPUT[name]); }
-  output(name) { return this.array("output", OUTPUT[name]); }
+  input(name) { return this.array("input", DATA.inputs.indexOf(name)); }
+  output(name) { return this.array("output", DATA.outputs.indexOf(name)); }
 
   // plan: what is done later, as [step, name], name of VALVE or "part"; `act` puts an end to it.
   begin(speed, plan = []) {
@@ -78,7 +76,7 @@ class Train {
     while (this.plan.length && this.plan[0][0] <= this.steps) this.apply(this.plan.shift()[1]);
     if (this.exports.train_go(this.self, STEP)) throw new Error("The train came to no finite state.");
     this.steps += 1;
-    for (const force of this.output("force")) {
+    for (const force of this.output("coupler_force")) {
       this.pushed = Math.max(this.pushed, -force);
       this.pulled = Math.max(this.pulled, force);
     }

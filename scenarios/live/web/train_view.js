@@ -33,9 +33,9 @@ function drawTrain(canvas, train) {
   };
   drawWagons(context, n, x, wide);
   const over = (name) => [...train.output(name)].map((pressure) => pressure - AROUND);
-  row(0, "brake pipe [bar], the head on the right", over("pipe"), 1.1 * PIPE, () => look.pipe, [[0, "0"], [1 / 1.1, "5"]]);
-  row(1, "brake cylinders [bar]", over("cylinder"), 1.1 * CYLINDER, () => look.signal, [[0, "0"], [1 / 1.1, "3.8"]]);
+  row(0, "brake pipe [bar], the head on the right", over("pipe_pressure"), 1.1 * PIPE, () => look.pipe, [[0, "0"], [1 / 1.1, "5"]]);
+  row(1, "brake cylinders [bar]", over("cylinder_pressure"), 1.1 * CYLINDER, () => look.signal, [[0, "0"], [1 / 1.1, "3.8"]]);
   const marks = [[0, "0"], [1, "+400"], [-1, "-400"]];
-  row(2, "coupler forces [kN], pushed below 0", [...train.output("force")], COUPLER,
+  row(2, "coupler forces [kN], pushed below 0", [...train.output("coupler_force")], COUPLER,
     (force) => (force < 0 ? look.leaf : look.pipe), marks, 0.5, wide / 2);
 }
