@@ -4,36 +4,23 @@ from __future__ import annotations
 
 import csv
 import multiprocessing
-import os
 import random
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 
 from products.study.table import FILES
+from tests.scenarios import cheap_points as points
 
-HERE, ROOT = Path(__file__).parent, Path(__file__).parents[2]
 #: 78 points.
 GRID = ["--vary", "x=0.03:0.15:13", "--vary", "y=0,1.5,-2", "--vary", "z=1e-3,7"]
 JOURNAL = "journal.jsonl"
 
 
 @pytest.fixture(scope="module")
-def points() -> Iterator[ModuleType]:
-    """The cheap points, under a name that worker processes find."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(HERE))
-        patch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(HERE)]))
-        import cheap_points
-
-        yield cheap_points
-
-
-@pytest.fixture(scope="module")
-def whole(points: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a sweep over GRID, made by two worker processes without an interruption."""
     out = tmp_path_factory.mktemp("whole")
     assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(out)]) == 0
@@ -41,7 +28,7 @@ def whole(points: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def token(points: ModuleType) -> Iterator[int]:
+def token() -> Iterator[int]:
     """Number of a scratch file that is not there."""
     number = random.SystemRandom().randrange(2**40)
     yield number
@@ -49,7 +36,7 @@ def token(points: ModuleType) -> Iterator[int]:
 
 
 @pytest.fixture(scope="module")
-def start(points: ModuleType) -> Callable[..., Any]:
+def start() -> Callable[..., Any]:
     """Starts a function in a process of its own that has imported what takes long."""
     forkserver = multiprocessing.get_context("forkserver")
     forkserver.set_forkserver_preload(["bogie_braking.commands"])

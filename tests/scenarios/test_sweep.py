@@ -9,7 +9,6 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
@@ -24,27 +23,14 @@ from scenarios.numerics.levels import one_stop as stop_of_levels
 from scenarios.scenario import Options
 from scenarios.thesis.heavy_braking import CASES, brake, lock_time
 from scenarios.thesis.heavy_braking import one_stop as heavy_stop
-from tests.scenarios.swept import GRID, JOURNAL, files, points, rows, token, whole
+from tests.scenarios import cheap_points as points
+from tests.scenarios.swept import GRID, JOURNAL, files, rows, token, whole
 
-__all__ = ["points", "token", "whole"]  # fixtures
+__all__ = ["token", "whole"]  # fixtures
 
 
 def test_spacing_is_decimal() -> None:
-    assert evenly_spaced(0.03, 0.15, 13) == [
-        0.03,
-        0.04,
-        0.05,
-        0.06,
-        0.07,
-        0.08,
-        0.09,
-        0.1,
-        0.11,
-        0.12,
-        0.13,
-        0.14,
-        0.15,
-    ]
+    assert [f"{one!r}" for one in evenly_spaced(0.03, 0.15, 13)] == [f"{number / 100:g}" for number in range(3, 16)]
     assert evenly_spaced(6.0, 1.0, 6) == [6.0, 5.0, 4.0, 3.0, 2.0, 1.0]
     assert evenly_spaced(0.3, 0.9, 1) == [0.3]
     assert evenly_spaced(-1e308, 1e308, 3) == [-1e308, 0.0, 1e308]
@@ -63,9 +49,7 @@ def test_table_has_the_order_of_the_grid_units_and_all_digits(whole: Path) -> No
     assert {"bogie-braking", "python", "sources"} <= set(summary["versions"])
 
 
-def test_a_report_shows_a_sweep_as_long_as_it_is_whole(
-    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_report_shows_a_sweep_as_long_as_it_is_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert points.run_here(["sweep", "moody", "--vary", "mood=0,1", "--out", str(tmp_path)]) == 1
     folder = tmp_path / "sweep-moody"
     capsys.readouterr()
@@ -84,7 +68,7 @@ def test_a_report_shows_a_sweep_as_long_as_it_is_whole(
     assert (folder / JOURNAL).exists()
 
 
-def test_parquet_is_the_csv_with_units_in_its_fields(points: ModuleType, tmp_path: Path) -> None:
+def test_parquet_is_the_csv_with_units_in_its_fields(tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     assert points.run_here(["sweep", "cheap", "--vary", "y=0:1:3", "--out", str(tmp_path)]) == 0
     table = parquet.read_table(tmp_path / "sweep-cheap" / "table.parquet")
@@ -96,9 +80,7 @@ def test_parquet_is_the_csv_with_units_in_its_fields(points: ModuleType, tmp_pat
     assert [list(row) for row in zip(*columns, strict=True)] == rows(tmp_path / "sweep-cheap")[1:]
 
 
-def test_failed_points_stay_in_the_table_with_their_reason(
-    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_failed_points_stay_in_the_table_with_their_reason(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["sweep", "moody", "--vary", "mood=0,1,2,3,4,5,6,7,8,9,10", "--jobs", "2", "--out", str(tmp_path)]
     assert points.run(arguments) == 1
     assert "11 points, 9 failed.\nThe first that failed, at mood = 1.0: ValueError: The" in capsys.readouterr().out
@@ -122,14 +104,14 @@ def test_failed_points_stay_in_the_table_with_their_reason(
     assert files(tmp_path / "sweep-moody") == before
 
 
-def test_death_of_a_worker_costs_no_point(points: ModuleType, tmp_path: Path, token: int) -> None:
+def test_death_of_a_worker_costs_no_point(tmp_path: Path, token: int) -> None:
     vary = ["--vary", f"token={token}", "--vary", "x=0:5:6"]
     assert points.run(["sweep", "dies-once", *vary, "--jobs", "2", "--out", str(tmp_path)]) == 0
     assert [row[2] for row in rows(tmp_path / "sweep-dies-once")[1:]] == ["0.0", "1.0", "4.0", "9.0", "16.0", "25.0"]
 
 
 def test_point_function_that_workers_cannot_load_ends_the_sweep(
-    points: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert points.run(["sweep", "hidden", "--vary", "x=1,2,3", "--jobs", "1", "--out", str(tmp_path)]) == 3
     assert "it must stand at the top level of a file that workers can import." in capsys.readouterr().err
@@ -150,13 +132,13 @@ def cluster() -> Iterator[Any]:
         yield made
 
 
-def test_dask_cluster_gives_the_same_bytes(points: ModuleType, whole: Path, tmp_path: Path, cluster: Any) -> None:
+def test_dask_cluster_gives_the_same_bytes(whole: Path, tmp_path: Path, cluster: Any) -> None:
     address = ["--scheduler", cluster.scheduler_address]
     assert points.run(["sweep", "cheap", *GRID, *address, "--out", str(tmp_path)]) == 0
     assert files(tmp_path / "sweep-cheap") == files(whole)
 
 
-def test_failed_points_on_a_cluster(points: ModuleType, tmp_path: Path, cluster: Any) -> None:
+def test_failed_points_on_a_cluster(tmp_path: Path, cluster: Any) -> None:
     command = ["sweep", "moody", "--vary", "mood=0,1,4", "--out", str(tmp_path)]
     assert points.run([*command, "--scheduler", cluster.scheduler_address]) == 1
     assert [row[2] for row in rows(tmp_path / "sweep-moody")[1:]] == [
@@ -185,7 +167,7 @@ def test_cluster_out_of_reach_gets_one_sentence(
 
 
 def test_without_the_extra_there_is_the_csv_and_a_sentence(
-    points: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in ("pyarrow", "pyarrow.parquet", "distributed"):
         monkeypatch.setitem(sys.modules, name, None)
