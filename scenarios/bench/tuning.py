@@ -6,10 +6,8 @@ Half of the stops are for choosing, the others for reporting: their seeds are ev
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from multiprocessing import get_context
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +21,7 @@ from products.protection.forms import ManyControllers
 from products.protection.protected_stop import Settings
 from products.protection.runs import Run
 from products.protection.slide_protection import SlideProtection
+from products.study.points import process_pool
 from scenarios.reporting.progress import counting
 
 Numbers = NDArray[np.float64]
@@ -145,7 +144,7 @@ def cost_of_thresholds(runs: Sequence[Run], factors: Sequence[float]) -> float:
 
 def tuned_thresholds(runs: Sequence[Run], generations: int, processes: int = 2) -> SlideProtectionParameters:
     """Thresholds that CMA-ES found on these stops, in as many processes."""
-    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
+    with process_pool(processes) as pool:
         every = partial(pool.map, partial(cost_of_thresholds, runs))
         best = least(lambda points: list(every(points)), [0.0] * len(TUNED), FIRST_FACTORS, generations)
     return thresholds_of(best)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import tempfile
 import time as clock
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +14,7 @@ from products.protection.braked_machine import bogie
 from products.protection.forms import Arrays, Form, compiled
 from products.protection.protected_stop import Settings
 from products.protection.rig import Rig
+from products.study.points import process_pool
 from rbd_model.track.friction import low
 from scenarios.reporting.report import Row
 
@@ -86,7 +85,7 @@ def _by_class(count: int) -> list[float]:
 def seconds_of(name: str, count: int) -> tuple[float, list[float]]:
     """Wall time of so many stops [s], and their distances [m]."""
     if name.startswith("class"):
-        with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        with process_pool(2) as pool:
             list(pool.map(_by_class, [1, 1]))
             begin = clock.perf_counter()
             found = list(pool.map(_by_class, [count // 2] * 2))

@@ -3,11 +3,10 @@
 import os
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
-from multiprocessing import get_context
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike
 from fmu_src.batch import library_of_batch, run_batch
 from fmu_src.kernel import KernelError
 from products.registry import model_of
+from products.study.points import process_pool
 from scenarios.bench.drive import library
 from scenarios.comparisons.peers import sundials
 from scenarios.comparisons.peers.scipy_methods import scipy
@@ -241,7 +241,7 @@ def study() -> Study:
     warm_up(0)
     with ExitStack() as held:
         bar = held.enter_context(counting(total=len(LEVELS) * per_level, text="ensembles", unit="rate"))
-        pool = held.enter_context(ProcessPoolExecutor(workers, get_context("spawn")))
+        pool = held.enter_context(process_pool(workers))
         threads = held.enter_context(ThreadPoolExecutor(workers))
         list(pool.map(warm_up, range(workers)))
         for level in LEVELS:
