@@ -22,6 +22,7 @@ from bogie_braking.sweeping import PAYS_FROM, check_executor
 from fmu_src.batch import Ends, run_batch
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System
+from products.study.points import outcomes_from
 from rbd_model.track.line import Line
 
 if TYPE_CHECKING:
@@ -195,7 +196,9 @@ def rare(
             if executor is None:
                 return [run_batch(library, {**values, **given}, duration, names, threads, path)]
             work = partial(one_task, what, duration, names, line, values)
-            return [made.result() for made in [executor.submit(work, some) for some in tasks_of(given)]]
+            tasks = dict(enumerate(tasks_of(given)))
+            made = dict(outcomes_from(executor, work, tasks, len(tasks)))
+            return [made[number].result() for number in tasks]
 
         runs = Runs(distributions, make, output, limit)
         idle, probed = runs.without_effect(seed)

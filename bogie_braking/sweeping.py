@@ -24,7 +24,7 @@ from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import KernelError
 from fmu_src.system import Model, System
-from products.study.points import Evaluate, Outcome, Outcomes, Point, outcomes_from
+from products.study.points import AHEAD, Evaluate, Outcome, Outcomes, Point, outcomes_from
 from products.study.study import Study, kept_outcomes_of, outcomes_of
 from rbd_model.track.line import Line
 
@@ -108,8 +108,9 @@ def run_by(
             break
         yield dict(zip(numbers, outcomes, strict=True))
         left = {number: left[number] for number in list(left)[at_once:]}
-    with nullcontext(executor) if executor else ThreadPoolExecutor(os.cpu_count()) as runs:
-        for number, future in outcomes_from(runs, evaluate, left, max(len(left), 1)):
+    threads = os.cpu_count() or 1
+    with nullcontext(executor) if executor else ThreadPoolExecutor(threads) as runs:
+        for number, future in outcomes_from(runs, evaluate, left, len(left) if executor else AHEAD * threads):
             yield {number: future.result()}
 
 

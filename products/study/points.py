@@ -122,18 +122,22 @@ def check_point(point: Point, outcome: Outcome) -> None:
 def outcomes_from(
     executor: Executor, work: Callable[[Task], Answer], tasks: Mapping[int, Task], window: int
 ) -> Iterator[tuple[int, Future[Answer]]]:
-    """Tasks as they are done, by their number; at most `window` of them are under way."""
+    """Tasks as they are done, by their number; at most `window` of them are under way. What is left is cancelled."""
     waiting, done = iter(tasks.items()), SimpleQueue[Future[Answer]]()
     under_way: dict[Future[Answer], int] = {}
-    while True:
-        for number, task in islice(waiting, window - len(under_way)):
-            future = executor.submit(work, task)
-            under_way[future] = number
-            future.add_done_callback(done.put)
-        if not under_way:
-            return
-        future = done.get()
-        yield under_way.pop(future), future
+    try:
+        while True:
+            for number, task in islice(waiting, window - len(under_way)):
+                future = executor.submit(work, task)
+                under_way[future] = number
+                future.add_done_callback(done.put)
+            if not under_way:
+                return
+            future = done.get()
+            yield under_way.pop(future), future
+    finally:
+        for future in under_way:
+            future.cancel()
 
 
 def leave_with_parent() -> None:
