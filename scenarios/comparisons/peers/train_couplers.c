@@ -121,13 +121,6 @@ TRAIN_SHOWN int equations_slopes(train_equations *self, double time, const doubl
     return 0;
 }
 
-/* Nothing switches that a method would have to be told. */
-TRAIN_SHOWN int equations_margin(train_equations *self, double time, const double *state, double *margin) {
-    (void)self, (void)time, (void)state;
-    *margin = 1.0;
-    return 0;
-}
-
 /* A symmetric tridiagonal matrix, right side in and solution out (Thomas). */
 static void solve(long long int n, double *diagonal, const double *beside, double *right) {
     for (long long int i = 1; i < n; ++i) {

@@ -37,8 +37,8 @@ RECORDED, LOOKED = 0.01, 2.5e-4
 NOMINAL_PLACE, NOMINAL_WAY, NOMINAL_SPEED = 1.0, 0.1, 1.0
 #: Solutions and repetitions of what is timed.
 TIMED, REPEATED = 20_000, 5
-#: Least relative tolerance that LSODA takes; evaluations after which it is given up.
-LEAST, MOST = 1e-13, 500_000
+#: Least relative tolerances that LSODA and CVODE take; evaluations or steps after which they are given up.
+LEAST, NONE, MOST = 1e-13, 1e-15, 500_000
 #: Of the reference: tolerance of CVODE; step [s] where that is not there.
 REFERENCE, FINE = 1e-10, 2e-5
 #: Vehicles for which train_couplers.c has room.
@@ -214,37 +214,24 @@ class BrakedTrain:
         return self._seen(states, equations.evaluations, counts[0])
 
     def cvode(self, tolerance: float) -> Found:
-        """CVODE with exact Jacobians; each evaluation is one of Newton's and brings a solution, as a Jacobian does."""
-        equations, state = self.equations(), self.state()
-        rows = np.empty((len(self._times()), len(state)))
-        rows[0] = state
-        session = self._session(equations, rows)
-        arrays = {"nominal": self.nominal(), "place": state, "slope": np.zeros_like(state), "samples": rows}
-        for name, array in arrays.items():
-            setattr(session, name, array.ctypes.data_as(_pointer))
-        session.tolerance, driver = tolerance, sundials.driver()
-        driver.cvode_open(ctypes.byref(session))
-        flag = driver.cvode_advance(ctypes.byref(session))
-        driver.cvode_close(ctypes.byref(session))
-        if flag < 0 or session.written < len(rows):
-            return failed(equations, f"SUNDIALS stopped with flag {flag}")
-        return self._seen(rows, equations.evaluations, equations.evaluations)
+        """CVODE by scikit-SUNDAE; each evaluation is one of Newton's and brings a solution, as a Jacobian does."""
+        from sksundae.cvode import CVODE
 
-    def _session(self, equations: Equations, rows: Matrix) -> sundials.Session:
-        """What sundials.c is given but its arrays."""
-        own = functions()
-        address = {"slopes_at": own.equations_slopes, "margin_at": own.equations_margin}
-        return sundials.Session(
-            machine=ctypes.addressof(equations),
-            **{name: ctypes.cast(function, ctypes.c_void_p).value for name, function in address.items()},
-            size=rows.shape[1],
-            end=self.long,
-            interval=LOOKED,
-            longest_step=math.inf,
-            capacity=len(rows),
-            written=1,
-            deadline=math.inf,
-        )
+        equations, call, state = self.equations(), functions().equations_slopes, self.state()
+        own, spare, rows = ctypes.byref(equations), np.empty(len(state)), np.empty((len(state),) * 2)
+
+        def at(time: float, place: Matrix, into: Matrix) -> None:
+            call(own, time, place.ctypes.data, into.ctypes.data, None)
+
+        def jacobian_at(time: float, place: Matrix, slopes: Matrix, into: Matrix) -> None:
+            call(own, time, place.ctypes.data, spare.ctypes.data, rows.ctypes.data)
+            into[:] = rows
+
+        setting = {"rtol": NONE, "atol": tolerance * self.nominal(), "max_num_steps": MOST}
+        found = CVODE(at, jacfn=jacobian_at, **setting).solve(self._times(), state)
+        if not found.success:
+            return failed(equations, found.message)
+        return self._seen(found.y, equations.evaluations, equations.evaluations)
 
     def reference(self) -> tuple[Found, str]:
         """By a method that shares nothing with the product's, and its name."""
