@@ -230,14 +230,6 @@ def mean_deceleration(speed: float, distance: float, build_up: float = VEHICLE_B
     return speed**2 / (2 * (distance - least))
 
 
-def distance_of_deceleration(speed: float, deceleration: float, build_up: float = VEHICLE_BUILD_UP) -> float:
-    """Stopping distance [m], T v + v^2 / (2 a) (EN 14531-1): speed v [m/s], a [m/s2], build-up time T [s]."""
-    _above_zero("speed", speed, "m/s", "a vehicle that stands has no stopping distance")
-    _within("build-up time", build_up, "s", 0.0, math.inf, "give the equivalent time of the brake")
-    _above_zero("deceleration", deceleration, "m/s2", "give it as a positive number")
-    return build_up * speed + speed**2 / (2 * deceleration)
-
-
 def force_of_percentage(percentage: float, turning_mass: float, assessment: Assessment) -> float:
     """Mean brake force at the rims [N] that gives a vehicle a percentage [%] (EN 14531-1, EN 16834).
 

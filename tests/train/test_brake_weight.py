@@ -21,7 +21,6 @@ from brake_controller.brake_weight import (
     braking_distance,
     build_up_time,
     deceleration_steps,
-    distance_of_deceleration,
     distance_of_vehicle,
     force_of_percentage,
     limit_speed,
@@ -226,7 +225,6 @@ def test_the_deceleration_of_a_vehicle_leaves_out_2_s() -> None:
     """From 100 km/h in 480.364 m: 27.778^2 / 2 / (480.364 - 55.556) (EN 14531-1)."""
     assert mean_deceleration(100 * KMH, 480.364) == pytest.approx(0.90818, abs=1e-5)
     assert mean_deceleration(100 * KMH, 480.364, 0.0) == pytest.approx(0.80315, abs=1e-5)
-    assert distance_of_deceleration(100 * KMH, 0.90818) == pytest.approx(480.364, abs=1e-2)
 
 
 @pytest.mark.parametrize("assessment", [FROM_100, FROM_120])
@@ -235,7 +233,6 @@ def test_distance_force_and_percentage_come_back(assessment: Assessment) -> None
         distance = distance_of_vehicle(percentage, assessment)
         assert percentage_of_vehicle(distance, assessment) == pytest.approx(percentage, rel=INVERTED)
         deceleration = mean_deceleration(assessment.speed, distance)
-        assert distance_of_deceleration(assessment.speed, deceleration) == pytest.approx(distance, rel=INVERTED)
         force = force_of_percentage(percentage, 93.6e3, assessment)
         assert force == pytest.approx(93.6e3 * deceleration, rel=INVERTED)
 
@@ -272,7 +269,6 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: mean_deceleration(30.0, 60.0), "distance is 60 m, but must be finite and above 60 m"),
     (lambda: mean_deceleration(30.0, 600.0, -1.0), "build-up time is -1 s, but must be finite and at least 0 s"),
     (lambda: mean_deceleration(30.0, math.nan), "stopping distance is nan m"),
-    (lambda: distance_of_deceleration(30.0, 0.0), "deceleration is 0 m/s2"),
     (lambda: force_of_percentage(65.0, math.nan, FROM_100), "mass is nan kg"),
     (lambda: force_of_percentage(1000.0, 80e3, FROM_100), "which the vehicle runs before its brake is on"),
     (lambda: braked_weight(65.0, 0.0), "mass is 0 kg"),
