@@ -33,10 +33,10 @@ class Side:
     wheel_half_distance: float
     rail_half_distance: float
 
-    def gap(self, side: int, shift: float, roll: float, s: np.ndarray) -> np.ndarray:
+    def gap(self, side: int, shift: float, roll: float, s: np.ndarray, heights: np.ndarray | None = None) -> np.ndarray:
         """Height of the wheel contour over the rail at the positions s, up to the height of the axle.
 
-        Infinite beside the rail.
+        Infinite beside the rail. heights: of the wheel's profile at s, where they are known.
         """
         gap = np.full(s.shape, np.inf)
         # Only what can lie over the rail is computed: the roll moves no point of the wheel sideways by more than this.
@@ -44,7 +44,7 @@ class Side:
         across = (self.wheel_half_distance + s) * math.cos(roll) + side * shift - self.rail_half_distance
         near = (across >= low - aside - GRID) & (across <= high + aside + GRID)
         outward = self.wheel_half_distance + s[near]
-        below = self.radius - self.wheel.height(s[near])
+        below = self.radius - (self.wheel.height(s[near]) if heights is None else heights[near])
         lateral = side * outward * math.cos(roll) + below * math.sin(roll)
         height = side * outward * math.sin(roll) - below * math.cos(roll)
         over = height - self.rail.height(side * (lateral + shift) - self.rail_half_distance)

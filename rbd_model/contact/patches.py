@@ -306,10 +306,11 @@ def stand_on_treads(pair: Sides, shift: float) -> TreadStand:
     for one in pair.both:
         treads = [patch.limits for patch in patches_of(one) if not patch.flange]
         places.append(np.arange(min(low for low, _ in treads), max(high for _, high in treads), SEARCH_PITCH))
+    heights = [one.wheel.height(s) for one, s in zip(pair.both, places, strict=True)]
 
     def gaps(roll: float) -> list[np.ndarray]:
-        each = zip(pair.both, (LEFT, RIGHT), places, strict=True)
-        return [one.gap(side, shift, roll, s) for one, side, s in each]
+        each = zip(pair.both, (LEFT, RIGHT), places, heights, strict=True)
+        return [one.gap(side, shift, roll, s, known) for one, side, s, known in each]
 
     def difference(roll: float) -> float:
         left, right = gaps(roll)

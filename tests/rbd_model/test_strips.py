@@ -15,7 +15,7 @@ from rbd_model.contact.distance import LEFT, RIGHT, Stand, Strips, areas, stand_
 from rbd_model.contact.geometry import Pair, contact_at
 from rbd_model.contact.normal import ContactArea, Steel, ellipses, patches
 from rbd_model.contact.profiles import from_points
-from rbd_model.contact.strip_creep import Creepages, creep_forces
+from rbd_model.contact.strip_creep import AXIS_RATIOS, C_OF_ELLIPSES, Creepages, c_of_ellipse, creep_forces
 from rbd_model.contact.strips import Pressed, creepages_of, motion_of, place_of, pressed, rolling, total, under_load
 from scenarios.bench.wheel_on_strips import press_wheel
 from scenarios.contact import contact_manchester as manchester
@@ -368,3 +368,8 @@ def test_what_depth_3_misses_most_of_the_benchmark_is_that_it_puts_contact_in_on
     assert np.linalg.norm(flat - benchmark) < PLANE_ERROR
     assert np.linalg.norm(each - ours) < PLACE_ERROR
     assert np.linalg.norm(each - flat) > APART
+
+
+def test_the_ellipses_of_kalkers_table_are_those_that_strips_make() -> None:
+    made = [c_of_ellipse(float(ratio)) for ratio in AXIS_RATIOS[::6]]
+    assert made == pytest.approx(C_OF_ELLIPSES[::6], rel=1e-11, abs=0.0)  # all digits that they are written with
