@@ -91,7 +91,7 @@ def up_to_date(name: str, kind: str) -> Path:
     """Path of an FMU that came with the package or lies in the cache of the user, built now unless one is there."""
     file = f"{kind}/{name}.fmu"
     with ONE_WRITES:
-        return prebuilt(name, file) or remembered_path(name, file, lambda: _in_cache(name, kind))
+        return prebuilt(name, file) or remembered_path(name, file, [write_fmu], lambda: _in_cache(name, kind))
 
 
 def _in_cache(name: str, kind: str) -> Path:
@@ -108,7 +108,9 @@ def kernel_of(name: str) -> Path:
     """Path of the library of an FMU's equations for fmu_src/kernel.py, likewise."""
     file = _kernel_file(name)
     with ONE_WRITES:
-        return prebuilt(name, file) or remembered_path(name, file, lambda: build_library(model_of(name)))
+        return prebuilt(name, file) or remembered_path(
+            name, file, [build_library], lambda: build_library(model_of(name))
+        )
 
 
 def _kernel_file(name: str) -> str:
@@ -127,7 +129,7 @@ def kernel_at(name: str, place: int) -> Path:
         return build_library(model_at(name, variables_of(name), place))
 
     with ONE_WRITES:
-        return remembered_path(name, f"system {place}, {_kernel_file(name)}", built)
+        return remembered_path(name, f"system {place}, {_kernel_file(name)}", [model_at, build_library], built)
 
 
 @lru_cache
@@ -137,7 +139,9 @@ def variables_of(name: str) -> dict[str, Variable]:
     def written() -> str:
         return json.dumps([asdict(variable) for variable in model_of(name).variables])
 
-    return {found["name"]: Variable(**found) for found in json.loads(remembered(name, "variables", written))}
+    return {
+        found["name"]: Variable(**found) for found in json.loads(remembered(name, "variables", [Variable], written))
+    }
 
 
 def units_of(name: str) -> dict[str, str]:

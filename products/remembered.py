@@ -2,28 +2,40 @@
 
 import hashlib
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
 from fmu_src import compile as compiling
 from fmu_src.compile import cache, compiler, here, path_from
+from products.module_files import digest_of
 from products.prebuilt import SOURCES, sources_here
 from products.registry import FMUS
 from products.sources import ROOT
 
+Makers = Sequence[Callable[..., object]]
 
-def remembered(name: str, what: str, make: Callable[[], str], good: Callable[[str], bool] = bool) -> str:
+
+def remembered(
+    name: str, what: str, makers: Makers, make: Callable[[], str], good: Callable[[str], bool] = bool
+) -> str:
     """The text that `make` gave for an FMU of the registry when the same sources, compiler and packages were here.
 
-    It is asked again where that text is not `good` any more, and each time for a model that other sources write.
+    makers: functions that make it of the FMU's model; sources are all that their modules and the model's are made
+    from. It is asked again where that text is not `good` any more, and each time for a model that other sources write.
     """
-    return noted(f"{what} of {name}", make, good) if written_here(name) else make()
+    if not written_here(name):
+        return make()
+    one = FMUS[name]
+    functions = [function for function in (one.model, one.vehicle) if function]
+    modules = (function.__module__ for function in (*makers, *functions))
+    said = " and ".join(function.__qualname__ for function in functions)
+    return noted(f"{what} of {name}, {said}", make, good, digest_of(*modules))
 
 
-def noted(what: str, make: Callable[[], str], good: Callable[[str], bool] = bool) -> str:
-    """The same for whatever functions of this project make."""
-    words = [sources_here(), what, here(), *compiler(), *map(version, ("casadi", "fmpy"))]
+def noted(what: str, make: Callable[[], str], good: Callable[[str], bool] = bool, sources: str = "") -> str:
+    """The same for whatever functions of this project make; sources: a digest of them, by default of all."""
+    words = [sources or sources_here(), what, here(), *compiler(), *map(version, ("casadi", "fmpy"))]
     return compiling.noted(f"{hashlib.sha256(repr(words).encode()).hexdigest()[:24]}.made", make, good)
 
 
@@ -32,9 +44,9 @@ def noted_path(what: str, make: Callable[[], Path]) -> Path:
     return cache() / noted(what, lambda: place_of(make()), is_there)
 
 
-def remembered_path(name: str, what: str, make: Callable[[], Path]) -> Path:
+def remembered_path(name: str, what: str, makers: Makers, make: Callable[[], Path]) -> Path:
     """The file in the cache that `make` made, while it is there and whole."""
-    return cache() / remembered(name, what, lambda: place_of(make()), is_there)
+    return cache() / remembered(name, what, makers, lambda: place_of(make()), is_there)
 
 
 def place_of(path: Path) -> str:

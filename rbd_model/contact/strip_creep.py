@@ -104,7 +104,10 @@ def coefficients() -> Coefficients:
 
 
 def c_of_ellipse(axis_ratio: float) -> float:
-    """Force over G a b and the creepage, with b = 1, without the last digits, which the threads of BLAS decide."""
+    """Force over G a b and the creepage, with b = 1, of an ellipse of Kalker (1990), table E.3.
+
+    Without the last digits, which the threads of BLAS decide.
+    """
     y = (2 * np.arange(ELLIPSE_STRIPS) + 1) / ELLIPSE_STRIPS - 1
     breadth, half_length = np.full_like(y, 2 / ELLIPSE_STRIPS), axis_ratio * np.sqrt(1 - y**2)
     pull = np.linalg.solve(stretches(np.abs(y[:, None] - y), breadth, half_length), np.ones_like(y))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import shutil
 import threading
 import time
@@ -16,11 +17,12 @@ from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
 from fmu_src.kept import CHECKSUM
 from fmu_src.system import Model, System
-from products import building, remembered
+from products import building, module_files, remembered
+from products.module_files import files_of, imports_of
 from products.prebuilt import PAGE_SOURCES
 from products.promise import TABLE
 from products.registry import FMUS, Fmu, model_of
-from products.sources import KINDS, ROOT
+from products.sources import KINDS, ROOMS, ROOT
 from rbd_model.levels import models
 from rbd_model.vehicle.description import Vehicle
 
@@ -64,9 +66,39 @@ def test_equations_are_written_once(made: Callable[[], int]) -> None:
 def test_changed_sources_are_written_again(made: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> None:
     building.kernel_of("rail")
     once = made()
-    monkeypatch.setattr(remembered, "sources_here", lambda: "others")
+    monkeypatch.setattr(remembered, "digest_of", lambda *_: "others")
     building.kernel_of("rail")
     assert made() == 2 * once
+
+
+@pytest.mark.parametrize(
+    ("changed", "of_the_bogie", "of_the_brake"),
+    [
+        ("docs/train.md", False, False),
+        ("scenarios/bench/drive.py", False, False),
+        ("products/train/train.py", False, False),
+        ("brake_controller/cylinder.py", False, True),
+        ("rbd_model/contact/creep/polach.py", True, False),
+        ("rbd_model/contact/strips.c", True, False),
+        ("fmu_src/runtime/integrate.c", True, True),
+    ],
+)
+def test_what_is_written_again_hangs_on_a_changed_file(changed: str, of_the_bogie: bool, of_the_brake: bool) -> None:
+    """Of a model on the modules that its function imports, and on C and data beside them; of a page on none."""
+    maker = building.build_library.__module__
+    found = (files_of(FMUS[name].model.__module__, maker) for name in ("bogie", "brake"))
+    assert (ROOT / changed).is_file()
+    assert [ROOT / changed in files for files in found] == [of_the_bogie, of_the_brake]
+
+
+def test_imports_are_read_as_python_reads_them() -> None:
+    for room in ROOMS:
+        for path in (ROOT / room).rglob("*.py"):
+            named = set()
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ImportFrom):
+                    named |= {node.module or "", *(f"{node.module}.{one.name}" for one in node.names)}
+            assert imports_of(path) == {file for one in named for file in module_files._files_of(one)}, path
 
 
 def test_another_compiler_is_asked_again(made: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> None:
