@@ -28,6 +28,7 @@ from products.one_level import model_at
 from products.parameter_sets import set_files
 from products.prebuilt import PICTURES, content_of, prebuilt, prebuilt_from_these
 from products.registry import FMUS, model_of
+from products.registry import variables_of as written_variables
 from products.remembered import remembered, remembered_path
 from products.sources import ROOT
 from products.terminals import terminals_of
@@ -137,7 +138,7 @@ def variables_of(name: str) -> dict[str, Variable]:
     """The variables of an FMU by name, known without writing its equations anew."""
 
     def written() -> str:
-        return json.dumps([asdict(variable) for variable in model_of(name).variables])
+        return json.dumps([asdict(variable) for variable in written_variables(name)])
 
     return {
         found["name"]: Variable(**found) for found in json.loads(remembered(name, "variables", [Variable], written))

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from brake_controller.cylinder import brake_cylinder
 from fmu_src.chain import ONE_WRITES
-from fmu_src.system import Model
+from fmu_src.system import Model, Variable
 from products.braked_vehicle import braked_vehicle
 from rbd_model.levels.models import bogie_dynamics, coal_wagon_dynamics, vehicle_dynamics, wheelset_dynamics
 from rbd_model.track.recovery import rail_adhesion
@@ -19,21 +19,26 @@ class Fmu:
     """What becomes an FMU, and the picture on the page inside it, a file in pictures/ beside this one.
 
     alike: the FMU whose equations and variables it has, with other numbers. vehicle: that which it has at all levels;
-    its `model` takes the `places` of those that are asked for.
+    its `model` takes the `places` of those that are asked for. named_by: of those which have all of its variables.
     """
 
     model: Callable[..., Model]
     picture: str | None = None
     alike: str | None = None
     vehicle: Callable[[], Vehicle] | None = None
+    named_by: tuple[int, ...] = ()
 
+
+#: Systems that have all variables of a vehicle, in their order: strips have those of patches, lower levels on a line
+#: those of the highest there.
+ON_LEVEL_TRACK, ON_LINES = (0, 1, 2, 3), (0, 1, 2, 3, 7)
 
 #: By the name that the command line and the scenarios know.
 FMUS: dict[str, Fmu] = {
-    "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png", vehicle=two_axle_bogie),
-    "vehicle": Fmu(vehicle_dynamics, vehicle=passenger_coach),
-    "coal-wagon": Fmu(coal_wagon_dynamics, alike="vehicle", vehicle=loaded_coal_wagon),
-    "braked-vehicle": Fmu(braked_vehicle, vehicle=passenger_coach),
+    "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png", vehicle=two_axle_bogie, named_by=ON_LINES),
+    "vehicle": Fmu(vehicle_dynamics, vehicle=passenger_coach, named_by=ON_LINES),
+    "coal-wagon": Fmu(coal_wagon_dynamics, alike="vehicle", vehicle=loaded_coal_wagon, named_by=ON_LINES),
+    "braked-vehicle": Fmu(braked_vehicle, vehicle=passenger_coach, named_by=ON_LEVEL_TRACK),
     "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
     "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
     "rail": Fmu(rail_adhesion),
@@ -52,3 +57,10 @@ def model_of(name: str) -> Model:
 @lru_cache
 def _written(name: str) -> Model:
     return FMUS[name].model()
+
+
+def variables_of(name: str) -> tuple[Variable, ...]:
+    """The variables of an FMU of the list, of no more equations than have them."""
+    with ONE_WRITES:
+        fmu = FMUS[name]
+        return (fmu.model(places=fmu.named_by) if fmu.named_by else model_of(name)).variables

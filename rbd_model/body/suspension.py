@@ -110,10 +110,18 @@ def call(system: Chain, taken: Taken, results: ca.SX) -> list[ca.SX]:
     found = ca.densify(results)
     varying = [n for n, one in enumerate(entries(found)) if not one.is_constant()]
     part = Part("suspension", *taken.both(1), found[varying], taken.chain)
-    part = replace(part, name=f"suspension_{digest_of(part.function)}")
+    part = replace(part, name=f"suspension_{digest_of(_all_of_it(taken, part.results))}")
     part = next((one.part for one in system.calls if one.part.name == part.name), part)
     found[varying] = system.call(part, *taken.both(0))
     return ca.vertsplit(found, 3)
+
+
+def _all_of_it(taken: Taken, results: ca.SX) -> ca.Function:
+    """What decides on results and on their slopes, which take ten times as long to write out."""
+    following = [each for one in taken.chain.following for each in (one.given, one.symbols, one.slope)]
+    return ca.Function(
+        "all_of_it", taken.both(1), [ca.densify(taken.chain.expand(one)) for one in (results, *following)]
+    )
 
 
 def in_part(loads: Loads, upper: str, lower: str, connections: Sequence[SuspensionElement]) -> bool:
