@@ -328,18 +328,6 @@ def test_curves_that_cannot_be_are_refused() -> None:
         spring(5e6, 0.3, 1e6).constants()
 
 
-def test_a_state_that_is_given_back_goes_on_with_the_same_bits() -> None:
-    train = Train(block_train(10), speed=20.0)
-    train.drive("emergency")
-    train.advance(3.0)
-    kept = train.state
-    train.advance(4.0)
-    once = train.state
-    train.state = kept
-    train.advance(4.0)
-    assert np.array_equal(train.state, once, equal_nan=True)
-
-
 def test_a_coupling_holds_from_when_vehicles_touch() -> None:
     train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), depth="delay")
     train.inputs["coupled"][:] = 0.0
