@@ -29,7 +29,7 @@ ARRAYS = (
 @lru_cache
 def coupler_in_c() -> ArraysInC:
     """Its object in C with its arrays."""
-    places = f"enum {{ WAY, COUPLED, FORCE, MEAN_FORCE, WORK, ARRAYS_MOST = {len(ARRAYS)} }};\n"
+    places = f"enum {{ {', '.join(one.name.upper() for one in ARRAYS)}, ARRAYS_MOST }};\n"
     own = {
         "coupler_arrays.h": places,
         "coupler_cells.h": function_of_cells(coupling()),
