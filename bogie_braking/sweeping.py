@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +32,8 @@ from rbd_model.track.line import Line
 #: From so many runs on a batch is made, for its compilation takes, once, as long as thousands of them. A task of an
 #: executor is so many runs then.
 PAYS_FROM = 1000
-#: Runs of one batch where a folder keeps them: what is lost at most when a study is interrupted.
-KEPT_AT_ONCE = 10_000
+#: Runs of one batch here, at most: what a folder does not keep when a study is interrupted.
+AT_ONCE = 10_000
 #: Outcomes of many points at once; None where they cannot be a batch. threads: None for all processors.
 Batch = Callable[[int | None, Sequence[Point]], list[Outcome] | None]
 
@@ -89,10 +90,8 @@ def task(many: Batch, evaluate: Evaluate, points: Sequence[Point]) -> list[Outco
     return many(1, points) or [evaluate(point) for point in points]
 
 
-def run_by(
-    executor: Executor | None, many: Batch | None, at_once: int, evaluate: Evaluate, points: Mapping[int, Point]
-) -> Outcomes:
-    """Outcomes of runs, here or by an executor; in batches where `many` makes them and they pay, of `at_once` here."""
+def run_by(executor: Executor | None, many: Batch | None, evaluate: Evaluate, points: Mapping[int, Point]) -> Outcomes:
+    """Outcomes of runs, here or by an executor; in batches where `many` makes them and they pay."""
     left = dict(points)
     pays = many is not None and len(left) >= PAYS_FROM
     if many and pays and executor:
@@ -102,12 +101,12 @@ def run_by(
             yield dict(zip(groups[group].tolist(), made.result(), strict=True))
         return
     while many and pays and left:
-        numbers = list(left)[:at_once]
-        outcomes = many(None, [left[number] for number in numbers])
+        some = dict(islice(left.items(), AT_ONCE))
+        outcomes = many(None, list(some.values()))
         if outcomes is None:
             break
-        yield dict(zip(numbers, outcomes, strict=True))
-        left = {number: left[number] for number in list(left)[at_once:]}
+        yield dict(zip(some, outcomes, strict=True))
+        left = dict(islice(left.items(), AT_ONCE, None))
     threads = os.cpu_count() or 1
     with nullcontext(executor) if executor else ThreadPoolExecutor(threads) as runs:
         for number, future in outcomes_from(runs, evaluate, left, len(left) if executor else AHEAD * threads):
@@ -152,7 +151,7 @@ def sweep(
     results = {key: machine.variables[key].unit for key in names}
     numbers = all(map(is_number, values.values()))
     many = partial(in_batch, what, duration, line, names, values) if numbers else None
-    run_points = partial(run_by, executor, many, KEPT_AT_ONCE if folder else len(rows))
+    run_points = partial(run_by, executor, many)
     study = Study(
         "sweep" if folder is None else Path(folder).name,
         varied | results,

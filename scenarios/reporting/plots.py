@@ -44,12 +44,9 @@ NO_BREAK = "\u00a0"
 
 def panels(message: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figure, list[Axes]]:
     """A figure of panels above each other that share the time axis; `labels` are the titles of the panels."""
-    figure, grid = plt.subplots(len(labels), 1, sharex=True, figsize=(8.0, height * len(labels) + 0.8), squeeze=False)
-    axes = list(grid[:, 0])
-    for axis, label in zip(axes, labels, strict=True):
-        axis.set_title(label)
+    figure, axes = charts(message, labels, (8.0, height * len(labels) + 0.8), columns=1, sharex=True)
     axes[-1].set_xlabel("time [s]")
-    return titled(figure, message), axes
+    return figure, axes
 
 
 def single(message: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
