@@ -90,7 +90,8 @@ def main(arguments: list[str] | None = None, program: str | None = None) -> int:
         return 0
     try:
         if chosen.controller:
-            return build_controller(chosen.controller, chosen.out, chosen.wheelsets)
+            kind = "fmi3" if chosen.kind == "fmi3" else "native"
+            return build_controller(chosen.controller, chosen.out, chosen.wheelsets, kind)
         kinds = able if chosen.kind == "all" else [chosen.kind]
         problems = build_all(names, kinds, chosen.out, every)
         write_sets(names, chosen.out)

@@ -1,4 +1,4 @@
-"""FMUs (FMI 2.0 and 3.0, co-simulation) around an object in C whose variables are arrays: arrays_in_c/.
+"""FMUs (FMI 2.0 and 3.0, co-simulation) around an object in C whose variables are arrays: runtime/arrays.h.
 
 One binary serves arrays of all lengths; the lengths stand in modelDescription.xml and in what the object reads from its
 resources. In FMI 3.0 an array is a variable, in FMI 2.0 each of its elements is.
@@ -6,7 +6,6 @@ resources. In FMI 3.0 an array is a variable, in FMI 2.0 each of its elements is
 
 from __future__ import annotations
 
-import hashlib
 import math
 import re
 import xml.etree.ElementTree as ET
@@ -17,20 +16,19 @@ from pathlib import Path
 from fmu_src import __version__
 from fmu_src.archive import write_archive
 from fmu_src.c_literals import c_array, c_number, c_text
-from fmu_src.codegen import RUNTIME
 from fmu_src.compile import FMI_HEADERS, plain_library
+from fmu_src.identifier import identifier
 from fmu_src.model_description import DISPLAY_UNITS, LOG_CATEGORIES, NOMINAL, UNITS
 from fmu_src.native_fmu import STANDARD_HEADERS, binary_for
+from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, RUNTIME, able
 
-FOLDER = Path(__file__).parent / "arrays_in_c"
 #: Elements of an array at most; the value reference in FMI 2.0 is array * ELEMENTS + element.
 ELEMENTS = 65536
-CAUSALITIES = {"parameter": "ARRAY_PARAMETER", "input": "ARRAY_INPUT", "output": "ARRAY_OUTPUT"}
 
 
 @dataclass(frozen=True)
 class ArrayVariable:
-    """An array: how it may be used, unit, meaning, limits, and whether it holds whole numbers."""
+    """An array: how it may be used, unit, meaning, limits, and whether it holds whole numbers or any, also none."""
 
     name: str
     causality: str
@@ -39,42 +37,55 @@ class ArrayVariable:
     minimum: float = -math.inf
     maximum: float = math.inf
     whole: bool = False
+    may_be_lost: bool = False
 
 
 @dataclass(frozen=True)
 class ArraysInC:
-    """An object in C behind arrays.h: its C files by name, and its arrays in the order in which it knows them."""
+    """An object in C behind arrays.h: its C files by name, and its arrays in the order in which it numbers them.
+
+    stride: between value references of FMI 2.0 from array to array.
+    """
 
     name: str
     description: str
     arrays: tuple[ArrayVariable, ...]
     sources: Mapping[str, str]
+    stride: int = ELEMENTS
 
 
 def token_of(given: ArraysInC) -> str:
     """What modelDescription.xml and the binary have in common."""
-    texts = {path.name: path.read_text(encoding="utf-8") for path in FOLDER.glob("*.[ch]")} | dict(given.sources)
-    texts |= _runtime_headers(texts)
-    h = hashlib.sha256(repr((given.arrays, sorted(texts.items()))).encode()).hexdigest()
-    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+    texts = _with_headers(dict(given.sources) | _faces())
+    return identifier([repr((given.arrays, sorted(texts.items())))])
+
+
+def _faces() -> dict[str, str]:
+    return {name: (RUNTIME / name).read_text(encoding="utf-8") for name in (ARRAYS, *FACES)}
 
 
 def all_sources(given: ArraysInC) -> dict[str, str]:
-    """C files by name: the object, both faces, and the table of arrays."""
-    faces = {path.name: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.[ch]"))}
-    faces["fmi2Functions.h"] = (RUNTIME / "fmi2Functions.h").read_text(encoding="utf-8")
-    return dict(given.sources) | faces | {"arrays_about.c": _about(given)}
+    """C files by name: the object, both faces, the runtime's headers, and the table of arrays."""
+    return _with_headers(dict(given.sources) | _faces() | {"arrays_about.c": _about(given)})
 
 
 def _about(given: ArraysInC) -> str:
     rows = []
     for one in given.arrays:
-        limits = ", ".join(c_number(max(min(limit, 1e300), -1e300)) for limit in (one.minimum, one.maximum))
-        unit = "" if one.unit == "1" else one.unit
-        rows.append(f"{{{c_text(one.name)}, {c_text(unit)}, {CAUSALITIES[one.causality]}, {int(one.whole)}, {limits}}}")
-    table = c_array("arrays_about", "ARRAYS_ABOUT", rows).replace("static ", "", 1)
-    token = f"const char ARRAYS_TOKEN[] = {c_text(token_of(given))};"
-    return f'#include "arrays.h"\n{table}\nconst int ARRAYS = {len(given.arrays)};\n{token}\n'
+        lost = 0.0 if one.may_be_lost else math.nan
+        numbers = ", ".join(c_number(number) for number in (0.0, one.minimum, one.maximum, lost))
+        kind, causality = "KIND_INTEGER" if one.whole else "KIND_REAL", f"CAUSALITY_{one.causality.upper()}"
+        rows.append(f"{{{c_text(one.name)}, {c_text(one.unit)}, {kind}, {causality}, {numbers}}}")
+    table = c_array("variable_description", "ARRAYS_ABOUT", rows).replace("static ", "", 1)
+    texts = {"TOKEN": token_of(given), "NAME": given.name}
+    return "\n".join(
+        [
+            *("#include <math.h>", '#include "arrays.h"', table),
+            f"const unsigned ARRAYS = {len(given.arrays)}, ARRAYS_STRIDE = {given.stride};",
+            *(f"const char ARRAYS_{name}[] = {c_text(text)};" for name, text in texts.items()),
+            "",
+        ]
+    )
 
 
 def binary_of_arrays(given: ArraysInC, targets: Sequence[str] = ()) -> bytes:
@@ -102,8 +113,7 @@ def build_arrays_fmu(
     about = (description2 if version == 2 else description3)(given, of)
     files = {"modelDescription.xml": about.encode()}
     files |= {f"binaries/{place}": data for place, data in binaries.items()}
-    texts = _sources_for(given, version)
-    texts |= _runtime_headers(texts)
+    texts = sources_for(given, version)
     files |= {f"sources/{name}": text.encode() for name, text in texts.items()}
     files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
     if version == 3:
@@ -111,19 +121,18 @@ def build_arrays_fmu(
     write_archive(path, files | dict(extras))
 
 
-def _sources_for(given: ArraysInC, version: int) -> dict[str, str]:
+def sources_for(given: ArraysInC, version: int) -> dict[str, str]:
     """C files by name, without the face of the other version."""
-    other = {2: ("arrays_fmi3.c",), 3: ("arrays_fmi2.c", "fmi2Functions.h")}[version]
+    other = {2: ("fmi3.c",), 3: ("fmi2.c", "fmi2Functions.h")}[version]
     return {name: text for name, text in all_sources(given).items() if name not in other}
 
 
-def _runtime_headers(texts: Mapping[str, str]) -> dict[str, str]:
-    """Headers of the runtime that C files include, and that these include, by name."""
-    found: dict[str, str] = {}
-    waiting = list(texts.values())
+def _with_headers(texts: Mapping[str, str]) -> dict[str, str]:
+    """C files by name with the headers of the runtime that they include, and that these include."""
+    found, waiting = dict(texts), list(texts.values())
     while waiting:
         for name in re.findall(r'#include "(\w+\.h)"', waiting.pop()):
-            if name not in texts and name not in found and (RUNTIME / name).exists():
+            if name not in found and (RUNTIME / name).exists():
                 found[name] = (RUNTIME / name).read_text(encoding="utf-8")
                 waiting.append(found[name])
     return found
@@ -131,7 +140,7 @@ def _runtime_headers(texts: Mapping[str, str]) -> dict[str, str]:
 
 def _listed(given: ArraysInC, version: int) -> list[str]:
     """Which of the sources are compiled."""
-    return [name for name in _sources_for(given, version) if name.endswith(".c")]
+    return [name for name in sources_for(given, version) if name.endswith(".c")]
 
 
 def build_description(given: ArraysInC) -> str:
@@ -154,6 +163,12 @@ def _root(given: ArraysInC, version: dict[str, str]) -> ET.Element:
     common = {"modelName": given.name, "description": given.description, "version": __version__, "license": "MIT"}
     common |= {"generationTool": "bogie-braking", "variableNamingConvention": "structured"}
     return ET.Element("fmiModelDescription", version | common)
+
+
+def _claims(given: ArraysInC, version: int) -> dict[str, str]:
+    """What it can do, of what is not the default of the standard."""
+    own = {"modelIdentifier": given.name, "canHandleVariableCommunicationStepSize": "true"}
+    return own | able(ARRAYS, OF_BOTH[version] | OF_SLAVES[version])
 
 
 def _units(root: ET.Element, given: ArraysInC) -> None:
@@ -194,9 +209,7 @@ def _nature(one: ArrayVariable) -> dict[str, str]:
 def description2(given: ArraysInC, of: Lengths) -> str:
     """modelDescription.xml of FMI 2.0: a variable for each element."""
     root = _root(given, {"fmiVersion": "2.0", "guid": token_of(given)})
-    able = {"canHandleVariableCommunicationStepSize": "true", "canGetAndSetFMUstate": "true"}
-    able |= {"canSerializeFMUstate": "true", "canNotUseMemoryManagementFunctions": "true"}
-    slave = ET.SubElement(root, "CoSimulation", {"modelIdentifier": given.name} | able)
+    slave = ET.SubElement(root, "CoSimulation", _claims(given, 2) | {"canNotUseMemoryManagementFunctions": "true"})
     files = ET.SubElement(slave, "SourceFiles")
     for name in _listed(given, 2):
         ET.SubElement(files, "File", name=name)
@@ -229,12 +242,7 @@ def description2(given: ArraysInC, of: Lengths) -> str:
 def description3(given: ArraysInC, of: Lengths) -> str:
     """modelDescription.xml of FMI 3.0: a variable for each array."""
     root = _root(given, {"fmiVersion": "3.0", "instantiationToken": token_of(given)})
-    able = {
-        "canHandleVariableCommunicationStepSize": "true",
-        "canGetAndSetFMUState": "true",
-        "canSerializeFMUState": "true",
-    }
-    ET.SubElement(root, "CoSimulation", {"modelIdentifier": given.name} | able)
+    ET.SubElement(root, "CoSimulation", _claims(given, 3))
     _units(root, given)
     _categories(root, of)
     variables, outputs = ET.SubElement(root, "ModelVariables"), []

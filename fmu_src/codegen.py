@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import re
 from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from pathlib import Path
 
 from tqdm import tqdm
 
@@ -18,12 +16,13 @@ from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.equations import Generated, functions, table_ranks
 from fmu_src.equations_in_c import equations_in_c
 from fmu_src.exchange import exchanged, serves_exchange
+from fmu_src.identifier import identifier
 from fmu_src.model_description import model_description
+from fmu_src.objects import FACES, KERNEL, RUNTIME
 from fmu_src.progress import PATIENCE
 from fmu_src.system import Model, SteadyStart, System, integration_variables, state_variable
 from fmu_src.table_file import table_file_source
 
-RUNTIME = Path(__file__).parent / "runtime"
 #: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.
 KERNEL_SOURCES = (
     "message.c",
@@ -56,12 +55,13 @@ KERNEL_SOURCES = (
     "saved.c",
     "instance.c",
 )
-FACE_SOURCES = ("face.c", "face_exchange.c", "fmi2.c", "fmi3.c")
+FACE_SOURCES = (KERNEL, *FACES)
 STUDY_SOURCES = ("study.c", "other_methods.c")
 #: Of runs in lanes, with the number of lanes as a macro.
 BATCH_SOURCES = ("batch_lanes.c", "batch.c")
 RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
 RUNTIME_HEADERS = (
+    "variable.h",
     "model.h",
     "table_file.h",
     "text_rows.h",
@@ -93,6 +93,7 @@ RUNTIME_HEADERS = (
     "instance.h",
     "method.h",
     "studies.h",
+    "object.h",
     "face.h",
     "fmi2Functions.h",
 )
@@ -157,13 +158,7 @@ def guid_of(sources: Mapping[str, str]) -> str:
 
 def content_guid(texts: Iterable[str]) -> str:
     """A GUID that is a function of the content, the runtime included, so that equal builds are equal."""
-    digest = hashlib.sha256()
-    for text in texts:
-        digest.update(text.encode())
-    for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS):
-        digest.update((RUNTIME / name).read_bytes())
-    h = digest.hexdigest()
-    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+    return identifier([*texts, *((RUNTIME / name).read_bytes() for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS))])
 
 
 def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterable[str]:

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from fmu_src import __version__
 from fmu_src.dependencies import input_dependencies, start_dependencies, step_dependencies
 from fmu_src.exchange import derivatives, exchanged_states, first_reference, indicators, rate_unit, reset_at_events
+from fmu_src.objects import KERNEL, OF_BOTH, OF_SLAVES, PYTHON, able, members, order_of_rates
 from fmu_src.system import Model, Variable, state_variable
 
 #: Unit -> exponents of the SI base units.
@@ -76,12 +77,8 @@ LOG_CATEGORIES = {
 }
 
 
-#: Binaries, which can do less and less: a kernel, the face around an object in C (fmi2_step.c), that of pythonfmu.
-KERNEL, STEP, PYTHON = "kernel", "step", "python"
-
-
 def model_description(model: Model, guid: str, binary: str = KERNEL, source_files: Iterable[str] = ()) -> str:
-    """The XML text. binary: one of KERNEL, STEP, PYTHON.
+    """The XML text. binary: what stands behind the face, one of those in objects.py.
 
     source_files: C files in sources/ that a host may compile.
     """
@@ -96,23 +93,18 @@ def model_description(model: Model, guid: str, binary: str = KERNEL, source_file
         generationTool="bogie-braking",
         variableNamingConvention="flat",
     )
-    native = binary == KERNEL
-    able, saves = str(native).lower(), str(binary != PYTHON).lower()
     both = {
         "modelIdentifier": model.name,
         "needsExecutionTool": str(binary == PYTHON).lower(),
         "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": saves,
-        "canSerializeFMUstate": saves,
-        "providesDirectionalDerivative": able,
+        **able(binary, OF_BOTH[2], all_of_them=True),
     }
-    exchange = derivatives(model) if native else []
+    exchange = derivatives(model) if "exchange" in members(binary) else []
     if exchange:
         root.set("numberOfEventIndicators", str(len(indicators(model))))
         ET.SubElement(root, "ModelExchange", both)
-    orders = "1" if native else "0"
-    slave = {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": able}
-    ET.SubElement(root, "CoSimulation", both | slave | {"maxOutputDerivativeOrder": orders})
+    slave = {"canHandleVariableCommunicationStepSize": "true", **able(binary, OF_SLAVES[2], all_of_them=True)}
+    ET.SubElement(root, "CoSimulation", both | slave | {"maxOutputDerivativeOrder": order_of_rates(binary)})
     for interface in root if binary != PYTHON else []:
         files = ET.SubElement(interface, "SourceFiles")
         for name in source_files:

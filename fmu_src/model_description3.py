@@ -15,6 +15,7 @@ from fmu_src.model_description import (
     number_text,
     variability,
 )
+from fmu_src.objects import KERNEL, OF_BOTH, OF_SLAVES, able, order_of_rates
 from fmu_src.system import Model, Variable, state_variable
 
 TIME = Variable("time", "output", "s", "Simulation time")
@@ -34,22 +35,12 @@ def model_description3(model: Model, token: str) -> str:
         generationTool="bogie-braking",
         variableNamingConvention="flat",
     )
-    both = {
-        "modelIdentifier": model.name,
-        "canGetAndSetFMUState": "true",
-        "canSerializeFMUState": "true",
-        "providesDirectionalDerivatives": "true",
-    }
+    both = {"modelIdentifier": model.name} | able(KERNEL, OF_BOTH[3])
     exchange = [*derivatives(model), *indicators(model)]
     if exchange:
         ET.SubElement(root, "ModelExchange", both | {"needsCompletedIntegratorStep": "true"})
-    slave = {
-        "canHandleVariableCommunicationStepSize": "true",
-        "mightReturnEarlyFromDoStep": "true",
-        "hasEventMode": "true",
-        "maxOutputDerivativeOrder": "1",
-    }
-    ET.SubElement(root, "CoSimulation", both | slave)
+    slave = {"canHandleVariableCommunicationStepSize": "true"} | able(KERNEL, OF_SLAVES[3])
+    ET.SubElement(root, "CoSimulation", both | slave | {"maxOutputDerivativeOrder": order_of_rates(KERNEL)})
     add_units(root, (*model.variables, TIME, *exchange))
     add_categories_and_experiment(root, model)
     variables = ET.SubElement(root, "ModelVariables")

@@ -13,7 +13,7 @@ from pathlib import Path
 import fmpy
 
 from fmu_src.archive import write_archive
-from fmu_src.codegen import KERNEL_SOURCES, RUNTIME, RUNTIME_HEADERS, generate, guid_of
+from fmu_src.codegen import FACE_SOURCES, KERNEL_SOURCES, RUNTIME, RUNTIME_HEADERS, generate, guid_of
 from fmu_src.compile import FMI_HEADERS, library_of, library_suffix
 from fmu_src.equations_in_c import TABLE_FILE
 from fmu_src.model_description import model_description
@@ -47,18 +47,19 @@ _NOT_OF_ALL = {"studies.h", "batch.h", "batch_lanes.h", "fmi2Functions.h"}
 HEADERS = tuple(name for name in RUNTIME_HEADERS if name not in _NOT_OF_ALL)
 #: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
-    2: (*KERNEL_SOURCES, "face.c", "face_exchange.c", "fmi2.c", *HEADERS, "fmi2Functions.h"),
-    3: (*KERNEL_SOURCES, "face.c", "face_exchange.c", "fmi3.c", *HEADERS),
+    2: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi3.c"), *HEADERS, "fmi2Functions.h"),
+    3: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi2.c"), *HEADERS),
 }
 STANDARD_HEADERS = {
     2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
-#: Programs that run an FMU, with places for its names: their names in the archive and here, by version of FMI.
+#: Programs that run an FMU, with places for its names: their names in the archive and here, by version of FMI, whose
+#: place is @N@; a line that begins with @2@ or @3@ is one of that version alone.
 HOSTS = Path(__file__).parent / "hosts"
 HOST_FILES = {
-    2: {"host.c": "host2.c", "host.cpp": "host2.cpp", "host.cs": "host2.cs", "host.py": "host.py"},
-    3: {"host.c": "host3.c", "host.py": "host.py"},
+    2: {"host.c": "host.c", "host.cpp": "host2.cpp", "host.cs": "host2.cs", "host.py": "host.py"},
+    3: {"host.c": "host.c", "host.py": "host.py"},
 }
 #: The one file to compile; it includes the others.
 ONE_UNIT = "all.c"
@@ -165,10 +166,12 @@ def hosts(model: Model, guid: str, version: int) -> dict[str, bytes]:
         entries = [f"{{\"{v.name}\",~{n},~'{v.kind[0]}'}}" for v, n in listed if v.causality in causalities]
         lines = textwrap.fill(", ".join(entries), 118, initial_indent="    ", subsequent_indent="    ")
         lists[name] = lines.replace("~", " ")
-    places = {"MODEL": model.name, "GUID": guid} | lists
+    places = {"MODEL": model.name, "GUID": guid, "N": str(version)} | lists
     found = {}
     for name, template in HOST_FILES[version].items():
-        text = (HOSTS / template).read_text()
+        given = (HOSTS / template).read_text().splitlines(keepends=True)
+        own = [line.removeprefix(f"@{version}@") for line in given if not line.startswith(f"@{5 - version}@")]
+        text = "".join(own)
         for place, value in places.items():
             text = text.replace(f"@{place}@", value)
         found[f"documentation/{name}"] = text.encode()

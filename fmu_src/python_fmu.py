@@ -20,7 +20,8 @@ from pythonfmu.builder import FmuBuilder
 from fmu_src.archive import write_archive
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import library_of, library_suffix
-from fmu_src.model_description import PYTHON, model_description
+from fmu_src.model_description import model_description
+from fmu_src.objects import PYTHON
 from fmu_src.pages import pages
 from fmu_src.system import Model
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
 from pathlib import Path
 
 from fmu_src.archive import write_archive
-from fmu_src.model_description import PYTHON, model_description
+from fmu_src.identifier import identifier
+from fmu_src.model_description import model_description
+from fmu_src.objects import PYTHON
 from fmu_src.python_fmu import joined, packed
 from fmu_src.system import StepInPython
 
@@ -18,12 +19,11 @@ def build_step_fmu(step: StepInPython, path: Path) -> None:
     """Writes the pythonfmu FMU. Raises whatever the sources raise when they are loaded."""
     slave = [file.read_text(encoding="utf-8") for file in SLAVE]
     body = joined([*step.sources, *slave], [*step.own, f"{__package__}.telling_slave"])
-    digest = hashlib.sha256((body + repr(step)).encode()).hexdigest()
-    guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+    guid = identifier([body, repr(step)])
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         # The module's name holds the content's GUID: two versions of an FMU may live in one process.
-        script = folder / f"{step.name}_{digest[:8]}.py"
+        script = folder / f"{step.name}_{guid[1:9]}.py"
         script.write_text(body + slave_class(step, guid), encoding="utf-8")
         contents = packed(script)
     contents["modelDescription.xml"] = model_description(step.model, guid, PYTHON).encode()

@@ -1,52 +1,80 @@
-"""An FMU (FMI 2.0, co-simulation) around three functions in C, for hosts that have no Python: step_in_c/fmi2_step.c."""
+"""An FMU (FMI 2.0 or 3.0, co-simulation) around three functions in C, which needs no Python: runtime/step_object.c."""
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
 import fmpy
 
 from fmu_src.archive import write_archive
-from fmu_src.codegen import RUNTIME
+from fmu_src.arrays_fmu import (
+    ArraysInC,
+    ArrayVariable,
+    Lengths,
+    all_sources,
+    build_arrays_fmu,
+    sources_for,
+    token_of,
+)
 from fmu_src.compile import FMI_HEADERS, library_suffix, plain_library
-from fmu_src.model_description import STEP, model_description
-from fmu_src.native_fmu import PLATFORMS, STANDARD_HEADERS, binary_for
-from fmu_src.system import StepInC
-
-FACE = Path(__file__).parent / "step_in_c" / "fmi2_step.c"
-#: Headers of the runtime that it includes.
-SHARED = ("duration.h", "fmi2Functions.h", "sealed.h")
+from fmu_src.model_description import model_description
+from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, STANDARD_HEADERS, binary_for
+from fmu_src.objects import ARRAYS, RUNTIME
+from fmu_src.system import StepInC, Variable
 
 
-def build_step_fmu_in_c(step: StepInC, path: Path, platforms: Sequence[str] = ()) -> None:
-    """Writes the FMU with its sources.
+def build_step_fmu_in_c(step: StepInC, path: Path, platforms: Sequence[str] = (), version: int = 2) -> None:
+    """Writes the FMU with its sources, for FMI 2 or 3.
 
-    platforms: names in PLATFORMS, compiled with zig; none: the platform it is built on. Raises CompilerError.
+    platforms: names in PLATFORMS or PLATFORMS3, compiled with zig; none: the platform it is built on. Raises
+    CompilerError.
     """
-    face = {path.name: path.read_text(encoding="utf-8") for path in (FACE, *(RUNTIME / name for name in SHARED))}
-    digest = hashlib.sha256((repr(step) + "".join(face.values())).encode()).hexdigest()
-    guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
-    headers = {name: text for name, text in step.sources.items() if name.endswith(".h")}
-    ours = face | headers | {"step_model.h": numbers(step, guid)}
-    named = sorted(name for name in {**ours, **step.sources} if name.endswith(".c"))
-    files = {f"sources/{name}": text.encode() for name, text in {**ours, **step.sources}.items()}
-    files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[2]}
-    about = model_description(step.model, guid, STEP, named)
-    for name in platforms or [fmpy.platform]:
-        targets, suffix = PLATFORMS[name] if platforms else ((), library_suffix())
-        library = binary_for(targets, lambda target: plain_library(ours, step.sources, target))
-        files[f"binaries/{name}/{step.name}{suffix}"] = library
+    known, own = (PLATFORMS, fmpy.platform) if version == 2 else (PLATFORMS3, fmpy.platform_tuple)
+    given, binaries = step_in_c(step), {}
+    for name in platforms or [own]:
+        targets, suffix = known[name] if platforms else ((), library_suffix())
+        binaries[f"{name}/{step.name}{suffix}"] = binary_for(targets, lambda target: _library(step, target))
+    if version == 3:
+        starts = [[one.start] for one in step.model.variables]
+        of = Lengths([1] * len(starts), starts, step.model.step_size, step.model.stop_time)
+        return build_arrays_fmu(given, of, path, version, binaries, {})
+    texts = sources_for(given, version)
+    named = sorted(name for name in texts if name.endswith(".c"))
+    about = model_description(step.model, token_of(given), ARRAYS, named)
+    files = {f"sources/{name}": text.encode() for name, text in texts.items()}
+    files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
+    files |= {f"binaries/{place}": data for place, data in binaries.items()}
     write_archive(path, {"modelDescription.xml": about.encode(), **files})
 
 
-def numbers(step: StepInC, guid: str) -> str:
-    """step_model.h: the numbers and the functions that fmi2_step.c is compiled with."""
+def _library(step: StepInC, target: str | None) -> Path:
+    """Path of the binary; the files of a user may have warnings. Raises CompilerError."""
+    texts = all_sources(step_in_c(step))
+    ours = {name: text for name, text in texts.items() if name not in step.sources or name.endswith(".h")}
+    return plain_library(ours, step.sources, target)
+
+
+def step_in_c(step: StepInC) -> ArraysInC:
+    """The three functions as an object whose arrays have one element each."""
+    own = {"step_object.c": (RUNTIME / "step_object.c").read_text(encoding="utf-8"), "step_model.h": _numbers(step)}
+    arrays = tuple(_array(one) for one in step.model.variables)
+    return ArraysInC(step.name, step.description, arrays, {**step.sources, **own}, stride=1)
+
+
+def _array(one: Variable) -> ArrayVariable:
+    """An input takes whatever a sensor says."""
+    limits = (one.minimum, one.maximum)
+    return ArrayVariable(
+        *(one.name, one.causality, one.unit, one.description, *limits), one.kind == "integer", one.causality == "input"
+    )
+
+
+def _numbers(step: StepInC) -> str:
+    """step_model.h: the numbers and the functions that step_object.c is compiled with."""
     least, most = ({int(getattr(one, limit)) for one in step.outputs} for limit in ("minimum", "maximum"))
-    return f"""/* What fmi2_step.c is compiled with. */
+    return f"""/* What step_object.c is compiled with. */
 #include "{step.header}"
-#define GUID "{guid}"
 #define INPUTS {len(step.inputs)}
 #define OUTPUTS {len(step.outputs)}
 #define PERIOD {step.period!r}

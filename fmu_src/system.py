@@ -734,7 +734,7 @@ class StepModel:
 
     @property
     def model(self) -> Model:
-        """The table of variables, in the order of StepSlave and of fmi2_step.c."""
+        """The table of variables, in the order of StepSlave and of step_object.c."""
         period = Variable("period", "parameter", "s", "Time between two answers", self.period, 1e-6, 1.0)
         variables = (*self.inputs, period, *self.outputs)
         return Model(self.name, self.description, variables, (), step_size=self.period)

@@ -171,22 +171,31 @@ def build_all(names: Sequence[str], kinds: Sequence[str], out: Path, all_platfor
     return problems
 
 
-def build_protection(out: Path, step: StepInC | StepInPython, all_platforms: bool = False) -> Path:
-    """Writes OUT/native/NAME.fmu of a controller in C, all_platforms: of those of zig, or OUT/python/NAME.fmu."""
+def build_protection(
+    out: Path, step: StepInC | StepInPython, all_platforms: bool = False, kind: str = "native"
+) -> Path:
+    """Writes OUT/KIND/NAME.fmu of a controller in C, all_platforms: of those of zig, or OUT/python/NAME.fmu.
+
+    kind: "native" or "fmi3", of a controller in C.
+    """
     if isinstance(step, StepInPython):
         path = out / "python" / f"{step.name}.fmu"
         build_step_fmu(step, path)
     else:
-        path = out / "native" / f"{step.name}.fmu"
-        build_step_fmu_in_c(step, path, list(PLATFORMS) if all_platforms else [])
+        path, version = out / kind / f"{step.name}.fmu", 3 if kind == "fmi3" else 2
+        platforms = list(PLATFORMS3 if version == 3 else PLATFORMS) if all_platforms else []
+        build_step_fmu_in_c(step, path, platforms, version)
     return path
 
 
-def build_controller(text: str, out: Path, wheelsets: int) -> int:
-    """The FMU of FILE.py:CLASS or FILE.c for so many wheelsets; exit status 0, 1 with problems, 2 with a sentence."""
+def build_controller(text: str, out: Path, wheelsets: int, kind: str = "native") -> int:
+    """The FMU of FILE.py:CLASS or FILE.c for so many wheelsets; exit status 0, 1 with problems, 2 with a sentence.
+
+    kind: "native" or "fmi3", of a controller in C.
+    """
     begin = time.perf_counter()
     try:
-        path = _controller(text, out, wheelsets)
+        path = _controller(text, out, wheelsets, kind)
     except FileNotFoundError:
         print(f"There is no file {text.split(':')[0]}; give the path of a controller.", file=sys.stderr)
         return 2
@@ -201,9 +210,9 @@ def build_controller(text: str, out: Path, wheelsets: int) -> int:
     return 1 if announce(path, time.perf_counter() - begin) else 0
 
 
-def _controller(text: str, out: Path, wheelsets: int) -> Path:
+def _controller(text: str, out: Path, wheelsets: int, kind: str) -> Path:
     if text.endswith(".c"):
-        return build_protection(out, wheel_slide_in_c(Path(text), wheelsets))
+        return build_protection(out, wheel_slide_in_c(Path(text), wheelsets), kind=kind)
     file, _, name = text.rpartition(":")
     if not (file and name):
         raise ValueError("it names no class; give FILE:CLASS, such as own.py:LetGo, or a C file.")

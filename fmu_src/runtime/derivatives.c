@@ -8,13 +8,13 @@
 static kernel_status differentiate_outputs(kernel *self, const double *place) {
     const system_description *system = self->system;
     double *follow = self->work.follow;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     if (system->residual_along) {
         for (int i = 0; i < system->algebraics; ++i) self->given.seed[1 + system->algebraic[i]] = 0.0;
         kernel_evaluate(self, system->residual_along, 0.0, place, follow);
         if (!linear_factorise_algebraic(self, &self->work.algebraic, self->work.jacobian))
             return kernel_fail(self, KERNEL_ERROR, "The outputs have no derivatives at t = %s s.",
-                               kernel_clock(self->run.now->time, 9, when));
+                               time_text(self->run.now->time, 9, when));
         linear_solve_algebraic(&self->work.algebraic, follow);
         for (int i = 0; i < system->algebraics; ++i) self->given.seed[1 + system->algebraic[i]] = -follow[i];
     }
@@ -22,13 +22,13 @@ static kernel_status differentiate_outputs(kernel *self, const double *place) {
     for (int i = 0; i < system->outputs; ++i)
         if (!isfinite(self->reading.output_rate[i]))
             return kernel_fail(self, KERNEL_ERROR, "The output %s has no finite derivative at t = %s s.",
-                               MODEL.variable[system->output_variable[i]].name, kernel_clock(self->run.now->time, 9, when));
+                               MODEL.variable[system->output_variable[i]].name, time_text(self->run.now->time, 9, when));
     return KERNEL_OK;
 }
 
 /* Where the derivatives are taken, linearised, with an empty seed; null: nowhere, which is said. */
 static const double *prepare_derivatives(kernel *self) {
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     if (!self->system) {
         (void)kernel_fail(self, KERNEL_ERROR, "Initialise %s before asking for derivatives.", MODEL.name);
         return NULL;
@@ -38,7 +38,7 @@ static const double *prepare_derivatives(kernel *self) {
     const double *place = algebraic_place(self);
     if (!place) {
         (void)kernel_fail(self, KERNEL_ERROR, "The equations have no solution at t = %s s; check inputs and parameters.",
-                          kernel_clock(self->run.now->time, 9, when));
+                          time_text(self->run.now->time, 9, when));
         return NULL;
     }
     rosenbrock_linearise(self, 0.0, place);
@@ -60,11 +60,11 @@ static void differentiate_slopes(kernel *self, const double *place) {
 /* Of a slope of model exchange; 0 where the system does not have that state. */
 static kernel_status pick_slope(kernel *self, int number, double *result) {
     const int state = exchange_state(self, number);
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     *result = state < 0 ? 0.0 : self->reading.slope_change[state];
     if (isfinite(*result)) return KERNEL_OK;
     return kernel_fail(self, KERNEL_ERROR, "The slope of %s has no finite derivative at t = %s s.",
-                       MODEL.variable[self->system->state_variable[state]].name, kernel_clock(self->run.now->time, 9, when));
+                       MODEL.variable[self->system->state_variable[state]].name, time_text(self->run.now->time, 9, when));
 }
 
 /* Copies the derivatives of some outputs; those that the system does not have are constant. */

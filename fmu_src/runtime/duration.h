@@ -1,10 +1,79 @@
-/* How long a host may let an instance go on at once, and when. */
+/* When a host may let an instance go on, and how long at once: the same for all objects, told in the same words. */
 #ifndef DURATION_H
 #define DURATION_H
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
 
 /* A day [s]: beyond it a step is a slip of the pen, or patience is lost. */
 #define LONGEST_STEP 86400.0
 /* Farthest time from 0 [s], 300 years: Unix time lies within it, and it counts any period in 64 bits. */
 #define FARTHEST_TIME 1e10
+
+enum { TIME_TEXT = 48, DURATION_PROBLEM = 240 };
+
+/* A time in seconds for a sentence, with so many digits, and more where it has more than three before the point: of Unix time,
+ * which has ten there, three (of 6) or six (of 9) remain behind it. */
+static inline const char *time_text(double time, int digits, char text[TIME_TEXT]) {
+    const int before = fabs(time) >= 1e3 && fabs(time) < 1e18 ? 1 + (int)log10(fabs(time)) : 3;
+    const int all = before + digits - 3;
+    snprintf(text, TIME_TEXT, "%.*g", all < 24 ? all : 24, time);
+    return text;
+}
+
+/* Two times are the same that differ by a thousandth of a step. Round-off of start + n * step is below it until numbers at
+ * that time are spaced as coarsely as the step; from there on it is two spacings, but never half a step. */
+static inline double time_slack(double time, double size) {
+    return fmax(1e-3 * size, fmin(0.5 * size, 2.0 * DBL_EPSILON * fabs(time)));
+}
+
+/* Whether no run can begin and end there; then a sentence says why. stop: null where the host named none. */
+static inline bool plan_is_wrong(double start, const double *stop, char problem[DURATION_PROBLEM]) {
+    char begin[TIME_TEXT], end[TIME_TEXT];
+    if (!isfinite(start)) {
+        snprintf(problem, DURATION_PROBLEM, "Set the start time to a finite time: %g s was given.", start);
+        return true;
+    }
+    if (!stop || *stop >= start) return false;
+    snprintf(problem, DURATION_PROBLEM,
+             "Set the stop time to the start time of %s s or later: %s s was given; nothing was changed.",
+             time_text(start, 9, begin), time_text(*stop, 9, end));
+    return true;
+}
+
+/* Whether no step can be of this size. */
+static inline bool size_is_wrong(double size, char problem[DURATION_PROBLEM]) {
+    if (size > 0.0 && size <= LONGEST_STEP) return false;
+    if (size > 0.0 && isfinite(size))
+        snprintf(problem, DURATION_PROBLEM, "Give a step of at most %g s, a day: it was %g s; nothing was advanced.",
+                 LONGEST_STEP, size);
+    else
+        snprintf(problem, DURATION_PROBLEM, "Give a step size above 0 s: it was %g s; nothing was advanced.", size);
+    return true;
+}
+
+/* Whether no step can begin at `time`, where the one before ended `now` and the run is to stop. */
+static inline bool time_is_wrong(double time, double size, double now, double stop, char problem[DURATION_PROBLEM]) {
+    const double end = time + size, surely = 1e-3 * size; /* asked at every step of a host */
+    if (fabs(time - now) <= surely && end > time && end <= stop + surely) return false;
+    char here[TIME_TEXT], there[TIME_TEXT];
+    const double slack = time_slack(now, size);
+    if (!(fabs(time - now) <= slack))
+        snprintf(problem, DURATION_PROBLEM, "Step from t = %s s, where the last step ended: %s s was given; nothing was advanced.",
+                 time_text(now, 9, here), time_text(time, 9, there));
+    else if (!(end > time))
+        snprintf(problem, DURATION_PROBLEM,
+                 "Give a longer step at t = %s s: %g s is lost in the round-off of the time; nothing was advanced.",
+                 time_text(time, 9, here), size);
+    else if (end > stop + slack)
+        snprintf(problem, DURATION_PROBLEM,
+                 "End the last step at the stop time of %s s: this one would end at %s s; nothing was advanced.",
+                 time_text(stop, 9, here), time_text(end, 9, there));
+    else
+        return false;
+    return true;
+}
 
 #endif

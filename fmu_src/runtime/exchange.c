@@ -54,9 +54,9 @@ static int first_not_finite(const double *number, int count) {
 
 /* What an integrator tries may be no motion: it is told to shorten its step. */
 static kernel_status discard(kernel *self, const char *what) {
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_DISCARD, "%s at t = %s s is not a finite number; shorten the step.", what,
-                       kernel_clock(self->run.now->time, 9, when));
+                       time_text(self->run.now->time, 9, when));
 }
 
 static const char *name_of_state(const kernel *self, int state) {
@@ -181,10 +181,10 @@ kernel_status kernel_find_modes(kernel *self, bool *jumped) {
     explicit_host_begin(self);
     self->run.now->inputs_jumped = false;
     self->run.now->outputs_stale = true;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     if (self->run.now->ended)
         (void)kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->run.now->ended - 1],
-                              kernel_clock(self->run.now->time, 6, when));
+                              time_text(self->run.now->time, 6, when));
     return KERNEL_OK;
 }
 

@@ -78,10 +78,10 @@ kernel_status explicit_host_guard(kernel *self) {
     const double growth = growth_over_steps(self, size, 0);
     if (!(growth > UNSTABLE * growth_over_steps(self, size, FINER))) return KERNEL_OK;
     self->run.now->guard_said = growth;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_WARNING,
                        "The host's steps of %.3g s by Euler's method are unstable at t = %s s: a disturbance grows %.1g-fold "
                        "within %d of them; do not trust the motion from here on, integrate with an implicit method such as "
                        "CVODE, or use co-simulation.",
-                       size, kernel_clock(self->run.now->time, 6, when), growth, 1 << DOUBLINGS);
+                       size, time_text(self->run.now->time, 6, when), growth, 1 << DOUBLINGS);
 }

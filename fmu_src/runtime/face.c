@@ -1,8 +1,7 @@
-/* The common part of both faces. It knows the order of calls; the kernel knows the machine. */
+/* What the faces of both standards share: the order of calls, the log, references, saved states. The object has the numbers. */
 #include "face.h"
+#include "readable.h"
 #include "sealed.h"
-#include "table_file.h"
-#include "text_rows.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,17 +11,17 @@
 static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 enum { CATEGORIES = 4, EVERYTHING = 15 };
 
-static const char START_VALUES[] = "/start_values.csv"; /* among the resources */
+/* ---- the log ---- */
 
 static void say(const component *self, kernel_status status, const char *sentence) {
     const unsigned category = status <= KERNEL_ERROR ? (unsigned)status : (unsigned)KERNEL_ERROR;
-    if (self->logger && ((self->logged | self->told) & (1u << category)))
-        self->tell(self, status, CATEGORY[category], sentence);
+    if (self->logger && ((self->logged | self->standard->told) & (1u << category)))
+        self->standard->tell(self, status, CATEGORY[category], sentence);
 }
 
-/* The kernel writes no sentence that is not passed on. */
+/* The object writes no sentence that is not passed on. */
 static void listen(const component *self) {
-    kernel_listen(self->machine, self->logger ? self->logged | self->told : 0);
+    if (OBJECT.listen) OBJECT.listen(self->object, self->logger ? self->logged | self->standard->told : 0);
 }
 
 kernel_status face_error(const component *self, const char *sentence) {
@@ -30,14 +29,33 @@ kernel_status face_error(const component *self, const char *sentence) {
     return KERNEL_ERROR;
 }
 
-kernel_status face_report(component *self, kernel_status status) {
+static kernel_status larger(kernel_status one, kernel_status other) { return one > other ? one : other; }
+
+static void pass_on_one(component *self, const kernel_sentence *heard, kernel_status least) {
     char sentence[MESSAGE_SIZE]; /* of our own: a logger may call the instance, which then says more */
+    strcpy(sentence, heard->text);
+    say(self, larger(heard->status, least), sentence);
+}
+
+static void pass_on(component *self, kernel_status least) {
     kernel_sentence heard;
-    while (kernel_hear(self->machine, &heard)) {
-        strcpy(sentence, heard.text);
-        say(self, heard.status, sentence);
-    }
+    while (OBJECT.hear(self->object, &heard)) pass_on_one(self, &heard, least);
+}
+
+kernel_status face_report(component *self, kernel_status status) {
+    pass_on(self, KERNEL_OK);
     return status;
+}
+
+kernel_status face_refuse(component *self) {
+    pass_on(self, KERNEL_ERROR);
+    return KERNEL_ERROR;
+}
+
+kernel_status face_absent(const component *self, const char *function) {
+    char sentence[MESSAGE_SIZE];
+    snprintf(sentence, sizeof sentence, "%s is not offered; see modelDescription.xml.", function);
+    return face_error(self, sentence);
 }
 
 bool face_legal(const component *self, int phases, const char *function) {
@@ -45,7 +63,7 @@ bool face_legal(const component *self, int phases, const char *function) {
     if ((int)self->now & phases) return true;
     char sentence[160];
     snprintf(sentence, sizeof sentence, "%s must not be called now; see the state machine of %s.", function,
-             self->standard);
+             self->standard->name);
     (void)face_error(self, sentence);
     return false;
 }
@@ -83,133 +101,49 @@ kernel_status face_log(component *self, int logging, size_t count, const char *c
     return KERNEL_OK;
 }
 
-component *face_instantiate(const component *log, const char *name, const char *token, int logging) {
-    if (!name) {
-        component nameless = *log;
-        nameless.name = (char *)"";
-        nameless.logged = logging ? EVERYTHING : 0;
-        (void)face_error(&nameless, "Give the instance a name.");
-        return NULL;
-    }
-    component *self = (component *)calloc(1, sizeof *self);
+/* ---- from phase to phase ---- */
+
+/* The object of the files in a folder that the host has named in the words of its standard; null: and why. */
+static fmu_object *from_resources(const component *self, const char *resources, char problem[MESSAGE_SIZE]) {
+    if (!resources || !*resources) return OBJECT.make(NULL, self->exchange, problem);
+    char *folder = (char *)malloc(strlen(resources) + 1);
+    const bool placed = folder && self->standard->place(resources, folder, problem);
+    fmu_object *made = placed ? OBJECT.make(folder, self->exchange, problem) : NULL;
+    free(folder);
+    return made;
+}
+
+static fmu_object *make_object(const component *self, const char *token, const char *resources, char problem[MESSAGE_SIZE]) {
+    const char *wrong = NULL;
+    if (!*self->name)
+        wrong = "Give the instance a name.";
+    else if (!token || strcmp(token, OBJECT.token()) != 0)
+        wrong = "The identifier of modelDescription.xml is not that of the binary; build both together.";
+    else if (self->exchange && !OBJECT.exchange)
+        wrong = "Take this FMU for co-simulation; it has no model exchange.";
+    if (wrong) strcpy(problem, wrong);
+    return wrong ? NULL : from_resources(self, resources, problem);
+}
+
+component *face_instantiate(const component *log, const char *name, const char *token, const char *resources, int logging) {
+    char problem[MESSAGE_SIZE] = "There is not enough memory for an instance.";
+    component *self = (component *)malloc(sizeof *self);
     if (!self) return NULL;
     *self = *log;
     self->logged = logging ? EVERYTHING : 0;
-    self->name = (char *)malloc(strlen(name) + 1);
-    if (self->name) strcpy(self->name, name);
-    self->machine = kernel_create();
-    if (self->machine) listen(self);
-    self->now = INSTANTIATED;
-    const char *problem = NULL;
-    if (!self->name || !self->machine)
-        problem = "There is not enough memory for an instance.";
-    else if (!token || strcmp(token, MODEL.guid) != 0)
-        problem = "The identifier of modelDescription.xml is not that of the binary; build both together.";
-    else if (self->exchange && kernel_exchange_states() == 0)
-        problem = "There is no model exchange, as modelDescription.xml says: these equations have algebraic states.";
-    if (!problem) return self;
-    if (self->name) (void)face_error(self, problem);
-    face_free(self);
-    return NULL;
-}
-
-/* A file among the resources, opened, its path in self->resources until the next one's; null: there is none, or `status`
- * is an error, which was told. */
-static FILE *own_file(component *self, const char *name, kernel_status *status) {
-    char *end = self->resources + self->folder_length, sentence[MESSAGE_SIZE];
-    const char *why;
-    strcpy(end, name);
-    FILE *file = resources_open(self->resources, &why);
-    if (why) {
-        const size_t length = strlen(self->resources), shown = 300; /* its end, which has the file's own name */
-        snprintf(sentence, sizeof sentence, "%s%s %s; put a file there that can be read, or nothing.", length > shown ? "..." : "",
-                 self->resources + (length > shown ? length - shown : 0), why);
-        kernel_make_readable(sentence);
-        *status = face_error(self, sentence);
+    self->variables = OBJECT.variables();
+    self->stride = OBJECT.stride();
+    self->name = (char *)malloc(strlen(name ? name : "") + 1);
+    if (self->name) {
+        strcpy(self->name, name ? name : "");
+        self->object = make_object(self, token, resources, problem);
     }
-    return file;
-}
-
-static kernel_status refuse_start(component *self, const text_rows *row, const char *problem) {
-    char sentence[MESSAGE_SIZE];
-    snprintf(sentence, sizeof sentence, "resources%s, row %d: %s.", START_VALUES, row->number, problem);
-    kernel_make_readable(sentence);
-    return face_error(self, sentence);
-}
-
-/* The cells NAME and VALUE of a row, and how many cells are filled; 3: more than these, or quotes do not close. */
-static int cells_of_start(char *text, const char *pair[2]) {
-    const char separator = text_separator(text);
-    char *cell;
-    int filled = 0;
-    cell_reading found;
-    for (int at = 0; (found = text_next_cell(&text, separator, &cell)) == CELL_READ; ++at) {
-        filled += *cell != '\0';
-        if (*cell && at > 1) return 3;
-        if (at < 2) pair[at] = cell;
-    }
-    return found == CELL_REFUSED ? 3 : filled;
-}
-
-/* A row NAME,VALUE of numbers, as a value that is set. */
-static kernel_status set_own_start(component *self, text_rows *row) {
-    char problem[MESSAGE_SIZE / 2], mark;
-    const char *pair[2] = {"", ""};
-    const int filled = cells_of_start(row->text, pair);
-    double number;
-    if (filled == 0) return KERNEL_OK;
-    for (int i = 0; filled == 2 && i < MODEL.variables; ++i)
-        if (strcmp(pair[0], MODEL.variable[i].name) == 0 && table_read_number(pair[1], &number, &mark))
-            return face_report(self, kernel_set(self->machine, i, number));
-    snprintf(problem, sizeof problem, "a row must have the name of a variable of %.40s and its number; got '%.60s'. Write NAME,VALUE",
-             MODEL.name, pair[0]);
-    return refuse_start(self, row, problem);
-}
-
-/* Reads start values by the rules of all tables. */
-static kernel_status own_start_values(component *self) {
-    kernel_status status = KERNEL_OK;
-    FILE *file = own_file(self, START_VALUES, &status);
-    if (!file) return status;
-    text_rows *rows = (text_rows *)malloc(sizeof *rows);
-    if (!rows) status = face_error(self, "There is not enough memory for start values.");
-    reading found = NO_MORE_ROWS;
-    if (rows) text_rows_begin(rows, file);
-    while (rows && status <= KERNEL_WARNING && (found = text_rows_next(rows)) == ROW_READ) status = set_own_start(self, rows);
-    if (found == ROW_REFUSED) status = refuse_start(self, rows, rows->problem);
-    fclose(file);
-    free(rows);
-    return status;
-}
-
-static kernel_status own_table(component *self) {
-    kernel_status status = KERNEL_OK;
-    FILE *file = MODEL.table_file ? own_file(self, MODEL.table_file->resource, &status) : NULL;
-    if (!file) return status;
-    fclose(file);
-    return face_report(self, kernel_set_text(self->machine, MODEL.table_file->variable, self->resources));
-}
-
-/* What the FMU's own files say, where there are any. */
-static kernel_status read_resources(component *self) {
-    if (!self->resources) return KERNEL_OK;
-    const kernel_status status = own_start_values(self);
-    return status <= KERNEL_WARNING ? own_table(self) : status;
-}
-
-component *face_take_resources(component *self, const char *resources, face_place *place) {
-    if (!self || !resources || !*resources) return self;
-    char problem[RESOURCES_PROBLEM];
-    const size_t of_table = MODEL.table_file ? strlen(MODEL.table_file->resource) + 1 : 0;
-    self->resources = (char *)malloc(strlen(resources) + (of_table > sizeof START_VALUES ? of_table : sizeof START_VALUES));
-    if (self->resources) {
-        if (!place(resources, self->resources, problem)) {
-            kernel_make_readable(problem);
-            (void)face_error(self, problem);
-        } else {
-            self->folder_length = strlen(self->resources);
-            if (read_resources(self) <= KERNEL_WARNING) return self;
-        }
+    if (self->object) {
+        listen(self);
+        if (face_reset(self) <= KERNEL_WARNING) return self;
+    } else if (self->name) {
+        make_readable(problem); /* it may quote a path, which may be anything */
+        (void)face_error(self, problem);
     }
     face_free(self);
     return NULL;
@@ -217,152 +151,267 @@ component *face_take_resources(component *self, const char *resources, face_plac
 
 void face_free(component *self) {
     if (!self) return;
-    kernel_free(self->machine);
-    free(self->resources);
+    if (self->object) OBJECT.dispose(self->object);
     free(self->name);
     free(self);
 }
 
-kernel_status face_terminate(component *self) {
-    self->now = TERMINATED;
-    return KERNEL_OK;
-}
-
 kernel_status face_reset(component *self) {
-    kernel_reset(self->machine);
     self->now = INSTANTIATED;
     self->start_time = 0.0;
     self->last_step = KERNEL_OK;
-    return read_resources(self);
+    return face_report(self, OBJECT.reset(self->object));
 }
 
 kernel_status face_plan(component *self, const double *tolerance, double start, const double *stop) {
-    const kernel_status status = kernel_plan(self->machine, tolerance, start, stop);
+    const kernel_status status = OBJECT.plan(self->object, tolerance, start, stop);
     if (status <= KERNEL_WARNING) self->start_time = start;
     return face_report(self, status);
 }
 
-/* ---- variables: every value is a double in the kernel; the type is only checked here ---- */
-
-static bool wrong_type(const component *self, unsigned reference, int kind) {
-    static const char *const name[] = {"Real", "Integer", "Boolean", "String"};
-    if (reference < (unsigned)MODEL.variables && MODEL.variable[reference].kind == kind) return false;
-    char sentence[160];
-    snprintf(sentence, sizeof sentence, "Value reference %u is not a variable of type %s of %s.", reference, name[kind],
-             MODEL.name);
-    (void)face_error(self, sentence);
-    return true;
-}
-
-static kernel_status initialise(component *self) {
-    kernel_status status = kernel_initialise(self->machine, self->start_time);
-    if (self->exchange && status <= KERNEL_WARNING && kernel_check_exchange(self->machine) != KERNEL_OK)
-        status = KERNEL_ERROR;
-    return face_report(self, status);
-}
-
-kernel_status face_initialise_if_asked(component *self) {
-    return self->now != INITIALISING || kernel_state_count(self->machine) ? KERNEL_OK : initialise(self);
+/* What is asked for during initialisation belongs to the values set so far. */
+static kernel_status initialise_if_asked(component *self) {
+    if (self->now != INITIALISING || OBJECT.initialised(self->object)) return KERNEL_OK;
+    return face_report(self, OBJECT.initialise(self->object, self->start_time));
 }
 
 kernel_status face_initialise(component *self) {
-    const kernel_status status = initialise(self);
+    const kernel_status status = face_report(self, OBJECT.initialise(self->object, self->start_time));
     if (status <= KERNEL_WARNING) self->now = self->exchange || self->events ? AT_EVENT : STEPPING;
     return status;
 }
 
-kernel_status face_get(component *self, unsigned reference, int kind, double *value) {
-    const int exchanged = kind == KIND_REAL ? kernel_exchanged_number((int)reference) : -1;
-    if (exchanged < 0 && wrong_type(self, reference, kind)) return KERNEL_ERROR;
-    if (self->now == INSTANTIATED && (exchanged >= 0 || MODEL.variable[reference].causality >= CAUSALITY_OUTPUT))
+kernel_status face_enter(component *self, phase next) {
+    self->now = next;
+    return KERNEL_OK;
+}
+
+/* ---- variables: every value is a double in the object; the type is only checked here ---- */
+
+/* What a value reference is of. */
+typedef struct {
+    const variable_description *about; /* null: the time */
+    unsigned variable;
+    size_t first, count;
+} place;
+
+static bool refuse_reference(const component *self, unsigned reference, int kind) {
+    static const char *const name[] = {"Real", "Integer", "Boolean", "String"};
+    char sentence[160];
+    snprintf(sentence, sizeof sentence, "Value reference %u is not a variable of type %s of %s.", reference, name[kind],
+             OBJECT.name());
+    return !face_error(self, sentence);
+}
+
+static bool find(const component *self, unsigned reference, int kind, bool reading, place *found) {
+    const bool whole = !self->standard->by_elements;
+    found->variable = whole || self->stride == 1 ? reference : reference / self->stride;
+    found->first = whole ? 0 : reference - found->variable * self->stride;
+    found->count = 1;
+    found->about = reading || found->variable < self->variables ? OBJECT.variable(found->variable) : NULL;
+    if (found->about && found->about->kind == kind) {
+        const size_t length = OBJECT.length(self->object, found->variable);
+        if (whole) found->count = length;
+        if (found->first < length) return true;
+    }
+    if (whole && reading && reference == self->variables && kind == KIND_REAL) return true;
+    return refuse_reference(self, reference, kind);
+}
+
+static bool sizes_differ(const component *self, size_t due, size_t size) {
+    if (due == size) return false;
+    char sentence[120];
+    snprintf(sentence, sizeof sentence, "Give all elements of each variable, %zu values: they were %zu.", due, size);
+    (void)face_error(self, sentence);
+    return true;
+}
+
+/* Whether a reference is one of a kind, whose values follow `behind` others among `size`; what is wrong is said. */
+static bool find_within(const component *self, unsigned reference, int kind, bool reading, size_t behind, size_t size,
+                        place *found) {
+    if (!find(self, reference, kind, reading, found)) return false;
+    return found->count <= size - behind || !sizes_differ(self, behind + found->count, size);
+}
+
+static kernel_status get_at(component *self, const place *at, void *values, size_t behind, face_put *put) {
+    if (!at->about) {
+        ((double *)values)[behind] = self->now & (INSTANTIATED | INITIALISING) ? self->start_time : OBJECT.time(self->object);
+        return KERNEL_OK;
+    }
+    if (at->about->causality >= CAUSALITY_OUTPUT && self->now == INSTANTIATED)
         return face_error(self, "Outputs and states have values from the initialisation on; enter it first.");
-    const kernel_status status = face_initialise_if_asked(self);
+    kernel_status status = initialise_if_asked(self);
     if (status > KERNEL_WARNING) return status;
-    return face_report(self, exchanged >= 0 ? kernel_get_exchanged(self->machine, exchanged, value)
-                                            : kernel_get(self->machine, (int)reference, value));
-}
-
-bool face_fixed(component *self, size_t count, const unsigned *reference, int kind) {
-    for (size_t i = 0; i < count; ++i) {
-        if (wrong_type(self, reference[i], kind)) return true;
-        const int causality = MODEL.variable[reference[i]].causality;
-        if (causality == CAUSALITY_INPUT && kind != KIND_REAL && self->now == CONTINUOUS) {
-            (void)face_error(self, "Inputs that are no real numbers change at events; enter event mode first.");
-            return true;
-        }
-        if (causality == CAUSALITY_INPUT || (causality == CAUSALITY_PARAMETER && !(self->now & RUNNING))) continue;
-        (void)face_report(self, kernel_set(self->machine, (int)reference[i], 0.0)); /* which says why not */
-        return true;
+    if (!put) return OBJECT.get(self->object, at->variable, at->first, at->count, (double *)values + behind);
+    status = KERNEL_OK;
+    for (size_t k = 0; k < at->count; ++k) {
+        double number = 0.0;
+        status = larger(status, OBJECT.get(self->object, at->variable, at->first + k, 1, &number));
+        put(values, behind + k, number);
     }
-    return false;
+    return status;
 }
 
-bool face_refuses(component *self, unsigned reference, double value) {
-    return face_report(self, kernel_check_set(self->machine, (int)reference, value)) != KERNEL_OK;
-}
-
-kernel_status face_set(component *self, unsigned reference, double value) {
-    if (self->now == INITIALISING) kernel_reopen(self->machine);
-    return face_report(self, kernel_set(self->machine, (int)reference, value));
-}
-
-static kernel_status set_text(component *self, unsigned reference, const char *text) {
-    if (self->now == INITIALISING) kernel_reopen(self->machine);
-    return face_report(self, kernel_set_text(self->machine, (int)reference, text));
-}
-
-kernel_status face_set_texts(component *self, size_t count, const unsigned *reference, const char *const *text) {
+kernel_status face_get(component *self, int kind, const unsigned *reference, size_t count, void *values, size_t size,
+                       face_put *put) {
     kernel_status worst = KERNEL_OK;
+    size_t behind = 0;
+    place at;
+    if (face_missing(self, count, reference, reference) || face_missing(self, size, values, values)) return KERNEL_ERROR;
+    for (size_t i = 0; i < count; ++i, behind += at.count) {
+        if (!find_within(self, reference[i], kind, true, behind, size, &at)) return KERNEL_ERROR;
+        worst = larger(worst, get_at(self, &at, values, behind, put));
+    }
+    return sizes_differ(self, behind, size) ? KERNEL_ERROR : face_report(self, worst);
+}
+
+typedef kernel_status setting(fmu_object *object, unsigned variable, size_t first, size_t count, const double *value);
+
+/* Checks or sets elements. */
+static kernel_status at_each(component *self, setting *act, const place *at, const void *values, size_t behind, face_take *take) {
+    if (!take) return act(self->object, at->variable, at->first, at->count, (const double *)values + behind);
+    kernel_status worst = KERNEL_OK;
+    for (size_t k = 0; k < at->count; ++k) {
+        const double number = take(values, behind + k);
+        worst = larger(worst, act(self->object, at->variable, at->first + k, 1, &number));
+    }
+    return worst;
+}
+
+static bool refuse_fixed(const component *self, const char *name, const char *why) {
+    char sentence[MESSAGE_SIZE];
+    snprintf(sentence, sizeof sentence, "%s %s", name, why);
+    return face_error(self, sentence) != KERNEL_OK;
+}
+
+/* Whether a variable cannot be set now, which is said. */
+static bool is_fixed(const component *self, const variable_description *about) {
+    const char *fixed = why_fixed(about, (self->now & RUNNING) != 0);
+    if (fixed) return refuse_fixed(self, about->name, fixed);
+    return about->kind != KIND_REAL && self->now == CONTINUOUS &&
+           face_error(self, "Inputs that are no real numbers change at events; enter event mode first.");
+}
+
+/* Whether all can be set, before any is. */
+static bool all_settable(component *self, int kind, const unsigned *reference, size_t count, const void *values, size_t size,
+                         face_take *take) {
+    size_t behind = 0;
+    place at;
+    if (face_missing(self, count, reference, reference) || face_missing(self, size, values, values)) return false;
+    for (size_t i = 0; i < count; ++i, behind += at.count) {
+        if (!find_within(self, reference[i], kind, false, behind, size, &at) || is_fixed(self, at.about)) return false;
+        const kernel_status status = at_each(self, OBJECT.check, &at, values, behind, take);
+        if (status != KERNEL_OK) return !face_report(self, status);
+    }
+    return !sizes_differ(self, behind, size);
+}
+
+kernel_status face_set(component *self, int kind, const unsigned *reference, size_t count, const void *values, size_t size,
+                       face_take *take) {
+    kernel_status worst = KERNEL_OK;
+    place at;
+    if (!all_settable(self, kind, reference, count, values, size, take)) return KERNEL_ERROR;
+    if (self->now == INITIALISING && count) OBJECT.reopen(self->object);
+    for (size_t i = 0, behind = 0; i < count; ++i, behind += at.count) {
+        (void)find(self, reference[i], kind, false, &at);
+        worst = larger(worst, at_each(self, OBJECT.set, &at, values, behind, take));
+    }
+    return face_report(self, worst);
+}
+
+/* Texts are scalars. */
+static bool are_texts(const component *self, const unsigned *reference, size_t count, const void *text, size_t size) {
+    place at;
+    if (sizes_differ(self, count, size) || face_missing(self, count, reference, text)) return false;
     for (size_t i = 0; i < count; ++i)
-        if (wrong_type(self, reference[i], KIND_STRING)) return KERNEL_ERROR;
-    for (size_t i = 0; i < count; ++i) {
-        const kernel_status status = set_text(self, reference[i], text[i]);
-        if (status > worst) worst = status;
-    }
-    return worst;
+        if (!find(self, reference[i], KIND_STRING, false, &at)) return false;
+    return true;
 }
 
-kernel_status face_get_texts(component *self, size_t count, const unsigned *reference, const char **text) {
+kernel_status face_get_texts(component *self, const unsigned *reference, size_t count, const char **text, size_t size) {
     kernel_status worst = KERNEL_OK;
-    for (size_t i = 0; i < count; ++i) {
-        const kernel_status status = wrong_type(self, reference[i], KIND_STRING)
-                               ? KERNEL_ERROR
-                               : face_report(self, kernel_get_text(self->machine, (int)reference[i], &text[i]));
-        if (status > worst) worst = status;
-    }
-    return worst;
+    if (!are_texts(self, reference, count, text, size)) return KERNEL_ERROR;
+    for (size_t i = 0; i < count; ++i) worst = larger(worst, OBJECT.get_text(self->object, reference[i], &text[i]));
+    return face_report(self, worst);
 }
 
-kernel_status face_set_rates(component *self, size_t count, const unsigned *reference, const double *rate) {
-    if (face_is_exchange(self)) return KERNEL_ERROR;
-    kernel_status status = KERNEL_OK;
-    for (size_t i = 0; i < count && status == KERNEL_OK; ++i)
-        status = wrong_type(self, reference[i], KIND_REAL) ? KERNEL_ERROR
-                                                           : kernel_check_rate(self->machine, (int)reference[i], rate[i]);
-    for (size_t i = 0; i < count && status == KERNEL_OK; ++i)
-        status = kernel_set_rate(self->machine, (int)reference[i], rate[i]);
-    return face_report(self, status);
+kernel_status face_set_texts(component *self, const unsigned *reference, size_t count, const char *const *text, size_t size) {
+    kernel_status worst = KERNEL_OK;
+    if (!are_texts(self, reference, count, text, size)) return KERNEL_ERROR;
+    if (self->now == INITIALISING && count) OBJECT.reopen(self->object);
+    for (size_t i = 0; i < count; ++i) worst = larger(worst, OBJECT.set_text(self->object, reference[i], text[i]));
+    return face_report(self, worst);
 }
 
-/* ---- saved states: behind the seal of all faces the phase, and a copy of the kernel's one block ---- */
+/* ---- derivatives ---- */
+
+static bool is_of_first_order(const component *self, const int *order, size_t count, const char *sentence) {
+    if (face_missing(self, count, order, order)) return false;
+    for (size_t i = 0; i < count; ++i)
+        if (order[i] != 1) return !face_error(self, sentence);
+    return true;
+}
+
+kernel_status face_set_rates(component *self, const unsigned *reference, size_t count, const int *order, const double *rate) {
+    if (!OBJECT.set_rates) return face_absent(self, "fmi2SetRealInputDerivatives");
+    place at;
+    if (face_missing(self, count, reference, rate) || face_is_exchange(self) ||
+        !is_of_first_order(self, order, count, "Only first derivatives of inputs are used."))
+        return KERNEL_ERROR;
+    for (size_t i = 0; i < count; ++i)
+        if (!find(self, reference[i], KIND_REAL, false, &at)) return KERNEL_ERROR;
+    return face_report(self, OBJECT.set_rates(self->object, count, reference, rate));
+}
+
+kernel_status face_get_rates(component *self, const unsigned *reference, size_t count, const int *order, double *rate, size_t size,
+                             const char *function) {
+    if (!OBJECT.get_rates) return face_absent(self, function);
+    if (face_is_exchange(self) || sizes_differ(self, count, size) || face_missing(self, count, reference, rate) ||
+        !is_of_first_order(self, order, count, "Only first derivatives of outputs are provided."))
+        return KERNEL_ERROR;
+    return face_report(self, OBJECT.get_rates(self->object, count, reference, rate));
+}
+
+kernel_status face_get_directional(component *self, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
+                                   const double *change, size_t changes, double *result, size_t results, const char *function) {
+    if (!OBJECT.get_directional) return face_absent(self, function);
+    if (sizes_differ(self, unknowns, results) || face_missing(self, unknowns, unknown, result) ||
+        sizes_differ(self, knowns, changes) || face_missing(self, knowns, known, change))
+        return KERNEL_ERROR;
+    const kernel_status status = initialise_if_asked(self);
+    if (status > KERNEL_WARNING) return status;
+    return face_report(self, OBJECT.get_directional(self->object, unknowns, unknown, knowns, known, change, result));
+}
+
+/* ---- saved states: behind the seal the phase, and the object's block ---- */
 
 typedef struct {
     double start_time;
     long long int now, exchange; /* without gaps: equal states have equal bytes */
 } saved_phase;
 
-static size_t block_size(const component *self) { return sizeof(saved_phase) + kernel_block_size(self->machine); }
+static size_t block_size(const component *self) { return sizeof(saved_phase) + OBJECT.block_size(self->object); }
 
-size_t face_saved_size(const component *self) { return sealed_size(block_size(self)); }
+/* A state belongs to one binary and to the files that its object was made of. */
+static unsigned long long model_of(const component *self) {
+    const unsigned long long model = seal_model(OBJECT.token()), mark = OBJECT.mark ? OBJECT.mark(self->object) : 0;
+    return OBJECT.mark ? seal_hash(model, &mark, sizeof mark) : model;
+}
 
-/* Room for a state: what is there already, if it is one of this model; null: there is none, which was told. */
+/* Whether a state is a whole one of this object; else it is said. */
+static bool is_ours(const component *self, const void *state, size_t size) {
+    char problem[SEALED_PROBLEM];
+    return seal_holds(state, size, model_of(self), block_size(self), problem) || !face_error(self, problem);
+}
+
+/* Room for a state: what is there already, if it is one of this object; null: there is none, which is said. */
 static void *room_for_state(const component *self, void **state) {
     if (face_missing(self, 1, state, state)) return NULL;
-    if (*state && !seal_is_of(*state, seal_model(MODEL.guid), block_size(self))) {
+    if (*state && !seal_is_of(*state, model_of(self), block_size(self))) {
         (void)face_error(self, "The place holds no saved state of this FMU; give one that it has saved, or a null pointer.");
         return NULL;
     }
-    if (!*state) *state = calloc(1, face_saved_size(self));
+    if (!*state) *state = calloc(1, sealed_size(block_size(self)));
     if (!*state) (void)face_error(self, "There is not enough memory for a saved state.");
     return *state;
 }
@@ -371,21 +420,20 @@ kernel_status face_save(component *self, void **state) {
     const saved_phase kept = {self->start_time, self->now, self->exchange};
     if (!room_for_state(self, state)) return KERNEL_ERROR;
     memcpy(sealed_block(*state), &kept, sizeof kept);
-    kernel_copy_block(self->machine, (char *)sealed_block(*state) + sizeof kept);
-    seal_state(*state, seal_model(MODEL.guid), block_size(self));
+    OBJECT.copy_block(self->object, (char *)sealed_block(*state) + sizeof kept);
+    seal_state(*state, model_of(self), block_size(self));
     return KERNEL_OK;
 }
 
 kernel_status face_restore(component *self, const void *state) {
     saved_phase kept;
-    char problem[SEALED_PROBLEM];
-    if (!seal_holds(state, face_saved_size(self), seal_model(MODEL.guid), block_size(self), problem)) return face_error(self, problem);
+    if (!is_ours(self, state, sealed_size(block_size(self)))) return KERNEL_ERROR;
     memcpy(&kept, sealed_content(state), sizeof kept);
     if (kept.exchange != self->exchange)
         return face_error(self, "The saved state is one of the other interface, co-simulation or model exchange.");
     if (kept.now == AT_EVENT && !self->exchange && !self->events)
         return face_error(self, "The saved state is one in event mode; instantiate with eventModeUsed = true.");
-    const kernel_status status = kernel_take_block(self->machine, (const char *)sealed_content(state) + sizeof kept);
+    const kernel_status status = OBJECT.take_block(self->object, (const char *)sealed_content(state) + sizeof kept);
     if (status <= KERNEL_WARNING) {
         self->now = (phase)kept.now;
         self->start_time = kept.start_time;
@@ -393,18 +441,87 @@ kernel_status face_restore(component *self, const void *state) {
     return face_report(self, status);
 }
 
+kernel_status face_release(void **state) {
+    if (state) {
+        free(*state);
+        *state = NULL;
+    }
+    return KERNEL_OK;
+}
+
+kernel_status face_saved_size(component *self, const void *state, size_t *size) {
+    if (face_missing(self, 1, state, size)) return KERNEL_ERROR;
+    *size = sealed_size(block_size(self));
+    return KERNEL_OK;
+}
+
 kernel_status face_serialise(component *self, const void *state, void *bytes, size_t size) {
-    char problem[SEALED_PROBLEM];
-    if (!seal_holds(state, face_saved_size(self), seal_model(MODEL.guid), block_size(self), problem)) return face_error(self, problem);
-    if (!bytes || size < face_saved_size(self)) return face_error(self, "The buffer is too small for the saved state.");
-    memcpy(bytes, state, face_saved_size(self));
+    const size_t due = sealed_size(block_size(self));
+    if (!is_ours(self, state, due)) return KERNEL_ERROR;
+    if (!bytes || size < due) return face_error(self, "The buffer is too small for the saved state.");
+    memcpy(bytes, state, due);
     return KERNEL_OK;
 }
 
 kernel_status face_deserialise(component *self, const void *bytes, size_t size, void **state) {
-    char problem[SEALED_PROBLEM];
-    if (!seal_holds(bytes, size, seal_model(MODEL.guid), block_size(self), problem)) return face_error(self, problem);
-    if (!room_for_state(self, state)) return KERNEL_ERROR;
-    memcpy(*state, bytes, face_saved_size(self));
+    if (!is_ours(self, bytes, size) || !room_for_state(self, state)) return KERNEL_ERROR;
+    memcpy(*state, bytes, size);
     return KERNEL_OK;
+}
+
+/* ---- model exchange ---- */
+
+static bool wrong_size(const component *self, size_t count, int expected, const void *array) {
+    if (face_is_cosimulation(self)) return true;
+    if (count == (size_t)expected) return face_missing(self, count, array, array);
+    char sentence[160];
+    snprintf(sentence, sizeof sentence, "Give an array of %d values, as modelDescription.xml says.", expected);
+    (void)face_error(self, sentence);
+    return true;
+}
+
+static int exchange_states(void) { return OBJECT.exchange ? OBJECT.exchange->states() : 0; }
+static int exchange_indicators(void) { return OBJECT.exchange ? OBJECT.exchange->indicators() : 0; }
+
+kernel_status face_set_time(component *self, double time) {
+    if (face_is_cosimulation(self)) return KERNEL_ERROR;
+    return face_report(self, OBJECT.exchange->set_time(self->object, time));
+}
+
+kernel_status face_set_states(component *self, const double *state, size_t count) {
+    if (wrong_size(self, count, exchange_states(), state)) return KERNEL_ERROR;
+    return face_report(self, OBJECT.exchange->set_states(self->object, state));
+}
+
+kernel_status face_read(component *self, double *value, size_t count, face_reading what) {
+    if (wrong_size(self, count, what == READ_INDICATORS ? exchange_indicators() : exchange_states(), value)) return KERNEL_ERROR;
+    const kernel_status status = initialise_if_asked(self);
+    if (status > KERNEL_WARNING) return status;
+    const object_exchange *of = OBJECT.exchange;
+    return face_report(self, (what == READ_STATES   ? of->get_states
+                              : what == READ_SLOPES ? of->get_slopes
+                                                    : of->get_indicators)(self->object, value));
+}
+
+kernel_status face_nominals(component *self, double *nominal, size_t count) {
+    if (wrong_size(self, count, exchange_states(), nominal)) return KERNEL_ERROR;
+    OBJECT.exchange->get_nominals(nominal);
+    return KERNEL_OK;
+}
+
+kernel_status face_count(component *self, face_reading what, size_t *count) {
+    if (face_is_cosimulation(self) || face_missing(self, 1, count, count)) return KERNEL_ERROR;
+    *count = (size_t)(what == READ_INDICATORS ? exchange_indicators() : exchange_states());
+    return KERNEL_OK;
+}
+
+kernel_status face_find_modes(component *self, bool *ended, bool *jumped) {
+    const kernel_status status = OBJECT.exchange->find_modes(self->object, jumped);
+    *ended = OBJECT.ended(self->object);
+    if (*ended) self->now = STOPPED;
+    return face_report(self, status);
+}
+
+kernel_status face_complete_step(component *self, bool *crossed) {
+    return face_report(self, OBJECT.exchange->complete_step(self->object, crossed));
 }

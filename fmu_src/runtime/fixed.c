@@ -13,11 +13,11 @@ static kernel_status guard_error(kernel *self, double time, double size, double 
     if (!(error > 1.0) || error < 10.0 * self->run.now->guard_said) return KERNEL_OK;
     self->run.now->guard_said = error;
     if (!kernel_is_heard(self, KERNEL_WARNING)) return KERNEL_WARNING;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_WARNING,
                        "The local error of the fixed step of %.3g s is %.2g times the tolerance %g at t = %s s; "
                        "shorten integration_step, or set it to 0 for steps chosen by the error.",
-                       size, error, self->run.value[MODEL.tolerance], kernel_clock(time, 6, when));
+                       size, error, self->run.value[MODEL.tolerance], time_text(time, 6, when));
 }
 
 /* 1 + index of an end condition that is reached at the state, 0: none, -1: it is no number. */
@@ -31,12 +31,12 @@ static int find_end(kernel *self, double offset) {
 }
 
 void fixed_failed(kernel *self, stepper *run) {
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     run->phase = STEPPER_DONE;
     run->status = kernel_fail(self, KERNEL_ERROR,
                               "The fixed step of %.3g s finds no finite motion at t = %s s; shorten integration_step, or set "
                               "it to 0 for steps chosen by the error.",
-                              run->size, kernel_clock(self->given.step_origin + run->offset, 9, when));
+                              run->size, time_text(self->given.step_origin + run->offset, 9, when));
 }
 
 double fixed_size(const kernel *self, double remaining) {

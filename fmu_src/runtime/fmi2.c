@@ -1,5 +1,4 @@
-/* The FMI 2.0 face of a kernel: co-simulation and model exchange. */
-#include <stdlib.h>
+/* The face of FMI 2.0: co-simulation and model exchange. */
 #include <string.h>
 
 #include "face.h"
@@ -19,6 +18,9 @@ static void tell_host(const component *self, kernel_status status, const char *c
     ((fmi2CallbackLogger)self->logger)(self->environment, self->name, (fmi2Status)status, category, text);
 }
 
+/* Section 2.1.3: warnings and errors are always told. */
+static const face_standard FMI2 = {"FMI 2.0, section 4.2.4", WARNINGS | ERRORS, true, resources_of_uri, tell_host};
+
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return fmi2Version; }
 
@@ -35,15 +37,11 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     if (!functions) return NULL;
     component log;
     memset(&log, 0, sizeof log);
-    log.name = (char *)instanceName;
-    log.standard = "FMI 2.0, section 4.2.4";
-    log.told = WARNINGS | ERRORS; /* section 2.1.3: of these the host is always told */
-    log.tell = tell_host;
+    log.standard = &FMI2;
     log.logger = (void (*)(void))functions->logger;
     log.environment = functions->componentEnvironment;
     log.exchange = fmuType == fmi2ModelExchange;
-    return face_take_resources(face_instantiate(&log, instanceName, fmuGUID, loggingOn), fmuResourceLocation,
-                               resources_of_uri);
+    return face_instantiate(&log, instanceName, fmuGUID, fmuResourceLocation, loggingOn);
 }
 
 void fmi2FreeInstance(fmi2Component c) { face_free((component *)c); }
@@ -57,8 +55,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     REQUIRE(c, INSTANTIATED, "fmi2EnterInitializationMode");
-    self->now = INITIALISING;
-    return fmi2OK;
+    return (fmi2Status)face_enter(self, INITIALISING);
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
@@ -68,7 +65,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 
 fmi2Status fmi2Terminate(fmi2Component c) {
     REQUIRE(c, RUNNING | STOPPED, "fmi2Terminate");
-    return (fmi2Status)face_terminate(self);
+    return (fmi2Status)face_enter(self, TERMINATED);
 }
 
 fmi2Status fmi2Reset(fmi2Component c) {
@@ -76,52 +73,33 @@ fmi2Status fmi2Reset(fmi2Component c) {
     return (fmi2Status)face_reset(self);
 }
 
-#define DEFINE_GET(function, type, kind)                                                                     \
-    fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {          \
-        REQUIRE(c, ALWAYS, #function);                                                                       \
-        if (face_missing(self, nvr, vr, value)) return fmi2Error;                                            \
-        kernel_status worst = KERNEL_OK;                                                                               \
-        for (size_t i = 0; i < nvr; ++i) {                                                                   \
-            double number = 0.0;                                                                             \
-            const kernel_status status = face_get(self, vr[i], kind, &number);                                         \
-            value[i] = (type)number;                                                                         \
-            if (status > worst) worst = status;                                                              \
-        }                                                                                                    \
-        return (fmi2Status)worst;                                                                            \
+/* ---- variables ---- */
+
+static void put_int(void *values, size_t place, double number) { ((int *)values)[place] = (int)number; }
+static double take_int(const void *values, size_t place) { return ((const int *)values)[place]; }
+
+#define DEFINE_VARIABLES(name, type, kind, put, take)                                                          \
+    fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {       \
+        REQUIRE(c, ALWAYS, "fmi2Get" #name);                                                                   \
+        return (fmi2Status)face_get(self, kind, vr, nvr, value, nvr, put);                                     \
+    }                                                                                                          \
+    fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const type value[]) { \
+        REQUIRE(c, SETTABLE, "fmi2Set" #name);                                                                 \
+        return (fmi2Status)face_set(self, kind, vr, nvr, value, nvr, take);                                    \
     }
 
-#define DEFINE_SET(function, type, kind)                                                                     \
-    fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const type value[]) {    \
-        REQUIRE(c, SETTABLE, #function);                                       \
-        if (face_missing(self, nvr, vr, value)) return fmi2Error;                                            \
-        if (face_fixed(self, nvr, vr, kind)) return fmi2Error;                                               \
-        for (size_t i = 0; i < nvr; ++i)                                                                     \
-            if (face_refuses(self, vr[i], (double)value[i])) return fmi2Error;                               \
-        kernel_status worst = KERNEL_OK;                                                                               \
-        for (size_t i = 0; i < nvr; ++i) {                                                                   \
-            const kernel_status status = face_set(self, vr[i], (double)value[i]);                                      \
-            if (status > worst) worst = status;                                                              \
-        }                                                                                                    \
-        return (fmi2Status)worst;                                                                            \
-    }
-
-DEFINE_GET(fmi2GetReal, fmi2Real, KIND_REAL)
-DEFINE_GET(fmi2GetInteger, fmi2Integer, KIND_INTEGER)
-DEFINE_GET(fmi2GetBoolean, fmi2Boolean, KIND_BOOLEAN)
-DEFINE_SET(fmi2SetReal, fmi2Real, KIND_REAL)
-DEFINE_SET(fmi2SetInteger, fmi2Integer, KIND_INTEGER)
-DEFINE_SET(fmi2SetBoolean, fmi2Boolean, KIND_BOOLEAN)
+DEFINE_VARIABLES(Real, fmi2Real, KIND_REAL, NULL, NULL)
+DEFINE_VARIABLES(Integer, fmi2Integer, KIND_INTEGER, put_int, take_int)
+DEFINE_VARIABLES(Boolean, fmi2Boolean, KIND_BOOLEAN, put_int, take_int)
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[]) {
     REQUIRE(c, ALWAYS, "fmi2GetString");
-    if (face_missing(self, nvr, vr, value)) return fmi2Error;
-    return (fmi2Status)face_get_texts(self, nvr, vr, value);
+    return (fmi2Status)face_get_texts(self, vr, nvr, value, nvr);
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[]) {
     REQUIRE(c, SETTABLE, "fmi2SetString");
-    if (face_missing(self, nvr, vr, value)) return fmi2Error;
-    return (fmi2Status)face_set_texts(self, nvr, vr, value);
+    return (fmi2Status)face_set_texts(self, vr, nvr, value, nvr);
 }
 
 /* ---- saved states ---- */
@@ -138,18 +116,12 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     REQUIRE(c, ALWAYS, "fmi2FreeFMUstate");
-    if (FMUstate) {
-        free(*FMUstate);
-        *FMUstate = NULL;
-    }
-    return fmi2OK;
+    return (fmi2Status)face_release(FMUstate);
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
     REQUIRE(c, ALWAYS, "fmi2SerializedFMUstateSize");
-    if (face_missing(self, 1, FMUstate, size)) return fmi2Error;
-    *size = face_saved_size(self);
-    return fmi2OK;
+    return (fmi2Status)face_saved_size(self, FMUstate, size);
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte bytes[], size_t size) {
@@ -167,42 +139,35 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
     REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, "fmi2SetRealInputDerivatives");
-    if (face_missing(self, nvr, vr, value) || face_missing(self, nvr, order, order)) return fmi2Error;
-    for (size_t i = 0; i < nvr; ++i)
-        if (order[i] != 1) return (fmi2Status)face_error(self, "Only first derivatives of inputs are used.");
-    return (fmi2Status)face_set_rates(self, nvr, vr, value);
+    return (fmi2Status)face_set_rates(self, vr, nvr, order, value);
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
     REQUIRE(c, STEPPING | STOPPED | TERMINATED, "fmi2GetRealOutputDerivatives");
-    if (face_is_exchange(self)) return fmi2Error;
-    if (face_missing(self, nvr, vr, value) || face_missing(self, nvr, order, order)) return fmi2Error;
-    for (size_t i = 0; i < nvr; ++i)
-        if (order[i] != 1) return (fmi2Status)face_error(self, "Only first derivatives of outputs are provided.");
-    return (fmi2Status)face_report(self, kernel_get_rates(self->machine, (int)nvr, (const int *)vr, value));
+    return (fmi2Status)face_get_rates(self, vr, nvr, order, value, nvr, "fmi2GetRealOutputDerivatives");
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
     REQUIRE(c, KNOWN, "fmi2GetDirectionalDerivative");
-    if (face_missing(self, nUnknown, vUnknown_ref, dvUnknown) || face_missing(self, nKnown, vKnown_ref, dvKnown))
-        return fmi2Error;
-    const kernel_status status = face_initialise_if_asked(self);
-    if (status > KERNEL_WARNING) return (fmi2Status)status;
-    return (fmi2Status)face_report(
-        self, kernel_get_directional(self->machine, (int)nUnknown, (const int *)vUnknown_ref, (int)nKnown,
-                                     (const int *)vKnown_ref, dvKnown, dvUnknown));
+    return (fmi2Status)face_get_directional(self, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, nKnown, dvUnknown,
+                                            nUnknown, "fmi2GetDirectionalDerivative");
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
     REQUIRE(c, STEPPING, "fmi2DoStep");
     (void)noSetFMUStatePriorToCurrentPoint;
-    self->last_step = kernel_step(self->machine, currentCommunicationPoint, communicationStepSize);
-    if (self->last_step == KERNEL_DISCARD) self->now = STOPPED;
-    return (fmi2Status)face_report(self, self->last_step);
+    self->last_step = OBJECT.step(self->object, currentCommunicationPoint, communicationStepSize);
+    if (self->last_step != KERNEL_DISCARD) return (fmi2Status)face_report(self, self->last_step);
+    if (OBJECT.ended(self->object)) {
+        self->now = STOPPED;
+        return (fmi2Status)face_report(self, self->last_step);
+    }
+    /* The object is as it was: behind fmi2Discard hosts would go on from a time that they have to ask for. */
+    return (fmi2Status)(self->last_step = face_refuse(self));
 }
 
 /* Only a step that goes on in the background, which none does here, could be cancelled or asked about in advance. */
@@ -224,8 +189,8 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
     }
 
 DEFINE_STATUS(fmi2GetStatus, fmi2Status, fmi2DoStepStatus, (fmi2Status)self->last_step)
-DEFINE_STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, kernel_time(self->machine))
-DEFINE_STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, kernel_ended(self->machine))
+DEFINE_STATUS(fmi2GetRealStatus, fmi2Real, fmi2LastSuccessfulTime, OBJECT.time(self->object))
+DEFINE_STATUS(fmi2GetBooleanStatus, fmi2Boolean, fmi2Terminated, OBJECT.ended(self->object))
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
     REQUIRE(c, INITIALISED, "fmi2GetIntegerStatus");
@@ -288,15 +253,15 @@ fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n
     return (fmi2Status)face_set_states(self, x, nx);
 }
 
-#define DEFINE_READ(function, expected, read)                                   \
-    fmi2Status function(fmi2Component c, fmi2Real values[], size_t count) {     \
-        REQUIRE(c, KNOWN, #function);                                           \
-        return (fmi2Status)face_read(self, values, count, expected(), read);    \
+#define DEFINE_READ(function, what)                                         \
+    fmi2Status function(fmi2Component c, fmi2Real values[], size_t count) { \
+        REQUIRE(c, KNOWN, #function);                                       \
+        return (fmi2Status)face_read(self, values, count, what);            \
     }
 
-DEFINE_READ(fmi2GetDerivatives, kernel_exchange_states, kernel_get_slopes)
-DEFINE_READ(fmi2GetContinuousStates, kernel_exchange_states, kernel_get_states)
-DEFINE_READ(fmi2GetEventIndicators, kernel_exchange_indicators, kernel_get_indicators)
+DEFINE_READ(fmi2GetDerivatives, READ_SLOPES)
+DEFINE_READ(fmi2GetContinuousStates, READ_STATES)
+DEFINE_READ(fmi2GetEventIndicators, READ_INDICATORS)
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
     REQUIRE(c, ALWAYS, "fmi2GetNominalsOfContinuousStates");

@@ -1,8 +1,7 @@
-/* The FMI 3.0 face of the same kernel: co-simulation and model exchange. Value references are those of FMI 2.0, and the
- * time has one of its own. In co-simulation with earlyReturnAllowed a step ends where a wheelset locks or turns again, and
- * where the run ends; without it a step within which the run ends is discarded, and the instance stands where it stood
- * before. A host that uses event mode is told of the former; there is nothing left to update. */
-#include <stdlib.h>
+/* The face of FMI 3.0: co-simulation and model exchange. The time has a value reference of its own. In co-simulation with
+ * earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends; without it a step within
+ * which the run ends is discarded, and the instance stands where it stood before. A host that uses event mode is told of the
+ * former; there is nothing left to update. */
 #include <string.h>
 
 #include "face.h"
@@ -14,6 +13,9 @@ static void tell_host(const component *self, kernel_status status, const char *c
     ((fmi3LogMessageCallback)self->logger)(self->environment, (fmi3Status)status, category, sentence);
 }
 
+/* Section 2.3.1: the callback is not called unless logging is on. */
+static const face_standard FMI3 = {"FMI 3.0, section 4.2.1", 0, false, resources_of_path, tell_host};
+
 const char *fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
@@ -22,20 +24,11 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, siz
     return (fmi3Status)face_log(self, loggingOn, nCategories, categories);
 }
 
-/* Says why there will be no instance, unless logging is off (section 2.3.1). */
-static fmi3Instance refuse(fmi3LogMessageCallback logMessage, fmi3InstanceEnvironment environment, int logging,
-                           const char *sentence) {
-    if (logMessage && logging) logMessage(environment, fmi3Error, "logStatusError", sentence);
-    return NULL;
-}
-
 /* What an instance is told at its birth. */
-static component log_of(fmi3String name, fmi3InstanceEnvironment environment, fmi3LogMessageCallback logMessage) {
+static component log_of(fmi3InstanceEnvironment environment, fmi3LogMessageCallback logMessage) {
     component log;
     memset(&log, 0, sizeof log);
-    log.name = (char *)name;
-    log.standard = "FMI 3.0, section 4.2.1";
-    log.tell = tell_host;
+    log.standard = &FMI3;
     log.logger = (void (*)(void))logMessage;
     log.environment = environment;
     return log;
@@ -50,11 +43,10 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
     (void)visible, (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
-    component log = log_of(instanceName, instanceEnvironment, logMessage);
-    log.events = eventModeUsed;
-    component *self = face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath,
-                                          resources_of_path);
-    if (self) kernel_stop_at_events(self->machine, earlyReturnAllowed);
+    component log = log_of(instanceEnvironment, logMessage);
+    log.events = eventModeUsed && OBJECT.stop_at_events;
+    component *self = face_instantiate(&log, instanceName, instantiationToken, resourcePath, loggingOn);
+    if (self && OBJECT.stop_at_events) OBJECT.stop_at_events(self->object, earlyReturnAllowed);
     return self;
 }
 
@@ -63,10 +55,9 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage) {
     (void)visible;
-    component log = log_of(instanceName, instanceEnvironment, logMessage);
+    component log = log_of(instanceEnvironment, logMessage);
     log.exchange = true;
-    return face_take_resources(face_instantiate(&log, instanceName, instantiationToken, loggingOn), resourcePath,
-                               resources_of_path);
+    return face_instantiate(&log, instanceName, instantiationToken, resourcePath, loggingOn);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -77,8 +68,10 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption) {
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
-    return refuse(logMessage, instanceEnvironment, loggingOn,
-                  "There is no scheduled execution; instantiate for co-simulation or model exchange.");
+    if (logMessage && loggingOn)
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError",
+                   "There is no scheduled execution; instantiate for co-simulation or model exchange.");
+    return NULL;
 }
 
 void fmi3FreeInstance(fmi3Instance instance) { face_free((component *)instance); }
@@ -99,7 +92,7 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
 
 fmi3Status fmi3Terminate(fmi3Instance instance) {
     REQUIRE(instance, RUNNING | STOPPED, "fmi3Terminate");
-    return (fmi3Status)face_terminate(self);
+    return (fmi3Status)face_enter(self, TERMINATED);
 }
 
 fmi3Status fmi3Reset(fmi3Instance instance) {
@@ -109,59 +102,28 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
 
 /* ---- variables ---- */
 
-static bool sizes_differ(const component *self, size_t references, size_t values) {
-    return references != values && face_error(self, "Give one value for each value reference: there are no arrays.");
-}
+static void put_int(void *values, size_t place, double number) { ((fmi3Int32 *)values)[place] = (fmi3Int32)number; }
+static double take_int(const void *values, size_t place) { return ((const fmi3Int32 *)values)[place]; }
+static void put_truth(void *values, size_t place, double number) { ((fmi3Boolean *)values)[place] = (fmi3Boolean)number; }
+static double take_truth(const void *values, size_t place) { return ((const fmi3Boolean *)values)[place]; }
 
-static bool unusable(const component *self, const void *reference, size_t references, const void *value, size_t values) {
-    return sizes_differ(self, references, values) || face_missing(self, values, reference, value);
-}
-
-static kernel_status get(component *self, unsigned reference, int kind, double *value) {
-    if (kind != KIND_REAL || reference != (unsigned)MODEL.variables) return face_get(self, reference, kind, value);
-    *value = self->now & (INSTANTIATED | INITIALISING) ? self->start_time : kernel_time(self->machine);
-    return KERNEL_OK;
-}
-
-#define DEFINE_GET(function, type, kind)                                                                              \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,   \
-                        type values[], size_t nValues) {                                                              \
-        REQUIRE(instance, ALWAYS, #function);                                                                         \
-        if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;                     \
-        kernel_status worst = KERNEL_OK;                                                                                        \
-        for (size_t i = 0; i < nValues; ++i) {                                                                        \
-            double number = 0.0;                                                                                      \
-            const kernel_status status = get(self, valueReferences[i], kind, &number);                                          \
-            values[i] = (type)number;                                                                                 \
-            if (status > worst) worst = status;                                                                       \
-        }                                                                                                             \
-        return (fmi3Status)worst;                                                                                     \
+#define DEFINE_VARIABLES(name, type, kind, put, take)                                                                \
+    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                      \
+                             size_t nValueReferences, type values[], size_t nValues) {                               \
+        REQUIRE(instance, ALWAYS, "fmi3Get" #name);                                                                  \
+        return (fmi3Status)face_get(self, kind, valueReferences, nValueReferences, values, nValues, put);            \
+    }                                                                                                                \
+    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                      \
+                             size_t nValueReferences, const type values[], size_t nValues) {                         \
+        REQUIRE(instance, SETTABLE, "fmi3Set" #name);                                                                \
+        return (fmi3Status)face_set(self, kind, valueReferences, nValueReferences, values, nValues, take);           \
     }
 
-#define DEFINE_SET(function, type, kind)                                                                              \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,   \
-                        const type values[], size_t nValues) {                                                        \
-        REQUIRE(instance, SETTABLE, #function);                                                                       \
-        if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;                     \
-        if (face_fixed(self, nValues, valueReferences, kind)) return fmi3Error;                                       \
-        for (size_t i = 0; i < nValues; ++i)                                                                          \
-            if (face_refuses(self, valueReferences[i], (double)values[i])) return fmi3Error;                          \
-        kernel_status worst = KERNEL_OK;                                                                                        \
-        for (size_t i = 0; i < nValues; ++i) {                                                                        \
-            const kernel_status status = face_set(self, valueReferences[i], (double)values[i]);                                 \
-            if (status > worst) worst = status;                                                                       \
-        }                                                                                                             \
-        return (fmi3Status)worst;                                                                                     \
-    }
+DEFINE_VARIABLES(Float64, fmi3Float64, KIND_REAL, NULL, NULL)
+DEFINE_VARIABLES(Int32, fmi3Int32, KIND_INTEGER, put_int, take_int)
+DEFINE_VARIABLES(Boolean, fmi3Boolean, KIND_BOOLEAN, put_truth, take_truth)
 
-DEFINE_GET(fmi3GetFloat64, fmi3Float64, KIND_REAL)
-DEFINE_GET(fmi3GetInt32, fmi3Int32, KIND_INTEGER)
-DEFINE_GET(fmi3GetBoolean, fmi3Boolean, KIND_BOOLEAN)
-DEFINE_SET(fmi3SetFloat64, fmi3Float64, KIND_REAL)
-DEFINE_SET(fmi3SetInt32, fmi3Int32, KIND_INTEGER)
-DEFINE_SET(fmi3SetBoolean, fmi3Boolean, KIND_BOOLEAN)
-
-/* Types that no variable has. */
+/* Of a type that no variable has: to read or set none of them is no error. */
 #define DEFINE_NONE(name, type)                                                                                       \
     fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                       \
                              size_t nValueReferences, type values[], size_t nValues) {                                \
@@ -188,15 +150,13 @@ DEFINE_NONE(UInt64, fmi3UInt64)
 fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          fmi3String values[], size_t nValues) {
     REQUIRE(instance, ALWAYS, "fmi3GetString");
-    if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
-    return (fmi3Status)face_get_texts(self, nValues, valueReferences, values);
+    return (fmi3Status)face_get_texts(self, valueReferences, nValueReferences, values, nValues);
 }
 
 fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          const fmi3String values[], size_t nValues) {
     REQUIRE(instance, SETTABLE, "fmi3SetString");
-    if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
-    return (fmi3Status)face_set_texts(self, nValues, valueReferences, values);
+    return (fmi3Status)face_set_texts(self, valueReferences, nValueReferences, values, nValues);
 }
 
 /* ---- saved states ---- */
@@ -213,18 +173,12 @@ fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
 
 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
     REQUIRE(instance, ALWAYS, "fmi3FreeFMUState");
-    if (FMUState) {
-        free(*FMUState);
-        *FMUState = NULL;
-    }
-    return fmi3OK;
+    return (fmi3Status)face_release(FMUState);
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
     REQUIRE(instance, ALWAYS, "fmi3SerializedFMUStateSize");
-    if (face_missing(self, 1, FMUState, size)) return fmi3Error;
-    *size = face_saved_size(self);
-    return fmi3OK;
+    return (fmi3Status)face_saved_size(self, FMUState, size);
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
@@ -245,26 +199,16 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
     REQUIRE(instance, KNOWN, "fmi3GetDirectionalDerivative");
-    if (unusable(self, unknowns, nUnknowns, sensitivity, nSensitivity)) return fmi3Error;
-    if (unusable(self, knowns, nKnowns, seed, nSeed)) return fmi3Error;
-    const kernel_status status = face_initialise_if_asked(self);
-    if (status > KERNEL_WARNING) return (fmi3Status)status;
-    return (fmi3Status)face_report(
-        self, kernel_get_directional(self->machine, (int)nUnknowns, (const int *)unknowns, (int)nKnowns,
-                                     (const int *)knowns, seed, sensitivity));
+    return (fmi3Status)face_get_directional(self, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity,
+                                            nSensitivity, "fmi3GetDirectionalDerivative");
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                                     size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
                                     size_t nValues) {
     REQUIRE(instance, STEPPING | STOPPED | TERMINATED, "fmi3GetOutputDerivatives");
-    if (face_is_exchange(self)) return fmi3Error;
-    if (unusable(self, valueReferences, nValueReferences, values, nValues)) return fmi3Error;
-    if (face_missing(self, nValues, orders, orders)) return fmi3Error;
-    for (size_t i = 0; i < nValues; ++i)
-        if (orders[i] != 1) return (fmi3Status)face_error(self, "Only first derivatives of outputs are provided.");
-    return (fmi3Status)face_report(
-        self, kernel_get_rates(self->machine, (int)nValues, (const int *)valueReferences, values));
+    return (fmi3Status)face_get_rates(self, valueReferences, nValueReferences, orders, values, nValues,
+                                      "fmi3GetOutputDerivatives");
 }
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
@@ -277,16 +221,15 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         return fmi3Error;
     const double end = currentCommunicationPoint + communicationStepSize;
     *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
-    *lastSuccessfulTime = kernel_time(self->machine);
+    *lastSuccessfulTime = OBJECT.time(self->object);
     if (self->now == STOPPED)
         return (fmi3Status)face_error(self, "The run has ended, as terminateSimulation said; reset it to start again.");
-    self->last_step = face_report(
-        self, kernel_step(self->machine, currentCommunicationPoint, communicationStepSize));
-    const bool ended = kernel_ended(self->machine);
+    self->last_step = face_report(self, OBJECT.step(self->object, currentCommunicationPoint, communicationStepSize));
+    const bool ended = OBJECT.ended(self->object);
     if (ended) self->now = STOPPED, self->last_step = KERNEL_OK; /* to reach the end of the run is no failure */
     if (self->last_step > KERNEL_WARNING) return (fmi3Status)self->last_step;
     *terminateSimulation = ended;
-    *lastSuccessfulTime = kernel_time(self->machine);
+    *lastSuccessfulTime = OBJECT.time(self->object);
     *earlyReturn = *lastSuccessfulTime < end;
     *eventHandlingNeeded = self->events && *earlyReturn && !ended;
     return (fmi3Status)self->last_step;
@@ -298,6 +241,7 @@ enum { INTEGRATING = AT_EVENT | CONTINUOUS };
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
     REQUIRE(instance, CONTINUOUS | STEPPING, "fmi3EnterEventMode");
+    if (!OBJECT.stop_at_events) return (fmi3Status)face_absent(self, "fmi3EnterEventMode");
     if (!self->exchange && !self->events)
         return (fmi3Status)face_error(self, "Event mode was not asked for; instantiate with eventModeUsed = true.");
     return (fmi3Status)face_enter(self, AT_EVENT);
@@ -357,80 +301,73 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 cont
     return (fmi3Status)face_set_states(self, continuousStates, nContinuousStates);
 }
 
-#define DEFINE_READ(function, expected, read)                                          \
+#define DEFINE_READ(function, what)                                                    \
     fmi3Status function(fmi3Instance instance, fmi3Float64 values[], size_t nValues) { \
         REQUIRE(instance, KNOWN, #function);                                           \
-        return (fmi3Status)face_read(self, values, nValues, expected(), read);         \
+        return (fmi3Status)face_read(self, values, nValues, what);                     \
     }
 
-DEFINE_READ(fmi3GetContinuousStateDerivatives, kernel_exchange_states, kernel_get_slopes)
-DEFINE_READ(fmi3GetContinuousStates, kernel_exchange_states, kernel_get_states)
-DEFINE_READ(fmi3GetEventIndicators, kernel_exchange_indicators, kernel_get_indicators)
+DEFINE_READ(fmi3GetContinuousStateDerivatives, READ_SLOPES)
+DEFINE_READ(fmi3GetContinuousStates, READ_STATES)
+DEFINE_READ(fmi3GetEventIndicators, READ_INDICATORS)
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates) {
     REQUIRE(instance, ALWAYS, "fmi3GetNominalsOfContinuousStates");
     return (fmi3Status)face_nominals(self, nominals, nContinuousStates);
 }
 
-#define DEFINE_COUNT(function, count)                                \
-    fmi3Status function(fmi3Instance instance, size_t *number) {     \
-        REQUIRE(instance, ALWAYS, #function);                        \
-        if (face_is_cosimulation(self)) return fmi3Error;            \
-        if (face_missing(self, 1, number, number)) return fmi3Error; \
-        *number = (size_t)count();                                   \
-        return fmi3OK;                                               \
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *number) {
+    REQUIRE(instance, ALWAYS, "fmi3GetNumberOfContinuousStates");
+    return (fmi3Status)face_count(self, READ_STATES, number);
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *number) {
+    REQUIRE(instance, ALWAYS, "fmi3GetNumberOfEventIndicators");
+    return (fmi3Status)face_count(self, READ_INDICATORS, number);
+}
+
+/* ---- what no FMU here has ---- */
+
+#define DEFINE_ABSENT(function, ...)                              \
+    fmi3Status function(fmi3Instance instance, __VA_ARGS__) {     \
+        REQUIRE(instance, ALWAYS, #function);                     \
+        return (fmi3Status)face_absent(self, #function);          \
+    }
+#define DEFINE_ABSENT_PLAIN(function)                             \
+    fmi3Status function(fmi3Instance instance) {                  \
+        REQUIRE(instance, ALWAYS, #function);                     \
+        return (fmi3Status)face_absent(self, #function);          \
+    }
+/* To read or set none of them is no error. */
+#define DEFINE_EMPTY(function, ...)                                                                                  \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference a[], size_t references, __VA_ARGS__) {       \
+        REQUIRE(instance, ALWAYS, #function);                                                                        \
+        return references ? (fmi3Status)face_absent(self, #function) : fmi3OK;                                       \
     }
 
-DEFINE_COUNT(fmi3GetNumberOfContinuousStates, kernel_exchange_states)
-DEFINE_COUNT(fmi3GetNumberOfEventIndicators, kernel_exchange_indicators)
-
-/* ---- what this FMU does not have ---- */
-
-#define DEFINE_ABSENT(function, what, ...)            \
-    fmi3Status function(fmi3Instance instance, __VA_ARGS__) { \
-        REQUIRE(instance, ALWAYS, #function);         \
-        return (fmi3Status)face_error(self, what);    \
-    }
-#define DEFINE_ABSENT_PLAIN(function, what)        \
-    fmi3Status function(fmi3Instance instance) {   \
-        REQUIRE(instance, ALWAYS, #function);      \
-        return (fmi3Status)face_error(self, what); \
-    }
-
-/* Of a type that no variable has: to read or set none of them is no error. */
-#define DEFINE_EMPTY(function, what, ...)                                                                             \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference a[], size_t references, __VA_ARGS__) {        \
-        REQUIRE(instance, ALWAYS, #function);                                                                         \
-        return references ? (fmi3Status)face_error(self, what) : fmi3OK;                                              \
-    }
-
+#if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wunused-parameter"
-static const char NO_MODE[] = "There is no such mode: this FMU has neither clocks nor a configuration.";
-static const char NO_CLOCKS[] = "There are no clocks.";
+#endif
 
-DEFINE_ABSENT_PLAIN(fmi3EnterConfigurationMode, NO_MODE)
-DEFINE_ABSENT_PLAIN(fmi3ExitConfigurationMode, NO_MODE)
-DEFINE_ABSENT_PLAIN(fmi3EvaluateDiscreteStates, NO_MODE)
-DEFINE_EMPTY(fmi3GetBinary, "There are no variables of type Binary.", size_t b[], fmi3Binary c[], size_t d)
-DEFINE_EMPTY(fmi3SetBinary, "There are no variables of type Binary.", const size_t b[], const fmi3Binary c[], size_t d)
-DEFINE_EMPTY(fmi3GetClock, NO_CLOCKS, fmi3Clock b[])
-DEFINE_EMPTY(fmi3SetClock, NO_CLOCKS, const fmi3Clock b[])
-DEFINE_ABSENT(fmi3GetIntervalDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3Float64 c[],
-              fmi3IntervalQualifier d[])
-DEFINE_ABSENT(fmi3GetIntervalFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3UInt64 c[],
-              fmi3UInt64 d[], fmi3IntervalQualifier e[])
-DEFINE_ABSENT(fmi3GetShiftDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3Float64 c[])
-DEFINE_ABSENT(fmi3GetShiftFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, fmi3UInt64 c[], fmi3UInt64 d[])
-DEFINE_ABSENT(fmi3SetIntervalDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3Float64 c[])
-DEFINE_ABSENT(fmi3SetIntervalFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3UInt64 c[],
-              const fmi3UInt64 d[])
-DEFINE_ABSENT(fmi3SetShiftDecimal, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3Float64 c[])
-DEFINE_ABSENT(fmi3SetShiftFraction, NO_CLOCKS, const fmi3ValueReference a[], size_t b, const fmi3UInt64 c[],
-              const fmi3UInt64 d[])
-DEFINE_ABSENT(fmi3ActivateModelPartition, NO_CLOCKS, fmi3ValueReference a, fmi3Float64 b)
-DEFINE_ABSENT(fmi3GetNumberOfVariableDependencies, "Dependencies are in modelDescription.xml and do not change.",
-              fmi3ValueReference a, size_t *b)
-DEFINE_ABSENT(fmi3GetVariableDependencies, "Dependencies are in modelDescription.xml and do not change.",
-              fmi3ValueReference a, size_t b[], fmi3ValueReference c[], size_t d[], fmi3DependencyKind e[], size_t f)
-DEFINE_ABSENT(fmi3GetAdjointDerivative, "Adjoint derivatives are not provided.", const fmi3ValueReference a[], size_t b,
-              const fmi3ValueReference c[], size_t d, const fmi3Float64 e[], size_t f, fmi3Float64 g[], size_t h)
+DEFINE_ABSENT_PLAIN(fmi3EnterConfigurationMode)
+DEFINE_ABSENT_PLAIN(fmi3ExitConfigurationMode)
+DEFINE_ABSENT_PLAIN(fmi3EvaluateDiscreteStates)
+DEFINE_EMPTY(fmi3GetBinary, size_t b[], fmi3Binary c[], size_t d)
+DEFINE_EMPTY(fmi3SetBinary, const size_t b[], const fmi3Binary c[], size_t d)
+DEFINE_EMPTY(fmi3GetClock, fmi3Clock b[])
+DEFINE_EMPTY(fmi3SetClock, const fmi3Clock b[])
+DEFINE_ABSENT(fmi3GetIntervalDecimal, const fmi3ValueReference a[], size_t b, fmi3Float64 c[], fmi3IntervalQualifier d[])
+DEFINE_ABSENT(fmi3GetIntervalFraction, const fmi3ValueReference a[], size_t b, fmi3UInt64 c[], fmi3UInt64 d[],
+              fmi3IntervalQualifier e[])
+DEFINE_ABSENT(fmi3GetShiftDecimal, const fmi3ValueReference a[], size_t b, fmi3Float64 c[])
+DEFINE_ABSENT(fmi3GetShiftFraction, const fmi3ValueReference a[], size_t b, fmi3UInt64 c[], fmi3UInt64 d[])
+DEFINE_ABSENT(fmi3SetIntervalDecimal, const fmi3ValueReference a[], size_t b, const fmi3Float64 c[])
+DEFINE_ABSENT(fmi3SetIntervalFraction, const fmi3ValueReference a[], size_t b, const fmi3UInt64 c[], const fmi3UInt64 d[])
+DEFINE_ABSENT(fmi3SetShiftDecimal, const fmi3ValueReference a[], size_t b, const fmi3Float64 c[])
+DEFINE_ABSENT(fmi3SetShiftFraction, const fmi3ValueReference a[], size_t b, const fmi3UInt64 c[], const fmi3UInt64 d[])
+DEFINE_ABSENT(fmi3ActivateModelPartition, fmi3ValueReference a, fmi3Float64 b)
+DEFINE_ABSENT(fmi3GetNumberOfVariableDependencies, fmi3ValueReference a, size_t *b)
+DEFINE_ABSENT(fmi3GetVariableDependencies, fmi3ValueReference a, size_t b[], fmi3ValueReference c[], size_t d[],
+              fmi3DependencyKind e[], size_t f)
+DEFINE_ABSENT(fmi3GetAdjointDerivative, const fmi3ValueReference a[], size_t b, const fmi3ValueReference c[], size_t d,
+              const fmi3Float64 e[], size_t f, fmi3Float64 g[], size_t h)

@@ -79,7 +79,7 @@ static kernel_status check_relations(kernel *self) {
         for (int term = 0; term < relation->terms; ++term)
             sum += relation->factor[term] * self->run.value[relation->variable[term]];
         if (sum > 0.0) continue;
-        char lacks[CLOCK_SIZE];
+        char lacks[TIME_TEXT];
         snprintf(lacks, sizeof lacks, "%.4g", -sum);
         return kernel_say_when(self, KERNEL_ERROR, relation->sentence, lacks);
     }
@@ -119,9 +119,9 @@ kernel_status kernel_initialise(kernel *self, double time) {
     self->run.now->watched = false;
     for (int i = 0; i < system->conditions; ++i) self->run.said[i] = 0.0;
     if (!steady_find(self)) {
-        char when[CLOCK_SIZE];
+        char when[TIME_TEXT];
         kernel_reopen(self);
-        return kernel_say_when(self, KERNEL_ERROR, system->steady->sentence, kernel_clock(time, 9, when));
+        return kernel_say_when(self, KERNEL_ERROR, system->steady->sentence, time_text(time, 9, when));
     }
     rosenbrock_linearise(self, 0.0, self->run.state);
     const bool solved = algebraic_solve(self, 0.0, self->run.state, self->run.value[MODEL.tolerance]);
@@ -129,14 +129,14 @@ kernel_status kernel_initialise(kernel *self, double time) {
     kernel_compute_outputs(self, 0.0, self->run.state);
     const char *bad = kernel_output_not_finite(self);
     if (bad || !solved) {
-        char when[CLOCK_SIZE];
+        char when[TIME_TEXT];
         kernel_reopen(self);
         return bad ? kernel_fail(self, KERNEL_ERROR,
                                  "The output %s is not a finite number at the start; check the parameters it depends on.",
                                  bad)
                    : kernel_fail(self, KERNEL_ERROR,
                                  "The equations have no consistent start at t = %s s; check inputs and parameters.",
-                                 kernel_clock(time, 9, when));
+                                 time_text(time, 9, when));
     }
     self->run.now->outputs_stale = self->run.now->inputs_jumped = false;
     kernel_status status = KERNEL_OK;

@@ -3,6 +3,7 @@
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
+#include "duration.h"
 #include "kernel.h"
 #include "known.h"
 #include "state.h"
@@ -17,7 +18,6 @@ typedef struct {
     double *buffer;
 } kernel_recorder;
 
-enum { CLOCK_SIZE = 48 };
 enum { MOST_TRIALS = 5000000 }; /* steps tried in one kernel_step; a run that needs more is stuck */
 
 /* Values of integration_method. */
@@ -71,16 +71,12 @@ RUNTIME_LOCAL bool kernel_is_heard(const kernel *self, kernel_status status);
 RUNTIME_LOCAL kernel_status kernel_say_when(kernel *self, kernel_status status, const char *sentence, const char *when);
 /* Forgets what was noted since there were `noted` records. */
 RUNTIME_LOCAL void kernel_take_back(kernel *self, unsigned long long noted);
-/* A time in seconds for a sentence, with so many digits, and more where it has more than three before the point. */
-RUNTIME_LOCAL const char *kernel_clock(double time, int digits, char text[CLOCK_SIZE]);
 /* Variables: a status, with the sentence. */
 RUNTIME_LOCAL kernel_status kernel_check_reference(kernel *self, int variable);
 RUNTIME_LOCAL const char *kernel_name_of_table_file(void);
 RUNTIME_LOCAL kernel_status kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
 RUNTIME_LOCAL kernel_status kernel_warn_without_effect(kernel *self, int variable);
 RUNTIME_LOCAL kernel_status kernel_warn_of_idle_parameters(kernel *self);
-/* Whether a step may begin and end there. */
-RUNTIME_LOCAL kernel_status kernel_check_times(kernel *self, double time, double size);
 /* Says that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
 RUNTIME_LOCAL kernel_status kernel_discard(kernel *self, unsigned long long noted, double reached);
 RUNTIME_LOCAL void kernel_leave_table(kernel *self);

@@ -26,9 +26,9 @@ static void fail(stepper *run) {
 static bool start_exact_step(kernel *self, double offset) {
     rosenbrock_linearise(self, offset, self->run.state);
     if (algebraic_solve(self, offset, self->run.state, self->run.value[MODEL.tolerance])) return true;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
-                kernel_clock(self->given.step_origin + offset, 9, when));
+                time_text(self->given.step_origin + offset, 9, when));
     return false;
 }
 
@@ -114,16 +114,16 @@ static bool is_accepted(kernel *self, stepper *run, double error, double next) {
 /* Whether so many trials were made that the run no longer goes on; then it fails. */
 static bool is_stuck(kernel *self, stepper *run) {
     if (++run->tried <= MOST_TRIALS) return false;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     kernel_fail(self, KERNEL_ERROR, "No progress after %d steps at t = %s s; enlarge the tolerance %g.", MOST_TRIALS,
-                kernel_clock(self->given.step_origin + run->offset, 9, when), self->run.value[MODEL.tolerance]);
+                time_text(self->given.step_origin + run->offset, 9, when), self->run.value[MODEL.tolerance]);
     fail(run);
     return true;
 }
 
 /* Asks for a shorter trial, or fails. */
 static void shorten(kernel *self, stepper *run, double error, double next) {
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     const double time = self->given.step_origin + run->offset;
     const rejected_trial last = {run->size, error};
     self->counters.rejected++;
@@ -133,7 +133,7 @@ static void shorten(kernel *self, stepper *run, double error, double next) {
         kernel_fail(self, KERNEL_ERROR,
                     "The step size vanished at t = %s s: the equations have no finite solution there, or the "
                     "tolerance %g is below round-off; check inputs and parameters, or enlarge the tolerance.",
-                    kernel_clock(time, 9, when), self->run.value[MODEL.tolerance]);
+                    time_text(time, 9, when), self->run.value[MODEL.tolerance]);
         fail(run);
     }
 }
@@ -180,11 +180,11 @@ static void arrive(kernel *self, stepper *run, bool crossing) {
     stepper_go_on(run);
     accept(self);
     if (chatters(self, crossing)) {
-        char when[CLOCK_SIZE];
+        char when[TIME_TEXT];
         kernel_fail(self, KERNEL_ERROR,
                     "More than %d switches between sliding and sticking with hardly a step between them up to "
                     "t = %s s: a friction chatters; %s.",
-                    MAXIMUM_SWITCHES, kernel_clock(self->given.step_origin + run->offset, 9, when), remedy_of_chatter(self));
+                    MAXIMUM_SWITCHES, time_text(self->given.step_origin + run->offset, 9, when), remedy_of_chatter(self));
         fail(run);
         return;
     }

@@ -1,6 +1,5 @@
 /* Sentences, each with its status: the last one, and the journal of those that the face has not heard yet. What they quote
  * may come from anyone, so it is never a format, and a sentence is valid UTF-8 on one line, also where it was cut. */
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -107,12 +106,4 @@ bool kernel_hear(kernel *self, kernel_sentence *heard) {
     heard->status = (kernel_status)record[0];
     heard->text = record + 1;
     return true;
-}
-
-/* Unix time has ten digits before the point: then three (of 6) or six (of 9) remain behind it. */
-const char *kernel_clock(double time, int digits, char text[CLOCK_SIZE]) {
-    const int before = fabs(time) >= 1e3 && fabs(time) < 1e18 ? 1 + (int)log10(fabs(time)) : 3;
-    const int all = before + digits - 3;
-    snprintf(text, CLOCK_SIZE, "%.*g", all < 24 ? all : 24, time);
-    return text;
 }

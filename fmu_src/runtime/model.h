@@ -5,19 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Names that files share: known within the one unit that all.c makes of them, and otherwise between them. */
-#ifdef ONE_UNIT
-#define RUNTIME_LOCAL static
-#else
-#define RUNTIME_LOCAL
-#endif
-
-/* Of a function whose nth argument is a format, with values behind it: compilers look whether they fit. */
-#if defined(__GNUC__) && !defined(_WIN32)
-#define LIKE_PRINTF(nth) __attribute__((format(printf, nth, nth + 1)))
-#else
-#define LIKE_PRINTF(nth)
-#endif
+#include "variable.h"
 
 /* Arguments of every generated function, in this order. */
 enum {
@@ -37,17 +25,6 @@ typedef int (*generated_function)(const double **argument, double **result, long
                                   int lanes);
 typedef void (*generated_factors)(const double *jacobian, const double *diagonal, double *entry);
 typedef void (*generated_solution)(const double *entry, double *vector);
-
-enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING }; /* the last: a path, see kernel_set_text */
-enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL }; /* the last: a state */
-
-typedef struct {
-    const char *name;
-    const char *unit;
-    int kind, causality;
-    double start, minimum, maximum;
-    double when_lost; /* what the equations see when a NaN arrives; NaN: a NaN is refused */
-} variable_description;
 
 /* What is looked up at one place of the instance's table file, see table_file.h; in the order of their ranks. */
 typedef struct {

@@ -277,10 +277,10 @@ bool modes_warn(kernel *self, double offset) {
                         self->modes.margin + system->frictions + system->ends);
     for (int i = system->ends; i < system->conditions && candidates; ++i) {
         if (!is_to_warn(self, i)) continue;
-        char when[CLOCK_SIZE];
+        char when[TIME_TEXT];
         if (kernel_is_heard(self, KERNEL_WARNING))
             (void)kernel_say_when(self, KERNEL_WARNING, system->sentence[i],
-                                  kernel_clock(self->given.step_origin + offset, 6, when));
+                                  time_text(self->given.step_origin + offset, 6, when));
         self->run.said[i] = 1.0;
         warned = true;
     }

@@ -19,9 +19,9 @@ static kernel_status move_to(kernel *self, double time, const double *place, dou
     memcpy(self->work.trial, self->run.state, (size_t)self->system->states * sizeof(double));
     if (algebraic_find(self, *offset, self->run.state, SOLVED)) return KERNEL_OK;
     memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s.",
-                       kernel_clock(time, 9, when));
+                       time_text(time, 9, when));
 }
 
 static void copy_differential(const kernel *self, const double *all, double *some) {
@@ -31,12 +31,12 @@ static void copy_differential(const kernel *self, const double *all, double *som
 
 kernel_status kernel_slopes_at(kernel *self, double time, const double *place, double *slope, double *jacobian) {
     double offset;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     const kernel_status status = move_to(self, time, place, &offset);
     if (status != KERNEL_OK) return status;
     copy_differential(self, self->work.slope, slope);
     if (jacobian && !algebraic_reduce(self, offset, jacobian))
-        return kernel_fail(self, KERNEL_ERROR, "The equations have no Jacobian at t = %s s.", kernel_clock(time, 9, when));
+        return kernel_fail(self, KERNEL_ERROR, "The equations have no Jacobian at t = %s s.", time_text(time, 9, when));
     return KERNEL_OK;
 }
 

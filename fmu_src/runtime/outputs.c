@@ -7,10 +7,10 @@ static kernel_status renew_outputs(kernel *self) {
     self->given.step_origin = self->run.now->time;
     const double *state = algebraic_place(self);
     if (!state) {
-        char when[CLOCK_SIZE];
+        char when[TIME_TEXT];
         return kernel_fail(self, KERNEL_ERROR,
                            "The equations have no solution at t = %s s with these inputs; set others, or restore a state.",
-                           kernel_clock(self->run.now->time, 9, when));
+                           time_text(self->run.now->time, 9, when));
     }
     kernel_compute_outputs(self, 0.0, state);
     const char *bad = kernel_output_not_finite(self);

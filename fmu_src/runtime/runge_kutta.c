@@ -76,10 +76,10 @@ kernel_status runge_kutta_guard(kernel *self, double offset, double size) {
     const double eigenvalue = fastest_eigenvalue(self, offset);
     if (!(size * eigenvalue > STABILITY_LIMIT)) return KERNEL_OK;
     self->run.now->guard_said = size * eigenvalue;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_WARNING,
                        "The explicit method is above its stability limit at t = %s s: the fastest eigenvalue, %.4g 1/s, "
                        "allows steps up to %.3g s and the step is %.3g s; do not trust the motion from here on, shorten "
                        "integration_step or choose integration_method 1.",
-                       kernel_clock(self->given.step_origin + offset, 6, when), eigenvalue, STABILITY_LIMIT / eigenvalue, size);
+                       time_text(self->given.step_origin + offset, 6, when), eigenvalue, STABILITY_LIMIT / eigenvalue, size);
 }

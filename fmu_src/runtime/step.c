@@ -2,7 +2,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "duration.h"
 #include "method.h"
 
 void kernel_stop_at_events(kernel *self, bool stops) {
@@ -13,17 +12,13 @@ void kernel_stop_at_events(kernel *self, bool stops) {
 static kernel_status check_step(kernel *self, double time, double size) {
     if (!self->system)
         return kernel_fail(self, KERNEL_ERROR, "Initialise %s before the first step.", MODEL.name);
-    if (!(size > 0.0) || !isfinite(size))
-        return kernel_fail(self, KERNEL_ERROR, "Give a step size above 0 s: it was %g s; nothing was advanced.", size);
-    if (size > LONGEST_STEP)
-        return kernel_fail(self, KERNEL_ERROR, "Give a step of at most %g s, a day: it was %g s; nothing was advanced.",
-                           LONGEST_STEP, size);
-    kernel_status status = kernel_check_times(self, time, size);
-    if (status != KERNEL_OK) return status;
-    char when[CLOCK_SIZE];
+    char problem[DURATION_PROBLEM];
+    if (size_is_wrong(size, problem) || time_is_wrong(time, size, self->run.now->time, self->asked.stop_time, problem))
+        return kernel_fail(self, KERNEL_ERROR, "%s", problem);
+    char when[TIME_TEXT];
     if (self->run.now->ended)
         return kernel_fail(self, KERNEL_DISCARD, "The run ended at t = %s s; reset it to start again.",
-                           kernel_clock(self->run.now->time, 9, when));
+                           time_text(self->run.now->time, 9, when));
     const double fixed = self->run.value[MODEL.integration_step];
     if (fixed > 0.0 && size / fixed > (double)MOST_TRIALS)
         return kernel_fail(self, KERNEL_ERROR,
@@ -34,7 +29,7 @@ static kernel_status check_step(kernel *self, double time, double size) {
         const int variable = self->system->input_variable[i];
         if (self->run.input_rate[variable] == 0.0) continue;
         const double last = self->run.value[variable] + size * self->run.input_rate[variable];
-        status = kernel_check_value(self, &MODEL.variable[variable], last, self->run.value[variable]);
+        const kernel_status status = kernel_check_value(self, &MODEL.variable[variable], last, self->run.value[variable]);
         if (status != KERNEL_OK) return status;
     }
     return KERNEL_OK;
@@ -71,10 +66,10 @@ kernel_status step_end(kernel *self, unsigned long long noted, double size, doub
     if (status <= KERNEL_WARNING && !self->reads_outputs_later) {
         kernel_compute_outputs(self, reached, self->run.state);
         const char *bad = kernel_output_not_finite(self);
-        char when[CLOCK_SIZE];
+        char when[TIME_TEXT];
         if (bad)
             status = kernel_fail(self, KERNEL_ERROR, "The output %s is not a finite number at t = %s s.", bad,
-                                 kernel_clock(time + reached, 9, when));
+                                 time_text(time + reached, 9, when));
     }
     if (status > KERNEL_WARNING) { /* the last good state stays */
         self->kept.ready = KEPT_NOTHING;
@@ -90,7 +85,7 @@ kernel_status step_end(kernel *self, unsigned long long noted, double size, doub
     self->run.now->outputs_stale = self->reads_outputs_later;
     self->run.now->time = time + reached;
     if (!self->run.now->ended) return status;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     return kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->run.now->ended - 1],
-                           kernel_clock(self->run.now->time, 6, when));
+                           time_text(self->run.now->time, 6, when));
 }

@@ -36,11 +36,11 @@ kernel_status kernel_linearise(kernel *self, double *state, double *slope, doubl
     kernel_gather_inputs(self);
     self->given.step_origin = self->run.now->time;
     rosenbrock_linearise(self, 0.0, self->run.state);
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     if (!algebraic_solve(self, 0.0, self->run.state, 0.0))
         return kernel_fail(self, KERNEL_ERROR,
                            "The algebraic equations have no solution near t = %s s; check inputs and parameters.",
-                           kernel_clock(self->run.now->time, 9, when));
+                           time_text(self->run.now->time, 9, when));
     for (int i = 0; i < n; ++i) {
         state[i] = self->run.state[i];
         slope[i] = self->work.slope[i];

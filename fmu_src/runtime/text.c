@@ -22,9 +22,8 @@ void kernel_leave_table(kernel *self) {
 kernel_status kernel_set_text(kernel *self, int variable, const char *text) {
     const kernel_status status = check_text(self, variable);
     if (status != KERNEL_OK) return status;
-    const char *name = MODEL.variable[variable].name;
-    if (self->system)
-        return kernel_fail(self, KERNEL_ERROR, "%s is a parameter and fixed once the run has begun; reset first.", name);
+    const char *name = MODEL.variable[variable].name, *fixed = why_fixed(&MODEL.variable[variable], self->system != NULL);
+    if (fixed) return kernel_fail(self, KERNEL_ERROR, "%s %s", name, fixed);
     if (!text) return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file, or to no text for none.", name);
     if (!*text) {
         kernel_leave_table(self);

@@ -31,9 +31,9 @@ static bool is_power_of_two(double count) {
 static void tell(kernel *self, int i, const char *word, double offset, bool counted) {
     const double times = fabs(self->run.told[i]);
     if (!kernel_is_heard(self, KERNEL_OK) || !is_power_of_two(times)) return;
-    char when[CLOCK_SIZE];
+    char when[TIME_TEXT];
     const char *label = self->system->friction[i].label;
-    (void)kernel_clock(self->given.step_origin + offset, 6, when);
+    (void)time_text(self->given.step_origin + offset, 6, when);
     if (counted && times > 1.0)
         kernel_note(self, KERNEL_OK, "%s %s at %s s; %g times so far.", label, word, when, times);
     else

@@ -114,9 +114,8 @@ kernel_status kernel_check_set(kernel *self, int variable, double value) {
     const kernel_status status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
-    if (description->causality >= CAUSALITY_OUTPUT)
-        return kernel_fail(self, KERNEL_ERROR, "%s is %s and cannot be set; read it instead.", description->name,
-                           description->causality == CAUSALITY_OUTPUT ? "an output" : "a state");
+    const char *fixed = why_fixed(description, false);
+    if (fixed) return kernel_fail(self, KERNEL_ERROR, "%s %s", description->name, fixed);
     if (description->kind == KIND_STRING)
         return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", description->name);
     if (isnan(value) && !isnan(description->when_lost)) return KERNEL_OK;
@@ -128,9 +127,8 @@ kernel_status kernel_set(kernel *self, int variable, double value) {
     kernel_status status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
-    if (description->causality == CAUSALITY_PARAMETER && self->system)
-        return kernel_fail(self, KERNEL_ERROR, "%s is a parameter and fixed once the run has begun; reset first.",
-                           description->name);
+    const char *fixed = why_fixed(description, self->system != NULL);
+    if (fixed) return kernel_fail(self, KERNEL_ERROR, "%s %s", description->name, fixed);
     status = kernel_check_set(self, variable, value);
     if (status != KERNEL_OK) return status;
     const bool lost = isnan(value) && !isnan(description->when_lost);

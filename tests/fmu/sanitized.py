@@ -1,4 +1,4 @@
-"""FMUs as objects, plain and with sanitizers, and programs in C that are linked to them."""
+"""FMUs as objects with sanitizers, and programs in C that are linked to them."""
 
 from __future__ import annotations
 
@@ -19,15 +19,10 @@ def runtime() -> dict[str, str]:
     return {name: (RUNTIME / name).read_text() for name in RUNTIME_SOURCES}
 
 
-def plain(sources: Mapping[str, str]) -> list[str | Path]:
-    """The command that links a program to the objects of generated sources and the runtime."""
-    made = compiling.objects_of(sources, [*compiling.FLAGS, compiling.OPTIMISE_GENERATED])
-    made += compiling.objects_of(runtime(), [*compiling.FLAGS, compiling.OPTIMISE_RUNTIME])
-    return [*compiling.compiler(), *compiling.FLAGS, *HEADERS, *made]
-
-
 def sanitized(sources: Mapping[str, str]) -> list[str | Path]:
-    """The same with sanitizers, unoptimised, for it is only checked: a quarter of the time to compile."""
+    """The command that links a program to the objects of generated sources and the runtime, unoptimised, for it is only
+    checked: a quarter of the time to compile.
+    """
     flags = [*compiling.FLAGS, "-O0", *SANITIZERS]
     return [*compiling.compiler(), *flags, *HEADERS, *compiling.objects_of({**sources, **runtime()}, flags)]
 

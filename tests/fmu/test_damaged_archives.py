@@ -25,7 +25,7 @@ from readers.storage import StorageError
 from scenarios.controllers.given import fmu_names
 from scenarios.scenario import BadInputError
 from tests.fmu.limits import files_of_at_most
-from tests.fmu.test_step_fmu_in_c import COUNTS
+from tests.fmu.objects import COUNTS
 
 BINARY = f"binaries/{fmpy.platform}/counts{library_suffix()}"
 ABOUT = "modelDescription.xml"

@@ -13,30 +13,25 @@ from fmpy import read_model_description
 
 import bogie_braking as bb
 from brake_controller.protection_fmu import wheel_slide_in_c
-from fmu_src.arrays_fmu import all_sources, token_of
-from fmu_src.codegen import RUNTIME, generate, guid_of
-from fmu_src.compile import FLAGS, FOREIGN_FLAGS, build_library, compiler, objects_of
+from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, KernelError, Library
-from fmu_src.step_fmu_in_c import FACE, SHARED, build_step_fmu_in_c, numbers
+from fmu_src.step_fmu_in_c import build_step_fmu_in_c
 from products.registry import DIFFERENT
 from products.train.consist import block_train
-from products.train.coupler_fmu import build_coupler_fmu, coupler_in_c
+from products.train.coupler_fmu import build_coupler_fmu
 from products.train.fmu import build_train_fmu
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.train.coupler import screw_coupler
 from tests.fmu.hosting import ERROR, OK, Host, host
-from tests.fmu.sanitized import HEADERS, SANITIZERS, driver, run, sanitized
+from tests.fmu.objects import COUNTS
 from tests.fmu.sled import sled
-from tests.fmu.test_step_fmu_in_c import COUNTS
 
 DAMAGES = 1000
-DAMAGE = Path(__file__).with_name("damage.c")
 FACES = {"native": 2, "fmi3": 3}
 #: Every FMU that is shipped, and one around a controller in C.
 SHIPPED = [
-    *((name, kind) for name in (*DIFFERENT, "train", "coupler") for kind in FACES),
-    ("controller", "native"),
+    *((name, kind) for name in (*DIFFERENT, "train", "coupler", "controller") for kind in FACES),
 ]
 
 
@@ -56,7 +51,7 @@ def built(name: str, kind: str, fmus: dict, folder: Path) -> Path:
     elif name == "coupler":
         build_coupler_fmu(screw_coupler(), path, FACES[kind])
     else:
-        build_step_fmu_in_c(wheel_slide_in_c(controller(folder)), path)
+        build_step_fmu_in_c(wheel_slide_in_c(controller(folder)), path, version=FACES[kind])
     return path
 
 
@@ -97,34 +92,6 @@ def test_each_damaged_state_is_refused_with_one_sentence(name: str, kind: str, f
         assert one.state() == whole
         assert one.step(1e-3) == OK
         assert one.raw("FreeFMUState" if one.three else "FreeFMUstate", byref(place)) == OK
-
-
-def linked(name: str, folder: Path) -> tuple[Path, str]:
-    """damage.c with an FMU of each face, under sanitizers, and the identifier of the FMU."""
-    if name == "sled":
-        sources = generate(sled())
-        return driver(sanitized(sources), DAMAGE, folder), guid_of(sources)
-    if name == "coupler":
-        given = coupler_in_c()
-        objects = objects_of(all_sources(given), [*FLAGS, "-O0", *SANITIZERS])
-        return driver([*compiler(), *FLAGS, *HEADERS, *SANITIZERS, *objects], DAMAGE, folder), token_of(given)
-    step = wheel_slide_in_c(controller(folder))
-    texts = {**step.sources, "step_model.h": numbers(step, "{counts}")}
-    texts |= {header: (RUNTIME / header).read_text() for header in SHARED}
-    for file, text in texts.items():
-        (folder / file).write_text(text)
-    objects = [folder / file for file in step.sources if file.endswith(".c")]
-    command = [*compiler(), *FOREIGN_FLAGS, *SANITIZERS, f"-I{folder}", *HEADERS, FACE, *objects]
-    return driver(command, DAMAGE, folder), "{counts}"
-
-
-@pytest.mark.parametrize("name", ["sled", "coupler", "controller"])
-def test_no_damaged_state_is_read_beyond_its_end(name: str, tmp_path: Path) -> None:
-    program, guid = linked(name, tmp_path)
-    (tmp_path / "resources").mkdir()
-    np.array(screw_coupler().constants(), "<f8").tofile(tmp_path / "resources" / "coupler.bin")
-    done = run([program, guid, (tmp_path / "resources").as_uri(), "1", str(DAMAGES)], tmp_path)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 def test_pythonfmu_fmus_promise_no_states(fmus: dict) -> None:

@@ -18,13 +18,12 @@ from fmpy.fmi2 import fmi2EventInfo
 
 from fmu_src.model_description import NOMINAL
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
-from fmu_src.system import Model, System, Variable, model_of_choices
 from rbd_model.vehicle.ready import two_axle_bogie
 from tests.fmu.hosting import DISCARD, ERROR, OK, WARNING, Host, host
+from tests.fmu.objects import GRIP, LENGTH, SPEED, bricks
 from tests.fmu.sled import build_sled
 
 NATIVE = ["native", "fmi3"]
-SPEED, GRIP, LENGTH = 3.0, 2.0, 4.0
 #: Of the brick of 1 kg against its grip alone [s, m].
 STOPS, WAY = SPEED / GRIP, SPEED**2 / (2 * GRIP)
 #: Relative tolerance of CVODE, and bands of what it finds: ten times that, and the hysteresis of events.
@@ -33,32 +32,6 @@ TIGHT, FOUND = 1e-9, 1e-7
 DISTANCE_BAND, LOCK_BAND = 1e-5, 1e-5
 #: Of the bogie; 0 where a wheelset is held.
 WHEELS = ("angular_velocity_1", "angular_velocity_2")
-
-
-def brick(detail: int) -> System:
-    """A brick on a table with an end, pushed through gears; in more detail it grows warm."""
-    system = System(f"brick_{detail}", "A brick on a table")
-    push = system.input(Variable("push", "input", "N", "Force forward"))
-    grip = system.input(Variable("grip", "input", "N", "Largest friction", GRIP, 0.0))
-    gear = system.input(Variable("gear", "input", "1", "Multiplies the push", 1.0, 0.0, 3.0, kind="integer"))
-    x, v = system.state("x", "m", 0.0, 1.0), system.state("v", "m/s", SPEED, 2.0)
-    direction = system.direction("direction")
-    system.derivative(x, v)
-    system.derivative(v, direction**2 * (gear * push - direction * grip))
-    system.dry_friction("The brick", direction, [v], gear * push, grip, ("stuck", "slides"))
-    system.end_when_negative(1 - x / LENGTH, "The brick fell off at %s s.")
-    system.warn_when_negative(0.5 - x, "The brick passed half a metre at %s s.")
-    system.output(Variable("way", "output", "m", "Way"), x)
-    system.output(Variable("speed", "output", "m/s", "Speed"), v)
-    system.output(Variable("stuck", "output", "1", "It is stuck", kind="boolean"), direction == 0)
-    if detail == 2:
-        system.derivative(system.state("heat", "J", 0.0, 1.0), grip * v)
-    return system
-
-
-def bricks() -> Model:
-    detail = Variable("detail", "parameter", "1", "Level of detail", 1.0, 1.0, 2.0, kind="integer")
-    return model_of_choices("Brick", "A brick on a table", (brick(1), brick(2)), [detail], (0, 1), 1e-8)
 
 
 @pytest.fixture(scope="module")

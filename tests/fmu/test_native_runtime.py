@@ -1,8 +1,7 @@
-"""The C runtime in a host without Python, under sanitizers, and compiled without a C compiler on PATH."""
+"""How the C runtime is compiled: what once, what anew, and without a C compiler on PATH."""
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -14,51 +13,6 @@ from fmu_src import compile as compiling
 from fmu_src.codegen import generate
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, model_of
-from rbd_model.track.line import ERRI_HIGH, arc, irregular, line_of, straight
-from tests.fmu.sanitized import driver
-
-DRIVER, FUZZ, FUZZ3 = (Path(__file__).with_name(name) for name in ("driver.c", "fuzz.c", "fuzz3.c"))
-
-
-@pytest.mark.parametrize("kind", ["plain", "sanitized"])
-def test_host_in_c_gets_the_answers_of_the_standard(objects: dict, tmp_path: Path, kind: str) -> None:
-    done = subprocess.run([driver(objects[kind], DRIVER, tmp_path)], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.startswith("0 failures")
-    assert done.stderr == ""
-
-
-SEEDS, CALLS = 2, 30_000
-
-
-def test_random_calls_find_no_fault(objects: dict, tmp_path: Path) -> None:
-    """Legal and illegal orders, NaN, infinities, huge and tiny steps, references out of range, under sanitizers.
-
-    And lines, with files that are none.
-    """
-    fuzz = driver(objects["sanitized"], FUZZ, tmp_path)
-    curve = irregular(line_of([arc(300, 250, 0.1, 0.02)]), ERRI_HIGH, seed=1)
-    lines = [curve.write(tmp_path / "curve.csv"), line_of([straight(9)]).write(tmp_path / "short.csv"), fuzz]
-    for seed in range(SEEDS):
-        done = subprocess.run([fuzz, str(seed), str(CALLS), *lines], capture_output=True, text=True, timeout=300)
-        assert done.returncode == 0, done.stdout[-500:] + done.stderr[-3000:]
-        assert done.stdout.endswith(" 0 not finite with OK\n")
-        steps, places = (int(done.stdout.split()[n]) for n in (2, 4))
-        assert steps > CALLS / 30  # that were made, on two of three instances
-        assert places > CALLS / 300  # of model exchange, at which there were derivatives
-        assert done.stderr == ""
-
-
-def test_random_calls_of_model_exchange_of_fmi3_keep_their_promises(objects: dict, tmp_path: Path) -> None:
-    """In any order: arrays have their size, nothing is OK that is not finite, states taken are given back, no steps."""
-    fuzz = driver(objects["sanitized"], FUZZ3, tmp_path)
-    for seed in range(SEEDS):
-        done = subprocess.run([fuzz, str(seed), "0", str(CALLS)], capture_output=True, text=True, timeout=300)
-        assert done.returncode == 0, done.stdout[-1000:] + done.stderr[-3000:]
-        places, broken = (int(part.split()[0]) for part in done.stdout.split(",")[-2:])
-        assert broken == 0
-        assert places > CALLS / 100
-        assert done.stderr == ""
 
 
 def decay() -> System:

@@ -9,45 +9,24 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
 import build_fmu
-from brake_controller.protection_fmu import wheel_slide_in_c, wheel_slide_protection
+from brake_controller.protection_fmu import wheel_slide_protection
 from brake_controller.wheel_slide import APPLY, VENT
-from fmu_src.compile import FOREIGN_FLAGS, compiler
 from fmu_src.cosimulation.slave import CosimulationError, Slave
-from fmu_src.step_fmu_in_c import FACE, numbers
 from products.building import build_protection
 from products.protection.slide_protection import SlideProtection
 from tests.fmu.hosting import THREES, answers_of_a_counter
-from tests.fmu.sanitized import HEADERS, SANITIZERS, run
+from tests.fmu.objects import COUNTS
 
 PERIOD = 5e-3
-#: Counts its questions; answers how many there were, by three, or what one asks for by a negative speed.
-COUNTS = """
-#include "wheel_slide.h"
-typedef struct { int wheelsets, asked; double period; } memory_of_one;
-size_t wheel_slide_size(int wheelsets) { return wheelsets > 0 ? sizeof(memory_of_one) : 0; }
-void wheel_slide_start(void *memory, int wheelsets, double period)
-{
-    memory_of_one *self = memory;
-    self->wheelsets = wheelsets;
-    self->period = period;
-}
-void wheel_slide_step(void *memory, double time, const double *speed, int *valve)
-{
-    memory_of_one *self = memory;
-    int unused;  /* a warning of one's own code is no error */
-    (void)time;
-    ++self->asked;
-    for (int i = 0; i < self->wheelsets; ++i) valve[i] = speed[i] < 0 ? (int)-speed[i] : self->asked % 3;
-}
-"""
 
 
-@pytest.fixture(scope="module")
-def counts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="module", params=["native", "fmi3"])
+def counts(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("counts")
     (folder / "counts.c").write_text(COUNTS)
-    assert build_fmu.main(["--controller", str(folder / "counts.c"), "--out", str(folder)]) == 0
-    return folder / "native" / "counts.fmu"
+    given = ["--controller", str(folder / "counts.c"), "--out", str(folder), "--kind", request.param]
+    assert build_fmu.main(given) == 0
+    return folder / request.param / "counts.fmu"
 
 
 def test_it_needs_no_python_and_is_valid(counts: Path) -> None:
@@ -111,7 +90,7 @@ def test_a_period_that_cannot_be_is_refused(counts: Path, period: float) -> None
 def test_the_period_is_fixed_once_it_runs(counts: Path) -> None:
     with Slave(counts) as slave:
         slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
-        with pytest.raises(CosimulationError, match="Set period before the start; it is fixed from then on"):
+        with pytest.raises(CosimulationError, match="period is a parameter and fixed once the run has begun"):
             slave.set(period=0.01)
 
 
@@ -163,16 +142,3 @@ def test_a_coach_has_four_of_each(tmp_path: Path) -> None:
         "period",
         *(f"valve_{number}" for number in range(1, 5)),
     ]
-
-
-def test_the_face_reads_and_writes_nothing_but_its_own(tmp_path: Path) -> None:
-    """Every function of FMI 2.0 under sanitizers, as hosts may call them and as none should."""
-    (tmp_path / "counts.c").write_text(COUNTS)
-    step = wheel_slide_in_c(tmp_path / "counts.c")
-    for name, text in {**step.sources, "step_model.h": numbers(step, "{counts}")}.items():
-        (tmp_path / name).write_text(text)
-    ours = [f"-I{tmp_path}", *HEADERS, FACE, Path(__file__).with_name("step_host.c")]
-    command = [*compiler(), *FOREIGN_FLAGS, *SANITIZERS, *ours, tmp_path / "counts.c", "-o", tmp_path / "host", "-lm"]
-    assert run(command, tmp_path).returncode == 0
-    done = run([tmp_path / "host"], tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")

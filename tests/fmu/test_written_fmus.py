@@ -20,7 +20,7 @@ from products.train.numbers import Settings
 from rbd_model.levels.models import places_of
 from rbd_model.track.line import arc, line_of, straight
 from rbd_model.train.coupler import COUPLERS
-from tests.fmu.test_step_fmu_in_c import COUNTS
+from tests.fmu.objects import COUNTS
 
 #: Of the systems at level 3, that which is compiled soonest: contact depth 1 on straight track.
 SOONEST = places_of(3, 1, False)

@@ -8,7 +8,6 @@ import subprocess
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,19 +16,19 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from brake_controller.drivers_valve import drivers_valve
 from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.train.consist import Consist, block_train
-from products.train.fmu import ARRAYS, OUTPUTS, build_train_fmu, train_in_c
+from products.train.fmu import OUTPUTS, build_train_fmu, train_in_c
 from products.train.layout import layout
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of
 from products.train.train import Train
 from rbd_model.track.line import Line
-from tests.fmu.sanitized import HEADERS, SANITIZERS, run
+from tests.fmu.objects import OBJECTS
+from tests.fmu.sanitized import HEADERS, run
 
 STEP, COUNT, SPEED, PULL = 0.125, 32, 20.0, 65536.0
 SHORT, LONG, LIGHT = block_train(2), block_train(5), block_train(2, load=10e3)
@@ -350,37 +349,14 @@ def test_a_state_of_another_consist_is_refused(name: str, train: Host, fmus: dic
         other.slave.forget(saved)
 
 
-def test_bytes_that_have_changed_are_refused(train: Host) -> None:
-    state = bytearray(train.state())
-    state[-1000] ^= 1
-    words = "The bytes of this state have changed since it was saved; give them as they were."
-    assert refused(train, lambda: train.take(bytes(state))) == words
-    assert "must have" in refused(train, lambda: train.take(bytes(state[:-8])))
-
-
 # ---- what is refused ---------------------------------------------------------------------------------------------
-
-
-def test_calls_out_of_order_are_refused_by_the_section_that_lists_them(train: Host) -> None:
-    fmu, section = train.slave.fmu, "see FMI 2.0, section 4.2.4." if train.two else "see FMI 3.0, section 4.2.1."
-    prefix = "fmi2" if train.two else "fmi3"
-    calls = {
-        "EnterInitializationMode": fmu.enterInitializationMode,
-        "ExitInitializationMode": fmu.exitInitializationMode,
-    }
-    for name, call in calls.items():
-        assert refused(train, call) == f"{prefix}{name} may not be called now; {section}"
-    fmu.terminate()
-    words = f"{prefix}DoStep may not be called now; {section}"
-    assert refused(train, lambda: fmu.doStep(train.count * STEP, STEP)) == words
-    assert "may not be called now" in refused(train, lambda: train.put("pull", [0.0] * 3))
 
 
 @pytest.mark.parametrize(
     ("name", "values", "words"),
     [
-        ("speed", [1.0, 1.0, 1.0], "Leave speed as it is: it is an output and cannot be set."),
-        ("driver_position", [7], "Set driver_position[1] to 0 to 4: it was 7."),
+        ("speed", [1.0, 1.0, 1.0], "speed is an output and cannot be set; read it instead."),
+        ("driver_position", [7], "Set driver_position to 0 to 4: it was 7."),
         ("friction", [0.3, -1.0, 0.3], "Set friction[2] to 0 to 2: it was -1."),
         ("friction", [0.3, 0.3, math.nan], "Set friction[3] to 0 to 2: it was nan."),
         ("pull", [1e300, 0.0, 0.0], "Set pull[1] to -1e+07 to 1e+07 N: it was 1e+300."),
@@ -394,50 +370,14 @@ def test_what_cannot_be_set_is_refused_and_nothing_changes(
     assert sentence.replace("-nan", "nan") == words
 
 
-def test_parameters_are_fixed_once_it_runs(train: Host) -> None:
-    sentence = refused(train, lambda: train.slave.set(start_speed=1.0))
-    assert sentence == "Leave start_speed as it is: it is fixed once the run has begun."
-
-
-def test_unknown_references_are_refused(train: Host) -> None:
-    fmu = train.slave.fmu
-    calls = (fmu.getReal, fmu.getInteger) if train.two else (fmu.getFloat64, fmu.getInt32)
-    for call in calls:
-        for reference in (len(ARRAYS) + 1, len(ARRAYS) + 4, 65535, 13 * 65536 + 3, 4294967295):
-            if (reference, train.two) == (28, True) and call is fmu.getReal:
-                continue
-            assert "no such variable has the reference" in refused(train, lambda: call([reference]))  # noqa: B023
-    wrong = fmu.getInteger if train.two else fmu.getInt32
-    speed = train.slave._reference("speed[1]" if train.two else "speed")[0]
-    assert "no such variable has the reference" in refused(train, lambda: wrong([speed]))
-
-
 @pytest.mark.parametrize("count", [0, 2, 4])
 def test_sizes_that_do_not_fit_are_refused(count: int, fmus: dict[tuple[str, int], Path]) -> None:
     host = started(fmus["short", 3])
     with host.slave:
         reference, fmu = host.slave._reference("pull")[0], host.slave.fmu
-        words = f"give all elements of each array, 3 values: they were {count}."
-        assert refused(host, lambda: fmu.setFloat64([reference], [0.0] * count)) == f"fmi3SetFloat64: {words}"
-        assert refused(host, lambda: fmu.getFloat64([reference], count)) == f"fmi3GetFloat64: {words}"
-
-
-@pytest.mark.parametrize(
-    ("back", "step", "words"),
-    [
-        (0.1, STEP, "Go on from where the last step ended, 1 s: this one began at 0.9 s."),
-        (-1.0, STEP, "Go on from where the last step ended, 1 s: this one began at 2 s."),
-        (0.0, 0.0, "Give doStep a finite time and a step above 0 s: they were 1 s and 0 s."),
-        (0.0, -1.0, "Give doStep a finite time and a step above 0 s: they were 1 s and -1 s."),
-        (0.0, math.nan, "Give doStep a finite time and a step above 0 s: they were 1 s and nan s."),
-        (math.nan, STEP, "Give doStep a finite time and a step above 0 s: they were nan s and 0.125 s."),
-        (0.0, 1e6, "Take steps of at most 86400 s: this one was of 1e+06 s at 1 s."),
-    ],
-)
-def test_steps_that_do_not_go_on_are_refused(back: float, step: float, words: str, train: Host) -> None:
-    fmu = train.slave.fmu
-    assert refused(train, lambda: fmu.doStep(train.count * STEP - back, step)).replace("-nan", "nan") == words
-    train.go()
+        words = f"Give all elements of each variable, 3 values: they were {count}."
+        assert refused(host, lambda: fmu.setFloat64([reference], [0.0] * count)) == words
+        assert refused(host, lambda: fmu.getFloat64([reference], count)) == words
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -446,7 +386,7 @@ def test_a_start_beyond_what_time_can_count_is_refused(version: int, fmus: dict[
     host = Host(fmus["short", version])
     with (
         host.slave,
-        pytest.raises(CosimulationError, match="Set the start time to -1e\\+10 s to 1e\\+10 s: it was 1e\\+15 s"),
+        pytest.raises(CosimulationError, match="The start time must be from -1e\\+10 to 1e\\+10 s; got 1e\\+15 s"),
     ):
         host.slave.start(1e15)
 
@@ -563,38 +503,24 @@ def write_numbers(consist: Consist, settings: Settings, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with arrays_host.c and pipe_host.c, each with the C of trains, sanitized."""
-    folder, texts = tmp_path_factory.mktemp("host"), all_sources(train_in_c())
-    for name, text in texts.items():
-        (folder / name).write_text(text)
-    flags = [*FLAGS, "-O1", *SANITIZERS]
-    objects = objects_of(texts, flags)
-    for name in ("arrays_host", "pipe_host"):
-        own = [f"-I{folder}", *HEADERS, Path(__file__).with_name(f"{name}.c"), "-o", folder / name, "-lm"]
-        done = run([*compiler(), *flags, *objects, *own], folder)
-        assert done.returncode == 0, done.stderr
-    return folder
+def programs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Hosts in C with the C of trains, sanitized."""
+    sources = {name: Path(__file__).with_name(f"{name}.c") for name in ("numbers_host", "pipe_host")}
+    return {name: OBJECTS["train"].linked(path, tmp_path_factory.mktemp(name)) for name, path in sources.items()}
 
 
-def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(programs: Path, tmp_path: Path) -> None:
+def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(programs: dict, tmp_path: Path) -> None:
     """Numbers of cells that fill no whole lanes."""
-    done = run([programs / "pipe_host"], tmp_path)
+    done = run([programs["pipe_host"]], tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize(("how", "seed", "rounds"), [("calls", 1, 8000), ("calls", 2, 8000), ("numbers", 3, 1500)])
-def test_anything_in_any_order_keeps_to_its_own_memory_and_to_what_it_promises(
-    how: str, seed: int, rounds: int, programs: Path, tmp_path: Path
-) -> None:
-    """Two trains at once in both standards; numbers of a train that some have been changed of."""
+def test_numbers_that_are_no_train_s_make_none_or_one_that_runs(programs: dict, tmp_path: Path) -> None:
     one = write_numbers(block_train(1), Settings(cells=1.0), tmp_path / "one")
-    *front, last = block_train(3).vehicles
-    second = replace(last, valve=drivers_valve(), valve_delay=1.0)
-    other = write_numbers(Consist((*front, second)), Settings(depth="delay", cells=0.5), tmp_path / "other")
-    done = run([programs / "arrays_host", how, one, other, str(seed), str(rounds)], tmp_path)
+    (tmp_path / "other").mkdir()
+    done = run([programs["numbers_host"], one, tmp_path / "other", "3", "1500"], tmp_path)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
-    assert int(done.stdout.split()[0]) > rounds // 10
+    assert int(done.stdout.split()[0]) > 150
 
 
 @pytest.mark.parametrize("name", ["gcc", "clang"])
@@ -603,7 +529,7 @@ def test_the_c_is_clean_for_more_than_one_compiler(name: str, tmp_path: Path) ->
         pytest.skip(f"there is no {name}")
     for file, text in all_sources(train_in_c()).items():
         (tmp_path / file).write_text(text)
-    files = [*sorted(tmp_path.glob("*.c")), Path(__file__).with_name("arrays_host.c")]
+    files = [*sorted(tmp_path.glob("*.c")), Path(__file__).with_name("numbers_host.c")]
     done = run([name, *FLAGS, "-fsyntax-only", f"-I{tmp_path}", *HEADERS, *files], tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 

@@ -1,4 +1,4 @@
-/* One coupler behind the faces of FMI (arrays.h): from the way of its coupling to its tension; curves from
+/* One coupler as an object of arrays (arrays.h): from the way of its coupling to its tension; curves from
  * resources/coupler.bin. */
 #include <math.h>
 #include <stdio.h>
@@ -30,31 +30,31 @@ static double *read_curves(const char *folder, char *problem)
     int good = count == COUPLER_ROWS && found[0] > 0.0;
     for (size_t n = 0; good && n < COUPLER_ROWS; ++n) good = isfinite(found[n]) != 0;
     if (good) return found;
-    snprintf(problem, ARRAYS_PROBLEM, "The coupler's curves in %.200s/coupler.bin are damaged; build the FMU again.", folder);
+    snprintf(problem, MESSAGE_SIZE, "The coupler's curves in %.200s/coupler.bin are damaged; build the FMU again.", folder);
     free(found);
     return NULL;
 }
 
-arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
+arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE])
 {
     double *curves = read_curves(folder, problem);
     if (!curves) return NULL;
     arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
     if (self) {
         memcpy(self->constants, curves, sizeof self->constants);
-        self->mark = arrays_mark_of(ARRAYS_MARK, curves, COUPLER_ROWS);
+        self->mark = arrays_mark_of(curves, COUPLER_ROWS);
     } else
-        snprintf(problem, ARRAYS_PROBLEM, "There is no memory for the coupler.");
+        snprintf(problem, MESSAGE_SIZE, "There is no memory for the coupler.");
     free(curves);
     return self;
 }
 
 void arrays_free(arrays_object *self) { free(self); }
 
-double *arrays_values(arrays_object *self, int array, size_t *count)
+double *arrays_values(const arrays_object *self, unsigned array, size_t *count)
 {
     *count = 1;
-    return self->values + array;
+    return (double *)&self->values[array];
 }
 
 void arrays_reset(arrays_object *self)
@@ -80,19 +80,18 @@ static void find(arrays_object *self)
     self->values[FORCE] = self->values[MEAN_FORCE] = self->force = pull(self, self->way);
 }
 
-bool arrays_start(arrays_object *self, double time, char problem[ARRAYS_PROBLEM])
+void arrays_start(arrays_object *self, double time)
 {
-    (void)time, (void)problem;
+    (void)time;
     self->constants[COUPLER_COUPLED] = self->values[COUPLED];
     self->rest = 0.0;
     self->values[WORK] = 0.0;
     find(self);
-    return true;
 }
 
-bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAYS_PROBLEM])
+kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE])
 {
-    (void)time, (void)step, (void)problem;
+    (void)time, (void)step, (void)ended, (void)problem;
     const double begin = self->way, gone = self->values[WAY] - begin;
     double sum = 0.0, before = self->force;
     /* Coupled, it holds from when the vehicles touch. */
@@ -106,7 +105,7 @@ bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAY
     self->force = self->values[FORCE] = before;
     self->values[MEAN_FORCE] = sum;
     self->values[WORK] += sum * gone;
-    return true;
+    return KERNEL_OK;
 }
 
 /* Its mark is the same wherever a state may be taken back. */

@@ -195,7 +195,11 @@ static void begin_motion(train *self, double speed, double distance)
     fill(at + self->vehicles, 2 * self->vehicles, speed);
     motion_put(self->moves, at);
     motion_forget(self->moves);
-    for (long long int i = 0; i + 1 < self->vehicles; ++i) motion_couple(self->moves, i, 1);
+    motion_begin_mean(self->moves);
+    for (long long int i = 0; i + 1 < self->vehicles; ++i) {
+        motion_couple(self->moves, i, 1);
+        motion_force(self->moves)[i] = 0.0;
+    }
     for (long long int i = 0; i < self->vehicles; ++i) motion_lead(self->moves, i, NAN);
 }
 

@@ -1,16 +1,12 @@
-/* The train behind the faces of FMI (arrays.h): gauge pressures, and its consist from resources/train.bin. */
+/* The train as an object of arrays (arrays.h): gauge pressures, and its consist from resources/train.bin. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "arrays.h"
-#include "duration.h"
 #include "train.h"
 #include "train_arrays.h"
-
-/* Times of a run from and to [s]: beyond them hundredths of a second are lost. */
-static const double FARTHEST = FARTHEST_TIME;
 
 struct arrays_object {
     train *own;
@@ -33,8 +29,8 @@ static arrays_object *create(const double *numbers, long long int count)
     arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
     if (self) self->own = train_create(numbers, count);
     if (self && self->own) {
-        self->mark = arrays_mark_of(ARRAYS_MARK, numbers, (size_t)count);
-        for (int n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, n);
+        self->mark = arrays_mark_of(numbers, (size_t)count);
+        for (unsigned n = 0; n < ARRAYS; ++n) self->place[n + 1] = self->place[n] + length_of(self->own, (int)n);
         self->values = (double *)calloc(self->place[ARRAYS], sizeof(double));
         if (self->values) return self;
     }
@@ -42,7 +38,7 @@ static arrays_object *create(const double *numbers, long long int count)
     return NULL;
 }
 
-arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
+arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE])
 {
     size_t count = 0;
     double *numbers = arrays_read(folder, "train.bin", &count, problem);
@@ -50,9 +46,9 @@ arrays_object *arrays_create(const char *folder, char problem[ARRAYS_PROBLEM])
     const char *wrong = train_wrong(numbers, (long long int)count);
     arrays_object *self = wrong ? NULL : create(numbers, (long long int)count);
     if (wrong)
-        snprintf(problem, ARRAYS_PROBLEM, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder, wrong);
+        snprintf(problem, MESSAGE_SIZE, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder, wrong);
     else if (!self)
-        snprintf(problem, ARRAYS_PROBLEM, "There is no memory for the train.");
+        snprintf(problem, MESSAGE_SIZE, "There is no memory for the train.");
     free(numbers);
     return self;
 }
@@ -65,7 +61,7 @@ void arrays_free(arrays_object *self)
     free(self);
 }
 
-double *arrays_values(arrays_object *self, int array, size_t *count)
+double *arrays_values(const arrays_object *self, unsigned array, size_t *count)
 {
     *count = self->place[array + 1] - self->place[array];
     return self->values + self->place[array];
@@ -113,41 +109,33 @@ void arrays_reset(arrays_object *self)
     find_outputs(self);
 }
 
-bool arrays_start(arrays_object *self, double time, char problem[ARRAYS_PROBLEM])
+void arrays_start(arrays_object *self, double time)
 {
-    if (fabs(time) > FARTHEST) {
-        snprintf(problem, ARRAYS_PROBLEM, "Set the start time to -%g s to %g s: it was %g s.", FARTHEST, FARTHEST, time);
-        return false;
-    }
     const double *given = values_of(self, FIRST_PARAMETER); /* speed, distance, pressures of pipe and cylinders */
     train_begin(self->own, time, given[0], given[1], given[2] + AMBIENT, given[3] + AMBIENT);
     put_inputs(self);
     find_outputs(self);
-    return true;
 }
 
-bool arrays_go(arrays_object *self, double time, double step, char problem[ARRAYS_PROBLEM])
+kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE])
 {
-    if (time + step > 2.0 * FARTHEST) {
-        snprintf(problem, ARRAYS_PROBLEM, "Take steps up to a time of %g s: this one was of %g s at %g s.", 2.0 * FARTHEST, step, time);
-        return false;
-    }
+    (void)ended; /* it never does */
     put_inputs(self);
     long long int element;
     const int wrong = train_input_wrong(self->own, &element);
     if (wrong >= 0) {
-        snprintf(problem, ARRAYS_PROBLEM, "Set %s[%lld] to what can be there: it was %g. Where a cell of the pipe spans vehicles there is no cock or hose.",
+        snprintf(problem, MESSAGE_SIZE, "Set %s[%lld] to what can be there: it was %g. Where a cell of the pipe spans vehicles there is no cock or hose.",
                  ARRAYS_ABOUT[FIRST_INPUT + wrong].name, element + 1, values_of(self, FIRST_INPUT + wrong)[element]);
-        return false;
+        return KERNEL_DISCARD;
     }
     if (train_go(self->own, step)) {
-        snprintf(problem, ARRAYS_PROBLEM,
+        snprintf(problem, MESSAGE_SIZE,
                  "From %g s on %g s lead to no finite state, and the train is as it was; look at what was set, or take a shorter step.",
                  time, step);
-        return false;
+        return KERNEL_DISCARD;
     }
     find_outputs(self);
-    return true;
+    return KERNEL_OK;
 }
 
 unsigned long long arrays_mark(const arrays_object *self) { return self->mark; }

@@ -1,0 +1,261 @@
+/* A kernel behind the faces: its variables are scalars, and its own files may give start values and a table. */
+#include "instance.h"
+#include "object.h"
+#include "resources.h"
+#include "text_rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char START_VALUES[] = "/start_values.csv"; /* among the resources */
+
+struct fmu_object {
+    kernel *machine;
+    bool exchange;
+    char *resources; /* folder of the FMU's own files, with room for their names; null: the host named none */
+    size_t folder_length;
+};
+
+static const char *object_token(void) { return MODEL.guid; }
+static const char *object_name(void) { return MODEL.name; }
+static unsigned object_variables(void) { return (unsigned)MODEL.variables; }
+static unsigned object_stride(void) { return 1; }
+
+/* Behind the time slopes and event indicators may be read. */
+static const variable_description *object_variable(unsigned number) {
+    static const variable_description EXCHANGED = {"", "1", KIND_REAL, CAUSALITY_LOCAL, 0.0, -INFINITY, INFINITY, NAN};
+    if (number < (unsigned)MODEL.variables) return &MODEL.variable[number];
+    return kernel_exchanged_number((int)number) < 0 ? NULL : &EXCHANGED;
+}
+
+static void object_dispose(fmu_object *self) {
+    kernel_free(self->machine);
+    free(self->resources);
+    free(self);
+}
+
+static bool keep_folder(fmu_object *self, const char *folder) {
+    const size_t of_table = MODEL.table_file ? strlen(MODEL.table_file->resource) + 1 : 0;
+    self->folder_length = strlen(folder);
+    self->resources = (char *)malloc(self->folder_length + (of_table > sizeof START_VALUES ? of_table : sizeof START_VALUES));
+    if (self->resources) strcpy(self->resources, folder);
+    return self->resources != NULL;
+}
+
+static fmu_object *object_make(const char *folder, bool exchange, char problem[MESSAGE_SIZE]) {
+    if (exchange && kernel_exchange_states() == 0) {
+        strcpy(problem, "There is no model exchange, as modelDescription.xml says: these equations have algebraic states.");
+        return NULL;
+    }
+    fmu_object *self = (fmu_object *)calloc(1, sizeof *self);
+    if (!self) return NULL;
+    self->exchange = exchange;
+    self->machine = kernel_create();
+    if (self->machine && (!folder || keep_folder(self, folder))) return self;
+    object_dispose(self);
+    return NULL;
+}
+
+/* ---- the FMU's own files ---- */
+
+/* One of them, opened, its path in self->resources until the next one's; null: there is none, or `status` is an error. */
+static FILE *own_file(fmu_object *self, const char *name, kernel_status *status) {
+    const char *why;
+    strcpy(self->resources + self->folder_length, name);
+    FILE *file = resources_open(self->resources, &why);
+    if (why) {
+        const size_t length = strlen(self->resources), shown = 300; /* its end, which has the file's own name */
+        *status = kernel_fail(self->machine, KERNEL_ERROR, "%s%s %s; put a file there that can be read, or nothing.",
+                              length > shown ? "..." : "", self->resources + (length > shown ? length - shown : 0), why);
+    }
+    return file;
+}
+
+static kernel_status refuse_start(fmu_object *self, const text_rows *row, const char *problem) {
+    return kernel_fail(self->machine, KERNEL_ERROR, "resources%s, row %d: %s.", START_VALUES, row->number, problem);
+}
+
+/* The cells NAME and VALUE of a row, and how many cells are filled; 3: more than these, or quotes do not close. */
+static int cells_of_start(char *text, const char *pair[2]) {
+    const char separator = text_separator(text);
+    char *cell;
+    int filled = 0;
+    cell_reading found;
+    for (int at = 0; (found = text_next_cell(&text, separator, &cell)) == CELL_READ; ++at) {
+        filled += *cell != '\0';
+        if (*cell && at > 1) return 3;
+        if (at < 2) pair[at] = cell;
+    }
+    return found == CELL_REFUSED ? 3 : filled;
+}
+
+/* A row NAME,VALUE of numbers, as a value that is set. */
+static kernel_status set_own_start(fmu_object *self, text_rows *row) {
+    char problem[MESSAGE_SIZE / 2], mark;
+    const char *pair[2] = {"", ""};
+    const int filled = cells_of_start(row->text, pair);
+    double number;
+    if (filled == 0) return KERNEL_OK;
+    for (int i = 0; filled == 2 && i < MODEL.variables; ++i)
+        if (strcmp(pair[0], MODEL.variable[i].name) == 0 && table_read_number(pair[1], &number, &mark))
+            return kernel_set(self->machine, i, number);
+    snprintf(problem, sizeof problem,
+             "a row must have the name of a variable of %.40s and its number; got '%.60s'. Write NAME,VALUE", MODEL.name, pair[0]);
+    return refuse_start(self, row, problem);
+}
+
+/* Reads start values by the rules of all tables. */
+static kernel_status own_start_values(fmu_object *self) {
+    kernel_status status = KERNEL_OK;
+    FILE *file = own_file(self, START_VALUES, &status);
+    if (!file) return status;
+    text_rows *rows = (text_rows *)malloc(sizeof *rows);
+    if (!rows) status = kernel_fail(self->machine, KERNEL_ERROR, "There is not enough memory for start values.");
+    reading found = NO_MORE_ROWS;
+    if (rows) text_rows_begin(rows, file);
+    while (rows && status <= KERNEL_WARNING && (found = text_rows_next(rows)) == ROW_READ) status = set_own_start(self, rows);
+    if (found == ROW_REFUSED) status = refuse_start(self, rows, rows->problem);
+    fclose(file);
+    free(rows);
+    return status;
+}
+
+static kernel_status own_table(fmu_object *self) {
+    kernel_status status = KERNEL_OK;
+    FILE *file = MODEL.table_file ? own_file(self, MODEL.table_file->resource, &status) : NULL;
+    if (!file) return status;
+    fclose(file);
+    return kernel_set_text(self->machine, MODEL.table_file->variable, self->resources);
+}
+
+/* Start values are those of the FMU's own files, where there are any: `start_values.csv` has rows NAME,VALUE, and the
+ * resource that a table file is called is its table. */
+static kernel_status object_reset(fmu_object *self) {
+    kernel_reset(self->machine);
+    if (!self->resources) return KERNEL_OK;
+    const kernel_status status = own_start_values(self);
+    return status <= KERNEL_WARNING ? own_table(self) : status;
+}
+
+/* ---- the kernel's functions, by the names of the table ---- */
+
+static void object_listen(fmu_object *self, unsigned statuses) { kernel_listen(self->machine, statuses); }
+static bool object_hear(fmu_object *self, kernel_sentence *heard) { return kernel_hear(self->machine, heard); }
+
+static size_t object_length(const fmu_object *self, unsigned variable) {
+    (void)self, (void)variable;
+    return 1;
+}
+
+static kernel_status object_get(fmu_object *self, unsigned variable, size_t first, size_t count, double *value) {
+    (void)first, (void)count;
+    const int exchanged = kernel_exchanged_number((int)variable);
+    return exchanged >= 0 ? kernel_get_exchanged(self->machine, exchanged, value) : kernel_get(self->machine, (int)variable, value);
+}
+
+static kernel_status object_check(fmu_object *self, unsigned variable, size_t first, size_t count, const double *value) {
+    (void)first, (void)count;
+    return kernel_check_set(self->machine, (int)variable, *value);
+}
+
+static kernel_status object_set(fmu_object *self, unsigned variable, size_t first, size_t count, const double *value) {
+    (void)first, (void)count;
+    return kernel_set(self->machine, (int)variable, *value);
+}
+
+static kernel_status object_get_text(fmu_object *self, unsigned variable, const char **text) {
+    return kernel_get_text(self->machine, (int)variable, text);
+}
+static kernel_status object_set_text(fmu_object *self, unsigned variable, const char *text) {
+    return kernel_set_text(self->machine, (int)variable, text);
+}
+
+static kernel_status object_plan(fmu_object *self, const double *tolerance, double start, const double *stop) {
+    return kernel_plan(self->machine, tolerance, start, stop);
+}
+
+static kernel_status object_initialise(fmu_object *self, double start) {
+    const kernel_status status = kernel_initialise(self->machine, start);
+    return self->exchange && status <= KERNEL_WARNING && kernel_check_exchange(self->machine) != KERNEL_OK ? KERNEL_ERROR : status;
+}
+static bool object_initialised(const fmu_object *self) { return kernel_state_count(self->machine) != 0; }
+static void object_reopen(fmu_object *self) { kernel_reopen(self->machine); }
+
+static kernel_status object_step(fmu_object *self, double time, double size) { return kernel_step(self->machine, time, size); }
+static double object_time(const fmu_object *self) { return kernel_time(self->machine); }
+static bool object_ended(const fmu_object *self) { return kernel_ended(self->machine); }
+static void object_stop_at_events(fmu_object *self, bool stops) { kernel_stop_at_events(self->machine, stops); }
+
+static size_t object_block_size(const fmu_object *self) { return kernel_block_size(self->machine); }
+static void object_copy_block(fmu_object *self, void *bytes) { kernel_copy_block(self->machine, bytes); }
+static kernel_status object_take_block(fmu_object *self, const void *bytes) { return kernel_take_block(self->machine, bytes); }
+
+static kernel_status object_set_rates(fmu_object *self, size_t count, const unsigned *variable, const double *rate) {
+    kernel_status status = KERNEL_OK;
+    for (size_t i = 0; i < count && status == KERNEL_OK; ++i) status = kernel_check_rate(self->machine, (int)variable[i], rate[i]);
+    for (size_t i = 0; i < count && status == KERNEL_OK; ++i) status = kernel_set_rate(self->machine, (int)variable[i], rate[i]);
+    return status;
+}
+
+static kernel_status object_get_rates(fmu_object *self, size_t count, const unsigned *variable, double *rate) {
+    return kernel_get_rates(self->machine, (int)count, (const int *)variable, rate);
+}
+
+static kernel_status object_get_directional(fmu_object *self, size_t unknowns, const unsigned *unknown, size_t knowns,
+                                            const unsigned *known, const double *change, double *result) {
+    return kernel_get_directional(self->machine, (int)unknowns, (const int *)unknown, (int)knowns, (const int *)known, change,
+                                  result);
+}
+
+/* ---- model exchange ---- */
+
+static kernel_status object_set_time(fmu_object *self, double time) { return kernel_set_time(self->machine, time); }
+static kernel_status object_set_states(fmu_object *self, const double *state) { return kernel_set_states(self->machine, state); }
+static kernel_status object_get_states(fmu_object *self, double *state) { return kernel_get_states(self->machine, state); }
+static kernel_status object_get_slopes(fmu_object *self, double *slope) { return kernel_get_slopes(self->machine, slope); }
+static kernel_status object_get_indicators(fmu_object *self, double *indicator) {
+    return kernel_get_indicators(self->machine, indicator);
+}
+static kernel_status object_find_modes(fmu_object *self, bool *jumped) { return kernel_find_modes(self->machine, jumped); }
+static kernel_status object_complete_step(fmu_object *self, bool *crossed) { return kernel_complete_step(self->machine, crossed); }
+
+static const object_exchange EXCHANGE = {
+    kernel_exchange_states, kernel_exchange_indicators, object_set_time,      object_set_states, object_get_states,
+    object_get_slopes,      object_get_indicators,      kernel_get_nominals,  object_find_modes, object_complete_step,
+};
+
+RUNTIME_LOCAL const object_functions OBJECT = {
+    /* token */ object_token,
+    /* name */ object_name,
+    /* variables */ object_variables,
+    /* variable */ object_variable,
+    /* stride */ object_stride,
+    /* make */ object_make,
+    /* dispose */ object_dispose,
+    /* reset */ object_reset,
+    /* listen */ object_listen,
+    /* hear */ object_hear,
+    /* length */ object_length,
+    /* get */ object_get,
+    /* check */ object_check,
+    /* set */ object_set,
+    /* get_text */ object_get_text,
+    /* set_text */ object_set_text,
+    /* plan */ object_plan,
+    /* initialise */ object_initialise,
+    /* initialised */ object_initialised,
+    /* reopen */ object_reopen,
+    /* step */ object_step,
+    /* time */ object_time,
+    /* ended */ object_ended,
+    /* stop_at_events */ object_stop_at_events,
+    /* block_size */ object_block_size,
+    /* copy_block */ object_copy_block,
+    /* take_block */ object_take_block,
+    /* mark */ NULL,
+    /* set_rates */ object_set_rates,
+    /* get_rates */ object_get_rates,
+    /* get_directional */ object_get_directional,
+    /* exchange */ &EXCHANGE,
+};
