@@ -23,8 +23,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from bogie_braking.checks import MOST_INSTANCES, at_most, known
-from bogie_braking.protection import MACHINES, settings_from
+from bogie_braking.protection import settings_from
 from brake_controller.wheel_slide import COMMANDS
+from products.machine import MACHINES
 from products.protection.draws import drawn_run
 from products.protection.environment import Draw, Environment
 from products.protection.runs import Fault as Fault

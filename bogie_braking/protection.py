@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import fields, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import fields
 from typing import Literal
 
 from bogie_braking.checks import known
 from brake_controller.wheel_slide import WheelSlideController
 from fmu_src.cosimulation.recording import Recording
-from products.protection.braked_machine import BrakedMachine, Machine, bogie, coach
-from products.protection.protected_stop import ProtectedStop, Settings
-from products.protection.protected_stop import protected_stop as run_stop
-from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, RAILS, RailCase
+from products.machine import MACHINES
+from products.protection.rails import RAILS, RailCase
+from products.protection.rig import Rig
+from products.protection.runs import Run, Stop
+from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 
 #: A class, or another function that makes a new controller.
 Controller = Callable[[], WheelSlideController] | Literal["protection"] | None
-#: Machines by the names of their FMUs.
-MACHINES: Mapping[str, Callable[[], Machine]] = {"bogie": bogie, "vehicle": coach}
 #: Names of all rails.
 NAMES = tuple(rail.name for rail in RAILS)
 #: Columns of a table of stops.
@@ -32,8 +31,6 @@ COLUMNS = {
     "share_in_band": "1",
     "air": "kg",
 }
-#: The host's step is the longest up to this that goes into the controller's period [s].
-HOST_STEP = 5e-3
 
 
 def protected_stops(
@@ -43,6 +40,8 @@ def protected_stops(
     **settings: float,
 ) -> Recording:
     """One full service brake to rest on each rail, protected by a new controller: a row and a sentence for each.
+
+    The stops are those of the test rig, of `bogie-braking controllers compare`: cylinders fill by flow of air.
 
     controller: a class whose objects have `step(time, wheel_speeds)` [s], [m/s], which answers for each wheelset 0 to
     apply its brake, 1 to hold or 2 to vent it; "protection": the one that comes with the brake; None: no controller.
@@ -60,12 +59,12 @@ def protected_stops(
     """
     rows: list[list[float]] = []
     said = []
-    for case, stop in stops_of(controller, vehicle, rails, settings):
-        distance = math.nan if stop.distance is None or stop.failure else stop.distance
-        lock, share = stop.longest_lock(LOCK_ABOVE), stop.share_in_band(BAND, ABOVE)
-        duration = stop.time if stop.judged else math.nan
-        rows.append([len(rows), case.condition.friction, distance, duration, lock, share, stop.air()])
-        said.append(sentence(case, stop))
+    for case, stop in _stops_of(controller, vehicle, rails, settings):
+        distance = math.nan if stop.distance is None else stop.distance
+        measures = stop.time, stop.longest_lock, stop.share_in_band, stop.air
+        rest = measures if stop.judged else [math.nan] * len(measures)
+        rows.append([len(rows), case.condition.friction, distance, *rest])
+        said.append(_sentence(case, stop))
     return Recording(COLUMNS, rows, said, {"stops": len(rows)})
 
 
@@ -75,32 +74,29 @@ def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **
     Columns: time [s]; speed of the machine [m/s]; braking_force of all wheelsets [N]; and of each wheelset true
     wheel_speed [m/s], pressure in its cylinder [Pa], what its valve was told, and adhesion that it used.
     """
-    [(case, stop)] = stops_of(controller, vehicle, [rail], settings)
-    series = stop.series
-    rows = list(zip(*(series[name] for name in series.names), strict=True))
-    return Recording(series.units, rows, [sentence(case, stop)], {"commands": stop.count_of_commands()})
+    [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, recorded=True)
+    radius = MACHINES[vehicle]().parameters.wheel_radius
+    return stop.course.recording(radius, _sentence(case, stop), stop.commands)
 
 
-def stops_of(
-    controller: Controller, vehicle: str, rails: Iterable[str], settings: Mapping[str, float]
-) -> Iterator[tuple[RailCase, ProtectedStop]]:
-    """The rails with the stop on each. Raises what `protected_stops` says."""
+def _stops_of(
+    controller: Controller, vehicle: str, rails: Iterable[str], settings: Mapping[str, float], recorded: bool = False
+) -> list[tuple[RailCase, Stop]]:
+    """The rails with the stop on each, on the test rig. Raises what `protected_stops` says."""
     if isinstance(rails, str):
         raise TypeError(f'Give the rails as a list, such as ["{rails}"]: it was the text {rails!r}.')
     make, cases, chosen = maker_of(controller), {rail.name: rail for rail in RAILS}, settings_from(settings)
     on = [cases[known(name, cases, "rail")] for name in rails]
     machine = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
-    with BrakedMachine(machine) as braked:
-        for case in on:
-            values = case.values(len(machine.numbers))
-            yield case, run_stop(braked, values, make() if make else None, chosen)
+    runs = [Run(case.values(len(machine.numbers))) for case in on]
+    rig = Rig(machine, make, chosen, by_flow=True)
+    return list(zip(on, rig.runs(runs, every=chosen.period if recorded else 0.0), strict=True))
 
 
 def settings_from(given: Mapping[str, float]) -> Settings:
-    """Settings by name; the host's step is the longest up to HOST_STEP of which the period is a multiple."""
-    names = [one.name for one in fields(Settings) if one.name != "host_step"]
-    chosen = Settings(**{known(name, names, "setting"): value for name, value in given.items()})  # type: ignore[arg-type]
-    return replace(chosen, host_step=chosen.period / math.ceil(chosen.period / HOST_STEP))
+    """Settings by name."""
+    names = [one.name for one in fields(Settings)]
+    return Settings(**{known(name, names, "setting"): value for name, value in given.items()})  # type: ignore[arg-type]
 
 
 def maker_of(controller: Controller) -> Callable[[], WheelSlideController] | None:
@@ -120,8 +116,7 @@ def maker_of(controller: Controller) -> Callable[[], WheelSlideController] | Non
     return controller
 
 
-def sentence(case: RailCase, stop: ProtectedStop) -> str:
+def _sentence(case: RailCase, stop: Stop) -> str:
     """What a stop came to."""
-    if not stop.judged:
-        return f"{case.name}: {stop.words}"
-    return f"{case.name}: {stop.words}, locked for {stop.longest_lock(LOCK_ABOVE):.1f} s."
+    locked = "" if stop.distance is None else f", locked for {stop.longest_lock:.1f} s"
+    return f"{case.name}: {stop.words}{locked}."

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fmu_src.references import Experiment
-from products.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
 from products.coach import brakes
+from products.machine import FULL_PRESSURE, FULL_TORQUE
 from products.parameter_sets import PARAMETER_SETS
 
 #: What is recorded of motion along the track, of a wheelset beside the track's middle, and of a brake.

@@ -1,11 +1,14 @@
-"""A machine and the cylinders of its wheelsets as one system, for the test rig."""
+"""A braked machine as data: a vehicle, a brake on each wheelset and its equipment, composed into one system.
+
+The test rig, BrakedVehicle.fmu, `bb.run` and the live page take their equations from `composed`. A machine has the C of
+what it has and no other.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
-from pathlib import Path
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -14,90 +17,182 @@ from brake_controller.discs import MEAN_PAD_FRICTION, axle_discs, discs
 from brake_controller.flow_parameters import FlowParameters
 from brake_controller.magnet_valves import common_valves
 from brake_controller.motors import dynamic_brake, motor_of, traction_motor
+from brake_controller.parameters import BrakeParameters, qr30
 from brake_controller.ready_sets import qr30_experiment
 from brake_controller.reservoir import ReservoirParameters, air_reservoir
 from brake_controller.timing import filling_time, with_application_time, with_release_time
-from fmu_src.batch import BatchLibrary
-from fmu_src.compile import build_library
-from fmu_src.compose import compose, renamed
-from fmu_src.kernel import Library
-from fmu_src.system import Model, System, model_of
-from products.braked_vehicle import brake_of, on_each_wheelset, with_brakes
-from products.protection.braked_machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
-from products.protection.protected_stop import CYLINDER_VOLUME
-from products.protection.runs import DISCS, DYNAMIC_BRAKE, SANDERS, TRACTION
-from products.remembered import noted_path
-from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
+from fmu_src.compose import compose, renamed, scope
+from fmu_src.system import System, Variable
+from products import bogie as chapter_5
 from rbd_model.track.sand import sanders
-from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.description import Vehicle, size_of
+from rbd_model.vehicle.parameters import BogieParameters
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
+#: Pressure [Pa] and torque capacity of one wheelset [N.m] of the coach's full brake, which slows it at 1.2 m/s2; times
+#: of its cylinder with a dump valve [s]. Assumed: the benchmark prints no brake, these are common in passenger stock.
+FULL_PRESSURE, FULL_TORQUE = 380e3, 6.4e3
+APPLICATION_TIME, RELEASE_TIME = 2.0, 0.6
+#: What a machine may have: discs in place of treads, a dynamic brake that blends with the cylinders, a sander ahead of
+#: each wheelset; or, in place of cylinders, traction by a motor on each wheelset.
+EQUIPMENT = DISCS, DYNAMIC_BRAKE, SANDERS, TRACTION = ("discs", "dynamic brake", "sanders", "traction")
+#: Volume of a cylinder [m3] (AAR, brake_data.csv of the sources), and the exponent of its air, as fast as that of the
+#: experiment.
+CYLINDER_VOLUME, EXPONENT = 10.3e-3, 1.2
 #: Assumed: 100 l a bogie at 5 bar, fed from a pipe of 5 bar through 3 mm.
 RESERVOIR_OF_A_BOGIE, RESERVOIR_PRESSURE, FEED_ORIFICE = 0.1, 500e3, 3e-3
-#: Numbers of the systems by level; in space with contacts that yield.
-PLACES = {2: places_of(level=2, on_line=False)[0], 3: places_of(level=3, depth=2, on_line=False)[0]}
-#: Volume of a cylinder [m3], as that of the timed law; the exponent of its air, as fast as that of the experiment.
-EXPONENT = 1.2
+#: Vehicles by the names of their FMUs.
+VEHICLES: Mapping[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "vehicle": passenger_coach}
+
+
+def in_order(equipment: Iterable[str]) -> tuple[str, ...]:
+    """Names of equipment in the order of EQUIPMENT, each once. Raises ValueError for what there is not."""
+    given = set(equipment)
+    for name in given:
+        if name not in EQUIPMENT:
+            raise ValueError(f"Choose equipment from {', '.join(EQUIPMENT)}: it was {name!r}.")
+    if TRACTION in given and given & {DISCS, DYNAMIC_BRAKE}:
+        raise ValueError("Give a machine with traction no discs and no dynamic brake: its run does not brake.")
+    return tuple(name for name in EQUIPMENT if name in given)
 
 
 @dataclass(frozen=True)
-class Kind:
-    """Which equations of a machine. counted: frame, the bogie; body, the coach. level: 2 in the plane, 3 in space.
+class Machine:
+    """A vehicle with a brake on each wheelset, and what else it has.
 
-    by_flow: cylinders are filled by flow of air from a reservoir, through valves that take their time; else timed.
-    equipment: what else it has, as `Run` has it. Raises ValueError for another level, and for what is not together.
+    name: one of VEHICLES. full_pressure [Pa], full_torque [N.m]: of the full brake of one wheelset; supply_pressure
+    [Pa]: the most that its regulator passes on. by_flow: cylinders fill by flow of air from a reservoir, through magnet
+    valves that take their time; else by application and release time. equipment: some of EQUIPMENT. Raises ValueError
+    for equipment that there is not, or that asks for cylinders by flow of air.
     """
 
-    counted: str
+    name: str
+    full_pressure: float
+    full_torque: float
+    supply_pressure: float
     by_flow: bool = False
-    level: int = 2
     equipment: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.level not in PLACES:
-            raise ValueError(f"Set level to 2 (in the plane) or 3 (in space) on the test rig: it was {self.level}.")
-        if self.equipment and not (self.by_flow or TRACTION in self.equipment):
+        object.__setattr__(self, "equipment", in_order(self.equipment))
+        if self.equipment and not (self.by_flow or self.driven):
             raise ValueError(f"Fill cylinders by flow of air on a machine with {' and '.join(self.equipment)}.")
 
+    @cached_property
+    def vehicle(self) -> Vehicle:
+        """The vehicle as data."""
+        return VEHICLES[self.name]()
 
-@lru_cache
-def machine_model(kind: Kind) -> Model:
-    """The machine with a cylinder, or with traction a motor, on each wheelset, one system."""
-    machine = bogie() if kind.counted == "frame" else coach()
-    vehicle = two_axle_bogie() if kind.counted == "frame" else passenger_coach()
-    system = system_at(vehicle, PLACES[kind.level])
-    if SANDERS in kind.equipment:
-        system = on_sand(system, vehicle)
-    if TRACTION in kind.equipment:
+    @cached_property
+    def numbers(self) -> tuple[int, ...]:
+        """Numbers of its wheelsets, from 1."""
+        return tuple(number for number, _ in self.vehicle.numbered)
+
+    @property
+    def parameters(self) -> BogieParameters:
+        """Parameters of the vehicle."""
+        found = self.vehicle.parameters
+        assert isinstance(found, BogieParameters)
+        return found
+
+    @property
+    def mass(self) -> float:
+        """Mass of all bodies and wheelsets [kg]."""
+        values = self.parameters.values()
+        sizes = [*(one.mass for one in self.vehicle.bodies), *(one.mass for one in self.vehicle.wheelsets)]
+        return float(sum(size_of(mass, values) for mass in sizes))
+
+    @property
+    def counted(self) -> str:
+        """The body whose distance and speed are states."""
+        return self.vehicle.bodies[0].name
+
+    @property
+    def driven(self) -> bool:
+        """Whether motors drive it in place of brakes."""
+        return TRACTION in self.equipment
+
+    def deceleration(self, torque: float, load: float = 0.0) -> float:
+        """On a dry rail with this torque on each wheelset [N.m], whose rotation is included [m/s2].
+
+        load: mass on top of its own [kg].
+        """
+        p, count = self.parameters, len(self.numbers)
+        rolling = self.mass + load + count * p.wheelset_pitch_inertia / p.wheel_radius**2
+        return count * torque / p.wheel_radius / rolling
+
+
+def bogie() -> Machine:
+    """The bogie of chapter 5."""
+    supply = chapter_5.brake_values()["supply_pressure"]
+    return Machine("bogie", chapter_5.FULL_PRESSURE, chapter_5.FULL_TORQUE, supply)
+
+
+def coach() -> Machine:
+    """The complete vehicle: vehicle 1 of the Manchester benchmarks with traction rods."""
+    return Machine("vehicle", FULL_PRESSURE, FULL_TORQUE, FULL_PRESSURE)
+
+
+#: Machines by the names of their vehicles.
+MACHINES: Mapping[str, Callable[[], Machine]] = {"bogie": bogie, "vehicle": coach}
+
+
+def coach_brake() -> BrakeParameters:
+    """The brake of one wheelset of the coach."""
+    return brake_of(passenger_coach(), FULL_TORQUE)
+
+
+def brake_of(vehicle: Vehicle, full_torque: float) -> BrakeParameters:
+    """A brake of one wheelset: rigging and shoes of `qr30` scaled to a torque at FULL_PRESSURE [N.m]. Assumed."""
+    brake, radius = qr30(), vehicle.parameters.values()["wheel_radius"]
+    shoe_torque = brake.wheelset_share * brake.rigging_efficiency * brake.constant_shoe_friction * radius
+    return replace(
+        brake,
+        supply_pressure=FULL_PRESSURE,
+        application_time=APPLICATION_TIME,
+        release_time=RELEASE_TIME,
+        wheel_radius=radius,
+        force_per_pressure=full_torque / FULL_PRESSURE / shoe_torque,
+    )
+
+
+# ---- the system ------------------------------------------------------------------------------------------------------
+
+
+def composed(machine: Machine, system: System) -> System:
+    """A machine's vehicle at one level of detail, on a line or not, with all that the machine has.
+
+    Brakes begin with the parameters of `brake_of`: with the same ones on each wheelset.
+    """
+    vehicle = machine.vehicle
+    if SANDERS in machine.equipment:
+        system = _on_sand(system, vehicle)
+    if machine.driven:
         motor = motor_of(machine.full_torque, machine.parameters.wheel_radius)
-        whole = on_each_wheelset(system, vehicle, lambda: traction_motor(motor), "traction_torque")
-    elif kind.by_flow:
-        whole = with_reservoir(system, vehicle, machine, kind)
-    else:
-        brake = brake_of(vehicle, machine.full_torque)
-        whole = with_brakes(system, vehicle, lambda: timed_brake(brake))
-    return model_of(whole, DEFAULT_TOLERANCE)
+        return _on_each_wheelset(system, vehicle, lambda: traction_motor(motor), "traction_torque")
+    if machine.by_flow:
+        return _with_reservoir(system, machine)
+    brake = brake_of(vehicle, machine.full_torque)
+    return _on_each_wheelset(system, vehicle, lambda: timed_brake(brake), "brake_torque")
 
 
-@lru_cache
-def machine_library(kind: Kind) -> BatchLibrary:
-    """Its equations compiled, many machines side by side."""
-    model = machine_model(kind)
-    return BatchLibrary(model, model.systems[0], kept=partial(machine_file, kind))
+def _on_each_wheelset(system: System, vehicle: Vehicle, make: Callable[[], System], torque: str) -> System:
+    """The same with a brake, or a motor, that makes a torque of its `angular_velocity`; all have the same parameters.
+
+    torque: that output, and the input of the vehicle that it becomes.
+    """
+    parts, radius = [], system.parameter_symbols["wheel_radius"]
+    for number, _ in vehicle.numbered:
+        text = f"Circumferential speed of the wheels of wheelset {number}, which a wheel-slide protection measures"
+        measured = Variable(f"wheel_speed_{number}", "output", "m/s", text)
+        system.output(measured, radius * system.outputs[f"angular_velocity_{number}"])
+        one = make()
+        parts.append(scope(one, after=f"_{number}", common=list(one.parameter_symbols)))
+    faces = [f"{name}_{number}" for name in (torque, "angular_velocity") for number, _ in vehicle.numbered]
+    return compose(system.name, system.description, [system, *parts], {name: name for name in faces})
 
 
-@lru_cache
-def machine_kernel(kind: Kind) -> Library:
-    """Its equations compiled, one machine."""
-    return Library(machine_file(kind, "kernel", lambda: build_library(machine_model(kind))))
-
-
-def machine_file(kind: Kind, what: str, make: Callable[[], Path]) -> Path:
-    """A file of this machine, known without writing its equations anew while the sources are the same."""
-    return noted_path(f"{what} of the rig's {kind}", make)
-
-
-def on_sand(system: System, vehicle: Vehicle) -> System:
+def _on_sand(system: System, vehicle: Vehicle) -> System:
     """A vehicle with a sander ahead of each wheelset, whose friction is that of the rail with their sand."""
     places = {number: vehicle.number(one.along) for number, one in vehicle.numbered}
     own = {f"friction_{number}": f"friction_with_sand_{number}" for number in places}
@@ -105,18 +200,22 @@ def on_sand(system: System, vehicle: Vehicle) -> System:
     return compose(system.name, system.description, [renamed(system, own), sanders(list(places.values()))], given)
 
 
-def with_reservoir(system: System, vehicle: Vehicle, machine: Machine, kind: Kind) -> System:
+def _with_reservoir(system: System, machine: Machine) -> System:
     """A vehicle with a cylinder on each wheelset, with what else brakes it, and one reservoir for all."""
     air, numbers, full = cylinder_air(machine.full_pressure), machine.numbers, machine.full_torque
-    brake, rubbing = brake_of(vehicle, full), treads()
-    if DISCS in kind.equipment:
+    brake, rubbing = brake_of(machine.vehicle, full), treads()
+    if DISCS in machine.equipment:
         disc = axle_discs()
         on_treads = brake.constant_shoe_friction * brake.wheel_radius
         same = brake.force_per_pressure * on_treads / (MEAN_PAD_FRICTION * disc.friction_radius)
         brake, rubbing = replace(brake, force_per_pressure=same), discs(disc)
     motor = motor_of(full, machine.parameters.wheel_radius)
-    blending = dynamic_brake(motor, machine.full_pressure, full) if DYNAMIC_BRAKE in kind.equipment else alone
-    braked = with_brakes(system, vehicle, lambda: reservoir_brake(brake, air, common_valves(), rubbing, blending))
+    blending = dynamic_brake(motor, machine.full_pressure, full) if DYNAMIC_BRAKE in machine.equipment else alone
+
+    def cylinder() -> System:
+        return reservoir_brake(brake, air, common_valves(), rubbing, blending)
+
+    braked = _on_each_wheelset(system, machine.vehicle, cylinder, "brake_torque")
     reservoir = air_reservoir(
         reservoir_of(len(numbers)), air.variable("ambient_pressure"), air.variable("air_temperature"), len(numbers)
     )
@@ -135,7 +234,7 @@ def cylinder_air(full_pressure: float, application_time: float = APPLICATION_TIM
 
 
 @lru_cache
-def filling_by_flow(full_pressure: float, application_time: float) -> Callable[[float], float]:
+def filling_by_flow(full_pressure: float, application_time: float = APPLICATION_TIME) -> Callable[[float], float]:
     """Share of the full pressure so long after the demand [s], from empty, with all the air that it asks for."""
     air, shares = cylinder_air(full_pressure, application_time), np.linspace(0.0, 0.999, 200)
     times = [filling_time(air, full_pressure, share * full_pressure) for share in shares.tolist()]

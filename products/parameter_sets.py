@@ -7,7 +7,7 @@ from pathlib import Path
 from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_g, uic_p, with_dump_valve
 from fmu_src.parameter_file import parameter_file
 from fmu_src.system import ParameterSet
-from products.braked_vehicle import coach_brake
+from products.machine import coach_brake
 from products.registry import model_of
 from rbd_model.track.friction import RailCondition, dry, low, very_low, wet
 from rbd_model.track.recovery import RecoveryParameters, assumed_recovery, easy_recovery, hard_recovery, no_recovery

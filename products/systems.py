@@ -7,9 +7,9 @@ from brake_controller.parameters import qr30
 from brake_controller.protection_fmu import wheel_slide_protection
 from fmu_src.effects import without_effect
 from fmu_src.ssp import Component, Wire, write_ssp
-from products.braked_vehicle import FULL_PRESSURE
 from products.building import build_protection, fmu_path
 from products.coach import NUMBERS
+from products.machine import FULL_PRESSURE
 from products.parameter_sets import PARAMETER_SETS, values_for
 from products.registry import model_of
 from rbd_model.vehicle.parameters import tables_8_1_and_8_2

@@ -6,7 +6,7 @@
 #include "rig.h"
 #include "wheel_slide.h"
 
-enum { ROWS = 5, WHEELSETS = 16, LOOKS = 4000, WIDTH = 2 + 4 * WHEELSETS + 2 };
+enum { ROWS = 5, WHEELSETS = 16, LOOKS = 4000, WIDTH = 2 + 5 * WHEELSETS + 2 };
 
 static void start(void *memory, int wheelsets, double period)
 {
@@ -43,7 +43,7 @@ static int run(bool inside, bool own)
     rig_controller controller = {start, step, sizeof(int)};
     if (own) controller = (rig_controller){wheel_slide_start, wheel_slide_step, wheel_slide_size(WHEELSETS)};
     double time[ROWS], speed[ROWS * WHEELSETS], error[WHEELSETS * 300], *shown = malloc(ROWS * WIDTH * sizeof(double));
-    double told[ROWS * 2 * WHEELSETS], *look = malloc(ROWS * 50 * (3 + 4 * WHEELSETS) * sizeof(double));
+    double told[ROWS * 2 * WHEELSETS], *look = malloc(ROWS * 50 * (3 + 6 * WHEELSETS) * sizeof(double));
     int valve[ROWS * WHEELSETS] = {0}, status[ROWS] = {0}, ended = 0;
     long long int written[ROWS];
     rig_wheelset wheelset[WHEELSETS] = {0};

@@ -15,15 +15,15 @@ import pytest
 from numpy.typing import NDArray
 
 from fmu_src.kernel import KernelError
-from products.protection.braked_machine import bogie, coach
+from products.machine import CYLINDER_VOLUME, bogie, coach
 from products.protection.cost import AT_LIMIT, FILLINGS, NO_STOP, rolling_stop
 from products.protection.draws import FRICTIONS, SPEEDS, drawn_run
 from products.protection.environment import Environment
 from products.protection.forms import Arrays
-from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Fault, Run
+from products.protection.settings import BRAKE_START, GAS, LONGEST, Settings
 
 gymnasium = pytest.importorskip("gymnasium", reason='environments need gymnasium: pip install "bogie-braking[gym]"')
 from gymnasium.utils.env_checker import check_env  # noqa: E402
@@ -53,8 +53,10 @@ def slowly(random: np.random.Generator, wheelsets: int) -> Run:
     return replace(drawn_run(random, wheelsets), speed=float(random.uniform(0.5, 1.5)))
 
 
-def begun(draw: Any, count: int = 1, settings: Settings | None = None, privileged: bool = False) -> Environment:
-    made = Environment(bogie(), settings or Settings(), count, draw, privileged)
+def begun(
+    draw: Any, count: int = 1, settings: Settings | None = None, privileged: bool = False, step: float | None = None
+) -> Environment:
+    made = Environment(bogie(), settings or Settings(), count, draw, privileged, step=step)
     made.begin(range(count), [np.random.default_rng(seed) for seed in range(count)])
     return made
 
@@ -68,8 +70,8 @@ def only(run: Run) -> Any:
 
 def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
     """The stop itself, to the last bit; its cost is written anew here, from what a privileged row shows."""
-    with_pause = Settings(period=10e-3, host_step=10e-3)
-    own = begun(drawn_run, 8, with_pause, privileged=True)
+    with_pause, step = Settings(period=10e-3), 10e-3
+    own = begun(drawn_run, 8, with_pause, privileged=True, step=step)
     total, outside, steps = np.zeros(8), np.zeros(8), 0
     goes_on = np.ones(8, bool)
     while goes_on.any():
@@ -82,7 +84,7 @@ def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
         goes_on &= ~(own.terminated | own.truncated)
         steps += 1
     stops = [own.stop(row) for row in range(8)]
-    assert Rig(bogie(), Arrays(LetGo()), with_pause, step=with_pause.host_step).runs(own.runs) == stops
+    assert Rig(bogie(), Arrays(LetGo()), with_pause, step=step).runs(own.runs) == stops
     machine = bogie()
     for row, stop in enumerate(stops):
         rolls = rolling_stop(machine, with_pause, own.runs[row].speed or 0.0)

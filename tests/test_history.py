@@ -8,14 +8,14 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from products.machine import Machine, bogie, coach
 from products.protection import forms as module
-from products.protection.braked_machine import Machine, bogie, coach
 from products.protection.forms import Arrays
 from products.protection.history import EVERY, History
-from products.protection.protected_stop import Settings
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Fault, Run
+from products.protection.settings import Settings
 from scenarios.measuring.protected_throughput import LetAllGo, LetGo, in_c
 
 RUNS = [Run(rail.values()) for rail in RAILS[:3]]

@@ -6,7 +6,6 @@ import math
 import re
 import time as clock
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -19,18 +18,20 @@ from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.slide_protection import RIG, slide_sources
 from brake_controller.wheel_spin import SpinProtection
 from fmu_src.compile import FLAGS, compiler
+from products.bogie import FULL_PRESSURE, brake_values
+from products.machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
 from products.protection import forms as forms_module
 from products.protection import rig as module
-from products.protection.braked_machine import APPLICATION_TIME, BrakedMachine, Machine, bogie, coach
-from products.protection.braked_system import filling_by_flow
+from products.protection.encoder import Encoder
 from products.protection.forms import Arrays, Form, compiled
 from products.protection.programme import OWN, Case, read_programme
-from products.protection.protected_stop import BRAKE_START, Settings, protected_stop
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.rig_in_c import slide_protection
 from products.protection.runs import Fault, Run, Stop
+from products.protection.settings import BRAKE_START, STANDING, Settings
 from products.protection.slide_protection import SlideProtection
+from scenarios.bench.coupled_machine import CoupledMachine
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.scoring import ideal_distance
 from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
@@ -65,12 +66,37 @@ def test_all_forms_of_a_controller_make_the_same_stop(machine: Machine, tmp_path
     assert other[2].distance != found[0][2].distance
 
 
+def coupled_stop(rail: dict[str, float]) -> tuple[float, float]:
+    """An oracle of the rig: FMUs that a master couples. Distance [m] of LetGo's stop, and its longest lock [s]."""
+    brake = brake_values() | {"application_time": APPLICATION_TIME, "release_time": RELEASE_TIME, "tolerance": 1e-6}
+    names = ("speed", "distance", "rotation_1", "rotation_2", "angular_velocity_1", "angular_velocity_2")
+    sensors, controller, locked, longest = [Encoder(), Encoder()], LetGo(), [0.0, 0.0], 0.0
+    with CoupledMachine("bogie", (1, 2)) as machine:
+        machine.start({"level": 2.0, "initial_speed": 25.0} | rail, [brake] * 2)
+
+        def drive(time: float) -> None:
+            turned = machine.vehicle.get(names[2:4])
+            shown = [RADIUS * one.angular_velocity(time, angle) for one, angle in zip(sensors, turned, strict=True)]
+            for cylinder, valve in zip(machine.brakes, controller.step(time, shown), strict=True):
+                cylinder.set(pressure_demand=FULL_PRESSURE if time >= BRAKE_START else 0.0, valve=valve)
+
+        for _ in machine.coupling().run(300.0, 5e-3, drive):
+            speed, distance, *_, first, second = machine.vehicle.get(names)
+            if speed < STANDING:
+                break
+            locked = [
+                one + 5e-3 if not turns and speed > 0.3 else 0.0
+                for one, turns in zip(locked, (first, second), strict=True)
+            ]
+            longest = max(longest, *locked)
+    return distance, longest
+
+
 def test_a_stop_is_that_of_coupled_fmus() -> None:
-    with BrakedMachine() as machine:
-        coupled = protected_stop(machine, LOW.values(), LetGo(), Settings())
+    distance, lock = coupled_stop(LOW.values())
     [stop] = Rig(bogie(), LetGo, Settings()).stops([LOW.values()])
-    assert stop.distance == pytest.approx(coupled.distance, rel=COUPLED)
-    assert stop.longest_lock == pytest.approx(coupled.longest_lock(0.3), abs=0.02)
+    assert stop.distance == pytest.approx(distance, rel=COUPLED)
+    assert stop.longest_lock == pytest.approx(lock, abs=0.02)
 
 
 def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -585,9 +611,8 @@ def test_the_ideal_knows_what_else_holds_a_machine_back(values: dict[str, float]
     """
     machine, rail = bogie(), RAILS[0].values() | values
     added = values.get("frame_mass", machine.parameters.frame_mass) - machine.parameters.frame_mass
-    laden_one = replace(machine, mass=machine.mass + added)
-    a = laden_one.deceleration(machine.full_torque) + 9.81 * held
-    ideal = PeakAdhesion(machine, rail, filling_by_flow(machine.full_pressure, APPLICATION_TIME))
+    a = machine.deceleration(machine.full_torque, added) + 9.81 * held
+    ideal = PeakAdhesion(machine, rail)
     runs = [Run(rail, speed) for speed in (25.0, 10.0)]
     stops = [stop.distance or 0.0 for stop in Rig(machine, None, Settings(), by_flow=True).runs(runs)]
     for stop, speed in zip(stops, (25.0, 10.0), strict=True):
@@ -605,7 +630,8 @@ def test_where_all_wheels_roll_the_stop_is_the_ideal_one(strength: float) -> Non
     lasts = brentq(lambda t: speed - a * (t - tau * (1 - math.exp(-t / tau))), 0.0, 1e3)
     way = speed * lasts - a * (lasts**2 / 2 - tau * lasts + tau**2 * (1 - math.exp(-lasts / tau)))
     assert stop.distance == pytest.approx(speed * BRAKE_START + way, rel=ROLLING)
-    ideal = PeakAdhesion(machine, RAILS[0].values()).stopping_distance(speed, strength)
+    timed = PeakAdhesion(machine, RAILS[0].values(), lambda since: 1.0 - math.exp(-max(0.0, since) / tau))
+    ideal = timed.stopping_distance(speed, strength)
     assert ideal == pytest.approx(speed * BRAKE_START + way, rel=ROLLING)
 
 
@@ -658,6 +684,8 @@ def test_a_machine_that_does_not_stop_says_so() -> None:
     [stop] = Rig(bogie(), None, Settings(strength=1e-3)).stops([RAILS[0].values()])
     assert stop.distance is None
     assert stop.said == f"It did not stop: {stop.end_speed:.1f} m/s after 300 s."
+    assert (stop.words, stop.note("a source")) == (stop.said[:-1], f"{stop.said[:-1]}; a source")
+    assert stop.over(100.0) is None
 
 
 # ---- the rig in C ----------------------------------------------------------------------------------------------------

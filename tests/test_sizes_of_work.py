@@ -16,8 +16,8 @@ from fmu_src.compile import build_library
 from fmu_src.cosimulation.master import Coupling
 from fmu_src.cosimulation.slave import CosimulationError
 from fmu_src.kernel import Kernel, KernelError, Library
-from products.protection.protected_stop import Settings
 from products.protection.runs import Run
+from products.protection.settings import Settings
 from products.train.consist import block_train
 from products.train.train import Train
 from rbd_model.vehicle.description import relations_of
@@ -110,7 +110,6 @@ REFUSED: dict[str, tuple[Call, type[Exception], str]] = {
         f"to at most 100 m/s: it was 160 m/s. {IN_KILOMETRES_AN_HOUR}",
     ),
     "a period": (lambda: Settings(period=1e-12), ValueError, "Set period to at least 1e-05 s: it was 1e-12 s"),
-    "a host's step": (lambda: Settings(host_step=60.0), ValueError, "Set host_step to at most 1 s: it was 60 s"),
     "an application time": (lambda: Settings(application_time=1e9), ValueError, "Set application_time to at most 60 s"),
     "teeth": (lambda: Settings(pulses=10**9), ValueError, "Set pulses to at most 10000"),
     "a strength": (lambda: Settings(strength=1e9), ValueError, "Set strength to at most 100: it was 1e"),

@@ -137,7 +137,7 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
 /* Numbers that a machine shows. */
 static size_t width(const rig_settings *s)
 {
-    return (size_t)(2 + 4 * s->wheelsets + (s->reservoir ? 2 : 0));
+    return (size_t)(2 + 5 * s->wheelsets + (s->reservoir ? 2 : 0));
 }
 
 const rig_score *rig_scores(const rig *self)
@@ -158,7 +158,7 @@ static void note(rig *self, long long int row, double time, const double *shown)
     const int n = self->settings.wheelsets;
     if (!notes->every || notes->count[row] == notes->room) return;
     if (one->looks % notes->every && self->score[row].state == RIG_RUNS) return;
-    double *to = notes->look + (row * notes->room + notes->count[row]++) * (3 + 4 * n);
+    double *to = notes->look + (row * notes->room + notes->count[row]++) * (3 + 6 * n);
     to[0] = time;
     to[1] = shown[0];
     to[2] = shown[1];
@@ -167,6 +167,8 @@ static void note(rig *self, long long int row, double time, const double *shown)
         to[3 + n + i] = one->seen[i];
         to[3 + 2 * n + i] = shown[2 + 2 * n + i];
         to[3 + 3 * n + i] = one->valve[i];
+        to[3 + 4 * n + i] = shown[2 + 3 * n + i];
+        to[3 + 5 * n + i] = shown[2 + 4 * n + i];
     }
 }
 
@@ -175,7 +177,7 @@ static void judge(rig *self, long long int row, double time, const double *shown
 {
     const rig_settings *s = &self->settings;
     const int n = s->wheelsets;
-    const double speed = shown[0], *omega = shown + 2 + n, *pressure = omega + n, *creep = pressure + n, *air = creep + n;
+    const double speed = shown[0], *omega = shown + 2 + n, *pressure = omega + n, *creep = pressure + n, *air = creep + 2 * n;
     rig_run *one = &self->run[row];
     rig_score *score = &self->score[row];
     bool good = true;

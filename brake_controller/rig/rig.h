@@ -71,11 +71,11 @@ typedef struct {
 } rig_score;
 
 /* Where runs are written down: at every so many looks and at the last one, while there is room. A look is its time, speed and
- * distance; then of each wheelset its angular velocity, what its sensor shows, its cylinder pressure, and its valve as it stood
- * until then, by kind. */
+ * distance; then of each wheelset its angular velocity, what its sensor shows, its cylinder pressure, its valve as it stood until
+ * then, its creep force and its load, by kind. */
 typedef struct {
     long long int every, room; /* looks between two that are written down; how many of a row there is room for */
-    double *look;              /* rows x room x (3 + 4 wheelsets) */
+    double *look;              /* rows x room x (3 + 6 wheelsets) */
     long long int *count;      /* rows: how many were written down */
 } rig_notes;
 /* Where a controller outside, such as one in Python, meets the machines: arrays of its own, which outlive the rig. */
@@ -88,8 +88,8 @@ typedef struct {
 typedef struct rig rig;
 
 /* What a machine shows, in this order: speed, distance; then of each wheelset its rotation [rad], angular velocity [rad/s],
- * cylinder pressure [Pa], or driven its motor's torque [N.m], and creep force [N], by kind; then, if it has a reservoir, air
- * taken [kg] and pressure [Pa]. What it is told: demands of all wheelsets, then their valves. */
+ * cylinder pressure [Pa], or driven its motor's torque [N.m], creep force [N] and load [N], by kind; then, if it has a
+ * reservoir, air taken [kg] and pressure [Pa]. What it is told: demands of all wheelsets, then their valves. */
 
 /* null: there is no memory, or a machine has more than RIG_MOST wheelsets. */
 RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller, const rig_desk *desk);

@@ -18,11 +18,11 @@ from typing import Any, TypeVar, cast
 
 from brake_controller.wheel_slide import GUARD, NOT_JUDGED
 from fmu_src.kernel import ERROR, KernelError
-from products.protection.braked_machine import Machine
+from products.machine import Machine
 from products.protection.forms import Form
-from products.protection.protected_stop import Settings
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
+from products.protection.settings import Settings
 
 #: Processor time that the process may use without a sign of life [s], and wall time for it to begin [s].
 PATIENCE, BEGINNING = 10.0, 300.0

@@ -10,9 +10,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from products.protection.braked_machine import Machine
-from products.protection.protected_stop import BRAKE_START, LONGEST, Settings
+from products.machine import Machine
 from products.protection.rails import LONGEST_LOCK, OVER_IDEAL, SHARE
+from products.protection.settings import BRAKE_START, LONGEST, Settings
 
 #: What a measure costs at its limit: that of a distance at its own.
 AT_LIMIT = OVER_IDEAL - 1.0

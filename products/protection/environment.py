@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import weakref
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -11,19 +12,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from brake_controller.wheel_slide import APPLY, VENT
-from products.protection.braked_machine import Machine
+from products.machine import Machine
 from products.protection.cost import cost, cost_of_no_stop, rolling_stop
 from products.protection.forms import Outside
-from products.protection.protected_stop import BRAKE_START, FASTEST, LONGEST, Settings
 from products.protection.rig import Loop, Rig, commands_of
 from products.protection.rig_in_c import LOST, RUNS, TOO_LONG
 from products.protection.runs import Run, Stop
+from products.protection.settings import BRAKE_START, FASTEST, LONGEST, Settings
 
 Numbers = NDArray[np.float64]
 #: Draws a stop of a machine with so many wheelsets.
 Draw = Callable[[np.random.Generator, int], Run]
 #: Most that a sensor shows over the true speed: its failure doubles it, a wrong radius does, and teeth err.
 TOO_FAST = 5.0
+#: Longest step of the integration unless another is asked for [s].
+LONGEST_STEP = 5e-3
 #: What a privileged observation has of the rail beside the friction under each wheelset.
 PATCH = ("patch_friction", "patch_start", "patch_length")
 
@@ -36,8 +39,9 @@ class Environment:
     and 1, the friction of the rail under each wheelset without its patch, and what is in PATCH. `limits` are the least
     and the most of each entry, shape (2, entries).
 
-    Behind a turn, `observation` has the shape (rows, entries), `reward`, `terminated` and `truncated` have the shape
-    (rows,): new arrays each time. The rewards of a stop add up to what it costs (cost.py), below 0.
+    step: length of the steps of the integration [s]; by default the longest up to LONGEST_STEP of which a period is a
+    multiple. Behind a turn, `observation` has the shape (rows, entries), `reward`, `terminated` and `truncated` have
+    the shape (rows,): new arrays each time. The rewards of a stop add up to what it costs (cost.py), below 0.
     """
 
     def __init__(
@@ -48,9 +52,11 @@ class Environment:
         draw: Draw,
         privileged: bool = False,
         threads: int | None = None,
+        step: float | None = None,
     ) -> None:
         self.machine, self.settings, self._draw, self._privileged = machine, settings, draw, privileged
-        self._rig = Rig(machine, Outside(), settings, step=settings.host_step, threads=threads)
+        step = step or settings.period / math.ceil(settings.period / LONGEST_STEP)
+        self._rig = Rig(machine, Outside(), settings, step=step, threads=threads)
         stack = ExitStack()
         self.close = weakref.finalize(self, stack.close)
         self._instances = stack.enter_context(self._rig.instances(count, self._rig.values(Run({}))))

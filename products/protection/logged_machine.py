@@ -16,14 +16,12 @@ import casadi as ca
 from fmu_src.compose import compose, scope
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Model, System, Variable, model_of
-from products.protection.braked_machine import Machine, bogie, coach
+from products.machine import MACHINES, Machine
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
-from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
 #: How fast a wheelset is pulled to its measured speed [1/s]; assumed: well above the rate at which a sliding wheel runs
 #: away, 1/s on the low rail, well below that of the creep which holds a rolling one.
 TRACKING_RATE = 20.0
-MACHINES = {"bogie": (bogie, two_axle_bogie), "vehicle": (coach, passenger_coach)}
 
 
 @lru_cache
@@ -35,9 +33,8 @@ def logged_machine(name: str) -> Model:
     """
     if name not in MACHINES:
         raise KeyError(f"There is no machine {name} with a log; {suggestion(name, MACHINES)}")
-    make, ready = MACHINES[name]
-    machine, [planar] = make(), places_of(level=2, on_line=False)
-    system = system_at(ready(), planar)
+    machine, [planar] = MACHINES[name](), places_of(level=2, on_line=False)
+    system = system_at(machine.vehicle, planar)
     logs = [scope(_wheelset(machine), after=f"_{n}", common=_COMMON) for n in machine.numbers]
     faces = [f"{face}_{n}" for face in ("brake_torque", "traction_torque", "angular_velocity") for n in machine.numbers]
     text = "A railway vehicle driven by the cylinder pressures and wheel speeds of a log"

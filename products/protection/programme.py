@@ -8,10 +8,10 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from products.protection.braked_machine import Machine
-from products.protection.protected_stop import FASTEST, STRONGEST
+from products.machine import EQUIPMENT, SANDERS, TRACTION, Machine, in_order
 from products.protection.rails import RAILS
-from products.protection.runs import EQUIPMENT, SANDERS, TRACTION, Fault, Run, in_order
+from products.protection.runs import Fault, Run
+from products.protection.settings import FASTEST, STRONGEST
 from rbd_model.track.friction import CONDITIONS
 from readers.text import quoted, shown
 from readers.toml_files import toml_of

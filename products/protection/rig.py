@@ -36,16 +36,24 @@ from brake_controller.wheel_slide import (
 )
 from fmu_src.batch import Instances
 from fmu_src.suggestion import suggestion
-from products.braked_vehicle import FULL_PRESSURE
+from products.machine import (
+    CYLINDER_VOLUME,
+    DYNAMIC_BRAKE,
+    FULL_PRESSURE,
+    RELEASE_TIME,
+    TRACTION,
+    Machine,
+    cylinder_air,
+    in_order,
+)
 from products.protection import rig_in_c
-from products.protection.braked_machine import RELEASE_TIME, STANDING, Machine
-from products.protection.braked_system import Kind, cylinder_air, machine_library, machine_model
+from products.protection.compiled_machine import machine_library, machine_model
 from products.protection.forms import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
-from products.protection.protected_stop import BRAKE_START, CYLINDER_VOLUME, GAS, LONGEST, Settings
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
 from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset
-from products.protection.runs import DYNAMIC_BRAKE, SENSOR_FAILURES, TRACTION, Run, Stop, in_order
+from products.protection.runs import SENSOR_FAILURES, Run, Stop
+from products.protection.settings import BRAKE_START, GAS, LONGEST, STANDING, Settings
 
 #: Looks between two glances at which runs have ended; so many at most go on for nothing.
 GLANCE = 100
@@ -111,17 +119,17 @@ class Rig:
         equipment: Iterable[str] = (),
     ) -> None:
         check_period(settings.period)
-        self.machine, self.form, self.settings, self.equipment = machine, form, settings, in_order(equipment)
+        self.form, self.settings, self.equipment = form, settings, in_order(equipment)
         self.driven = TRACTION in self.equipment
         self._asked: dict[str, Any] = {"by_flow": by_flow, "level": level, "step": step, "threads": threads}
-        self.by_flow, self._step, self._threads = by_flow and not self.driven, step, threads
+        self.by_flow, self._level, self._step, self._threads = by_flow and not self.driven, level, step, threads
+        self.machine = replace(machine, by_flow=self.by_flow, equipment=self.equipment)
         self._call = rig_in_c.functions()
-        self._kind = Kind(machine.counted, self.by_flow, level, self.equipment)
-        self.model = machine_model(self._kind)
+        self.model = machine_model(self.machine, level)
         n, demand = machine.numbers, "traction_demand" if self.driven else "pressure_demand"
         self._inputs = [f"{name}_{number}" for name in (demand, "valve") for number in n]
         effort = "traction_torque" if self.driven else "cylinder_pressure"
-        of_each = ("rotation", "angular_velocity", effort, "creep_force")
+        of_each = ("rotation", "angular_velocity", effort, "creep_force", "axle_load")
         self._outputs = ["speed", "distance", *(f"{name}_{number}" for name in of_each for number in n)]
         self._outputs += ["air_taken", "reservoir_pressure"] if self.by_flow else []
 
@@ -178,11 +186,11 @@ class Rig:
     def prepare(self, runs: Sequence[Run]) -> None:
         """Compile, or load, the machines of these runs."""
         for kind in {in_order({*self.equipment, *run.equipment}) for run in runs}:
-            machine_library(self._with(kind)._kind)
+            machine_library(self._with(kind).machine, self._level)
 
     def instances(self, count: int, start: Mapping[str, Any]) -> Instances:
         """So many machines with these first values, a number for all or one for each."""
-        library = machine_library(self._kind)
+        library = machine_library(self.machine, self._level)
         return Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start)
 
     def _turns(
@@ -238,7 +246,7 @@ class Rig:
             return {"initial_speed": START_SPEED, **motor, **fixed, **run.values}
         share = strength * FULL_PRESSURE / self.machine.full_pressure
         brake = {
-            "supply_pressure": self.machine.brake["supply_pressure"],
+            "supply_pressure": self.machine.supply_pressure,
             "force_per_pressure": first["force_per_pressure"] * share,
         }
         if DYNAMIC_BRAKE in self.equipment:

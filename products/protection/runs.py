@@ -3,31 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from fmu_src.system import other_unit
+from products.machine import TRACTION, in_order
 from products.protection.history import History
-from products.protection.protected_stop import FASTEST, LONGEST
+from products.protection.settings import FASTEST, LONGEST
 
 #: How a sensor may fail, by the numbers of rig.h.
 SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
-
-
-#: What a machine may have: discs in place of treads, a dynamic brake that blends with the cylinders, a sander ahead of
-#: each wheelset; or, in place of cylinders, traction by a motor on each wheelset.
-EQUIPMENT = DISCS, DYNAMIC_BRAKE, SANDERS, TRACTION = ("discs", "dynamic brake", "sanders", "traction")
-
-
-def in_order(equipment: Iterable[str]) -> tuple[str, ...]:
-    """Names of equipment in the order of EQUIPMENT, each once. Raises ValueError for what there is not."""
-    given = set(equipment)
-    for name in given:
-        if name not in EQUIPMENT:
-            raise ValueError(f"Choose equipment from {', '.join(EQUIPMENT)}: it was {name!r}.")
-    if TRACTION in given and given & {DISCS, DYNAMIC_BRAKE}:
-        raise ValueError("Give a machine with traction no discs and no dynamic brake: its run does not brake.")
-    return tuple(name for name in EQUIPMENT if name in given)
 
 
 @dataclass(frozen=True)
@@ -114,3 +99,23 @@ class Stop:
     said: str
     judged: bool = True
     history: History | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def words(self) -> str:
+        """The distance in metres, or why there is none."""
+        return self.said.removesuffix(".") if self.distance is None else f"{self.distance:.0f} m"
+
+    def note(self, source: str) -> str:
+        """The source of a row of a table, with a sentence where there is no distance."""
+        return source if self.distance is not None else f"{self.words}; {source}"
+
+    def over(self, other: float | None) -> float | None:
+        """The distance over another [m]; None where one of them is missing."""
+        return None if self.distance is None or other is None else self.distance / other
+
+    @property
+    def course(self) -> History:
+        """The history. Raises ValueError where none was asked for."""
+        if self.history is None:
+            raise ValueError("This stop has no history; give the rig's runs a time between its looks.")
+        return self.history

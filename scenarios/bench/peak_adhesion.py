@@ -10,24 +10,19 @@ from scipy.integrate import solve_ivp
 
 from brake_controller.discs import MEAN_PAD_FRICTION, pad_friction
 from fmu_src.kernel import Kernel
-from products.protection.braked_machine import APPLICATION_TIME, STANDING, Machine
-from products.protection.braked_system import Kind, machine_kernel, machine_model
-from products.protection.protected_stop import BRAKE_START, LONGEST, ProtectedStop
+from products.machine import DISCS, SANDERS, TRACTION, Machine, filling_by_flow
+from products.protection.compiled_machine import machine_kernel, machine_model
 from products.protection.rails import ABOVE
-from products.protection.runs import DISCS, SANDERS, TRACTION
+from products.protection.runs import Stop
+from products.protection.settings import BRAKE_START, LONGEST, STANDING
 from rbd_model.levels.resistance import curve_share
 
 
-def by_time(since: float) -> float:
-    """Share of the full pressure so long after the demand [s], by the timed law of section 2.4.2."""
-    return 1.0 - 20.0 ** (-max(0.0, since) / APPLICATION_TIME)
-
-
-def laden(machine: Machine, values: Mapping[str, float]) -> Machine:
-    """With the mass that its body, the counted one, has among these values."""
+def load_of(machine: Machine, values: Mapping[str, float]) -> float:
+    """Mass [kg] that its body, the counted one, has among these values beyond its own."""
     name = f"{machine.counted}_mass"
     empty = machine.parameters.values()[name]
-    return replace(machine, mass=machine.mass + values.get(name, empty) - empty)
+    return values.get(name, empty) - empty
 
 
 def held_back(rail: Mapping[str, float]) -> float:
@@ -40,7 +35,8 @@ class PeakAdhesion:
     """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip.
 
     In the plane. rail: inputs and parameters of the machine with its cylinders, and equipment: as `Run` has them. With
-    traction it is the largest acceleration. filling: share of the full pressure so long after the demand [s].
+    traction it is the largest acceleration. filling: share of the full pressure so long after the demand [s]; by
+    default by flow of air.
     """
 
     #: Slip ratios that are tried, and instants of a stop that are looked at.
@@ -50,16 +46,18 @@ class PeakAdhesion:
         self,
         machine: Machine,
         rail: Mapping[str, float],
-        filling: Callable[[float], float] = by_time,
+        filling: Callable[[float], float] | None = None,
         equipment: tuple[str, ...] = (),
     ) -> None:
-        self.machine, self.filling, self.equipment = laden(machine, rail), filling, equipment
+        self.filling, self.equipment = filling or filling_by_flow(machine.full_pressure), equipment
+        self.load = load_of(machine, rail)
+        self.mass = machine.mass + self.load
         self.held_back = machine.parameters.gravity * held_back(rail)
         self.driven = TRACTION in equipment
-        kind = Kind(machine.counted, by_flow=not self.driven, equipment=equipment)
-        self.kernel = Kernel(machine_kernel(kind), initial_speed=25.0, **rail)
+        self.machine = replace(machine, by_flow=not self.driven, equipment=equipment)
+        self.kernel = Kernel(machine_kernel(self.machine), initial_speed=25.0, **rail)
         self.kernel.initialise()
-        model = machine_model(kind)
+        model = machine_model(self.machine)
         self.states = list(model.systems[0].states)
         self.place = np.array(self.kernel.linearise().state)
         self.sanded_from = 0.0
@@ -76,7 +74,7 @@ class PeakAdhesion:
             rolling = speed / machine.parameters.wheel_radius
             place[self.states.index(f"angular_velocity_{number}")] = (1.0 - sign * slip) * rolling
         self.kernel.arrive(self.kernel.time, place.tolist())
-        return -sign * sum(self.kernel[f"creep_force_{number}"] for number in machine.numbers) / machine.mass
+        return -sign * sum(self.kernel[f"creep_force_{number}"] for number in machine.numbers) / self.mass
 
     def best(self, distance: float, speed: float) -> tuple[float, float]:
         """Largest deceleration [m/s2], and the slip ratio at which it is reached."""
@@ -118,30 +116,29 @@ class PeakAdhesion:
             raise ValueError(f"Give a rail that {does} within {LONGEST:g} s: it did not.")
         return float(found.y[0, -1])
 
-    def used(self, stop: ProtectedStop) -> np.ndarray:
+    def used(self, stop: Stop) -> np.ndarray:
         """Braking force over the largest that the rail gives at that speed and place, shape (INSTANTS,).
 
         From the first to the last instant at which the machine was braked and faster than ABOVE.
         """
-        time, speed = stop.series["time"], stop.series["speed"]
-        way = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time))])
-        looked_at = np.flatnonzero(stop.braked(ABOVE))
+        course = stop.course
+        looked_at = np.flatnonzero(course.braked(ABOVE))
         instants = looked_at[np.linspace(0, looked_at.size - 1, self.INSTANTS).astype(int)]
-        largest = [self.machine.mass * self.best(way[i], speed[i])[0] for i in instants]
-        return np.asarray(stop.series["braking_force"][instants] / largest)
+        largest = [self.mass * self.best(course.distance[i], course.speed[i])[0] for i in instants]
+        return np.asarray(-course.creep_force[instants].sum(axis=1) / largest)
 
     def asked(self, time: float, speed: float, start: float, strength: float) -> float:
         """Deceleration, or driven acceleration, that brake or motors ask for [m/s2]; start: speed at which it began."""
         since, machine = time - BRAKE_START, self.machine
         motor = self.motor_share(speed, since) * self.values.get("motor_torque", 0.0)
         if self.driven:
-            return strength * machine.deceleration(motor)
+            return strength * machine.deceleration(motor, self.load)
         full = strength * machine.full_torque
         by_motor = min(motor / full, 1.0)
         friction = min(self.filling(since), 1.0 - by_motor)
         if DISCS in self.equipment:
             friction *= self.pad_friction(speed, start) / MEAN_PAD_FRICTION
-        return (by_motor + friction) * machine.deceleration(full)
+        return (by_motor + friction) * machine.deceleration(full, self.load)
 
     def motor_share(self, speed: float, since: float) -> float:
         """Torque of a motor that was asked for all of it so long ago [s], over its largest; 0 without a motor.
@@ -158,7 +155,7 @@ class PeakAdhesion:
     def pad_friction(self, speed: float, start: float) -> float:
         """Of pads on discs that took all energy of motion since the start, and lost none by cooling."""
         v, machine = self.values, self.machine
-        motion = machine.mass * (start**2 - speed**2) / 2 * v["disc_heat_share"]
+        motion = self.mass * (start**2 - speed**2) / 2 * v["disc_heat_share"]
         warmer = motion / (len(machine.numbers) * v["disc_mass"] * v["disc_heat_capacity"])
         rubbing = speed * v["friction_radius"] / machine.parameters.wheel_radius
         temperature = v["initial_disc_temperature"] + warmer

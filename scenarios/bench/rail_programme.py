@@ -1,13 +1,15 @@
 """A programme of rails for wheel-slide protection, in two halves: one to choose its thresholds on, one to report."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 from brake_controller.slide_protection import SlideProtectionParameters
-from products.protection.braked_machine import BrakedMachine
-from products.protection.protected_stop import Settings, protected_stop
-from products.protection.rails import LOCK_ABOVE, RailCase
+from products.machine import Machine
+from products.protection.rails import RailCase
+from products.protection.rig import Rig
+from products.protection.runs import Run
+from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.contact.friction import constant_friction
 from rbd_model.track.friction import RailCondition, low, wet
@@ -59,14 +61,15 @@ class Score:
 
 
 def scores(
-    machine: BrakedMachine, trials: Sequence[Trial], parameters: SlideProtectionParameters, settings: Settings
+    machine: Machine, trials: Sequence[Trial], parameters: SlideProtectionParameters, settings: Settings
 ) -> list[Score]:
     """Protected stops on these rails."""
-    found = []
-    for trial in trials:
-        rail = trial.rail.values(len(machine.machine.numbers))
-        stop = protected_stop(machine, rail, SlideProtection(parameters), replace(settings, speed=trial.speed))
-        ideal = PeakAdhesion(machine.machine, rail).stopping_distance(trial.speed)
-        over = None if stop.distance is None else stop.distance / ideal
-        found.append(Score(trial, over, stop.longest_lock(LOCK_ABOVE)))
-    return found
+    runs = [Run(trial.rail.values(len(machine.numbers)), trial.speed) for trial in trials]
+    stops = Rig(machine, lambda: SlideProtection(parameters), settings, by_flow=True).runs(runs)
+    ideal = [
+        PeakAdhesion(machine, run.values).stopping_distance(trial.speed)
+        for run, trial in zip(runs, trials, strict=True)
+    ]
+    return [
+        Score(trial, stop.over(best), stop.longest_lock) for trial, stop, best in zip(trials, stops, ideal, strict=True)
+    ]

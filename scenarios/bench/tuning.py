@@ -13,20 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brake_controller.slide_protection import SlideProtectionParameters, common_protection
-from products.protection.braked_machine import bogie
+from products.machine import bogie
 from products.protection.cost import cost_of_no_stop, rolling_stop
 from products.protection.draws import drawn_run
 from products.protection.environment import Environment
 from products.protection.forms import ManyControllers
-from products.protection.protected_stop import Settings
 from products.protection.runs import Run
+from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from products.study.points import process_pool
 from scenarios.reporting.progress import counting
 
 Numbers = NDArray[np.float64]
 #: Controllers are asked, and steps of the integration taken, every so many seconds.
-SETTINGS = Settings(period=10e-3, host_step=10e-3)
+SETTINGS = Settings(period=10e-3)
 #: A stop that still runs then costs what it would on its way until the longest time [s].
 PATIENCE = 200.0
 #: Thresholds that are tuned, each by a factor on the common one; the width of the band of slips is one of them.
@@ -75,8 +75,9 @@ HEADS = f"{'':12}{'cost':>8}{'s/s0':>8}{'lock':>8}{'none':>6}"
 
 def play(controller: ManyControllers, runs: Sequence[Run]) -> Played:
     """Makes these stops under a controller of many machines."""
-    own = Environment(bogie(), SETTINGS, len(runs), lambda random, wheelsets: next(waiting), privileged=True)
     waiting, unused = iter(runs), np.random.default_rng(0)
+    draw, step = (lambda random, wheelsets: next(waiting)), SETTINGS.period
+    own = Environment(bogie(), SETTINGS, len(runs), draw, privileged=True, step=step)
     own.begin(range(len(runs)), [unused] * len(runs))
     controller.start(np.arange(len(runs)), len(runs), 2, SETTINGS.period)
     cost, goes_on, time = np.zeros(len(runs)), np.ones(len(runs), bool), 0.0

@@ -1,21 +1,15 @@
 """Wheel-slide protection on dry, wet, low and changing rail: unprotected, protected and ideal stops."""
 
-import time as clock
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from multiprocessing import get_context
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import WheelSlideController
-from products.protection.braked_machine import APPLICATION_TIME, BrakedMachine, bogie
-from products.protection.protected_stop import ProtectedStop, Settings, protected_stop
+from products.machine import APPLICATION_TIME, bogie
 from products.protection.rails import (
     ABOVE,
-    BAND,
     LOCK_ABOVE,
     LONGEST_LOCK,
     OVER_IDEAL,
@@ -23,6 +17,9 @@ from products.protection.rails import (
     SHARE,
     RailCase,
 )
+from products.protection.rig import Rig
+from products.protection.runs import Run, Stop
+from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
@@ -32,13 +29,11 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
 
-#: Controller periods and host steps on which the low rail is tried again [s], and teeth of the sensors.
-PERIODS, HOST_STEPS, TEETH = (2e-3, 5e-3, 1e-2, 2e-2), (1e-3, 5e-3, 1e-2), (80, 100, 128, 200, 10000)
+#: Controller periods with which the low rail is tried again [s], and teeth of the sensors.
+PERIODS, TEETH = (2e-3, 5e-3, 1e-2, 2e-2), (80, 100, 128, 200, 10000)
 #: Strengths of the brake on dry rail, over the full service brake, at which all wheels roll: from 1.6 on one locks; and
 #: errors of the teeth there, as shares of their pitch.
 STRENGTHS, JITTERS = (1.0, 1.25, 1.5), (0.0, 0.1)
-#: Runs of the measurement of speed.
-COUNTED, WORKERS = 24, 2
 
 
 #: What is meant by the ideal, and by the largest force of a rail.
@@ -54,68 +49,39 @@ MARKERS = {"ideal": ("|", BOGIE), "protected": ("o", LEADING), "unprotected": ("
 
 @dataclass(frozen=True)
 class Findings:
-    """Stops by rail and mode, ideal distances by rail [m]; low-rail ones by (period, host step) and teeth; dry ones.
+    """Stops by rail and mode, ideal distances by rail [m]; low-rail ones by period and teeth; dry ones.
 
     used: by rail and mode, the mean of braking force over the largest that the rail gives.
     """
 
-    stops: dict[tuple[str, str], ProtectedStop]
+    stops: dict[tuple[str, str], Stop]
     ideal: dict[str, float]
     used: dict[tuple[str, str], float]
-    low: dict[tuple[float, float], ProtectedStop]
-    teeth: dict[int, ProtectedStop]
-    dry: list[ProtectedStop]
-    stops_per_minute: float
+    low: dict[float, Stop]
+    teeth: dict[int, Stop]
+    dry: list[Stop]
 
 
 def measure() -> Findings:
-    stops: dict[tuple[str, str], ProtectedStop] = {}
-    low_stops: dict[tuple[float, float], ProtectedStop] = {}
-    work = [(rail, mode) for rail in RAILS for mode in MODES]
-    tries = [(period, step) for period in PERIODS for step in HOST_STEPS if step <= period]
+    stops: dict[tuple[str, str], Stop] = {}
+    for mode in MODES:
+        found = stops_of(RAILS, mode, Settings(), every=Settings().period)
+        stops |= {(rail.name, mode): stop for rail, stop in zip(RAILS, found, strict=True)}
+    on_low, on_dry = RAILS[2:3], RAILS[:1]
+    low_stops = {period: stops_of(on_low, "protected", Settings(period=period))[0] for period in PERIODS}
+    teeth = {pulses: stops_of(on_low, "protected", Settings(pulses=pulses))[0] for pulses in TEETH}
     dry_tries = [Settings(strength=s, pulses=n, jitter=j) for s in STRENGTHS for n in TEETH for j in JITTERS]
-    teeth, dry_stops = {}, []
-    total = len(work) + len(tries) + len(TEETH) + len(dry_tries)
-    with BrakedMachine() as machine, counting(total=total, unit="stop") as bar:
-        for rail, mode in work:
-            stops[rail.name, mode] = one_stop(machine, rail, mode, Settings())
-            bar.update()
-        for period, step in tries:
-            low_stops[period, step] = one_stop(machine, RAILS[2], "protected", Settings(period=period, host_step=step))
-            bar.update()
-        for pulses in TEETH:
-            teeth[pulses] = one_stop(machine, RAILS[2], "protected", Settings(pulses=pulses))
-            bar.update()
-        for settings in dry_tries:
-            dry_stops.append(one_stop(machine, RAILS[0], "protected", settings))
-            bar.update()
+    dry_stops = [stops_of(on_dry, "protected", settings)[0] for settings in counting(dry_tries, unit="stop")]
     best = {rail.name: PeakAdhesion(bogie(), rail.values()) for rail in RAILS}
     ideal = {name: one.stopping_distance(Settings().speed) for name, one in best.items()}
     used = {(rail, mode): float(best[rail].used(stop).mean()) for (rail, mode), stop in stops.items()}
-    return Findings(stops, ideal, used, low_stops, teeth, dry_stops, stops_per_minute())
+    return Findings(stops, ideal, used, low_stops, teeth, dry_stops)
 
 
-def one_stop(machine: BrakedMachine, rail: RailCase, mode: str, settings: Settings) -> ProtectedStop:
-    """A stop in one of the MODES."""
-    make = MODES[mode]
-    return protected_stop(machine, rail.values(), make() if make else None, settings)
-
-
-def stops_per_minute() -> float:
-    """Protected stops on the low rail that two processes finish in a minute through fmpy, their start not counted."""
-    with ProcessPoolExecutor(WORKERS, get_context("spawn")) as pool:
-        list(pool.map(count_stops, [1] * WORKERS))  # the processes start, and the FMUs are unpacked once
-        begin = clock.perf_counter()
-        list(pool.map(count_stops, [COUNTED // WORKERS] * WORKERS))
-        return 60.0 * COUNTED / (clock.perf_counter() - begin)
-
-
-def count_stops(count: int) -> int:
-    """Protected stops on the low rail, in a process of their own."""
-    with BrakedMachine() as machine:
-        for _ in range(count):
-            one_stop(machine, RAILS[2], "protected", Settings())
-    return count
+def stops_of(rails: Sequence[RailCase], mode: str, settings: Settings, every: float = 0.0) -> list[Stop]:
+    """A stop on each rail in one of the MODES; every: time between two looks of their histories [s], 0: none."""
+    rig = Rig(bogie(), MODES[mode], settings, by_flow=True)
+    return rig.runs([Run(rail.values()) for rail in rails], every=every)
 
 
 # ---- the table -------------------------------------------------------------------------------------------------------
@@ -131,16 +97,16 @@ def rows_of(found: Findings) -> list[Row]:
         rows.append(Row(f"{rail.name}: ideal stopping distance", "m", None, ideal, None, source, verified))
         for mode in MODES:
             stop, used = found.stops[rail.name, mode], found.used[rail.name, mode]
-            name = f"{rail.name}, {mode}{', wheels locked' if stop.locks(LOCK_ABOVE) else ''}"
-            share = stop.share_in_band(BAND, ABOVE)
+            name = f"{rail.name}, {mode}{', wheels locked' if stop.course.locks(LOCK_ABOVE) else ''}"
+            share = stop.share_in_band
             rows += [
                 Row(f"{name}: stopping distance", "m", None, stop.distance, None, stop.note(source)),
-                Row(f"{name}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), None, f"above {LOCK_ABOVE} m/s"),
+                Row(f"{name}: longest lock", "s", None, stop.longest_lock, None, f"above {LOCK_ABOVE} m/s"),
                 Row(f"{name}: share in the slip band", "1", None, share, None, "up to 0.3"),
                 Row(f"{name}: distance over the ideal", "1", None, stop.over(ideal), None, IDEAL),
                 Row(f"{name}: braking force over the rail's largest", "1", None, used, None, BEST),
                 *without_sliding(name, rail, stop),
-                Row(f"{name}: air", "g", None, 1e3 * stop.air(), None, "both cylinders"),
+                Row(f"{name}: air", "g", None, 1e3 * stop.air, None, "both cylinders"),
             ]
     for pulses, stop in found.teeth.items():
         name = f"low, protected, {pulses} teeth: stopping distance"
@@ -148,39 +114,36 @@ def rows_of(found: Findings) -> list[Row]:
     return rows
 
 
-def without_sliding(name: str, rail: RailCase, stop: ProtectedStop) -> list[Row]:
+def without_sliding(name: str, rail: RailCase, stop: Stop) -> list[Row]:
     """Mean braking force over what friction without sliding would give, on a rail that is the same everywhere."""
     if rail.changes:
         return []
-    chosen, weight = stop.braked(ABOVE), bogie().mass * bogie().parameters.gravity
-    share = float(stop.series["braking_force"][chosen].mean()) / (rail.condition.friction * weight)
+    course, weight = stop.course, bogie().mass * bogie().parameters.gravity
+    share = -float(course.creep_force.sum(axis=1)[course.braked(ABOVE)].mean()) / (rail.condition.friction * weight)
     source = f"mean above {ABOVE:g} m/s; mu0 = {rail.condition.friction:g}"
     return [Row(f"{name}: braking force over friction without sliding", "1", None, share, None, source)]
 
 
 def judged_rows(found: Findings) -> list[Row]:
-    """What is asked of the protection: on the low rail with all periods, steps and sensors; on the dry one, nothing."""
+    """What is asked of the protection: on the low rail with all periods and sensors; on the dry one, nothing."""
     stops = [*found.low.values(), *found.teeth.values()]
-    lock = max(stop.longest_lock(LOCK_ABOVE) for stop in stops)
-    share = min(stop.share_in_band(BAND, ABOVE) for stop in stops)
-    commands = sum(stop.count_of_commands() for stop in found.dry)
+    lock = max(stop.longest_lock for stop in stops)
+    share = min(stop.share_in_band for stop in stops)
+    commands = sum(stop.commands for stop in found.dry)
     unprotected = found.stops["low", "unprotected"]
-    words = f"worst of periods 2-20 ms, host steps 1-10 ms, and sensors of {TEETH[0]} to {TEETH[-1]} teeth"
+    words = f"worst of periods 2-20 ms, and sensors of {TEETH[0]} to {TEETH[-1]} teeth"
     dry_words = f"{len(found.dry)} stops: {STRENGTHS[0]:g} to {STRENGTHS[-1]:g} of the full service brake, all sensors"
     over_ideal, over_locked = longest(stops, found.ideal["low"]), longest(stops, unprotected.distance)
-    pace = "protected stops in a minute, two processes"
-    measured = "measured now; to reach 200, 5 ms controller period"
     return [
         Row("low: longest distance over the ideal", "1", None, over_ideal, between(1.0, OVER_IDEAL), words),
         Row("low: longest distance over that of locked wheels", "1", None, over_locked, at_most(1.0), "same brake"),
         Row("low: longest lock of all", "s", None, lock, at_most(LONGEST_LOCK), f"above {LOCK_ABOVE} m/s"),
         Row("low: least share in the slip band", "1", None, share, at_least(SHARE), words),
         Row("dry: commands other than to apply", "1", None, commands, at_most(0.0), dry_words),
-        Row(pace, "1", None, found.stops_per_minute, None, measured),
     ]
 
 
-def longest(stops: Sequence[ProtectedStop], distance: float | None) -> float | None:
+def longest(stops: Sequence[Stop], distance: float | None) -> float | None:
     """The longest stopping distance over another; None where a stop or the other has none."""
     ratios = [stop.over(distance) for stop in stops]
     return None if None in ratios else max(ratio for ratio in ratios if ratio is not None)
@@ -189,7 +152,7 @@ def longest(stops: Sequence[ProtectedStop], distance: float | None) -> float | N
 def run(options: Options) -> Report:
     found = measure()
     rows = rows_of(found)
-    failures = [f"{rail}, {mode}: {stop.failure}" for (rail, mode), stop in found.stops.items() if stop.failure]
+    failures = [f"{rail}, {mode}: {stop.said}" for (rail, mode), stop in found.stops.items() if stop.said]
     remarks = [
         "Measures in the manner of EN 15595 (stopping distance, slip, lock, air), without any claim of conformity. "
         "Ideal: the best slip at every instant, as the brake fills. Sets for low adhesion are unverified. Locked "
@@ -197,7 +160,7 @@ def run(options: Options) -> Report:
         f"of the way; on {among(found, False)} rail they roll for most of it, and there is nothing to compare.",
         *failures,
     ]
-    series = found.stops["low", "protected"].series
+    series = found.stops["low", "protected"].course.recording(bogie().parameters.wheel_radius)
     stops = (*found.stops.values(), *found.low.values(), *found.teeth.values(), *found.dry)
     seconds = sum(stop.time for stop in stops)
     parameters = tables_5_1_and_5_2().values() | {"rails": {rail.name: rail.values() for rail in RAILS}}
@@ -208,7 +171,7 @@ def run(options: Options) -> Report:
 
 def among(found: Findings, locks: bool) -> str:
     """The rails on which the wheels lock without protection, or do not."""
-    names = [rail.name for rail in RAILS if found.stops[rail.name, "unprotected"].locks(LOCK_ABOVE) == locks]
+    names = [rail.name for rail in RAILS if found.stops[rail.name, "unprotected"].course.locks(LOCK_ABOVE) == locks]
     return " and ".join(names)
 
 
@@ -243,17 +206,14 @@ def way(found: Findings, rail: str, mode: str) -> float:
 
 
 def draw_periods(found: Findings) -> Figure:
-    """Distances on the low rail over the controller's period, by host step."""
+    """Distances on the low rail over the controller's period."""
     ideal = found.ideal["low"]
     worst = longest(list(found.low.values()), ideal)
     reached = "not every stop comes to rest" if worst is None else f"all stops stay within {worst:.2f} of the ideal"
     periods = f"{1e3 * PERIODS[0]:g}-{1e3 * PERIODS[-1]:g} ms"
     figure, axis = single(f"At {periods} {reached}", "controller period [ms]", "stopping distance on low rail [m]")
-    for step, marker, colour in zip(HOST_STEPS, "os^", (LEADING, TRAILING, BOGIE), strict=False):
-        stops = {1e3 * period: stop.distance for (period, size), stop in found.low.items() if size == step}
-        distances = [np.nan if distance is None else distance for distance in stops.values()]
-        label = f"host step {1e3 * step:g} ms"
-        axis.plot(list(stops), distances, marker + "-", color=colour, markersize=9, label=label)
+    distances = [np.nan if stop.distance is None else stop.distance for stop in found.low.values()]
+    axis.plot([1e3 * period for period in found.low], distances, "o-", color=LEADING, markersize=9, label="protected")
     axis.axhline(ideal, color=BOGIE, linestyle="--", label="ideal")
     axis.axhline(OVER_IDEAL * ideal, color=BOGIE, linestyle=":", label=f"{100 * (OVER_IDEAL - 1):.0f} % beyond it")
     axis.legend(fontsize="large")
@@ -261,12 +221,6 @@ def draw_periods(found: Findings) -> Figure:
 
 
 # ---- sweeps ---------------------------------------------------------------------------------------------------------
-
-
-@lru_cache
-def own_machine() -> BrakedMachine:
-    """The FMUs of this process, kept between the points of a sweep."""
-    return BrakedMachine()
 
 
 def one_point(
@@ -285,17 +239,15 @@ def one_point(
     condition = low()
     law = replace(condition.law, friction_ratio=friction_ratio, friction_decay=friction_decay)
     rail = replace(condition, friction=friction, law=law).values()
-    settings = Settings(
-        speed=initial_speed, application_time=application_time, period=period, host_step=min(period, 5e-3)
-    )
-    stop = protected_stop(own_machine(), rail, SlideProtection() if protected else None, settings)
+    settings = Settings(speed=initial_speed, application_time=application_time, period=period)
+    [stop] = Rig(bogie(), SlideProtection if protected else None, settings, by_flow=True).stops([rail])
     return {
         "stop_distance": stop.distance,
         "end_speed": stop.end_speed,
         "stop_time": None if stop.distance is None else stop.time,
-        "longest_lock": stop.longest_lock(LOCK_ABOVE),
-        "share_in_band": stop.share_in_band(BAND, ABOVE),
-        "air": stop.air(),
+        "longest_lock": stop.longest_lock,
+        "share_in_band": stop.share_in_band,
+        "air": stop.air,
     }
 
 

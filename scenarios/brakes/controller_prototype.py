@@ -5,9 +5,11 @@ from collections.abc import Callable
 from matplotlib.figure import Figure
 
 from brake_controller.wheel_slide import WheelSlideController
-from products.protection.braked_machine import BrakedMachine
-from products.protection.protected_stop import ProtectedStop, protected_stop
-from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, RAILS
+from products.machine import bogie
+from products.protection.rails import BAND, LOCK_ABOVE, RAILS
+from products.protection.rig import Rig
+from products.protection.runs import Run, Stop
+from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.own_controller import FixedSlip
@@ -24,34 +26,36 @@ CONTROLLERS: dict[str, Callable[[], WheelSlideController] | None] = {
 
 def run(options: Options) -> Report:
     chosen = [rail for rail in RAILS if rail.name in ("low", "changing")]
-    with BrakedMachine() as machine:
-        stops = {
-            (rail.name, name): protected_stop(machine, rail.values(), make() if make else None)
-            for rail in chosen
-            for name, make in CONTROLLERS.items()
-        }
+    runs, settings = [Run(rail.values()) for rail in chosen], Settings()
+    of_each = {
+        name: Rig(bogie(), make, settings, by_flow=True).runs(runs, every=settings.period)
+        for name, make in CONTROLLERS.items()
+    }
+    stops = {(rail.name, name): of_each[name][place] for place, rail in enumerate(chosen) for name in CONTROLLERS}
     rows = []
     for (rail, name), stop in stops.items():
         what = f"{rail} rail, {name}"
         rows += [
             Row(f"{what}: stopping distance", "m", None, stop.distance, None, stop.note("25 m/s, full service")),
-            Row(f"{what}: longest lock", "s", None, stop.longest_lock(LOCK_ABOVE), None, f"above {LOCK_ABOVE:g} m/s"),
-            Row(f"{what}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, f"up to {BAND:g}"),
-            Row(f"{what}: air", "g", None, 1e3 * stop.air(), None, "both cylinders"),
+            Row(f"{what}: longest lock", "s", None, stop.longest_lock, None, f"above {LOCK_ABOVE:g} m/s"),
+            Row(f"{what}: share in the slip band", "1", None, stop.share_in_band, None, f"up to {BAND:g}"),
+            Row(f"{what}: air", "g", None, 1e3 * stop.air, None, "both cylinders"),
         ]
-    remark = "A controller is a class with step(time, wheel_speeds); `protected_stop` tries it."
+    remark = "A controller is a class with step(time, wheel_speeds); `bb.protected_stops` tries it."
     seconds = sum(stop.time for stop in stops.values())
-    series = stops["low", "fixed slip"].series
+    series = stops["low", "fixed slip"].course.recording(bogie().parameters.wheel_radius)
     return Report(rows, series, lambda: draw(stops), tables_5_1_and_5_2().values(), seconds, [remark])
 
 
-def draw(stops: dict[tuple[str, str], ProtectedStop]) -> Figure:
+def draw(stops: dict[tuple[str, str], Stop]) -> Figure:
     figure, grid = plt.subplots(2, len(CONTROLLERS), figsize=(12.0, 6.5), sharey=True)
     for axis, ((rail, name), stop) in zip(grid.ravel(), stops.items(), strict=True):
-        series = stop.series
-        axis.plot(series["time"], series["speed"], color=BOGIE, label="bogie")
-        for number, colour, word in ((1, LEADING, "leading wheels"), (2, TRAILING, "trailing wheels")):
-            axis.plot(series["time"], series[f"wheel_speed_{number}"], color=colour, linewidth=0.8, label=word)
+        course, radius = stop.course, bogie().parameters.wheel_radius
+        axis.plot(course.time, course.speed, color=BOGIE, label="bogie")
+        for turning, colour, word in zip(
+            course.angular_velocity.T, (LEADING, TRAILING), ("leading wheels", "trailing wheels"), strict=True
+        ):
+            axis.plot(course.time, radius * turning, color=colour, linewidth=0.8, label=word)
         axis.set(title=f"{rail} rail, {name}: {stop.words}", xlabel="time [s]")
     for axis in grid[:, 0]:
         axis.set_ylabel("speed [m/s]")

@@ -10,9 +10,10 @@ from fmu_src.cosimulation.master import Connection
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import CosimulationError
 from products.bogie import FULL_PRESSURE, brake_values
-from products.protection.braked_machine import STANDING, BrakedMachine
+from products.protection.settings import STANDING
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import DERAILED_AT
+from scenarios.bench.coupled_machine import CoupledMachine
 from scenarios.bench.drive import RIGID
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, single
 from scenarios.reporting.progress import counting
@@ -82,13 +83,13 @@ def shoes() -> dict[str, float]:
 
 
 def uneven_stop(
-    machine: BrakedMachine, values: Mapping[str, float], strength: tuple[float, float], errors: tuple[float, float]
+    machine: CoupledMachine, values: Mapping[str, float], strength: tuple[float, float], errors: tuple[float, float]
 ) -> UnevenStop:
     """Full brake at BRAKE_START; strength: of each cylinder's shoes; errors: of the shoes of each wheelset."""
     machine.start({"initial_speed": SPEED} | dict(values), [shoes() | {"wheelset_share": 0.5 * x} for x in strength])
     yaw_torques = [
         Connection(brake, "shoe_force", machine.vehicle, f"yaw_torque_{number}", error * SHOE_DISTANCE)
-        for number, brake, error in zip(machine.machine.numbers, machine.brakes, errors, strict=True)
+        for number, brake, error in zip(machine.numbers, machine.brakes, errors, strict=True)
         if error
     ]
     rows, ended = [[0.0, *machine.vehicle.get(READ)]], ""
@@ -110,7 +111,7 @@ def measure() -> tuple[dict[float, UnevenStop], dict[tuple[float, float], Uneven
     """
     uneven, asymmetric = {}, {}
     count = len(SHARES) + len(ERRORS) + 1
-    with BrakedMachine() as machine, counting(total=count, unit="stop") as bar:
+    with CoupledMachine("bogie", (1, 2)) as machine, counting(total=count, unit="stop") as bar:
         for share in SHARES:
             low = {"level": 2.0, "friction_1": FRICTION, "friction_2": FRICTION}
             uneven[share] = uneven_stop(machine, low, (2 * share, 2 * (1 - share)), (0.0, 0.0))

@@ -41,12 +41,11 @@ from pathlib import Path
 from typing import Any
 
 from brake_controller.slide_protection import RIG
-from products.protection.braked_machine import bogie, coach
+from products.machine import MACHINES, TRACTION
 from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme, speed_of
-from products.protection.protected_stop import MOST_JITTER, STRONGEST, Settings
 from products.protection.rails import RAILS
 from products.protection.rig import check_period
-from products.protection.runs import TRACTION
+from products.protection.settings import MOST_JITTER, STRONGEST, Settings
 from readers.storage import write_whole
 from scenarios.controllers import answering, loop, replay, verdict
 from scenarios.controllers.given import controllers_of
@@ -60,7 +59,6 @@ from scenarios.scenario import BadInputError
 
 #: Stops of each case at most: two phases then lie a hundredth of a tooth apart.
 MOST_PHASES = 100
-MACHINES = {"bogie": bogie, "vehicle": coach}
 
 
 def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.ArgumentParser], None]) -> None:
@@ -218,7 +216,6 @@ def settings_of(chosen: argparse.Namespace) -> Settings:
             speed=speed_of(chosen.speed),
             strength=chosen.strength,
             period=period,
-            host_step=period,
             pulses=chosen.teeth,
             jitter=chosen.jitter,
         )

@@ -17,10 +17,10 @@ import numpy as np
 
 from brake_controller.rig.udp_client import HOST, PORT
 from brake_controller.wheel_slide import PATIENCE
-from products.protection.braked_machine import Machine
-from products.protection.protected_stop import Settings
+from products.machine import Machine
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
+from products.protection.settings import Settings
 from scenarios.controllers.remote import Counts, Remote
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError

@@ -12,10 +12,10 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from products.protection.braked_machine import Machine
+from products.machine import Machine
 from products.protection.history import History
-from products.protection.protected_stop import Settings
 from products.protection.rails import LOCK_ABOVE
+from products.protection.settings import Settings
 from scenarios.controllers import table, verdict
 from scenarios.controllers.scoring import Scored
 from scenarios.controllers.words import words_of

@@ -24,7 +24,7 @@ from fmu_src.cosimulation.recording import Recording
 from products.protection.apart import Apart, EndedError, NoControllerError, called_apart
 from products.protection.forms import Arrays, Form, InC, Outside
 from products.protection.one import OneInC, OneOfMany
-from products.protection.protected_stop import LONGEST_PERIOD
+from products.protection.settings import LONGEST_PERIOD
 from readers.text import FileError, quoted, shown
 from scenarios.controllers.given import Given, controller_of
 from scenarios.controllers.table import write_document

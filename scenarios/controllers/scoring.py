@@ -9,14 +9,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fmu_src.suggestion import suggestion
+from products.machine import Machine, filling_by_flow
 from products.protection.apart import Apart, NoControllerError, Order, runs_apart
-from products.protection.braked_machine import Machine
-from products.protection.braked_system import Kind, filling_by_flow, machine_model
+from products.protection.compiled_machine import machine_model
 from products.protection.history import EVERY, History
 from products.protection.programme import Case
-from products.protection.protected_stop import GAS, Settings
 from products.protection.rig import START_SPEED
 from products.protection.runs import Run, Stop
+from products.protection.settings import GAS, Settings
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.given import Given
 from scenarios.reporting.progress import counting
@@ -70,7 +70,7 @@ class Scored:
 
     def over(self, other: float | None) -> float | None:
         """The distance over another; None where one of them is missing."""
-        return None if self.stop.distance is None or other is None else self.stop.distance / other
+        return self.stop.over(other)
 
     @property
     def tread_energy(self) -> float:
@@ -169,8 +169,8 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run
     except ValueError as error:
         raise BadInputError(str(error)) from None
     for case, run in zip(cases, runs, strict=True):
-        kind = Kind(machine.counted, not run.driven, level, run.equipment)
-        known = {variable.name: variable for variable in machine_model(kind).variables}
+        equipped = replace(machine, by_flow=not run.driven, equipment=run.equipment)
+        known = {variable.name: variable for variable in machine_model(equipped, level).variables}
         for name, value in run.values.items():
             if name not in known and name.startswith("sand"):
                 raise BadInputError(f"The case {case.name} sets {name}; give it equipment = ['sanders'] too.")

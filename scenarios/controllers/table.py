@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from products.protection.protected_stop import Settings
 from products.protection.rails import LOCK_ABOVE
 from products.protection.rig import START_SPEED
+from products.protection.settings import Settings
 from readers.documents import document_text, finite
 from readers.storage import write_whole
 from scenarios.controllers.scoring import Scored

@@ -4,10 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from brake_controller.cylinder import timed_brake
-from brake_controller.parameters import BrakeParameters
 from fmu_src.system import NONE, Model, System, model_of_choices
-from products.braked_vehicle import FULL_TORQUE, brake_of, coach_brake, with_brakes
+from products import machine as braked
+from products.machine import FULL_PRESSURE, coach, composed
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.levels.models import DEFAULT_TOLERANCE, DEPTH_ON_LINE, selectors
@@ -17,7 +16,6 @@ from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
-from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
 #: Torque capacity of one wheelset of the bogie, fully braked [N.m]: two thirds of what a friction of 0.3 bears; assumed
 BOGIE_TORQUE = 26e3
@@ -28,20 +26,18 @@ YAW_PER_BRAKE_TORQUE = 43.92 / 20 / 0.25
 
 @dataclass(frozen=True)
 class Machine:
-    """A vehicle with its brakes. full_torque, full_traction [N.m]: of each wheelset; pair: profiles of its wheels."""
+    """A braked machine and how it looks. full_traction [N.m]: of each wheelset; pair: profiles of its wheels."""
 
     title: str
-    vehicle: Callable[[], Vehicle]
-    brake: Callable[[], BrakeParameters]
+    braked: braked.Machine
     pair: Callable[[], Pair]
-    full_torque: float
     full_traction: float  # assumed
 
 
 MACHINES = {
-    "coach": Machine("coach", passenger_coach, coach_brake, synthetic_pair, FULL_TORQUE, 5e3),
+    "coach": Machine("coach", coach(), synthetic_pair, 5e3),
     "bogie": Machine(
-        "bogie, 60 t", two_axle_bogie, lambda: brake_of(two_axle_bogie(), BOGIE_TORQUE), thesis_pair, BOGIE_TORQUE, 15e3
+        "bogie, 60 t", braked.Machine("bogie", FULL_PRESSURE, BOGIE_TORQUE, FULL_PRESSURE), thesis_pair, 15e3
     ),
 }
 
@@ -56,8 +52,7 @@ def levels(vehicle: Vehicle) -> tuple[System, ...]:
 def model_of(name: str) -> Model:
     """The model inside the page, of a name in MACHINES."""
     machine = MACHINES[name]
-    vehicle, brake = machine.vehicle(), machine.brake()
-    systems = tuple(with_brakes(system, vehicle, lambda: timed_brake(brake)) for system in levels(vehicle))
+    systems = tuple(composed(machine.braked, system) for system in levels(machine.braked.vehicle))
     level, _ = selectors()
     # Levels 1 and 2 run without a line's file, level 3 with one.
     choice = (0, 1, NONE, NONE, NONE, 2)

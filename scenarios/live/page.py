@@ -11,7 +11,7 @@ from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TEETH, TIMER
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import web_module
-from products.braked_vehicle import FULL_PRESSURE
+from products.machine import FULL_PRESSURE
 from products.prebuilt import PAGE, prebuilt_page
 from products.protection.rig_in_c import controlled
 from rbd_model.track.line_table import LINE
@@ -57,7 +57,7 @@ def page() -> str:
 def machine(name: str) -> dict[str, Any]:
     """What the page knows of a machine: its compiled kernel, variables by their number, sizes and profiles [m]."""
     model, one = model_of(name), MACHINES[name]
-    vehicle, pair = one.vehicle(), one.pair()
+    vehicle, pair = one.braked.vehicle, one.pair()
     numbers = vehicle.parameters.values()
     known = {variable.name for variable in model.variables}
     return {
@@ -67,7 +67,7 @@ def machine(name: str) -> dict[str, Any]:
         "variables": [variable.name for variable in model.variables],
         "fullPressure": FULL_PRESSURE,
         "fullTraction": one.full_traction,
-        "fullYaw": YAW_PER_BRAKE_TORQUE * one.full_torque,
+        "fullYaw": YAW_PER_BRAKE_TORQUE * one.braked.full_torque,
         "wheelsets": [
             {"along": float(size_of(wheelset.along, numbers)), "radius": float(size_of(wheelset.mean_radius, numbers))}
             for wheelset in vehicle.wheelsets

@@ -6,10 +6,10 @@ import time as clock
 
 import numpy as np
 
-from products.protection.braked_machine import bogie
+from products.machine import bogie
 from products.protection.draws import drawn_run
 from products.protection.environment import Environment
-from products.protection.protected_stop import Settings
+from products.protection.settings import Settings
 from scenarios.reporting.report import Row
 
 #: Rows, turns that are measured, how often, and how many steps a second are wanted. Single environments of electric

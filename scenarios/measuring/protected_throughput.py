@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from products.protection.braked_machine import bogie
+from products.machine import bogie
 from products.protection.forms import Arrays, Form, compiled
-from products.protection.protected_stop import Settings
 from products.protection.rig import Rig
+from products.protection.settings import Settings
 from products.study.points import process_pool
 from rbd_model.track.friction import low
 from scenarios.reporting.report import Row

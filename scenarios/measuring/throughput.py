@@ -10,14 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from brake_controller.cylinder import timed_brake
 from fmu_src.batch import BatchLibrary, Instances, library_of_batch, run_batch
 from fmu_src.system import Model, model_of
-from products.bogie import BOGIE, FULL_TORQUE
-from products.braked_vehicle import FULL_PRESSURE, brake_of, with_brakes
+from products.machine import FULL_PRESSURE, bogie, composed
 from products.registry import model_of as model_of_fmu
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
-from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.reporting.report import Row
 
 #: Stops by level: systems, runs that are measured, and how many shall take so many seconds on two processors.
@@ -60,10 +57,8 @@ def _seconds_of(library: BatchLibrary, values: Mapping[str, ArrayLike], stop: fl
 
 def braked_bogie() -> Model:
     """The planar bogie with a cylinder on each wheelset, one composed model."""
-    vehicle = two_axle_bogie(BOGIE)
-    brake, [planar] = brake_of(vehicle, FULL_TORQUE), places_of(level=2, on_line=False)
-    system = with_brakes(system_at(vehicle, planar), vehicle, lambda: timed_brake(brake))
-    return model_of(system, DEFAULT_TOLERANCE)
+    [planar] = places_of(level=2, on_line=False)
+    return model_of(composed(bogie(), system_at(bogie().vehicle, planar)), DEFAULT_TOLERANCE)
 
 
 def valves_of(found: Mapping[str, np.ndarray], number: int, held: np.ndarray) -> np.ndarray:

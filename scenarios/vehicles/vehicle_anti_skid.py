@@ -6,14 +6,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from products.coach import NUMBERS
-from products.protection.braked_machine import BrakedMachine, coach
-from products.protection.protected_stop import BRAKE_START, ProtectedStop, Settings, protected_stop
+from products.machine import coach, coach_brake
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE, LONGEST_LOCK, OVER_IDEAL, RailCase
+from products.protection.rig import Rig
+from products.protection.runs import Run, Stop
+from products.protection.settings import BRAKE_START, Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.reporting.plots import BOGIE, FOUR, plt, titled
-from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario
 
@@ -28,28 +29,28 @@ HALF_OF_IT = 0.5
 class Findings:
     """Stops by rail, protected and not, and ideal distances by rail [m]."""
 
-    protected: dict[str, ProtectedStop]
-    unprotected: dict[str, ProtectedStop]
+    protected: dict[str, Stop]
+    unprotected: dict[str, Stop]
     ideal: dict[str, float]
 
 
 def measure() -> Findings:
-    protected, unprotected, ideal = {}, {}, {}
-    with BrakedMachine(coach()) as machine, counting(total=2 * len(RAILS), unit="stop") as bar:
-        for rail in RAILS:
-            values = rail.values(len(NUMBERS))
-            protected[rail.name] = protected_stop(machine, values, SlideProtection(), Settings())
-            bar.update()
-            unprotected[rail.name] = protected_stop(machine, values, None, Settings())
-            bar.update()
-            ideal[rail.name] = PeakAdhesion(coach(), values).stopping_distance(Settings().speed)
-    return Findings(protected, unprotected, ideal)
+    settings, names = Settings(), [rail.name for rail in RAILS]
+    runs = [Run(rail.values(len(NUMBERS))) for rail in RAILS]
+    protected, unprotected = (
+        dict(zip(names, Rig(coach(), make, settings, by_flow=True).runs(runs, every=settings.period), strict=True))
+        for make in (SlideProtection, None)
+    )
+    ideal = [PeakAdhesion(coach(), run.values).stopping_distance(settings.speed) for run in runs]
+    return Findings(protected, unprotected, dict(zip(names, ideal, strict=True)))
 
 
-def force_over_load(stop: ProtectedStop) -> list[float]:
+def force_over_load(stop: Stop) -> list[float]:
     """Mean of braking force over axle load of each wheelset, while the brake was full and the vehicle ran."""
-    chosen = (stop.series["time"] > 2 * BRAKE_START) & (stop.series["speed"] > ABOVE)
-    return [float(stop.series[f"adhesion_{number}"][chosen].mean()) for number in stop.numbers]
+    course = stop.course
+    chosen = (course.time > 2 * BRAKE_START) & (course.speed > ABOVE)
+    used: list[float] = (-course.creep_force / course.axle_load)[chosen].mean(axis=0).tolist()
+    return used
 
 
 def rows_of(found: Findings) -> list[Row]:
@@ -57,16 +58,16 @@ def rows_of(found: Findings) -> list[Row]:
     source = "planar vehicle, 25 m/s, full brake, four cylinders, four encoders, one controller"
     for name, stop in found.protected.items():
         ideal, free = found.ideal[name], found.unprotected[name]
-        distance, lock = between(1.0, OVER_IDEAL), stop.longest_lock(LOCK_ABOVE)
+        distance, lock = between(1.0, OVER_IDEAL), stop.longest_lock
         rows += [
             Row(f"{name}: ideal stopping distance", "m", None, ideal, None, "best slip of all wheels at every instant"),
             Row(f"{name}: stopping distance", "m", None, stop.distance, None, stop.note(source)),
             Row(f"{name}: distance over the ideal", "1", None, stop.over(ideal), distance, "as asked of the bogie"),
             Row(f"{name}: longest lock", "s", None, lock, at_most(LONGEST_LOCK), f"above {LOCK_ABOVE} m/s"),
-            Row(f"{name}: share in the slip band", "1", None, stop.share_in_band(BAND, ABOVE), None, f"up to {BAND:g}"),
-            Row(f"{name}: air", "g", None, 1e3 * stop.air(), None, "all cylinders"),
+            Row(f"{name}: share in the slip band", "1", None, stop.share_in_band, None, f"up to {BAND:g}"),
+            Row(f"{name}: air", "g", None, 1e3 * stop.air, None, "all cylinders"),
             Row(f"{name}, unprotected: stopping distance", "m", None, free.distance, None, free.note(source)),
-            Row(f"{name}, unprotected: longest lock", "s", None, free.longest_lock(LOCK_ABOVE), None, ""),
+            Row(f"{name}, unprotected: longest lock", "s", None, free.longest_lock, None, ""),
         ]
     used = force_over_load(found.protected["low, cleaned"])
     for number, share in zip(NUMBERS, used, strict=True):
@@ -81,22 +82,22 @@ def rows_of(found: Findings) -> list[Row]:
 
 def run(options: Options) -> Report:
     found = measure()
-    failures = [f"{name}: {stop.failure}" for name, stop in found.protected.items() if stop.failure]
+    failures = [f"{name}: {stop.said}" for name, stop in found.protected.items() if stop.said]
     remarks = [
         f"Assumed: each wheelset raises the friction for the next by {100 * (CLEANED - 1):.0f} %; the low rail is that "
         "of `anti-skid`, from an unverified set. Ideal: the best slip at every instant under the loads at rest.",
         *failures,
     ]
     stops = (*found.protected.values(), *found.unprotected.values())
-    parameters = dict(coach().brake) | {"rails": {rail.name: rail.values(len(NUMBERS)) for rail in RAILS}}
-    series = found.protected["low, cleaned"].series
+    parameters = coach_brake().values() | {"rails": {rail.name: rail.values(len(NUMBERS)) for rail in RAILS}}
+    series = found.protected["low, cleaned"].course.recording(coach().parameters.wheel_radius)
     return Report(rows_of(found), series, lambda: draw(found), parameters, sum(stop.time for stop in stops), remarks)
 
 
 def draw(found: Findings) -> Figure:
     figure, grid = plt.subplots(2, 2, figsize=(11.0, 7.0), sharex="col")
     for column, (name, stop) in enumerate(found.protected.items()):
-        series = stop.series
+        series = stop.course.recording(coach().parameters.wheel_radius)
         top, bottom = grid[0, column], grid[1, column]
         top.plot(series["time"], series["speed"], color=BOGIE, label="vehicle")
         for number, colour in zip(NUMBERS, FOUR, strict=True):

@@ -13,7 +13,8 @@ from fmu_src.cosimulation.master import Coupling, Master
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import Slave
 from products.building import up_to_date
-from products.protection.braked_machine import BrakedMachine, coach
+from products.machine import coach, coach_brake
+from scenarios.bench.coupled_machine import CoupledMachine
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, measured, near
@@ -68,11 +69,11 @@ def composed(slave: Slave, tolerance: float, step: float) -> Braking:
     return Braking(slave["distance"], clock.perf_counter() - begin)
 
 
-def coupled(machine: BrakedMachine, master: Master, step: float) -> Braking:
+def coupled(machine: CoupledMachine, master: Master, step: float) -> Braking:
     """Five FMUs: the torques of the cylinders to the vehicle, wheel speeds back."""
-    brake = {**machine.machine.brake, "tolerance": TIGHT}
+    brake = {**coach_brake().values(), "tolerance": TIGHT}
     machine.start({"level": 2.0, "initial_speed": SPEED, "tolerance": TIGHT}, [brake] * len(machine.brakes))
-    machine.demand(machine.machine.full_pressure)
+    machine.demand(coach().full_pressure)
     coupling = machine.coupling()
     coupling = Coupling(coupling.slaves, coupling.connections, master)
     begin = clock.perf_counter()
@@ -84,7 +85,7 @@ def coupled(machine: BrakedMachine, master: Master, step: float) -> Braking:
 def measure() -> Findings:
     with ExitStack() as stack:
         one = stack.enter_context(Slave(up_to_date("braked-vehicle", "native")))
-        five = stack.enter_context(BrakedMachine(coach()))
+        five = stack.enter_context(CoupledMachine("vehicle", coach().numbers))
         count = len(STEPS) * (len(MASTERS) + 2)
         bar = stack.enter_context(counting(total=count, unit="run"))
 
@@ -141,7 +142,7 @@ def run(options: Options) -> Report:
         f"the tolerance {TIGHT:g}, so that the coupling's error is what is seen."
     ]
     series = Recording({"macro_step": "s"} | units, table)
-    return Report(rows_of(found), series, lambda: draw(found), dict(coach().brake), DURATION, remarks)
+    return Report(rows_of(found), series, lambda: draw(found), dict(coach_brake().values()), DURATION, remarks)
 
 
 def draw(found: Findings) -> Figure:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.coach import COACH, NUMBERS
-from products.protection.braked_machine import coach
+from products.machine import coach
 from rbd_model.vehicle.parameters import one_bogie_of
 from scenarios.bench.drive import located_lock_time, play, prepare
 from scenarios.bench.four_axles import rigid_axle_loads

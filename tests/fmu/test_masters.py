@@ -21,9 +21,8 @@ from fmpy.validation import validate_fmu
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from fmu_src.ssp import Component, write_ssp
 from fmu_src.start_values import FILE, with_start_values
-from products.braked_vehicle import FULL_PRESSURE, FULL_TORQUE
 from products.building import fmu_path
-from products.protection.braked_machine import coach
+from products.machine import FULL_PRESSURE, FULL_TORQUE, coach
 from products.registry import DIFFERENT
 from products.systems import SLIDING_FRICTION, build_system
 from rbd_model.vehicle.parameters import manchester_vehicle_1

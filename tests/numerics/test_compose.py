@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from brake_controller.cylinder import timed_brake
 from fmu_src.chain import Part
 from fmu_src.compile import build_library
 from fmu_src.compose import compose, scope
@@ -14,7 +15,7 @@ from fmu_src.equations import functions
 from fmu_src.kernel import Kernel, Library
 from fmu_src.piecewise import interpolation
 from fmu_src.system import System, Variable, model_of
-from products.braked_vehicle import coach_brake, timed_brake, with_brakes
+from products.machine import coach, coach_brake, composed
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.ready import passenger_coach
 
@@ -126,7 +127,7 @@ def test_units_must_agree_and_names_must_differ() -> None:
 
 def test_the_braked_vehicle_is_the_vehicle_under_the_torques_of_its_brakes() -> None:
     vehicle, parameters = passenger_coach(), coach_brake()
-    whole = with_brakes(planar_vehicle(vehicle), vehicle, lambda: timed_brake(parameters))
+    whole = composed(coach(), planar_vehicle(vehicle))
     alone, brake = (
         Kernel(Library(build_library(model_of(one, 1e-6))))
         for one in (planar_vehicle(vehicle), timed_brake(parameters))
@@ -161,7 +162,7 @@ def test_composition_adds_no_code_to_the_parts() -> None:
     """Parts are called as before, and the elimination knows the blocks: cylinders do not fill the vehicle's matrix."""
     vehicle, parameters = passenger_coach(), coach_brake()
     planar = planar_vehicle(vehicle)
-    whole = with_brakes(planar_vehicle(vehicle), vehicle, lambda: timed_brake(parameters))
+    whole = composed(coach(), planar_vehicle(vehicle))
     sizes = [functions(one)["ode"].function.n_instructions() for one in (planar, whole)]
     made = functions(timed_brake(parameters))
     cylinder = sum(made[name].function.n_instructions() for name in ("ode", "output"))

@@ -9,7 +9,7 @@ from typing import Any
 from brake_controller.wheel_slide import APPLY, VENT
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
-from products.braked_vehicle import FULL_PRESSURE
+from products.machine import FULL_PRESSURE
 from products.protection.encoder import Encoder
 from products.protection.slide_protection import SlideProtection
 from rbd_model.vehicle.description import size_of
@@ -31,11 +31,11 @@ class Run:
     ) -> None:
         given = {**DEFAULTS, **start}
         machine = MACHINES[given["machine"]]
-        vehicle = machine.vehicle()
+        vehicle = machine.braked.vehicle
         sizes = vehicle.parameters.values()
         self.along = [float(size_of(wheelset.along, sizes)) for wheelset in vehicle.wheelsets]
         self.radii = [float(size_of(wheelset.mean_radius, sizes)) for wheelset in vehicle.wheelsets]
-        self.full_yaw = YAW_PER_BRAKE_TORQUE * machine.full_torque
+        self.full_yaw = YAW_PER_BRAKE_TORQUE * machine.braked.full_torque
         self.numbers = range(1, len(self.along) + 1)
         spatial = given["level"] == 3
         slope = given["gradient"] / 1000

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
-from products.protection.braked_machine import bogie
+from products.machine import bogie
 from products.protection.history import EVERY
 from products.protection.programme import read_programme
-from products.protection.protected_stop import Settings
 from products.protection.rig import Rig
+from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from scenarios.controllers.page import MOST_LOOKS, thinned
 from tests.axe import violations

@@ -19,11 +19,11 @@ from brake_controller.rig.udp_client import ANSWER, HEADER, HELLO, HOST, MAGIC, 
 from brake_controller.slide_protection import RIG
 from brake_controller.wheel_slide import Watch, within
 from fmu_src.compile import compiler
-from products.protection.braked_machine import bogie
-from products.protection.protected_stop import Settings
+from products.machine import bogie
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Run
+from products.protection.settings import Settings
 from scenarios.controllers import loop, remote
 from scenarios.controllers.loop import Looped, run_in_loop, sentences
 from scenarios.controllers.remote import WATCHDOG, Remote

@@ -1,0 +1,44 @@
+"""Machines of the test rig, compiled: their models, and files that are found again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache, partial
+from pathlib import Path
+
+from fmu_src.batch import BatchLibrary
+from fmu_src.compile import build_library
+from fmu_src.kernel import Library
+from fmu_src.system import Model, model_of
+from products.machine import Machine, composed
+from products.remembered import noted_path
+from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
+
+#: Numbers of the systems by level: in the plane; in space with contacts that yield.
+PLACES = {2: places_of(level=2, on_line=False)[0], 3: places_of(level=3, depth=2, on_line=False)[0]}
+
+
+@lru_cache
+def machine_model(machine: Machine, level: int = 2) -> Model:
+    """The machine at a level of detail, one system. Raises ValueError for another level than 2 and 3."""
+    if level not in PLACES:
+        raise ValueError(f"Set level to 2 (in the plane) or 3 (in space) on the test rig: it was {level}.")
+    return model_of(composed(machine, system_at(machine.vehicle, PLACES[level])), DEFAULT_TOLERANCE)
+
+
+@lru_cache
+def machine_library(machine: Machine, level: int = 2) -> BatchLibrary:
+    """Its equations compiled, many machines side by side."""
+    model = machine_model(machine, level)
+    return BatchLibrary(model, model.systems[0], kept=partial(_kept, machine, level))
+
+
+@lru_cache
+def machine_kernel(machine: Machine) -> Library:
+    """Its equations in the plane compiled, one machine."""
+    return Library(_kept(machine, 2, "kernel", lambda: build_library(machine_model(machine))))
+
+
+def _kept(machine: Machine, level: int, what: str, make: Callable[[], Path]) -> Path:
+    """A file of this machine, known without writing its equations anew while the sources are the same."""
+    return noted_path(f"{what} of the {machine} at level {level}", make)
