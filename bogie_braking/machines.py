@@ -16,8 +16,8 @@ from fmu_src.compile import build_library
 from fmu_src.kernel import Library
 from fmu_src.system import Model, System, Variable, model_of
 from products.building import kernel_at, kernel_of, variables_of, whole_kernel
-from products.one_level import SELECTORS, model_at, place_of
-from products.registry import FMUS
+from products.one_level import model_at, place_of
+from products.registry import FMUS, SELECTORS
 from products.registry import model_of as model_of_fmu
 from rbd_model.levels.models import (
     DEFAULT_DEPTH,
@@ -94,8 +94,8 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
     """
     with ONE_WRITES:
         if isinstance(what, str):
-            levelled = FMUS[known(what, FMUS, "FMU")].vehicle
-            selected = SELECTORS if levelled else model_of_fmu(what).selectors
+            fmu = FMUS[known(what, FMUS, "FMU")]
+            selected = fmu.selectors if fmu.vehicle else model_of_fmu(what).selectors
             return _batch_of_the_list(what, tuple((name, values[name]) for name in selected if name in values), on_line)
         if isinstance(what, Vehicle):
             level, depth = _level_and_depth(values)

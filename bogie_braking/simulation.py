@@ -18,8 +18,7 @@ from fmu_src.kernel import MOST_NUMBERS, Kernel, KernelError
 from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
 from fmu_src.system import NONE
-from products.one_level import SELECTORS
-from rbd_model.levels.models import EVERY
+from products.registry import FMUS
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import LINE
 
@@ -94,7 +93,11 @@ class Simulation:
         for name in self._machine.fixed & values.keys():
             raise refused(f"{name} chose the equations of {self._machine.name}; give it as the simulation is made.")
         if self._machine.place is not None and not self._kernel.initialised:
-            now = {name: self._kernel[name] for name in SELECTORS} | {LINE_FILE: self._line_file()} | values
+            now = (
+                {name: self._kernel[name] for name in FMUS[self._machine.name].selectors}
+                | {LINE_FILE: self._line_file()}
+                | values
+            )
             self._go_on_with(machine_of(self._machine.name, now, on_line=False))
         self._take(values)
 
@@ -211,7 +214,7 @@ class Simulation:
         if not isinstance(state, bytes):
             raise TypeError(f"Give the bytes that save gave: it was {shown(state)}.")
         name, own = self._machine.name, self._machine.place
-        places = [own] if own is None else sorted({*EVERY, NONE})
+        places = [own] if own is None else sorted({*FMUS[name].choice, NONE})
         found = [one for one in places if state.startswith(_mark(name, one))]
         if not found:
             raise refused(f"This is no saved state of {name}, whose equations are these; none is restored.")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.cylinder import Rubbing
+from brake_controller.cylinder import Rubbing, treads
 from brake_controller.shoe_friction import sliding_speed
 from fmu_src.system import ParameterSet, System, Variable, quantity
 
@@ -72,18 +72,44 @@ def discs(defaults: DiscParameters | None = None) -> Rubbing:
     given = defaults or axle_discs()
 
     def torque(system: System, _: Mapping[str, ca.SX], force: ca.SX, angular_velocity: ca.SX) -> ca.SX:
-        p = {name: system.parameter(given.variable(name)) for name in given.values()}
-        speed = sliding_speed(angular_velocity, p["friction_radius"])
-        temperature = system.state("disc_temperature", "K", p["initial_disc_temperature"], NOMINAL_TEMPERATURE)
-        friction = pad_friction(p, speed, temperature)
-        cooling = p["disc_cooling_at_rest"] + p["disc_cooling_over_speed"] * speed
-        heat = p["disc_heat_share"] * friction * force * speed
-        lost = cooling * (temperature - p["surroundings_temperature"])
-        system.derivative(temperature, (heat - lost) / (p["disc_mass"] * p["disc_heat_capacity"]))
-        system.output(Variable("pad_force", "output", "N", "Normal force of the pads on the discs"), force)
-        text = "Friction coefficient between pads and discs"
-        system.output(Variable("pad_friction", "output", "1", text), friction)
-        system.output(Variable("disc_temperature", "output", "K", "Temperature of the discs"), temperature)
-        return friction * force * p["friction_radius"]
+        p = _parameters(system, given)
+        return _rub(system, p, force, angular_velocity)
 
     return Rubbing(TREADS_ALONE, torque)
+
+
+def treads_or_discs(choice: Variable, number: int, defaults: DiscParameters | None = None) -> Rubbing:
+    """Shoes on treads, eq. (2.7); or, if the parameter has this number, pads on discs, as `discs` has them.
+
+    Pads at MEAN_PAD_FRICTION brake as much as shoes with constant friction.
+    """
+    given, on_treads = defaults or axle_discs(), treads()
+
+    def torque(system: System, p: Mapping[str, ca.SX], force: ca.SX, angular_velocity: ca.SX) -> ca.SX:
+        has_discs = system.parameter(choice) == number
+        own = _parameters(system, given)
+        shoes = on_treads.torque(system, p, ca.if_else(has_discs, 0, force), angular_velocity)
+        same = p["constant_shoe_friction"] * p["wheel_radius"] / (MEAN_PAD_FRICTION * own["friction_radius"])
+        return shoes + _rub(system, own, ca.if_else(has_discs, same * force, 0), angular_velocity)
+
+    return Rubbing((), torque)
+
+
+def _parameters(system: System, given: DiscParameters) -> dict[str, ca.SX]:
+    return {name: system.parameter(given.variable(name)) for name in given.values()}
+
+
+def _rub(system: System, p: Mapping[str, ca.SX], force: ca.SX, angular_velocity: ca.SX) -> ca.SX:
+    """Torque of pads on discs under a force [N.m], their temperature, and what both show."""
+    speed = sliding_speed(angular_velocity, p["friction_radius"])
+    temperature = system.state("disc_temperature", "K", p["initial_disc_temperature"], NOMINAL_TEMPERATURE)
+    friction = pad_friction(p, speed, temperature)
+    cooling = p["disc_cooling_at_rest"] + p["disc_cooling_over_speed"] * speed
+    heat = p["disc_heat_share"] * friction * force * speed
+    lost = cooling * (temperature - p["surroundings_temperature"])
+    system.derivative(temperature, (heat - lost) / (p["disc_mass"] * p["disc_heat_capacity"]))
+    system.output(Variable("pad_force", "output", "N", "Normal force of the pads on the discs"), force)
+    text = "Friction coefficient between pads and discs"
+    system.output(Variable("pad_friction", "output", "1", text), friction)
+    system.output(Variable("disc_temperature", "output", "K", "Temperature of the discs"), temperature)
+    return friction * force * p["friction_radius"]

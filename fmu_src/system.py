@@ -707,11 +707,13 @@ def model_of_choices(
 ) -> Model:
     """Several systems as one FMU, chosen as `Model` says: their inputs, outputs and parameters, each once.
 
-    others: such as the name of the file that a system reads.
+    A system may have a selector among its parameters, if several of its values choose that system. others: such as the
+    name of the file that a system reads.
     """
     declared = {v.name: v for system in systems for v in system.variables}
     inputs, outputs, parameters = (
-        [v for v in declared.values() if v.causality == causality] for causality in ("input", "output", "parameter")
+        [v for v in declared.values() if v.causality == causality and v not in selectors]
+        for causality in ("input", "output", "parameter")
     )
     table = (*inputs, *outputs, *selectors, *parameters, *others, *integration_variables(tolerance))
     names = tuple(selector.name for selector in selectors)

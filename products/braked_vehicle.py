@@ -1,32 +1,71 @@
 """BrakedVehicle: a complete vehicle and the brake cylinders of its wheelsets as one FMU, without a coupling's error."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from fmu_src.system import Model, model_of_choices
+from brake_controller.discs import treads_or_discs
+from fmu_src.system import NONE, Model, System, Variable, choosing, model_of_choices
 from products.machine import coach, composed
-from rbd_model.levels.models import CHOICE, DEFAULT_TOLERANCE, LEVELS, choice_of, selectors, system_at
+from rbd_model.levels.models import (
+    CHOICE_ON_LINE,
+    COMBINATIONS,
+    DEFAULT_TOLERANCE,
+    EVERY,
+    places_of,
+    selectors,
+    system_at,
+)
+from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import relations_of
 
-#: Numbers of its systems, those of a vehicle on level track.
-PLACES = tuple(sorted(set(CHOICE)))
+#: Kinds of brake by their numbers; and that of discs.
+TIMED, BY_FLOW, DISCS = 1, 2, 3
+BRAKES = {
+    TIMED: "shoes on treads, cylinders by application and release time",
+    BY_FLOW: "shoes on treads, cylinders by flow of air from a reservoir through magnet valves",
+    DISCS: "pads on discs, cylinders by flow of air from a reservoir through magnet valves",
+}
+BRAKE = Variable("brake_kind", "parameter", start=float(TIMED), **choosing("Brake of each wheelset", BRAKES))
+#: Systems of the vehicle whose cylinders also fill by flow of air: those in the plane. One in space would make the FMU
+#: half as large again.
+WITH_FLOW = places_of(level=2)
+#: Which system serves, as CHOICE_ON_LINE has it, `brake_kind` last. Those by flow of air have numbers behind EVERY.
+CHOICE = tuple(
+    place if brake == TIMED else len(EVERY) + WITH_FLOW.index(place) if place in WITH_FLOW else NONE
+    for place, _ in zip(CHOICE_ON_LINE, COMBINATIONS, strict=True)
+    for brake in BRAKES
+)
+PLACES = tuple(sorted(set(CHOICE) - {NONE}))
 
 
 def braked_vehicle(places: Sequence[int] = PLACES) -> Model:
-    """Pressure demands and valves in; speed, wheel speeds and pressures out; the coach, its brake timed.
+    """Pressure demands and valves in; speed, wheel speeds and pressures out; the coach on treads or discs.
 
-    places: which of the systems it has; those that it lacks cannot be chosen.
+    places: which of the systems of CHOICE it has; those that it lacks cannot be chosen.
     """
-    machine = coach()
-    systems = tuple(composed(machine, system_at(machine.vehicle, place)) for place in places)
+    systems = tuple(_system(place) for place in places)
     text = "Four-axle railway vehicle with a brake cylinder on each wheelset: pressure in, speed and slip out"
     parameters = {name for system in systems for name in system.parameter_symbols}
+    choice = tuple(places.index(place) if place in places else NONE for place in CHOICE)
+    on_line = any(system.table_file for system in systems)
     return model_of_choices(
         "BrakedVehicle",
         text,
         systems,
-        selectors(),
-        choice_of(places, len(LEVELS), on_line=False),
+        (*selectors(), BRAKE),
+        choice if on_line else choice[: len(choice) // 2],
         DEFAULT_TOLERANCE,
-        relations=relations_of(machine.vehicle, parameters),
+        *([LINE.variable] if on_line else []),
+        relations=relations_of(coach().vehicle, parameters),
         stop_time=25.0,
     )
+
+
+def _system(place: int) -> System:
+    """The system of this number in CHOICE."""
+    machine = coach()
+    if place in EVERY:
+        return composed(machine, system_at(machine.vehicle, place))
+    system = system_at(machine.vehicle, WITH_FLOW[place - len(EVERY)])
+    whole = composed(replace(machine, by_flow=True), system, treads_or_discs(BRAKE, DISCS))
+    return replace(whole, name=f"{system.name}_by_flow")

@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from brake_controller.cylinder import alone, reservoir_brake, timed_brake, treads
+from brake_controller.cylinder import Rubbing, alone, reservoir_brake, timed_brake, treads
 from brake_controller.discs import MEAN_PAD_FRICTION, axle_discs, discs
 from brake_controller.flow_parameters import FlowParameters
 from brake_controller.magnet_valves import common_valves
@@ -159,10 +159,11 @@ def brake_of(vehicle: Vehicle, full_torque: float) -> BrakeParameters:
 # ---- the system ------------------------------------------------------------------------------------------------------
 
 
-def composed(machine: Machine, system: System) -> System:
+def composed(machine: Machine, system: System, rubbing: Rubbing | None = None) -> System:
     """A machine's vehicle at one level of detail, on a line or not, with all that the machine has.
 
-    Brakes begin with the parameters of `brake_of`: with the same ones on each wheelset.
+    Brakes begin with the parameters of `brake_of`: with the same ones on each wheelset. rubbing: what cylinders by flow
+    of air press, in place of treads or discs.
     """
     vehicle = machine.vehicle
     if SANDERS in machine.equipment:
@@ -171,7 +172,7 @@ def composed(machine: Machine, system: System) -> System:
         motor = motor_of(machine.full_torque, machine.parameters.wheel_radius)
         return _on_each_wheelset(system, vehicle, lambda: traction_motor(motor), "traction_torque")
     if machine.by_flow:
-        return _with_reservoir(system, machine)
+        return _with_reservoir(system, machine, rubbing)
     brake = brake_of(vehicle, machine.full_torque)
     return _on_each_wheelset(system, vehicle, lambda: timed_brake(brake), "brake_torque")
 
@@ -200,10 +201,10 @@ def _on_sand(system: System, vehicle: Vehicle) -> System:
     return compose(system.name, system.description, [renamed(system, own), sanders(list(places.values()))], given)
 
 
-def _with_reservoir(system: System, machine: Machine) -> System:
+def _with_reservoir(system: System, machine: Machine, given_rubbing: Rubbing | None) -> System:
     """A vehicle with a cylinder on each wheelset, with what else brakes it, and one reservoir for all."""
     air, numbers, full = cylinder_air(machine.full_pressure), machine.numbers, machine.full_torque
-    brake, rubbing = brake_of(machine.vehicle, full), treads()
+    brake, rubbing = brake_of(machine.vehicle, full), given_rubbing or treads()
     if DISCS in machine.equipment:
         disc = axle_discs()
         on_treads = brake.constant_shoe_friction * brake.wheel_radius

@@ -2,36 +2,30 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from numbers import Real
 from typing import Any
 
 from fmu_src.system import NONE, Model, Variable
 from products.registry import FMUS
-from rbd_model.levels.models import CHOICE, CHOICE_ON_LINE, COMBINATIONS, DEFAULT_DEPTH, DEFAULT_LEVEL, LEVELS
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import relations_of
 
-#: What chooses the equations of a vehicle.
-SELECTORS = ("level", "contact_depth")
-
 
 def place_of(name: str, table: Mapping[str, Variable], values: Mapping[str, Any], on_line: bool = False) -> int | None:
-    """Return which system of an FMU the values choose: its number in CHOICE_ON_LINE, NONE if there is no such system.
+    """Return which system of an FMU the values choose: its number in `Fmu.choice`, NONE if there is no such system.
 
     None: the FMU is no vehicle at several levels. Of a value that a run will refuse the start value counts. table:
     variables of the FMU; one without a line's file runs on none. on_line: whether it runs on one whose file is not
     among the values.
     """
-    if FMUS[name].vehicle is None:
+    fmu, place = FMUS[name], 0
+    if fmu.vehicle is None:
         return None
-    starts = zip(SELECTORS, (DEFAULT_LEVEL, DEFAULT_DEPTH), strict=True)
-    asked = (int(values[one]) if _is_level(values.get(one)) else int(start) for one, start in starts)
+    for selector in fmu.selectors:
+        one, value = table[selector], values.get(selector)
+        known = range(1, int(one.maximum) + 1)
+        place = place * len(known) + int(value if isinstance(value, float | int) and value in known else one.start) - 1
     there = LINE.variable.name in table and (on_line or bool(values.get(LINE.variable.name)))
-    return CHOICE_ON_LINE[COMBINATIONS.index((there, *asked))]
-
-
-def _is_level(value: Any) -> bool:
-    return isinstance(value, Real) and value in LEVELS
+    return fmu.choice[place + there * (len(fmu.choice) // 2)]
 
 
 def model_at(name: str, table: Mapping[str, Variable], place: int) -> Model:
@@ -43,7 +37,7 @@ def model_at(name: str, table: Mapping[str, Variable], place: int) -> Model:
     assert fmu.vehicle is not None
     one = fmu.model(places=(max(place, 0),))
     reads = LINE if LINE.variable.name in table else None
-    whole = CHOICE_ON_LINE if reads else CHOICE
+    whole = fmu.choice if reads else fmu.choice[: len(fmu.choice) // 2]
     choice = tuple(0 if number != NONE and place in (number, NONE) else NONE for number in whole)
     relations = relations_of(fmu.vehicle(), list(table))
     return replace(one, variables=tuple(table.values()), choice=choice, relations=relations, reads=reads)

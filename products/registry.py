@@ -7,11 +7,22 @@ from functools import lru_cache
 from brake_controller.cylinder import brake_cylinder
 from fmu_src.chain import ONE_WRITES
 from fmu_src.system import Model, Variable
-from products.braked_vehicle import braked_vehicle
-from rbd_model.levels.models import bogie_dynamics, coal_wagon_dynamics, vehicle_dynamics, wheelset_dynamics
+from products.braked_vehicle import BRAKE, braked_vehicle
+from products.braked_vehicle import CHOICE as CHOICE_OF_BRAKES
+from rbd_model.levels.models import (
+    CHOICE_ON_LINE,
+    EVERY,
+    bogie_dynamics,
+    coal_wagon_dynamics,
+    vehicle_dynamics,
+    wheelset_dynamics,
+)
 from rbd_model.track.recovery import rail_adhesion
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
+
+#: What chooses the equations of a vehicle.
+SELECTORS = ("level", "contact_depth")
 
 
 @dataclass(frozen=True)
@@ -20,6 +31,7 @@ class Fmu:
 
     alike: the FMU whose equations and variables it has, with other numbers. vehicle: that which it has at all levels;
     its `model` takes the `places` of those that are asked for. named_by: of those which have all of its variables.
+    selectors, choice: of all its systems, as `Model` has them, by the numbers that `places` are.
     """
 
     model: Callable[..., Model]
@@ -27,18 +39,26 @@ class Fmu:
     alike: str | None = None
     vehicle: Callable[[], Vehicle] | None = None
     named_by: tuple[int, ...] = ()
+    selectors: tuple[str, ...] = SELECTORS
+    choice: tuple[int, ...] = CHOICE_ON_LINE
 
 
 #: Systems that have all variables of a vehicle, in their order: strips have those of patches, lower levels on a line
-#: those of the highest there.
-ON_LEVEL_TRACK, ON_LINES = (0, 1, 2, 3), (0, 1, 2, 3, 7)
+#: those of the highest there. And that with brakes by flow of air, on level track.
+ON_LINES, BY_FLOW_OF_AIR = (0, 1, 2, 3, 7), len(EVERY)
 
 #: By the name that the command line and the scenarios know.
 FMUS: dict[str, Fmu] = {
     "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png", vehicle=two_axle_bogie, named_by=ON_LINES),
     "vehicle": Fmu(vehicle_dynamics, vehicle=passenger_coach, named_by=ON_LINES),
     "coal-wagon": Fmu(coal_wagon_dynamics, alike="vehicle", vehicle=loaded_coal_wagon, named_by=ON_LINES),
-    "braked-vehicle": Fmu(braked_vehicle, vehicle=passenger_coach, named_by=ON_LEVEL_TRACK),
+    "braked-vehicle": Fmu(
+        braked_vehicle,
+        vehicle=passenger_coach,
+        named_by=(*ON_LINES, BY_FLOW_OF_AIR),
+        selectors=(*SELECTORS, BRAKE.name),
+        choice=CHOICE_OF_BRAKES,
+    ),
     "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
     "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
     "rail": Fmu(rail_adhesion),
