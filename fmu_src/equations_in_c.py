@@ -63,10 +63,26 @@ def equations_in_c(name: str, made: Mapping[str, Generated]) -> dict[str, str]:
     scalar = ['#include "lanes_pairs.h"', "#define LANES 1", *_in_lanes(map(_written, bodies))]
     files = _tables([*own, *parts.values()]) | {f"{one.function.name()}.c": _alone(one) for one in shared}
     files[f"equations_{name}.c"] = "\n".join([*HEAD, *given, *calls, *scalar, ""])
-    if groups:
-        files[f"parts_{name}.h"] = _parts(name, parts, groups)
-        widest = max(group.lanes for group in groups.values())
-        files |= {f"parts_{name}_{lanes}.c": _at_width(name, lanes) for lanes in WIDTHS if lanes <= widest}
+    for file, some in _by_file(f"parts_{name}", parts, groups).items():
+        files[f"{file}.h"] = _parts(name, parts, some)
+        widest = max(group.lanes for group in some.values())
+        files |= {f"{file}_{lanes}.c": _at_width(file, lanes) for lanes in WIDTHS if lanes <= widest}
+    return files
+
+
+def _by_file(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group]) -> dict[str, dict[str, Group]]:
+    """Groups by the file that they stand in: a long part that calls no other has one of its own.
+
+    So vehicles with the same wheels and other springs have files in common, which are compiled once.
+    """
+    files: dict[str, dict[str, Group]] = {}
+    for entry, group in groups.items():
+        functions = [
+            parts[part_name(one.part, one.slopes)] for one in groups.values() if one.part.name == group.part.name
+        ]
+        calls = any(not call.part.flat for one in functions for call in one.calls)
+        apart = not calls and max(one.function.n_instructions() for one in functions) > LONGEST
+        files.setdefault(f"{name}_{group.part.name}" if apart else name, {})[entry] = group
     return files
 
 
@@ -81,9 +97,9 @@ def _in_lanes(functions: Iterable[str]) -> list[str]:
     return ['#include "lanes.h"', *functions, '#include "lanes_end.h"']
 
 
-def _at_width(name: str, lanes: int) -> str:
+def _at_width(file: str, lanes: int) -> str:
     """The file that compiles the parts for so many lanes; the narrowest for one where a compiler has no more."""
-    include = f'#include "parts_{name}.h"\n'
+    include = f'#include "{file}.h"\n'
     own = f'#include "lanes_widest.h"\n#if LANES_WIDEST >= {lanes}\n#define LANES {lanes}\n{include}'
     return own + (f"#else\n#define LANES 1\n{include}#endif\n" if lanes == WIDTHS[0] else "#endif\n")
 
