@@ -259,10 +259,10 @@ kernel_status face_get(component *self, int kind, const unsigned *reference, siz
     place at;
     if (face_missing(self, count, reference, reference) || face_missing(self, size, values, values)) return KERNEL_ERROR;
     for (size_t i = 0; i < count; ++i, behind += at.count) {
-        if (!find_within(self, reference[i], kind, true, behind, size, &at)) return KERNEL_ERROR;
+        if (!find_within(self, reference[i], kind, true, behind, size, &at)) return face_report(self, KERNEL_ERROR);
         worst = larger(worst, get_at(self, &at, values, behind, put));
     }
-    return sizes_differ(self, behind, size) ? KERNEL_ERROR : face_report(self, worst);
+    return face_report(self, sizes_differ(self, behind, size) ? KERNEL_ERROR : worst);
 }
 
 typedef kernel_status setting(fmu_object *object, unsigned variable, size_t first, size_t count, const double *value);
