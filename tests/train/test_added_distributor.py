@@ -164,9 +164,9 @@ def test_a_consist_picks_it_by_its_name_and_an_fmu_has_it(tmp_path: Path) -> Non
 
 def test_what_is_no_distributor_is_refused() -> None:
     wrong: TrainVehicle = replace(block_train(1).vehicles[0], distributor="uic")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="must be parameters of uic, direct; got 'uic'"):
+    with pytest.raises(ValueError, match=r"must be parameters of uic, .*direct; got 'uic'"):
         Train(Consist((wrong,)))
-    with pytest.raises(ValueError, match="distributor must be one of uic, direct; got knorr"):
+    with pytest.raises(ValueError, match=r"distributor must be one of uic, .*direct; got knorr"):
         consist_of([{"kind": "locomotive", "distributor": "knorr"}])
     with pytest.raises(ValueError, match="small letters, digits and underscores; got 'Mine'"):
         replace(DIRECT, name="Mine")

@@ -16,6 +16,7 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
+from brake_controller.distributors import DISTRIBUTORS
 from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
@@ -395,7 +396,9 @@ def test_a_start_beyond_what_time_can_count_is_refused(version: int, fmus: dict[
 
 CELLS = 6
 #: How many there are of each in the short train.
-COUNTS = {"one": 1, "cells": CELLS, "vehicles": 3, "couplings": 2, "valves": 1, "points": 1, "distributor_uic": 3}
+COUNTS = {"one": 1, "cells": CELLS, "vehicles": 3, "couplings": 2, "valves": 1, "points": 1} | {
+    f"distributor_{name}": 3 * (name == "uic") for name in DISTRIBUTORS
+}
 
 
 def place_of(group: str, name: str) -> int:
