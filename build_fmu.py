@@ -31,7 +31,7 @@ from fmu_src.model_description import variable_table
 from fmu_src.suggestion import suggestion
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
-from products.promise import changes
+from products.promised_variables import changes
 from products.registry import FMUS, model_of
 from products.systems import build_systems
 from products.train.building import build_coupler, build_train

@@ -15,9 +15,9 @@ from scipy.special import ndtr
 
 from bogie_braking.batches import batch, file_of, prepared, threads_or_none, variables_of_batch
 from bogie_braking.checks import MOST_INSTANCES, at_most, known, number, once, refused, seconds, shown
-from bogie_braking.doubts import doubts_about
 from bogie_braking.machines import Runnable, model_from
 from bogie_braking.splitting import POPULATIONS, Numbers, Population, climb, confidence_of, interval_of
+from bogie_braking.splitting_doubts import doubts_about
 from bogie_braking.sweeping import PAYS_FROM, check_executor
 from fmu_src.batch import Ends, run_batch
 from fmu_src.cosimulation.recording import Recording

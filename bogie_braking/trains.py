@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from bogie_braking.checks import line_or_none, shown
-from products.train.choice import smallest
+from products.train.brake_depth import smallest
 from products.train.consist import Consist
 from products.train.consist_file import consist_of, read_consist
 from products.train.numbers import Settings

@@ -23,13 +23,13 @@ from fmu_src.step_fmu import build_step_fmu
 from fmu_src.step_fmu_in_c import build_step_fmu_in_c
 from fmu_src.system import StepInC, StepInPython, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
+from products.build_notes import remembered, remembered_path
 from products.experiments import experiments_of
 from products.one_level import model_at
 from products.parameter_sets import set_files
 from products.prebuilt import PICTURES, content_of, prebuilt, prebuilt_from_these
 from products.registry import FMUS, model_of
 from products.registry import variables_of as written_variables
-from products.remembered import remembered, remembered_path
 from products.sources import ROOT
 from products.terminals import terminals_of
 from readers.storage import writing

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from fmu_src.kernel import KernelError
 from products.machine import CYLINDER_VOLUME, bogie, coach
+from products.protection.controller_kinds import Arrays
 from products.protection.cost import AT_LIMIT, FILLINGS, NO_STOP, rolling_stop
 from products.protection.draws import FRICTIONS, SPEEDS, drawn_run
 from products.protection.environment import Environment
-from products.protection.forms import Arrays
 from products.protection.rails import ABOVE, BAND, RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Fault, Run

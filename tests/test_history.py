@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from products.machine import Machine, bogie, coach
-from products.protection import forms as module
-from products.protection.forms import Arrays
+from products.protection import controller_kinds as module
+from products.protection.controller_kinds import Arrays
 from products.protection.history import EVERY, History
 from products.protection.rails import RAILS
 from products.protection.rig import Rig

@@ -18,9 +18,9 @@ from scipy.stats import norm, uniform
 from scipy.stats import t as student
 
 import bogie_braking as bb
-from bogie_braking.doubts import doubts_about
 from bogie_braking.rare_events import Rare
 from bogie_braking.splitting import Numbers, Population, climb, confidence_of
+from bogie_braking.splitting_doubts import doubts_about
 
 ROOT = Path(__file__).parents[1]
 #: Of 200 intervals of 95 %, so many hold: 190 and two and a half standard deviations of the binomial distribution.

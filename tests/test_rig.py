@@ -20,10 +20,10 @@ from brake_controller.wheel_spin import SpinProtection
 from fmu_src.compile import FLAGS, compiler
 from products.bogie import FULL_PRESSURE, brake_values
 from products.machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
-from products.protection import forms as forms_module
+from products.protection import controller_kinds as forms_module
 from products.protection import rig as module
+from products.protection.controller_kinds import Arrays, Form, compiled
 from products.protection.encoder import Encoder
-from products.protection.forms import Arrays, Form, compiled
 from products.protection.programme import OWN, Case, read_programme
 from products.protection.rails import RAILS
 from products.protection.rig import Rig

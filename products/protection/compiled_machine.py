@@ -10,8 +10,8 @@ from fmu_src.batch import BatchLibrary
 from fmu_src.compile import build_library
 from fmu_src.kernel import Library
 from fmu_src.system import Model, model_of
+from products.build_notes import noted_path
 from products.machine import Machine, composed
-from products.remembered import noted_path
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
 
 #: Numbers of the systems by level: in the plane; in space with contacts that yield.

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from brake_controller.wheel_slide import APPLY, VENT
 from products.machine import Machine
+from products.protection.controller_kinds import Outside
 from products.protection.cost import cost, cost_of_no_stop, rolling_stop
-from products.protection.forms import Outside
 from products.protection.rig import Loop, Rig, commands_of
 from products.protection.rig_in_c import LOST, RUNS, TOO_LONG
 from products.protection.runs import Run, Stop

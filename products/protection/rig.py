@@ -48,7 +48,7 @@ from products.machine import (
 )
 from products.protection import rig_in_c
 from products.protection.compiled_machine import machine_library, machine_model
-from products.protection.forms import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
+from products.protection.controller_kinds import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
 from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
 from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset

@@ -15,7 +15,7 @@ from brake_controller.slide_protection import RIG, slide_sources
 from fmu_src.compile import library_suffix, loaded, plain_library
 from fmu_src.native_fmu import binary_for
 from products.prebuilt import contents, shipped, sources_here
-from products.protection.forms import FunctionsInC, InC
+from products.protection.controller_kinds import FunctionsInC, InC
 
 
 class SensorSettings(ctypes.Structure):

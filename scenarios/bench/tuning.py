@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from brake_controller.slide_protection import SlideProtectionParameters, common_protection
 from products.machine import bogie
+from products.protection.controller_kinds import ManyControllers
 from products.protection.cost import cost_of_no_stop, rolling_stop
 from products.protection.draws import drawn_run
 from products.protection.environment import Environment
-from products.protection.forms import ManyControllers
 from products.protection.runs import Run
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection

@@ -8,7 +8,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 
 from brake_controller.rig.udp_client import HOST, PORT, answer
-from scenarios.controllers.given import class_in
+from scenarios.controllers.controller_loader import class_in
 from scenarios.scenario import BadInputError
 
 #: The clients that are printed, by language, with their files beside wheel_slide.h.

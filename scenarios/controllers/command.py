@@ -48,7 +48,7 @@ from products.protection.rig import check_period
 from products.protection.settings import MOST_JITTER, STRONGEST, Settings
 from readers.storage import write_whole
 from scenarios.controllers import answering, loop, replay, verdict
-from scenarios.controllers.given import controllers_of
+from scenarios.controllers.controller_loader import controllers_of
 from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
 from scenarios.controllers.scoring import PHASES, Scored, compare, ideal_distance, runs_of

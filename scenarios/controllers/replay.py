@@ -21,12 +21,12 @@ from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised, WheelSlideController
 from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
-from products.protection.apart import Apart, EndedError, NoControllerError, called_apart
-from products.protection.forms import Arrays, Form, InC, Outside
-from products.protection.one import OneInC, OneOfMany
+from products.protection.controller_kinds import Arrays, Form, InC, Outside
+from products.protection.own_process import Apart, EndedError, NoControllerError, called_apart
 from products.protection.settings import LONGEST_PERIOD
+from products.protection.single_controller import OneInC, OneOfMany
 from readers.text import FileError, quoted, shown
-from scenarios.controllers.given import Given, controller_of
+from scenarios.controllers.controller_loader import Given, controller_of
 from scenarios.controllers.table import write_document
 from scenarios.measuring.pace import time_of
 from scenarios.reporting.plots import FOUR, one_word, plt, titled

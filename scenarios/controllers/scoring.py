@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 
 from fmu_src.suggestion import suggestion
 from products.machine import Machine, filling_by_flow
-from products.protection.apart import Apart, NoControllerError, Order, runs_apart
 from products.protection.compiled_machine import machine_model
 from products.protection.history import EVERY, History
+from products.protection.own_process import Apart, NoControllerError, Order, runs_apart
 from products.protection.programme import Case
 from products.protection.rig import START_SPEED
 from products.protection.runs import Run, Stop
 from products.protection.settings import GAS, Settings
 from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.controllers.given import Given
+from scenarios.controllers.controller_loader import Given
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 

@@ -10,7 +10,7 @@ from statistics import fmean as mean
 from statistics import median
 
 from products.protection.rails import LONGEST_LOCK
-from scenarios.controllers.given import ALWAYS
+from scenarios.controllers.controller_loader import ALWAYS
 from scenarios.controllers.scoring import Scored
 from scenarios.controllers.words import STOPS, Words, words_of
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from products.machine import bogie
-from products.protection.forms import Arrays, Form, compiled
+from products.protection.controller_kinds import Arrays, Form, compiled
 from products.protection.rig import Rig
 from products.protection.settings import Settings
 from products.study.points import process_pool

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from functools import partial
 
-from products.train.choice import DEPTHS_BY_COST
+from products.train.brake_depth import DEPTHS_BY_COST
 from products.train.consist import block_train
 from products.train.numbers import Settings
 from products.train.train import Train

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from products.train.choice import DEPTHS_BY_COST
+from products.train.brake_depth import DEPTHS_BY_COST
 from products.train.train import Train
 from scenarios.bench.train_runs import train_of
 from scenarios.reporting.plots import BOGIE as GREY
@@ -19,7 +19,7 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, at_most, measured
 from scenarios.scenario import Options, Scenario
 
-#: Trains that the errors in products/train/choice.py are from, and those that they are held against [m].
+#: Trains that the errors in products/train/brake_depth.py are from, and those that they are held against [m].
 FITTED, HELD = (300.0, 900.0), (250.0, 400.0, 1200.0)
 SPEED, STRIDE, LONGEST = 25.0, 2.0, 250.0
 #: The train whose pace is shown [m].

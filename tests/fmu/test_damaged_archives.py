@@ -22,7 +22,7 @@ from fmu_src.cosimulation import slave as slave_module
 from fmu_src.cosimulation.slave import CosimulationError, Slave
 from products.protection.in_fmu import InFmu
 from readers.storage import StorageError
-from scenarios.controllers.given import fmu_names
+from scenarios.controllers.controller_loader import fmu_names
 from scenarios.scenario import BadInputError
 from tests.fmu.limits import files_of_at_most
 from tests.fmu.objects import COUNTS

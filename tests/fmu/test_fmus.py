@@ -34,7 +34,7 @@ def test_fmpy_finds_no_problem(fmus: dict, key: tuple[str, str]) -> None:
 
 @pytest.mark.parametrize("key", BUILT)
 def test_variables_are_those_of_the_model_in_their_order(fmus: dict, key: tuple[str, str]) -> None:
-    """What hosts rely on is `products/variables.csv` (tests/fmu/test_promise.py)."""
+    """What hosts rely on is `products/variables.csv` (tests/fmu/test_promised_variables.py)."""
     of_model = [one for one in model_of(key[0]).variables if one.causality != "local"]
     variables = read_model_description(str(fmus[key])).modelVariables
     for causality in ("input", "output", "parameter"):

@@ -19,7 +19,7 @@ from fmu_src import archive, kept
 from fmu_src import compile as compiling
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.recording import Recording
-from products import prebuilt, remembered
+from products import build_notes, prebuilt
 from products.prebuilt import CONTENTS, contents, shipped, write_contents
 from readers.storage import PARTIAL, StorageError, is_full
 from scenarios import doctor
@@ -90,22 +90,22 @@ def test_every_object_of_a_library_is_looked_at(cache: Path) -> None:
 def test_a_note_that_is_cut_off_counts_for_nothing(cache: Path) -> None:
     """Half of a table of variables was read as one."""
     texts = iter(["[1, 2, 3]", "[4]"])
-    assert remembered.noted("numbers", lambda: next(texts)) == "[1, 2, 3]"
-    assert remembered.noted("numbers", lambda: next(texts)) == "[1, 2, 3]"
+    assert build_notes.noted("numbers", lambda: next(texts)) == "[1, 2, 3]"
+    assert build_notes.noted("numbers", lambda: next(texts)) == "[1, 2, 3]"
     [note] = cache.glob("*.made")
     note.write_text("[1, 2")
-    assert remembered.noted("numbers", lambda: next(texts)) == "[4]"
+    assert build_notes.noted("numbers", lambda: next(texts)) == "[4]"
 
 
 def test_a_copied_cache_serves_its_own_files(cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Notes held the places of the folder that was copied."""
-    assert remembered.noted_path("answer", made).is_relative_to(cache)
+    assert build_notes.noted_path("answer", made).is_relative_to(cache)
     shutil.copytree(cache, tmp_path / "copy")
     monkeypatch.setattr(compiling, "CACHE", tmp_path / "copy")
-    found = remembered.noted_path("answer", lambda: pytest.fail("it is there"))
+    found = build_notes.noted_path("answer", lambda: pytest.fail("it is there"))
     assert found.is_relative_to(tmp_path / "copy")
     found.unlink()
-    assert remembered.noted_path("answer", made).is_relative_to(tmp_path / "copy")
+    assert build_notes.noted_path("answer", made).is_relative_to(tmp_path / "copy")
 
 
 @pytest.mark.parametrize("text", ["", "../outside", "/etc/hostname"])
@@ -169,7 +169,7 @@ def test_a_full_disk_is_one_sentence_with_the_folder_and_what_to_do(cache: Path,
         files_of_at_most(100),
         pytest.raises(CompilerError, match=rf"Cannot write {cache}.* or name .*BOGIE_BRAKING_CACHE\.$"),
     ):
-        remembered.noted("numbers", lambda: "1" * 1000)
+        build_notes.noted("numbers", lambda: "1" * 1000)
     with files_of_at_most(100):
         assert "Free space" in doctor.cache(compiles=False).advice
     assert not list(cache.glob(f"*{PARTIAL}"))

@@ -16,7 +16,7 @@ READS = re.compile(
 #: Files that call one: the readers, and those of tables that ship with the project.
 READERS = {"readers/tables.py", "readers/toml_files.py"}
 OF_OWN_DATA = {
-    *("products/promise.py", "scenarios/contact/creep_laws.py", "scenarios/contact/contact_manchester.py"),
+    *("products/promised_variables.py", "scenarios/contact/creep_laws.py", "scenarios/contact/contact_manchester.py"),
     "scenarios/measuring/exact_states.py",
 }
 

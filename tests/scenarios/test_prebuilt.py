@@ -15,7 +15,7 @@ from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import Kernel, Library
 from products import building, prebuilt
 from products.protection import rig_in_c
-from products.protection.forms import InC
+from products.protection.controller_kinds import InC
 from scenarios.live import page as live
 
 PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)

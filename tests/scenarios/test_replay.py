@@ -11,7 +11,7 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking.__main__ import main
-from products.protection.forms import compiled
+from products.protection.controller_kinds import compiled
 from products.protection.slide_protection import SlideProtection
 from scenarios.controllers.replay import read_log, replay
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from products.train.choice import DEPTHS_BY_COST, smallest
+from products.train.brake_depth import DEPTHS_BY_COST, smallest
 from products.train.consist import Consist, block_train, braked_by, coach, locomotive, wagon
 from products.train.numbers import Settings
 from products.train.train import Train

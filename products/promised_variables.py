@@ -1,6 +1,6 @@
 """What is promised of the variables of the FMUs: the table of the last version, and what has changed since.
 
-`python -m products.promise`, in a checkout, writes the table anew, as a version is made.
+`python -m products.promised_variables`, in a checkout, writes the table anew, as a version is made.
 """
 
 import csv

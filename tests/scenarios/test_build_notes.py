@@ -17,10 +17,10 @@ from brake_controller.parameters import qr30
 from fmu_src import compile as compiling
 from fmu_src.kept import CHECKSUM
 from fmu_src.system import Model, System
-from products import building, module_files, remembered
+from products import build_notes, building, module_files
 from products.module_files import files_of, imports_of
 from products.prebuilt import PAGE_SOURCES
-from products.promise import TABLE
+from products.promised_variables import TABLE
 from products.registry import FMUS, Fmu, model_of
 from products.sources import KINDS, ROOMS, ROOT
 from rbd_model.levels import models
@@ -66,7 +66,7 @@ def test_equations_are_written_once(made: Callable[[], int]) -> None:
 def test_changed_sources_are_written_again(made: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> None:
     building.kernel_of("rail")
     once = made()
-    monkeypatch.setattr(remembered, "digest_of", lambda *_: "others")
+    monkeypatch.setattr(build_notes, "digest_of", lambda *_: "others")
     building.kernel_of("rail")
     assert made() == 2 * once
 
@@ -104,7 +104,7 @@ def test_imports_are_read_as_python_reads_them() -> None:
 def test_another_compiler_is_asked_again(made: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> None:
     building.kernel_of("rail")
     once = made()
-    monkeypatch.setattr(remembered, "compiler", lambda: ["another"])
+    monkeypatch.setattr(build_notes, "compiler", lambda: ["another"])
     building.kernel_of("rail")
     assert made() == 2 * once
 

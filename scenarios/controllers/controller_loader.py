@@ -16,9 +16,9 @@ from brake_controller.wheel_spin import SpinProtection
 from fmu_src.archive import ArchiveError
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.opening import description_of
-from products.protection.apart import Apart
-from products.protection.forms import Arrays, Form, InC, compiled
+from products.protection.controller_kinds import Arrays, Form, InC, compiled
 from products.protection.in_fmu import InFmu, Names, names_of
+from products.protection.own_process import Apart
 from products.protection.rig_in_c import slide_protection
 from readers.text import FileError
 from readers.toml_files import toml_of
@@ -128,7 +128,7 @@ def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
 
 
 def form_of(make: Callable[[], Any]) -> Form:
-    """Of one machine, or of many at once: those have a method `start` (products/protection/forms.py)."""
+    """Of one machine, or of many at once: those have a method `start` (products/protection/controller_kinds.py)."""
     one = make()
     return Arrays(one) if _begins_many(getattr(one, "start", None)) else make
 

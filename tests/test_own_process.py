@@ -14,14 +14,14 @@ from fmu_src.cosimulation.slave import Slave
 from fmu_src.kernel import KernelError
 from products.machine import bogie, coach
 from products.protection import in_fmu as in_fmu_module
-from products.protection.apart import Apart, Limits, NoControllerError, Order, called_apart, runs_apart
-from products.protection.forms import InC, compiled
+from products.protection.controller_kinds import InC, compiled
 from products.protection.in_fmu import InFmu, Names
+from products.protection.own_process import Apart, Limits, NoControllerError, Order, called_apart, runs_apart
 from products.protection.rails import RAILS
 from products.protection.rig import Rig
 from products.protection.runs import Run
 from products.protection.settings import Settings
-from scenarios.controllers.given import fmu_names, in_c, in_fmu
+from scenarios.controllers.controller_loader import fmu_names, in_c, in_fmu
 from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetGo
 from scenarios.scenario import BadInputError
 

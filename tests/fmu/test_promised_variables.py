@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from products.promise import changes, last_version
+from products.promised_variables import changes, last_version
 from products.registry import FMUS, model_of
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from products.protection.forms import Arrays, InC
+from products.protection.controller_kinds import Arrays, InC
 
 _START = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)
 _STEP = ctypes.CFUNCTYPE(
