@@ -8,21 +8,18 @@
 
 enum { ROWS = 5, WHEELSETS = 16, LOOKS = 4000, WIDTH = 2 + 5 * WHEELSETS + 2 };
 
-static void start(void *memory, int wheelsets, double period)
-{
+static void start(void *memory, int wheelsets, double period) {
     (void)period;
     memcpy(memory, &wheelsets, sizeof wheelsets);
 }
-static void step(void *memory, double time, const double *speed, int *valve)
-{
+static void step(void *memory, double time, const double *speed, int *valve) {
     int wheelsets;
     memcpy(&wheelsets, memory, sizeof wheelsets);
     for (int i = 0; i < wheelsets; ++i) valve[i] = time > 15.0 && i == 3 ? 9 : speed[i] < 5.0;
 }
 
 /* What a machine shows that slows by 1 m/s2; its wheels slide. */
-static void show(double time, int row, double *shown)
-{
+static void show(double time, int row, double *shown) {
     const double speed = fmax(20.0 - row - time, 0.0);
     memset(shown, 0, WIDTH * sizeof(double));
     shown[0] = speed;
@@ -37,8 +34,7 @@ static void show(double time, int row, double *shown)
 }
 
 /* inside: the controller is C; own: that which comes with the brake. */
-static int run(bool inside, bool own)
-{
+static int run(bool inside, bool own) {
     rig_settings settings = {WHEELSETS, 0.46, 5e-3, 1.0, 380e3, 300.0, 0.3, 0.3, 3.0, 1, 0, {300, 0.03, 1e-6, 5.0}};
     rig_controller controller = {start, step, sizeof(int)};
     if (own) controller = (rig_controller){wheel_slide_start, wheel_slide_step, wheel_slide_size(WHEELSETS)};
@@ -66,8 +62,7 @@ static int run(bool inside, bool own)
     for (int n = 0; n < LOOKS; ++n) {
         for (int row = 0; row < ROWS; ++row) show(5e-3 * n, row, shown + row * WIDTH);
         status[ROWS - 1] = n > 1000 ? 3 : 0; /* this one is lost on the way */
-        if (inside)
-            rig_between(self, 0, ROWS, status, shown, told);
+        if (inside) rig_between(self, 0, ROWS, status, shown, told);
         else {
             valve[0] = n > 500 ? 5 : 2;
             rig_take_or_look(self, 0, ROWS, status, shown, told);

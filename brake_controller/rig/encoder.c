@@ -7,16 +7,14 @@
 
 #define TURN 6.283185307179586
 
-static double place_of(const encoder *self, const encoder_settings *settings, long long int edge)
-{
+static double place_of(const encoder *self, const encoder_settings *settings, long long int edge) {
     if (!self->error) return (double)edge;
     const long long int tooth = edge % settings->pulses;
     return (double)edge + self->error[tooth < 0 ? tooth + settings->pulses : tooth];
 }
 
 /* The last edge at or before a place: errors are below half a pitch. */
-static long long int last_edge(const encoder *self, const encoder_settings *settings, double place)
-{
+static long long int last_edge(const encoder *self, const encoder_settings *settings, double place) {
     const long long int edge = (long long int)floor(place);
     if (!self->error) return edge;
     if (place_of(self, settings, edge + 1) <= place) return edge + 1;
@@ -24,20 +22,17 @@ static long long int last_edge(const encoder *self, const encoder_settings *sett
 }
 
 /* When an edge passed on the way from one place to another, to the resolution of the timer [s]. */
-static double time_of(const encoder *self, const encoder_settings *settings, long long int edge, const encoder_passage *of)
-{
+static double time_of(const encoder *self, const encoder_settings *settings, long long int edge, const encoder_passage *of) {
     const double share = (place_of(self, settings, edge) - of->begin) / (of->place - of->begin);
     return floor((of->start + share * (of->end - of->start)) / settings->timer) * settings->timer;
 }
 
-static encoder_passage *passage_at(encoder *self, int number)
-{
+static encoder_passage *passage_at(encoder *self, int number) {
     return &self->passage[(self->oldest + number) % ENCODER_LOOKS];
 }
 
 /* Drops looks that are a gate before the last edge and have others behind them that are so too. */
-static void forget(encoder *self, double since)
-{
+static void forget(encoder *self, double since) {
     while (self->passages > 1 && passage_at(self, 1)->first_time <= since) {
         self->oldest = (self->oldest + 1) % ENCODER_LOOKS;
         --self->passages;
@@ -46,20 +41,17 @@ static void forget(encoder *self, double since)
 
 /* Keeps the looks between which edges passed. Where room gets scarce, one that follows the last one sooner than its share of the
  * gate counts as a part of it. */
-static void keep(encoder *self, const encoder_settings *settings, const encoder_passage *now)
-{
+static void keep(encoder *self, const encoder_settings *settings, const encoder_passage *now) {
     const bool is_scarce = self->passages > ENCODER_LOOKS / 2, is_full = self->passages == ENCODER_LOOKS;
     encoder_passage *last = passage_at(self, is_scarce ? self->passages - 1 : 0);
     if (is_full || (is_scarce && now->start - last->start < settings->gate / (ENCODER_LOOKS - 1))) {
         last->end = now->end;
         last->place = now->place;
-    } else
-        *passage_at(self, self->passages++) = *now;
+    } else *passage_at(self, self->passages++) = *now;
 }
 
 /* Edges a second up to the last edge; 0 as long as there is none a gate before it. */
-static double mean_of(const encoder *self, const encoder_settings *settings, double since)
-{
+static double mean_of(const encoder *self, const encoder_settings *settings, double since) {
     const encoder_passage *of = &self->passage[self->oldest];
     if (of->first_time > since) return 0.0;
     const double share = fmin(1.0, (since - of->start) / (of->end - of->start));
@@ -68,8 +60,7 @@ static double mean_of(const encoder *self, const encoder_settings *settings, dou
     return (double)(self->edge - before) / (self->edge_time - time_of(self, settings, before, of));
 }
 
-static void turn(encoder *self, const encoder_settings *settings, double time, double place)
-{
+static void turn(encoder *self, const encoder_settings *settings, double time, double place) {
     const long long int edge = last_edge(self, settings, place);
     if (edge > self->edge) {
         encoder_passage now = {self->time, self->place, time, place, 0.0, self->edge + 1};
@@ -85,21 +76,16 @@ static void turn(encoder *self, const encoder_settings *settings, double time, d
     self->place = place;
 }
 
-size_t encoder_size(void)
-{
-    return sizeof(encoder);
-}
+size_t encoder_size(void) { return sizeof(encoder); }
 
-void encoder_begin(encoder *self, const double *error, double phase)
-{
+void encoder_begin(encoder *self, const double *error, double phase) {
     memset(self, 0, sizeof *self);
     self->error = error;
     self->place = phase;
     self->edge_time = -INFINITY;
 }
 
-double encoder_read(encoder *self, const encoder_settings *settings, double time, double rotation)
-{
+double encoder_read(encoder *self, const encoder_settings *settings, double time, double rotation) {
     const double pitch = TURN / settings->pulses;
     if (!self->looked) {
         self->place += fabs(rotation) / pitch;

@@ -37,13 +37,9 @@ struct rig {
     unsigned char guard[GUARD];
 };
 
-static void *room(size_t count, size_t size)
-{
-    return calloc(count ? count : 1, size ? size : 1);
-}
+static void *room(size_t count, size_t size) { return calloc(count ? count : 1, size ? size : 1); }
 
-rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller, const rig_desk *desk)
-{
+rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller, const rig_desk *desk) {
     rig *self = settings->wheelsets <= RIG_MOST ? (rig *)room(1, sizeof *self) : NULL;
     if (!self) return NULL;
     self->settings = *settings;
@@ -66,16 +62,15 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
         one->pressure = (double *)room(n, sizeof(double));
         one->valve = (int *)room(n, sizeof(int));
         one->memory = room(1, controller->size + GUARD);
-        whole = one->sensor && one->wheelset && one->seen && one->error && one->locked && one->skid && one->pressure && one->valve &&
-                one->memory;
+        whole = one->sensor && one->wheelset && one->seen && one->error && one->locked && one->skid && one->pressure &&
+                one->valve && one->memory;
     }
     if (whole) return self;
     rig_free(self);
     return NULL;
 }
 
-void rig_free(rig *self)
-{
+void rig_free(rig *self) {
     for (long long int row = 0; self && self->run && row < self->rows; ++row) {
         rig_run *one = &self->run[row];
         free(one->sensor);
@@ -95,21 +90,18 @@ void rig_free(rig *self)
 }
 
 /* Whether a controller in C changed nothing behind its memory, nor behind its valves. */
-static bool kept_to_itself(const rig *self, const rig_run *one, const int *valve)
-{
+static bool kept_to_itself(const rig *self, const rig_run *one, const int *valve) {
     return !memcmp((const char *)one->memory + self->controller.size, self->guard, GUARD) &&
            (!valve || !memcmp(valve + self->settings.wheelsets, self->guard, GUARD_VALVES * sizeof *valve));
 }
 
-static void gone_beyond(rig *self, long long int row)
-{
+static void gone_beyond(rig *self, long long int row) {
     rig_give_up(self, row);
     self->score[row].valve = RIG_BEYOND;
     memcpy((char *)self->run[row].memory + self->controller.size, self->guard, GUARD);
 }
 
-void rig_begin(rig *self, long long int row, double end_speed, const double *error, const rig_wheelset *wheelset)
-{
+void rig_begin(rig *self, long long int row, double end_speed, const double *error, const rig_wheelset *wheelset) {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
     const size_t n = (size_t)s->wheelsets, pulses = (size_t)s->encoder.pulses;
@@ -135,24 +127,14 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
 }
 
 /* Numbers that a machine shows. */
-static size_t width(const rig_settings *s)
-{
-    return (size_t)(2 + 5 * s->wheelsets + (s->reservoir ? 2 : 0));
-}
+static size_t width(const rig_settings *s) { return (size_t)(2 + 5 * s->wheelsets + (s->reservoir ? 2 : 0)); }
 
-const rig_score *rig_scores(const rig *self)
-{
-    return self->score;
-}
+const rig_score *rig_scores(const rig *self) { return self->score; }
 
-void rig_write_down(rig *self, const rig_notes *notes)
-{
-    self->notes = *notes;
-}
+void rig_write_down(rig *self, const rig_notes *notes) { self->notes = *notes; }
 
 /* Writes a look down if it is due. */
-static void note(rig *self, long long int row, double time, const double *shown)
-{
+static void note(rig *self, long long int row, double time, const double *shown) {
     const rig_notes *notes = &self->notes;
     const rig_run *one = &self->run[row];
     const int n = self->settings.wheelsets;
@@ -173,8 +155,7 @@ static void note(rig *self, long long int row, double time, const double *shown)
 }
 
 /* What this look adds to the score of a run. */
-static void judge(rig *self, long long int row, double time, const double *shown)
-{
+static void judge(rig *self, long long int row, double time, const double *shown) {
     const rig_settings *s = &self->settings;
     const int n = s->wheelsets;
     const double speed = shown[0], *omega = shown + 2 + n, *pressure = omega + n, *creep = pressure + n, *air = creep + 2 * n;
@@ -204,15 +185,12 @@ static void judge(rig *self, long long int row, double time, const double *shown
     score->time = time;
     score->speed = speed;
     score->distance = shown[1];
-    if (time > s->brake_start && (s->driven ? speed >= one->end_speed : speed < one->end_speed))
-        score->state = RIG_DONE;
-    else if (time >= s->longest)
-        score->state = RIG_TOO_LONG;
+    if (time > s->brake_start && (s->driven ? speed >= one->end_speed : speed < one->end_speed)) score->state = RIG_DONE;
+    else if (time >= s->longest) score->state = RIG_TOO_LONG;
 }
 
 /* What the sensor of a wheelset shows at a time: the circumferential speed of its wheels, unless it fails [m/s]. */
-static double seen(const rig_settings *s, const rig_run *one, int i, double time, double reading)
-{
+static double seen(const rig_settings *s, const rig_run *one, int i, double time, double reading) {
     const rig_wheelset *of = &one->wheelset[i];
     const double speed = s->radius * of->radius * reading;
     const int fails = time >= of->sensor_from ? of->sensor : SENSOR_WORKS;
@@ -220,8 +198,7 @@ static double seen(const rig_settings *s, const rig_run *one, int i, double time
 }
 
 /* Whether the run goes on behind this look. */
-static bool look(rig *self, long long int row, int status, const double *shown, double *wheel_speed)
-{
+static bool look(rig *self, long long int row, int status, const double *shown, double *wheel_speed) {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
     if (self->score[row].state == RIG_RUNS && status > WORKS) self->score[row].state = RIG_LOST;
@@ -235,8 +212,7 @@ static bool look(rig *self, long long int row, int status, const double *shown, 
 }
 
 /* Sets what the machine of a row is told, at the time of the last look, and lets it go on. */
-static void set(rig *self, long long int row, double *told)
-{
+static void set(rig *self, long long int row, double *told) {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
     const bool demanded = (double)one->looks * s->period >= s->brake_start;
@@ -249,8 +225,7 @@ static void set(rig *self, long long int row, double *told)
 }
 
 /* Takes the answer of a controller, or gives it up; valves that stick stay where they stand. */
-static void take(rig *self, long long int row, const int *valve)
-{
+static void take(rig *self, long long int row, const int *valve) {
     rig_run *one = &self->run[row];
     rig_score *score = &self->score[row];
     if (!isnan(score->failed_at)) return;
@@ -268,24 +243,21 @@ static void take(rig *self, long long int row, const int *valve)
     }
 }
 
-void rig_give_up(rig *self, long long int row)
-{
+void rig_give_up(rig *self, long long int row) {
     rig_run *one = &self->run[row];
     if (!isnan(self->score[row].failed_at)) return;
     self->score[row].failed_at = (double)one->looks * self->settings.period;
     for (int i = 0; i < self->settings.wheelsets; ++i) one->valve[i] = WHEEL_SLIDE_APPLY;
 }
 
-void rig_look(rig *self, long long int row, int status, const double *shown)
-{
+void rig_look(rig *self, long long int row, int status, const double *shown) {
     rig_run *one = &self->run[row];
     self->desk.time[row] = (double)one->looks * self->settings.period;
     one->asks = look(self, row, status, shown, self->desk.wheel_speed + row * self->settings.wheelsets);
 }
 
 bool rig_take_or_look(void *context, long long int first, long long int count, const int *status, const double *shown,
-                      double *told)
-{
+                      double *told) {
     rig *self = (rig *)context;
     const int n = self->settings.wheelsets;
     bool any = false;
@@ -298,12 +270,13 @@ bool rig_take_or_look(void *context, long long int first, long long int count, c
         any = true;
     }
     for (long long int i = 0; i < count && !any; ++i)
-        if (self->score[first + i].state == RIG_RUNS) rig_look(self, first + i, status[i], shown + (size_t)i * width(&self->settings));
+        if (self->score[first + i].state == RIG_RUNS)
+            rig_look(self, first + i, status[i], shown + (size_t)i * width(&self->settings));
     return any;
 }
 
-bool rig_between(void *context, long long int first, long long int count, const int *status, const double *shown, double *told)
-{
+bool rig_between(void *context, long long int first, long long int count, const int *status, const double *shown,
+                 double *told) {
     rig *self = (rig *)context;
     const int n = self->settings.wheelsets;
     bool any = false;
@@ -317,10 +290,8 @@ bool rig_between(void *context, long long int first, long long int count, const 
         if (isnan(self->score[row].failed_at) && self->controller.step) {
             const double time = (double)self->run[row].looks * self->settings.period;
             self->controller.step(self->run[row].memory, time, wheel_speed, valve);
-            if (kept_to_itself(self, &self->run[row], valve))
-                take(self, row, valve);
-            else
-                gone_beyond(self, row);
+            if (kept_to_itself(self, &self->run[row], valve)) take(self, row, valve);
+            else gone_beyond(self, row);
         }
         set(self, row, told + i * 2 * n);
         any = true;

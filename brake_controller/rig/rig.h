@@ -92,7 +92,8 @@ typedef struct rig rig;
  * reservoir, air taken [kg] and pressure [Pa]. What it is told: demands of all wheelsets, then their valves. */
 
 /* null: there is no memory, or a machine has more than RIG_MOST wheelsets. */
-RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller, const rig_desk *desk);
+RIG_SHOWN rig *rig_create(long long int rows, const rig_settings *settings, const rig_controller *controller,
+                          const rig_desk *desk);
 RIG_SHOWN void rig_free(rig *self);
 /* A run begins in a row. end_speed: its last one, to which it slows or, driven, speeds up. error: of the edges of each
  * wheelset's sensor, pulses each, or null. Both are copied. */

@@ -68,50 +68,38 @@ typedef struct {
     wheel wheels[];
 } protection;
 
-static double larger(double one, double other)
-{
-    return other > one ? other : one;
-}
+static double larger(double one, double other) { return other > one ? other : one; }
 
-static double smaller(double one, double other)
-{
-    return other < one ? other : one;
-}
+static double smaller(double one, double other) { return other < one ? other : one; }
 
-static double largest_of(const double *numbers, int count)
-{
+static double largest_of(const double *numbers, int count) {
     double found = numbers[0];
     for (int i = 1; i < count; ++i) found = larger(found, numbers[i]);
     return found;
 }
 
 /* Whether a wheel counts: its sensor is believed, or none is. */
-static bool is_seen(const protection *self, const wheel *one)
-{
-    return one->believed || !self->any_believed;
-}
+static bool is_seen(const protection *self, const wheel *one) { return one->believed || !self->any_believed; }
 
 /* The number of the fastest wheel that counts, or of the slowest one. */
-static int chosen(const protection *self, bool fastest)
-{
+static int chosen(const protection *self, bool fastest) {
     int found = NOBODY;
     for (int i = 0; i < self->wheelsets; ++i) {
         const double speed = self->wheels[i].calm_speed;
         if (!is_seen(self, &self->wheels[i])) continue;
-        if (found == NOBODY || (fastest ? speed > self->wheels[found].calm_speed : speed < self->wheels[found].calm_speed)) found = i;
+        if (found == NOBODY || (fastest ? speed > self->wheels[found].calm_speed : speed < self->wheels[found].calm_speed))
+            found = i;
     }
     return found;
 }
 
 /* Whether a sensor has shown something for a while. */
-static bool is_judged(const protection *self, const wheel *one)
-{
+static bool is_judged(const protection *self, const wheel *one) {
     return one->turns && self->time - one->turns_since > SETTLING;
 }
 
 /* A sensor that agrees with the others for a while, and changes, is believed again. */
-static void agree(const protection *self, wheel *one, double speed, double others)
-{
+static void agree(const protection *self, wheel *one, double speed, double others) {
     if (speed == one->reading || fabs(one->calm_speed - others) > AGREES * others) {
         one->agrees = false;
     } else if (!one->agrees) {
@@ -124,8 +112,7 @@ static void agree(const protection *self, wheel *one, double speed, double other
 }
 
 /* Whether a sensor has shown nothing while others have turned for a while. */
-static bool is_blind(const protection *self, double others)
-{
+static bool is_blind(const protection *self, double others) {
     const wheel *first = NULL;
     for (const wheel *one = self->wheels; one < self->wheels + self->wheelsets; ++one)
         if (one->turns && (!first || one->turns_since < first->turns_since)) first = one;
@@ -133,21 +120,17 @@ static bool is_blind(const protection *self, double others)
 }
 
 /* Whether the largest of the recent readings changes as no wheel does; keeps the reading. */
-static bool jumps(wheel *one, double speed, double size)
-{
+static bool jumps(wheel *one, double speed, double size) {
     const bool whole = one->readings == RECENT;
     const double before = whole ? largest_of(one->recent, RECENT) : 0.0;
-    if (whole)
-        memmove(one->recent, one->recent + 1, (RECENT - 1) * sizeof *one->recent);
-    else
-        ++one->readings;
+    if (whole) memmove(one->recent, one->recent + 1, (RECENT - 1) * sizeof *one->recent);
+    else ++one->readings;
     one->recent[one->readings - 1] = speed;
     return whole && fabs(largest_of(one->recent, RECENT) - before) > JUMP + JUMPING * size;
 }
 
 /* Looks whether a sensor shows what no wheel does: a jump, the same while others change, nothing at all. */
-static void believe(protection *self, wheel *one, double speed, double size)
-{
+static void believe(protection *self, wheel *one, double speed, double size) {
     const wheel *fastest = NULL; /* of the others that are believed */
     for (const wheel *other = self->wheels; other < self->wheels + self->wheelsets; ++other)
         if (other != one && other->believed && (!fastest || other->calm_speed > fastest->calm_speed)) fastest = other;
@@ -174,8 +157,7 @@ static void believe(protection *self, wheel *one, double speed, double size)
 }
 
 /* Takes a reading; a wheel whose sensor has shown nothing yet starts with the first that it shows. */
-static void filter(const protection *self, wheel *one, double speed, double size)
-{
+static void filter(const protection *self, wheel *one, double speed, double size) {
     const slide_thresholds *t = &self->thresholds;
     if (!one->turns) {
         one->turns = speed > 0.0;
@@ -195,21 +177,18 @@ static void filter(const protection *self, wheel *one, double speed, double size
 }
 
 /* A deceleration within what can be [m/s2]. */
-static double possible(const protection *self, double deceleration)
-{
+static double possible(const protection *self, double deceleration) {
     return smaller(larger(deceleration, LEAST_DECELERATION), self->thresholds.largest_deceleration);
 }
 
 /* The mean deceleration since the last true speed. */
-static void measure(protection *self, double speed)
-{
+static void measure(protection *self, double speed) {
     const double elapsed = larger(self->time - self->synchronised_at, SHORTEST_BETWEEN);
     self->deceleration = possible(self, (self->synchronised_speed - speed) / elapsed);
 }
 
 /* Keeps a speed every now and then; the one before the last was true though a slide may have begun since. */
-static void keep(protection *self, double speed)
-{
+static void keep(protection *self, double speed) {
     const bool known = self->kept_speed > 0.0;
     if (known && self->time - self->kept_at < KEEPING) return;
     self->synchronised_at = known ? self->kept_at : self->time;
@@ -219,8 +198,7 @@ static void keep(protection *self, double speed)
 }
 
 /* No wheel has slid: the reference is the fastest one's speed, and falls no faster than any rail allows. */
-static void roll(protection *self, double size, const wheel *fastest)
-{
+static void roll(protection *self, double size, const wheel *fastest) {
     const slide_thresholds *t = &self->thresholds;
     self->reference = larger(fastest->calm_speed, self->reference - t->largest_deceleration * size);
     keep(self, self->reference);
@@ -243,36 +221,29 @@ static void roll(protection *self, double size, const wheel *fastest)
 }
 
 /* As the bogie last slowed, or as the fastest wheel does while all are braked freely [m/s2]. */
-static double known_deceleration(const protection *self, const wheel *fastest)
-{
+static double known_deceleration(const protection *self, const wheel *fastest) {
     if (self->time - self->acted_at < FREELY_BRAKED) return self->deceleration;
     return larger(self->deceleration, possible(self, -fastest->calm_acceleration));
 }
 
 /* The speed below which slips count in m/s [m/s]. */
-static double slow(const protection *self)
-{
-    return self->thresholds.least_slip / self->thresholds.upper_slip;
-}
+static double slow(const protection *self) { return self->thresholds.least_slip / self->thresholds.upper_slip; }
 
 /* Remembers that a wheel has gained speed since the last true speed, or since it was let go. */
-static void look_for_gain(protection *self, wheel *one)
-{
+static void look_for_gain(protection *self, wheel *one) {
     one->lowest = smaller(one->lowest, one->calm_speed);
     const double gain = GAIN * larger(one->calm_speed, slow(self));
     if (one->calm_acceleration > SPEEDING && one->calm_speed - one->lowest > gain) self->gained = one->speeds_up = true;
 }
 
 /* A wheel that is vented speeds up until it rolls; one that never slid is believed after a while. */
-static bool has_caught_up(const protection *self, const wheel *one)
-{
+static bool has_caught_up(const protection *self, const wheel *one) {
     const double longest = one->speeds_up ? SHORTEST_RELEASE : LONGEST_RELEASE;
     return one->vents && one->calm_acceleration < ROLLING && self->time - one->vents_since > longest;
 }
 
 /* Takes the true speed, and from two of them the deceleration of the bogie. */
-static void synchronise(protection *self, double speed)
-{
+static void synchronise(protection *self, double speed) {
     if (self->looks == 0 || self->time - self->synchronised_at > SHORTEST_BETWEEN) {
         measure(self, speed);
         self->synchronised_at = self->kept_at = self->time;
@@ -290,8 +261,7 @@ static void synchronise(protection *self, double speed)
 }
 
 /* Wheels slide: the reference falls as fast as the bogie last did, until a wheel that is let go rolls. */
-static void slide(protection *self, double size, const wheel *fastest)
-{
+static void slide(protection *self, double size, const wheel *fastest) {
     const double falls = known_deceleration(self, fastest);
     const wheel *shows = NULL; /* the true speed */
     self->reference = larger(fastest->calm_speed, self->reference - falls * size);
@@ -308,16 +278,14 @@ static void slide(protection *self, double size, const wheel *fastest)
 }
 
 /* Whether this wheelset is the one that is let go so that it shows the true speed: first one that slides. */
-static bool is_released(protection *self, int number)
-{
+static bool is_released(protection *self, int number) {
     const double due = self->looks == 0 ? 0.0 : self->looks == 1 ? SECOND_LOOK : self->thresholds.synchronising_period;
     if (self->released == NOBODY && self->time - self->synchronised_at > due) self->released = chosen(self, self->looks > 0);
     return self->released == number;
 }
 
 /* Compares the slip to come, from the present one and its rate, with the band. */
-static int by_slip(const protection *self, const wheel *one)
-{
+static int by_slip(const protection *self, const wheel *one) {
     const slide_thresholds *t = &self->thresholds;
     const double scale = larger(self->reference, slow(self));
     if (scale == 0.0) return APPLY; /* all wheels stand */
@@ -326,8 +294,7 @@ static int by_slip(const protection *self, const wheel *one)
     return slip > t->upper_slip ? VENT : slip < t->lower_slip ? APPLY : HOLD;
 }
 
-static int command_of(protection *self, int number)
-{
+static int command_of(protection *self, int number) {
     const slide_thresholds *t = &self->thresholds;
     wheel *one = &self->wheels[number];
     if (!(self->evident && is_judged(self, one)) || self->reference < t->slowest || self->time < one->blocked_until) {
@@ -350,13 +317,9 @@ static int command_of(protection *self, int number)
     return command;
 }
 
-size_t wheel_slide_size(int wheelsets)
-{
-    return sizeof(protection) + (size_t)wheelsets * sizeof(wheel);
-}
+size_t wheel_slide_size(int wheelsets) { return sizeof(protection) + (size_t)wheelsets * sizeof(wheel); }
 
-void wheel_slide_start(void *memory, int wheelsets, double period)
-{
+void wheel_slide_start(void *memory, int wheelsets, double period) {
     protection *self = memory;
     (void)period;
     self->thresholds = (slide_thresholds)SLIDE_COMMON;
@@ -369,8 +332,7 @@ void wheel_slide_start(void *memory, int wheelsets, double period)
     }
 }
 
-void wheel_slide_step(void *memory, double time, const double *wheel_speed, int *valve)
-{
+void wheel_slide_step(void *memory, double time, const double *wheel_speed, int *valve) {
     protection *self = memory;
     const double size = self->begun ? time - self->time : 0.0;
     self->begun = true;
@@ -393,17 +355,10 @@ void wheel_slide_step(void *memory, double time, const double *wheel_speed, int 
         if (!self->wheels[i].believed) valve[i] = most;
 }
 
-void slide_set_thresholds(void *memory, const slide_thresholds *thresholds)
-{
+void slide_set_thresholds(void *memory, const slide_thresholds *thresholds) {
     ((protection *)memory)->thresholds = *thresholds;
 }
 
-double slide_reference(const void *memory)
-{
-    return ((const protection *)memory)->reference;
-}
+double slide_reference(const void *memory) { return ((const protection *)memory)->reference; }
 
-int slide_believes(const void *memory, int wheelset)
-{
-    return ((const protection *)memory)->wheels[wheelset].believed;
-}
+int slide_believes(const void *memory, int wheelset) { return ((const protection *)memory)->wheels[wheelset].believed; }

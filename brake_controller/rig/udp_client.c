@@ -30,23 +30,20 @@ enum { HELLO = 1, SPEEDS = 2, ANSWER = 3, END = 4 };
 /* Bytes before the speeds and before the valves, most wheelsets, hellos a second, and seconds until the rig counts as silent. */
 enum { HEADER = 12, QUESTION = 28, MOST = 16, EVERY = 5, SILENCE = 10 };
 
-static uint64_t whole(const unsigned char *from, int bytes)
-{
+static uint64_t whole(const unsigned char *from, int bytes) {
     uint64_t value = 0;
     for (int i = bytes - 1; i >= 0; --i) value = value << 8 | from[i];
     return value;
 }
 
-static double number(const unsigned char *from)
-{
+static double number(const unsigned char *from) {
     const uint64_t bits = whole(from, 8);
     double value;
     memcpy(&value, &bits, sizeof value);
     return value;
 }
 
-static void head(unsigned char *to, int kind, int wheelsets, uint32_t sequence)
-{
+static void head(unsigned char *to, int kind, int wheelsets, uint32_t sequence) {
     memcpy(to, "WSP1", 4);
     to[4] = (unsigned char)kind;
     to[6] = (unsigned char)wheelsets;
@@ -55,8 +52,7 @@ static void head(unsigned char *to, int kind, int wheelsets, uint32_t sequence)
 }
 
 /* A socket that hears the rig alone, or INVALID_SOCKET. */
-static SOCKET reached(const char *host, const char *port)
-{
+static SOCKET reached(const char *host, const char *port) {
     struct addrinfo wanted, *found = NULL;
     memset(&wanted, 0, sizeof wanted);
     wanted.ai_family = AF_INET;
@@ -69,8 +65,7 @@ static SOCKET reached(const char *host, const char *port)
 }
 
 /* The length of the next packet; 0: none came for a while, or nobody listens there. */
-static int heard(SOCKET own, unsigned char *packet, int most)
-{
+static int heard(SOCKET own, unsigned char *packet, int most) {
     fd_set ready;
     struct timeval wait = {0, 1000000 / EVERY};
     FD_ZERO(&ready);
@@ -85,8 +80,7 @@ static int heard(SOCKET own, unsigned char *packet, int most)
 }
 
 /* The controller answers a question; its memory is taken at the first one. 0: there is no memory. */
-static int answer(SOCKET own, const unsigned char *packet, int n, void **memory)
-{
+static int answer(SOCKET own, const unsigned char *packet, int n, void **memory) {
     unsigned char reply[HEADER + MOST];
     double speed[MOST];
     int valve[MOST] = {WHEEL_SLIDE_APPLY};
@@ -105,8 +99,7 @@ static int answer(SOCKET own, const unsigned char *packet, int n, void **memory)
 }
 
 /* Until the run is over: 0; or the rig is silent for too long within a run: 1. */
-static int serve(SOCKET own)
-{
+static int serve(SOCKET own) {
     unsigned char packet[2048], hello[HEADER];
     void *memory = NULL;
     head(hello, HELLO, 0, 0);
@@ -127,8 +120,7 @@ static int serve(SOCKET own)
     return 1;
 }
 
-int main(int count, char **given)
-{
+int main(int count, char **given) {
     const char *host = count > 1 ? given[1] : "127.0.0.1", *port = count > 2 ? given[2] : "5005";
 #if defined(_WIN32)
     WSADATA about;

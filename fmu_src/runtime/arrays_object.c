@@ -54,7 +54,8 @@ double *arrays_read(const char *folder, const char *name, size_t *count, char pr
     FILE *file = path ? resources_open(path, &why) : NULL;
     double *numbers = file ? read_numbers(file, count) : NULL;
     if (file) fclose(file);
-    if (!numbers) snprintf(problem, MESSAGE_SIZE, "%.200s/%s %s; build the FMU again.", folder, name, why ? why : "cannot be read");
+    if (!numbers)
+        snprintf(problem, MESSAGE_SIZE, "%.200s/%s %s; build the FMU again.", folder, name, why ? why : "cannot be read");
     free(path);
     return numbers;
 }
@@ -192,7 +193,9 @@ static bool object_ended(const fmu_object *self) { return self->now.ended != 0; 
 
 /* ---- saved states ---- */
 
-static size_t object_block_size(const fmu_object *self) { return sizeof self->now + arrays_numbers(self->own) * sizeof(double); }
+static size_t object_block_size(const fmu_object *self) {
+    return sizeof self->now + arrays_numbers(self->own) * sizeof(double);
+}
 
 static void object_copy_block(fmu_object *self, void *bytes) {
     memcpy(bytes, &self->now, sizeof self->now);

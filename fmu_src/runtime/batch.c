@@ -107,7 +107,8 @@ static bool stands_at(const batch *self, int l, const double *state) {
 /* Whether the steps of an instance are those that lanes make: with an exact Jacobian, and no algebraic states. */
 static bool goes_in_lanes(const kernel *own) {
     if (own->system->algebraics) return false;
-    return own->work.method == METHOD_EXACT || (own->work.method == METHOD_REUSED && own->run.value[MODEL.integration_step] > 0.0);
+    return own->work.method == METHOD_EXACT ||
+           (own->work.method == METHOD_REUSED && own->run.value[MODEL.integration_step] > 0.0);
 }
 
 /* Begins a step in a lane, which asks for a trial or is done then; all: what is known there, null: nothing. */
@@ -188,10 +189,8 @@ static void try_steps(batch *self) {
     for (int l = 0; l < W; ++l) {
         lane *one = &self->lane[l];
         if (!asks(one)) continue;
-        if (one->together && self->numbers.regular[l] != 0.0)
-            take_trial(self, l, all);
-        else
-            try_alone(one);
+        if (one->together && self->numbers.regular[l] != 0.0) take_trial(self, l, all);
+        else try_alone(one);
     }
 }
 
@@ -209,10 +208,8 @@ static void round_of_steps(batch *self, void *work, void (*end)(batch *self, voi
     for (int l = 0; l < W; ++l) {
         lane *one = &self->lane[l];
         if (!is_active(one)) continue;
-        if (one->run.phase == STEPPER_DONE)
-            end(self, work, l, end_step(self, l));
-        else
-            know(self, l, NULL, NULL);
+        if (one->run.phase == STEPPER_DONE) end(self, work, l, end_step(self, l));
+        else know(self, l, NULL, NULL);
     }
 }
 

@@ -89,7 +89,8 @@ static void locate(batch *self, double share) {
 
 static void call(batch *self, lanes_function function, const double *state, double *const *result) {
     const lane_numbers *n = &self->numbers;
-    const double *argument[ARG_COUNT] = {n->time, state, n->stage_input, n->rate, n->parameter, n->derived, n->mode, n->coefficient, NULL};
+    const double *argument[ARG_COUNT] = {n->time,    state,   n->stage_input, n->rate, n->parameter,
+                                         n->derived, n->mode, n->coefficient, NULL};
     function(argument, result);
 }
 
@@ -144,8 +145,10 @@ static bool asks_for_drive(const batch *self, const double *state, const double 
     for (int i = 0; i < system->frictions; ++i)
         for (int l = 0; l < LANES; ++l) {
             const friction_description *friction = &system->friction[i];
-            const double velocity = state[friction->velocity * LANES + l] + (friction->other < 0 ? 0.0 : state[friction->other * LANES + l]);
-            if (self->numbers.mode[i * LANES + l] == 0.0 || fabs(velocity) <= capacity[(system->frictions + i) * LANES + l]) return true;
+            const double velocity =
+                state[friction->velocity * LANES + l] + (friction->other < 0 ? 0.0 : state[friction->other * LANES + l]);
+            if (self->numbers.mode[i * LANES + l] == 0.0 || fabs(velocity) <= capacity[(system->frictions + i) * LANES + l])
+                return true;
         }
     return false;
 }
@@ -238,8 +241,9 @@ static bool ends(const batch *self) {
 const known_place *batch_try(batch *self) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
-    const stage_work work = {system->states * LANES, n->state, n->slope, n->time_slope, n->differential, n->point, n->trial,
-                             n->stage,               self,     evaluate_stage, solve_stage};
+    const stage_work work = {
+        system->states * LANES, n->state,   n->slope, n->time_slope, n->differential, n->point, n->trial, n->stage, self,
+        evaluate_stage,         solve_stage};
     factorise(self);
     LANES_NAME(rosenbrock_stages)(self->tableau, &work, real_load(n->wanted));
     find_error(self);

@@ -80,8 +80,8 @@ static bool quotient(const decimal *found, double *size) {
     const double first = high / divisor, product = first * divisor;
     const double first_up = split * first - (split * first - first), first_down = first - first_up;
     const double divisor_up = split * divisor - (split * divisor - divisor), divisor_down = divisor - divisor_up;
-    const double lost = ((first_up * divisor_up - product) + first_up * divisor_down + first_down * divisor_up) +
-                        first_down * divisor_down;
+    const double lost =
+        ((first_up * divisor_up - product) + first_up * divisor_down + first_down * divisor_up) + first_down * divisor_down;
     const double second = (((high - product) - lost) + (double)below) / divisor, error = first * 0x1p-98;
     *size = first + second;
     return first + (second - error) == first + (second + error);
@@ -117,10 +117,8 @@ bool table_read_number(const char *text, double *value, char *mark) {
     double size = 0.0;
     if (few && found.exponent >= -22 && found.exponent < 0) /* Clinger (1990): of two exact numbers */
         size = (double)found.whole / POWER_OF_TEN[-found.exponent];
-    else if (few && found.exponent >= 0 && found.exponent <= 22)
-        size = (double)found.whole * POWER_OF_TEN[found.exponent];
-    else if (!whole || found.exponent < -22 || found.exponent >= 0 || !quotient(&found, &size))
-        size = by_library(&found);
+    else if (few && found.exponent >= 0 && found.exponent <= 22) size = (double)found.whole * POWER_OF_TEN[found.exponent];
+    else if (!whole || found.exponent < -22 || found.exponent >= 0 || !quotient(&found, &size)) size = by_library(&found);
     *value = negative ? -size : size;
     *mark = found.mark;
     return true;

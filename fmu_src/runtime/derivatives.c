@@ -103,7 +103,7 @@ static bool asks_for_slopes(int count, const int *variable) {
 }
 
 kernel_status kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
-                           const double *change, double *result) {
+                                     const double *change, double *result) {
     const double *place = prepare_derivatives(self);
     if (!place) return KERNEL_ERROR;
     kernel_status status = KERNEL_OK;

@@ -49,8 +49,7 @@ static inline bool size_is_wrong(double size, char problem[DURATION_PROBLEM]) {
     if (size > 0.0 && isfinite(size))
         snprintf(problem, DURATION_PROBLEM, "Give a step of at most %g s, a day: it was %g s; nothing was advanced.",
                  LONGEST_STEP, size);
-    else
-        snprintf(problem, DURATION_PROBLEM, "Give a step size above 0 s: it was %g s; nothing was advanced.", size);
+    else snprintf(problem, DURATION_PROBLEM, "Give a step size above 0 s: it was %g s; nothing was advanced.", size);
     return true;
 }
 
@@ -61,7 +60,8 @@ static inline bool time_is_wrong(double time, double size, double now, double st
     char here[TIME_TEXT], there[TIME_TEXT];
     const double slack = time_slack(now, size);
     if (!(fabs(time - now) <= slack))
-        snprintf(problem, DURATION_PROBLEM, "Step from t = %s s, where the last step ended: %s s was given; nothing was advanced.",
+        snprintf(problem, DURATION_PROBLEM,
+                 "Step from t = %s s, where the last step ended: %s s was given; nothing was advanced.",
                  time_text(now, 9, here), time_text(time, 9, there));
     else if (!(end > time))
         snprintf(problem, DURATION_PROBLEM,
@@ -71,8 +71,7 @@ static inline bool time_is_wrong(double time, double size, double now, double st
         snprintf(problem, DURATION_PROBLEM,
                  "End the last step at the stop time of %s s: this one would end at %s s; nothing was advanced.",
                  time_text(stop, 9, here), time_text(end, 9, there));
-    else
-        return false;
+    else return false;
     return true;
 }
 

@@ -29,8 +29,15 @@ void kernel_call(kernel *self, generated_function function, double offset, const
     for (int n = 0; n < 2; ++n)
         if (self->known[n] && is_known(self, self->known[n], function, offset, state, result)) return;
     const double time = self->given.step_origin + offset;
-    const double *argument[ARG_COUNT] = {&time,         state,      self->given.stage_input, self->given.rate, self->given.parameter,
-                                         self->run.derived, self->run.mode, self->given.coefficient, self->given.seed};
+    const double *argument[ARG_COUNT] = {&time,
+                                         state,
+                                         self->given.stage_input,
+                                         self->given.rate,
+                                         self->given.parameter,
+                                         self->run.derived,
+                                         self->run.mode,
+                                         self->given.coefficient,
+                                         self->given.seed};
     function(argument, result, NULL, NULL, self->lanes);
 }
 
@@ -58,7 +65,8 @@ void kernel_look_up(kernel *self, double offset, const double *state) {
 }
 
 void kernel_locate(kernel *self, double offset, const double *state) {
-    for (int i = 0; i < self->system->inputs; ++i) self->given.stage_input[i] = self->given.input[i] + offset * self->given.rate[i];
+    for (int i = 0; i < self->system->inputs; ++i)
+        self->given.stage_input[i] = self->given.input[i] + offset * self->given.rate[i];
     kernel_look_up(self, offset, state);
 }
 

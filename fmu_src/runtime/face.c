@@ -115,12 +115,10 @@ static fmu_object *from_resources(const component *self, const char *resources, 
 
 static fmu_object *make_object(const component *self, const char *token, const char *resources, char problem[MESSAGE_SIZE]) {
     const char *wrong = NULL;
-    if (!*self->name)
-        wrong = "Give the instance a name.";
+    if (!*self->name) wrong = "Give the instance a name.";
     else if (!token || strcmp(token, OBJECT.token()) != 0)
         wrong = "The identifier of modelDescription.xml is not that of the binary; build both together.";
-    else if (self->exchange && !OBJECT.exchange)
-        wrong = "Take this FMU for co-simulation; it has no model exchange.";
+    else if (self->exchange && !OBJECT.exchange) wrong = "Take this FMU for co-simulation; it has no model exchange.";
     if (wrong) strcpy(problem, wrong);
     return wrong ? NULL : from_resources(self, resources, problem);
 }
@@ -268,7 +266,8 @@ kernel_status face_get(component *self, int kind, const unsigned *reference, siz
 typedef kernel_status setting(fmu_object *object, unsigned variable, size_t first, size_t count, const double *value);
 
 /* Checks or sets elements. */
-static kernel_status at_each(component *self, setting *act, const place *at, const void *values, size_t behind, face_take *take) {
+static kernel_status at_each(component *self, setting *act, const place *at, const void *values, size_t behind,
+                             face_take *take) {
     if (!take) return act(self->object, at->variable, at->first, at->count, (const double *)values + behind);
     kernel_status worst = KERNEL_OK;
     for (size_t k = 0; k < at->count; ++k) {
@@ -363,8 +362,8 @@ kernel_status face_set_rates(component *self, const unsigned *reference, size_t 
     return face_report(self, OBJECT.set_rates(self->object, count, reference, rate));
 }
 
-kernel_status face_get_rates(component *self, const unsigned *reference, size_t count, const int *order, double *rate, size_t size,
-                             const char *function) {
+kernel_status face_get_rates(component *self, const unsigned *reference, size_t count, const int *order, double *rate,
+                             size_t size, const char *function) {
     if (!OBJECT.get_rates) return face_absent(self, function);
     if (face_is_exchange(self) || sizes_differ(self, count, size) || face_missing(self, count, reference, rate) ||
         !is_of_first_order(self, order, count, "Only first derivatives of outputs are provided."))
@@ -372,8 +371,9 @@ kernel_status face_get_rates(component *self, const unsigned *reference, size_t 
     return face_report(self, OBJECT.get_rates(self->object, count, reference, rate));
 }
 
-kernel_status face_get_directional(component *self, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
-                                   const double *change, size_t changes, double *result, size_t results, const char *function) {
+kernel_status face_get_directional(component *self, const unsigned *unknown, size_t unknowns, const unsigned *known,
+                                   size_t knowns, const double *change, size_t changes, double *result, size_t results,
+                                   const char *function) {
     if (!OBJECT.get_directional) return face_absent(self, function);
     if (sizes_differ(self, unknowns, results) || face_missing(self, unknowns, unknown, result) ||
         sizes_differ(self, knowns, changes) || face_missing(self, knowns, known, change))
@@ -494,7 +494,8 @@ kernel_status face_set_states(component *self, const double *state, size_t count
 }
 
 kernel_status face_read(component *self, double *value, size_t count, face_reading what) {
-    if (wrong_size(self, count, what == READ_INDICATORS ? exchange_indicators() : exchange_states(), value)) return KERNEL_ERROR;
+    if (wrong_size(self, count, what == READ_INDICATORS ? exchange_indicators() : exchange_states(), value))
+        return KERNEL_ERROR;
     const kernel_status status = initialise_if_asked(self);
     if (status > KERNEL_WARNING) return status;
     const object_exchange *of = OBJECT.exchange;

@@ -116,8 +116,8 @@ RUNTIME_LOCAL kernel_status face_find_modes(component *self, bool *ended, bool *
 RUNTIME_LOCAL kernel_status face_complete_step(component *self, bool *crossed);
 
 /* STATUS is the type of the standard. */
-#define REQUIRE(instance, phases, function)  \
-    component *self = (component *)instance; \
+#define REQUIRE(instance, phases, function)                                                                                    \
+    component *self = (component *)instance;                                                                                   \
     if (!face_legal(self, phases, function)) return (STATUS)KERNEL_ERROR
 
 #endif

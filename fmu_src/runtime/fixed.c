@@ -83,8 +83,6 @@ void fixed_take(kernel *self, stepper *run, double error) {
     }
     if (self->recorder) record_until(self, run->offset, 0.0, run->offset);
     self->run.now->ended = end;
-    if (end || (switched && self->asked.stops_at_events))
-        run->phase = STEPPER_DONE;
-    else if (modes_warn(self, run->offset))
-        run->status = KERNEL_WARNING;
+    if (end || (switched && self->asked.stops_at_events)) run->phase = STEPPER_DONE;
+    else if (modes_warn(self, run->offset)) run->status = KERNEL_WARNING;
 }

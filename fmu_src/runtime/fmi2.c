@@ -24,15 +24,13 @@ static const face_standard FMI2 = {"FMI 2.0, section 4.2.4", WARNINGS | ERRORS, 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return fmi2Version; }
 
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
-                               const fmi2String categories[]) {
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[]) {
     REQUIRE(c, ALWAYS, "fmi2SetDebugLogging");
     return (fmi2Status)face_log(self, loggingOn, nCategories, categories);
 }
 
-fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
-                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
-                              fmi2Boolean visible, fmi2Boolean loggingOn) {
+fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn) {
     (void)visible;
     if (!functions) return NULL;
     component log;
@@ -49,8 +47,7 @@ void fmi2FreeInstance(fmi2Component c) { face_free((component *)c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     REQUIRE(c, INSTANTIATED, "fmi2SetupExperiment");
-    return (fmi2Status)face_plan(self, toleranceDefined ? &tolerance : NULL, startTime,
-                                 stopTimeDefined ? &stopTime : NULL);
+    return (fmi2Status)face_plan(self, toleranceDefined ? &tolerance : NULL, startTime, stopTimeDefined ? &stopTime : NULL);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
@@ -78,14 +75,14 @@ fmi2Status fmi2Reset(fmi2Component c) {
 static void put_int(void *values, size_t place, double number) { ((int *)values)[place] = (int)number; }
 static double take_int(const void *values, size_t place) { return ((const int *)values)[place]; }
 
-#define DEFINE_VARIABLES(name, type, kind, put, take)                                                          \
-    fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {       \
-        REQUIRE(c, ALWAYS, "fmi2Get" #name);                                                                   \
-        return (fmi2Status)face_get(self, kind, vr, nvr, value, nvr, put);                                     \
-    }                                                                                                          \
-    fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const type value[]) { \
-        REQUIRE(c, SETTABLE, "fmi2Set" #name);                                                                 \
-        return (fmi2Status)face_set(self, kind, vr, nvr, value, nvr, take);                                    \
+#define DEFINE_VARIABLES(name, type, kind, put, take)                                                                          \
+    fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {                       \
+        REQUIRE(c, ALWAYS, "fmi2Get" #name);                                                                                   \
+        return (fmi2Status)face_get(self, kind, vr, nvr, value, nvr, put);                                                     \
+    }                                                                                                                          \
+    fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const type value[]) {                 \
+        REQUIRE(c, SETTABLE, "fmi2Set" #name);                                                                                 \
+        return (fmi2Status)face_set(self, kind, vr, nvr, value, nvr, take);                                                    \
     }
 
 DEFINE_VARIABLES(Real, fmi2Real, KIND_REAL, NULL, NULL)
@@ -136,14 +133,14 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
 
 /* ---- stepping ---- */
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                       const fmi2Integer order[], const fmi2Real value[]) {
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
+                                       const fmi2Real value[]) {
     REQUIRE(c, INSTANTIATED | INITIALISING | STEPPING, "fmi2SetRealInputDerivatives");
     return (fmi2Status)face_set_rates(self, vr, nvr, order, value);
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                        const fmi2Integer order[], fmi2Real value[]) {
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
+                                        fmi2Real value[]) {
     REQUIRE(c, STEPPING | STOPPED | TERMINATED, "fmi2GetRealOutputDerivatives");
     return (fmi2Status)face_get_rates(self, vr, nvr, order, value, nvr, "fmi2GetRealOutputDerivatives");
 }
@@ -178,14 +175,14 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
     return (fmi2Status)face_error(self, "A step is never pending, so there is nothing to cancel.");
 }
 
-#define DEFINE_STATUS(function, type, kind, answer)                                     \
-    fmi2Status function(fmi2Component c, const fmi2StatusKind s, type *value) {         \
-        REQUIRE(c, INITIALISED, #function);                                             \
-        if (face_is_exchange(self)) return fmi2Error;                                   \
-        if (s != (kind)) return fmi2Discard;                                            \
-        if (face_missing(self, 1, value, value)) return fmi2Error;                      \
-        *value = answer;                                                                \
-        return fmi2OK;                                                                  \
+#define DEFINE_STATUS(function, type, kind, answer)                                                                            \
+    fmi2Status function(fmi2Component c, const fmi2StatusKind s, type *value) {                                                \
+        REQUIRE(c, INITIALISED, #function);                                                                                    \
+        if (face_is_exchange(self)) return fmi2Error;                                                                          \
+        if (s != (kind)) return fmi2Discard;                                                                                   \
+        if (face_missing(self, 1, value, value)) return fmi2Error;                                                             \
+        *value = answer;                                                                                                       \
+        return fmi2OK;                                                                                                         \
     }
 
 DEFINE_STATUS(fmi2GetStatus, fmi2Status, fmi2DoStepStatus, (fmi2Status)self->last_step)
@@ -253,10 +250,10 @@ fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n
     return (fmi2Status)face_set_states(self, x, nx);
 }
 
-#define DEFINE_READ(function, what)                                         \
-    fmi2Status function(fmi2Component c, fmi2Real values[], size_t count) { \
-        REQUIRE(c, KNOWN, #function);                                       \
-        return (fmi2Status)face_read(self, values, count, what);            \
+#define DEFINE_READ(function, what)                                                                                            \
+    fmi2Status function(fmi2Component c, fmi2Real values[], size_t count) {                                                    \
+        REQUIRE(c, KNOWN, #function);                                                                                          \
+        return (fmi2Status)face_read(self, values, count, what);                                                               \
     }
 
 DEFINE_READ(fmi2GetDerivatives, READ_SLOPES)

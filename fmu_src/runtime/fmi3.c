@@ -34,13 +34,12 @@ static component log_of(fmi3InstanceEnvironment environment, fmi3LogMessageCallb
     return log;
 }
 
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
-                                         fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                         fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+                                         fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
+                                         fmi3Boolean earlyReturnAllowed,
                                          const fmi3ValueReference requiredIntermediateVariables[],
-                                         size_t nRequiredIntermediateVariables,
-                                         fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
-                                         fmi3IntermediateUpdateCallback intermediateUpdate) {
+                                         size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
+                                         fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate) {
     (void)visible, (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
     component log = log_of(instanceEnvironment, logMessage);
@@ -50,21 +49,19 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     return self;
 }
 
-fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
-                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                          fmi3InstanceEnvironment instanceEnvironment,
-                                          fmi3LogMessageCallback logMessage) {
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+                                          fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage) {
     (void)visible;
     component log = log_of(instanceEnvironment, logMessage);
     log.exchange = true;
     return face_instantiate(&log, instanceName, instantiationToken, resourcePath, loggingOn);
 }
 
-fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
-                                               fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                               fmi3InstanceEnvironment instanceEnvironment,
-                                               fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
-                                               fmi3LockPreemptionCallback lockPreemption,
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+                                               fmi3Boolean visible, fmi3Boolean loggingOn,
+                                               fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
+                                               fmi3ClockUpdateCallback clockUpdate, fmi3LockPreemptionCallback lockPreemption,
                                                fmi3UnlockPreemptionCallback unlockPreemption) {
     (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible;
     (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
@@ -107,16 +104,16 @@ static double take_int(const void *values, size_t place) { return ((const fmi3In
 static void put_truth(void *values, size_t place, double number) { ((fmi3Boolean *)values)[place] = (fmi3Boolean)number; }
 static double take_truth(const void *values, size_t place) { return ((const fmi3Boolean *)values)[place]; }
 
-#define DEFINE_VARIABLES(name, type, kind, put, take)                                                                \
-    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                      \
-                             size_t nValueReferences, type values[], size_t nValues) {                               \
-        REQUIRE(instance, ALWAYS, "fmi3Get" #name);                                                                  \
-        return (fmi3Status)face_get(self, kind, valueReferences, nValueReferences, values, nValues, put);            \
-    }                                                                                                                \
-    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                      \
-                             size_t nValueReferences, const type values[], size_t nValues) {                         \
-        REQUIRE(instance, SETTABLE, "fmi3Set" #name);                                                                \
-        return (fmi3Status)face_set(self, kind, valueReferences, nValueReferences, values, nValues, take);           \
+#define DEFINE_VARIABLES(name, type, kind, put, take)                                                                          \
+    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
+                             type values[], size_t nValues) {                                                                  \
+        REQUIRE(instance, ALWAYS, "fmi3Get" #name);                                                                            \
+        return (fmi3Status)face_get(self, kind, valueReferences, nValueReferences, values, nValues, put);                      \
+    }                                                                                                                          \
+    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
+                             const type values[], size_t nValues) {                                                            \
+        REQUIRE(instance, SETTABLE, "fmi3Set" #name);                                                                          \
+        return (fmi3Status)face_set(self, kind, valueReferences, nValueReferences, values, nValues, take);                     \
     }
 
 DEFINE_VARIABLES(Float64, fmi3Float64, KIND_REAL, NULL, NULL)
@@ -124,18 +121,18 @@ DEFINE_VARIABLES(Int32, fmi3Int32, KIND_INTEGER, put_int, take_int)
 DEFINE_VARIABLES(Boolean, fmi3Boolean, KIND_BOOLEAN, put_truth, take_truth)
 
 /* Of a type that no variable has: to read or set none of them is no error. */
-#define DEFINE_NONE(name, type)                                                                                       \
-    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                       \
-                             size_t nValueReferences, type values[], size_t nValues) {                                \
-        REQUIRE(instance, ALWAYS, "fmi3Get" #name);                                                                   \
-        (void)valueReferences, (void)values, (void)nValues;                                                           \
-        return nValueReferences ? (fmi3Status)face_error(self, "There are no variables of type " #name ".") : fmi3OK; \
-    }                                                                                                                 \
-    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                       \
-                             size_t nValueReferences, const type values[], size_t nValues) {                          \
-        REQUIRE(instance, ALWAYS, "fmi3Set" #name);                                                                   \
-        (void)valueReferences, (void)values, (void)nValues;                                                           \
-        return nValueReferences ? (fmi3Status)face_error(self, "There are no variables of type " #name ".") : fmi3OK; \
+#define DEFINE_NONE(name, type)                                                                                                \
+    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
+                             type values[], size_t nValues) {                                                                  \
+        REQUIRE(instance, ALWAYS, "fmi3Get" #name);                                                                            \
+        (void)valueReferences, (void)values, (void)nValues;                                                                    \
+        return nValueReferences ? (fmi3Status)face_error(self, "There are no variables of type " #name ".") : fmi3OK;          \
+    }                                                                                                                          \
+    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
+                             const type values[], size_t nValues) {                                                            \
+        REQUIRE(instance, ALWAYS, "fmi3Set" #name);                                                                            \
+        (void)valueReferences, (void)values, (void)nValues;                                                                    \
+        return nValueReferences ? (fmi3Status)face_error(self, "There are no variables of type " #name ".") : fmi3OK;          \
     }
 
 DEFINE_NONE(Float32, fmi3Float32)
@@ -181,8 +178,7 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUSta
     return (fmi3Status)face_saved_size(self, FMUState, size);
 }
 
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
-                                 size_t size) {
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size) {
     REQUIRE(instance, ALWAYS, "fmi3SerializeFMUState");
     return (fmi3Status)face_serialise(self, FMUState, serializedState, size);
 }
@@ -199,13 +195,12 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
     REQUIRE(instance, KNOWN, "fmi3GetDirectionalDerivative");
-    return (fmi3Status)face_get_directional(self, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity,
-                                            nSensitivity, "fmi3GetDirectionalDerivative");
+    return (fmi3Status)face_get_directional(self, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity, nSensitivity,
+                                            "fmi3GetDirectionalDerivative");
 }
 
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                    size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
-                                    size_t nValues) {
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
+                                    const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues) {
     REQUIRE(instance, STEPPING | STOPPED | TERMINATED, "fmi3GetOutputDerivatives");
     return (fmi3Status)face_get_rates(self, valueReferences, nValueReferences, orders, values, nValues,
                                       "fmi3GetOutputDerivatives");
@@ -295,16 +290,15 @@ fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
     return (fmi3Status)face_set_time(self, time);
 }
 
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates) {
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[], size_t nContinuousStates) {
     REQUIRE(instance, CONTINUOUS, "fmi3SetContinuousStates");
     return (fmi3Status)face_set_states(self, continuousStates, nContinuousStates);
 }
 
-#define DEFINE_READ(function, what)                                                    \
-    fmi3Status function(fmi3Instance instance, fmi3Float64 values[], size_t nValues) { \
-        REQUIRE(instance, KNOWN, #function);                                           \
-        return (fmi3Status)face_read(self, values, nValues, what);                     \
+#define DEFINE_READ(function, what)                                                                                            \
+    fmi3Status function(fmi3Instance instance, fmi3Float64 values[], size_t nValues) {                                         \
+        REQUIRE(instance, KNOWN, #function);                                                                                   \
+        return (fmi3Status)face_read(self, values, nValues, what);                                                             \
     }
 
 DEFINE_READ(fmi3GetContinuousStateDerivatives, READ_SLOPES)
@@ -328,21 +322,21 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *number)
 
 /* ---- what no FMU here has ---- */
 
-#define DEFINE_ABSENT(function, ...)                              \
-    fmi3Status function(fmi3Instance instance, __VA_ARGS__) {     \
-        REQUIRE(instance, ALWAYS, #function);                     \
-        return (fmi3Status)face_absent(self, #function);          \
+#define DEFINE_ABSENT(function, ...)                                                                                           \
+    fmi3Status function(fmi3Instance instance, __VA_ARGS__) {                                                                  \
+        REQUIRE(instance, ALWAYS, #function);                                                                                  \
+        return (fmi3Status)face_absent(self, #function);                                                                       \
     }
-#define DEFINE_ABSENT_PLAIN(function)                             \
-    fmi3Status function(fmi3Instance instance) {                  \
-        REQUIRE(instance, ALWAYS, #function);                     \
-        return (fmi3Status)face_absent(self, #function);          \
+#define DEFINE_ABSENT_PLAIN(function)                                                                                          \
+    fmi3Status function(fmi3Instance instance) {                                                                               \
+        REQUIRE(instance, ALWAYS, #function);                                                                                  \
+        return (fmi3Status)face_absent(self, #function);                                                                       \
     }
 /* To read or set none of them is no error. */
-#define DEFINE_EMPTY(function, ...)                                                                                  \
-    fmi3Status function(fmi3Instance instance, const fmi3ValueReference a[], size_t references, __VA_ARGS__) {       \
-        REQUIRE(instance, ALWAYS, #function);                                                                        \
-        return references ? (fmi3Status)face_absent(self, #function) : fmi3OK;                                       \
+#define DEFINE_EMPTY(function, ...)                                                                                            \
+    fmi3Status function(fmi3Instance instance, const fmi3ValueReference a[], size_t references, __VA_ARGS__) {                 \
+        REQUIRE(instance, ALWAYS, #function);                                                                                  \
+        return references ? (fmi3Status)face_absent(self, #function) : fmi3OK;                                                 \
     }
 
 #if defined(__GNUC__)

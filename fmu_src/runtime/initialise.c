@@ -46,10 +46,8 @@ static void add_remedy(const kernel *self, int selector, char remedies[MESSAGE_S
     bool named = false;
     for (int value = (int)variable->minimum; value <= (int)variable->maximum; ++value) {
         if (chosen_system(self, selector, value, self->table != NULL) < 0) continue;
-        if (named)
-            add_text(remedies, " or %d", value);
-        else
-            add_text(remedies, "%s %s to %d", *remedies ? ", or" : "Set", variable->name, value);
+        if (named) add_text(remedies, " or %d", value);
+        else add_text(remedies, "%s %s to %d", *remedies ? ", or" : "Set", variable->name, value);
         named = true;
     }
 }
@@ -132,8 +130,7 @@ kernel_status kernel_initialise(kernel *self, double time) {
         char when[TIME_TEXT];
         kernel_reopen(self);
         return bad ? kernel_fail(self, KERNEL_ERROR,
-                                 "The output %s is not a finite number at the start; check the parameters it depends on.",
-                                 bad)
+                                 "The output %s is not a finite number at the start; check the parameters it depends on.", bad)
                    : kernel_fail(self, KERNEL_ERROR,
                                  "The equations have no consistent start at t = %s s; check inputs and parameters.",
                                  time_text(time, 9, when));

@@ -12,7 +12,7 @@ static dimensions largest_dimensions(void) {
     memset(&most, 0, sizeof most);
     for (int i = 0; i < MODEL.systems; ++i) {
         const system_description *one = &MODEL.system[i];
-#define GROW(member) \
+#define GROW(member)                                                                                                           \
     if (one->member > most.member) most.member = one->member
         GROW(states);
         GROW(algebraics);
@@ -62,8 +62,8 @@ static size_t lay_out_run(run_state *run, const dimensions *room, double *block)
 
 static void lay_out_step(step_workspace *work, const dimensions *room, double *block, size_t *used) {
     const int n = room->states, m = room->algebraics;
-    double **const vectors[] = {&work->differential, &work->slope, &work->time_slope, &work->point,
-                                &work->trial,        &work->ordered, &work->direction, &work->image};
+    double **const vectors[] = {&work->differential, &work->slope,   &work->time_slope, &work->point,
+                                &work->trial,        &work->ordered, &work->direction,  &work->image};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; ++i) *vectors[i] = carve(block, used, n);
     for (int i = 0; i < MOST_STAGES; ++i) work->stage[i] = carve(block, used, n);
     work->jacobian = carve(block, used, room->nonzeros);
@@ -102,10 +102,10 @@ static size_t lay_out_work(kernel *self, double *block) {
     self->modes.margin = carve(block, &used, room->frictions + room->conditions);
     self->reading.output = carve(block, &used, room->outputs);
     self->reading.output_rate = carve(block, &used, room->outputs);
-    double **const vectors[] = {&self->reading.slope_change, &self->reading.place,       &self->reading.shown,
-                                &self->reading.first_slope,  &self->reading.last_slope,  &self->steady.start,
-                                &self->steady.change,        &self->steady.answer,       &self->steady.pace,
-                                &self->host.state,           &self->host.slope,          &self->host.change,
+    double **const vectors[] = {&self->reading.slope_change, &self->reading.place,      &self->reading.shown,
+                                &self->reading.first_slope,  &self->reading.last_slope, &self->steady.start,
+                                &self->steady.change,        &self->steady.answer,      &self->steady.pace,
+                                &self->host.state,           &self->host.slope,         &self->host.change,
                                 &self->host.slope_before};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; ++i) *vectors[i] = carve(block, &used, n);
     self->host.growth = carve(block, &used, exchanged * exchanged);

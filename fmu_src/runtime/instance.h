@@ -92,8 +92,8 @@ RUNTIME_LOCAL void kernel_look_up(kernel *self, double offset, const double *sta
 /* A generated function at a place: with the inputs and table pieces located before, or locating them; with one result. */
 RUNTIME_LOCAL void kernel_call(kernel *self, generated_function function, double offset, const double *state, double **result);
 RUNTIME_LOCAL void kernel_evaluate_again(kernel *self, generated_function function, double offset, const double *state,
-                                  double *result);
+                                         double *result);
 RUNTIME_LOCAL void kernel_evaluate(kernel *self, generated_function function, double offset, const double *state,
-                            double *result);
+                                   double *result);
 
 #endif

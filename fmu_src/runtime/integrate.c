@@ -52,10 +52,8 @@ static bool short_step(kernel *self, stepper *run) {
 /* Keeps the Jacobian of a short step for those that follow within the time `served`. */
 static void keep_jacobian(kernel *self, const stepper *run, double served) {
     if (!is_short(self, run)) return;
-    if (self->run.now->pause > 0)
-        self->run.now->pause--;
-    else
-        reuse_remember(self, run->offset, self->given.step_origin + run->offset + served);
+    if (self->run.now->pause > 0) self->run.now->pause--;
+    else reuse_remember(self, run->offset, self->given.step_origin + run->offset + served);
 }
 
 /* Time until something limited has changed as much as a step may change it. */
@@ -161,17 +159,15 @@ static void accept(kernel *self) {
 /* Whether steps end in a switch so often that the motion no longer goes on. The count outlives a kernel_step: at rest an
  * explicit method switches thousands of times within each of a host's steps, and never comes to an end. */
 static bool chatters(kernel *self, bool crossing) {
-    if (crossing)
-        self->run.now->switches++;
-    else if (self->run.now->switches > 0)
-        self->run.now->switches--;
+    if (crossing) self->run.now->switches++;
+    else if (self->run.now->switches > 0) self->run.now->switches--;
     return self->run.now->switches > MAXIMUM_SWITCHES;
 }
 
 static const char *remedy_of_chatter(const kernel *self) {
     return self->work.method == METHOD_EXPLICIT ? "above its stability limit an explicit method cannot come to rest, choose "
-                                             "integration_method 1"
-                                           : "check inputs and parameters";
+                                                  "integration_method 1"
+                                                : "check inputs and parameters";
 }
 
 /* Ends a step of `size`, at a switch or before one. */
@@ -200,10 +196,8 @@ static void arrive(kernel *self, stepper *run, bool crossing) {
 
 /* A step that was found, with the margin at its end. */
 static void take_found(kernel *self, stepper *run) {
-    if (run->margin < 0.0)
-        locate_begin(self, run);
-    else
-        arrive(self, run, false);
+    if (run->margin < 0.0) locate_begin(self, run);
+    else arrive(self, run, false);
 }
 
 void stepper_begin(kernel *self, stepper *run, double size) {
@@ -223,21 +217,19 @@ void stepper_begin(kernel *self, stepper *run, double size) {
 void stepper_ask(kernel *self, stepper *run) {
     if (run->phase != STEPPER_BEGINS) return;
     run->remaining = run->whole - run->offset;
-    if (run->fixed)
-        fixed_ask(self, run);
+    if (run->fixed) fixed_ask(self, run);
     else if (self->work.method == METHOD_EXPLICIT ? explicit_step(self, run)
                                                   : self->work.method == METHOD_EXACT && short_step(self, run))
         take_found(self, run);
-    else if (run->phase == STEPPER_BEGINS)
-        ask_adaptive(self, run);
+    else if (run->phase == STEPPER_BEGINS) ask_adaptive(self, run);
 }
 
 double stepper_try(kernel *self, const stepper *run) {
     if (run->fixed) return fixed_try(self, run);
     switch (self->work.method) {
-        case METHOD_REUSED: return reuse_try(self, run->offset, run->size);
-        case METHOD_EXPLICIT: return runge_kutta_try(self, run->offset, run->size);
-        default: return rosenbrock_try(self, run->offset, run->size);
+    case METHOD_REUSED: return reuse_try(self, run->offset, run->size);
+    case METHOD_EXPLICIT: return runge_kutta_try(self, run->offset, run->size);
+    default: return rosenbrock_try(self, run->offset, run->size);
     }
 }
 
@@ -253,10 +245,8 @@ void stepper_take(kernel *self, stepper *run, double error) {
         if (error <= 1.0) run->margin = modes_margin(self, run->offset + run->size, self->work.trial);
         if (isnan(run->margin)) error = NAN;
         const double next = rosenbrock_next_size(tableau_of(self), run->size, error);
-        if (is_accepted(self, run, error, next))
-            take_found(self, run);
-        else
-            shorten(self, run, error, next);
+        if (is_accepted(self, run, error, next)) take_found(self, run);
+        else shorten(self, run, error, next);
     }
 }
 

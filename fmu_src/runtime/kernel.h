@@ -46,7 +46,7 @@ KERNEL_EXPORT kernel_status kernel_get_text(kernel *self, int variable, const ch
 KERNEL_EXPORT kernel_status kernel_get_rates(kernel *self, int count, const int *variable, double *rate);
 /* Derivatives of outputs along a change of inputs and states; states that are not named are held. */
 KERNEL_EXPORT kernel_status kernel_get_directional(kernel *self, int unknowns, const int *unknown, int knowns, const int *known,
-                                         const double *change, double *result);
+                                                   const double *change, double *result);
 KERNEL_EXPORT kernel_status kernel_initialise(kernel *self, double time);
 KERNEL_EXPORT void kernel_reopen(kernel *self);
 KERNEL_EXPORT kernel_status kernel_step(kernel *self, double time, double size);

@@ -101,7 +101,8 @@ static kernel_status set_own_start(fmu_object *self, text_rows *row) {
         if (strcmp(pair[0], MODEL.variable[i].name) == 0 && table_read_number(pair[1], &number, &mark))
             return kernel_set(self->machine, i, number);
     snprintf(problem, sizeof problem,
-             "a row must have the name of a variable of %.40s and its number; got '%.60s'. Write NAME,VALUE", MODEL.name, pair[0]);
+             "a row must have the name of a variable of %.40s and its number; got '%.60s'. Write NAME,VALUE", MODEL.name,
+             pair[0]);
     return refuse_start(self, row, problem);
 }
 
@@ -151,7 +152,8 @@ static size_t object_length(const fmu_object *self, unsigned variable) {
 static kernel_status object_get(fmu_object *self, unsigned variable, size_t first, size_t count, double *value) {
     (void)first, (void)count;
     const int exchanged = kernel_exchanged_number((int)variable);
-    return exchanged >= 0 ? kernel_get_exchanged(self->machine, exchanged, value) : kernel_get(self->machine, (int)variable, value);
+    return exchanged >= 0 ? kernel_get_exchanged(self->machine, exchanged, value)
+                          : kernel_get(self->machine, (int)variable, value);
 }
 
 static kernel_status object_check(fmu_object *self, unsigned variable, size_t first, size_t count, const double *value) {
@@ -177,7 +179,8 @@ static kernel_status object_plan(fmu_object *self, const double *tolerance, doub
 
 static kernel_status object_initialise(fmu_object *self, double start) {
     const kernel_status status = kernel_initialise(self->machine, start);
-    return self->exchange && status <= KERNEL_WARNING && kernel_check_exchange(self->machine) != KERNEL_OK ? KERNEL_ERROR : status;
+    return self->exchange && status <= KERNEL_WARNING && kernel_check_exchange(self->machine) != KERNEL_OK ? KERNEL_ERROR
+                                                                                                           : status;
 }
 static bool object_initialised(const fmu_object *self) { return kernel_state_count(self->machine) != 0; }
 static void object_reopen(fmu_object *self) { kernel_reopen(self->machine); }
@@ -193,8 +196,10 @@ static kernel_status object_take_block(fmu_object *self, const void *bytes) { re
 
 static kernel_status object_set_rates(fmu_object *self, size_t count, const unsigned *variable, const double *rate) {
     kernel_status status = KERNEL_OK;
-    for (size_t i = 0; i < count && status == KERNEL_OK; ++i) status = kernel_check_rate(self->machine, (int)variable[i], rate[i]);
-    for (size_t i = 0; i < count && status == KERNEL_OK; ++i) status = kernel_set_rate(self->machine, (int)variable[i], rate[i]);
+    for (size_t i = 0; i < count && status == KERNEL_OK; ++i)
+        status = kernel_check_rate(self->machine, (int)variable[i], rate[i]);
+    for (size_t i = 0; i < count && status == KERNEL_OK; ++i)
+        status = kernel_set_rate(self->machine, (int)variable[i], rate[i]);
     return status;
 }
 
@@ -211,18 +216,22 @@ static kernel_status object_get_directional(fmu_object *self, size_t unknowns, c
 /* ---- model exchange ---- */
 
 static kernel_status object_set_time(fmu_object *self, double time) { return kernel_set_time(self->machine, time); }
-static kernel_status object_set_states(fmu_object *self, const double *state) { return kernel_set_states(self->machine, state); }
+static kernel_status object_set_states(fmu_object *self, const double *state) {
+    return kernel_set_states(self->machine, state);
+}
 static kernel_status object_get_states(fmu_object *self, double *state) { return kernel_get_states(self->machine, state); }
 static kernel_status object_get_slopes(fmu_object *self, double *slope) { return kernel_get_slopes(self->machine, slope); }
 static kernel_status object_get_indicators(fmu_object *self, double *indicator) {
     return kernel_get_indicators(self->machine, indicator);
 }
 static kernel_status object_find_modes(fmu_object *self, bool *jumped) { return kernel_find_modes(self->machine, jumped); }
-static kernel_status object_complete_step(fmu_object *self, bool *crossed) { return kernel_complete_step(self->machine, crossed); }
+static kernel_status object_complete_step(fmu_object *self, bool *crossed) {
+    return kernel_complete_step(self->machine, crossed);
+}
 
 static const object_exchange EXCHANGE = {
-    kernel_exchange_states, kernel_exchange_indicators, object_set_time,      object_set_states, object_get_states,
-    object_get_slopes,      object_get_indicators,      kernel_get_nominals,  object_find_modes, object_complete_step,
+    kernel_exchange_states, kernel_exchange_indicators, object_set_time,     object_set_states, object_get_states,
+    object_get_slopes,      object_get_indicators,      kernel_get_nominals, object_find_modes, object_complete_step,
 };
 
 RUNTIME_LOCAL const object_functions OBJECT = {

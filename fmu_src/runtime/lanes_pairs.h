@@ -8,24 +8,21 @@
 #define LANES 2
 #include "lanes.h"
 
-#define PAIR(name) \
-    LANES_APART real both_##name(real x) { return real_##name(x); } \
-    LANES_FUNCTION void pair_##name(double x, double y, double *of_x, double *of_y) \
-    { \
-        const real both = both_##name((real){x, y}); \
-        *of_x = both[0]; \
-        *of_y = both[1]; \
+#define PAIR(name)                                                                                                             \
+    LANES_APART real both_##name(real x) { return real_##name(x); }                                                            \
+    LANES_FUNCTION void pair_##name(double x, double y, double *of_x, double *of_y) {                                          \
+        const real both = both_##name((real){x, y});                                                                           \
+        *of_x = both[0];                                                                                                       \
+        *of_y = both[1];                                                                                                       \
     }
 
-LANES_APART real both_sin_cos(real x, real *cosine)
-{
+LANES_APART real both_sin_cos(real x, real *cosine) {
     real sine;
     real_sin_cos(x, &sine, cosine);
     return sine;
 }
 
-LANES_FUNCTION void pair_sin_cos(double x, double y, double *sin_x, double *cos_x, double *sin_y, double *cos_y)
-{
+LANES_FUNCTION void pair_sin_cos(double x, double y, double *sin_x, double *cos_x, double *sin_y, double *cos_y) {
     real cosine;
     const real sine = both_sin_cos((real){x, y}, &cosine);
     *sin_x = sine[0];
@@ -37,15 +34,13 @@ LANES_FUNCTION void pair_sin_cos(double x, double y, double *sin_x, double *cos_
 #define LANES 1
 #include "lanes.h"
 
-#define PAIR(name) \
-    LANES_FUNCTION void pair_##name(double x, double y, double *of_x, double *of_y) \
-    { \
-        *of_x = real_##name(x); \
-        *of_y = real_##name(y); \
+#define PAIR(name)                                                                                                             \
+    LANES_FUNCTION void pair_##name(double x, double y, double *of_x, double *of_y) {                                          \
+        *of_x = real_##name(x);                                                                                                \
+        *of_y = real_##name(y);                                                                                                \
     }
 
-LANES_FUNCTION void pair_sin_cos(double x, double y, double *sin_x, double *cos_x, double *sin_y, double *cos_y)
-{
+LANES_FUNCTION void pair_sin_cos(double x, double y, double *sin_x, double *cos_x, double *sin_y, double *cos_y) {
     real_sin_cos(x, sin_x, cos_x);
     real_sin_cos(y, sin_y, cos_y);
 }

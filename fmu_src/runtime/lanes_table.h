@@ -2,8 +2,7 @@
 
 /* Leaves the row that holds at each lane's argument: its numbers, LANES apart. A NaN goes into the polynomial and comes out
  * of it. */
-LANES_FUNCTION void real_look_up(const piecewise *table, const double *argument, double *found)
-{
+LANES_FUNCTION void real_look_up(const piecewise *table, const double *argument, double *found) {
     const double *row[LANES];
     const int terms = table->terms;
     if (table->equal) {
@@ -13,12 +12,9 @@ LANES_FUNCTION void real_look_up(const piecewise *table, const double *argument,
         share = real_select(share < 0.0, real_of(-1.0), share);
         share = real_select(share < pieces, share, real_of(pieces));
         real_store(piece, share);
-        for (int lane = 0; lane < LANES; ++lane)
-            row[lane] = table->row + (1 + (int)piece[lane]) * terms;
+        for (int lane = 0; lane < LANES; ++lane) row[lane] = table->row + (1 + (int)piece[lane]) * terms;
     } else {
-        for (int lane = 0; lane < LANES; ++lane)
-            row[lane] = piecewise_search(table, argument[lane]);
+        for (int lane = 0; lane < LANES; ++lane) row[lane] = piecewise_search(table, argument[lane]);
     }
-    for (int i = 0; i < terms; ++i)
-        real_store(found + i * LANES, real_from(row, i));
+    for (int i = 0; i < terms; ++i) real_store(found + i * LANES, real_from(row, i));
 }

@@ -23,8 +23,7 @@
 #include <cpuid.h>
 
 /* The states that the operating system keeps for a thread, as bits of XCR0; needs OSXSAVE. */
-static inline unsigned lanes_states_kept(void)
-{
+static inline unsigned lanes_states_kept(void) {
     unsigned low, high;
     __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
     return low;
@@ -33,17 +32,14 @@ static inline unsigned lanes_states_kept(void)
 
 /* The widest LANES that this binary may run on this processor under this operating system: 8 with AVX-512 F, DQ and VL,
  * 4 with AVX2, otherwise what every processor of the target has. */
-static inline int lanes_of_processor(void)
-{
+static inline int lanes_of_processor(void) {
 #if LANES_WIDEST > 2
     enum { OSXSAVE_AND_AVX = 3 << 27, AVX2 = 1 << 5, SSE_AVX_STATES = 0x6, AVX512_STATES = 0xe6 };
     const unsigned f_dq_vl = 1u << 16 | 1u << 17 | 1u << 31;
     unsigned a, b, c, d;
-    if (!__get_cpuid(1, &a, &b, &c, &d) || (c & OSXSAVE_AND_AVX) != OSXSAVE_AND_AVX)
-        return 2;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || (c & OSXSAVE_AND_AVX) != OSXSAVE_AND_AVX) return 2;
     const unsigned kept = lanes_states_kept();
-    if ((kept & SSE_AVX_STATES) != SSE_AVX_STATES || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & AVX2))
-        return 2;
+    if ((kept & SSE_AVX_STATES) != SSE_AVX_STATES || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & AVX2)) return 2;
     return LANES_WIDEST == 8 && (kept & AVX512_STATES) == AVX512_STATES && (b & f_dq_vl) == f_dq_vl ? 8 : 4;
 #else
     return LANES_WIDEST;

@@ -5,9 +5,7 @@
 enum { MAXIMUM_LOCATION_STEPS = 60, STEPS_BY_EXTENSION = 2 };
 static const double LOCATED = 1e-10; /* scaled margin at which a switch counts as located */
 
-static bool is_wide(const bracket *of, double size) {
-    return of->at_right < -LOCATED && of->right - of->left > 1e-12 * size;
-}
+static bool is_wide(const bracket *of, double size) { return of->at_right < -LOCATED && of->right - of->left > 1e-12 * size; }
 
 /* The Illinois variant of the secant rule. */
 static double middle_of(const bracket *of) {

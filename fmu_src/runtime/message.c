@@ -90,8 +90,8 @@ void kernel_take_back(kernel *self, unsigned long long noted) {
 bool kernel_hear(kernel *self, kernel_sentence *heard) {
     sentence_journal *journal = &self->journal;
     if (journal->lost) {
-        snprintf(journal->told_of_loss, sizeof journal->told_of_loss,
-                 "%llu earlier sentences were lost: nobody heard them.", journal->lost);
+        snprintf(journal->told_of_loss, sizeof journal->told_of_loss, "%llu earlier sentences were lost: nobody heard them.",
+                 journal->lost);
         journal->lost = 0;
         heard->status = KERNEL_WARNING;
         heard->text = journal->told_of_loss;

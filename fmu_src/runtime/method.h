@@ -42,10 +42,10 @@ extern const rosenbrock_tableau RODAS5P, ROS34PW2;
 #endif
 RUNTIME_LOCAL void rosenbrock_evaluate_jacobian(kernel *self, double offset, const double *state, double *jacobian);
 RUNTIME_LOCAL void rosenbrock_linearise(kernel *self, double offset, const double *state);
-RUNTIME_LOCAL bool rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of, const double *jacobian,
-                                double size);
+RUNTIME_LOCAL bool rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of,
+                                        const double *jacobian, double size);
 RUNTIME_LOCAL double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const step_factors *of, double offset,
-                              double size);
+                                     double size);
 RUNTIME_LOCAL double rosenbrock_try(kernel *self, double offset, double size); /* with RODAS5P; linearise first */
 /* The step whose error would be about the tolerance, and as much of it as one step may differ from the one before. */
 RUNTIME_LOCAL double rosenbrock_allowed_size(const rosenbrock_tableau *method, double size, double error);

@@ -226,15 +226,14 @@ double modes_margin(kernel *self, double offset, const double *state) {
     const double reluctant = reluctance(self, offset);
     for (int i = 0; i < system->frictions; ++i) {
         const friction_description *friction = &system->friction[i];
-        const double velocity = modes_velocity(friction, state), capacity = self->modes.capacity[i], still = self->modes.still[i];
-        if (capacity <= 0.0)
-            self->modes.margin[i] = self->run.mode[i] == 0.0 ? -1.0 : INFINITY;
+        const double velocity = modes_velocity(friction, state), capacity = self->modes.capacity[i],
+                     still = self->modes.still[i];
+        if (capacity <= 0.0) self->modes.margin[i] = self->run.mode[i] == 0.0 ? -1.0 : INFINITY;
         else if (self->run.mode[i] == 0.0)
             self->modes.margin[i] = (capacity - fabs(self->modes.drive[i])) / capacity + reluctant;
         else if (still > 0.0)
             self->modes.margin[i] = fmax(fabs(velocity) / still, fabs(self->modes.drive[i]) / (SPARE * capacity)) - 1.0;
-        else
-            self->modes.margin[i] = modes_direction_margin(self, i, state);
+        else self->modes.margin[i] = modes_direction_margin(self, i, state);
     }
     if (system->conditions)
         kernel_evaluate_again(self, system->condition_margin, offset, state, self->modes.margin + system->frictions);
@@ -251,7 +250,8 @@ int modes_switch(kernel *self, double offset, double least) {
     for (int i = 0; i < system->ends; ++i)
         if (!(self->modes.margin[system->frictions + i] >= 0.0)) return 1 + i;
     for (int i = 0; i < system->frictions; ++i) /* what is still below a speed stops where it is found to stick */
-        if ((self->modes.margin[i] < 0.0 || self->modes.margin[i] == least) && self->run.mode[i] != 0.0 && self->modes.still[i] == 0.0)
+        if ((self->modes.margin[i] < 0.0 || self->modes.margin[i] == least) && self->run.mode[i] != 0.0 &&
+            self->modes.still[i] == 0.0)
             modes_stop(&system->friction[i], self->run.state);
     /* A stuck friction whose drive exceeds the capacity starts to slide in modes_refresh. */
     self->counters.events++;

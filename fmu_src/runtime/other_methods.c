@@ -20,8 +20,7 @@ static kernel_status move_to(kernel *self, double time, const double *place, dou
     if (algebraic_find(self, *offset, self->run.state, SOLVED)) return KERNEL_OK;
     memcpy(self->run.state, self->work.trial, (size_t)self->system->states * sizeof(double));
     char when[TIME_TEXT];
-    return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s.",
-                       time_text(time, 9, when));
+    return kernel_fail(self, KERNEL_ERROR, "The algebraic equations have no solution near t = %s s.", time_text(time, 9, when));
 }
 
 static void copy_differential(const kernel *self, const double *all, double *some) {

@@ -13,15 +13,12 @@ typedef struct {
 } piecewise;
 
 /* Of pieces of any width; a NaN finds the last row. */
-static inline const double *piecewise_search(const piecewise *table, double at)
-{
+static inline const double *piecewise_search(const piecewise *table, double at) {
     int low = 0, high = table->pieces + 2;
     while (low + 1 < high) {
         const int middle = (low + high) / 2;
-        if (at < table->row[middle * table->terms])
-            high = middle;
-        else
-            low = middle;
+        if (at < table->row[middle * table->terms]) high = middle;
+        else low = middle;
     }
     return table->row + low * table->terms;
 }

@@ -9,7 +9,8 @@ static void interpolate_by_slopes(kernel *self, double offset, double size, doub
     const double other = 1.0 - fraction;
     for (int i = 0; i < self->system->states; ++i) {
         const double change = self->work.trial[i] - self->run.state[i];
-        const double bend = other * (size * self->reading.first_slope[i] - change) - fraction * (size * self->reading.last_slope[i] - change);
+        const double bend =
+            other * (size * self->reading.first_slope[i] - change) - fraction * (size * self->reading.last_slope[i] - change);
         state[i] = self->run.state[i] + fraction * (change + self->work.differential[i] * other * bend);
     }
     (void)algebraic_find(self, offset + fraction * size, state, self->run.value[MODEL.tolerance]);

@@ -77,7 +77,9 @@ static inline bool resources_of_uri(const char *uri, char *path, char problem[RE
     const char *rest = uri;
     if (scheme == 4 && resources_begins(uri, "file:")) {
         rest = resources_behind_host(uri + 5);
-        if (rest && RESOURCES_ON_DRIVES && rest[0] == '/' && isalpha((unsigned char)rest[1]) && (rest[2] == ':' || rest[2] == '|')) ++rest;
+        if (rest && RESOURCES_ON_DRIVES && rest[0] == '/' && isalpha((unsigned char)rest[1]) &&
+            (rest[2] == ':' || rest[2] == '|'))
+            ++rest;
         if (rest && !resources_decode(rest, path)) rest = NULL;
         if (rest && RESOURCES_ON_DRIVES && isalpha((unsigned char)path[0]) && path[1] == '|') path[1] = ':';
     } else if (scheme && strncmp(uri + scheme, "://", 3) == 0) {
@@ -96,8 +98,10 @@ static inline bool resources_of_uri(const char *uri, char *path, char problem[RE
 /* FMI 3.0, section 2.3.1: a path, in which a % is a letter as any. */
 static inline bool resources_of_path(const char *given, char *path, char problem[RESOURCES_PROBLEM]) {
     if (resources_begins(given, "file:")) {
-        snprintf(problem, RESOURCES_PROBLEM, "resourcePath must be the path of a folder; got the URI %.120s. Give /folder/resources in place of "
-                 "file:///folder/resources.", given);
+        snprintf(problem, RESOURCES_PROBLEM,
+                 "resourcePath must be the path of a folder; got the URI %.120s. Give /folder/resources in place of "
+                 "file:///folder/resources.",
+                 given);
         return false;
     }
     strcpy(path, given);
@@ -128,7 +132,8 @@ static inline FILE *resources_open(const char *path, const char **why) {
     }
     errno = 0;
     FILE *file = fopen(path, "rb");
-    if (!file && errno != ENOENT && errno != ENOTDIR) *why = errno == ENAMETOOLONG ? "has a path that is too long" : "cannot be opened";
+    if (!file && errno != ENOENT && errno != ENOTDIR)
+        *why = errno == ENAMETOOLONG ? "has a path that is too long" : "cannot be opened";
     return file;
 }
 

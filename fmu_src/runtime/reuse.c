@@ -32,7 +32,8 @@ static void linearise_at_kept_place(kernel *self) {
 
 /* The Jacobian stays as it is, the factors belong to one step size. Returns 0 for singular ones. */
 static bool make_factors(kernel *self, double size) {
-    if (self->kept.ready == KEPT_FACTORS && size == self->run.now->kept_size && linear_has_factors(self, &self->kept.factors)) return true;
+    if (self->kept.ready == KEPT_FACTORS && size == self->run.now->kept_size && linear_has_factors(self, &self->kept.factors))
+        return true;
     if (self->kept.ready == KEPT_NOTHING) linearise_at_kept_place(self);
     self->kept.ready = KEPT_JACOBIAN;
     self->run.now->kept_size = size;
@@ -64,7 +65,8 @@ void reuse_remember(kernel *self, double offset, double until) {
 }
 
 bool reuse_serves(const kernel *self, double offset) {
-    return self->run.now->kept_steps >= 0 && self->given.step_origin + offset < self->run.now->kept_until && modes_are_the_kept_ones(self);
+    return self->run.now->kept_steps >= 0 && self->given.step_origin + offset < self->run.now->kept_until &&
+           modes_are_the_kept_ones(self);
 }
 
 double reuse_short_step(kernel *self, double offset, double size) {

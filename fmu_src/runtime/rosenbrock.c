@@ -47,22 +47,21 @@ RUNTIME_LOCAL const rosenbrock_tableau RODAS5P = {
      {147.12150275711716, -1.41221402718213, 71.68940251302358},
      {165.43517024871676, -0.4592823456491126, 42.90938336958603, -5.961986721573306},
      {24.854864614690072, -3.0009227002832186, 47.4931110020768, 5.5814197821558125, -0.6610691825249471},
-     {30.91273214028599, -3.1208243349937974, 77.79954646070892, 34.28646028294783, -19.097331116725623,
-      -28.087943162872662},
-     {37.80277123390563, -3.2571969029072276, 112.26918849496327, 66.9347231244047, -40.06618937091002,
-      -54.66780262877968, -9.48861652309627}},
+     {30.91273214028599, -3.1208243349937974, 77.79954646070892, 34.28646028294783, -19.097331116725623, -28.087943162872662},
+     {37.80277123390563, -3.2571969029072276, 112.26918849496327, 66.9347231244047, -40.06618937091002, -54.66780262877968,
+      -9.48861652309627}},
     /* error */ {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0},
     /* adds_one */ {false, false, false, false, false, false, true, true},
 };
 /* Continuous extension of RODAS5P, order 4. */
 enum { BENDS = 3 };
 static const double DENSE[BENDS][MOST_STAGES] = {
-    {25.948786856663858, -2.5579724845846235, 10.433815404888879, -2.3679251022685204, 0.524948541321073,
-     1.1241088310450404, 0.4272876194431874, -0.17202221070155493},
-    {-9.91568850695171, -0.9689944594115154, 3.0438037242978453, -24.495224566215796, 20.176138334709044,
-     15.98066361424651, -6.789040303419874, -6.710236069923372},
-    {11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643, -52.072871366152654,
-     -59.78993625266729, -0.15582684282751913, 4.883087185713722},
+    {25.948786856663858, -2.5579724845846235, 10.433815404888879, -2.3679251022685204, 0.524948541321073, 1.1241088310450404,
+     0.4272876194431874, -0.17202221070155493},
+    {-9.91568850695171, -0.9689944594115154, 3.0438037242978453, -24.495224566215796, 20.176138334709044, 15.98066361424651,
+     -6.789040303419874, -6.710236069923372},
+    {11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643, -52.072871366152654, -59.78993625266729,
+     -0.15582684282751913, 4.883087185713722},
 };
 
 /* Computed from the printed alpha, gamma and b; no time derivative: to a W-method zero is as good as any. */
@@ -73,10 +72,7 @@ RUNTIME_LOCAL const rosenbrock_tableau ROS34PW2 = {
     /* alpha */ {0.0, 0.871733043016918, 0.731579957788852, 1.0},
     /* time_weight */ {0},
     /* a */
-    {{0},
-     {2.0},
-     {1.419217317455765, -0.2592322116729697},
-     {4.184760482319161, -0.2851920173554959, 2.294280360279042}},
+    {{0}, {2.0}, {1.419217317455765, -0.2592322116729697}, {4.184760482319161, -0.2851920173554959, 2.294280360279042}},
     /* c */
     {{0},
      {-4.588560720558083},
@@ -97,7 +93,8 @@ void rosenbrock_linearise(kernel *self, double offset, const double *state) {
     rosenbrock_evaluate_jacobian(self, offset, state, self->work.jacobian);
 }
 
-bool rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of, const double *jacobian, double size) {
+bool rosenbrock_factorise(kernel *self, const rosenbrock_tableau *method, step_factors *of, const double *jacobian,
+                          double size) {
     return linear_factorise_step(self, of, jacobian, 1.0 / (method->gamma * size));
 }
 
@@ -123,8 +120,8 @@ double rosenbrock_step(kernel *self, const rosenbrock_tableau *method, const ste
     const int n = self->system->states;
     step_workspace *work = &self->work;
     own_step step = {self, of, offset, size};
-    const stage_work stages = {n,          self->run.state, work->slope, work->time_slope, work->differential,
-                               work->point, work->trial,     work->stage, &step,            evaluate_stage, solve_stage};
+    const stage_work stages = {n,           self->run.state, work->slope, work->time_slope, work->differential, work->point,
+                               work->trial, work->stage,     &step,       evaluate_stage,   solve_stage};
     LANES_NAME(rosenbrock_stages)(method, &stages, real_of(size));
 
     const double allowed = 1.0 / self->run.value[MODEL.tolerance];

@@ -23,8 +23,8 @@ LANES_FUNCTION void LANES_NAME(stages_sum)(const stage_work *of, int first, int 
 }
 
 /* What the stages before add to the right-hand side k, and the slope along time. */
-LANES_FUNCTION void LANES_NAME(stages_add)(const stage_work *of, int stages, const double *weight, real inverse, double along_time,
-                                           real size, double *k) {
+LANES_FUNCTION void LANES_NAME(stages_add)(const stage_work *of, int stages, const double *weight, real inverse,
+                                           double along_time, real size, double *k) {
     for (int i = 0; i < of->numbers; i += LANES) {
         real history = real_of(0.0), own = real_load(k + i);
         for (int j = 0; j < stages; ++j) history = history + weight[j] * real_load(of->stage[j] + i);

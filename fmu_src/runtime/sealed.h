@@ -55,7 +55,8 @@ static inline bool seal_is_of(const void *state, unsigned long long model, size_
 }
 
 /* Whether `size` bytes are a whole, unchanged state of this model; false: and one sentence that says what they are. */
-static inline bool seal_holds(const void *state, size_t size, unsigned long long model, size_t block, char problem[SEALED_PROBLEM]) {
+static inline bool seal_holds(const void *state, size_t size, unsigned long long model, size_t block,
+                              char problem[SEALED_PROBLEM]) {
     seal head;
     problem[0] = '\0';
     memset(&head, 0, sizeof head);
@@ -70,7 +71,8 @@ static inline bool seal_holds(const void *state, size_t size, unsigned long long
                  sealed_size(block), size);
     } else {
         if (head.size != size || head.checksum != seal_hash(SEAL_BEGIN, sealed_content(state), block))
-            snprintf(problem, SEALED_PROBLEM, "The bytes of this state have changed since it was saved; give them as they were.");
+            snprintf(problem, SEALED_PROBLEM,
+                     "The bytes of this state have changed since it was saved; give them as they were.");
     }
     return !problem[0];
 }

@@ -10,8 +10,7 @@ void kernel_stop_at_events(kernel *self, bool stops) {
 }
 
 static kernel_status check_step(kernel *self, double time, double size) {
-    if (!self->system)
-        return kernel_fail(self, KERNEL_ERROR, "Initialise %s before the first step.", MODEL.name);
+    if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before the first step.", MODEL.name);
     char problem[DURATION_PROBLEM];
     if (size_is_wrong(size, problem) || time_is_wrong(time, size, self->run.now->time, self->asked.stop_time, problem))
         return kernel_fail(self, KERNEL_ERROR, "%s", problem);

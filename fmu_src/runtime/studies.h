@@ -13,7 +13,7 @@ KERNEL_EXPORT const char *kernel_message(const kernel *self);
 KERNEL_EXPORT void kernel_counts(const kernel *self, kernel_counters *counts);
 /* A step with a row of variables every `interval` seconds, the start included; rows that are not reached become NaN. */
 KERNEL_EXPORT kernel_status kernel_record(kernel *self, double time, double size, double interval, int columns,
-                                const int *variable, double *buffer, long long int rows);
+                                          const int *variable, double *buffer, long long int rows);
 /* State, right-hand side (n values each) and Jacobian (n x n, by rows), once the algebraic states are consistent. */
 KERNEL_EXPORT kernel_status kernel_linearise(kernel *self, double *state, double *slope, double *jacobian);
 /* The equations for other methods, which start where the kernel stands: time goes on from there, inputs along their
@@ -23,7 +23,8 @@ KERNEL_EXPORT kernel_status kernel_slopes_at(kernel *self, double time, const do
 /* the smallest margin of modes and end conditions there: a switch is where it turns negative; */
 KERNEL_EXPORT kernel_status kernel_margin_at(kernel *self, double time, const double *place, double *margin);
 /* slopes, and residuals of algebraic states, of all n states, and their Jacobian (n x n, by rows) unless null. */
-KERNEL_EXPORT kernel_status kernel_equations_at(kernel *self, double time, const double *state, double *slope, double *jacobian);
+KERNEL_EXPORT kernel_status kernel_equations_at(kernel *self, double time, const double *state, double *slope,
+                                                double *jacobian);
 /* The kernel goes there and switches what has crossed; with `crossed`, what is nearest to it, if it is on this side.
  * `place` is what it is afterwards. */
 KERNEL_EXPORT kernel_status kernel_arrive(kernel *self, double time, double *place, bool crossed);

@@ -21,7 +21,7 @@ const char *kernel_variable_name(int variable) {
 }
 
 kernel_status kernel_record(kernel *self, double time, double size, double interval, int columns, const int *variable,
-                  double *buffer, long long int rows) {
+                            double *buffer, long long int rows) {
     kernel_recorder recorder = {rows, 0, interval, columns, variable, buffer};
     self->recorder = &recorder;
     const kernel_status status = kernel_step(self, time, size);
@@ -52,16 +52,14 @@ kernel_status kernel_linearise(kernel *self, double *state, double *slope, doubl
 kernel_status kernel_repeat_right_hand_side(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
     kernel_gather_inputs(self);
-    for (long long int i = 0; i < repeat; ++i)
-        kernel_evaluate(self, self->system->ode, 0.0, self->run.state, self->work.slope);
+    for (long long int i = 0; i < repeat; ++i) kernel_evaluate(self, self->system->ode, 0.0, self->run.state, self->work.slope);
     return KERNEL_OK;
 }
 
 kernel_status kernel_repeat_jacobian(kernel *self, long long int repeat) {
     if (!self->system) return KERNEL_ERROR;
     kernel_gather_inputs(self);
-    for (long long int i = 0; i < repeat; ++i)
-        rosenbrock_linearise(self, 0.0, self->run.state);
+    for (long long int i = 0; i < repeat; ++i) rosenbrock_linearise(self, 0.0, self->run.state);
     return KERNEL_OK;
 }
 

@@ -218,7 +218,8 @@ static bool read_names(reader *self) {
         if (next == CELL_REFUSED) return false;
         if (!any) found = next_row(self); /* it has nothing but separators */
     }
-    if (found == NO_MORE_ROWS) return refuse_file(self, "the file must have a row of names and rows of values; it is empty. Give a table");
+    if (found == NO_MORE_ROWS)
+        return refuse_file(self, "the file must have a row of names and rows of values; it is empty. Give a table");
     return found == ROW_READ && check_names(self);
 }
 
@@ -254,8 +255,10 @@ static bool check_mark(reader *self, const char *cell, char mark) {
     if (mark) self->decimal = self->decimal || !may_be_thousands(cell);
     if (!mark || mark == self->mark) return true;
     if (self->mark)
-        return refuse_file(self, "numbers must have one decimal mark; got '%.*s' after one with '%c'. Use one, and no "
-                           "separators of thousands", QUOTED, cell, self->mark);
+        return refuse_file(self,
+                           "numbers must have one decimal mark; got '%.*s' after one with '%c'. Use one, and no "
+                           "separators of thousands",
+                           QUOTED, cell, self->mark);
     self->mark = mark;
     return true;
 }
@@ -278,9 +281,11 @@ static bool read_value(reader *self, const cell_place *place, const char *cell) 
         return true;
     }
     if (converted)
-        return refuse_file(self, "the value must be from %g to %g%s%s; got '%.*s', in the file's unit, 1 of which is %g%s%s. "
-                           "Check value and unit", column->minimum, column->maximum, blank, unit, QUOTED, cell,
-                           place->numerator / place->denominator, blank, unit);
+        return refuse_file(self,
+                           "the value must be from %g to %g%s%s; got '%.*s', in the file's unit, 1 of which is %g%s%s. "
+                           "Check value and unit",
+                           column->minimum, column->maximum, blank, unit, QUOTED, cell, place->numerator / place->denominator,
+                           blank, unit);
     return refuse_file(self, "the value must be from %g to %g%s%s; got '%.*s'%s%s. Check value and unit", column->minimum,
                        column->maximum, blank, unit, QUOTED, cell, blank, unit);
 }
@@ -294,8 +299,10 @@ static bool check_growth(reader *self) {
     const char *unit = about->column[0].unit, *blank = *unit ? " " : "";
     if (!(at - before >= about->least_growth)) {
         self->in = about->column[0].name;
-        return refuse_file(self, "values must grow by at least %g%s%s; got %.12g%s%s after %.12g%s%s. Sort the rows, or remove "
-                           "this one", about->least_growth, blank, unit, at, blank, unit, before, blank, unit);
+        return refuse_file(self,
+                           "values must grow by at least %g%s%s; got %.12g%s%s after %.12g%s%s. Sort the rows, or remove "
+                           "this one",
+                           about->least_growth, blank, unit, at, blank, unit, before, blank, unit);
     }
     char problem[PROBLEM_SIZE] = "";
     return about->check_row(self->made, row, problem, sizeof problem) || refuse_file(self, "%s", problem);
@@ -303,7 +310,8 @@ static bool check_growth(reader *self) {
 
 static bool refuse_nameless(reader *self, int at, const char *cell) {
     self->in = NULL;
-    return refuse_file(self, "a row must have at most %d values; got %d: '%.*s' has no name. Name each column in the first row%s",
+    return refuse_file(self,
+                       "a row must have at most %d values; got %d: '%.*s' has no name. Name each column in the first row%s",
                        self->places, at + 1, QUOTED, cell,
                        self->separator == ',' ? ". With decimal commas, separate columns by semicolons" : "");
 }
@@ -338,8 +346,10 @@ static bool read_rows(reader *self) {
     if (found == ROW_REFUSED) return false;
     if (self->mark && !self->decimal && (self->mark == ',' || self->separator == ';')) {
         self->rows.number = 0;
-        return refuse_file(self, "numbers must have one reading; all with '%c' can be thousands, as 1%c000. Write "
-                           "1000, or 1.0 with a decimal point in a file with commas or tabs", self->mark, self->mark);
+        return refuse_file(self,
+                           "numbers must have one reading; all with '%c' can be thousands, as 1%c000. Write "
+                           "1000, or 1.0 with a decimal point in a file with commas or tabs",
+                           self->mark, self->mark);
     }
     if (self->made->rows >= 2) return true;
     self->rows.number = 0;

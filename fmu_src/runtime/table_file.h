@@ -21,7 +21,7 @@ RUNTIME_LOCAL bool table_read_number(const char *text, double *value, char *mark
 /* Origin at a place, coefficients of the pieces that are looked up there, and the range in which they hold; guess: the row
  * before the place that was looked up last. */
 RUNTIME_LOCAL void table_look_up(const table_file *self, const table_description *table, double at, int *guess, double held[2],
-                          double *coefficient);
+                                 double *coefficient);
 
 /* A part of the way from a row to the next one, from and to so far behind the row, on which every piece is one polynomial.
  * Values are straight between rows; a corner at a row is rounded over the `rounding` of the description on either side, and

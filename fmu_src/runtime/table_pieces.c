@@ -75,7 +75,8 @@ static void quintic_end(const table_file *self, const double *value, int row, do
     for (int i = 0; i < WAYS - 1; ++i) slope[i] = slope_between(straight[i], straight[i + 1], width[i], width[i + 1]);
     if (!meets(self, row - 1)) slope[0] = straight[1];
     if (!meets(self, row)) slope[2] = straight[2];
-    const double bend = bend_between(straight + 1, width + 1, slope), before = share_of_end(straight[1], slope[1], -bend, width[1]);
+    const double bend = bend_between(straight + 1, width + 1, slope),
+                 before = share_of_end(straight[1], slope[1], -bend, width[1]);
     const double share = fmin(before, share_of_end(straight[2], slope[1], bend, width[2]));
     end[0] = value[row];
     end[1] = share * slope[1];
@@ -124,8 +125,7 @@ void table_quintic(const double first[3], const double second[3], double gain, d
     c[0] = first[0];
     c[1] = first[1];
     c[2] = first[2] / 2.0;
-    c[3] = (20.0 * gain - (8.0 * second[1] + 12.0 * first[1]) * h - (3.0 * first[2] - second[2]) * square) /
-           (2.0 * square * h);
+    c[3] = (20.0 * gain - (8.0 * second[1] + 12.0 * first[1]) * h - (3.0 * first[2] - second[2]) * square) / (2.0 * square * h);
     c[4] = (-30.0 * gain + (14.0 * second[1] + 16.0 * first[1]) * h + (3.0 * first[2] - 2.0 * second[2]) * square) /
            (2.0 * square * square);
     c[5] = (12.0 * gain - 6.0 * (second[1] + first[1]) * h - (first[2] - second[2]) * square) / (2.0 * square * square * h);
@@ -165,9 +165,7 @@ void table_integral(const table_file *self, int column, const table_part *part, 
     c[5] = 0.0;
 }
 
-double table_value(const double *c, double x) {
-    return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
-}
+double table_value(const double *c, double x) { return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))); }
 
 double table_slope(const double *c, double x) {
     return c[1] + x * (2.0 * c[2] + x * (3.0 * c[3] + x * (4.0 * c[4] + x * 5.0 * c[5])));
@@ -188,10 +186,8 @@ static int row_before(const table_file *self, double at, int guess) {
     }
     while (low < high) {
         const int middle = (low + high + 1) / 2;
-        if (at >= s[middle])
-            low = middle;
-        else
-            high = middle - 1;
+        if (at >= s[middle]) low = middle;
+        else high = middle - 1;
     }
     return low;
 }

@@ -56,9 +56,7 @@ static int next_of_utf16(text_rows *self) {
     return 0x10000 + (first - 0xD800) * 0x400 + (second - 0xDC00);
 }
 
-static int next_letter(text_rows *self) {
-    return self->encoding == TEXT_OF_BYTES ? next_byte(self) : next_of_utf16(self);
-}
+static int next_letter(text_rows *self) { return self->encoding == TEXT_OF_BYTES ? next_byte(self) : next_of_utf16(self); }
 
 /* The next byte of text, or character of UTF-16; a line feed where a row ends, however the file writes it. */
 static int next_in_row(text_rows *self) {
@@ -150,10 +148,8 @@ static reading next_row_of_any(text_rows *self) {
             return refuse_row(self, "the character %d is not text. Save the file as text in UTF-8", letter);
         if (length >= ROW_SIZE) return refuse_length(self);
         plain &= letter < 0x80;
-        if (self->encoding == TEXT_OF_BYTES)
-            self->text[length++] = (char)letter;
-        else
-            length += write_letter(letter, self->text + length);
+        if (self->encoding == TEXT_OF_BYTES) self->text[length++] = (char)letter;
+        else length += write_letter(letter, self->text + length);
     }
 }
 
@@ -181,14 +177,10 @@ static char *behind_blanks(char *text, char separator) {
 
 char *text_before_blanks(char *start, char *end) {
     while (end > start && !(end[-1] > ' ' && end[-1] <= '~')) {
-        if (end > start && text_blank(end - 1) == 1)
-            --end;
-        else if (end - start >= 2 && strncmp(end - 2, NO_BREAK, 2) == 0)
-            end -= 2;
-        else if (end - start >= 3 && strncmp(end - 3, NARROW_NO_BREAK, 3) == 0)
-            end -= 3;
-        else
-            break;
+        if (end > start && text_blank(end - 1) == 1) --end;
+        else if (end - start >= 2 && strncmp(end - 2, NO_BREAK, 2) == 0) end -= 2;
+        else if (end - start >= 3 && strncmp(end - 3, NARROW_NO_BREAK, 3) == 0) end -= 3;
+        else break;
     }
     return end;
 }

@@ -15,10 +15,8 @@ static bool sticks(const kernel *self, int i) {
     bool some = false;
     for (int k = i; k < self->system->frictions; ++k) {
         if (friction[k].whole != i) continue;
-        if (self->run.mode[k] == 0.0)
-            some = true;
-        else if (!friction[k].counts || self->modes.told[k] > 0.0)
-            return false;
+        if (self->run.mode[k] == 0.0) some = true;
+        else if (!friction[k].counts || self->modes.told[k] > 0.0) return false;
     }
     return some;
 }
@@ -34,10 +32,8 @@ static void tell(kernel *self, int i, const char *word, double offset, bool coun
     char when[TIME_TEXT];
     const char *label = self->system->friction[i].label;
     (void)time_text(self->given.step_origin + offset, 6, when);
-    if (counted && times > 1.0)
-        kernel_note(self, KERNEL_OK, "%s %s at %s s; %g times so far.", label, word, when, times);
-    else
-        kernel_note(self, KERNEL_OK, "%s %s at %s s.", label, word, when);
+    if (counted && times > 1.0) kernel_note(self, KERNEL_OK, "%s %s at %s s; %g times so far.", label, word, when, times);
+    else kernel_note(self, KERNEL_OK, "%s %s at %s s.", label, word, when);
 }
 
 /* Where the machine as a whole stands, what was told of the others counts anew. */

@@ -9,8 +9,8 @@ static const double LEAST_STEP = 1e-7; /* s, of integration_step: a hundredth of
 
 kernel_status kernel_check_reference(kernel *self, int variable) {
     if (variable >= 0 && variable < MODEL.variables) return KERNEL_OK;
-    return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d: %s has the numbers 0 to %d.", variable,
-                       MODEL.name, MODEL.variables - 1);
+    return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d: %s has the numbers 0 to %d.", variable, MODEL.name,
+                       MODEL.variables - 1);
 }
 
 const char *kernel_name_of_table_file(void) {
@@ -37,8 +37,7 @@ static const char *other_unit(const variable_description *variable, double value
     if (own < variable->minimum || own > variable->maximum) return text;
     if (speed)
         snprintf(text, 120, ". %.6g m/s is %.6g km/h; did you mean %.6g km/h = %.4g m/s?", value, 3.6 * value, value, own);
-    else if (strcmp(variable->unit, "m") == 0)
-        snprintf(text, 120, ". Did you mean %.6g mm = %.6g m?", value, own);
+    else if (strcmp(variable->unit, "m") == 0) snprintf(text, 120, ". Did you mean %.6g mm = %.6g m?", value, own);
     return text;
 }
 
@@ -48,18 +47,16 @@ kernel_status kernel_check_value(kernel *self, const variable_description *varia
     char text[32], other[120];
     const char *unit = after_number(variable, text);
     if (!isfinite(value))
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to a finite number: it was given %g, and %g%s stays in force.",
-                           name, value, kept, unit);
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to a finite number: it was given %g, and %g%s stays in force.", name,
+                           value, kept, unit);
     if (value < variable->minimum)
-        return kernel_fail(self, KERNEL_ERROR,
-                           "Set %s to at least %g%s: %g%s is below this limit, and %g%s stays in force%s", name,
-                           variable->minimum, unit, value, unit, kept, unit, other_unit(variable, value, other));
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to at least %g%s: %g%s is below this limit, and %g%s stays in force%s",
+                           name, variable->minimum, unit, value, unit, kept, unit, other_unit(variable, value, other));
     if (value > variable->maximum)
-        return kernel_fail(self, KERNEL_ERROR,
-                           "Set %s to at most %g%s: %g%s is above this limit, and %g%s stays in force%s", name,
-                           variable->maximum, unit, value, unit, kept, unit, other_unit(variable, value, other));
-    return kernel_fail(self, KERNEL_ERROR, "Set %s to a whole number: it was given %g, and %g stays in force.", name,
-                       value, kept);
+        return kernel_fail(self, KERNEL_ERROR, "Set %s to at most %g%s: %g%s is above this limit, and %g%s stays in force%s",
+                           name, variable->maximum, unit, value, unit, kept, unit, other_unit(variable, value, other));
+    return kernel_fail(self, KERNEL_ERROR, "Set %s to a whole number: it was given %g, and %g stays in force.", name, value,
+                       kept);
 }
 
 /* Says once that an input does nothing in the chosen system, so that it is not ignored in silence. */
@@ -94,8 +91,7 @@ kernel_status kernel_warn_of_idle_parameters(kernel *self) {
     if (count == 0) return KERNEL_OK;
     if (left) snprintf(others, sizeof others, " and %d more", left);
     for (int i = 0; i < MODEL.selectors; ++i)
-        (void)add_name(selectors, sizeof selectors, i ? " or " : "; choose another ",
-                       MODEL.variable[MODEL.selector[i]].name);
+        (void)add_name(selectors, sizeof selectors, i ? " or " : "; choose another ", MODEL.variable[MODEL.selector[i]].name);
     return kernel_fail(self, KERNEL_WARNING,
                        "Nothing in the system \"%s\" depends on %s%s, so that setting this has no effect%s.",
                        self->system->name, names, others, selectors);
@@ -116,8 +112,7 @@ kernel_status kernel_check_set(kernel *self, int variable, double value) {
     const variable_description *description = &MODEL.variable[variable];
     const char *fixed = why_fixed(description, false);
     if (fixed) return kernel_fail(self, KERNEL_ERROR, "%s %s", description->name, fixed);
-    if (description->kind == KIND_STRING)
-        return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", description->name);
+    if (description->kind == KIND_STRING) return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", description->name);
     if (isnan(value) && !isnan(description->when_lost)) return KERNEL_OK;
     if (kernel_check_value(self, description, value, self->run.value[variable]) != KERNEL_OK) return KERNEL_ERROR;
     return variable == MODEL.integration_step ? check_integration_step(self, value) : KERNEL_OK;
@@ -150,8 +145,8 @@ kernel_status kernel_check_rate(kernel *self, int variable, double rate) {
     if (description->causality != CAUSALITY_INPUT || description->kind != KIND_REAL)
         return kernel_fail(self, KERNEL_ERROR, "Only real inputs have a rate of change; %s is none.", description->name);
     if (!isfinite(rate))
-        return kernel_fail(self, KERNEL_ERROR, "Set the rate of %s to a finite number: it was given %g.",
-                           description->name, rate);
+        return kernel_fail(self, KERNEL_ERROR, "Set the rate of %s to a finite number: it was given %g.", description->name,
+                           rate);
     return KERNEL_OK;
 }
 

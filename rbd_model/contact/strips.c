@@ -101,7 +101,7 @@ static strip_of strip_at(const wheel_on_rail *pair, const stand_of *stand, doubl
     strip_of found = {{0.0, 0.0, 0.0}, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0};
     double contour = 0.0, slope = 0.0, under = 0.0;
     if (!height_of(&pair->wheel, s, &contour, &slope)) return found;
-    const double(*axes)[3] = stand->axes, radius = stand->radius - contour;
+    const double (*axes)[3] = stand->axes, radius = stand->radius - contour;
     const double ahead = axes[0][0], up = axes[0][2];
     const double lead = -slope * stand->outwards * stand->level, rest = sqrt(1.0 - lead * lead);
     const double sine = stand->level * (lead * ahead + rest * up);
@@ -126,7 +126,7 @@ static strip_of strip_at(const wheel_on_rail *pair, const stand_of *stand, doubl
 static double gap_at(const wheel_on_rail *pair, const stand_of *stand, double s) {
     double contour = 0.0, slope = 0.0, under = 0.0;
     if (!height_of(&pair->wheel, s, &contour, &slope)) return 1.0;
-    const double(*axes)[3] = stand->axes, lead = -slope * stand->outwards * stand->level;
+    const double (*axes)[3] = stand->axes, lead = -slope * stand->outwards * stand->level;
     const double rest = sqrt(1.0 - lead * lead), radius = (stand->radius - contour) * stand->level;
     const double own[3] = {radius * (lead * axes[0][0] + rest * axes[0][2]), stand->wheel_half + s,
                            -radius * (rest * axes[0][0] - lead * axes[0][2])};
@@ -220,10 +220,8 @@ static void lay_strips(const wheel_on_rail *pair, const stand_of *stand, pressed
     for (int segment = 0; segment < pair->segments; ++segment) {
         double *ends = found->ends[segment], least;
         const double *whole = pair->segment + 2 * segment;
-        if (anew)
-            found->overlaps[segment] = overlap_of(pair, stand, whole, ends, &least);
-        else
-            move_overlap(pair, stand, whole, found->overlaps[segment], ends, &least);
+        if (anew) found->overlaps[segment] = overlap_of(pair, stand, whole, ends, &least);
+        else move_overlap(pair, stand, whole, found->overlaps[segment], ends, &least);
         found->nearest[segment] = -least;
         if (!found->overlaps[segment]) continue;
         const double pitch = (ends[1] - ends[0]) / (double)STRIPS;
@@ -289,8 +287,7 @@ static void factorise(int count, double matrix[MOST][MOST]) {
         const double inverse = 1.0 / matrix[pivot][pivot];
         for (int row = pivot + 1; row < count; ++row) {
             const double factor = matrix[row][pivot] * inverse;
-            for (int column = pivot + 1; column < count; ++column)
-                matrix[row][column] -= factor * matrix[pivot][column];
+            for (int column = pivot + 1; column < count; ++column) matrix[row][column] -= factor * matrix[pivot][column];
             matrix[row][pivot] = factor;
         }
     }
@@ -348,8 +345,7 @@ static int share_of(const pressed_of *found, int segment, double *share) {
     int top = -1;
     for (int i = 0; i < found->count; ++i) {
         share[i] = 0.0;
-        if (found->strip[i].segment == segment && (top < 0 || found->strip[i].line_load > found->strip[top].line_load))
-            top = i;
+        if (found->strip[i].segment == segment && (top < 0 || found->strip[i].line_load > found->strip[top].line_load)) top = i;
     }
     if (top < 0 || !(found->strip[top].line_load > 0.0)) return -1;
     for (int step = -1; step <= 1; step += 2) {
@@ -408,9 +404,8 @@ static void stiffen(const fits_of *fits, pressed_of *found) {
         for (int at = 0; at < count; ++at) {
             const double ratio = square * away(&found->strip[found->inside[at]], strip), m = 1.0 / (1.0 + ratio);
             weight[at][by] = m * sqrt(m);
-            found->stretch[at][by] =
-                at == by ? 2.0 * half / arithmetic_geometric_mean(sqrt(a * a + half * half), half)
-                         : 4.0 / PI * half * inverse * m * beside(fits, ratio);
+            found->stretch[at][by] = at == by ? 2.0 * half / arithmetic_geometric_mean(sqrt(a * a + half * half), half)
+                                              : 4.0 / PI * half * inverse * m * beside(fits, ratio);
         }
         found->pull[by] = 1.0;
     }
@@ -464,9 +459,10 @@ static void cut(double *stress, double limit, const double *flexible) {
 }
 
 /* Force of a strip [N] for the stress's growth [Pa/m], that by spin [Pa/m2], and friction. */
-static void creep_of_strip(const strip_of *strip, const double *steady, double turning, double limit,
-                           const double *flexible, double *force) {
-    static const double MEAN = 2.0 / 3.0 + 1.0 / (3.0 * (double)CELLS * (double)CELLS); /* of the parabola in the middles of the cells */
+static void creep_of_strip(const strip_of *strip, const double *steady, double turning, double limit, const double *flexible,
+                           double *force) {
+    static const double MEAN =
+        2.0 / 3.0 + 1.0 / (3.0 * (double)CELLS * (double)CELLS); /* of the parabola in the middles of the cells */
     double stress[2] = {0.0, 0.0}, total[2] = {0.0, 0.0}, before = 1.0;
     for (int cell = 0; cell < CELLS; ++cell) {
         const double place = 1.0 - (2 * cell + 1.0) / (double)CELLS;
@@ -511,8 +507,8 @@ static void slide(const strip_of *strip, const motion_of *motion, double *slidin
 }
 
 /* Adds what a strip does to its wheelset: `force` ahead and to the side, and the load that presses it. */
-static void add_strip(const strip_of *strip, const motion_of *motion, const double *sliding, const double *force,
-                      double load, double elastic, double *result) {
+static void add_strip(const strip_of *strip, const motion_of *motion, const double *sliding, const double *force, double load,
+                      double elastic, double *result) {
     const double drift = strip->cosine * motion->slope[1] - strip->sine * motion->slope[0], *r = strip->arm;
     const rail_slope_of on = rail_slope(strip, motion);
     const double ahead = force[0] - on.aside * force[1], aside = force[1] + on.aside * force[0];
@@ -615,8 +611,9 @@ typedef enum { TOUCHES_THERE, TOUCHES_BESIDE, TOUCHES_ANEW } touches;
 static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, const double *argument, const double *constant,
                             pressed_of *found, touches where, double *result) {
     const double side = constant[0];
-    const steel_of steel = {constant[4], constant[5], constant[5] / (1.0 - constant[12]), constant[6], constant[7],
-                            constant[8], constant[9], constant[10], constant[11]};
+    const steel_of steel = {constant[4], constant[5],  constant[5] / (1.0 - constant[12]),
+                            constant[6], constant[7],  constant[8],
+                            constant[9], constant[10], constant[11]};
     stand_of stand;
     motion_of motion;
     stand_where(argument, constant, &stand);
@@ -640,8 +637,8 @@ static void forces_of_wheel(const wheel_on_rail *pair, const fits_of *fits, cons
 
 /* Results, and with `slopes` their derivatives by differences: a search has no others. Only the four coordinates move
  * the place where the wheel touches. */
-static void wheel_on_strips(const wheel_on_rail *pair, const fits_of *fits, const double *argument,
-                            const double *constant, double *result, double *slope) {
+static void wheel_on_strips(const wheel_on_rail *pair, const fits_of *fits, const double *argument, const double *constant,
+                            double *result, double *slope) {
     static const double STEP[ARGUMENTS] = {1e-7, 1e-8, 1e-8, 1e-8, 1e-8, 1e-8, 2e-9, 2e-9, 1e-8, 2e-9, 1e-8, 1e-8, 1e-7};
     const int count = OF_SEGMENT * pair->segments + OF_WHEEL;
     pressed_of found, moved;
@@ -657,7 +654,8 @@ static void wheel_on_strips(const wheel_on_rail *pair, const fits_of *fits, cons
             memcpy(moved.ends, found.ends, sizeof found.ends);
             memcpy(moved.overlaps, found.overlaps, sizeof found.overlaps);
         }
-        forces_of_wheel(pair, fits, at, constant, coordinate ? &moved : &found, coordinate ? TOUCHES_BESIDE : TOUCHES_THERE, there);
+        forces_of_wheel(pair, fits, at, constant, coordinate ? &moved : &found, coordinate ? TOUCHES_BESIDE : TOUCHES_THERE,
+                        there);
         at[i] = argument[i];
         for (int k = 0; k < count; ++k) slope[i * count + k] = (there[k] - result[k]) / step;
     }

@@ -13,8 +13,8 @@ static bool check_row(const table_file *self, int row, char *problem, size_t siz
     const double turn = fmax(fabs(curvature[row]), fabs(curvature[row - 1])) * way;
     if (turn <= LARGEST_TURN) return true;
     snprintf(problem, size,
-             "the line turns by %.3g rad over the %.6g m from the row before; give rows between, for %g rad at most", turn,
-             way, LARGEST_TURN);
+             "the line turns by %.3g rad over the %.6g m from the row before; give rows between, for %g rad at most", turn, way,
+             LARGEST_TURN);
     return false;
 }
 
@@ -50,8 +50,8 @@ static void way(const table_part *part, const double *heading, const double *ris
 
 /* The place at the beginning of a part, beside the whole metres of its row, and what is added along it. A part in the middle
  * begins behind the rounded corner at its row; the last one ends where the next row is. */
-static double part_of_plan(const table_file *self, const table_part *part, int which, const double *heading,
-                           const double *rise, double *gained) {
+static double part_of_plan(const table_file *self, const table_part *part, int which, const double *heading, const double *rise,
+                           double *gained) {
     const int row = part->row;
     const double *far_off = self->column[PLAN_FAR[which]], *near_by = self->column[PLAN_NEAR[which]];
     const double whole = (far_off[row + 1] - far_off[row]) + (near_by[row + 1] - near_by[row]);
@@ -169,34 +169,34 @@ static void piece_between(const table_file *self, int piece, const table_part *p
     double *const *column = self->column;
     const int row = part->row;
     switch (piece) {
-        case PIECE_HEADING: table_integral(self, COLUMN_CURVATURE, part, column[COLUMN_HEADING][row], c); break;
-        case PIECE_CANT: add(self, COLUMN_CANT, part, -1.0 / GAUGE, c); break; /* negative: the right rail is the higher one */
-        case PIECE_RISE: table_integral(self, COLUMN_GRADIENT, part, column[COLUMN_RISE][row], c); break;
-        case PIECE_AHEAD: plan(self, part, 0, c); break;
-        case PIECE_AHEAD_FAR: c[0] = column[COLUMN_AHEAD_FAR][row]; break;
-        case PIECE_ASIDE: plan(self, part, 1, c); break;
-        case PIECE_ASIDE_FAR: c[0] = column[COLUMN_ASIDE_FAR][row]; break;
-        case PIECE_LEVEL: plan(self, part, 2, c); break;
-        case PIECE_LEVEL_FAR: c[0] = column[COLUMN_LEVEL_FAR][row]; break;
-        case PIECE_LATERAL:
-            add(self, COLUMN_LEFT_LATERAL, part, 0.5, c);
-            add(self, COLUMN_RIGHT_LATERAL, part, 0.5, c);
-            break;
-        case PIECE_SPREAD:
-            add(self, COLUMN_LEFT_LATERAL, part, 0.5, c);
-            add(self, COLUMN_RIGHT_LATERAL, part, -0.5, c);
-            add(self, COLUMN_GAUGE_WIDENING, part, 0.5, c);
-            break;
-        case PIECE_LEFT: add(self, COLUMN_LEFT_VERTICAL, part, 1.0, c); break;
-        case PIECE_RIGHT: add(self, COLUMN_RIGHT_VERTICAL, part, 1.0, c); break;
-        case PIECE_CORNER_BEFORE: c[0] = column[COLUMN_CORNER_BEFORE][row]; break;
-        case PIECE_CORNER_BEHIND: c[0] = column[COLUMN_CORNER_BEHIND][row]; break;
-        case PIECE_HALF_STRETCH: c[0] = column[COLUMN_HALF_STRETCH][row]; break;
-        case PIECE_LEFT_FRICTION: friction(self, COLUMN_LEFT_FRICTION, part, c); break;
-        case PIECE_RIGHT_FRICTION: friction(self, COLUMN_RIGHT_FRICTION, part, c); break;
-        default: { /* what is left between two rounded corners is no shorter than they are */
-            const double width = column[COLUMN_DISTANCE][row + 1] - column[COLUMN_DISTANCE][row];
-            c[0] = RESOLVING_ROWS * fmax(part->to - part->from, fmin(width, ROUNDING));
-        }
+    case PIECE_HEADING: table_integral(self, COLUMN_CURVATURE, part, column[COLUMN_HEADING][row], c); break;
+    case PIECE_CANT: add(self, COLUMN_CANT, part, -1.0 / GAUGE, c); break; /* negative: the right rail is the higher one */
+    case PIECE_RISE: table_integral(self, COLUMN_GRADIENT, part, column[COLUMN_RISE][row], c); break;
+    case PIECE_AHEAD: plan(self, part, 0, c); break;
+    case PIECE_AHEAD_FAR: c[0] = column[COLUMN_AHEAD_FAR][row]; break;
+    case PIECE_ASIDE: plan(self, part, 1, c); break;
+    case PIECE_ASIDE_FAR: c[0] = column[COLUMN_ASIDE_FAR][row]; break;
+    case PIECE_LEVEL: plan(self, part, 2, c); break;
+    case PIECE_LEVEL_FAR: c[0] = column[COLUMN_LEVEL_FAR][row]; break;
+    case PIECE_LATERAL:
+        add(self, COLUMN_LEFT_LATERAL, part, 0.5, c);
+        add(self, COLUMN_RIGHT_LATERAL, part, 0.5, c);
+        break;
+    case PIECE_SPREAD:
+        add(self, COLUMN_LEFT_LATERAL, part, 0.5, c);
+        add(self, COLUMN_RIGHT_LATERAL, part, -0.5, c);
+        add(self, COLUMN_GAUGE_WIDENING, part, 0.5, c);
+        break;
+    case PIECE_LEFT: add(self, COLUMN_LEFT_VERTICAL, part, 1.0, c); break;
+    case PIECE_RIGHT: add(self, COLUMN_RIGHT_VERTICAL, part, 1.0, c); break;
+    case PIECE_CORNER_BEFORE: c[0] = column[COLUMN_CORNER_BEFORE][row]; break;
+    case PIECE_CORNER_BEHIND: c[0] = column[COLUMN_CORNER_BEHIND][row]; break;
+    case PIECE_HALF_STRETCH: c[0] = column[COLUMN_HALF_STRETCH][row]; break;
+    case PIECE_LEFT_FRICTION: friction(self, COLUMN_LEFT_FRICTION, part, c); break;
+    case PIECE_RIGHT_FRICTION: friction(self, COLUMN_RIGHT_FRICTION, part, c); break;
+    default: { /* what is left between two rounded corners is no shorter than they are */
+        const double width = column[COLUMN_DISTANCE][row + 1] - column[COLUMN_DISTANCE][row];
+        c[0] = RESOLVING_ROWS * fmax(part->to - part->from, fmin(width, ROUNDING));
+    }
     }
 }

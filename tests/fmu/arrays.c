@@ -10,9 +10,8 @@ typedef struct {
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String path, fmi3Boolean visible,
                                          fmi3Boolean logging, fmi3Boolean events, fmi3Boolean early,
-                                         const fmi3ValueReference required[], size_t count,
-                                         fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-                                         fmi3IntermediateUpdateCallback update) {
+                                         const fmi3ValueReference required[], size_t count, fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update) {
     (void)name, (void)token, (void)path, (void)visible, (void)logging, (void)events, (void)early, (void)required;
     (void)count, (void)environment, (void)log, (void)update;
     return calloc(1, sizeof(instance));

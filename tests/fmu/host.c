@@ -13,8 +13,8 @@ static void *find(const char *name) {
     return found;
 }
 
-static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
-                        fmi2String category, fmi2String message, ...) {
+static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
+                        fmi2String message, ...) {
     (void)environment, (void)instance, (void)status, (void)category;
     printf("%s\n", message);
 }

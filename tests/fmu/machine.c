@@ -70,8 +70,14 @@ struct host {
 static element elements[MOST];
 static int count, outputs[MOST], output_count, lines, able[ABILITIES];
 static const char *line_files[8], *resources;
-static struct { int input, output; double share; } pair = {-1, -1, 0.0};
-static struct { int place; double value; } off = {-1, 0.0};
+static struct {
+    int input, output;
+    double share;
+} pair = {-1, -1, 0.0};
+static struct {
+    int place;
+    double value;
+} off = {-1, 0.0};
 static long long made[3], broken, done_steps, restored, ends;
 enum { ALLOWED, FORBIDDEN, INSANE };
 
@@ -91,7 +97,7 @@ static void expect(const host *h, int kept, const char *what) {
     static const char *const face[] = {"FMI 2.0 co-simulation", "FMI 2.0 model exchange", "FMI 3.0 co-simulation",
                                        "FMI 3.0 model exchange"};
     static const char *const state[] = {"instantiated", "initialization", "event", "continuous",
-                                        "step", "failed", "ended", "terminated"};
+                                        "step",         "failed",         "ended", "terminated"};
     if (kept || ++broken > MOST_BROKEN) return;
     printf("broken: %s: %s in state %s%s: %s\n", face[h->face], h->now ? h->now->name : "-", state[h->is.state],
            h->insane ? ", insane" : "", what);
@@ -323,10 +329,10 @@ static int forbidden_value(int place, double *value) {
     const variable_description *of = &elements[place].about[0];
     const int real = of->kind == KIND_REAL, limited = isnan(of->when_lost) || isfinite(of->maximum);
     switch (random_number(4)) {
-        case 0: return *value = NAN, real && isnan(of->when_lost);
-        case 1: return *value = random_number(2) ? INFINITY : -INFINITY, real && limited;
-        case 2: return *value = of->minimum - 1.0, of->kind != KIND_BOOLEAN && isfinite(of->minimum);
-        default: return *value = of->maximum + 1.0, of->kind != KIND_BOOLEAN && isfinite(of->maximum);
+    case 0: return *value = NAN, real && isnan(of->when_lost);
+    case 1: return *value = random_number(2) ? INFINITY : -INFINITY, real && limited;
+    case 2: return *value = of->minimum - 1.0, of->kind != KIND_BOOLEAN && isfinite(of->minimum);
+    default: return *value = of->maximum + 1.0, of->kind != KIND_BOOLEAN && isfinite(of->maximum);
     }
 }
 
@@ -381,8 +387,7 @@ static int set_some(host *h, int causality, int kind) {
     for (size_t i = 0; i < r.n; ++i) h->is.value[r.place[i]] = value[i];
     if (h->is.state != INSTANTIATED && !can_read(h)) return status;
     expect(h, is_fine(get_numbers(h, kind, &r, back)), "what was set is read");
-    for (size_t i = 0; i < r.n; ++i)
-        expect(h, back[i] == h->is.value[r.place[i]], "what was set is what is read");
+    for (size_t i = 0; i < r.n; ++i) expect(h, back[i] == h->is.value[r.place[i]], "what was set is what is read");
     return status;
 }
 
@@ -405,9 +410,7 @@ static int change_input(host *h) {
 }
 
 static int set_input(host *h) { return one_in(4) ? change_input(h) : set_some(h, CAUSALITY_INPUT, KIND_REAL); }
-static int set_discrete_input(host *h) {
-    return set_some(h, CAUSALITY_INPUT, random_number(2) ? KIND_INTEGER : KIND_BOOLEAN);
-}
+static int set_discrete_input(host *h) { return set_some(h, CAUSALITY_INPUT, random_number(2) ? KIND_INTEGER : KIND_BOOLEAN); }
 static int set_parameter(host *h) { return set_some(h, CAUSALITY_PARAMETER, one_in(3) ? KIND_INTEGER : KIND_REAL); }
 static int set_output(host *h) { return set_some(h, random_number(2) ? CAUSALITY_OUTPUT : CAUSALITY_LOCAL, any_kind()); }
 
@@ -451,8 +454,16 @@ static int get_time(host *h) {
 /* A text that names no line: no file, no UTF-8, of steering letters, of conversions, very long. */
 static const char *bad_text(void) {
     static char longest[5000];
-    static const char *const bad[] = {"%s%n%d%s", "/nowhere/%s%s%s%s%n", "\xff\xfe\x80", "\x1b[31m\r\n\t\x01", "/\xed\xa0\x80",
-                                      "\xf4\x90\x80\x80%", "/", ".", "\xc3", "no such file %1$s %999999d"};
+    static const char *const bad[] = {"%s%n%d%s",
+                                      "/nowhere/%s%s%s%s%n",
+                                      "\xff\xfe\x80",
+                                      "\x1b[31m\r\n\t\x01",
+                                      "/\xed\xa0\x80",
+                                      "\xf4\x90\x80\x80%",
+                                      "/",
+                                      ".",
+                                      "\xc3",
+                                      "no such file %1$s %999999d"};
     memset(longest, random_number(2) ? '%' : 0xC3, sizeof longest - 1);
     const unsigned choice = random_number(13);
     if (choice == 12 && lines)
@@ -493,7 +504,8 @@ static int set_string(host *h) {
     int null_references = 0;
     if (h->insane) {
         const unsigned choice = random_number(is_three(h) ? 5 : 4);
-        if (choice == 0 || text_variable() < 0) n = values = 2, vr[random_number(2)] = no_reference(h, KIND_STRING), text[1] = "";
+        if (choice == 0 || text_variable() < 0)
+            n = values = 2, vr[random_number(2)] = no_reference(h, KIND_STRING), text[1] = "";
         else if (choice == 1) null_references = 1;
         else if (choice == 2) text[n - 1] = NULL;
         else if (choice == 3) text[n - 1] = bad_text();
@@ -537,7 +549,10 @@ static int step_into(host *h, int status, int state) {
 }
 
 /* Start and stop; insane: no number, or a stop before the start. */
-typedef struct { double start, stop, tolerance; int stops, tolerates; } plan;
+typedef struct {
+    double start, stop, tolerance;
+    int stops, tolerates;
+} plan;
 static plan any_plan(const host *h) {
     static const double starts[] = {0.0, 0.0, 5.0, 1.7e9};
     plan p = {starts[random_number(4)], 0.0, random_number(2) ? 1e-4 : 1e-5, (int)random_number(2), one_in(3)};
@@ -705,7 +720,8 @@ static int do_step3(host *h, double point, double size) {
 
 static int do_step(host *h) {
     double point = h->is.time, size = any_size(h);
-    if (h->insane && random_number(2)) size = 1e-3, point = random_number(2) ? NAN : h->is.time + (random_number(2) ? 0.5 : -0.5);
+    if (h->insane && random_number(2))
+        size = 1e-3, point = random_number(2) ? NAN : h->is.time + (random_number(2) ? 0.5 : -0.5);
     if (point + size > h->stop + round_off(h, size)) h->insane = 1;
     h->excused = h->is.wild || h->is.rated || h->is.event_due || point + size > h->stop;
     return is_three(h) ? do_step3(h, point, size) : do_step2(h, point, size);
@@ -760,9 +776,10 @@ static int get_directional(host *h) {
     row of = row_of(h, CAUSALITY_OUTPUT, h->insane && first), by = row_of(h, CAUSALITY_INPUT, h->insane && !first);
     by.value[0] = 1.0, by.value[2] = 0.5;
     void *c;
-    const int status = ASK(fmi2GetDirectionalDerivative(c, REFERENCES(of), of.r.n, REFERENCES(by), by.r.n, VALUES(by), VALUES(of)),
-                           fmi3GetDirectionalDerivative(c, REFERENCES(of), of.r.n, REFERENCES(by), by.r.n, VALUES(by), by.size,
-                                                        VALUES(of), of.size));
+    const int status =
+        ASK(fmi2GetDirectionalDerivative(c, REFERENCES(of), of.r.n, REFERENCES(by), by.r.n, VALUES(by), VALUES(of)),
+            fmi3GetDirectionalDerivative(c, REFERENCES(of), of.r.n, REFERENCES(by), by.r.n, VALUES(by), by.size, VALUES(of),
+                                         of.size));
     h->excused = h->is.wild;
     for (size_t i = 0; is_fine(status) && !h->insane && i < of.r.n; ++i)
         expect(h, isfinite(of.value[i]), "a directional derivative is finite");
@@ -784,14 +801,20 @@ static int ask_status(host *h) {
     void *c;
     h->insane = 0;
     switch (random_number(4)) {
-        case 0: c = listening(h); h->excused = 1; return (int)fmi2GetStringStatus(c, kind, &text);
-        case 1: c = listening(h); h->excused = 1; return (int)fmi2GetIntegerStatus(c, kind, &truth);
-        case 2: return ASK2(fmi2GetStatus(c, fmi2DoStepStatus, &status));
-        default: {
-            const int answer = ASK2(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time));
-            if (is_fine(answer)) expect(h, time == h->is.time, "the last successful time is the one reached");
-            return answer;
-        }
+    case 0:
+        c = listening(h);
+        h->excused = 1;
+        return (int)fmi2GetStringStatus(c, kind, &text);
+    case 1:
+        c = listening(h);
+        h->excused = 1;
+        return (int)fmi2GetIntegerStatus(c, kind, &truth);
+    case 2: return ASK2(fmi2GetStatus(c, fmi2DoStepStatus, &status));
+    default: {
+        const int answer = ASK2(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time));
+        if (is_fine(answer)) expect(h, time == h->is.time, "the last successful time is the one reached");
+        return answer;
+    }
     }
 }
 
@@ -805,11 +828,10 @@ enum { STATES, SLOPES, NOMINALS, INDICATORS };
 static int read_array(host *h, int which, double *value, size_t n) {
     void *c;
     switch (which) {
-        case STATES: return ASK(fmi2GetContinuousStates(c, value, n), fmi3GetContinuousStates(c, value, n));
-        case SLOPES: return ASK(fmi2GetDerivatives(c, value, n), fmi3GetContinuousStateDerivatives(c, value, n));
-        case NOMINALS:
-            return ASK(fmi2GetNominalsOfContinuousStates(c, value, n), fmi3GetNominalsOfContinuousStates(c, value, n));
-        default: return ASK(fmi2GetEventIndicators(c, value, n), fmi3GetEventIndicators(c, value, n));
+    case STATES: return ASK(fmi2GetContinuousStates(c, value, n), fmi3GetContinuousStates(c, value, n));
+    case SLOPES: return ASK(fmi2GetDerivatives(c, value, n), fmi3GetContinuousStateDerivatives(c, value, n));
+    case NOMINALS: return ASK(fmi2GetNominalsOfContinuousStates(c, value, n), fmi3GetNominalsOfContinuousStates(c, value, n));
+    default: return ASK(fmi2GetEventIndicators(c, value, n), fmi3GetEventIndicators(c, value, n));
     }
 }
 static int get_array(host *h, int which) {
@@ -837,7 +859,8 @@ static int get_sizes(host *h) {
     const int states = (int)random_number(2);
     const size_t right = states ? states_of() : indicators_of();
     size_t *const place = h->insane ? NULL : &n;
-    const int status = states ? ASK3(fmi3GetNumberOfContinuousStates(c, place)) : ASK3(fmi3GetNumberOfEventIndicators(c, place));
+    const int status =
+        states ? ASK3(fmi3GetNumberOfContinuousStates(c, place)) : ASK3(fmi3GetNumberOfEventIndicators(c, place));
     if (is_fine(status) && !h->insane) expect(h, n == right, "sizes are those of modelDescription.xml");
     return status;
 }
@@ -854,7 +877,8 @@ static int set_time(host *h) {
 static int set_states(host *h) {
     double state[MOST] = {0}, slope[MOST] = {0}, back[MOST] = {0};
     const size_t right = states_of();
-    const int ready = is_exchange(h) && is_fine(read_array(h, STATES, state, right)) && is_fine(read_array(h, SLOPES, slope, right));
+    const int ready =
+        is_exchange(h) && is_fine(read_array(h, STATES, state, right)) && is_fine(read_array(h, SLOPES, slope, right));
     const double size = ready ? 1e-5 * fraction() : 0.0;
     for (size_t i = 0; i < right; ++i) state[i] += size * slope[i];
     const int missing = h->insane && right && one_in(3), far = !h->insane && right && one_in(200);
@@ -942,7 +966,8 @@ static int let_go(host *h, void **state) {
 static size_t serialised(host *h, void *state, unsigned char **bytes) {
     size_t size = 0;
     void *c;
-    expect(h, ASK(fmi2SerializedFMUstateSize(c, state, &size), fmi3SerializedFMUStateSize(c, state, &size)) == OK, "a state has a size");
+    expect(h, ASK(fmi2SerializedFMUstateSize(c, state, &size), fmi3SerializedFMUStateSize(c, state, &size)) == OK,
+           "a state has a size");
     *bytes = malloc(size ? size : 1);
     if (!*bytes) exit(2);
     expect(h, ASK(fmi2SerializeFMUstate(c, state, (char *)*bytes, size), fmi3SerializeFMUState(c, state, *bytes, size)) == OK,
@@ -1048,20 +1073,23 @@ static int spoil_state(host *h) {
     const size_t whole = serialised(h, state, &bytes);
     int status = ERROR;
     switch (random_number(8)) {
-        case 0:
-            bytes[random_number((unsigned)whole)] ^= (unsigned char)(1 + random_number(255));
-            status = deserialised(h, bytes, whole, &other);
-            break;
-        case 1: status = cut_to(h, bytes, whole, random_number((unsigned)whole), &other); break;
-        case 6: status = cut_to(h, bytes, whole, whole + 1 + random_number(64), &other); break;
-        case 7:
-            ((unsigned char *)state)[random_number((unsigned)whole)] ^= (unsigned char)(1u << random_number(8));
-            status = ASK(fmi2SetFMUstate(c, state), fmi3SetFMUState(c, state));
-            break;
-        case 2: status = deserialised(h, random_number(2) ? NULL : bytes, 0, &other); break;
-        case 3: status = ASK(fmi2SerializedFMUstateSize(c, NULL, &size), fmi3SerializedFMUStateSize(c, NULL, &size)); break;
-        case 4: status = ASK(fmi2SerializeFMUstate(c, state, (char *)bytes, whole - 1), fmi3SerializeFMUState(c, state, bytes, whole - 1)); break;
-        default: status = ASK(fmi2SerializeFMUstate(c, NULL, (char *)bytes, whole), fmi3SerializeFMUState(c, state, NULL, whole));
+    case 0:
+        bytes[random_number((unsigned)whole)] ^= (unsigned char)(1 + random_number(255));
+        status = deserialised(h, bytes, whole, &other);
+        break;
+    case 1: status = cut_to(h, bytes, whole, random_number((unsigned)whole), &other); break;
+    case 6: status = cut_to(h, bytes, whole, whole + 1 + random_number(64), &other); break;
+    case 7:
+        ((unsigned char *)state)[random_number((unsigned)whole)] ^= (unsigned char)(1u << random_number(8));
+        status = ASK(fmi2SetFMUstate(c, state), fmi3SetFMUState(c, state));
+        break;
+    case 2: status = deserialised(h, random_number(2) ? NULL : bytes, 0, &other); break;
+    case 3: status = ASK(fmi2SerializedFMUstateSize(c, NULL, &size), fmi3SerializedFMUStateSize(c, NULL, &size)); break;
+    case 4:
+        status =
+            ASK(fmi2SerializeFMUstate(c, state, (char *)bytes, whole - 1), fmi3SerializeFMUState(c, state, bytes, whole - 1));
+        break;
+    default: status = ASK(fmi2SerializeFMUstate(c, NULL, (char *)bytes, whole), fmi3SerializeFMUState(c, state, NULL, whole));
     }
     free(bytes);
     expect(h, !is_fine(status) || other, "a state that was read is there");
@@ -1185,13 +1213,13 @@ static void instantiate(host *h, int face) {
     const fmi2CallbackFunctions callbacks = {h->quiet ? NULL : hear2, calloc, free, NULL, h};
     const fmi3LogMessageCallback listener = h->quiet ? NULL : hear3;
     if (face <= EXCHANGE_2)
-        h->instance = fmi2Instantiate("machine", face == EXCHANGE_2 ? fmi2ModelExchange : fmi2CoSimulation, OBJECT.token(), resources,
-                                      &callbacks, fmi2False, logging);
+        h->instance = fmi2Instantiate("machine", face == EXCHANGE_2 ? fmi2ModelExchange : fmi2CoSimulation, OBJECT.token(),
+                                      resources, &callbacks, fmi2False, logging);
     else if (face == EXCHANGE_3)
         h->instance = fmi3InstantiateModelExchange("machine", OBJECT.token(), resources, false, logging, h, listener);
     else
-        h->instance = fmi3InstantiateCoSimulation("machine", OBJECT.token(), resources, false, logging, events, early, NULL, 0, h,
-                                                  listener, NULL);
+        h->instance = fmi3InstantiateCoSimulation("machine", OBJECT.token(), resources, false, logging, events, early, NULL, 0,
+                                                  h, listener, NULL);
 }
 
 static void free_instance(host *h) {
@@ -1202,15 +1230,14 @@ static void free_instance(host *h) {
 
 /* The calls that lead on, for without them few would come far. */
 static const call *way_on(const host *h) {
-    static int (*const on[8][4])(host *) = {
-        {enter_initialization, enter_initialization, set_string, set_parameter},
-        {exit_initialization, exit_initialization, exit_initialization, set_input},
-        {update, enter_continuous, enter_step, enter_step},
-        {set_time, set_states, complete_step, enter_event},
-        {do_step, do_step, do_step, set_input},
-        {reset, restore, terminate, reset},
-        {reset, restore, terminate, reset},
-        {reset, restore, reset, reset}};
+    static int (*const on[8][4])(host *) = {{enter_initialization, enter_initialization, set_string, set_parameter},
+                                            {exit_initialization, exit_initialization, exit_initialization, set_input},
+                                            {update, enter_continuous, enter_step, enter_step},
+                                            {set_time, set_states, complete_step, enter_event},
+                                            {do_step, do_step, do_step, set_input},
+                                            {reset, restore, terminate, reset},
+                                            {reset, restore, terminate, reset},
+                                            {reset, restore, reset, reset}};
     int (*const act)(host *) = on[h->is.state][random_number(4)];
     for (int i = 0; i < CALL_COUNT; ++i)
         if (CALLS[i].act == act) return &CALLS[i];
@@ -1236,7 +1263,8 @@ static void look_at_object(const char *folder) {
         for (size_t k = 0; k < length && count < MOST; ++k) {
             element *const e = &elements[count++];
             *e = (element){OBJECT.variable(v), v, (unsigned)k, length, 0.0, 0.0, 0.0, 0};
-            if (e->about->causality < CAUSALITY_OUTPUT && e->about->kind != KIND_STRING) (void)OBJECT.get(one, v, k, 1, &e->start);
+            if (e->about->causality < CAUSALITY_OUTPUT && e->about->kind != KIND_STRING)
+                (void)OBJECT.get(one, v, k, 1, &e->start);
         }
     }
     OBJECT.dispose(one);
@@ -1276,19 +1304,20 @@ static void expect_no_birth(int face, const char *name, const char *token, const
     const fmi2CallbackFunctions callbacks = {face <= EXCHANGE_2 ? hear2 : NULL, calloc, free, NULL, &h};
     void *made;
     if (face <= EXCHANGE_2)
-        made = fmi2Instantiate(name, face == EXCHANGE_2 ? fmi2ModelExchange : fmi2CoSimulation, token, resources, &callbacks, 0, 0);
-    else if (face == EXCHANGE_3)
-        made = fmi3InstantiateModelExchange(name, token, resources, false, true, &h, hear3);
-    else
-        made = fmi3InstantiateCoSimulation(name, token, resources, false, true, false, false, NULL, 0, &h, hear3, NULL);
+        made = fmi2Instantiate(name, face == EXCHANGE_2 ? fmi2ModelExchange : fmi2CoSimulation, token, resources, &callbacks, 0,
+                               0);
+    else if (face == EXCHANGE_3) made = fmi3InstantiateModelExchange(name, token, resources, false, true, &h, hear3);
+    else made = fmi3InstantiateCoSimulation(name, token, resources, false, true, false, false, NULL, 0, &h, hear3, NULL);
     expect(&h, !made && h.heard[ERROR] == 1, what);
 }
 
 static void look_at_births(int face) {
     expect_no_birth(face, "machine", "another", "another's token gives no instance");
     expect_no_birth(face, "machine", NULL, "no token gives no instance");
-    if (!states_of()) expect_no_birth(face ^ 1, "machine", OBJECT.token(), "what has no states gives no instance of model exchange");
-    expect(&(host){.face = face}, !fmi2Instantiate("machine", fmi2CoSimulation, OBJECT.token(), "", NULL, 0, 0), "no callbacks");
+    if (!states_of())
+        expect_no_birth(face ^ 1, "machine", OBJECT.token(), "what has no states gives no instance of model exchange");
+    expect(&(host){.face = face}, !fmi2Instantiate("machine", fmi2CoSimulation, OBJECT.token(), "", NULL, 0, 0),
+           "no callbacks");
 }
 
 int main(int argc, char **argv) {

@@ -17,7 +17,8 @@ LINKED(DECLARE)
 static functions functions_of(const char *name) {
     functions found;
 #ifdef LINKED
-#define TAKE(one) if (strcmp(name, #one) == 0) return one;
+#define TAKE(one)                                                                                                              \
+    if (strcmp(name, #one) == 0) return one;
     LINKED(TAKE)
     exit(2);
 #else

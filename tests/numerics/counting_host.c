@@ -154,7 +154,8 @@ int main(int count, char **argument) {
             const int length = snprintf(line, sizeof line, "%.17g%c", seen[i * outputs + k], k + 1 < outputs ? ' ' : '\n');
             if (write(1, line, (size_t)length) != length) return 1;
         }
-    const int length = snprintf(line, sizeof line, "%d %ld %ld %ld %ld\n", (int)status, taken[0], taken[1], locked[0], locked[1]);
+    const int length =
+        snprintf(line, sizeof line, "%d %ld %ld %ld %ld\n", (int)status, taken[0], taken[1], locked[0], locked[1]);
     if (write(1, line, (size_t)length) != length) return 1;
     syscall(SYS_exit, 0);
     return 0;

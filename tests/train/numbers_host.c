@@ -27,7 +27,8 @@ static void promise(int kept, const char *what) {
     if (!kept && ++broken < 20) printf("broken: %s\n", what);
 }
 
-static void listen2(fmi2ComponentEnvironment e, fmi2String name, fmi2Status status, fmi2String category, fmi2String sentence, ...) {
+static void listen2(fmi2ComponentEnvironment e, fmi2String name, fmi2Status status, fmi2String category, fmi2String sentence,
+                    ...) {
     (void)e, (void)name, (void)status, (void)category;
     promise(strlen(sentence) > 10, "what is told is a sentence");
     ++heard;
@@ -46,7 +47,8 @@ static void *instantiate(int three, const char *folder) {
 }
 
 static int start(int three, void *one) {
-    if (three) return fmi3EnterInitializationMode(one, 0, 0.0, 0.0, 0, 0.0) == fmi3OK && fmi3ExitInitializationMode(one) == fmi3OK;
+    if (three)
+        return fmi3EnterInitializationMode(one, 0, 0.0, 0.0, 0, 0.0) == fmi3OK && fmi3ExitInitializationMode(one) == fmi3OK;
     return fmi2SetupExperiment(one, 0, 0.0, 0.0, 0, 0.0) == fmi2OK && fmi2EnterInitializationMode(one) == fmi2OK &&
            fmi2ExitInitializationMode(one) == fmi2OK;
 }

@@ -4,8 +4,7 @@
 
 #include "pipe.h"
 
-int main(void)
-{
+int main(void) {
     for (int cells = 1; cells < 40; cells += 7) {
         double *state = malloc(sizeof(double) * (size_t)(3 * cells)), *given = malloc(sizeof(double) * (size_t)(8 * cells));
         const double constants[] = {7.5, 0.03, 293.15, 1.0, 1.0, 1e-7, 101325.0, 0.5}, air[] = {6.0, 0.0, 1.25e6};

@@ -9,13 +9,11 @@
 enum { FIELD_COUNT = sizeof FIELDS / sizeof *FIELDS };
 
 /* Not so of what is no number. */
-static int within(double value, const layout_field *of, double most)
-{
+static int within(double value, const layout_field *of, double most) {
     return value >= of->least && value <= most && (!of->whole || value == floor(value));
 }
 
-static int all_within(const double *values, const layout_field *of, const long long int counts[LAYOUT_OWNERS])
-{
+static int all_within(const double *values, const layout_field *of, const long long int counts[LAYOUT_OWNERS]) {
     const double most = of->counts == OF_ONE ? of->most : of->most + (double)counts[of->counts];
     for (long long int i = 0; i < counts[of->of]; ++i) {
         if (!within(values[i], of, most)) return 0;
@@ -25,8 +23,7 @@ static int all_within(const double *values, const layout_field *of, const long l
 }
 
 /* Whether as many vehicles have each kind of distributor as the head says. */
-static int kinds_are_counted(const double *kind, const double *head, long long int vehicles)
-{
+static int kinds_are_counted(const double *kind, const double *head, long long int vehicles) {
     long long int left[KINDS];
     for (int k = 0; k < KINDS; ++k) left[k] = (long long int)head[HEAD_FIRST_KIND + k];
     for (long long int i = 0; i < vehicles; ++i) --left[(int)kind[i]];
@@ -35,8 +32,7 @@ static int kinds_are_counted(const double *kind, const double *head, long long i
     return 1;
 }
 
-const char *train_wrong(const double *numbers, long long int count)
-{
+const char *train_wrong(const double *numbers, long long int count) {
     long long int counts[LAYOUT_OWNERS] = {[OF_ONE] = 1}, due = 0;
     if (count < HEAD_ROWS) return "its length";
     for (int n = 0; n < HEAD_ROWS; ++n)
@@ -53,8 +49,7 @@ const char *train_wrong(const double *numbers, long long int count)
     return NULL;
 }
 
-void layout_find(const double *numbers, const long long int counts[LAYOUT_OWNERS], const double *at[LAYOUT_GROUPS])
-{
+void layout_find(const double *numbers, const long long int counts[LAYOUT_OWNERS], const double *at[LAYOUT_GROUPS]) {
     for (int n = 0; n < LAYOUT_GROUPS; ++n) {
         at[n] = numbers;
         numbers += counts[GROUPS[n].of] * GROUPS[n].rows;
@@ -63,13 +58,11 @@ void layout_find(const double *numbers, const long long int counts[LAYOUT_OWNERS
 
 long long int layout_input(const long long int counts[LAYOUT_OWNERS], int row) { return counts[INPUTS[row].of]; }
 
-long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row)
-{
+long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row) {
     return row < OUT_SUMS ? counts[OUTPUT_OF[row]] : TRAIN_SUMS;
 }
 
-int train_input_wrong(const train *self, long long int *element)
-{
+int train_input_wrong(const train *self, long long int *element) {
     for (int row = 0; row < TRAIN_INPUTS; ++row)
         for (*element = 0; *element < layout_input(self->counts, row); ++*element) {
             const double value = self->input[row][*element];

@@ -22,8 +22,7 @@ struct arrays_object {
 };
 
 /* Its curves, if they are as many as they should be and finite; null: and one sentence that says why. */
-static double *read_curves(const char *folder, char *problem)
-{
+static double *read_curves(const char *folder, char *problem) {
     size_t count = 0;
     double *found = arrays_read(folder, "coupler.bin", &count, problem);
     if (!found) return NULL;
@@ -35,38 +34,33 @@ static double *read_curves(const char *folder, char *problem)
     return NULL;
 }
 
-arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE])
-{
+arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
     double *curves = read_curves(folder, problem);
     if (!curves) return NULL;
     arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
     if (self) {
         memcpy(self->constants, curves, sizeof self->constants);
         self->mark = arrays_mark_of(curves, COUPLER_ROWS);
-    } else
-        snprintf(problem, MESSAGE_SIZE, "There is no memory for the coupler.");
+    } else snprintf(problem, MESSAGE_SIZE, "There is no memory for the coupler.");
     free(curves);
     return self;
 }
 
 void arrays_free(arrays_object *self) { free(self); }
 
-double *arrays_values(const arrays_object *self, unsigned array, size_t *count)
-{
+double *arrays_values(const arrays_object *self, unsigned array, size_t *count) {
     *count = 1;
     return (double *)&self->values[array];
 }
 
-void arrays_reset(arrays_object *self)
-{
+void arrays_reset(arrays_object *self) {
     memset(self->values, 0, sizeof self->values);
     self->values[COUPLED] = 1.0;
     self->rest = self->way = self->force = 0.0;
 }
 
 /* Tension at a way, and where the locked force is zero from then on. */
-static double pull(arrays_object *self, double way)
-{
+static double pull(arrays_object *self, double way) {
     const double behind = 0.0;
     double found[2];
     LANES_NAME(cells_coupling)(&way, &behind, &self->rest, self->constants, found, 1);
@@ -74,14 +68,12 @@ static double pull(arrays_object *self, double way)
     return found[0];
 }
 
-static void find(arrays_object *self)
-{
+static void find(arrays_object *self) {
     self->way = self->values[WAY];
     self->values[FORCE] = self->values[MEAN_FORCE] = self->force = pull(self, self->way);
 }
 
-void arrays_start(arrays_object *self, double time)
-{
+void arrays_start(arrays_object *self, double time) {
     (void)time;
     self->constants[COUPLER_COUPLED] = self->values[COUPLED];
     self->rest = 0.0;
@@ -89,13 +81,13 @@ void arrays_start(arrays_object *self, double time)
     find(self);
 }
 
-kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE])
-{
+kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     (void)time, (void)step, (void)ended, (void)problem;
     const double begin = self->way, gone = self->values[WAY] - begin;
     double sum = 0.0, before = self->force;
     /* Coupled, it holds from when the vehicles touch. */
-    if (self->values[COUPLED] == 0.0 || begin <= 0.0 || self->values[WAY] <= 0.0) self->constants[COUPLER_COUPLED] = self->values[COUPLED];
+    if (self->values[COUPLED] == 0.0 || begin <= 0.0 || self->values[WAY] <= 0.0)
+        self->constants[COUPLER_COUPLED] = self->values[COUPLED];
     for (int n = 1; n <= PARTS; ++n) {
         const double force = pull(self, begin + gone * n / PARTS);
         sum += (before + force) / 2.0 / PARTS;

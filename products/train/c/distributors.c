@@ -7,15 +7,14 @@
 #include "rows.h"
 
 /* Of those kinds that a vehicle has. */
-#define EACH_KIND(self, one)                                                \
-    for (distributors *one = (self)->own; one < (self)->own + KINDS; ++one) \
+#define EACH_KIND(self, one)                                                                                                   \
+    for (distributors *one = (self)->own; one < (self)->own + KINDS; ++one)                                                    \
         if (one->count)
-#define EACH_CONST(self, one)                                                     \
-    for (const distributors *one = (self)->own; one < (self)->own + KINDS; ++one) \
+#define EACH_CONST(self, one)                                                                                                  \
+    for (const distributors *one = (self)->own; one < (self)->own + KINDS; ++one)                                              \
         if (one->count)
 
-void distributors_free(pipe *self)
-{
+void distributors_free(pipe *self) {
     for (int k = 0; k < KINDS; ++k) {
         free(self->own[k].memory);
         free(self->own[k].vehicle);
@@ -24,15 +23,15 @@ void distributors_free(pipe *self)
 }
 
 /* Memory of so many; 0: there is none. */
-static int lay(distributors *self, long long int count)
-{
+static int lay(distributors *self, long long int count) {
     const int states = KIND[self->kind].states, given = KIND[self->kind].given;
     const struct {
         double **first;
         int rows;
         double value;
-    } parts[] = {{&self->state, states, 1e5}, {&self->before, states, 0.0}, {&self->kept, states, 0.0},
-                 {&self->first, states, 0.0}, {&self->given, given, 1.0},   {&self->air, PIPE_STATES, 1.0},
+    } parts[] = {{&self->state, states, 1e5},         {&self->before, states, 0.0},
+                 {&self->kept, states, 0.0},          {&self->first, states, 0.0},
+                 {&self->given, given, 1.0},          {&self->air, PIPE_STATES, 1.0},
                  {&self->command, COMMAND_ROWS, 0.0}, {&self->rate, states + ANSWER_ROWS, 0.0}};
     const long long int rows = 5 * states + given + PIPE_STATES + COMMAND_ROWS + ANSWER_ROWS;
     const long long int stride = self->stride = rows_stride(count);
@@ -49,21 +48,18 @@ static int lay(distributors *self, long long int count)
 }
 
 /* Air at rest, behind the last one. */
-static void put_air(distributors *self)
-{
+static void put_air(distributors *self) {
     static const double air[PIPE_STATES] = {1.2, 0.0, 2.5e5};
     for (int n = 0; n < PIPE_STATES; ++n) rows_fill(self->air + n * self->stride, self->stride, air[n]);
 }
 
-static void put_given(distributors *self, const double *given)
-{
+static void put_given(distributors *self, const double *given) {
     for (int n = 0; n < KIND[self->kind].given; ++n)
         memcpy(self->given + n * self->stride, given + n * self->count, (size_t)self->count * sizeof(double));
 }
 
 int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
-                  const double *const given[KINDS], int depth, double pace)
-{
+                  const double *const given[KINDS], int depth, double pace) {
     distributors_free(self);
     long long int counts[KINDS] = {0};
     for (long long int v = 0; v < count; ++v) ++counts[kind[v]];
@@ -88,55 +84,48 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *kind, co
     return 1;
 }
 
-void pipe_charge(pipe *self, double charged, double around, double cylinder)
-{
+void pipe_charge(pipe *self, double charged, double around, double cylinder) {
     const double start[STARTS] = {[START_CHARGED] = charged, [START_AROUND] = around, [START_CYLINDER] = cylinder};
     EACH_KIND(self, one)
-        for (int n = 0; n < KIND[one->kind].states; ++n)
-            for (long long int i = 0; i < one->count; ++i) one->state[i + n * one->stride] = start[KIND[one->kind].start[n]];
+    for (int n = 0; n < KIND[one->kind].states; ++n)
+        for (long long int i = 0; i < one->count; ++i) one->state[i + n * one->stride] = start[KIND[one->kind].start[n]];
 }
 
-void pipe_protect(pipe *self, const double *protection)
-{
+void pipe_protect(pipe *self, const double *protection) {
     EACH_KIND(self, one)
-        for (long long int i = 0; i < one->count; ++i) {
-            const double command = protection[one->vehicle[i]];
-            one->command[i + COMMAND_HELD * one->stride] = command != PROTECTION_APPLY;
-            one->command[i + COMMAND_VENTED * one->stride] = command == PROTECTION_RELEASE;
-        }
+    for (long long int i = 0; i < one->count; ++i) {
+        const double command = protection[one->vehicle[i]];
+        one->command[i + COMMAND_HELD * one->stride] = command != PROTECTION_APPLY;
+        one->command[i + COMMAND_VENTED * one->stride] = command == PROTECTION_RELEASE;
+    }
 }
 
-void pipe_vehicle_states(const pipe *self, int kind, double *state)
-{
+void pipe_vehicle_states(const pipe *self, int kind, double *state) {
     const distributors *one = &self->own[kind];
     for (int n = 0; one->count && n < KIND[kind].states; ++n)
         memcpy(state + n * one->count, one->state + n * one->stride, (size_t)one->count * sizeof(double));
 }
 
-long long int distributors_numbers(const pipe *self)
-{
+long long int distributors_numbers(const pipe *self) {
     long long int count = 0;
     EACH_CONST(self, one) count += KIND[one->kind].states * one->count;
     return count;
 }
 
-void distributors_save(const pipe *self, double *numbers)
-{
+void distributors_save(const pipe *self, double *numbers) {
     EACH_CONST(self, one) {
         pipe_vehicle_states(self, one->kind, numbers);
         numbers += KIND[one->kind].states * one->count;
     }
 }
 
-void distributors_load(pipe *self, const double *numbers)
-{
+void distributors_load(pipe *self, const double *numbers) {
     EACH_KIND(self, one)
-        for (int n = 0; n < KIND[one->kind].states; ++n, numbers += one->count)
-            memcpy(one->state + n * one->stride, numbers, (size_t)one->count * sizeof(double));
+    for (int n = 0; n < KIND[one->kind].states; ++n, numbers += one->count)
+        memcpy(one->state + n * one->stride, numbers, (size_t)one->count * sizeof(double));
 }
 
-void pipe_pressures(const pipe *self, double *line, double *cylinder)
-{
+void pipe_pressures(const pipe *self, double *line, double *cylinder) {
     EACH_CONST(self, one) {
         for (long long int i = 0; i < one->count && line; ++i) {
             const double *u = self->state + one->cell[i], momentum = u[self->stride];
@@ -150,8 +139,7 @@ void pipe_pressures(const pipe *self, double *line, double *cylinder)
 
 static void answer(distributors *self) { IN_LANES(distributors_answer); }
 
-void distributors_act(pipe *self, pipe_passed *passed)
-{
+void distributors_act(pipe *self, pipe_passed *passed) {
     const long long int stride = self->stride;
     EACH_KIND(self, one) {
         for (long long int i = 0; i < one->count; ++i)
@@ -171,17 +159,15 @@ void distributors_act(pipe *self, pipe_passed *passed)
     }
 }
 
-void distributors_go_on(pipe *self, double share, double step)
-{
+void distributors_go_on(pipe *self, double share, double step) {
     EACH_KIND(self, one)
-        for (int n = 0; n < KIND[one->kind].states; ++n) {
-            const long long int at = n * one->stride;
-            pipe_mix(one->state + at, one->before + at, one->rate + at, one->count, share, step);
-        }
+    for (int n = 0; n < KIND[one->kind].states; ++n) {
+        const long long int at = n * one->stride;
+        pipe_mix(one->state + at, one->before + at, one->rate + at, one->count, share, step);
+    }
 }
 
-void distributors_copy(pipe *self, int to, int from)
-{
+void distributors_copy(pipe *self, int to, int from) {
     EACH_KIND(self, one) {
         double *blocks[] = {one->state, one->before, one->kept, one->first};
         const size_t size = (size_t)(KIND[one->kind].states * one->stride) * sizeof(double);
@@ -189,13 +175,12 @@ void distributors_copy(pipe *self, int to, int from)
     }
 }
 
-bool distributors_sound(const pipe *self)
-{
+bool distributors_sound(const pipe *self) {
     EACH_CONST(self, one)
-        for (int n = 0; n < KIND[one->kind].states; ++n) {
-            const double *state = one->state + n * one->stride;
-            for (long long int i = 0; i < one->count; ++i)
-                if (!(state[i] > 0.0 && isfinite(state[i]))) return false;
-        }
+    for (int n = 0; n < KIND[one->kind].states; ++n) {
+        const double *state = one->state + n * one->stride;
+        for (long long int i = 0; i < one->count; ++i)
+            if (!(state[i] > 0.0 && isfinite(state[i]))) return false;
+    }
     return true;
 }

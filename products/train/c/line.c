@@ -5,8 +5,7 @@
 #include "train_inside.h"
 
 /* The row before a place, searched from where it was found last. */
-static long long int row_at(const train *self, double at, long long int guess)
-{
+static long long int row_at(const train *self, double at, long long int guess) {
     const double *distance = self->line[POINT_DISTANCE];
     while (guess + 1 < self->points - 1 && distance[guess + 1] <= at) ++guess;
     while (guess > 0 && distance[guess] > at) --guess;
@@ -14,8 +13,7 @@ static long long int row_at(const train *self, double at, long long int guess)
 }
 
 /* Height of the line [m], with straight lines of gradient between its points, and its ends' gradients beyond them. */
-static double height_at(const train *self, double at, long long int row)
-{
+static double height_at(const train *self, double at, long long int row) {
     const double *distance = self->line[POINT_DISTANCE], *gradient = self->line[POINT_GRADIENT], *height = self->height;
     const double first = distance[0], last = distance[self->points - 1];
     if (self->points < 2 || at <= first) return (at - first) * gradient[0];
@@ -25,23 +23,20 @@ static double height_at(const train *self, double at, long long int row)
 }
 
 /* Curvature between its points [1/m]; beyond its ends a line is straight. */
-static double curvature_at(const train *self, double at, long long int row)
-{
+static double curvature_at(const train *self, double at, long long int row) {
     const double *distance = self->line[POINT_DISTANCE], *curvature = self->line[POINT_CURVATURE];
     if (self->points < 2 || at < distance[0] || at > distance[self->points - 1]) return 0.0;
     return curvature[row] + (at - distance[row]) / (distance[row + 1] - distance[row]) * (curvature[row + 1] - curvature[row]);
 }
 
 /* Resistance of a curve over weight, v. Roeckl: 0.65 m / (R - 55 m) from 300 m on, 0.5 m / (R - 30 m) below. */
-static double roeckl(double curvature)
-{
+static double roeckl(double curvature) {
     const double radius = 1.0 / fmax(fabs(curvature), 1e-9);
     return radius >= 300.0 ? 0.65 / (radius - 55.0) : 0.5 / (fmax(radius, 60.0) - 30.0);
 }
 
 /* The whole vehicle's weight lies on its length: its force is its mean gradient's. */
-void line_act(train *self, double step)
-{
+void line_act(train *self, double step) {
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves);
     double *slope = motion_acting(self->moves, ACTING_SLOPE), *curve = motion_acting(self->moves, ACTING_CURVE);
     if (self->level) return; /* nothing has ever been written there */

@@ -10,8 +10,7 @@
 
 enum { ROWS = MOTION_STATES + ACTING_ROWS + MOTION_ROWS + COUPLER_ROWS + MOTION_FOUND + 5, EXTREMES = 4 };
 
-motion *motion_create(long long int vehicles, const double *given, const double *coupler)
-{
+motion *motion_create(long long int vehicles, const double *given, const double *coupler) {
     motion *self = (motion *)calloc(1, sizeof *self);
     if (!self) return NULL;
     const long long int stride = self->stride = rows_stride(vehicles);
@@ -27,9 +26,16 @@ motion *motion_create(long long int vehicles, const double *given, const double 
         double **first;
         int rows;
         double value;
-    } parts[] = {{&self->state, MOTION_STATES, 0.0}, {&self->acting, ACTING_ROWS, 0.0}, {&self->given, MOTION_ROWS, 1.0},
-                 {&self->coupler, COUPLER_ROWS, 1.0}, {&self->found, MOTION_FOUND, 0.0},   {&self->force, 1, 0.0},
-                 {&self->step, 1, 1.0},                {&self->wish, 1, 1.0}, {&self->lead, 1, NAN}, {&self->sum, 1, 0.0}};
+    } parts[] = {{&self->state, MOTION_STATES, 0.0},
+                 {&self->acting, ACTING_ROWS, 0.0},
+                 {&self->given, MOTION_ROWS, 1.0},
+                 {&self->coupler, COUPLER_ROWS, 1.0},
+                 {&self->found, MOTION_FOUND, 0.0},
+                 {&self->force, 1, 0.0},
+                 {&self->step, 1, 1.0},
+                 {&self->wish, 1, 1.0},
+                 {&self->lead, 1, NAN},
+                 {&self->sum, 1, 0.0}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
         for (int n = 0; n < parts[part].rows; ++n, row += stride) rows_fill(row, stride, parts[part].value);
@@ -44,21 +50,18 @@ motion *motion_create(long long int vehicles, const double *given, const double 
     return self;
 }
 
-void motion_free(motion *self)
-{
+void motion_free(motion *self) {
     if (!self) return;
     free(self->memory);
     free(self);
 }
 
-void motion_put(motion *self, const double *state)
-{
+void motion_put(motion *self, const double *state) {
     for (int n = 0; n < MOTION_STATES; ++n)
         memcpy(self->state + n * self->stride, state + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
 }
 
-void motion_get(const motion *self, double *state)
-{
+void motion_get(const motion *self, double *state) {
     for (int n = 0; n < MOTION_STATES; ++n)
         memcpy(state + n * self->vehicles, self->state + n * self->stride, (size_t)self->vehicles * sizeof(double));
 }
@@ -70,52 +73,45 @@ const double *motion_wheel(const motion *self) { return self->wheel; }
 double *motion_force(motion *self) { return self->force; }
 const double *motion_rail(const motion *self) { return self->found + 2 * self->stride; }
 
-int motion_is_coupled(const motion *self, long long int coupler)
-{
+int motion_is_coupled(const motion *self, long long int coupler) {
     return self->coupler[coupler + COUPLER_COUPLED * self->stride] > 0.0;
 }
 
-static void count_waiting(motion *self)
-{
+static void count_waiting(motion *self) {
     self->waiting = 0;
     for (long long int i = 0; i + 1 < self->vehicles; ++i) self->waiting += self->wish[i] > 0.0 && !motion_is_coupled(self, i);
 }
 
-static void count_led(motion *self)
-{
+static void count_led(motion *self) {
     self->led = 0;
     for (long long int i = 0; i < self->vehicles; ++i) self->led |= isfinite(self->lead[i]) != 0;
 }
 
-void motion_couple(motion *self, long long int coupler, int coupled)
-{
+void motion_couple(motion *self, long long int coupler, int coupled) {
     self->wish[coupler] = coupled;
     if (!coupled) self->coupler[coupler + COUPLER_COUPLED * self->stride] = 0.0;
     count_waiting(self);
 }
 
-void motion_lead(motion *self, long long int vehicle, double speed)
-{
+void motion_lead(motion *self, long long int vehicle, double speed) {
     self->lead[vehicle] = speed;
     count_led(self);
     if (isfinite(speed)) self->speed[vehicle] = self->wheel[vehicle] = speed;
 }
 
-void motion_correct(motion *self, long long int vehicle, double speed, double step)
-{
+void motion_correct(motion *self, long long int vehicle, double speed, double step) {
     self->state[vehicle] += (speed - self->speed[vehicle]) * step / 2.0;
     self->speed[vehicle] = self->wheel[vehicle] = speed;
 }
 
-void motion_begin_mean(motion *self)
-{
+void motion_begin_mean(motion *self) {
     rows_fill(self->sum, self->stride, 0.0);
     self->summed = 0;
 }
 
-void motion_mean(const motion *self, double *force)
-{
-    for (long long int i = 0; i + 1 < self->vehicles; ++i) force[i] = self->summed ? self->sum[i] / (double)self->summed : self->force[i];
+void motion_mean(const motion *self, double *force) {
+    for (long long int i = 0; i + 1 < self->vehicles; ++i)
+        force[i] = self->summed ? self->sum[i] / (double)self->summed : self->force[i];
 }
 
 void motion_extremes(const motion *self, double found[4]) { memcpy(found, self->extremes, sizeof self->extremes); }
@@ -124,14 +120,12 @@ void motion_forget(motion *self) { memset(self->extremes, 0, sizeof self->extrem
 /* States, couplings that are and that are wished, forces, speeds that are given, extremes. */
 long long int motion_numbers(const motion *self) { return (MOTION_STATES + 4) * self->vehicles + EXTREMES; }
 
-static double *kept_rows(const motion *self, int row)
-{
+static double *kept_rows(const motion *self, int row) {
     double *rows[] = {self->coupler + COUPLER_COUPLED * self->stride, self->wish, self->force, self->lead};
     return rows[row];
 }
 
-void motion_save(const motion *self, double *numbers)
-{
+void motion_save(const motion *self, double *numbers) {
     motion_get(self, numbers);
     numbers += MOTION_STATES * self->vehicles;
     for (int row = 0; row < 4; ++row, numbers += self->vehicles)
@@ -139,8 +133,7 @@ void motion_save(const motion *self, double *numbers)
     memcpy(numbers, self->extremes, sizeof self->extremes);
 }
 
-void motion_load(motion *self, const double *numbers)
-{
+void motion_load(motion *self, const double *numbers) {
     motion_put(self, numbers);
     numbers += MOTION_STATES * self->vehicles;
     for (int row = 0; row < 4; ++row, numbers += self->vehicles)
@@ -151,8 +144,7 @@ void motion_load(motion *self, const double *numbers)
 }
 
 /* Couplers that wait to be coupled are, where the vehicles touch. */
-static void couple_what_touches(motion *self)
-{
+static void couple_what_touches(motion *self) {
     for (long long int i = 0; i + 1 < self->vehicles; ++i)
         if (self->wish[i] > 0.0 && !motion_is_coupled(self, i) && self->state[i] <= self->state[i + 1]) {
             self->coupler[i + COUPLER_COUPLED * self->stride] = 1.0;
@@ -161,8 +153,7 @@ static void couple_what_touches(motion *self)
 }
 
 /* Looks for the largest forces so far. */
-static void find_extremes(motion *self)
-{
+static void find_extremes(motion *self) {
     double most = 0.0, least = 0.0;
     const double *force = self->force;
     for (long long int i = 0; i + 1 < self->vehicles; ++i) {
@@ -179,13 +170,11 @@ static void find_extremes(motion *self)
         }
 }
 
-static void go_ways(motion *self, double time)
-{
+static void go_ways(motion *self, double time) {
     for (long long int i = 0; i < self->vehicles; ++i) self->state[i] += time * self->speed[i];
 }
 
-static void find_forces(motion *self)
-{
+static void find_forces(motion *self) {
     const double *force = self->found, *rest = force + self->stride;
     const long long int couplers = self->vehicles - 1;
     if (self->waiting) couple_what_touches(self);
@@ -197,15 +186,13 @@ static void find_forces(motion *self)
     find_extremes(self);
 }
 
-void motion_force_now(motion *self, double *force)
-{
+void motion_force_now(motion *self, double *force) {
     IN_LANES(motion_force);
     memcpy(force, self->found, (size_t)(self->vehicles - 1) * sizeof(double));
 }
 
 /* Speeds behind a step; wheels that slide have their own law. */
-static void find_speeds(motion *self)
-{
+static void find_speeds(motion *self) {
     double *speed = self->found, *over = speed + self->stride;
     IN_LANES(motion_speed);
     for (long long int i = 0; i < self->vehicles; ++i) {
@@ -221,8 +208,7 @@ static void find_speeds(motion *self)
     memcpy(self->speed, speed, (size_t)self->vehicles * sizeof(double));
 }
 
-void motion_go(motion *self, long long int steps, double step)
-{
+void motion_go(motion *self, long long int steps, double step) {
     for (long long int i = 0; i < self->vehicles; ++i) self->step[i] = step;
     for (long long int n = 0; n < steps; ++n) {
         go_ways(self, n ? step : step / 2.0); /* the second half of the step before, and the first of this one */
@@ -232,8 +218,7 @@ void motion_go(motion *self, long long int steps, double step)
     go_ways(self, step / 2.0);
 }
 
-int motion_sound(const motion *self)
-{
+int motion_sound(const motion *self) {
     for (int n = 0; n < MOTION_STATES; ++n)
         for (long long int i = 0; i < self->vehicles; ++i)
             if (!isfinite(self->state[i + n * self->stride])) return 0;

@@ -10,15 +10,16 @@ struct motion {
     long long int vehicles, stride;
     int lanes, waiting; /* couplers that are to be coupled */
     double *memory;
-    double *state, *speed, *wheel, *rest, *acting, *given, *coupler, *step, *found, *force, *wish, *lead, *sum; /* first cells of first rows */
+    double *state, *speed, *wheel, *rest, *acting, *given, *coupler, *step, *found, *force, *wish, *lead,
+        *sum; /* first cells of first rows */
     int led; /* whether any vehicle's speed is given */
     double extremes[4];
     long long int summed;
 };
 
-#define MOTION_LOOPS(lanes)                  \
-    void motion_force_##lanes(motion *self); \
-    void motion_speed_##lanes(motion *self); \
+#define MOTION_LOOPS(lanes)                                                                                                    \
+    void motion_force_##lanes(motion *self);                                                                                   \
+    void motion_speed_##lanes(motion *self);                                                                                   \
     void motion_slide_##lanes(const motion *self, long long int vehicle, double *result)
 MOTION_LOOPS(1);
 MOTION_LOOPS(2);

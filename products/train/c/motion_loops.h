@@ -3,25 +3,23 @@
 #include "lanes.h"
 #include "motion_cells.h"
 
-void LANES_NAME(motion_force)(motion *self)
-{
+void LANES_NAME(motion_force)(motion *self) {
     for (long long int i = 0; i + 1 < self->vehicles; i += LANES)
-        LANES_NAME(cells_coupling)(self->state + i, self->state + i + 1, self->rest + i, self->coupler + i, self->found + i, self->stride);
+        LANES_NAME(cells_coupling)(self->state + i, self->state + i + 1, self->rest + i, self->coupler + i, self->found + i,
+                                   self->stride);
     LANES_LEAVE;
 }
 
-void LANES_NAME(motion_speed)(motion *self)
-{
+void LANES_NAME(motion_speed)(motion *self) {
     for (long long int i = 0; i < self->vehicles; i += LANES)
-        LANES_NAME(cells_rolling)(self->speed + i, self->wheel + i, self->force + i - 1, self->force + i, self->acting + i, self->given + i,
-                                  self->step + i, self->found + i, self->stride);
+        LANES_NAME(cells_rolling)(self->speed + i, self->wheel + i, self->force + i - 1, self->force + i, self->acting + i,
+                                  self->given + i, self->step + i, self->found + i, self->stride);
     LANES_LEAVE;
 }
 
-void LANES_NAME(motion_slide)(const motion *self, long long int i, double *result)
-{
-    LANES_NAME(cells_sliding)(self->speed + i, self->wheel + i, self->force + i - 1, self->force + i, self->acting + i, self->given + i,
-                              self->step + i, result, self->stride);
+void LANES_NAME(motion_slide)(const motion *self, long long int i, double *result) {
+    LANES_NAME(cells_sliding)(self->speed + i, self->wheel + i, self->force + i - 1, self->force + i, self->acting + i,
+                              self->given + i, self->step + i, result, self->stride);
     LANES_LEAVE;
 }
 

@@ -20,14 +20,12 @@ enum { ROWS = 4 * PIPE_STATES + CELL_ROWS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_
 /* Of the area of the pipe, what a hose that has parted opens. Assumed. */
 static const double HOSE = 0.9;
 
-static double volume(const pipe *self, long long int i)
-{
+static double volume(const pipe *self, long long int i) {
     const double *length = self->given, *diameter = length + self->stride, *branch = length + CELL_BRANCH * self->stride;
     return 0.78539816339744831 * diameter[i] * diameter[i] * (length[i] + branch[i]);
 }
 
-pipe *pipe_create(long long int cells, const double *state, const double *constants)
-{
+pipe *pipe_create(long long int cells, const double *state, const double *constants) {
     pipe *self = (pipe *)calloc(1, sizeof *self);
     if (!self) return NULL;
     self->cells = cells;
@@ -43,8 +41,12 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
     const struct {
         double **first;
         int rows;
-    } parts[] = {{&self->state, PIPE_STATES}, {&self->before, PIPE_STATES}, {&self->kept, PIPE_STATES}, {&self->first, PIPE_STATES}, {&self->given, CELL_ROWS}, {&self->side, PIPE_SIDES},
-                 {&self->flux, PIPE_STATES},  {&self->rate, PIPE_STATES},   {&self->leak, PIPE_LEAKS},     {&self->time, 1}, {&self->jump, PIPE_STATES}, {&self->over_volume, 1}};
+    } parts[] = {{&self->state, PIPE_STATES}, {&self->before, PIPE_STATES},
+                 {&self->kept, PIPE_STATES},  {&self->first, PIPE_STATES},
+                 {&self->given, CELL_ROWS},   {&self->side, PIPE_SIDES},
+                 {&self->flux, PIPE_STATES},  {&self->rate, PIPE_STATES},
+                 {&self->leak, PIPE_LEAKS},   {&self->time, 1},
+                 {&self->jump, PIPE_STATES},  {&self->over_volume, 1}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
         row += parts[part].rows * self->stride;
@@ -64,8 +66,7 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
     return self;
 }
 
-void pipe_free(pipe *self)
-{
+void pipe_free(pipe *self) {
     if (!self) return;
     free(self->memory);
     free(self->joint);
@@ -73,14 +74,12 @@ void pipe_free(pipe *self)
     free(self);
 }
 
-void pipe_give(pipe *self, long long int cell, double pressure)
-{
+void pipe_give(pipe *self, long long int cell, double pressure) {
     self->state[cell + 2 * self->stride] = 2.5 * pressure; /* p / (kappa - 1), at rest */
     self->state[cell + self->stride] = 0.0;
 }
 
-void pipe_fill(pipe *self, double density, double pressure)
-{
+void pipe_fill(pipe *self, double density, double pressure) {
     for (long long int i = 0; i < self->cells; ++i) {
         self->state[i] = density;
         pipe_give(self, i, pressure);
@@ -90,59 +89,51 @@ void pipe_fill(pipe *self, double density, double pressure)
     self->fastest = self->looked = 0.0;
 }
 
-void pipe_end(pipe *self, int end, const pipe_outside *outside)
-{
+void pipe_end(pipe *self, int end, const pipe_outside *outside) {
     self->outside[end] = *outside;
     self->looked = 0.0;
 }
 
-void pipe_join(pipe *self, long long int face, int how)
-{
+void pipe_join(pipe *self, long long int face, int how) {
     self->looked = 0.0;
     self->joints += (how != JOINED_WHOLE) - (self->joint[face] != JOINED_WHOLE);
     self->joint[face] = (unsigned char)how;
 }
 
-long long int pipe_numbers(const pipe *self)
-{
+long long int pipe_numbers(const pipe *self) {
     const long long int passed = (long long int)(sizeof self->passed / sizeof(double));
     return PIPE_STATES * self->cells + distributors_numbers(self) + passed + MOST_VALVES;
 }
 
-void pipe_save(const pipe *self, double *numbers)
-{
+void pipe_save(const pipe *self, double *numbers) {
     pipe_state(self, numbers);
     distributors_save(self, numbers += PIPE_STATES * self->cells);
     numbers += distributors_numbers(self);
     memcpy(numbers, &self->passed, sizeof self->passed);
-    for (int valve = 0; valve < MOST_VALVES; ++valve) numbers[sizeof self->passed / sizeof(double) + valve] = self->valve[valve].at;
+    for (int valve = 0; valve < MOST_VALVES; ++valve)
+        numbers[sizeof self->passed / sizeof(double) + valve] = self->valve[valve].at;
 }
 
-void pipe_load(pipe *self, const double *numbers)
-{
+void pipe_load(pipe *self, const double *numbers) {
     for (int n = 0; n < PIPE_STATES; ++n, numbers += self->cells)
         memcpy(self->state + n * self->stride, numbers, (size_t)self->cells * sizeof(double));
     distributors_load(self, numbers);
     numbers += distributors_numbers(self);
     memcpy(&self->passed, numbers, sizeof self->passed);
     self->fastest = self->looked = 0.0; /* that was of another state: it is looked for again */
-    for (int valve = 0; valve < MOST_VALVES; ++valve) self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
+    for (int valve = 0; valve < MOST_VALVES; ++valve)
+        self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
 }
 
-void pipe_state(const pipe *self, double *state)
-{
+void pipe_state(const pipe *self, double *state) {
     for (int n = 0; n < PIPE_STATES; ++n)
         memcpy(state + n * self->cells, self->state + n * self->stride, (size_t)self->cells * sizeof(double));
 }
 
-const pipe_passed *pipe_has_passed(const pipe *self)
-{
-    return &self->passed;
-}
+const pipe_passed *pipe_has_passed(const pipe *self) { return &self->passed; }
 
 /* Cells beyond a closed end are the mirror of those inside, beyond an open one the same as those. */
-static void mirror(pipe *self)
-{
+static void mirror(pipe *self) {
     const long long int n = self->cells;
     for (int row = 0; row < PIPE_STATES; ++row) {
         double *u = self->state + row * self->stride;
@@ -152,20 +143,16 @@ static void mirror(pipe *self)
 }
 
 /* What passes the first (0) or the last end of a cell outwards, per square metre, and how fast. */
-static void pass_end(const pipe *self, long long int place, int end, const pipe_outside *o, double *out)
-{
+static void pass_end(const pipe *self, long long int place, int end, const pipe_outside *o, double *out) {
     const double outwards = end ? 1.0 : -1.0, *side = self->side + (end ? PIPE_STATES : 0) * self->stride + place;
     const double air[PIPE_STATES] = {side[0], outwards * side[self->stride], side[2 * self->stride]};
     const double outside[] = {o->opening, o->area, o->pressure, o->temperature};
-    if (o->opening == 0.0)
-        pipe_walled_1(air, out);
-    else
-        pipe_ending_1(air, outside, out);
+    if (o->opening == 0.0) pipe_walled_1(air, out);
+    else pipe_ending_1(air, outside, out);
 }
 
 /* Takes from the rates what leaks. */
-static void leak(pipe *self, pipe_passed *passed)
-{
+static void leak(pipe *self, pipe_passed *passed) {
     IN_LANES(pipe_leaks);
     double *mass = self->leak, *energy = mass + self->stride;
     for (long long int i = 0; i < self->cells; ++i) {
@@ -176,14 +163,12 @@ static void leak(pipe *self, pipe_passed *passed)
     }
 }
 
-static double area_of(const pipe *self, long long int cell)
-{
+static double area_of(const pipe *self, long long int cell) {
     const double diameter = self->given[cell + CELL_DIAMETER * self->stride];
     return 0.78539816339744831 * diameter * diameter;
 }
 
-void pipe_valve(pipe *self, int valve, long long int face, const double numbers[VALVE_NUMBERS])
-{
+void pipe_valve(pipe *self, int valve, long long int face, const double numbers[VALVE_NUMBERS]) {
     valve_at *own = &self->valve[valve];
     own->face = face;
     memcpy(own->numbers, numbers, VALVE_NUMBERS * sizeof(double));
@@ -193,8 +178,7 @@ void pipe_valve(pipe *self, int valve, long long int face, const double numbers[
 }
 
 /* Cells at faces that are not joined see nothing beyond them. */
-static void look_at_joints(pipe *self)
-{
+static void look_at_joints(pipe *self) {
     for (long long int face = 1; face < self->cells; ++face)
         for (int ahead = 0; ahead < 2 && self->joint[face]; ++ahead) {
             const long long int own = face - 1 + ahead;
@@ -212,14 +196,15 @@ static void look_at_joints(pipe *self)
 }
 
 /* The pressure at a driver's valve at which the waves meet what passes it: Newton's method within a bracket. */
-static double meet(valve_at *own, const double *behind, const double *ahead)
-{
+static double meet(valve_at *own, const double *behind, const double *ahead) {
     enum { MOST = 60 };
-    double low = 0.02 * fmin(behind[2], ahead[2]), high = 4.0 * fmax(fmax(behind[2], ahead[2]), own->numbers[TAP_SUPPLY_PRESSURE]), found[TAP_FOUND];
+    double low = 0.02 * fmin(behind[2], ahead[2]),
+           high = 4.0 * fmax(fmax(behind[2], ahead[2]), own->numbers[TAP_SUPPLY_PRESSURE]), found[TAP_FOUND];
     double at = own->at > low && own->at < high ? own->at : behind[2];
     for (int turn = 0; turn < MOST; ++turn) {
         pipe_tapping_1(&at, behind, ahead, own->numbers, found);
-        if (found[0] > 0.0) low = at; else high = at;
+        if (found[0] > 0.0) low = at;
+        else high = at;
         const double better = at - found[0] / found[1], near = 1e-11 * at;
         if (fabs(better - at) < near || high - low < near) break;
         at = better > low && better < high ? better : (low + high) / 2.0;
@@ -228,16 +213,14 @@ static double meet(valve_at *own, const double *behind, const double *ahead)
 }
 
 /* Puts the fluxes on both sides of a face: of a joint or a valve; what a rate is ahead of it beyond its shared flux. */
-static void split_flux(pipe *self, long long int face, const double *behind, const double *ahead)
-{
+static void split_flux(pipe *self, long long int face, const double *behind, const double *ahead) {
     for (int n = 0; n < PIPE_STATES; ++n) {
         self->flux[face + n * self->stride] = face > 0 ? behind[n] : ahead[n];
         if (face > 0 && face < self->cells) self->jump[face + n * self->stride] = ahead[n] - behind[n];
     }
 }
 
-static void pass_valves(pipe *self, pipe_passed *passed)
-{
+static void pass_valves(pipe *self, pipe_passed *passed) {
     for (int valve = 0; valve < self->valves; ++valve) {
         valve_at *own = &self->valve[valve];
         const long long int stride = self->stride, face = own->face, last = self->cells - 1;
@@ -256,8 +239,7 @@ static void pass_valves(pipe *self, pipe_passed *passed)
 }
 
 /* Between cells that are not joined: nothing passes, or all that waves bring leaves the pipe. */
-static void pass_joints(pipe *self, pipe_passed *passed)
-{
+static void pass_joints(pipe *self, pipe_passed *passed) {
     for (long long int face = 1; face < self->cells; ++face) {
         if (!self->joint[face]) continue;
         double out[2][PIPE_STATES + 1];
@@ -265,7 +247,8 @@ static void pass_joints(pipe *self, pipe_passed *passed)
             const long long int own = face - 1 + ahead;
             const double area = area_of(self, own), *given = self->given + own;
             const double opening = self->joint[face] == JOINED_PARTED ? HOSE * area : 0.0;
-            const pipe_outside o = {opening, area, given[CELL_AMBIENT_PRESSURE * self->stride], given[CELL_WALL_TEMPERATURE * self->stride]};
+            const pipe_outside o = {opening, area, given[CELL_AMBIENT_PRESSURE * self->stride],
+                                    given[CELL_WALL_TEMPERATURE * self->stride]};
             pass_end(self, own, !ahead, &o, out[ahead]);
             passed->leak_mass += out[ahead][0] * area;
             passed->leak_energy += out[ahead][2] * area;
@@ -277,15 +260,13 @@ static void pass_joints(pipe *self, pipe_passed *passed)
 }
 
 /* What the rate of the cell ahead of a face lacks. */
-static void add_jump(pipe *self, long long int face)
-{
+static void add_jump(pipe *self, long long int face) {
     const double length = self->given[face], branch = self->given[face + CELL_BRANCH * self->stride];
     for (int n = 0; n < PIPE_STATES; ++n)
         self->rate[face + n * self->stride] += self->jump[face + n * self->stride] / (n == 1 ? length : length + branch);
 }
 
-static void add_jumps(pipe *self)
-{
+static void add_jumps(pipe *self) {
     for (int valve = 0; valve < self->valves; ++valve) {
         const long long int face = self->valve[valve].face;
         if (face > 0 && face < self->cells && !self->joint[face]) add_jump(self, face);
@@ -295,8 +276,7 @@ static void add_jumps(pipe *self)
 }
 
 /* How fast waves and air change the cells beside valves at most [1/s]. */
-static double fastest_at_valves(const pipe *self)
-{
+static double fastest_at_valves(const pipe *self) {
     double fastest = 0.0;
     for (int valve = 0; valve < self->valves; ++valve)
         for (int ahead = 0; ahead < 2; ++ahead) {
@@ -312,8 +292,7 @@ static double fastest_at_valves(const pipe *self)
 }
 
 /* Looks at the sides of cells and at the ends; how fast waves and vehicles change at most [1/s]. passed: through the ends. */
-static double look(pipe *self, pipe_passed *passed)
-{
+static double look(pipe *self, pipe_passed *passed) {
     if (self->depth == DEPTH_DELAY) return self->pace / 2.0;
     double through[2];
     mirror(self);
@@ -329,16 +308,14 @@ static double look(pipe *self, pipe_passed *passed)
     }
     const double *wave = self->side + 6 * self->stride, *length = self->given;
     double fastest = self->pace / 2.0; /* Heun's method is stable up to 2 over a pace */
-    for (long long int i = 0; i < self->cells; ++i)
-        fastest = wave[i] > fastest * length[i] ? wave[i] / length[i] : fastest;
+    for (long long int i = 0; i < self->cells; ++i) fastest = wave[i] > fastest * length[i] ? wave[i] / length[i] : fastest;
     const long long int last = self->cells - 1;
     fastest = fmax(fastest, fastest_at_valves(self));
     return fmax(fastest, fmax((wave[0] + through[0]) / length[0], (wave[last] + through[1]) / length[last]));
 }
 
 /* Rates of all cells and vehicles. passed: what leaves in a second. */
-static void rates(pipe *self, pipe_passed *passed)
-{
+static void rates(pipe *self, pipe_passed *passed) {
     memset(passed, 0, sizeof *passed);
     if (self->depth == DEPTH_DELAY) {
         distributors_act(self, passed);
@@ -356,8 +333,7 @@ static void rates(pipe *self, pipe_passed *passed)
     distributors_act(self, passed);
 }
 
-static void add(pipe_passed *to, const pipe_passed *more, double time)
-{
+static void add(pipe_passed *to, const pipe_passed *more, double time) {
     for (int end = 0; end < 2; ++end) {
         to->end_mass[end] += time * more->end_mass[end];
         to->end_energy[end] += time * more->end_energy[end];
@@ -373,8 +349,7 @@ static void add(pipe_passed *to, const pipe_passed *more, double time)
 }
 
 /* Heat exchange with the walls for a time. */
-static void warm(pipe *self, double time)
-{
+static void warm(pipe *self, double time) {
     if (self->depth == DEPTH_DELAY) return;
     for (long long int i = 0; i < self->cells; ++i) self->time[i] = time;
     IN_LANES(pipe_warm);
@@ -385,45 +360,40 @@ static void warm(pipe *self, double time)
     }
 }
 
-void pipe_mix(double *u, const double *first, const double *rate, long long int count, double share, double step)
-{
+void pipe_mix(double *u, const double *first, const double *rate, long long int count, double share, double step) {
     for (long long int i = 0; i < count; ++i) u[i] = share * first[i] + (1.0 - share) * (u[i] + step * rate[i]);
 }
 
 /* state = share of what was before, and the rest of what the rates make of it in a step. */
-static void go_on(pipe *self, double share, double step)
-{
+static void go_on(pipe *self, double share, double step) {
     for (int row = 0; row < PIPE_STATES; ++row)
-        pipe_mix(self->state + row * self->stride, self->before + row * self->stride, self->rate + row * self->stride, self->cells, share,
-            step);
+        pipe_mix(self->state + row * self->stride, self->before + row * self->stride, self->rate + row * self->stride,
+                 self->cells, share, step);
     distributors_go_on(self, share, step);
 }
 
-static void copy(pipe *self, int to, int from)
-{
+static void copy(pipe *self, int to, int from) {
     double *blocks[] = {self->state, self->before, self->kept, self->first};
     memcpy(blocks[to] - ROWS_EDGE, blocks[from] - ROWS_EDGE, (size_t)(PIPE_STATES * self->stride) * sizeof(double));
     distributors_copy(self, to, from);
 }
 
-static bool sound(const pipe *self)
-{
+static bool sound(const pipe *self) {
     const double *density = self->state, *momentum = density + self->stride, *energy = momentum + self->stride;
     for (long long int i = 0; i < self->cells; ++i)
-        if (!(density[i] > 0.0 && isfinite(energy[i]) && energy[i] * density[i] > momentum[i] * momentum[i] / 2.0)) return false;
+        if (!(density[i] > 0.0 && isfinite(energy[i]) && energy[i] * density[i] > momentum[i] * momentum[i] / 2.0))
+            return false;
     return distributors_sound(self);
 }
 
-double pipe_longest(pipe *self, double courant)
-{
+double pipe_longest(pipe *self, double courant) {
     pipe_passed unused;
     self->looked = look(self, &unused);
     return courant / self->looked;
 }
 
 /* One step: Heun's between two halves of heat exchange. */
-static void step_on(pipe *self, double step)
-{
+static void step_on(pipe *self, double step) {
     pipe_passed first, second;
     warm(self, step / 2.0);
     copy(self, BEFORE, STATE);
@@ -437,8 +407,7 @@ static void step_on(pipe *self, double step)
 }
 
 /* Of what is left, a step that waves allow, or half of it as often as that leads nowhere; how long it was, 0: there is none. */
-static double step_of(pipe *self, double left, double courant)
-{
+static double step_of(pipe *self, double left, double courant) {
     pipe_passed passed = self->passed, unused;
     const int slow = left * self->fastest < WELL_BELOW * courant && self->fastest > 0.0;
     const double fastest = self->looked > 0.0 ? self->looked : slow ? self->fastest : look(self, &unused);
@@ -456,8 +425,7 @@ static double step_of(pipe *self, double left, double courant)
     return 0.0;
 }
 
-long long int pipe_advance(pipe *self, double time, double courant)
-{
+long long int pipe_advance(pipe *self, double time, double courant) {
     const pipe_passed passed = self->passed;
     copy(self, FIRST, STATE);
     long long int steps = 0;

@@ -27,7 +27,8 @@ struct pipe {
     int lanes, depth;
     bool leaks;
     double *memory;
-    double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump, *over_volume; /* the first cell of each first row */
+    double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump,
+        *over_volume; /* the first cell of each first row */
     distributors own[KINDS];
     double pace, fastest, looked; /* of vehicles; of all in the last step; as looked for since, or 0 [1/s] */
     pipe_outside outside[2];
@@ -38,17 +39,18 @@ struct pipe {
     pipe_passed passed;
 };
 
-#define PIPE_LOOPS(lanes)                                                                                                       \
-    void pipe_sides_##lanes(pipe *self);                                                                                        \
-    void pipe_faces_##lanes(pipe *self);                                                                                        \
-    void pipe_rates_##lanes(pipe *self);                                                                                        \
-    void pipe_leaks_##lanes(pipe *self);                                                                                        \
-    void distributors_answer_##lanes(distributors *self);                                                                       \
-    void pipe_warm_##lanes(pipe *self);                                                                                         \
-    void pipe_side_##lanes(const double *before, const double *own, const double *behind, double *side);                        \
-    void pipe_tapping_##lanes(const double *at, const double *behind, const double *ahead, const double *valve, double *found);  \
-    void pipe_tapped_##lanes(const double *at, const double *behind, const double *ahead, const double *valve, double *found);   \
-    void pipe_walled_##lanes(const double *air, double *flux);                                                                  \
+#define PIPE_LOOPS(lanes)                                                                                                      \
+    void pipe_sides_##lanes(pipe *self);                                                                                       \
+    void pipe_faces_##lanes(pipe *self);                                                                                       \
+    void pipe_rates_##lanes(pipe *self);                                                                                       \
+    void pipe_leaks_##lanes(pipe *self);                                                                                       \
+    void distributors_answer_##lanes(distributors *self);                                                                      \
+    void pipe_warm_##lanes(pipe *self);                                                                                        \
+    void pipe_side_##lanes(const double *before, const double *own, const double *behind, double *side);                       \
+    void pipe_tapping_##lanes(const double *at, const double *behind, const double *ahead, const double *valve,                \
+                              double *found);                                                                                  \
+    void pipe_tapped_##lanes(const double *at, const double *behind, const double *ahead, const double *valve, double *found); \
+    void pipe_walled_##lanes(const double *air, double *flux);                                                                 \
     void pipe_ending_##lanes(const double *air, const double *outside, double *flux)
 PIPE_LOOPS(1);
 PIPE_LOOPS(2);

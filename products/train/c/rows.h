@@ -10,28 +10,23 @@
 
 enum { ROWS_EDGE = 8 };
 
-static inline long long int rows_stride(long long int count)
-{
-    return (count + 7) / 8 * 8 + 3 * ROWS_EDGE;
-}
+static inline long long int rows_stride(long long int count) { return (count + 7) / 8 * 8 + 3 * ROWS_EDGE; }
 
 /* Where the first cell of the first row lies in memory that has room for ROWS_SPARE more numbers: at a line of the cache, as
  * all other rows then do. */
 enum { ROWS_SPARE = ROWS_EDGE };
-static inline double *rows_first(double *memory)
-{
+static inline double *rows_first(double *memory) {
     const size_t over = (uintptr_t)memory / sizeof(double) % ROWS_EDGE;
     return memory + ROWS_EDGE + (over ? ROWS_EDGE - over : 0);
 }
 
 /* Sets a row, from its first cell on, with its edges. */
-static inline void rows_fill(double *row, long long int stride, double value)
-{
+static inline void rows_fill(double *row, long long int stride, double value) {
     for (long long int i = -ROWS_EDGE; i < stride - ROWS_EDGE; ++i) row[i] = value;
 }
 
 /* A function of rows for the lanes of this processor, of its forms for one, two, four and eight. */
-#define ROWS_CALL(lanes, self, one, two, four, eight) \
+#define ROWS_CALL(lanes, self, one, two, four, eight)                                                                          \
     ((lanes) >= 8 ? (eight) : (lanes) >= 4 ? (four) : (lanes) >= 2 ? (two) : (one))(self)
 #if LANES_WIDEST >= 8
 #define IN_LANES(what) ROWS_CALL(self->lanes, self, what##_1, what##_2, what##_4, what##_8)

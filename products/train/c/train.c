@@ -13,21 +13,18 @@ static const double SHORTEST = 0.01, LONGEST = 0.1;
 /* Rows of brakes: constants, and three in which all lanes compute. */
 enum { ROWS = BRAKE_ROWS + 3 };
 
-static double *take(double **from, long long int count)
-{
+static double *take(double **from, long long int count) {
     double *place = *from;
     *from += count;
     return place;
 }
 
-static void lay_inputs(train *self, double *room)
-{
+static void lay_inputs(train *self, double *room) {
     self->given_before = room + self->inputs;
     for (int n = 0; n < TRAIN_INPUTS; ++n) self->input[n] = take(&room, layout_input(self->counts, n));
 }
 
-static void put_brakes(train *self, const double *brake)
-{
+static void put_brakes(train *self, const double *brake) {
     for (int n = 0; n < BRAKE_ROWS; ++n) {
         rows_fill(self->brake + n * self->stride, self->stride, 1.0);
         memcpy(self->brake + n * self->stride, brake + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
@@ -37,8 +34,7 @@ static void put_brakes(train *self, const double *brake)
 }
 
 /* Height above the first point of the line, from the gradients between its points. */
-static void put_heights(train *self)
-{
+static void put_heights(train *self) {
     const double *distance = self->line[POINT_DISTANCE], *gradient = self->line[POINT_GRADIENT];
     double *height = self->height;
     height[0] = 0.0;
@@ -49,14 +45,14 @@ static void put_heights(train *self)
 }
 
 /* Memory for all that is no number of a vehicle in the pipe or in motion; 0: there is none. */
-static int take_memory(train *self)
-{
+static int take_memory(train *self) {
     const long long int n = self->vehicles, run = RUN_VALVES + OF_VALVE * self->valves;
     long long int outputs = TRAIN_SUMS;
     for (int row = 0; row < TRAIN_INPUTS; ++row) self->inputs += layout_input(self->counts, row);
     for (int row = 0; row < OUT_SUMS; ++row) outputs += layout_output(self->counts, row);
     const long long int given = 3 * n + VALVE_ROWS * self->valves + (POINT_ROWS + 1) * self->points;
-    self->memory = (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run + ROWS * self->stride + ROWS_SPARE), sizeof(double));
+    self->memory =
+        (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run + ROWS * self->stride + ROWS_SPARE), sizeof(double));
     self->cell = (long long int *)calloc((size_t)(3 * n), sizeof(long long int));
     if (!self->memory || !self->cell) return 0;
     self->hint = self->cell + n;
@@ -79,14 +75,12 @@ static int take_memory(train *self)
     return 1;
 }
 
-static void put(double *to, const double *group, int row, long long int count)
-{
+static void put(double *to, const double *group, int row, long long int count) {
     memcpy(to, group + row * count, (size_t)count * sizeof(double));
 }
 
 /* Numbers of vehicles, valves and the line. */
-static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS])
-{
+static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS]) {
     put_brakes(self, at[GROUP_BRAKE]);
     put(self->mass, at[GROUP_MOTION], MOTION_MASS, self->vehicles);
     put(self->centre, at[GROUP_FRAME], FRAME_CENTRE, self->vehicles);
@@ -102,8 +96,7 @@ static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS])
 }
 
 /* The pipe with its distributors; 0: there is no memory. */
-static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS])
-{
+static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS]) {
     double *air = (double *)calloc((size_t)(PIPE_STATES * self->cells), sizeof(double));
     long long int *kind = (long long int *)calloc((size_t)self->vehicles, sizeof(long long int));
     self->air = air && kind ? pipe_create(self->cells, air, at[GROUP_CELL]) : NULL;
@@ -117,8 +110,7 @@ static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS])
     return made;
 }
 
-static train *lay(train *self, const double *numbers)
-{
+static train *lay(train *self, const double *numbers) {
     const double *at[LAYOUT_GROUPS];
     layout_find(numbers, self->counts, at);
     if (!take_memory(self)) return NULL;
@@ -129,8 +121,7 @@ static train *lay(train *self, const double *numbers)
     return self->saved ? self : NULL;
 }
 
-train *train_create(const double *numbers, long long int count)
-{
+train *train_create(const double *numbers, long long int count) {
     if (train_wrong(numbers, count)) return NULL;
     train *self = (train *)calloc(1, sizeof *self);
     if (!self) return NULL;
@@ -151,8 +142,7 @@ train *train_create(const double *numbers, long long int count)
     return NULL;
 }
 
-void train_free(train *self)
-{
+void train_free(train *self) {
     if (!self) return;
     pipe_free(self->air);
     motion_free(self->moves);
@@ -164,13 +154,11 @@ void train_free(train *self)
 
 static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves; }
 
-static void fill(double *values, long long int count, double value)
-{
+static void fill(double *values, long long int count, double value) {
     for (long long int i = 0; i < count; ++i) values[i] = value;
 }
 
-static void begin_inputs(train *self)
-{
+static void begin_inputs(train *self) {
     fill(self->input[0], self->inputs, 0.0);
     fill(self->input[IN_POSITION], self->valves, POSITION_SHUT_OFF);
     self->input[IN_POSITION][0] = POSITION_RUNNING;
@@ -180,15 +168,13 @@ static void begin_inputs(train *self)
     memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
 }
 
-static void begin_air(train *self, double pressure, double cylinder)
-{
+static void begin_air(train *self, double pressure, double cylinder) {
     pipe_fill(self->air, pressure / (GAS_CONSTANT * self->valve[VALVE_WARMTH]), pressure);
     pipe_charge(self->air, fmax(pressure, self->valve[VALVE_RUNNING]), self->valve[VALVE_AROUND], cylinder);
 }
 
 /* `saved` is no more than a place here. */
-static void begin_motion(train *self, double speed, double distance)
-{
+static void begin_motion(train *self, double speed, double distance) {
     double *at = self->saved;
     fill(at, MOTION_STATES * self->vehicles, 0.0);
     fill(at, self->vehicles, distance);
@@ -204,22 +190,19 @@ static void begin_motion(train *self, double speed, double distance)
 }
 
 /* What brakes hold at pressures of cylinders and speeds of wheels. */
-static void find_brakes(train *self)
-{
+static void find_brakes(train *self) {
     memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
     IN_LANES(train_brake);
 }
 
 /* Forces of the last step. */
-static void find_forces(train *self)
-{
+static void find_forces(train *self) {
     memcpy(self->output[OUT_BRAKE_FORCE], self->held, (size_t)self->vehicles * sizeof(double));
     memcpy(self->output[OUT_RAIL_FORCE], motion_rail(self->moves), (size_t)self->vehicles * sizeof(double));
 }
 
 /* What hangs on the state alone. */
-static void find_outputs(train *self)
-{
+static void find_outputs(train *self) {
     double *sums = self->output[OUT_SUMS];
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
     for (long long int i = 0; i < self->vehicles; ++i) {
@@ -237,15 +220,13 @@ static void find_outputs(train *self)
 }
 
 /* Joints as inputs had them in the last step. */
-static void put_joints(train *self)
-{
+static void put_joints(train *self) {
     const double *joined = self->given_before + (self->input[IN_JOINED] - self->input[0]);
     for (long long int i = 0; i + 1 < self->vehicles; ++i)
         if (self->face[i] > 0) pipe_join(self->air, self->face[i], (int)joined[i]);
 }
 
-void train_begin(train *self, double time, double speed, double distance, double pressure, double cylinder)
-{
+void train_begin(train *self, double time, double speed, double distance, double pressure, double cylinder) {
     begin_inputs(self);
     begin_air(self, pressure, cylinder);
     begin_motion(self, speed, distance);
@@ -269,8 +250,7 @@ void train_begin(train *self, double time, double speed, double distance, double
 }
 
 /* Vehicles that are computed in detail elsewhere. */
-static void lead(train *self)
-{
+static void lead(train *self) {
     const double *led = self->input[IN_LED], *speed = self->input[IN_LED_SPEED];
     const double *before = self->given_before + (led - self->input[0]);
     for (long long int i = 0; i < self->vehicles; ++i) {
@@ -280,8 +260,7 @@ static void lead(train *self)
 }
 
 /* Couplings and joints that have been changed from outside. */
-static void take_inputs(train *self)
-{
+static void take_inputs(train *self) {
     const long long int couplings = self->vehicles - 1;
     const double *coupled = self->input[IN_COUPLED], *joined = self->input[IN_JOINED];
     const double *coupled_before = self->given_before + (coupled - self->input[0]);
@@ -302,8 +281,7 @@ static void take_inputs(train *self)
 }
 
 /* One step in which brakes and line stay as they are in its middle; 0: it leads nowhere. */
-static int step_on(train *self, double step)
-{
+static int step_on(train *self, double step) {
     valves_command(self, step);
     pipe_pressures(self->air, NULL, self->cylinder);
     memcpy(self->held, self->cylinder, (size_t)self->vehicles * sizeof(double));
@@ -324,8 +302,7 @@ static int step_on(train *self, double step)
 }
 
 /* What a step changes that may lead nowhere. */
-static void keep(const train *self)
-{
+static void keep(const train *self) {
     double *at = self->saved;
     pipe_save(self->air, at);
     motion_save(self->moves, at += pipe_numbers(self->air));
@@ -333,8 +310,7 @@ static void keep(const train *self)
     memcpy(at + runs(self), self->given_before, (size_t)self->inputs * sizeof(double));
 }
 
-static void restore(train *self)
-{
+static void restore(train *self) {
     const double *at = self->saved;
     pipe_load(self->air, at);
     motion_load(self->moves, at += pipe_numbers(self->air));
@@ -345,8 +321,7 @@ static void restore(train *self)
 }
 
 /* Of all that a step has found. */
-static int outputs_finite(const train *self)
-{
+static int outputs_finite(const train *self) {
     const double *rail = motion_rail(self->moves), *found = self->output[0];
     int finite = 1;
     for (const double *end = self->output[OUT_SUMS] + TRAIN_SUMS; found < end; ++found) finite &= isfinite(*found) != 0;
@@ -354,15 +329,15 @@ static int outputs_finite(const train *self)
     return finite;
 }
 
-int train_go(train *self, double time)
-{
+int train_go(train *self, double time) {
     const double begin = self->run[RUN_TIME];
     long long int wrong;
     if (train_input_wrong(self, &wrong) >= 0) return -2;
     keep(self);
     take_inputs(self);
     for (double left = time; left > 0.0;) {
-        const double most = left <= SHORTEST ? SHORTEST : fmin(fmax(pipe_longest(self->air, self->head[HEAD_COURANT]), SHORTEST), LONGEST);
+        const double most =
+            left <= SHORTEST ? SHORTEST : fmin(fmax(pipe_longest(self->air, self->head[HEAD_COURANT]), SHORTEST), LONGEST);
         const double count = ceil(left / most * (1.0 - 1e-12));
         const double step = count > 1.0 ? left / count : left;
         if (!(count < 1e9) || !step_on(self, step)) {
@@ -382,25 +357,21 @@ int train_go(train *self, double time)
     return 0;
 }
 
-double *train_input(train *self, int row, long long int *count)
-{
+double *train_input(train *self, int row, long long int *count) {
     if (count) *count = layout_input(self->counts, row);
     return self->input[row];
 }
 
-const double *train_output(const train *self, int row, long long int *count)
-{
+const double *train_output(const train *self, int row, long long int *count) {
     if (count) *count = layout_output(self->counts, row);
     return self->output[row];
 }
 
-long long int train_numbers(const train *self)
-{
+long long int train_numbers(const train *self) {
     return pipe_numbers(self->air) + motion_numbers(self->moves) + 2 * self->inputs + runs(self) + 2 * self->vehicles;
 }
 
-void train_save(const train *self, double *numbers)
-{
+void train_save(const train *self, double *numbers) {
     pipe_save(self->air, numbers);
     motion_save(self->moves, numbers += pipe_numbers(self->air));
     memcpy(numbers += motion_numbers(self->moves), self->input[0], (size_t)(2 * self->inputs) * sizeof(double));
@@ -409,8 +380,7 @@ void train_save(const train *self, double *numbers)
     memcpy(numbers + self->vehicles, self->output[OUT_RAIL_FORCE], (size_t)self->vehicles * sizeof(double));
 }
 
-void train_load(train *self, const double *numbers)
-{
+void train_load(train *self, const double *numbers) {
     pipe_load(self->air, numbers);
     motion_load(self->moves, numbers += pipe_numbers(self->air));
     memcpy(self->input[0], numbers += motion_numbers(self->moves), (size_t)(2 * self->inputs) * sizeof(double));
@@ -425,8 +395,7 @@ pipe *train_air(train *self) { return self->air; }
 void train_steps(const train *self, long long int *steps) { memcpy(steps, self->steps, sizeof self->steps); }
 void train_motion(const train *self, double *state) { motion_get(self->moves, state); }
 
-void train_set_motion(train *self, const double *state)
-{
+void train_set_motion(train *self, const double *state) {
     motion_put(self->moves, state);
     find_outputs(self);
 }

@@ -15,8 +15,7 @@ struct arrays_object {
     unsigned long long mark; /* of the consist */
 };
 
-static size_t length_of(train *own, int array)
-{
+static size_t length_of(train *own, int array) {
     long long int count = 1;
     if (array >= FIRST_INPUT && array < FIRST_INPUT + TRAIN_INPUTS) train_input(own, array - FIRST_INPUT, &count);
     if (array >= FIRST_OUTPUT && array < FIRST_OUTPUT + OUT_SUMS) train_output(own, array - FIRST_OUTPUT, &count);
@@ -24,8 +23,7 @@ static size_t length_of(train *own, int array)
     return (size_t)count;
 }
 
-static arrays_object *create(const double *numbers, long long int count)
-{
+static arrays_object *create(const double *numbers, long long int count) {
     arrays_object *self = (arrays_object *)calloc(1, sizeof *self);
     if (self) self->own = train_create(numbers, count);
     if (self && self->own) {
@@ -38,39 +36,35 @@ static arrays_object *create(const double *numbers, long long int count)
     return NULL;
 }
 
-arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE])
-{
+arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
     size_t count = 0;
     double *numbers = arrays_read(folder, "train.bin", &count, problem);
     if (!numbers) return NULL;
     const char *wrong = train_wrong(numbers, (long long int)count);
     arrays_object *self = wrong ? NULL : create(numbers, (long long int)count);
     if (wrong)
-        snprintf(problem, MESSAGE_SIZE, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder, wrong);
-    else if (!self)
-        snprintf(problem, MESSAGE_SIZE, "There is no memory for the train.");
+        snprintf(problem, MESSAGE_SIZE, "The consist %.200s/train.bin is damaged, %s cannot be; build the FMU again.", folder,
+                 wrong);
+    else if (!self) snprintf(problem, MESSAGE_SIZE, "There is no memory for the train.");
     free(numbers);
     return self;
 }
 
-void arrays_free(arrays_object *self)
-{
+void arrays_free(arrays_object *self) {
     if (!self) return;
     train_free(self->own);
     free(self->values);
     free(self);
 }
 
-double *arrays_values(const arrays_object *self, unsigned array, size_t *count)
-{
+double *arrays_values(const arrays_object *self, unsigned array, size_t *count) {
     *count = self->place[array + 1] - self->place[array];
     return self->values + self->place[array];
 }
 
 static double *values_of(const arrays_object *self, int array) { return self->values + self->place[array]; }
 
-static void put_inputs(const arrays_object *self)
-{
+static void put_inputs(const arrays_object *self) {
     for (int n = 0; n < TRAIN_INPUTS; ++n) {
         long long int count;
         double *to = train_input(self->own, n, &count);
@@ -78,11 +72,11 @@ static void put_inputs(const arrays_object *self)
     }
 }
 
-static void find_outputs(arrays_object *self)
-{
+static void find_outputs(arrays_object *self) {
     for (int n = 0; n < OUT_SUMS; ++n) {
         long long int count;
-        const double *from = train_output(self->own, n, &count), less = n == OUT_PIPE_PRESSURE || n == OUT_CYLINDER_PRESSURE ? AMBIENT : 0.0;
+        const double *from = train_output(self->own, n, &count),
+                     less = n == OUT_PIPE_PRESSURE || n == OUT_CYLINDER_PRESSURE ? AMBIENT : 0.0;
         double *to = values_of(self, FIRST_OUTPUT + n);
         for (long long int i = 0; i < count; ++i) to[i] = from[i] - less;
     }
@@ -96,8 +90,7 @@ static void find_outputs(arrays_object *self)
     for (int n = SUM_LARGEST_TENSION; n < TRAIN_SUMS; ++n) *values_of(self, FIRST_SUM + n - SUM_LARGEST_TENSION) = sums[n];
 }
 
-void arrays_reset(arrays_object *self)
-{
+void arrays_reset(arrays_object *self) {
     train_begin(self->own, 0.0, 0.0, 0.0, START_PIPE_PRESSURE + AMBIENT, AMBIENT);
     memset(self->values, 0, self->place[ARRAYS] * sizeof(double));
     *values_of(self, FIRST_PARAMETER + 2) = START_PIPE_PRESSURE;
@@ -109,28 +102,29 @@ void arrays_reset(arrays_object *self)
     find_outputs(self);
 }
 
-void arrays_start(arrays_object *self, double time)
-{
+void arrays_start(arrays_object *self, double time) {
     const double *given = values_of(self, FIRST_PARAMETER); /* speed, distance, pressures of pipe and cylinders */
     train_begin(self->own, time, given[0], given[1], given[2] + AMBIENT, given[3] + AMBIENT);
     put_inputs(self);
     find_outputs(self);
 }
 
-kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE])
-{
+kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     (void)ended; /* it never does */
     put_inputs(self);
     long long int element;
     const int wrong = train_input_wrong(self->own, &element);
     if (wrong >= 0) {
-        snprintf(problem, MESSAGE_SIZE, "Set %s[%lld] to what can be there: it was %g. Where a cell of the pipe spans vehicles there is no cock or hose.",
-                 ARRAYS_ABOUT[FIRST_INPUT + wrong].name, element + 1, values_of(self, FIRST_INPUT + wrong)[element]);
+        snprintf(
+            problem, MESSAGE_SIZE,
+            "Set %s[%lld] to what can be there: it was %g. Where a cell of the pipe spans vehicles there is no cock or hose.",
+            ARRAYS_ABOUT[FIRST_INPUT + wrong].name, element + 1, values_of(self, FIRST_INPUT + wrong)[element]);
         return KERNEL_DISCARD;
     }
     if (train_go(self->own, step)) {
         snprintf(problem, MESSAGE_SIZE,
-                 "From %g s on %g s lead to no finite state, and the train is as it was; look at what was set, or take a shorter step.",
+                 "From %g s on %g s lead to no finite state, and the train is as it was; look at what was set, or take a "
+                 "shorter step.",
                  time, step);
         return KERNEL_DISCARD;
     }
@@ -142,15 +136,13 @@ unsigned long long arrays_mark(const arrays_object *self) { return self->mark; }
 
 size_t arrays_numbers(const arrays_object *self) { return (size_t)train_numbers(self->own) + self->place[ARRAYS]; }
 
-void arrays_save(const arrays_object *self, double *numbers)
-{
+void arrays_save(const arrays_object *self, double *numbers) {
     put_inputs(self); /* as they would be in the next step */
     memcpy(numbers, self->values, self->place[ARRAYS] * sizeof(double));
     train_save(self->own, numbers + self->place[ARRAYS]);
 }
 
-void arrays_load(arrays_object *self, const double *numbers)
-{
+void arrays_load(arrays_object *self, const double *numbers) {
     memcpy(self->values, numbers, self->place[ARRAYS] * sizeof(double));
     train_load(self->own, numbers + self->place[ARRAYS]);
 }

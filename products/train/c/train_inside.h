@@ -22,7 +22,7 @@ struct train {
     double *brake, *cylinder, *wheel, *held; /* rows as rows.h lays them: constants, what they hang on, what the brake holds */
     double *mass, *centre, *length;
     long long int *cell, *hint, *face; /* where a vehicle takes air; line; before which cell it ends, or none: 0 */
-    double *valve;             /* VALVE_ROWS of each valve */
+    double *valve; /* VALVE_ROWS of each valve */
     double *line[POINT_ROWS], *height;
     double *input[TRAIN_INPUTS], *given_before; /* input: one block, so long as `inputs` */
     double *output[OUT_SUMS + 1];

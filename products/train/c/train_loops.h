@@ -2,8 +2,7 @@
 #include "lanes.h"
 #include "train_cells.h"
 
-void LANES_NAME(train_brake)(train *self)
-{
+void LANES_NAME(train_brake)(train *self) {
     for (long long int i = 0; i < self->vehicles; i += LANES)
         LANES_NAME(cells_braking)(self->cylinder + i, self->wheel + i, self->brake + i, self->held + i, self->stride);
     LANES_LEAVE;

@@ -6,8 +6,7 @@
 double *valves_run(train *self, long long int valve) { return self->run + RUN_VALVES + valve * OF_VALVE; }
 
 /* What a valve was at a time: pressure (0), position (1) or step (2); between the multiples of HISTORY_STEP a straight line. */
-static double told(train *self, long long int valve, int what, double time)
-{
+static double told(train *self, long long int valve, int what, double time) {
     const double *row = valves_run(self, valve) + 1 + what * HISTORY, newest = self->run[RUN_TOLD];
     const double at = fmin(fmax(time / HISTORY_STEP, newest - HISTORY + 2.0), newest), before = floor(at);
     const long long int place = (long long int)fmod(before, HISTORY), own = place < 0 ? place + HISTORY : place;
@@ -15,8 +14,7 @@ static double told(train *self, long long int valve, int what, double time)
     return row[own] + (at - before) * (row[(own + 1) % HISTORY] - row[own]);
 }
 
-static double position_of(train *self, long long int valve, double *step)
-{
+static double position_of(train *self, long long int valve, double *step) {
     const double delay = self->valve[valve * VALVE_ROWS + VALVE_DELAY], time = self->run[RUN_TIME] - delay;
     const int follows = delay >= 0.0 && self->input[IN_POSITION][valve] == POSITION_SHUT_OFF;
     *step = follows ? told(self, 0, 2, time) : self->input[IN_STEP][valve];
@@ -24,25 +22,26 @@ static double position_of(train *self, long long int valve, double *step)
 }
 
 /* The pressure that a valve is to hold. */
-static double wanted(const double *given, double position, double step)
-{
+static double wanted(const double *given, double position, double step) {
     if (position == POSITION_OVERCHARGE) return given[VALVE_OVERCHARGE];
-    if (position == POSITION_SERVICE) return given[VALVE_RUNNING] - given[VALVE_FIRST] - step * (given[VALVE_FULL] - given[VALVE_FIRST]);
+    if (position == POSITION_SERVICE)
+        return given[VALVE_RUNNING] - given[VALVE_FIRST] - step * (given[VALVE_FULL] - given[VALVE_FIRST]);
     return position == POSITION_EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
 }
 
-static double moved(const double *given, double held, double position, double step, double time)
-{
+static double moved(const double *given, double held, double position, double step, double time) {
     const double target = wanted(given, position, step);
     if (position == POSITION_SHUT_OFF) return held;
     if (held < target) return fmin(target, held + given[VALVE_UP] * time);
     const int slowly = position == POSITION_RUNNING;
-    return fmax(target, held - given[position == POSITION_EMERGENCY ? VALVE_QUICKLY : slowly ? VALVE_SLOWLY : VALVE_DOWN] * time);
+    return fmax(target, held - given[position == POSITION_EMERGENCY ? VALVE_QUICKLY
+                                     : slowly                       ? VALVE_SLOWLY
+                                                                    : VALVE_DOWN] *
+                                   time);
 }
 
 /* How a valve stands in the middle of a step. */
-void valves_command(train *self, double time)
-{
+void valves_command(train *self, double time) {
     for (long long int v = 0; v < self->valves; ++v) {
         const double *given = self->valve + v * VALVE_ROWS;
         double *held = valves_run(self, v), step;
@@ -50,16 +49,20 @@ void valves_command(train *self, double time)
         *held = moved(given, before, position, step, time);
         if (self->depth == DEPTH_DELAY) continue;
         const double regulates = position != POSITION_SHUT_OFF && position != POSITION_EMERGENCY;
-        const double numbers[VALVE_NUMBERS] = {
-            regulates * given[VALVE_FEEDING], regulates * given[VALVE_EXHAUST], (position == POSITION_EMERGENCY) * given[VALVE_EMERGENCY],
-            (before + *held) / 2.0, given[VALVE_BAND], given[VALVE_SUPPLY], given[VALVE_WARMTH], given[VALVE_AROUND]};
+        const double numbers[VALVE_NUMBERS] = {regulates * given[VALVE_FEEDING],
+                                               regulates * given[VALVE_EXHAUST],
+                                               (position == POSITION_EMERGENCY) * given[VALVE_EMERGENCY],
+                                               (before + *held) / 2.0,
+                                               given[VALVE_BAND],
+                                               given[VALVE_SUPPLY],
+                                               given[VALVE_WARMTH],
+                                               given[VALVE_AROUND]};
         pipe_valve(self->air, (int)v, (long long int)given[VALVE_FACE], numbers);
     }
 }
 
 /* Where no air flows: pressures in all vehicles' cells are those of the nearest open valve, so much earlier. */
-static void give_pressures(train *self, double time)
-{
+static void give_pressures(train *self, double time) {
     for (long long int i = 0; i < self->vehicles; ++i) {
         double nearest = INFINITY, pressure = NAN, step;
         for (long long int v = 0; v < self->valves; ++v) {
@@ -73,8 +76,7 @@ static void give_pressures(train *self, double time)
 }
 
 /* Writes what valves were in a step into their history. */
-void valves_tell(train *self, double step)
-{
+void valves_tell(train *self, double step) {
     const double end = self->run[RUN_TIME] + step, newest = floor(end / HISTORY_STEP);
     for (double k = self->run[RUN_TOLD] + 1.0; k <= newest; ++k) {
         const long long int place = (long long int)fmod(fmod(k, HISTORY) + HISTORY, HISTORY);

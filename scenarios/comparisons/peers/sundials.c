@@ -230,8 +230,8 @@ int own_hosted(run *of, int (*set)(kernel *, int, double), int (*step)(kernel *,
     return 0;
 }
 
-int cvode_hosted(run *of, int (*set)(kernel *, int, double), int (*arrive)(kernel *, double, double *, int),
-                 const int *input, const double *value, long int steps, double size) {
+int cvode_hosted(run *of, int (*set)(kernel *, int, double), int (*arrive)(kernel *, double, double *, int), const int *input,
+                 const double *value, long int steps, double size) {
     for (long int i = 0; i < steps; ++i) {
         if (set(of->machine, input[0], value[i]) > 1 || set(of->machine, input[1], value[i]) > 1) return 1;
         of->end = (double)(i + 1) * size;

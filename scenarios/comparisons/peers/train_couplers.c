@@ -59,7 +59,7 @@ static law coupler_law(const double *given, double way, double rest, double rate
 
 /* Of many couplers at once: forces [N] and how much of a way their rests go along. */
 TRAIN_SHOWN void equations_laws(const double *given, long long int count, const double *way, const double *rest,
-                                 const double *rate, double *force, double *yields) {
+                                const double *rate, double *force, double *yields) {
     for (long long int i = 0; i < count; ++i) {
         const law found = coupler_law(given, way[i], rest[i], rate[i]);
         force[i] = found.force;
