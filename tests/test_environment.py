@@ -278,7 +278,7 @@ def test_what_is_no_command_is_refused_before_anything_moves(commands: Any, sent
         ({"rails": only(Run({"friction_1": -0.1}))}, "friction_1"),
         ({"rails": only(Run({}, faults=(Fault(3, radius=1.1),)))}, "Give faults of wheelsets 1 to 2: it was 3."),
         ({"pulse": 80}, "There is no setting pulse; did you mean pulses?"),
-        ({"period": 1e-4}, "Set period to at least 0.484 ms on the test rig: it was 0.1 ms."),
+        ({"period": 1e-6}, "Set period to at least 1e-05 s: it was 1e-06 s."),
         ({"num_envs": 0}, "Give a whole number of environments, at least 1: it was 0."),
     ],
 )

@@ -21,7 +21,6 @@ from fmu_src.compile import FLAGS, compiler
 from products.bogie import FULL_PRESSURE, brake_values
 from products.machine import APPLICATION_TIME, RELEASE_TIME, Machine, bogie, coach
 from products.protection import controller_kinds as forms_module
-from products.protection import rig as module
 from products.protection.controller_kinds import Arrays, Form, compiled
 from products.protection.encoder import Encoder
 from products.protection.programme import OWN, Case, read_programme
@@ -374,12 +373,6 @@ def test_a_valve_that_sticks_stays_where_it_stands() -> None:
 def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str) -> None:
     with pytest.raises(ValueError, match=re.escape(sentence)):
         Fault(**fault)
-
-
-def test_a_period_of_which_a_sensor_remembers_too_few_is_refused() -> None:
-    assert f"#define ENCODER_LOOKS {module.LOOKS}\n" in (RIG / "encoder.h").read_text()
-    with pytest.raises(ValueError, match=re.escape("Set period to at least 0.484 ms on the test rig: it was 0.1 ms.")):
-        Rig(bogie(), None, Settings(period=1e-4))
 
 
 def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:

@@ -44,7 +44,6 @@ from brake_controller.slide_protection import RIG
 from products.machine import MACHINES, TRACTION
 from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme, speed_of
 from products.protection.rails import RAILS
-from products.protection.rig import check_period
 from products.protection.settings import MOST_JITTER, STRONGEST, Settings
 from readers.storage import write_whole
 from scenarios.controllers import answering, loop, replay, verdict
@@ -211,7 +210,6 @@ def settings_of(chosen: argparse.Namespace) -> Settings:
     if not 0.0 <= chosen.jitter <= MOST_JITTER:
         raise BadInputError(f"Set --jitter to 0 to {MOST_JITTER:g} of the pitch: it was {chosen.jitter:g}.")
     try:
-        check_period(period)
         return Settings(
             speed=speed_of(chosen.speed),
             strength=chosen.strength,

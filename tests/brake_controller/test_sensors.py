@@ -8,7 +8,6 @@ import pytest
 
 from brake_controller.sensors import GATE
 from products.protection.encoder import Encoder
-from products.protection.rig import LOOKS
 
 PERIOD, RADIUS = 5e-3, 0.425
 #: Error of a reading that is asked for.
@@ -137,6 +136,10 @@ def test_a_coarse_timer_shows() -> None:
 def test_a_rotation_that_is_no_number_is_refused() -> None:
     with pytest.raises(ValueError, match="rotation must be finite; got nan rad"):
         Encoder().angular_velocity(0.0, math.nan)
+
+
+#: Looks that a sensor remembers, ENCODER_LOOKS of encoder.h.
+LOOKS = 64
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5, 0.1, 0.01])

@@ -257,7 +257,7 @@ def test_the_command_prints_what_came(capsys: pytest.CaptureFixture[str], tmp_pa
         (["--pace", "0.001"], "Set --pace to 0, or to at least 0.011 with this period: it was 0.001."),
         (["--rail", "slow"], "There is no case slow; give --rail one of dry, wet, low, changing."),
         (["--port", "70000"], "Port 70000 of 127.0.0.1 cannot be had ("),
-        (["--period", "0.1ms"], "Set period to at least 0.484 ms on the test rig: it was 0.1 ms."),
+        (["--period", "0.001ms"], "Set period to at least 1e-05 s: it was 1e-06 s."),
         (["--port", "0"], "No client came to 127.0.0.1:"),
     ],
 )
