@@ -240,6 +240,18 @@ def test_where_a_step_leads_nowhere_what_was_asked_for_is_done_in_the_next() -> 
     assert np.array_equal(one.state, before, equal_nan=True)
 
 
+def test_mean_forces_are_those_of_the_state_that_is_given_back() -> None:
+    """They were those of the step that was given up."""
+    one = Train(SHORT, speed=SPEED)
+    one.drive("emergency")
+    one.advance(4.0)
+    state, mean = one.state, one.mean_coupler_force
+    one.advance(3.0)
+    assert not np.allclose(one.mean_coupler_force, mean)
+    one.state = state
+    assert one.mean_coupler_force.tolist() == mean.tolist()
+
+
 # ---- one binary --------------------------------------------------------------------------------------------------
 
 

@@ -117,28 +117,33 @@ void motion_mean(const motion *self, double *force) {
 void motion_extremes(const motion *self, double found[4]) { memcpy(found, self->extremes, sizeof self->extremes); }
 void motion_forget(motion *self) { memset(self->extremes, 0, sizeof self->extremes); }
 
-/* States, couplings that are and that are wished, forces, speeds that are given, extremes. */
-long long int motion_numbers(const motion *self) { return (MOTION_STATES + 4) * self->vehicles + EXTREMES; }
+/* Behind the states: couplings that are and that are wished, forces, speeds that are given, sums of forces; extremes; steps
+ * that are summed. */
+enum { KEPT_ROWS = 5 };
+
+long long int motion_numbers(const motion *self) { return (MOTION_STATES + KEPT_ROWS) * self->vehicles + EXTREMES + 1; }
 
 static double *kept_rows(const motion *self, int row) {
-    double *rows[] = {self->coupler + COUPLER_COUPLED * self->stride, self->wish, self->force, self->lead};
+    double *rows[] = {self->coupler + COUPLER_COUPLED * self->stride, self->wish, self->force, self->lead, self->sum};
     return rows[row];
 }
 
 void motion_save(const motion *self, double *numbers) {
     motion_get(self, numbers);
     numbers += MOTION_STATES * self->vehicles;
-    for (int row = 0; row < 4; ++row, numbers += self->vehicles)
+    for (int row = 0; row < KEPT_ROWS; ++row, numbers += self->vehicles)
         memcpy(numbers, kept_rows(self, row), (size_t)self->vehicles * sizeof(double));
     memcpy(numbers, self->extremes, sizeof self->extremes);
+    numbers[EXTREMES] = (double)self->summed;
 }
 
 void motion_load(motion *self, const double *numbers) {
     motion_put(self, numbers);
     numbers += MOTION_STATES * self->vehicles;
-    for (int row = 0; row < 4; ++row, numbers += self->vehicles)
+    for (int row = 0; row < KEPT_ROWS; ++row, numbers += self->vehicles)
         memcpy(kept_rows(self, row), numbers, (size_t)self->vehicles * sizeof(double));
     memcpy(self->extremes, numbers, sizeof self->extremes);
+    self->summed = (long long int)numbers[EXTREMES];
     count_waiting(self);
     count_led(self);
 }
