@@ -32,7 +32,6 @@ void batch_free(batch *self) {
 }
 
 int batch_lanes(void) { return W; }
-int batch_system(void) { return BATCH.system; }
 void batch_free_said(char *said) { free(said); }
 
 void batch_forget(batch *self) {

@@ -59,8 +59,6 @@ typedef bool (*batch_between)(void *context, long long int first, long long int 
 KERNEL_EXPORT batch *batch_create(const batch *beside);
 KERNEL_EXPORT void batch_free(batch *self);
 KERNEL_EXPORT int batch_lanes(void);
-/* The system that it runs: the place of the system in the model. */
-KERNEL_EXPORT int batch_system(void);
 /* Whether there is memory for it. */
 KERNEL_EXPORT bool batch_run(batch *self, const batch_runs *runs);
 KERNEL_EXPORT void batch_free_said(char *said);
