@@ -100,8 +100,6 @@ def short_ensembles(monkeypatch: pytest.MonkeyPatch) -> None:
 def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer periods and a shorter count; tests/scenarios/test_anti_skid.py has the others."""
     monkeypatch.setattr(anti_skid, "PERIODS", (5e-3,))
-    monkeypatch.setattr(anti_skid, "HOST_STEPS", (5e-3, 1e-2))
-    monkeypatch.setattr(anti_skid, "COUNTED", 2)
     monkeypatch.setattr(anti_skid, "TEETH", (80, 10000))
     monkeypatch.setattr(anti_skid, "STRENGTHS", anti_skid.STRENGTHS[:2])
 
