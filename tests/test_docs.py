@@ -171,10 +171,12 @@ def test_a_number_with_a_mark_is_that_of_its_source(monkeypatch: pytest.MonkeyPa
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
     numbers = importlib.import_module("numbers_of_pages")
     rows = {("a-scenario", "a row"): -14.37}
-    page = "It is 10<!--= a-scenario | a row | .0f --> %, of 7<!--= tests/fmu/test_edges.py | SEEDS | --> seeds."
-    seeds = importlib.import_module("counts").constant("tests/fmu/test_edges.py", "SEEDS")
+    page = (
+        "It is 10<!--= a-scenario | a row | .0f --> %, of 7<!--= tests/fmu/test_state_machine.py | SHORT | --> seeds."
+    )
+    seeds = importlib.import_module("counts").constant("tests/fmu/test_state_machine.py", "SHORT")
     found = numbers.filled(page, rows)
-    assert re.sub(r"<!--.*?-->", "", found) == f"It is 14 %, of {seeds} seeds."
+    assert re.sub(r"<!--.*?-->", "", found) == "It is 14 %, of " + f"{seeds:,}".replace(",", " ") + " seeds."
     assert numbers.filled(found, rows) == found
     with pytest.raises(KeyError):
         numbers.filled(page.replace("a row", "no row"), rows)

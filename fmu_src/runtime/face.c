@@ -201,7 +201,7 @@ static bool refuse_reference(const component *self, unsigned reference, int kind
     return !face_error(self, sentence);
 }
 
-static bool find(const component *self, unsigned reference, int kind, bool reading, place *found) {
+static bool find_place(const component *self, unsigned reference, int kind, bool reading, place *found) {
     const bool whole = !self->standard->by_elements;
     found->variable = whole || self->stride == 1 ? reference : reference / self->stride;
     found->first = whole ? 0 : reference - found->variable * self->stride;
@@ -227,7 +227,7 @@ static bool sizes_differ(const component *self, size_t due, size_t size) {
 /* Whether a reference is one of a kind, whose values follow `behind` others among `size`; what is wrong is said. */
 static bool find_within(const component *self, unsigned reference, int kind, bool reading, size_t behind, size_t size,
                         place *found) {
-    if (!find(self, reference, kind, reading, found)) return false;
+    if (!find_place(self, reference, kind, reading, found)) return false;
     return found->count <= size - behind || !sizes_differ(self, behind + found->count, size);
 }
 
@@ -312,7 +312,7 @@ kernel_status face_set(component *self, int kind, const unsigned *reference, siz
     if (!all_settable(self, kind, reference, count, values, size, take)) return KERNEL_ERROR;
     if (self->now == INITIALISING && count) OBJECT.reopen(self->object);
     for (size_t i = 0, behind = 0; i < count; ++i, behind += at.count) {
-        (void)find(self, reference[i], kind, false, &at);
+        (void)find_place(self, reference[i], kind, false, &at);
         worst = larger(worst, at_each(self, OBJECT.set, &at, values, behind, take));
     }
     return face_report(self, worst);
@@ -323,7 +323,7 @@ static bool are_texts(const component *self, const unsigned *reference, size_t c
     place at;
     if (sizes_differ(self, count, size) || face_missing(self, count, reference, text)) return false;
     for (size_t i = 0; i < count; ++i)
-        if (!find(self, reference[i], KIND_STRING, false, &at)) return false;
+        if (!find_place(self, reference[i], KIND_STRING, false, &at)) return false;
     return true;
 }
 
@@ -358,7 +358,7 @@ kernel_status face_set_rates(component *self, const unsigned *reference, size_t 
         !is_of_first_order(self, order, count, "Only first derivatives of inputs are used."))
         return KERNEL_ERROR;
     for (size_t i = 0; i < count; ++i)
-        if (!find(self, reference[i], KIND_REAL, false, &at)) return KERNEL_ERROR;
+        if (!find_place(self, reference[i], KIND_REAL, false, &at)) return KERNEL_ERROR;
     return face_report(self, OBJECT.set_rates(self->object, count, reference, rate));
 }
 

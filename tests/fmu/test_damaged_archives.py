@@ -94,7 +94,10 @@ def holding(name: str, data: bytes = b"x") -> Callable[[Contents], Contents]:
 
 
 WRONG = {
-    "another GUID": (described(r'guid="\{....', 'guid="{none'), "counts: .*(guid|GUID|instantiat)"),
+    "another GUID": (
+        described(r'guid="\{....', 'guid="{none'),
+        "counts: The identifier of modelDescription.xml",
+    ),
     "no description": (without(ABOUT), f"it has no {ABOUT}"),
     "a description that ends early": (lambda files: files | {ABOUT: files[ABOUT][:300]}, "cannot be read"),
     "a description of nothing": (holding(ABOUT, b""), "cannot be read"),
@@ -179,7 +182,7 @@ def test_an_entry_that_is_there_twice_is_refused(whole: Path, tmp_path: Path) ->
     ("limit", "value", "words"),
     [
         ("LARGE", 1000, "zeros unpacks to more than 200 times its packed size"),
-        ("LARGEST_ENTRY", 50_000, "zeros unpacks to 0 MB; at most 0 MB"),
+        ("LARGEST_ENTRY", 90_000, "zeros unpacks to 0 MB; at most 0 MB"),
         ("LARGEST_TOTAL", 100_000, "it unpacks to 0 MB; at most 0 MB"),
         ("MOST_ENTRIES", 3, r"it has \d+ entries; at most 3 are read"),
     ],
