@@ -30,11 +30,14 @@ SCENE = {
     "brake": {"pressure_demand": 180e3},
     "rail": {"speed": 10.0, "creep_force_1": -5e3, "slip_1": 2.0},
     "vehicle": {"brake_torque_1": 4e3, "friction_1": 0.2},
+    "braked-vehicle": {"pressure_demand_1": 2e5, "friction_1": 0.2},
 }
 #: Those that are opened together, small ones.
 TOGETHER = ("wheelset", "brake", "rail")
 #: The one with the longest sources.
-LARGEST = "vehicle"
+LARGEST = "braked-vehicle"
+#: For many compilers, in half of the time.
+LARGE = "vehicle"
 #: Of outputs after 0.3 s of steps that the error control chose, of code that is optimised and of code that is not.
 OPTIMISED_OTHERWISE = 1e-6
 #: Of the experiment at 180 kPa after 3 s [N.m]: 0.164 N/Pa, half a bogie, efficiency, friction 0.25, radius 0.398 m.
@@ -211,7 +214,7 @@ LANGUAGES = {
 @pytest.mark.parametrize("language", ["C99", "C11", "C++20"])
 def test_largest_sources_are_what_every_language_takes(fmus: dict, tmp_path: Path, version: int, language: str) -> None:
     """Looked at and not compiled, for the sake of time: names that meet, and what one language alone allows."""
-    folder = archive(fmus, LARGEST, version, tmp_path) / "sources"
+    folder = archive(fmus, LARGE, version, tmp_path) / "sources"
     build(["-Wall", "-Wextra", "-Werror", "-fsyntax-only", "all.c"], folder, LANGUAGES[language])
 
 
