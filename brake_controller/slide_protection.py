@@ -76,7 +76,7 @@ def slide_sources(parameters: SlideProtectionParameters | None = None) -> dict[s
         " * SlideProtectionParameters, which has their units and limits. */\n"
         "#ifndef SLIDE_THRESHOLDS_H\n#define SLIDE_THRESHOLDS_H\n"
         f"typedef struct {{ double {names}; }} slide_thresholds;\n"
-        f"#define SLIDE_COMMON {{ {', '.join(map(repr, astuple(chosen)))} }}\n"
+        f"#define SLIDE_COMMON {{ {', '.join(repr(float(one)) for one in astuple(chosen))} }}\n"
         "#endif\n"
     )
     return {name: (RIG / name).read_text(encoding="utf-8") for name in FILES} | {"slide_thresholds.h": header}

@@ -11,7 +11,7 @@
  * A wheel whose sensor has not yet shown a speed for a while is braked, and so are all below the slowest reference. One whose sensor
  * shows what no wheel does gets the commands of the others, until it agrees with them again.
  *
- * Choices between two numbers are written so that NaN is never larger nor smaller: a sensor may show it. */
+ * A reading that is not finite is that of no wheel: the sensor is not believed, and what it showed before stays. */
 #include "slide_protection.h"
 
 #include <math.h>
@@ -129,6 +129,14 @@ static bool jumps(wheel *one, double speed, double size) {
     return whole && fabs(largest_of(one->recent, RECENT) - before) > JUMP + JUMPING * size;
 }
 
+/* A sensor is not believed from now on. */
+static void lose(protection *self, wheel *one, double size) {
+    one->believed = one->agrees = false;
+    self->released = NOBODY;
+    /* Evidence that came while the sensor failed was its own. */
+    self->evident = self->evident && self->time - self->evident_at > (RECENT + 0.5) * size;
+}
+
 /* Looks whether a sensor shows what no wheel does: a jump, the same while others change, nothing at all. */
 static void believe(protection *self, wheel *one, double speed, double size) {
     const wheel *fastest = NULL; /* of the others that are believed */
@@ -149,11 +157,7 @@ static void believe(protection *self, wheel *one, double speed, double size) {
         one->others = others;
     }
     const bool stays = self->time - one->changed_at > STAYING && fabs(others - one->others) > STAYS;
-    if (!jumps(one, speed, size) && !stays) return;
-    one->believed = one->agrees = false;
-    self->released = NOBODY;
-    /* Evidence that came while the sensor failed was its own. */
-    self->evident = self->evident && self->time - self->evident_at > (RECENT + 0.5) * size;
+    if (jumps(one, speed, size) || stays) lose(self, one, size);
 }
 
 /* Takes a reading; a wheel whose sensor has shown nothing yet starts with the first that it shows. */
@@ -338,8 +342,14 @@ void wheel_slide_step(void *memory, double time, const double *wheel_speed, int 
     self->begun = true;
     self->time = time;
     for (int i = 0; i < self->wheelsets; ++i) {
-        believe(self, &self->wheels[i], wheel_speed[i], size);
-        filter(self, &self->wheels[i], wheel_speed[i], size);
+        wheel *one = &self->wheels[i];
+        if (!isfinite(wheel_speed[i])) {
+            if (one->believed) lose(self, one, size);
+            one->agrees = false;
+            continue;
+        }
+        believe(self, one, wheel_speed[i], size);
+        filter(self, one, wheel_speed[i], size);
     }
     self->any_believed = false;
     for (int i = 0; i < self->wheelsets; ++i) self->any_believed |= self->wheels[i].believed;

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TEETH, TIMER, edge_errors
 from products.protection.rig_in_c import SensorSettings, functions
+from products.protection.settings import MOST_PULSES
 
 
 @dataclass
@@ -38,6 +39,10 @@ class Encoder:
     def __post_init__(self) -> None:
         if self.pulses < 1:
             raise ValueError(f"Set pulses to at least 1: it was {self.pulses}.")
+        if self.pulses != int(self.pulses) or self.pulses > MOST_PULSES:
+            raise ValueError(f"pulses must be a whole number up to {MOST_PULSES}; got {self.pulses}. Give another.")
+        if not math.isfinite(self.phase):
+            raise ValueError(f"phase must be finite; got {self.phase}. Give the share of a tooth.")
         if not (math.isfinite(self.jitter) and self.jitter >= 0.0):
             raise ValueError(f"Set jitter to a finite value of at least 0: it was {self.jitter}.")
         for name in ("gate", "resolution", "lowest_frequency"):
@@ -55,8 +60,9 @@ class Encoder:
     def angular_velocity(self, time: float, rotation: float) -> float:
         """Return the reading [rad/s], at least 0, at a time [s], from the rotation of the wheel [rad].
 
-        Raises ValueError for a rotation that is not finite.
+        Raises ValueError for a time or a rotation that is not finite.
         """
-        if not math.isfinite(rotation):
-            raise ValueError(f"rotation must be finite; got {rotation} rad.")
+        for name, value, unit in (("time", time, "s"), ("rotation", rotation, "rad")):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} must be finite; got {value} {unit}. Leave the look out.")
         return float(self._call.encoder_read(self._memory, self._settings, time, rotation))

@@ -93,8 +93,7 @@ class Rig:
     by_flow: cylinders are filled by flow of air from a reservoir that empties, through valves that take their time.
     level: 2 in the plane, 3 in space, which costs 4 to 5 times as much. equipment: what else the machine has, as `Run`
     has it; with traction it has no cylinders, and starts in place of stopping.
-    step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error. Raises
-    ValueError for a period of which a sensor remembers too few.
+    step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error.
     """
 
     def __init__(

@@ -60,5 +60,8 @@ class SlideProtection:
     def __setstate__(self, state: tuple[SlideProtectionParameters, int, bytes]) -> None:
         self.parameters, wheelsets, memory = state
         self._one = self._made(wheelsets) if wheelsets else None
+        if self._one and len(memory) != len(self._one.memory):
+            due = len(self._one.memory)
+            raise ValueError(f"A saved SlideProtection must have {due} bytes; got {len(memory)}. Save it again here.")
         if self._one:
             ctypes.memmove(self._one.memory, memory, len(memory))

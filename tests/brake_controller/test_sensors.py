@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 
+import numpy as np
 import pytest
 
-from brake_controller.sensors import GATE
+from brake_controller.sensors import GATE, TIMER
+from brake_controller.slide_protection import RIG
 from products.protection.encoder import Encoder
 
 PERIOD, RADIUS = 5e-3, 0.425
@@ -30,6 +33,34 @@ def test_constant_speed_is_read_within_the_timer_and_the_errors_of_the_teeth(tee
     assert max(found) <= omega * (high + timer)
     if jitter == 0.0:
         assert found == pytest.approx([omega] * len(found), rel=timer)
+
+
+@pytest.mark.parametrize("teeth", [60, 100, 300])
+@pytest.mark.parametrize("timer", [1e-6, 1e-5])
+@pytest.mark.parametrize("speed", [3.0, 11.7, 55.0])
+def test_edges_of_a_wheel_that_turns_evenly_tell_its_speed(teeth: int, timer: float, speed: float) -> None:
+    """Two times, each cut off to the timer's resolution, at least a gate apart: an error of timer over gate at most."""
+    encoder, omega = Encoder(teeth, resolution=timer), speed / RADIUS
+    found = [encoder.angular_velocity(number * PERIOD, omega * number * PERIOD) for number in range(200)][100:]
+    assert max(abs(one / omega - 1.0) for one in found) < 1.01 * timer / GATE < READING
+
+
+def test_a_sliding_wheel_is_seen_late_by_half_of_the_gate() -> None:
+    """At a deceleration a, the mean of a window w that ended t ago is a (w / 2 + t) too high; the reading is at most
+    one pitch over t, which is too high as well, for no edge came since.
+    """
+    start, slows, encoder = 20.0, 10.0, Encoder(100)
+    late = []
+    for time in (PERIOD * number for number in range(1, 300)):
+        speed = start - slows * time
+        if speed < 5.0:
+            break
+        seen = RADIUS * encoder.angular_velocity(time, (start * time - slows * time**2 / 2) / RADIUS)
+        if time > 0.2:
+            pitch = encoder.pitch * RADIUS / speed
+            late.append((seen - speed) / slows)
+            assert 0.0 < late[-1] < (GATE + pitch) / 2 + pitch + TIMER
+    assert GATE / 2 < np.median(late) < GATE
 
 
 @pytest.mark.parametrize("teeth", [80, 100, 128])
@@ -136,10 +167,17 @@ def test_a_coarse_timer_shows() -> None:
 def test_a_rotation_that_is_no_number_is_refused() -> None:
     with pytest.raises(ValueError, match="rotation must be finite; got nan rad"):
         Encoder().angular_velocity(0.0, math.nan)
+    with pytest.raises(ValueError, match="time must be finite; got inf s"):
+        Encoder().angular_velocity(math.inf, 0.0)
+    with pytest.raises(ValueError, match="phase must be finite; got nan"):
+        Encoder(phase=math.nan)
+    for pulses in (2**32 + 100, 99.5):
+        with pytest.raises(ValueError, match="pulses must be a whole number up to 10000"):
+            Encoder(pulses)  # type: ignore[arg-type]
 
 
-#: Looks that a sensor remembers, ENCODER_LOOKS of encoder.h.
-LOOKS = 64
+#: Looks that a sensor remembers.
+LOOKS = int(re.findall(r"#define ENCODER_LOOKS (\d+)", (RIG / "encoder.h").read_text(encoding="utf-8"))[0])
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5, 0.1, 0.01])
