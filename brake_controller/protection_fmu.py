@@ -11,6 +11,8 @@ from fmu_src.system import StepInC, StepInPython, Variable, choosing
 #: Place of the protocol and the supervision, which travel with a class.
 SUPERVISION = Path(__file__).parent / "wheel_slide.py"
 OWN_MODULE, OWN_CLASS = f"{__package__}.wheel_slide", "SlideProtection"
+#: An import of that class, from wherever it stands or stood.
+OWN_IMPORT = re.compile(rf"^from [\w.]+ import (\([^)]*|[^\n(]*)\b{OWN_CLASS}\b", re.MULTILINE)
 PERIOD = 5e-3
 #: What a controller in C includes, and bytes of its memory at most, as it says.
 HEADER, LARGEST_MEMORY = "wheel_slide.h", 1 << 20
@@ -36,7 +38,7 @@ def wheel_slide_in_python(file: Path, name: str, wheelsets: int = BOGIE) -> Step
     text = file.read_text(encoding="utf-8")
     if f"class {name}" not in text:
         raise ValueError(f"There is no class {name} in {file}; give --controller FILE:CLASS.")
-    if re.search(rf"^from {re.escape(OWN_MODULE)} import (\([^)]*|[^\n(]*)\b{OWN_CLASS}\b", text, re.M):
+    if OWN_IMPORT.search(text):
         raise ValueError(f"{OWN_CLASS} must stay out of {file}; it is C. Give a controller in C that calls it.")
     return StepInPython(
         named(name, wheelsets),

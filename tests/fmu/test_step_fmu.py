@@ -104,7 +104,8 @@ def test_the_protection_that_comes_with_the_brake_stays_out_of_a_class(tmp_path:
     file, own = tmp_path / "mine.py", "from brake_controller.wheel_slide import"
     file.write_text(f"{own} APPLY\nclass Mine:  # no SlideProtection\n    pass\n")
     assert protection(tmp_path, file, "Mine").exists()
-    for names in ("VENT, SlideProtection", "(\n  VENT,\n  SlideProtection,\n)"):
-        file.write_text(f"{own} {names}\nclass Mine: ...\n")
+    here, broken = "from products.protection.slide_protection import", "(\n  VENT,\n  SlideProtection,\n)"
+    for words in (f"{here} SlideProtection", f"{own} VENT, SlideProtection", f"{own} {broken}"):
+        file.write_text(f"{words}\nclass Mine: ...\n")
         with pytest.raises(ValueError, match=r"SlideProtection must stay out of .*; it is C"):
             protection(tmp_path, file, "Mine")
