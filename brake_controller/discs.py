@@ -78,10 +78,12 @@ def discs(defaults: DiscParameters | None = None) -> Rubbing:
     return Rubbing(TREADS_ALONE, torque)
 
 
-def treads_or_discs(choice: Variable, number: int, defaults: DiscParameters | None = None) -> Rubbing:
+def treads_or_discs(
+    choice: Variable, number: int, pads: float = 1.0, defaults: DiscParameters | None = None
+) -> Rubbing:
     """Shoes on treads, eq. (2.7); or, if the parameter has this number, pads on discs, as `discs` has them.
 
-    Pads at MEAN_PAD_FRICTION brake as much as shoes with constant friction.
+    pads: their force over that of the shoes.
     """
     given, on_treads = defaults or axle_discs(), treads()
 
@@ -89,8 +91,7 @@ def treads_or_discs(choice: Variable, number: int, defaults: DiscParameters | No
         has_discs = system.parameter(choice) == number
         own = _parameters(system, given)
         shoes = on_treads.torque(system, p, ca.if_else(has_discs, 0, force), angular_velocity)
-        same = p["constant_shoe_friction"] * p["wheel_radius"] / (MEAN_PAD_FRICTION * own["friction_radius"])
-        return shoes + _rub(system, own, ca.if_else(has_discs, same * force, 0), angular_velocity)
+        return shoes + _rub(system, own, ca.if_else(has_discs, pads * force, 0), angular_velocity)
 
     return Rubbing((), torque)
 

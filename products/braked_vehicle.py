@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from brake_controller.discs import treads_or_discs
+from brake_controller.discs import axle_discs, treads_or_discs
 from fmu_src.system import NONE, Model, System, Variable, choosing, model_of_choices
-from products.machine import coach, composed
+from products.machine import coach, coach_brake, composed, of_pads
 from rbd_model.levels.models import (
     CHOICE_ON_LINE,
-    COMBINATIONS,
     DEFAULT_TOLERANCE,
     EVERY,
     places_of,
@@ -32,7 +31,7 @@ WITH_FLOW = places_of(level=2)
 #: Which system serves, as CHOICE_ON_LINE has it, `brake_kind` last. Those by flow of air have numbers behind EVERY.
 CHOICE = tuple(
     place if brake == TIMED else len(EVERY) + WITH_FLOW.index(place) if place in WITH_FLOW else NONE
-    for place, _ in zip(CHOICE_ON_LINE, COMBINATIONS, strict=True)
+    for place in CHOICE_ON_LINE
     for brake in BRAKES
 )
 PLACES = tuple(sorted(set(CHOICE) - {NONE}))
@@ -67,5 +66,7 @@ def _system(place: int) -> System:
     if place in EVERY:
         return composed(machine, system_at(machine.vehicle, place))
     system = system_at(machine.vehicle, WITH_FLOW[place - len(EVERY)])
-    whole = composed(replace(machine, by_flow=True), system, treads_or_discs(BRAKE, DISCS))
+    brake, disc = coach_brake(), axle_discs()
+    rubbing = treads_or_discs(BRAKE, DISCS, of_pads(brake, disc) / brake.force_per_pressure, disc)
+    whole = composed(replace(machine, by_flow=True), system, rubbing)
     return replace(whole, name=f"{system.name}_by_flow")

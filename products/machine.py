@@ -13,7 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from brake_controller.cylinder import Rubbing, alone, reservoir_brake, timed_brake, treads
-from brake_controller.discs import MEAN_PAD_FRICTION, axle_discs, discs
+from brake_controller.discs import MEAN_PAD_FRICTION, DiscParameters, axle_discs, discs
 from brake_controller.flow_parameters import FlowParameters
 from brake_controller.magnet_valves import common_valves
 from brake_controller.motors import dynamic_brake, motor_of, traction_motor
@@ -156,6 +156,12 @@ def brake_of(vehicle: Vehicle, full_torque: float) -> BrakeParameters:
     )
 
 
+def of_pads(brake: BrakeParameters, disc: DiscParameters) -> float:
+    """Force per pressure [N/Pa] with which pads at MEAN_PAD_FRICTION brake as much as a brake's shoes on treads."""
+    on_treads = brake.constant_shoe_friction * brake.wheel_radius
+    return brake.force_per_pressure * on_treads / (MEAN_PAD_FRICTION * disc.friction_radius)
+
+
 # ---- the system ------------------------------------------------------------------------------------------------------
 
 
@@ -207,9 +213,7 @@ def _with_reservoir(system: System, machine: Machine, given_rubbing: Rubbing | N
     brake, rubbing = brake_of(machine.vehicle, full), given_rubbing or treads()
     if DISCS in machine.equipment:
         disc = axle_discs()
-        on_treads = brake.constant_shoe_friction * brake.wheel_radius
-        same = brake.force_per_pressure * on_treads / (MEAN_PAD_FRICTION * disc.friction_radius)
-        brake, rubbing = replace(brake, force_per_pressure=same), discs(disc)
+        brake, rubbing = replace(brake, force_per_pressure=of_pads(brake, disc)), discs(disc)
     motor = motor_of(full, machine.parameters.wheel_radius)
     blending = dynamic_brake(motor, machine.full_pressure, full) if DYNAMIC_BRAKE in machine.equipment else alone
 
