@@ -110,10 +110,12 @@ def creep_on_level_rail(
     rotated, omega = add_rotation_states(assembly, number)
     sliding = forward - assembly.radius(data) * omega
     friction = rail_friction(assembly, number, distance)
+    contact = centred_contact(assembly, data)
     if assembly.vehicle.creep_law == DEFAULT_LAW:
-        force = creep_force_of_wheelset(assembly, friction, centred_contact(assembly, data), load, sliding, forward)
+        force = creep_force_of_wheelset(assembly, friction, contact, load, sliding, forward)
     else:
         force = creep_force_by_law(assembly, data, friction, load, sliding, forward)
+        force = ca.if_else(contact.stiffness > 0, force, math.nan)  # no wheel touches a rail like that
     return Creeping(number, rotated, omega, sliding, force, friction * axle_load)
 
 

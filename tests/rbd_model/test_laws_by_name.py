@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from bogie_braking.machines import model_from, vehicle
-from fmu_src.kernel import Kernel
+from fmu_src.kernel import Kernel, KernelError
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.levels.models import STRIPS, places_of
@@ -34,6 +34,16 @@ def test_a_wheelset_creeps_by_the_law_that_its_vehicle_names(level: int) -> None
     saturates = slip_ratio("shen-hedrick-elkins", LARGE, level)
     assert saturates > 1.05 * large
     assert slip_ratio(DEFAULT_LAW, SMALL, level) == pytest.approx(small, rel=FITS)
+
+
+@pytest.mark.parametrize("law", [DEFAULT_LAW, "kalker-linear"])
+def test_no_law_answers_where_the_ellipse_is_longer_than_its_tables(law: str) -> None:
+    """A rail head of 50 m radius under a wheel of 0.46 m has an ellipse beyond 1:10."""
+    bogie = replace(vehicle("bogie"), creep_law=law)
+    kernel = Kernel(quick_library(model_from(bogie, places_of(1, 2, on_line=False))))
+    kernel.set(brake_torque_1=LARGE, initial_speed=20.0, rail_head_radius=50.0)
+    with pytest.raises(KernelError):
+        kernel.advance(0.1)
 
 
 def test_strips_are_left_out_where_a_law_would_not_act_on_them() -> None:
