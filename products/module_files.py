@@ -1,4 +1,4 @@
-"""Which files a module is made from: its own, those of the modules that it imports, and what these may read."""
+"""Which files an FMU is made from: those of the modules that its makers import, and what these may read."""
 
 import re
 from collections.abc import Iterator
@@ -11,8 +11,10 @@ from products.sources import HOUSE, KINDS, PREBUILT, ROOT, digest
 IMPORT = re.compile(r"^[ \t]*from ([\w.]+) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
 
 
-#: The list of FMUs names them all: what is made of one is not made from the others.
+#: The list of FMUs imports them all: what is made of one is made from the list, not from the others.
 LIST = ROOT / "products" / "registry.py"
+#: Sources of this room travel in FMUs, and some are read as text: all of it counts for each.
+WHOLE = ROOT / "fmu_src"
 
 
 @cache
@@ -22,18 +24,20 @@ def digest_of(*modules: str) -> str:
 
 
 def files_of(*modules: str) -> set[Path]:
-    """Return the files that modules are made from.
+    """Return the files that modules are made from, all of `fmu_src`, and the list of FMUs without what that imports.
 
-    A module may read what is not Python in its folder, and in the folders below that hold no Python. What is on the
-    list of FMUs is not among them: who takes an entry gives its modules too.
+    A module may read what is not Python in its folder, and in the folders below that hold no Python. Who takes an
+    entry of the list gives its modules too.
     """
-    found: set[Path] = set()
+    found = {path for path in WHOLE.rglob("*") if path.suffix in KINDS} | {LIST}
+    followed: set[Path] = set()
     waiting = [path for module in modules for path in _files_of(module)]
     while waiting:
         path = waiting.pop()
-        if path not in found and path != LIST:
-            found.add(path)
-            waiting += imports_of(path)
+        if path not in followed:
+            followed.add(path)
+            waiting += imports_of(path) if path != LIST else ()
+    found |= followed
     return found | {path for folder in {one.parent for one in found} for path in _read_in(folder)}
 
 

@@ -81,10 +81,13 @@ def test_changed_sources_are_written_again(made: Callable[[], int], monkeypatch:
         ("rbd_model/contact/creep/polach.py", True, False),
         ("rbd_model/contact/strips.c", True, False),
         ("fmu_src/runtime/integrate.c", True, True),
+        ("fmu_src/hosts/host.c", True, True),
+        ("fmu_src/python_slave.py", True, True),
+        ("products/registry.py", True, True),
     ],
 )
 def test_what_is_written_again_hangs_on_a_changed_file(changed: str, of_the_bogie: bool, of_the_brake: bool) -> None:
-    """Of a model on the modules that its function imports, and on C and data beside them; of a page on none."""
+    """Of a model on what its function imports, on C and data beside that, and on all of fmu_src; of a page on none."""
     maker = building.build_library.__module__
     found = (files_of(FMUS[name].model.__module__, maker) for name in ("bogie", "brake"))
     assert (ROOT / changed).is_file()
