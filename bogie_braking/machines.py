@@ -19,6 +19,8 @@ from products.building import kernel_at, kernel_of, variables_of, whole_kernel
 from products.one_level import model_at, place_of
 from products.registry import FMUS, SELECTORS
 from products.registry import model_of as model_of_fmu
+from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.laws import LAWS
 from rbd_model.levels.models import (
     DEFAULT_DEPTH,
     DEPTH_ON_LINE,
@@ -33,6 +35,8 @@ from rbd_model.wheelset.rigid import check_one_contact
 
 #: What `run`, `Simulation`, `sweep` and `fit` take.
 Runnable = str | Model | System | Vehicle
+#: What a compiled vehicle is found by.
+Key = tuple[bytes, CreepLaw]
 #: Error of an integration step in nominal values of the states, unless a model says another.
 TOLERANCE = 1e-6
 #: The level of detail unless another is asked for, and those that there are.
@@ -83,7 +87,7 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
             level, depth = _level_and_depth(values)
             places = places_of(level, depth, on_line or LINE.variable.name in values)
             _check_places(what, places, level, depth)
-            return _of_a_vehicle(pickle.dumps(what), places)
+            return _of_a_vehicle(_key(what), places)
         return _of_a_model(what) if isinstance(what, Model) else _compiled(model_from(what))
 
 
@@ -99,7 +103,7 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
             return _batch_of_the_list(what, tuple((name, values[name]) for name in selected if name in values), on_line)
         if isinstance(what, Vehicle):
             level, depth = _level_and_depth(values)
-            return _batch_of_a_vehicle(pickle.dumps(what), level, depth, on_line)
+            return _batch_of_a_vehicle(_key(what), level, depth, on_line)
         model = model_from(what)
         return _batch_of_a_model(alone(model, values, on_line))
 
@@ -117,8 +121,8 @@ def _batch_of_the_list(name: str, selected: tuple[tuple[str, float], ...], on_li
 
 
 @lru_cache
-def _batch_of_a_vehicle(pickled: bytes, level: int, depth: int, on_line: bool) -> BatchLibrary:
-    return _batch_of_a_model(_one_level(pickle.loads(pickled), level, depth, on_line))
+def _batch_of_a_vehicle(key: Key, level: int, depth: int, on_line: bool) -> BatchLibrary:
+    return _batch_of_a_model(_one_level(pickle.loads(key[0]), level, depth, on_line))
 
 
 def _batch_of_a_model(model: Model) -> BatchLibrary:
@@ -179,10 +183,14 @@ def machine_at(name: str, place: int | None) -> Machine:
     return Machine(name, variables_of(name), Library(kernel_at(name, place)), place=place)
 
 
+def _key(what: Vehicle) -> Key:
+    """Return the bytes of a vehicle, as its parts may be lists, which have no hash, and the law that it names."""
+    return pickle.dumps(what), LAWS[what.creep_law]
+
+
 @lru_cache
-def _of_a_vehicle(pickled: bytes, places: tuple[int, ...]) -> Machine:
-    """Return a vehicle compiled. Its bytes are the key, as its parts may be lists, which have no hash."""
-    return _compiled(model_from(pickle.loads(pickled), places), frozenset(SELECTORS))
+def _of_a_vehicle(key: Key, places: tuple[int, ...]) -> Machine:
+    return _compiled(model_from(pickle.loads(key[0]), places), frozenset(SELECTORS))
 
 
 @lru_cache

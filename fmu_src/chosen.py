@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from fmu_src.system import NONE, Model
+from fmu_src.system import NONE, Model, Variable
 
 
 def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> Model:
@@ -15,7 +15,9 @@ def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> M
 
     Its runs have the same numbers and say the same sentences. Raises ValueError where they choose none.
     """
-    place = _place(model, values, with_file)
+    selectors = [next(one for one in model.variables if one.name == name) for name in model.selectors]
+    reads = model.table_file is not None
+    place = place_in(model.choice, selectors, values, with_file) if reads or not with_file else NONE
     if place == NONE:
         asked = [f"{name} = {values.get(name, 'its start value')}" for name in model.selectors]
         asked += ["a table file"] if with_file else []
@@ -29,17 +31,15 @@ def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> M
     return replace(model, variables=kept, systems=(system,), choice=choice, reads=None if file else model.reads)
 
 
-def _place(model: Model, values: Mapping[str, Any], with_file: bool) -> int:
-    """Of the system in the model, or NONE."""
-    selectors = [next(one for one in model.variables if one.name == name) for name in model.selectors]
+def place_in(choice: Sequence[int], selectors: Sequence[Variable], values: Mapping[str, Any], with_file: bool) -> int:
+    """Return the number of the system that values of the selectors choose, or NONE; without a value the start counts.
+
+    choice: as `Model` has it, by the selectors, the last one running first; its second half is with a table file.
+    """
     combination = 0
     for one in selectors:
         value = values.get(one.name, one.start)
         if value not in range(1, int(one.maximum) + 1):
             return NONE
         combination = combination * int(one.maximum) + int(value) - 1
-    if with_file and not model.table_file:
-        return NONE
-    if with_file:
-        combination += math.prod(int(one.maximum) for one in selectors)
-    return model.choice[combination]
+    return choice[combination + with_file * math.prod(int(one.maximum) for one in selectors)]

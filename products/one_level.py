@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from numbers import Real
 from typing import Any
 
+from fmu_src.chosen import place_in
 from fmu_src.system import NONE, Model, Variable
 from products.registry import FMUS
 from rbd_model.track.line_table import LINE
@@ -17,15 +19,14 @@ def place_of(name: str, table: Mapping[str, Variable], values: Mapping[str, Any]
     variables of the FMU; one without a line's file runs on none. on_line: whether it runs on one whose file is not
     among the values.
     """
-    fmu, place = FMUS[name], 0
+    fmu = FMUS[name]
     if fmu.vehicle is None:
         return None
-    for selector in fmu.selectors:
-        one, value = table[selector], values.get(selector)
-        known = range(1, int(one.maximum) + 1)
-        place = place * len(known) + int(value if isinstance(value, float | int) and value in known else one.start) - 1
+    selectors = [table[selector] for selector in fmu.selectors]
+    given = {one.name: value for one in selectors if isinstance(value := values.get(one.name), Real)}
+    good = {one.name: given[one.name] for one in selectors if given.get(one.name) in range(1, int(one.maximum) + 1)}
     there = LINE.variable.name in table and (on_line or bool(values.get(LINE.variable.name)))
-    return fmu.choice[place + there * (len(fmu.choice) // 2)]
+    return place_in(fmu.choice, selectors, good, there)
 
 
 def model_at(name: str, table: Mapping[str, Variable], place: int) -> Model:

@@ -130,6 +130,15 @@ def test_a_vehicle_goes_on_with_the_system_that_is_chosen_before_the_start() -> 
     assert np.array_equal(other.advance(1.0)["speed"], chosen.advance(1.0)["speed"])
 
 
+@pytest.mark.parametrize("one", [np.int64(1), np.float32(1), 1.0])
+def test_a_level_of_any_kind_of_number_is_that_level(one: float) -> None:
+    chosen = bb.Simulation("bogie", level=1, **BRAKED).advance(0.5)["speed"]
+    moved = bb.Simulation("bogie", **BRAKED)
+    moved.set(level=one)
+    for run in (bb.run("bogie", 0.5, level=one, **BRAKED), moved.advance(0.5)):
+        assert np.array_equal(run["speed"], chosen)
+
+
 def test_what_cannot_be_is_told_in_a_sentence() -> None:
     with pytest.raises(KeyError, match=r"There is no FMU bogey; did you mean bogie\?"):
         bb.run("bogey", 1.0)
