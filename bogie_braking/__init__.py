@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from bogie_braking.sweeping import sweep as sweep
     from bogie_braking.trains import train as train
     from fmu_src.cosimulation.master import Connection as Connection
-    from fmu_src.cosimulation.master import couple as couple
+    from fmu_src.cosimulation.master import cosimulate as cosimulate
     from fmu_src.cosimulation.recording import Recording as Recording
     from fmu_src.cosimulation.slave import CosimulationError as CosimulationError
-    from fmu_src.cosimulation.slave import Slave as Slave
-    from fmu_src.kernel import KernelError as KernelError
+    from fmu_src.cosimulation.slave import FmuInstance as FmuInstance
+    from fmu_src.kernel import SimulationError as SimulationError
     from fmu_src.system import Model as Model
     from fmu_src.system import System as System
     from fmu_src.system import Variable as Variable
@@ -54,10 +54,10 @@ _HOMES = {
     "bogie_braking.simulation": ("Simulation", "run"),
     "bogie_braking.sweeping": ("sweep",),
     "bogie_braking.trains": ("train",),
-    "fmu_src.cosimulation.master": ("Connection", "couple"),
+    "fmu_src.cosimulation.master": ("Connection", "cosimulate"),
     "fmu_src.cosimulation.recording": ("Recording",),
-    "fmu_src.cosimulation.slave": ("CosimulationError", "Slave"),
-    "fmu_src.kernel": ("KernelError",),
+    "fmu_src.cosimulation.slave": ("CosimulationError", "FmuInstance"),
+    "fmu_src.kernel": ("SimulationError",),
     "fmu_src.system": ("Model", "System", "Variable"),
     "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
 }
@@ -70,10 +70,7 @@ __all__ = ["__version__", *_HOME]
 def __getattr__(name: str) -> Any:
     """A public name, with what it needs. Raises AttributeError."""
     if name not in _HOME:
-        from difflib import get_close_matches
-
-        near = get_close_matches(name, __all__, 1)
-        there = f"did you mean {near[0]}?" if near else f"it has {', '.join(__all__)}."
+        there = import_module(f"{_BELOW}fmu_src.suggestion").suggestion(name, __all__, f"it has {', '.join(__all__)}.")
         raise AttributeError(f"bogie_braking has no public name {name}; {there}")
     home = _HOME[name]
     if home == __name__:

@@ -46,7 +46,7 @@ def batch(
     and inputs by name, in SI units, one number for all runs or an array with one for each; what chooses the equations,
     such as `level`, one number. Each run has the bits that it has alone. A run that cannot be made has NaN, and
     `failures` says why. Raises KeyError for another name, ValueError for what are no numbers, for arrays that differ in
-    length, and for a level that there is not, KernelError, CompilerError where no C compiler works.
+    length, and for a level that there is not, SimulationError, CompilerError where no C compiler works.
     """
     duration = seconds("the duration", duration)
     library, given = prepared(what, line, values)
@@ -70,7 +70,7 @@ def instances(
     what, line, threads, values: as `batch` takes them. inputs, outputs: names of those that steps set and read.
     `step(size, {input: array})` goes on by `size` seconds and gives outputs by name, in the same arrays at every step:
     copy what is to be kept. A run that ends, such as by a derailment, stays where it ended; `ended` tells which rows,
-    and `reset(rows, **values)` begins them anew. A step that fails raises KernelError. It is a context manager;
+    and `reset(rows, **values)` begins them anew. A step that fails raises SimulationError. It is a context manager;
     without a `with`, call `close`.
     """
     if not isinstance(count, int | np.integer) or count < 1:

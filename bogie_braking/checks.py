@@ -11,7 +11,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from fmu_src.kernel import ERROR, KernelError
+from fmu_src.kernel import ERROR, SimulationError
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Variable
 from rbd_model.track.line import Line
@@ -127,6 +127,6 @@ def number(value: Any) -> float:
         return math.nan
 
 
-def refused(sentence: str) -> KernelError:
+def refused(sentence: str) -> SimulationError:
     """The error of a value that is refused here, as that of one that a kernel refuses."""
-    return KernelError(sentence, ERROR)
+    return SimulationError(sentence, ERROR)

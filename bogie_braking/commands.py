@@ -17,7 +17,7 @@ from typing import Any
 from bogie_braking.exit_status import BAD_INPUT, DOES_NOT_HOLD, FAILED, HOLDS, INTERRUPTED
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.slave import CosimulationError
-from fmu_src.kernel import KernelError
+from fmu_src.kernel import SimulationError
 from products.prebuilt import PAGE
 from products.registry import FMUS
 from products.study.points import SweepError
@@ -165,7 +165,7 @@ def carry_out(chosen: argparse.Namespace) -> int:
         earlier = f"Interrupted; what {chosen.out} held before is as it was."
         print(interrupt if interrupt.args else earlier, file=sys.stderr)
         return INTERRUPTED
-    except (CosimulationError, CompilerError, KernelError, SweepError) as error:
+    except (CosimulationError, CompilerError, SimulationError, SweepError) as error:
         print(error, file=sys.stderr)
         return FAILED
     except BrokenPipeError:

@@ -110,7 +110,7 @@ def fit(
     its own values.
     Standard errors are those of independent errors of equal size in each column, to first order. Raises ValueError for
     what is no table, has other units or has fewer rows than parameters, KeyError for a name that there is not,
-    KernelError for what a run refuses.
+    SimulationError for what a run refuses.
     """
     table = measured if isinstance(measured, Recording) else measured_from(measured)
     machine = machine_of(what, values, line_or_none(line) is not None)

@@ -27,7 +27,7 @@ class History:
     """
 
     def __init__(self, variable: Variable, given: Any) -> None:
-        """Raises KernelError for what cannot be an input over time."""
+        """Raises SimulationError for what cannot be an input over time."""
         self.variable, self.steps = variable, variable.kind != "real"
         if variable.causality != "input":
             raise refused(f"{variable.name} is no input and cannot change over time; give it one number.")
@@ -43,7 +43,7 @@ class History:
         return [number * SAMPLING for number in range(first, last) if begin < number * SAMPLING < end]
 
     def check_begin(self, duration: float) -> None:
-        """Raise KernelError if a table begins behind the end of a run, which lasts from 0 to `duration` [s].
+        """Raise SimulationError if a table begins behind the end of a run, which lasts from 0 to `duration` [s].
 
         Clocks of logs begin anywhere. Such a table would hold its first value throughout.
         """
@@ -54,7 +54,7 @@ class History:
             )
 
     def at(self, time: float, after: bool = True) -> float:
-        """Value at a time [s]; where it jumps, that after or that before the jump. Raises KernelError."""
+        """Value at a time [s]; where it jumps, that after or that before the jump. Raises SimulationError."""
         if self._function:
             return self._allowed(time, self._function(time))
         place = int(np.searchsorted(self._times, time, "right" if after else "left"))

@@ -73,7 +73,7 @@ def vehicle(name: str) -> Vehicle:
 
 
 def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Machine:
-    """What is to be run, compiled unless it was; of a vehicle only the level and contact depth that `values` ask for.
+    """What is to be run, compiled unless it was; of a vehicle only the level and contact model that `values` ask for.
 
     A vehicle by its name has the variables of all levels; other values may choose another machine of that name.
     Raises KeyError for a name that there is not, TypeError for what cannot be run, ValueError for a level or depth that
@@ -138,13 +138,13 @@ def _one_level(what: Vehicle, level: int, depth: int, on_line: bool) -> Model:
 def _check_places(what: Vehicle, places: Sequence[int], level: int, depth: int) -> None:
     """Raise ValueError if there is no such system, or if its contact does not suit the profiles."""
     if not places:
-        raise ValueError(f"Set contact_depth to {DEPTH_ON_LINE} on a line: it was {depth}.")
+        raise ValueError(f"Set contact_model to {DEPTH_ON_LINE} on a line: it was {depth}.")
     for pair in {one.equal_sides for one in what.wheelsets} if (level, depth) == (3, 1) else ():
         check_one_contact(pair)
 
 
 def _level_and_depth(values: Mapping[str, Any]) -> tuple[int, int]:
-    return _chosen("level", values, LEVEL), _chosen("contact_depth", values, int(DEFAULT_DEPTH))
+    return _chosen("level", values, LEVEL), _chosen("contact_model", values, int(DEFAULT_DEPTH))
 
 
 def model_from(what: Model | System | Vehicle, places: Sequence[int] = EVERY) -> Model:

@@ -122,7 +122,7 @@ class Runs:
         return np.where(np.isnan(found), -np.inf, found)
 
     def without_effect(self, seed: int) -> tuple[list[str], int]:
-        """Inputs of which another value changes no run, and how many runs that took. Raises KernelError."""
+        """Inputs of which another value changes no run, and how many runs that took. Raises SimulationError."""
         random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(POPULATIONS,)))  # no population's
         count = len(self.labels)
         points, others = random.standard_normal((2, PROBES, count))
@@ -169,8 +169,8 @@ def rare(
     in a tuple share one value. particles: of each of 20 populations. moves: that part a copy from its parent. Each
     halving of the probability takes 10 x particles x moves runs. executor: makes them in tasks of a thousand and more,
     as `sweep` takes it. One seed gives the same numbers on any number of threads and workers. Raises KeyError for a
-    name that there is not, TypeError for what is no distribution, ValueError for what is no limit or count, KernelError
-    where no run can be made.
+    name that there is not, TypeError for what is no distribution, ValueError for what is no limit or count,
+    SimulationError where no run can be made.
     """
     duration, limit = seconds("the duration", duration), finite(f"the limit of {output}", limit)
     particles = at_most("particles", whole("particles", particles, FEWEST_PARTICLES), MOST_INSTANCES)

@@ -14,7 +14,7 @@ from bogie_braking.checks import is_number, line_or_none, names_of, refused, sec
 from bogie_braking.histories import History, Value
 from bogie_braking.machines import Machine, Runnable, machine_at, machine_of
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.kernel import MOST_NUMBERS, Kernel, KernelError
+from fmu_src.kernel import MOST_NUMBERS, Kernel, SimulationError
 from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
 from fmu_src.system import NONE
@@ -36,11 +36,11 @@ class Simulation:
     """One vehicle or brake on its way through time.
 
     what: an FMU by its name, a vehicle, a system or a model of one's own; of a vehicle the equations of one level of
-    detail are compiled, that which the values `level` and `contact_depth` choose. line: what it runs on; None:
+    detail are compiled, that which the values `level` and `contact_model` choose. line: what it runs on; None:
     straight, level track. values: parameters and inputs by name, in SI units; an input may be a function of time [s],
     a pair of columns ([0, 2], [0, 5e3]), times [s] and values, rows [(0, 0), (2, 5e3)], or an array with a field time,
-    between whose rows it is linear. Raises KeyError for another name, TypeError for what cannot be run, KernelError for
-    a value that cannot be, each with a sentence.
+    between whose rows it is linear. Raises KeyError for another name, TypeError for what cannot be run,
+    SimulationError for a value that cannot be, each with a sentence.
 
     >>> stop = Simulation("bogie", initial_speed=25.0, brake_torque_1=([0.0, 2.0], [0.0, 20e3]))
     >>> stop.advance(5.0).status
@@ -56,8 +56,8 @@ class Simulation:
             if self._line is not None:
                 self._lay(self._kernel, self._line)
             self._take(values)
-        except KernelError as error:
-            raise KernelError(without_value_before(str(error)), error.status) from error
+        except SimulationError as error:
+            raise SimulationError(without_value_before(str(error)), error.status) from error
 
     def _lay(self, kernel: Kernel, line: Line) -> None:
         if LINE_FILE not in self._machine.variables:
@@ -82,11 +82,12 @@ class Simulation:
         return self._kernel.ended
 
     def __getitem__(self, name: str) -> float:
-        """Value of a variable. Raises KernelError."""
+        """Value of a variable. Raises SimulationError."""
         return self._kernel[name]
 
     def set(self, **values: Value) -> None:
-        """Sets inputs, before the first step parameters too, as at the start. Raises KernelError, the old value kept.
+        """Sets inputs, before the first step parameters too, as at the start. Raises SimulationError, the old value
+        kept.
 
         An input over time counts its time from the start of the run.
         """
@@ -108,7 +109,7 @@ class Simulation:
     def _go_on_with(self, machine: Machine, state: bytes | None = None) -> None:
         """Put another system of the same FMU in place of this one, with its values and its line; restore a state.
 
-        Raises KernelError, nothing changed.
+        Raises SimulationError, nothing changed.
         """
         kernel = self._kernel
         if machine.place != self._machine.place:
@@ -142,7 +143,8 @@ class Simulation:
 
         Neither changes the motion beyond its tolerance. A run that ends early keeps what came before, and its status
         says why. Columns have shape (int(duration / interval) + 1,), the instants at both ends among them. Raises
-        ValueError for a duration or interval that is not above 0, KeyError for a name that there is not, KernelError.
+        ValueError for a duration or interval that is not above 0, KeyError for a name that there is not,
+        SimulationError.
         """
         duration, interval = (
             seconds(what, value, math.inf) for what, value in (("the duration", duration), ("the interval", interval))
@@ -210,7 +212,7 @@ class Simulation:
         return _mark(self._machine.name, self._machine.place) + self._kernel.save()
 
     def restore(self, state: bytes) -> None:
-        """Back to a saved state of the same FMU, of another process too. Raises KernelError for what cannot be one."""
+        """Go back to a saved state of the same FMU, even of another process. Raises SimulationError otherwise."""
         if not isinstance(state, bytes):
             raise TypeError(f"Give the bytes that save gave: it was {shown(state)}.")
         name, own = self._machine.name, self._machine.place
@@ -242,7 +244,7 @@ def run(
 ) -> Recording:
     """One run from its start over a duration [s]: `Simulation` and `Simulation.advance`, which say what they take.
 
-    Raises KernelError for an input over time whose first point lies behind the end of the run.
+    Raises SimulationError for an input over time whose first point lies behind the end of the run.
     """
     one = Simulation(what, line, **values)
     for history in one.histories:

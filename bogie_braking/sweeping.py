@@ -23,7 +23,7 @@ from bogie_braking.machines import Runnable, machine_of, model_from
 from bogie_braking.simulation import Simulation
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.kernel import KernelError
+from fmu_src.kernel import SimulationError
 from fmu_src.system import Model, System
 from products.study.points import AHEAD, Evaluate, Outcome, Outcomes, Point, outcomes_from
 from products.study.study import Study, kept_outcomes_of, outcomes_of
@@ -51,7 +51,7 @@ def end_of(
         one = Simulation(what, line, **{**values, **point})
         found = one.advance(duration, names, duration)
         return outcome_of(names, [one[asked] for asked in names], point, found.status)
-    except (KernelError, ValueError) as error:
+    except (SimulationError, ValueError) as error:
         return Outcome(failure=str(error), point=point)
 
 
@@ -74,7 +74,7 @@ def in_batch(
     columns = {name: np.array([point[name] for point in points], float) for name in points[0]}
     try:
         ends = batch(what, duration, names, line, threads, said=True, **{**values, **columns})  # type: ignore[arg-type]
-    except (CompilerError, KernelError, ValueError):  # alone, each run says why
+    except (CompilerError, SimulationError, ValueError):  # alone, each run says why
         return None
     rows = zip(points, np.column_stack([ends[name] for name in names]).tolist(), ends.said or [], strict=True)
     return [

@@ -36,7 +36,7 @@ def times_and_values(name: str, given: Any) -> tuple[Numbers, Numbers]:
 
     Raises
     ------
-    KernelError
+    SimulationError
         If it has none of the forms, or can be read in two ways.
     """
     columns = _columns(name, given)

@@ -28,7 +28,7 @@ from fmu_src.system import Model, System, Variable, choosing, model_of_choices
 #: Local error of 0.1 Pa per step at this tolerance.
 DEFAULT_TOLERANCE = 1e-6
 NOMINAL_PRESSURE, NOMINAL_MASS = 1e5, 1e-3
-#: Kinds of `pneumatics`, by their numbers.
+#: Kinds of `cylinder_model`, by their numbers.
 PNEUMATICS = {1: "by application and release time", 2: "by flow of air through restrictions"}
 #: Parameters that only the timed law has: its times, and what the piston's spring takes, which by flow follows from it.
 TIMES = ("application_time", "release_time", "touch_pressure")
@@ -215,13 +215,11 @@ def _filled(brake: Brake, air: FlowParameters, regulator: Regulator, valves: Ope
 
 
 def brake_model(systems: tuple[System, ...]) -> Model:
-    """The systems, in the order of the parameter `pneumatics`, as one FMU."""
+    """The systems, in the order of the parameter `cylinder_model`, as one FMU."""
     known = {number: PNEUMATICS[number] for number in range(1, len(systems) + 1)}
-    pneumatics = Variable("pneumatics", "parameter", start=1.0, **choosing("Cylinder pressure", known))
+    chosen = Variable("cylinder_model", "parameter", start=1.0, **choosing("Cylinder pressure", known))
     text = "Pneumatic brake cylinder, rigging and shoes of one wheelset, after Handoko (2006)"
-    return model_of_choices(
-        "BrakeCylinder", text, systems, (pneumatics,), tuple(range(len(systems))), DEFAULT_TOLERANCE
-    )
+    return model_of_choices("BrakeCylinder", text, systems, (chosen,), tuple(range(len(systems))), DEFAULT_TOLERANCE)
 
 
 def brake_cylinder(

@@ -8,7 +8,7 @@ from fmu_src.system import ParameterSet, quantity
 
 @dataclass(frozen=True)
 class FlowParameters(ParameterSet):
-    """Air, restrictions, and the cylinder with its piston, for `pneumatics` 2."""
+    """Air, restrictions, and the cylinder with its piston, for `cylinder_model` 2."""
 
     ambient_pressure: float = quantity("Pa", "Absolute pressure of the surroundings", 1e3)
     air_temperature: float = quantity("K", "Temperature of the supply, and of the cylinder at the start", 100.0)

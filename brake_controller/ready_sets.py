@@ -47,7 +47,7 @@ DUMP = Window(0.4, 0.8)
 
 @dataclass(frozen=True)
 class ReadySet:
-    """A brake for both kinds of `pneumatics`, which end at the same shoe force."""
+    """A brake for both kinds of `cylinder_model`, which end at the same shoe force."""
 
     rigging: BrakeParameters
     flow: FlowParameters

@@ -22,7 +22,7 @@ from tqdm import tqdm
 from fmu_src.batch_in_c import batch_source
 from fmu_src.codegen import generate
 from fmu_src.compile import batch_library, build_library
-from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, ERROR, Kernel, Library, SimulationError
 from fmu_src.progress import PATIENCE
 from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
@@ -148,7 +148,7 @@ class BatchLibrary(Library):
         self.file = model.table_file.variable.name if model.table_file else None
 
     def numbers(self, names: Sequence[str]) -> ctypes.Array[ctypes.c_int]:
-        """Places of variables. Raises KernelError."""
+        """Places of variables. Raises SimulationError."""
         kernel = Kernel(self)
         return (ctypes.c_int * len(names))(*(kernel.number_of(name) for name in names))
 
@@ -218,7 +218,7 @@ def run_batch(
 
     values: parameters and inputs by name, a number for all runs or an array with one for each. threads: as many as the
     machine has processors. path: of the table file that all runs read. says_all: whether `said` is asked for, which the
-    status of a recording would say. Raises KernelError for names, ValueError where arrays differ in length.
+    status of a recording would say. Raises SimulationError for names, ValueError where arrays differ in length.
     """
     table = table_of(values)
     count = len(table)
@@ -280,7 +280,7 @@ class Instances:
         path: str | None = None,
         **values: ArrayLike,
     ) -> None:
-        """values: parameters and first inputs, a number for all or `count` of them. Raises KernelError, ValueError."""
+        """values: parameters and first inputs, one for all or `count` of them. Raises SimulationError, ValueError."""
         self._library, self._threads, self._path = library, threads or os.cpu_count() or 1, path
         self.at_close: Callable[[], None] | None = None
         self._start = {name: _for_each(name, value, count) for name, value in values.items()}
@@ -333,7 +333,7 @@ class Instances:
     def reset(self, rows: int | Sequence[int] | NDArray[np.integer], **values: ArrayLike) -> None:
         """Begins rows anew at 0 s, with the values of the first time but for those that are given here.
 
-        values: a number for all of these rows, or one for each. Raises KernelError where a value cannot be.
+        values: a number for all of these rows, or one for each. Raises SimulationError where a value cannot be.
         """
         those = np.atleast_1d(np.asarray(rows, int))
         given = {name: _for_each(name, value, those.size) for name, value in values.items()}
@@ -349,26 +349,26 @@ class Instances:
                 kernel.set(**{self._library.file: self._path})
             kernel.set(**(given | dict(values)))
             kernel.initialise()
-        except KernelError as error:
-            raise KernelError(f"Instance {row} of {len(self)}: {error}", error.status) from None
+        except SimulationError as error:
+            raise SimulationError(f"Instance {row} of {len(self)}: {error}", error.status) from None
         kernel.journal.clear()
         self._given[row] = [kernel[name] for name in self.inputs]
 
     def step(self, size: float, inputs: Mapping[str, ArrayLike] | None = None) -> dict[str, Numbers]:
         """A step of `size` seconds; outputs at its end. Inputs that are not given stay as they are.
 
-        The arrays are those of every step. Raises KernelError where a step fails, after all others have made theirs;
-        the one that failed stays where it was.
+        The arrays are those of every step. Raises SimulationError where a step fails, after all others have made
+        theirs; the one that failed stays where it was.
         """
         for name, value in (inputs or {}).items():
             if name not in self.inputs:
-                raise KernelError(f"No input {name} was named; {suggestion(name, self.inputs)}", ERROR)
+                raise SimulationError(f"No input {name} was named; {suggestion(name, self.inputs)}", ERROR)
             self._given[:, self.inputs.index(name)] = _one_or_each(name, value, len(self))
         self.go_on(size)
         failed = np.flatnonzero(self._status > DISCARD)
         if failed.size:
             message = self.message(int(failed[0]))
-            raise KernelError(f"Instance {failed[0]} of {len(self)}: {message}", int(self._status[failed[0]]))
+            raise SimulationError(f"Instance {failed[0]} of {len(self)}: {message}", int(self._status[failed[0]]))
         return {name: self._found[:, number] for number, name in enumerate(self.outputs)}
 
     def go_on(self, size: float) -> None:

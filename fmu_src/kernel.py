@@ -98,7 +98,7 @@ _SIGNATURES = {
 }
 
 
-class KernelError(Exception):
+class SimulationError(Exception):
     """A refused value or a failed step; `status` is 2 (discard: the run ended) or 3 (error)."""
 
     def __init__(self, sentence: str, status: int) -> None:
@@ -107,14 +107,14 @@ class KernelError(Exception):
 
 
 class Library:
-    """A compiled model: names of the variables, and the C functions with their signatures. Raises KernelError."""
+    """A compiled model: names of the variables, and the C functions with their signatures. Raises SimulationError."""
 
     def __init__(self, path: str | Path) -> None:
         try:
             self.functions = ctypes.CDLL(str(path))
         except OSError as error:
             words = f"Cannot load {path}: {error}. Put it on a disk from which programs may run."
-            raise KernelError(words, ERROR) from error
+            raise SimulationError(words, ERROR) from error
         for name, (result, arguments) in _SIGNATURES.items():
             function = getattr(self.functions, name)
             function.restype, function.argtypes = result, arguments
@@ -156,7 +156,7 @@ class Kernel:
             self._handle = None
 
     def set(self, **values: float | str) -> None:
-        """Sets parameters (before the first step) or inputs, by name. Raises KernelError, the old value kept.
+        """Sets parameters (before the first step) or inputs, by name. Raises SimulationError, the old value kept.
 
         A text is the path of a file, which is read at once.
         """
@@ -175,13 +175,13 @@ class Kernel:
         self._check(self._call.kernel_set_text(self._handle, variable, os.fsencode(text)))
 
     def get_text(self, variable: int) -> str:
-        """Text of a variable by its number in `Library.names`. Raises KernelError."""
+        """Text of a variable by its number in `Library.names`. Raises SimulationError."""
         found = ctypes.c_char_p()
         self._check(self._call.kernel_get_text(self._handle, variable, ctypes.byref(found)))
         return os.fsdecode(found.value or b"")
 
     def set_rate(self, **rates: float) -> None:
-        """Rates of change of inputs for the next step, so that they are ramps instead of stairs. Raises KernelError."""
+        """Set rates of change of inputs for the next step, which makes ramps of stairs. Raises SimulationError."""
         for name, rate in rates.items():
             self._check(self._call.kernel_set_rate(self._handle, self.number_of(name), rate))
 
@@ -189,7 +189,7 @@ class Kernel:
         return self.get_number(self.number_of(name))
 
     def get_number(self, variable: int) -> float:
-        """Value of a variable by its number in `Library.names`, in its unit. Raises KernelError."""
+        """Value of a variable by its number in `Library.names`, in its unit. Raises SimulationError."""
         self._check(self._call.kernel_get(self._handle, variable, ctypes.byref(self._number)))
         return self._number.value
 
@@ -218,13 +218,13 @@ class Kernel:
     def plan(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
         """Before initialisation: no step will go past `stop` [s]; a tolerance that does not serve is warned of.
 
-        Raises KernelError for a stop before the start, the old one kept.
+        Raises SimulationError for a stop before the start, the old one kept.
         """
         asked, end = (None if value is None else ctypes.byref(ctypes.c_double(value)) for value in (tolerance, stop))
         self._check(self._call.kernel_plan(self._handle, asked, start, end))
 
     def initialise(self, time: float = 0.0) -> None:
-        """Computes the state at the start, time [s]; parameters are fixed from then on. Raises KernelError."""
+        """Computes the state at the start, time [s]; parameters are fixed from then on. Raises SimulationError."""
         self._check(self._call.kernel_initialise(self._handle, time))
 
     def reset(self) -> None:
@@ -236,7 +236,7 @@ class Kernel:
         self._call.kernel_reopen(self._handle)
 
     def step(self, time: float, size: float) -> None:
-        """Advances from `time` by `size` seconds. Raises KernelError; after an error nothing was advanced."""
+        """Advances from `time` by `size` seconds. Raises SimulationError; after an error nothing was advanced."""
         self._check(self._call.kernel_step(self._handle, time, size))
 
     def advance(self, size: float) -> None:
@@ -254,7 +254,7 @@ class Kernel:
         if not self.initialised:
             self.initialise()
         if not (interval > 0.0 and size / interval * (1 + len(names)) <= MOST_NUMBERS):
-            raise KernelError(
+            raise SimulationError(
                 f"The interval must be above 0 s and give at most {MOST_NUMBERS:g} numbers; got {interval:g} s over "
                 f"{size:g} s. Record at longer intervals.",
                 ERROR,
@@ -278,7 +278,7 @@ class Kernel:
         return buffer.raw
 
     def restore(self, state: bytes) -> None:
-        """Back to a state from `save` of the same model. Raises KernelError for what cannot be one, nothing changed."""
+        """Go back to a state from `save` of the same model. Raises SimulationError, and changes nothing then."""
         self._check(self._call.kernel_restore(self._handle, state, len(state)))
 
     @property
@@ -375,13 +375,13 @@ class Kernel:
     def _check(self, status: int) -> None:
         self._drain()
         if status > WARNING:
-            raise KernelError(self._call.kernel_message(self._handle).decode(), status)
+            raise SimulationError(self._call.kernel_message(self._handle).decode(), status)
 
     def number_of(self, name: str) -> int:
-        """Of a variable in `Library.names`. Raises KernelError."""
+        """Of a variable in `Library.names`. Raises SimulationError."""
         number = self.library.index.get(name)
         if number is None:
-            raise KernelError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)
+            raise SimulationError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)
         return number
 
     def _suggestion(self, name: str) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 
 from pythonfmu.enums import Fmi2Status
 
-from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.telling_slave import TellingSlave
 
 #: Keys, beside the value references, of a problem that belongs to no single variable, of the experiment's, and of what
@@ -44,7 +44,7 @@ class KernelSlave(TellingSlave):
         """fmi2SetupExperiment; a value that is refused is logged and remembered."""
         try:
             self.kernel.plan(start_time, stop_time, tolerance)
-        except KernelError as error:
+        except SimulationError as error:
             self._remember(EXPERIMENT, error)
             return
         self.problems.pop(EXPERIMENT, None)
@@ -68,7 +68,7 @@ class KernelSlave(TellingSlave):
             return False
         try:
             self.kernel.step(current_time, step_size)
-        except KernelError as error:
+        except SimulationError as error:
             self.log(str(error), Fmi2Status.discard if error.status == DISCARD else Fmi2Status.error)
             return False
         self._tell(Fmi2Status.ok)
@@ -80,7 +80,7 @@ class KernelSlave(TellingSlave):
             self._initialise()
         try:
             return [self.kernel.get_number(reference) for reference in vrs]
-        except KernelError as error:
+        except SimulationError as error:
             self._remember(READING, error)
             return [0.0] * len(vrs)
 
@@ -115,7 +115,7 @@ class KernelSlave(TellingSlave):
             try:
                 setter(reference, value)
                 self.problems.pop(reference, None)
-            except KernelError as error:
+            except SimulationError as error:
                 self._remember(reference, error)
 
     def _tell(self, status: Fmi2Status) -> None:
@@ -127,10 +127,10 @@ class KernelSlave(TellingSlave):
         try:
             self.kernel.initialise(self.start_time)
             self.problems.pop(WHOLE, None)
-        except KernelError as error:
+        except SimulationError as error:
             self._remember(WHOLE, error)
 
-    def _remember(self, reference: int, error: KernelError) -> None:
+    def _remember(self, reference: int, error: SimulationError) -> None:
         self.kernel.journal[-1:] = []  # the same sentence; what is left is no error
         self.problems[reference] = str(error)
         self.log(str(error), Fmi2Status.error)

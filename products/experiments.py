@@ -209,7 +209,7 @@ SCENES: dict[str, Scene] = {
     "application-180kpa": Scene(
         "Brake of the experiment by application time",
         "brake-qr30-180kpa",
-        {"pneumatics": 1},
+        {"cylinder_model": 1},
         {"pressure_demand": 180e3},
         BRAKE,
         3.0,
@@ -218,7 +218,7 @@ SCENES: dict[str, Scene] = {
     "flow-180kpa": Scene(
         "Brake of the experiment by flow of air",
         "brake-qr30-180kpa",
-        {"pneumatics": 2},
+        {"cylinder_model": 2},
         {"pressure_demand": 180e3},
         BRAKE,
         3.0,
@@ -227,7 +227,7 @@ SCENES: dict[str, Scene] = {
     "flow-uic-g": Scene(
         "Freight brake, position G, by flow of air",
         "brake-uic-g",
-        {"pneumatics": 2},
+        {"cylinder_model": 2},
         {"pressure_demand": 380e3, "angular_velocity": 30.0},
         BRAKE,
         40.0,

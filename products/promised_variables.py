@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from fmu_src import __version__
+from fmu_src.suggestion import RENAMED
 from fmu_src.system import Variable
 from products.registry import FMUS, model_of
 
@@ -44,10 +45,13 @@ def changes(name: str, variables: Iterable[Variable] | None = None) -> list[str]
         return []  # nothing was promised of an FMU that there was not
     now = {one.name: promise_of(one) for one in (model_of(name).variables if variables is None else variables)}
     before = promised[name]
-    said = [f"{key} is new, {now[key][0]} [{now[key][1]}]" for key in now if key not in before]
-    said += [f"{key} is gone" for key in before if key not in now]
-    for key in (one for one in now if one in before):
-        pairs = zip(("causality", "unit", "start value", "meaning"), before[key], now[key], strict=True)
+    renamed = {RENAMED[old]: old for old in before if old not in now and RENAMED.get(old) in now}
+    said = [f"{key} is new, {now[key][0]} [{now[key][1]}]" for key in now if key not in before and key not in renamed]
+    said += [f"{key} is gone" for key in before if key not in now and key not in renamed.values()]
+    said += [f"{old} is called {new} now" for new, old in renamed.items()]
+    for key in (one for one in now if renamed.get(one, one) in before):
+        kinds = ("causality", "unit", "start value", "meaning")
+        pairs = zip(kinds, before[renamed.get(key, key)], now[key], strict=True)
         said += [
             f"the {what} of {key} is {new or 'none'} in place of {old or 'none'}"
             for what, old, new in pairs

@@ -22,7 +22,7 @@ from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 
 #: What chooses the equations of a vehicle.
-SELECTORS = ("level", "contact_depth")
+SELECTORS = ("level", "contact_model")
 
 
 @dataclass(frozen=True)

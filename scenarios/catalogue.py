@@ -4,9 +4,9 @@ from importlib.util import find_spec
 
 from fmu_src.suggestion import suggestion
 from scenarios.brakes import anti_skid, brake_timing, controller_prototype, sanding, uneven_brakes
-from scenarios.contact import contact_depth, contact_manchester, creep_laws, flange_climb
+from scenarios.contact import contact_manchester, contact_model, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
-from scenarios.lines import curve_braking, curve_steering, gradient, line_from_file, track_yields, transition
+from scenarios.lines import curve_braking, curve_steering, flexible_track, gradient, line_from_file, transition
 from scenarios.numerics import levels, levels_in_curves, oracle, speed, stability_atlas
 from scenarios.scenario import BadInputError, Scenario
 from scenarios.thesis import (
@@ -60,7 +60,7 @@ SCENARIOS: list[Scenario] = [
     contact_geometry.SCENARIO,
     creep_forces.SCENARIO,
     contact_manchester.SCENARIO,
-    contact_depth.SCENARIO,
+    contact_model.SCENARIO,
     flange_climb.SCENARIO,
     wheelset_constant_speed.SCENARIO,
     wheelset_torque.SCENARIO,
@@ -84,7 +84,7 @@ SCENARIOS: list[Scenario] = [
     braking_distance.SCENARIO,
     curve_steering.SCENARIO,
     line_from_file.SCENARIO,
-    track_yields.SCENARIO,
+    flexible_track.SCENARIO,
     transition.SCENARIO,
     gradient.SCENARIO,
     curve_braking.SCENARIO,

@@ -172,7 +172,7 @@ def wheels(machine: Machine, now: Now, base: float, shape: Shape = prisms) -> It
 
 
 def in_space(machine: Machine, now: Now, kernel: Kernel, base: float, shape: Shape = prisms) -> list[Reaction]:
-    """Of the rails of level 3, contact depth 2, on each patch of each wheel."""
+    """Of the rails of level 3, contact model 2, on each patch of each wheel."""
     found = []
     for one in wheels(machine, now, base, shape):
         track, data = now.track(one.body.position), now.vehicle.wheelsets[one.number - 1]

@@ -185,7 +185,7 @@ PLUMBING = {
         "parameters_of",
         "places_of",
         "selectors",
-        "smallest_level",
+        "recommend_level",
         "system_at",
         "vehicle_dynamics",
     },

@@ -16,7 +16,7 @@ from bogie_braking.machines import batch_machine_of
 from fmu_src import elimination
 from fmu_src.batch import BatchLibrary, Ends, run_batch
 from fmu_src.batch_in_c import batch_source
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 
 BRAKED = {"initial_speed": 25.0, "brake_torque_1": 20e3, "brake_torque_2": 20e3}
 OUTPUTS = ["distance", "speed", "locked_1", "axle_load_1"]
@@ -293,7 +293,7 @@ def test_names_that_are_there_twice_are_refused() -> None:
 def test_a_step_that_fails_leaves_the_others_where_they_came_to(planar: BatchLibrary) -> None:
     with bb.instances("bogie", 3, ["friction_1"], ["speed"], **BRAKED) as made:
         made.step(SIZE, {"friction_1": 0.2})
-        with pytest.raises(KernelError, match="Instance 1 of 3: Set friction_1 to at least 0"):
+        with pytest.raises(SimulationError, match="Instance 1 of 3: Set friction_1 to at least 0"):
             made.step(SIZE, {"friction_1": [0.2, -1.0, 0.2]})
         assert made.time == pytest.approx([2 * SIZE, SIZE, 2 * SIZE])
         made.step(SIZE, {"friction_1": 0.2})
@@ -309,7 +309,7 @@ def test_a_step_that_fails_on_the_way_leaves_all_as_it_was() -> None:
         system.output(bb.Variable(name, "output", "1", name), value)
     with bb.instances(system, 3, ["u"], ["height", "slope"], tolerance=1e-9) as made:
         before = {name: values.copy() for name, values in made.step(0.5, {"u": [0.0, 2.0, 0.0]}).items()}
-        with pytest.raises(KernelError, match="Instance 0 of 3: The step size vanished"):
+        with pytest.raises(SimulationError, match="Instance 0 of 3: The step size vanished"):
             made.step(0.5)
         assert made.time.tolist() == [0.5, 1.0, 0.5]
         kernel = made._kernels[0]
@@ -361,7 +361,7 @@ def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> N
         (lambda: bb.instances("bogie", 2, ["brake_torqe_1"], ["speed"]), KeyError, "did you mean brake_torque_1?"),
         (
             lambda: bb.instances("bogie", 2, [], ["speed"], friction_1=[0.1, -1.0]),
-            KernelError,
+            SimulationError,
             "Instance 1 of 2: Set friction_1 to at least 0",
         ),
     ],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
-from fmu_src.kernel import KernelError
+from fmu_src.kernel import SimulationError
 from products.braked_vehicle import BY_FLOW, DISCS, TIMED
 from products.machine import coach
 from products.protection.rails import RAILS
@@ -88,6 +88,6 @@ def test_it_runs_on_a_line(brake: int) -> None:
 
 def test_what_there_is_not_is_refused_with_what_there_is() -> None:
     with pytest.raises(
-        KernelError, match=r"no system for level 1, contact_depth 2, brake_kind 2.*Set level to 2.*brake_kind to 1"
+        SimulationError, match=r"no system for level 1, contact_model 2, brake_kind 2.*Set level to 2.*brake_kind to 1"
     ):
         bb.run("braked-vehicle", 1.0, level=1, brake_kind=BY_FLOW)

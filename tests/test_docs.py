@@ -121,7 +121,7 @@ def test_what_does_not_exist_is_found() -> None:
     text += " `rbd_model/levels/point.py: point_vehicle`"
     assert unknown_places(text) == ["rbd_model/nowhere.py", "rbd_model/levels/point.py nothing", "docs/none.md"]
     text = "`rbd_model.levels.models.none` `kernel_none` `make none` bogie-braking run none"
-    text += " `rbd_model.levels.models.smallest_level`"
+    text += " `rbd_model.levels.models.recommend_level`"
     assert unknown_names(text) == ["rbd_model.levels.models.none", "kernel_none", "none", "none"]
 
 

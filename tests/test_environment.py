@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fmu_src.kernel import KernelError
+from fmu_src.kernel import SimulationError
 from products.machine import CYLINDER_VOLUME, bogie, coach
 from products.protection.controller_kinds import Arrays
 from products.protection.cost import AT_LIMIT, FILLINGS, NO_STOP, rolling_stop
@@ -283,7 +283,7 @@ def test_what_is_no_command_is_refused_before_anything_moves(commands: Any, sent
     ],
 )
 def test_what_cannot_be_made_is_refused_in_a_sentence(kwargs: dict[str, Any], sentence: str) -> None:
-    with pytest.raises((ValueError, TypeError, KeyError, KernelError), match=re.escape(sentence)):
+    with pytest.raises((ValueError, TypeError, KeyError, SimulationError), match=re.escape(sentence)):
         gymnasium.make_vec(NAME, **{"num_envs": 2, **kwargs}).reset(seed=1)
 
 

@@ -10,8 +10,8 @@ import pytest
 
 import build_fmu
 from brake_controller.wheel_slide import NOT_JUDGED
-from fmu_src.cosimulation.slave import Slave
-from fmu_src.kernel import KernelError
+from fmu_src.cosimulation.slave import FmuInstance
+from fmu_src.kernel import SimulationError
 from products.machine import bogie, coach
 from products.protection import in_fmu as in_fmu_module
 from products.protection.controller_kinds import InC, compiled
@@ -159,12 +159,12 @@ def test_an_fmu_that_allows_one_instance_never_has_two(tmp_path: Path, monkeypat
     """Four runs that wait for each other."""
     made: list[Path] = []
 
-    class Noted(Slave):
+    class Noted(FmuInstance):
         def __init__(self, path: Path) -> None:
             made.append(path)
             super().__init__(path)
 
-    monkeypatch.setattr(in_fmu_module, "Slave", Noted)
+    monkeypatch.setattr(in_fmu_module, "FmuInstance", Noted)
     assert build_fmu.main(["--controller", str(let_go(tmp_path)), "--out", str(tmp_path)]) == 0
     form = InFmu(tmp_path / "native" / "let_go.fmu", 2, 5e-3, NAMES[2])
     form.at_once = 1
@@ -189,5 +189,5 @@ def fails() -> None:
 
 
 def test_what_fails_otherwise_is_not_called_no_controller() -> None:
-    with pytest.raises(KernelError, match=r"the simulation is at fault \(RuntimeError\)"):
+    with pytest.raises(SimulationError, match=r"the simulation is at fault \(RuntimeError\)"):
         called_apart(fails)

@@ -139,18 +139,25 @@ def test_a_level_of_any_kind_of_number_is_that_level(one: float) -> None:
         assert np.array_equal(run["speed"], chosen)
 
 
+def test_a_name_of_an_earlier_version_is_refused_with_the_new_one() -> None:
+    with pytest.raises(AttributeError, match=r"no public name Slave; its name is FmuInstance now"):
+        _ = bb.Slave  # type: ignore[attr-defined]
+    with pytest.raises(bb.SimulationError, match=r"no variable contact_depth; its name is contact_model now"):
+        bb.run("bogie", 1.0, level=3, contact_depth=2)
+
+
 def test_what_cannot_be_is_told_in_a_sentence() -> None:
     with pytest.raises(KeyError, match=r"There is no FMU bogey; did you mean bogie\?"):
         bb.run("bogey", 1.0)
-    with pytest.raises(bb.KernelError, match=r"There is no variable inital_speed; did you mean initial_speed\?"):
+    with pytest.raises(bb.SimulationError, match=r"There is no variable inital_speed; did you mean initial_speed\?"):
         bb.run("bogie", 1.0, inital_speed=25.0)
-    with pytest.raises(bb.KernelError, match="Set brake_torque_1 to at least 0"):
+    with pytest.raises(bb.SimulationError, match="Set brake_torque_1 to at least 0"):
         bb.run("bogie", 1.0, brake_torque_1=-1.0)
 
 
 def test_an_fmu_gives_the_numbers_of_a_run() -> None:
     """Through FMI, in steps of its host, to the tolerance of its integration."""
-    with bb.Slave(bb.fmu("bogie"), initial_speed=25.0) as bogie:
+    with bb.FmuInstance(bb.fmu("bogie"), initial_speed=25.0) as bogie:
         bogie.start(brake_torque_1=20e3, brake_torque_2=20e3)
         for number in range(100):
             bogie.step(0.1 * number, 0.1)
@@ -174,11 +181,11 @@ def test_an_fmu_gives_the_numbers_of_a_run() -> None:
         (lambda: bb.sweep("bogie", 1.0, ["initial_speed"], {"initial_speed": [9]}), ValueError, "initial_speed twice."),
         (lambda: bb.Recording({"time": "s"}, [[0.0, 1.0], [1.0, 2.0]]), ValueError, "an array of shape (2, 2)."),
         (lambda: bb.run("bogie", 1.0, ["speed"]), TypeError, "Give the line as line_of(...) makes it"),
-        (lambda: bb.run("brake", 1.0, bb.line_of([bb.straight(9)])), bb.KernelError, "brake runs on no line"),
+        (lambda: bb.run("brake", 1.0, bb.line_of([bb.straight(9)])), bb.SimulationError, "brake runs on no line"),
         (lambda: bb.run("bogie", 1.0, names=["speed"])["sped"], KeyError, "no column sped; did you mean speed?"),
         (lambda: bb.run("bogie", 1.0).plot("sped"), KeyError, "no column sped; did you mean speed?"),
-        (lambda: bb.Simulation("bogie").restore(b"abc"), bb.KernelError, "This is no saved state of bogie"),
-        (lambda: bb.Simulation("wheelset").restore(bb.Simulation("bogie").save()), bb.KernelError, "of wheelset"),
+        (lambda: bb.Simulation("bogie").restore(b"abc"), bb.SimulationError, "This is no saved state of bogie"),
+        (lambda: bb.Simulation("wheelset").restore(bb.Simulation("bogie").save()), bb.SimulationError, "of wheelset"),
         (lambda: bb.fmu(bb.vehicle("bogie")), TypeError, "name of the FMU as a text: it was a Vehicle."),
         (lambda: bb.write_fmu("bogie", "x.fmu"), TypeError, "bogie is a name: fmu gives"),
         (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": 0.1}), ValueError, "friction_1 a list of numbers"),
@@ -201,7 +208,7 @@ def test_an_fmu_gives_the_numbers_of_a_run() -> None:
             "friction_1 must be given once; got it as a column of what varies and as a value.",
         ),
         (lambda: bb.run("bogie", 1.0, names=["zzzz"]), KeyError, " more."),
-        (lambda: bb.run("bogie", 1.0, zzzz=1), bb.KernelError, " more."),
+        (lambda: bb.run("bogie", 1.0, zzzz=1), bb.SimulationError, " more."),
         (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": [0.1]}, frction_2=1), KeyError, "mean friction_2?"),
         (lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": [0.1]}, 4), TypeError, "or none: it was 4."),
         (lambda: bb.fit("bogie", 3, {"frame_mass": 1.0}), TypeError, "path of a CSV file: it was 3."),
@@ -228,7 +235,7 @@ def test_equations_of_ones_own_become_an_fmu_of_any_kind(tmp_path: Path) -> None
     fall.derivative(speed, -gravity)
     fall.output(bb.Variable("above", "output", "m", "Height"), height)
     for kind in ("native", "fmi3"):
-        with bb.Slave(bb.write_fmu(fall, tmp_path / f"{kind}.fmu", kind), gravity=2.0) as slave:
+        with bb.FmuInstance(bb.write_fmu(fall, tmp_path / f"{kind}.fmu", kind), gravity=2.0) as slave:
             slave.start()
             slave.step(0.0, 3.0)
             assert slave["above"] == pytest.approx(-9.0, rel=1e-6)
@@ -311,7 +318,7 @@ def test_a_valve_over_time_stays_what_it_was_told_last() -> None:
     ],
 )
 def test_what_cannot_be_an_input_over_time_is_refused(name: str, given: object, sentence: str) -> None:
-    with pytest.raises(bb.KernelError, match=re.escape(sentence)):
+    with pytest.raises(bb.SimulationError, match=re.escape(sentence)):
         bb.run("bogie", 2.0, **{name: given})  # type: ignore[arg-type]
 
 
@@ -347,7 +354,7 @@ def test_a_vehicle_of_ones_own_transfers_its_load_by_its_own_base(tmp_path: Path
     moved = [float(run["axle_load_1"][-100:].mean() - run["axle_load_2"][-100:].mean()) for run in (near, far)]
     assert moved[0] / moved[1] == pytest.approx(2.0, rel=ROCKING)
     path = bb.write_fmu(longer(half_base=3.0), tmp_path / "Longer.fmu", level=2)
-    with bb.Slave(path, initial_speed=25.0) as slave:
+    with bb.FmuInstance(path, initial_speed=25.0) as slave:
         slave.start(brake_torque_1=20e3, brake_torque_2=20e3)
         slave.step(0.0, 4.0)
         assert slave["axle_load_1"] == pytest.approx(far["axle_load_1"][-1], rel=1e-6)
@@ -368,9 +375,11 @@ def test_what_cannot_be_of_a_vehicle_is_told_in_a_sentence(tmp_path: Path) -> No
         bb.vehicle("coach")
     with pytest.raises(ValueError, match=r"Set level to 1, 2 or 3: it was 4\."):
         bb.run(longer(), 1.0, level=4)
-    with pytest.raises(ValueError, match=r"Set contact_depth to 2 on a line: it was 3\."):
-        bb.run(longer(), 1.0, bb.line_of([bb.straight(100.0)]), level=3, contact_depth=3)
-    with pytest.raises(bb.KernelError, match="level chose the equations of Longer; give it as the simulation is made"):
+    with pytest.raises(ValueError, match=r"Set contact_model to 2 on a line: it was 3\."):
+        bb.run(longer(), 1.0, bb.line_of([bb.straight(100.0)]), level=3, contact_model=3)
+    with pytest.raises(
+        bb.SimulationError, match="level chose the equations of Longer; give it as the simulation is made"
+    ):
         bb.Simulation(longer()).set(level=1)
     with pytest.raises(ValueError, match=r"Give level 1, 2 or 3, or leave it out for all of them: it was 7\."):
         bb.write_fmu(longer(), tmp_path / "one.fmu", level=7)
@@ -533,7 +542,7 @@ def test_a_value_that_is_refused_is_told_with_its_row_and_no_other_stays_in_forc
             "Row 2: Set mass to a finite number: it was given nan.",
             "",
         ]
-    with pytest.raises(bb.KernelError, match=r"^Set mass to at least 0.001 kg: -1 kg is below this limit\.$"):
+    with pytest.raises(bb.SimulationError, match=r"^Set mass to at least 0.001 kg: -1 kg is below this limit\.$"):
         bb.run(system, 0.5, mass=-1.0)
     [failure] = bb.batch(system, 0.5, ["distance"], mass=[10.0, -1.0]).failures.values()
     assert failure == "Set mass to at least 0.001 kg: -1 kg is below this limit."
@@ -686,4 +695,4 @@ def test_a_file_that_is_not_there_is_named_with_what_it_should_be() -> None:
     with pytest.raises(FileNotFoundError, match=r"The file none\.csv does not exist\. Check the path\."):
         bb.measured_from("none.csv")
     with pytest.raises(FileNotFoundError, match=r"There is no file none\.fmu; give the path of an FMU"):
-        bb.Slave("none.fmu")
+        bb.FmuInstance("none.fmu")

@@ -270,5 +270,5 @@ def test_inputs_without_effect_runs_that_fail_and_runs_that_still_move_are_told(
     ],
 )
 def test_what_cannot_be_asked_is_refused(more: dict[str, Any], sentence: str) -> None:
-    with pytest.raises((TypeError, ValueError, KeyError, bb.KernelError), match=sentence):
+    with pytest.raises((TypeError, ValueError, KeyError, bb.SimulationError), match=sentence):
         quick(**more)

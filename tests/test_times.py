@@ -128,7 +128,7 @@ def test_every_form_of_a_table_is_the_same_push(given: Any) -> None:
     ],
 )
 def test_a_table_that_can_be_read_in_two_ways_or_in_none_gets_one_sentence(given: Any, sentence: str) -> None:
-    with pytest.raises(bb.KernelError, match=sentence) as told:
+    with pytest.raises(bb.SimulationError, match=sentence) as told:
         bb.run(sled(), 2.0, names=["speed"], push=given)
     assert "\n" not in str(told.value)
 

@@ -34,7 +34,7 @@ def test_a_brake_slows_pitches_the_nose_down_and_is_a_capacity() -> None:
     assert found["slip_1"] > 0.0 > found["creep_force_1"]
     assert found["pitch"] > 0.0
     assert ends("acceleration", initial_speed=-25.0, brake_torque_1=15e3)["acceleration"] > 0.0
-    with pytest.raises(bb.KernelError, match="brake_torque_1"):
+    with pytest.raises(bb.SimulationError, match="brake_torque_1"):
         ends("speed", brake_torque_1=-1.0)
 
 

@@ -114,5 +114,5 @@ def test_choices_come_back_from_json() -> None:
 
 
 def test_a_brake_with_one_kind_of_pneumatics_offers_no_other() -> None:
-    pneumatics = next(one for one in brake_model((timed_brake(qr30()),)).variables if one.name == "pneumatics")
+    pneumatics = next(one for one in brake_model((timed_brake(qr30()),)).variables if one.name == "cylinder_model")
     assert [number for number, _ in pneumatics.choices] == [1]

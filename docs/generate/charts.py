@@ -27,7 +27,7 @@ CHARTS = (
     "coupling-step",
     "levels",
     "levels-in-curves",
-    "contact-depth",
+    "contact-model",
     "thesis-step",
 )
 #: Characters in a line of text.

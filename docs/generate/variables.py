@@ -80,9 +80,9 @@ Then set `friction_law` to {TABULATED}.
 #: Below the numbers of a choice, by its name.
 NOTES = {
     "level": "Take the lowest that answers your question: [choosing](choosing.md).\n",
-    "contact_depth": "[Choosing](choosing.md) says which one to take. "
-    f"On a [line](line.md) there is depth {DEPTH_ON_LINE} alone.\n",
-    "pneumatics": f"Number 1 alone uses {', '.join(f'`{name}`' for name in TIMES)}.\n",
+    "contact_model": "[Choosing](choosing.md) says which one to take. "
+    f"On a [line](line.md) contact model {DEPTH_ON_LINE} is the only one.\n",
+    "cylinder_model": f"Number 1 alone uses {', '.join(f'`{name}`' for name in TIMES)}.\n",
     "friction_law": friction_note(),
     "integration_method": "Keep 1 unless [choosing](choosing.md) or [real time](real_time.md) gives a reason.\n",
 }

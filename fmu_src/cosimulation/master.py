@@ -11,16 +11,16 @@ from typing import NamedTuple
 from tqdm import tqdm
 
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.progress import PATIENCE
 
 
 class Connection(NamedTuple):
     """An output that becomes an input, times a factor."""
 
-    source: Slave
+    source: FmuInstance
     output: str
-    target: Slave
+    target: FmuInstance
     input: str
     factor: float = 1.0
 
@@ -38,7 +38,7 @@ class Connection(NamedTuple):
 
 
 #: A connected torque or force, and the slave and the speed on which it works.
-Bond = tuple[Connection, tuple[Slave, str]]
+Bond = tuple[Connection, tuple[FmuInstance, str]]
 
 JACOBI, GAUSS_SEIDEL = "jacobi", "gauss-seidel"
 #: Change of the macro step from one to the next, and the smallest one [s] before the master gives up.
@@ -97,9 +97,9 @@ class Account:
 
 @dataclass
 class Coupling:
-    """Slaves with their connections, on their way through time. `couple` is the short form."""
+    """Slaves with their connections, on their way through time. `cosimulate` is the short form."""
 
-    slaves: Sequence[Slave]
+    slaves: Sequence[FmuInstance]
     connections: Sequence[Connection]
     master: Master = Master()
     bonds: Sequence[Bond] = ()
@@ -111,7 +111,7 @@ class Coupling:
         # Read before any slave moves: afterwards a source that went first would tell its rate at the end of the step.
         known = {c: begin[c] + size * c.rate() for c in begin} if self.master.extrapolated else begin
         used: dict[Connection, tuple[float, float]] = {}
-        done: set[Slave] = set()
+        done: set[FmuInstance] = set()
         for slave in self.slaves:
             for connection in self.connections:
                 if connection.target is slave:
@@ -230,12 +230,12 @@ class Coupling:
             size = min(size, step)
 
 
-def couple(
-    slaves: Sequence[Slave],
+def cosimulate(
+    slaves: Sequence[FmuInstance],
     connections: Sequence[Connection],
     duration: float,
     step: float,
-    record: Sequence[tuple[Slave, str]],
+    record: Sequence[tuple[FmuInstance, str]],
     drive: Callable[[float], None] | None = None,
     label: str = "",
     coupling: Coupling | None = None,
@@ -266,14 +266,14 @@ def couple(
     return Recording({"time": "s"} | units, rows)
 
 
-def column_names(record: Sequence[tuple[Slave, str]]) -> list[str]:
+def column_names(record: Sequence[tuple[FmuInstance, str]]) -> list[str]:
     """`output` where only one slave is asked for it, otherwise `instance.output`. Raises CosimulationError."""
     asked = Counter(name for _, name in record)
     names = [f"{slave.name}.{name}" if asked[name] > 1 else name for slave, name in record]
     twice = [name for name, count in Counter(names).items() if count > 1 or name == "time"]
     if twice:
         raise CosimulationError(
-            f"Two columns would be called {twice[0]}: give each slave a name of its own, Slave(path, name), "
+            f"Two columns would be called {twice[0]}: give each slave a name of its own, FmuInstance(path, name), "
             "and ask for each output once."
         )
     return names

@@ -30,13 +30,13 @@ class CosimulationError(RuntimeError):
     """An FMU cannot be loaded, or a call to it failed; the text is the FMU's own sentence where it says one."""
 
 
-class Slave:
+class FmuInstance:
     """One instance of an FMU, with variables by name. A context manager: it cleans up after itself.
 
     instance: its name where several of one FMU are coupled; by default that of the model. Raises CosimulationError for
     an FMU that is damaged, is not for co-simulation, has no binary for this platform, or refuses to be instantiated.
 
-    >>> with Slave("build/native/BogieDynamics.fmu", initial_speed=25.0) as bogie:
+    >>> with FmuInstance("build/native/BogieDynamics.fmu", initial_speed=25.0) as bogie:
     ...     bogie.start(brake_torque_1=20e3)
     ...     bogie.step(0.0, 0.01)
     ...     bogie["speed"]
@@ -90,7 +90,7 @@ class Slave:
         finally:
             os.chdir(here)  # FMPy stays in the FMU's folder where a library is none
 
-    def __enter__(self) -> Slave:
+    def __enter__(self) -> FmuInstance:
         return self
 
     def __exit__(

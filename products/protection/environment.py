@@ -86,7 +86,7 @@ class Environment:
     def begin(self, rows: Sequence[int], randoms: Sequence[np.random.Generator]) -> None:
         """Stops begin in these rows, each drawn with its own random numbers.
 
-        Raises TypeError for a draw that is no Run, ValueError and KernelError for one that cannot be.
+        Raises TypeError for a draw that is no Run, ValueError and SimulationError for one that cannot be.
         """
         drawn = {row: self._drawn(random) for row, random in zip(rows, randoms, strict=True)}
         beginnings = {row: self._rig.beginning(run) for row, run in drawn.items()}

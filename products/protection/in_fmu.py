@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fmu_src.cosimulation.opening import description_of
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 
 #: Instances at once; an FMU may have few of them.
 AT_ONCE = 16
@@ -38,7 +38,7 @@ class InFmu:
     wheelsets: int
     period: float
     names: Names
-    free: list[Slave] = field(default_factory=list)
+    free: list[FmuInstance] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         about = description_of(self.path)
@@ -52,17 +52,17 @@ class InFmu:
         if about.coSimulation is None:
             raise ValueError("it is not for co-simulation")
         self.at_once = 1 if about.coSimulation.canBeInstantiatedOnlyOncePerProcess else AT_ONCE
-        self.free.append(Slave(self.path))
+        self.free.append(FmuInstance(self.path))
 
     def __call__(self) -> InstanceOfFmu:
         """A controller for a new run."""
-        return InstanceOfFmu(self, self.free.pop() if self.free else Slave(self.path))
+        return InstanceOfFmu(self, self.free.pop() if self.free else FmuInstance(self.path))
 
 
 class InstanceOfFmu:
     """One run of the FMU: asked at a look, it makes the step to the next one, behind which its valves are read."""
 
-    def __init__(self, fmu: InFmu, slave: Slave) -> None:
+    def __init__(self, fmu: InFmu, slave: FmuInstance) -> None:
         self._fmu, self._slave, self._begun = fmu, slave, False
         self.__name__ = fmu.path.name  # what a sentence calls it
 

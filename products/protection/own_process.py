@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, TypeVar, cast
 
 from brake_controller.wheel_slide import GUARD, NOT_JUDGED
-from fmu_src.kernel import ERROR, KernelError
+from fmu_src.kernel import ERROR, SimulationError
 from products.machine import Machine
 from products.protection.controller_kinds import Form
 from products.protection.rig import Rig
@@ -98,7 +98,8 @@ def runs_apart(order: Order, runs: Sequence[Run], limits: Limits | None = None) 
 
     All go on together at first. If the process ends or takes too long, they are made one by one, and the runs in which
     it does so again have no distance and say why; their other numbers are those of brakes that stay applied. Where it
-    used little processor time they are not judged. Raises NoControllerError, and KernelError if the simulation fails.
+    used little processor time they are not judged. Raises NoControllerError, and SimulationError if the simulation
+    fails.
     """
     limits = limits or Limits()
     together, died = _made(order, runs, limits, alone=False)
@@ -143,7 +144,7 @@ def _made(order: Order, runs: Sequence[Run], limits: Limits, alone: bool) -> tup
 def called_apart(function: Callable[..., Result], *arguments: object) -> Result:
     """What a function gives that is called in a process of its own.
 
-    Raises EndedError, NoControllerError, and KernelError where anything else fails.
+    Raises EndedError, NoControllerError, and SimulationError where anything else fails.
     """
     limits = Limits(LONGEST_CALL, LONGEST_WAIT, LONGEST_WAIT)
     *_, found = _heard(_call, (function, arguments), limits)
@@ -151,7 +152,7 @@ def called_apart(function: Callable[..., Result], *arguments: object) -> Result:
 
 
 def _heard(target: Callable[..., None], arguments: tuple[object, ...], limits: Limits) -> Iterator[Any]:
-    """What a target tells in a process of its own. Raises EndedError, NoControllerError, KernelError."""
+    """What a target tells in a process of its own. Raises EndedError, NoControllerError, SimulationError."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # what a process that is ended leaves behind
         yield from _told(target, arguments, limits, folder)
 
@@ -186,7 +187,7 @@ def _told(target: Callable[..., None], arguments: tuple[object, ...], limits: Li
         if kind == REFUSED:
             raise NoControllerError(heard)
         if kind == FAILED:
-            raise KernelError(heard, ERROR)
+            raise SimulationError(heard, ERROR)
         return
 
 

@@ -19,7 +19,7 @@ NAME = "Coupler"
 WAY = "Way of the coupling from where it is neither long nor short: of the vehicle ahead less that behind"
 ARRAYS = (
     ArrayVariable("way", "input", "m", WAY, -10.0, 10.0),
-    ArrayVariable("coupled", "input", "1", "1 coupled, once the vehicles touch; 0 only pushed", 0, 1, True),
+    ArrayVariable("coupling_closed", "input", "1", "1 coupled, once the vehicles touch; 0 only pushed", 0, 1, True),
     ArrayVariable("force", "output", "N", "Tension at the end of the step, compression below zero"),
     ArrayVariable("mean_force", "output", "N", "Mean tension on the way of the step"),
     ArrayVariable("work", "output", "J", "Work that the coupler has taken since the start"),

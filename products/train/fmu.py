@@ -70,7 +70,7 @@ def lengths_of(consist: Consist) -> Lengths:
     starts[names.index("start_pipe_pressure")] = [START_PIPE_PRESSURE]
     starts[names.index("driver_position")] = [1.0, *[0.0] * (valves - 1)]
     starts[names.index("friction")] = [START_FRICTION] * vehicles
-    starts[names.index("coupled")] = [1.0] * (vehicles - 1)
+    starts[names.index("coupling_closed")] = [1.0] * (vehicles - 1)
     return Lengths(lengths, starts, 0.01, 60.0)
 
 

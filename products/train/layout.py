@@ -75,16 +75,16 @@ INPUTS = (
         "vehicles",
         ("apply", "hold", "release"),
     ),
-    _chosen("coupled", _COUPLED, "couplings", ("apart", "together")),
+    _chosen("coupling_closed", _COUPLED, "couplings", ("apart", "together")),
     _chosen(
-        "joined",
+        "hose_state",
         "Pipe behind each vehicle: 0 joined, 1 cock shut, 2 hose parted",
         "couplings",
         ("whole", "shut", "parted"),
     ),
     Array("ends", "N", -1e8, 1e8, "Pull forwards at the head, and backwards at the end", of="ends", called="end_force"),
-    _chosen("led", _LED, "vehicles", ("not", "held", "corrected")),
-    Array("led_speed", "m/s", -300.0, 300.0, "Speed of a vehicle that is led", of="vehicles"),
+    _chosen("external_vehicle", _LED, "vehicles", ("not", "held", "corrected")),
+    Array("external_vehicle_speed", "m/s", -300.0, 300.0, "Speed of a vehicle that is led", of="vehicles"),
 )
 
 

@@ -48,8 +48,9 @@ class Train:
     """A train that goes on as it is told.
 
     Inputs are arrays to write into, or to set as a whole: `position` and `step` of each driver's valve, `pull` [N],
-    `friction` [1] and `protection` of each vehicle, `coupled` and `joined` of each coupling, `ends`: forces at both
-    ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge pressures [Pa].
+    `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of each coupling, `ends`:
+    forces at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge pressures
+    [Pa].
     """
 
     def __init__(
@@ -110,9 +111,9 @@ class Train:
         place = ctypes.c_longlong()
         name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))].name
         value = float(self.inputs[name][place.value])
-        if name == "joined" and value in (1.0, 2.0):
+        if name == "hose_state" and value in (1.0, 2.0):
             depth = f"with {self.settings.cells:g} cells a vehicle"
-            return f"Leave inputs['joined'][{place.value}] at 0: {depth} there is no cock or hose; take one cell."
+            return f"Leave inputs['hose_state'][{place.value}] at 0: {depth} there is no cock or hose; take one cell."
         return wrong_input(name, place.value, value)
 
     def record(self, seconds: float, interval: float = 0.1) -> Recording:
@@ -195,7 +196,7 @@ class Train:
     def lead(self, vehicle: int, speed: float) -> None:
         """Gives a vehicle's speed from outside [m/s] from now on."""
         _place("vehicle", vehicle, len(self.consist.vehicles))
-        self.inputs["led"][vehicle], self.inputs["led_speed"][vehicle] = 1.0, speed
+        self.inputs["external_vehicle"][vehicle], self.inputs["external_vehicle_speed"][vehicle] = 1.0, speed
 
     @property
     def air(self) -> Air:

@@ -138,9 +138,9 @@ def check_ellipses(one: Side) -> None:
     if len(parts) > MOST_PATCHES:
         low, high = (1e3 * float(s[place]) for place in (parts[-2].first, parts[0].first))
         raise ValueError(
-            f"At contact depth 2 the contact must move without jumps on at most {MOST_PATCHES} parts of a wheel; "
+            f"At contact model 2 the contact must move without jumps on at most {MOST_PATCHES} parts of a wheel; "
             f"{one.wheel.name} on {one.rail.name} has {len(parts)}, with jumps from y = {low:.3g} to {high:.3g} mm. "
-            "Take contact depth 3, or smoother profiles."
+            "Take contact model 3, or smoother profiles."
         )
 
 

@@ -1,4 +1,4 @@
-/* A wheel on its rail by strips, depth 3 of contact: several patches of any shape, with creep forces strip by strip.
+/* A wheel on its rail by strips, contact model 3: several patches of any shape, with creep forces strip by strip.
  *
  * The method is that of distance.py, normal.py and strip_creep.py beside this file, which say where each formula comes
  * from, and are finer and slower. Here every segment of the wheel's contour, between places where contact of rigid

@@ -2,7 +2,7 @@
 
 Three parts that know little of each other: `distance` (where), `normal` (how hard), `strip_creep` (which creep forces).
 Reference and study tool in NumPy, with as many strips as one likes; the level `spatial` has it in C, with fewer, at
-contact depth 3 (strips.c). There the height of the wheelset is a coordinate of the motion; only here, where a load is
+contact model 3 (strips.c). There the height of the wheelset is a coordinate of the motion; only here, where a load is
 given, is it looked for.
 """
 

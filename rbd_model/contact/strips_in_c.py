@@ -1,4 +1,4 @@
-"""A wheel on its rail by strips as a part in C, for the level `spatial` at contact depth 3.
+"""A wheel on its rail by strips as a part in C, for the level `spatial` at contact model 3.
 
 What the C of strips.c needs is written here: contours, segments, and polynomials through exact theory.
 """
@@ -43,7 +43,7 @@ def wheel_on_strips(one: Side) -> Part:
     if len(segments) > MOST_SEGMENTS:
         raise ValueError(
             f"{one.wheel.name} on {one.rail.name}: contact jumps between {len(segments)} parts of the wheel; contact "
-            f"depth 3 has room for {MOST_SEGMENTS}: smooth the profiles, or take contact depth 2."
+            f"model 3 has room for {MOST_SEGMENTS}: smooth the profiles, or take contact model 2."
         )
     return part_of_contours(one.wheel, one.rail, tuple(segments))
 

@@ -21,7 +21,7 @@ from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle
 
 #: Local error per step in nominal values, chosen from the pictures of `speed-accuracy`: docs/choosing.md.
 DEFAULT_TOLERANCE = 1e-6
-#: Start value of `contact_depth`: depth 1 misleads where a flange bears (scenario `contact-depth`), which a run only
+#: Start value of `contact_model`: model 1 misleads where a flange bears (scenario `contact-model`), which a run only
 #: tells when it is over.
 DEFAULT_DEPTH = 2.0
 #: Start value of `level`: load transfer decides what a braked vehicle does.
@@ -34,17 +34,17 @@ LEVELS = {
     3: "spatial (also lateral, yaw and roll motion, profiles of wheels and rails)",
 }
 
-#: Which system of a vehicle serves, by level and, the last number running first, by depth of contact; and behind them
+#: Which system of a vehicle serves, by level and, the last number running first, by contact model; and behind them
 #: which of those on a line. NONE: there is no such system.
 CHOICE = (0, 0, 0, 1, 1, 1, 2, 3, 4)
 CHOICE_ON_LINE = (*CHOICE, 5, 5, 5, 6, 6, 6, NONE, 7, NONE)
-#: What the places in it stand for: whether on a line, level, depth of contact.
+#: What the places in it stand for: whether on a line, level, contact model.
 COMBINATIONS = tuple(product((False, True), LEVELS, DEPTHS))
 #: The numbers of all systems.
 EVERY = tuple(range(8))
 #: The number of that whose strips have a creep law of their own.
 STRIPS = CHOICE[-1]
-#: Depth of contact in space on a line: that of the start value, in which a flange has its own place. Each further one
+#: Contact model in space on a line: that of the start value, in which a flange has its own place. Each further one
 #: would make every FMU half as large again.
 DEPTH_ON_LINE = 2
 
@@ -61,12 +61,12 @@ def system_at(vehicle: Vehicle, place: int) -> System:
 
 
 def levels(vehicle: Vehicle) -> tuple[System, ...]:
-    """The systems in the order of the parameter `level`, the least first; the last one by depth of contact."""
+    """The systems in the order of the parameter `level`, the least first; the last one by contact model."""
     return tuple(system_at(vehicle, place) for place in sorted(set(CHOICE)))
 
 
 def places_of(level: int | None = None, depth: int | None = None, on_line: bool | None = None) -> tuple[int, ...]:
-    """Numbers in CHOICE_ON_LINE of the systems of a level, of a depth of contact, with or without a line; None: all."""
+    """Numbers in CHOICE_ON_LINE of the systems of a level, of a contact model, with or without a line; None: all."""
     asked = (on_line, level, depth)
     good = [all(one in (None, own) for one, own in zip(asked, each, strict=True)) for each in COMBINATIONS]
     return tuple(sorted({*compress(CHOICE_ON_LINE, good)} - {NONE}))
@@ -107,7 +107,7 @@ def choice_of(places: Sequence[int], highest: int, on_line: bool) -> tuple[int, 
 
 
 def selectors(places: Sequence[int] = EVERY) -> tuple[Variable, Variable]:
-    """The parameters that choose the level of detail and, in space, the depth of contact; of a model with `places`.
+    """The parameters that choose the level of detail and, in space, the contact model; of a model with `places`.
 
     They start with the default, or what is nearest to it, and take no level that the model does not have.
     """
@@ -118,7 +118,7 @@ def selectors(places: Sequence[int] = EVERY) -> tuple[Variable, Variable]:
     depth = min(depths, key=lambda one: abs(one - DEFAULT_DEPTH))
     return (
         Variable("level", "parameter", start=float(level), **choosing("Level of detail", levels_there)),
-        Variable("contact_depth", "parameter", start=float(depth), **choosing("Depth of contact at level 3", DEPTHS)),
+        Variable("contact_model", "parameter", start=float(depth), **choosing("Contact model at level 3", DEPTHS)),
     )
 
 
@@ -162,9 +162,9 @@ DECIDED_BY_FLANGE = ("flange_force", "derailment_quotient", "wheel_rise")
 
 @dataclass(frozen=True)
 class Choice:
-    """One bogie or, `whole`, the complete vehicle; a level of detail and, in space, a depth of contact; and why.
+    """One bogie or, `whole`, the complete vehicle; a level of detail and, in space, a contact model; and why.
 
-    depth: the least that answers; `contact_depth` starts at 2, so that 1 must be asked for.
+    depth: the least that answers; `contact_model` starts at 2, so that 1 must be asked for.
     """
 
     level: int
@@ -173,7 +173,7 @@ class Choice:
     depth: int = 1
 
 
-def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
+def recommend_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
     """The least model that answers a scene: `driven` are the inputs and parameters that it changes, `read` the outputs.
 
     One bogie (BogieDynamics, of a vehicle with `one_bogie_of`) where it has all names, else the complete vehicle.
@@ -202,16 +202,16 @@ def smallest_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
         if depth == 1 and (family in DECIDED_BY_FLANGE or name not in set().union(*list(names.values())[:3])):
             depth, reason = (
                 2,
-                f"{reason} {name} asks for contact depth 2: the flange has its own place, force and creep.",
+                f"{reason} {name} asks for contact model 2: the flange has its own place, force and creep.",
             )
     on_line = [name for name in needed if name in (LINE.variable.name, *ballasted_track().values())]
     if level == 3 and depth < DEPTH_ON_LINE and on_line:
         depth, reason = (
             DEPTH_ON_LINE,
-            f"{reason} {on_line[0]} asks for contact depth {DEPTH_ON_LINE}: no other knows a line.",
+            f"{reason} {on_line[0]} asks for contact model {DEPTH_ON_LINE}: no other knows a line.",
         )
     if level == 3 and depth == 1:
-        reason = f"{reason} No flange is asked about: contact_depth 1 serves, which must be asked for."
+        reason = f"{reason} No flange is asked about: contact_model 1 serves, which must be asked for."
     if beyond:
         return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", True, depth)
     return Choice(level, reason, depth=depth)

@@ -44,7 +44,7 @@ from rbd_model.wheelset.touch import SIDES
 
 @dataclass(frozen=True)
 class Depth:
-    """What a depth of contact brings: a wheelset on its rails, its equations of motion, and where they end."""
+    """What a contact model brings: a wheelset on its rails, its equations of motion, and where they end."""
 
     name: str
     place: Callable[..., WheelsetOnRails]

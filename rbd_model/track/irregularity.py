@@ -65,7 +65,7 @@ def section_5_3() -> TrackParameters:
 class TrackSupport(ParameterSet):
     """What the rails below a wheelset in space rest on where a vehicle runs on a line, see `yielding_track`."""
 
-    track_yields: float = quantity(
+    flexible_track: float = quantity(
         "1", "On a line, rails yield below each wheelset in space (1), or are rigid (0)", 0.0, 1.0, "integer"
     )
     track_rail_mass: float = quantity("kg", "Track below a wheelset, mass of each rail that moves with it", 1.0)
@@ -81,10 +81,10 @@ def ballasted_track() -> TrackSupport:
     Assumed: 43 MN/m and 240 kN.s/m, for each rail vertically and for both together sideways. A rail of 60 kg/m on the
     pads, ballast and ground of Zhai, Wang and Lin (2004), Journal of Sound and Vibration 270, 673-683, is a beam on an
     elastic foundation with 81 MN/m and, slowly, 45 kN.s/m; in its bend, which falls off over 0.87 m, moves as much as
-    79 kg at the wheel would. From there: 80 kg. What the other numbers would change: `track-yields`.
+    79 kg at the wheel would. From there: 80 kg. What the other numbers would change: `flexible-track`.
     """
     return TrackSupport(
-        track_yields=1.0,
+        flexible_track=1.0,
         track_rail_mass=80.0,
         track_vertical_stiffness=43e6,
         track_vertical_damping=240e3,

@@ -25,7 +25,7 @@ _TEXT = "a number of a coupler"
 #: Constants of a coupler: locked stiffness, whether it is coupled, and of each curve ways and changes of slope there.
 COUPLER = (
     Field("locked", "N/m", -1e15, 1e15, _TEXT),
-    Field("coupled", "1", -1e15, 1e15, _TEXT),
+    Field("coupling_closed", "1", -1e15, 1e15, _TEXT),
     *(
         Field(f"{curve}_{what}_{point}", unit, -1e15, 1e15, _TEXT)
         for curve in CURVES

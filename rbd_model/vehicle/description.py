@@ -118,8 +118,8 @@ class Wheelset:
         """The pair of wheel and rail on both sides. Raises ValueError where they are not said to be equal."""
         if not isinstance(self.pair, Pair):
             raise ValueError(
-                "At contact depth 1 both wheels of a wheelset have one profile, and so have both rails; give a Pair, "
-                "or take contact depth 2 or 3, where each side has its own."
+                "At contact model 1 both wheels of a wheelset have one profile, and so have both rails; give a Pair, "
+                "or take contact model 2 or 3, where each side has its own."
             )
         return self.pair
 
@@ -228,7 +228,7 @@ class Pull:
 class Vehicle:
     """Bodies, the first of which counts the distance; wheelsets, the leading one first; what connects them.
 
-    creep_law: a key of LAWS, for treads; at contact depth 3 strips have their own, and only the default stands there.
+    creep_law: a key of LAWS, for treads; at contact model 3 strips have their own, and only the default stands there.
     Raises ValueError with one sentence for what cannot be built: a connection to what is not there, a mass of 0, a body
     that nothing carries, two wheelsets at one place, a law that there is not.
     """

@@ -81,7 +81,7 @@ class BogieParameters(ParameterSet):
     left_rail_friction: float = quantity("1", "Factor on the friction of the left rail, in space", 0.0)
     right_rail_friction: float = quantity("1", "Factor on the friction of the right rail, in space", 0.0)
     gauge_face_friction: float = quantity(
-        "1", "Factor on the friction of the rails' gauge faces (contact depth 1: in Nadal's limit alone), in space", 0.0
+        "1", "Factor on the friction of the rails' gauge faces (contact model 1: in Nadal's limit alone), in space", 0.0
     )
     contact_damping: float = quantity(
         "s/m", "Damping of an elastic contact, share of its force by the speed at which it is pressed", 0.0

@@ -1,4 +1,4 @@
-"""Elastic contact, depths 2 and 3: a wheelset on patches or strips at its place in a vehicle."""
+"""Elastic contact, models 2 and 3: a wheelset on patches or strips at its place in a vehicle."""
 
 from __future__ import annotations
 
@@ -209,7 +209,7 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     return WheelFound(WheelPress.of_patches(each, [patch.flange for patch in patches]), each, nearest)
 
 
-#: By the depth of contact: how a wheel is pressed.
+#: By the contact model: how a wheel is pressed.
 STRIPS_OR_PATCHES = {2: press_patches, 3: press_strips}
 
 

@@ -60,7 +60,7 @@ class OnTrack:
     centre: ca.SX  # lateral position of both rails' middle [m]
     heights: ca.SX  # of the (left, right) rail [m]
     slopes: ca.SX  # along the track, of its lateral position and of the heights [1]
-    bends: ca.SX  # the same once more [1/m], at depth 1
+    bends: ca.SX  # the same once more [1/m], at model 1
     frictions: ca.SX  # of the (left, right) rail
     distance: ca.SX  # [m]
     spread: ca.SX  # of each rail, outwards [m], and its slope [1]
@@ -88,7 +88,7 @@ def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX,
     rotated, omega = add_rotation_states(assembly, number)
     along = assembly.value(data.along) + shift.place
     distance = assembly.distance + along
-    # The constraints of depth 1 are differentiated twice.
+    # The constraints of model 1 are differentiated twice.
     order = 2 if assembly.contact.depth == 1 else 1
     track = section(number, distance, order)
     system.limit_change(1 / track.density, assembly.distance)

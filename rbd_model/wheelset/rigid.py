@@ -1,4 +1,4 @@
-"""The contact of the thesis, depth 1: a wheelset with one rigid contact a wheel, at its place in a vehicle.
+"""The contact of the thesis, model 1: a wheelset with one rigid contact a wheel, at its place in a vehicle.
 
 Straight track alone. What the rails do to the wheelset is the part of `rigid_part`.
 """
@@ -60,7 +60,7 @@ def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX, 
     on a line, which the contact of the thesis does not know.
     """
     if assembly.on_line:
-        raise ValueError("Contact depth 1 runs on straight track alone, as in the thesis; take depth 2 on a line.")
+        raise ValueError("Contact model 1 runs on straight track alone, as in the thesis; take model 2 on a line.")
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
     roll = system.algebraic(f"roll_{number}", "rad", 0.0, NOMINAL_ROLL)
@@ -138,7 +138,7 @@ def ends_alone(
 
 #: Contacts of centred wheels this near to y = 0 of the profile begin there [m]; others where they are.
 NEARLY_NOMINAL = 0.1e-3
-#: Shift up to which the contact of a centred wheelset must go on without a jump at depth 1, steps to there, and the
+#: Shift up to which the contact of a centred wheelset must go on without a jump at model 1, steps to there, and the
 #: distance from the contact that is followed to the one that touches first, from which it is a jump [m].
 WITHOUT_JUMP, JUMP_STEP, LONG_JUMP = 3e-3, 20e-6, 1e-3
 
@@ -155,7 +155,7 @@ def add_contact_positions(assembly: Assembly, number: int) -> ca.SX:
 
 @lru_cache
 def check_one_contact(pair: Sides) -> None:
-    """Check that one contact follows a wheel, which is all that depth 1 has (section 9.4.1).
+    """Check that one contact follows a wheel, which is all that model 1 has (section 9.4.1).
 
     Raises ValueError if the contact jumps before the wheelset has shifted by WITHOUT_JUMP.
     """
@@ -163,9 +163,9 @@ def check_one_contact(pair: Sides) -> None:
     elsewhere = abs(contact_at(pair, last.shift).position[0] - last.position[0]) > LONG_JUMP
     if elsewhere or last.shift < WITHOUT_JUMP - JUMP_STEP / 2:
         raise ValueError(
-            f"At contact depth 1 the contact must move without a jump up to {1e3 * WITHOUT_JUMP:g} mm of shift; that "
+            f"At contact model 1 the contact must move without a jump up to {1e3 * WITHOUT_JUMP:g} mm of shift; that "
             f"of {one.wheel.name} on {one.rail.name} jumps at {1e3 * last.shift:.2g} mm or before, from y = "
-            f"{1e3 * last.position[0]:.3g} mm of the wheel. Take contact depth 2 or 3, "
+            f"{1e3 * last.position[0]:.3g} mm of the wheel. Take contact model 2 or 3, "
             "or smoother profiles."
         )
 

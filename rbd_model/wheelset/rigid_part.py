@@ -1,4 +1,4 @@
-"""The contact of the thesis, depth 1: what two rails do to a wheelset on straight track.
+"""The contact of the thesis, model 1: what two rails do to a wheelset on straight track.
 
 Constraints, creep, flange, and its equations of motion without suspension.
 

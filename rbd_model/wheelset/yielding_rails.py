@@ -85,6 +85,6 @@ def press_rails(assembly: Assembly, give: Give, sideways: ca.SX, loads: ca.SX) -
     sideways [N]: of both wheels on the rails, to the left; loads [N]: of each wheel, downwards.
     """
     held = give.static + give.stiffness * give.moved + give.damping * give.speed
-    rates = assembly.parameter["track_yields"] * (ca.vertcat(sideways, -loads) - held) / give.mass
+    rates = assembly.parameter["flexible_track"] * (ca.vertcat(sideways, -loads) - held) / give.mass
     for speed, rate in zip(*map(ca.vertsplit, (give.speed, rates)), strict=True):
         assembly.system.derivative(speed, rate)

@@ -45,13 +45,13 @@ READINGS: dict[str, Mapping[str, float]] = {
     PHYSICAL: {"yaw_torque_rotates": 0},
 }
 #: The thesis's and the physical reading with a flange that has its own place, force, friction and creep.
-ON_PATCHES = {reading: f"{reading}, contact depth 2" for reading in (AS_THESIS, PHYSICAL)}
+ON_PATCHES = {reading: f"{reading}, contact model 2" for reading in (AS_THESIS, PHYSICAL)}
 #: Physical but for the flange, which is pushed as printed: beside `PHYSICAL` it shows what that does to wheel loads.
 AT_CENTRE = "physical, flange at the axle's centre"
 #: As the thesis, with a flange that gives a tenth as much: how much of a derailment is the spring's.
 STIFF = "rotating axis, flange stiffness 1e9 N/m"
 FURTHER: dict[str, Mapping[str, float]] = {
-    **{name: {**READINGS[reading], "contact_depth": 2} for reading, name in ON_PATCHES.items()},
+    **{name: {**READINGS[reading], "contact_model": 2} for reading, name in ON_PATCHES.items()},
     AT_CENTRE: {**READINGS[PHYSICAL], "flange_at_rail": 0},
     STIFF: {**READINGS[AS_THESIS], "flange_stiffness": 1e9},
 }

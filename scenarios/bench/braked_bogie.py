@@ -1,7 +1,7 @@
 """The bogie of chapter 5 with one brake for both wheelsets."""
 
 from fmu_src.cosimulation.master import Connection
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from products.bogie import BOGIE, TOLERANCE, brake_values
 from rbd_model.vehicle.parameters import AS_PRINTED
 
@@ -22,7 +22,7 @@ def bogie_values(speed: float) -> dict[str, float]:
     }
 
 
-def connections(brake: Slave, bogie: Slave) -> list[Connection]:
+def connections(brake: FmuInstance, bogie: FmuInstance) -> list[Connection]:
     """Torque to both wheelsets, and the trailing one's angular velocity back."""
     return [
         Connection(brake, "brake_torque", bogie, "brake_torque_1"),
@@ -31,7 +31,7 @@ def connections(brake: Slave, bogie: Slave) -> list[Connection]:
     ]
 
 
-def start_brake(brake: Slave, pressure: float) -> None:
+def start_brake(brake: FmuInstance, pressure: float) -> None:
     """Lets the cylinder stand at a pressure [Pa] at t = 0."""
     brake.restart(brake_values(), time=-FILLING, pressure_demand=pressure)
     brake.step(-FILLING, FILLING)

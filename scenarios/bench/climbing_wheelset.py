@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from fmu_src.compile import build_library
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.system import model_of
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair
@@ -98,7 +98,7 @@ def instants(library: Library, friction: float, yaw: float, gauge_face: float = 
         kernel.set_rate(lateral_push=GROWTH)
         try:
             kernel.advance(INTERVAL)
-        except KernelError:
+        except SimulationError:
             break
         pushed += GROWTH * INTERVAL
         yield kernel

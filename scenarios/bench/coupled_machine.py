@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from types import TracebackType
 
 from fmu_src.cosimulation.master import Connection, Coupling
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from products.building import up_to_date
 
 
@@ -16,9 +16,9 @@ class CoupledMachine:
 
     def __init__(self, fmu: str, numbers: Sequence[int]) -> None:
         self._stack, self.numbers = ExitStack(), numbers
-        self.vehicle = self._stack.enter_context(Slave(up_to_date(fmu, "native")))
+        self.vehicle = self._stack.enter_context(FmuInstance(up_to_date(fmu, "native")))
         path = up_to_date("brake", "native")
-        self.brakes = [self._stack.enter_context(Slave(path, f"brake_{number}")) for number in numbers]
+        self.brakes = [self._stack.enter_context(FmuInstance(path, f"brake_{number}")) for number in numbers]
 
     def __enter__(self) -> CoupledMachine:
         return self

@@ -16,14 +16,14 @@ from fmu_src.system import System
 from products.building import kernel_at, kernel_of, units_of, variables_of, whole_kernel
 from products.one_level import model_at, place_of
 from products.registry import model_of
-from rbd_model.levels.models import smallest_level
+from rbd_model.levels.models import recommend_level
 from rbd_model.track.line import Line
 
 #: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
 History = Sequence[tuple[float, float]]
 #: In space with the contact of the thesis, one rigid one a wheel: for what is compared with it or with rigid profiles,
 #: and for scenes that no flange touches, which it answers with the least work.
-RIGID = {"level": 3.0, "contact_depth": 1.0}
+RIGID = {"level": 3.0, "contact_model": 1.0}
 #: A wheelset that locks below this speed [m/s] has stopped with the bogie.
 AT_REST = 0.05
 #: Times the length of a record that its spectrum is computed with.
@@ -70,10 +70,10 @@ def _system(name: str, place: int) -> System:
 def bogie(driven: Iterable[str], read: Iterable[str], **values: float) -> Kernel:
     """The bogie of chapter 5 at the least level that drives these inputs, has these values and answers what is read.
 
-    With one rigid contact a wheel unless `values` have another `contact_depth`.
+    With one rigid contact a wheel unless `values` have another `contact_model`.
     """
-    asked = (name for name in values if name != "contact_depth")
-    return prepare("bogie", **RIGID | {"level": smallest_level((*driven, *asked), read).level} | values)
+    asked = (name for name in values if name != "contact_model")
+    return prepare("bogie", **RIGID | {"level": recommend_level((*driven, *asked), read).level} | values)
 
 
 def play(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 from products.coach import COACH, NUMBERS, brakes
 from products.train.consist import Consist, coach, locomotive
 from products.train.numbers import Settings
@@ -64,8 +64,8 @@ class MixedTrain:
     def step(self, size: float) -> None:
         """One macro step [s]."""
         train = self.train
-        train.inputs["led"][PLACE] = 2.0 if self.way == "corrected" else 1.0
-        train.inputs["led_speed"][PLACE] = self._led_speed()
+        train.inputs["external_vehicle"][PLACE] = 2.0 if self.way == "corrected" else 1.0
+        train.inputs["external_vehicle_speed"][PLACE] = self._led_speed()
         forces = train.coupler_force
         brake = train.brake_force[PLACE]
         train.advance(size)
@@ -215,7 +215,7 @@ def grows(way: str, level: int, stiffness: float, size: float) -> bool:
     for _ in range(steps):
         try:
             one.step(size)
-        except (KernelError, ValueError):  # it has grown out of what its level or the train can say
+        except (SimulationError, ValueError):  # it has grown out of what its level or the train can say
             return True
         apart.append(np.abs(one.forces[-1]).max())
         if apart[-1] > 30 * max(apart[:20]) > 0.0:

@@ -29,7 +29,7 @@ class Guided:
 def pushed(compression: float) -> Guided:
     """Both couplers are pushed by a force [N]; below zero they are pulled."""
     both = {"coupler_force_front": -compression, "coupler_force_rear": compression}
-    coach = prepare_on_line("vehicle", curve(), level=3, contact_depth=2.0, initial_speed=SPEED, **both)
+    coach = prepare_on_line("vehicle", curve(), level=3, contact_model=2.0, initial_speed=SPEED, **both)
     coach.initialise()
     coach.advance(SETTLED)
     force = sum(coach[f"guiding_force_{n}"] for n in NUMBERS)

@@ -1,6 +1,6 @@
 """The QR30 bogie of the experiment (chapter 8): its parameters as an FMU takes them, and what is recorded."""
 
-from rbd_model.levels.models import smallest_level
+from rbd_model.levels.models import recommend_level
 from rbd_model.vehicle.parameters import tables_8_1_and_8_2
 
 #: Wheel-rail friction of the thesis's simulations (section 8.1) and its measured range (section 7.4.2).
@@ -22,7 +22,7 @@ RECORDED = (
 
 def bogie_parameters(names: set[str], pressure: int) -> dict[str, float]:
     """Parameters of a run at a pressure [kPa], as far as the FMU has these names."""
-    level = smallest_level(("brake_torque_2",), RECORDED).level
+    level = recommend_level(("brake_torque_2",), RECORDED).level
     return {name: value for name, value in tables_8_1_and_8_2().values().items() if name in names} | {
         "level": level,
         "initial_speed": INITIAL_SPEED[pressure],

@@ -1,4 +1,4 @@
-"""One wheel by strips as the level `spatial` has it at contact depth 3: compiled alone, and asked where it stands."""
+"""One wheel by strips as the level `spatial` has it at contact model 3: compiled alone, and asked where it stands."""
 
 from dataclasses import dataclass
 from functools import lru_cache

@@ -35,9 +35,9 @@ from brake_controller.shoe_friction import (
     MEASURED_AGAINST_FORCE,
 )
 from brake_controller.timing import APPLIED_SHARE, RELEASED_SHARE
-from fmu_src.cosimulation.master import couple
+from fmu_src.cosimulation.master import cosimulate
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from scenarios.bench.brake_air import balance_rows, closed_form_rows
 from scenarios.bench.open_fmus import open_brake
 from scenarios.reporting.plots import BOGIE, LEADING, LINES, THESIS, THREE, TRAILING, plt, titled
@@ -92,22 +92,22 @@ def cases() -> list[Case]:
     ]
 
 
-def values_of(ready: ReadySet, pneumatics: int) -> dict[str, float]:
+def values_of(ready: ReadySet, cylinder_model: int) -> dict[str, float]:
     """Parameters of one kind of pneumatics; the other kind's would have no effect."""
-    without = TIMES if pneumatics == FLOW else ready.flow.values()
-    return {"pneumatics": pneumatics} | {k: v for k, v in ready.values().items() if k not in without}
+    without = TIMES if cylinder_model == FLOW else ready.flow.values()
+    return {"cylinder_model": cylinder_model} | {k: v for k, v in ready.values().items() if k not in without}
 
 
-def apply_and_release(brake: Slave, case: Case, pneumatics: int) -> tuple[np.ndarray, np.ndarray]:
+def apply_and_release(brake: FmuInstance, case: Case, cylinder_model: int) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] and cylinder pressures [Pa]; the release falls on one of the instants."""
-    brake.restart(values_of(case.ready, pneumatics), pressure_demand=case.pressure)
+    brake.restart(values_of(case.ready, cylinder_model), pressure_demand=case.pressure)
     step = case.duration / INSTANTS
 
     def drive(time: float) -> None:
         if round(time / step) == round(case.applied / step):
             brake.set(**({"valve": 2} if case.vents else {"pressure_demand": 0.0}))
 
-    series = couple([brake], [], case.duration, step, [(brake, "cylinder_pressure")], drive)
+    series = cosimulate([brake], [], case.duration, step, [(brake, "cylinder_pressure")], drive)
     return series["time"], series["cylinder_pressure"]
 
 
@@ -140,18 +140,18 @@ def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
     return rows
 
 
-def force_rows(brake: Slave, case: Case) -> list[Row]:
+def force_rows(brake: FmuInstance, case: Case) -> list[Row]:
     """Force of the shoes when the brake is fully applied, by flow against the timed law."""
     forces = []
-    for pneumatics in case.kinds:
-        brake.restart(values_of(case.ready, pneumatics), pressure_demand=case.pressure)
+    for cylinder_model in case.kinds:
+        brake.restart(values_of(case.ready, cylinder_model), pressure_demand=case.pressure)
         brake.step(0.0, FULLY_APPLIED)
         forces.append(brake["shoe_force"] / 1e3)
     note = "the timed law's; the return spring counts in both"
     return [Row(f"{case.name}: shoe force by flow", "kN", forces[0], forces[1], SAME_FORCE, "eq. (2.4)", note)]
 
 
-def experiment_rows(brake: Slave) -> list[Row]:
+def experiment_rows(brake: FmuInstance) -> list[Row]:
     """Force and friction of the shoes at the three pressures of the experiment, by flow."""
     rows = []
     for pressure, case in EXPERIMENT.items():
@@ -170,7 +170,7 @@ def experiment_rows(brake: Slave) -> list[Row]:
     return rows
 
 
-def friction_over_speed(brake: Slave) -> dict[str, np.ndarray]:
+def friction_over_speed(brake: FmuInstance) -> dict[str, np.ndarray]:
     """Laws of shoe friction over SPEEDS, with the shoes of the UIC brake fully applied."""
     found = {}
     ready = uic_p()
@@ -192,12 +192,12 @@ def run(options: Options) -> Report:
     chosen = cases()
     with open_brake(options) as brake:
         for case in chosen:
-            for pneumatics in case.kinds:
-                time, pressure = apply_and_release(brake, case, pneumatics)
+            for cylinder_model in case.kinds:
+                time, pressure = apply_and_release(brake, case, cylinder_model)
                 seconds += case.duration
-                rows += timing_rows(case, KINDS[pneumatics], times_of(case, time, pressure))
+                rows += timing_rows(case, KINDS[cylinder_model], times_of(case, time, pressure))
                 series.add(f"time ({case.name})", "s", time)
-                series.add(f"cylinder_pressure ({case.name}, {KINDS[pneumatics]})", "Pa", pressure)
+                series.add(f"cylinder_pressure ({case.name}, {KINDS[cylinder_model]})", "Pa", pressure)
             rows += [] if case.vents else force_rows(brake, case)
         rows += experiment_rows(brake)
         frictions = friction_over_speed(brake)
@@ -238,9 +238,9 @@ def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndar
 
 
 def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:
-    for pneumatics, line, colour in ((TIMED, "-", LEADING), (FLOW, "--", TRAILING)):
-        pressure = series[f"cylinder_pressure ({case.name}, {KINDS[pneumatics]})"] / 1e3
-        axis.plot(series[f"time ({case.name})"], pressure, line, color=colour, label=KINDS[pneumatics])
+    for cylinder_model, line, colour in ((TIMED, "-", LEADING), (FLOW, "--", TRAILING)):
+        pressure = series[f"cylinder_pressure ({case.name}, {KINDS[cylinder_model]})"] / 1e3
+        axis.plot(series[f"time ({case.name})"], pressure, line, color=colour, label=KINDS[cylinder_model])
     allowed = (
         (APPLIED_SHARE * case.pressure, case.timing.application, 0.0),
         (case.released, case.timing.release, case.applied),

@@ -1,4 +1,4 @@
-"""Speed against accuracy: eight scenes, two at contact depths 2 and 3; our methods, SciPy's and SUNDIALS'."""
+"""Speed against accuracy: eight scenes, two at contact models 2 and 3; our methods, SciPy's and SUNDIALS'."""
 
 import time as clock
 from dataclasses import asdict, replace

@@ -49,7 +49,7 @@ GAUGE_FACE, WHEEL_HALF_DISTANCE, RADIUS = -43.0315e-3, 0.750, 0.460
 SIDES = {"left": LEFT, "right": RIGHT}
 #: An approach at which any contact carries more than the load [m].
 MOST_APPROACH = 0.3e-3
-#: Depth 2 with the laws that the level `spatial` has by default, and with others.
+#: Model 2 with the laws that the level `spatial` has by default, and with others.
 ON_PATCHES = Contact(2)
 OTHER_LAWS = {
     "Polach's law on the flange too": Contact(2, flange_law=polach),
@@ -159,7 +159,7 @@ def one_ellipse() -> ca.Function:
 
 @dataclass(frozen=True)
 class Elastic:
-    """A patch of depth 2 by CasADi: `Bearing` of how a wheel stands and moves."""
+    """A patch of model 2 by CasADi: `Bearing` of how a wheel stands and moves."""
 
     bearing: ca.Function
 
@@ -170,7 +170,7 @@ class Elastic:
 
 @dataclass(frozen=True)
 class Bearing:
-    """What a patch of depth 2 does: forces on the wheel, ahead, outwards and up [N], normal force [N], largest pressure
+    """What a patch of model 2 does: forces on the wheel, ahead, outwards and up [N], normal force [N], largest pressure
     [Pa], position on wheel and rail [m], contact angle [rad].
     """
 
@@ -186,7 +186,7 @@ class Bearing:
 
 @lru_cache
 def elastic_patches(contact: Contact) -> list[Elastic]:
-    """The patches of the level `spatial` at contact depth 2, on the left wheel."""
+    """The patches of the level `spatial` at contact model 2, on the left wheel."""
     return [elastic_patch(patch, contact) for patch in patches_of(manchester_pair().left)]
 
 
@@ -233,7 +233,7 @@ def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES)
 
 
 def depth_2(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> Found:
-    """Elastic ellipses that part where contact would jump: the level `spatial` at contact depth 2, with its laws.
+    """Elastic ellipses that part where contact would jump: the level `spatial` at contact model 2, with its laws.
 
     Places are weighted with the square of the normal force, which for ellipses is near the squared overlap that exact
     theory weights with, as `place_of` has it.
@@ -248,7 +248,7 @@ def depth_2(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) 
 
 
 def depth_3(stand: Stand, motion: WheelVelocity) -> Found:
-    """Strips with their own creep forces, some 8 in each part of the wheel: the level `spatial` at contact depth 3."""
+    """Strips with their own creep forces, some 8 in each part of the wheel: the level `spatial` at contact model 3."""
     wheel = wheel_under_load(manchester_pair(), STEEL, FRICTION, stand, motion, LOAD)
     return Found(wheel.place, wheel.angle, -float(wheel.force[0]), -float(wheel.force[1]), wheel.pressure)
 
@@ -265,7 +265,7 @@ def strips_of_patches(stand: Stand, motion: WheelVelocity) -> Found:
 
 @dataclass(frozen=True)
 class Method:
-    """A depth of contact: its name, what it finds, its limit, its line in the picture."""
+    """A contact model: its name, what it finds, its limit, its line in the picture."""
 
     name: str
     find: Callable[[Stand, WheelVelocity], Found]
@@ -277,20 +277,20 @@ class Method:
 PLACE_BAND, ANGLE_BAND, FORCE_BAND = 0.5, 0.02, 5.0
 METHODS = (
     Method(
-        "depth 1, one ellipse",
+        "model 1, one ellipse",
         depth_1,
         "no ellipse where contact is long or double, and Polach's law with strong spin",
         TRAILING,
     ),
     Method(
-        "depth 2, ellipses that part",
+        "model 2, ellipses that part",
         depth_2,
         "its place is 1 mm off at 0 mm, where contact has a shoulder, which is no ellipse, and 0.3 mm "
         "elsewhere; rows that are not judged have it with other laws",
         THESIS,
     ),
     Method(
-        "depth 3, patches by strips",
+        "model 3, patches by strips",
         depth_3,
         "largest ahead at 0 mm, on a patch 16 mm wide, and sideways on the right at 5 mm, on two patches 0.16 rad "
         "apart: there the benchmark has all in one plane; with the slip and normal of each place it is 1 % off",
@@ -299,7 +299,7 @@ METHODS = (
     Method(
         "study tool, 24 strips a patch",
         strips_of_patches,
-        "the method of depth 3 in NumPy, finer, and patch by patch where that goes part by part of the wheel",
+        "the method of model 3 in NumPy, finer, and patch by patch where that goes part by part of the wheel",
         FOUR[2],
     ),
 )
@@ -324,14 +324,14 @@ def largest_miss(
 
 
 def with_other_laws() -> list[Row]:
-    """Forces of depth 2 with the creep laws of OTHER_LAWS, over both wheels at whole millimetres."""
+    """Forces of model 2 with the creep laws of OTHER_LAWS, over both wheels at whole millimetres."""
     rows = []
     for words, contact in counting(OTHER_LAWS.items(), "contact-manchester"):
         pairs = [
             (depth_2(*case(name, shift), contact), truth) for name in SIDES for shift, truth in exact(name).items()
         ]
         for quantity, of in FORCES.items():
-            name = f"depth 2, {words}: largest miss of {quantity}"
+            name = f"model 2, {words}: largest miss of {quantity}"
             rows.append(measured(name, "% of mu N", largest_miss(pairs, of), SOURCE))
     return rows
 
@@ -367,7 +367,7 @@ def apart() -> list[Row]:
     for (place, load), patch in zip(APART, patches(pair, held, STEEL, apart=True), strict=True):
         off = patch.centre(patch.strips.on_rail) - place
         note = f"{patch.load:.0f} N, exact {load:.0f} N; {1e3 * off:+.2f} mm from its place"
-        quantity = f"depth 3 at 5 mm, kept apart: miss of the load at y = {1e3 * place:.2f} mm"
+        quantity = f"model 3 at 5 mm, kept apart: miss of the load at y = {1e3 * place:.2f} mm"
         miss = 100 * abs(patch.load / load - 1)
         rows.append(measured(quantity, "%", miss, SOURCE, at_most(100 * SHARE_BAND), note))
     return rows

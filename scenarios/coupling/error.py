@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from brake_controller.experiment import APPLICATION_TIME
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI, Coupling, Master
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from products.bogie import BOGIE, FULL_PRESSURE, FULL_TORQUE
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.ready import two_axle_bogie
@@ -105,7 +105,7 @@ def reference() -> CoupledStop:
     return CoupledStop(float(found.t[-1]), distance, mean_of_axles("frame_speed", "shift_speed", found.sol(MIDWAY)))
 
 
-def coupled_stop(brake: Slave, bogie: Slave, master: Master, step: float) -> CoupledStop:
+def coupled_stop(brake: FmuInstance, bogie: FmuInstance, master: Master, step: float) -> CoupledStop:
     """The stop by coupled FMUs; the instant is found within its macro step, by going back and trying a part of it."""
     bogie.restart(bogie_values(INITIAL_SPEED))
     start_brake(brake, FIRST_SHARE * FULL_PRESSURE)

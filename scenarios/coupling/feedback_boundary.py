@@ -17,7 +17,7 @@ from scipy.optimize import bisect, brentq
 from brake_controller.experiment import APPLICATION_TIME
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, Coupling, Master
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import Kernel
 from products.bogie import BOGIE, TORQUE_PER_PRESSURE
 from rbd_model.levels.planar import planar_vehicle
@@ -129,8 +129,8 @@ def pressure_per_slip(plant: Plant) -> float:
 class ClosedLoop:
     """Brake and bogie FMU on their steady run, to be disturbed again and again; the bogie's steady state is saved."""
 
-    brake: Slave
-    bogie: Slave
+    brake: FmuInstance
+    bogie: FmuInstance
     plant: Plant
 
     def __post_init__(self) -> None:

@@ -5,7 +5,7 @@ from contextlib import closing
 from dataclasses import dataclass
 
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from scenarios.bench.open_fmus import open_bogie, open_brake
 from scenarios.coupling import error as coupling_error
 from scenarios.coupling import signed_torque
@@ -64,7 +64,7 @@ def find(steps: Sequence[float], shown: float) -> Findings:
         )
 
 
-def errors_at(brake: Slave, bogie: Slave, exact: CoupledStop, step: float) -> dict[str, CoupledStop]:
+def errors_at(brake: FmuInstance, bogie: FmuInstance, exact: CoupledStop, step: float) -> dict[str, CoupledStop]:
     """Errors of the stop by master."""
     return {
         name: coupling_error.coupled_stop(brake, bogie, master, step).minus(exact)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import bisect
 
-from fmu_src.cosimulation.master import couple
+from fmu_src.cosimulation.master import cosimulate
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from products.bogie import BOGIE, FULL_TORQUE
 from scenarios.bench.braked_bogie import acceleration_per_torque, bogie_values
 
@@ -55,7 +55,7 @@ def judge(series: Recording, begin: float) -> Chatter:
     return Chatter(float(jump), float(speed), float(-rims.min()), float(standing), float(adhesion), series)
 
 
-def play_signed(bogie: Slave, duration: float, step: float, width: float = 0.0) -> Recording:
+def play_signed(bogie: FmuInstance, duration: float, step: float, width: float = 0.0) -> Recording:
     """Brake torques as traction torques against the rotation as it was at the start of each macro step.
 
     width [rad/s]: the sign is smoothed to tanh(angular velocity / width); 0: not smoothed.
@@ -66,36 +66,36 @@ def play_signed(bogie: Slave, duration: float, step: float, width: float = 0.0) 
         torques = -FULL_TORQUE * (np.tanh(turning / width) if width else np.sign(turning))
         bogie.set(traction_torque_1=torques[0], traction_torque_2=torques[1])
 
-    return couple([bogie], [], duration, step, [(bogie, name) for name in RECORDED], drive)
+    return cosimulate([bogie], [], duration, step, [(bogie, name) for name in RECORDED], drive)
 
 
 def stop_time() -> float:
     return STOP_SPEED / (acceleration_per_torque() * FULL_TORQUE)
 
 
-def signed_stop(bogie: Slave, step: float, width: float = 0.0) -> Chatter:
+def signed_stop(bogie: FmuInstance, step: float, width: float = 0.0) -> Chatter:
     """The stop with a signed torque, and what is left of the motion after it."""
     bogie.restart(bogie_values(STOP_SPEED))
     begin = stop_time() + SWAYING
     return judge(play_signed(bogie, begin + max(LOOK, LOOK_STEPS * step), step, width), begin)
 
 
-def capacity_stop(bogie: Slave, step: float) -> Chatter:
+def capacity_stop(bogie: FmuInstance, step: float) -> Chatter:
     """The same stop with the torque as a capacity."""
     bogie.restart(bogie_values(STOP_SPEED), brake_torque_1=FULL_TORQUE, brake_torque_2=FULL_TORQUE)
     begin = stop_time() + SWAYING
-    series = couple([bogie], [], begin + LOOK, step, [(bogie, name) for name in RECORDED])
+    series = cosimulate([bogie], [], begin + LOOK, step, [(bogie, name) for name in RECORDED])
     return judge(series, begin)
 
 
-def signed_skid(bogie: Slave, step: float) -> Chatter:
+def signed_skid(bogie: FmuInstance, step: float) -> Chatter:
     """Wheels that should be locked while the bogie slides on; looked at over the second half."""
     bogie.restart(bogie_values(SKID_SPEED), friction_1=SKID_FRICTION, friction_2=SKID_FRICTION)
     duration = max(SKID_SECONDS, SKID_STEPS * step)
     return judge(play_signed(bogie, duration, step), duration / 2)
 
 
-def width_that_stands(bogie: Slave, step: float) -> float:
+def width_that_stands(bogie: FmuInstance, step: float) -> float:
     """The least smoothing of the sign with which the bogie comes to rest, by bisection [rad/s]."""
 
     def stands(factor: float) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 from products.building import units_of
 from rbd_model.track.line import (
     ERRI_LOW,
@@ -87,7 +87,7 @@ def bogie_on(path: Path | None) -> tuple[Kernel, Line]:
         raise BadInputError(f"{path} ends at {reaches:g} m; give a line from 0 to {SHORTEST:g} m at least.")
     try:
         return prepare("bogie", level=3.0, line_file=str(path)), line
-    except KernelError as error:
+    except SimulationError as error:
         raise BadInputError(str(error)) from None
 
 

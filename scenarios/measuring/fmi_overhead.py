@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fmu_src import compile as compiling
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.kernel import Kernel, Library
 from products.building import up_to_date
 from scenarios.reporting.report import Row
@@ -51,7 +51,7 @@ def kernel_seconds(library: Library) -> float:
     return best
 
 
-def face_seconds(bogie: Slave, make_steps: Callable[..., int]) -> tuple[float, float]:
+def face_seconds(bogie: FmuInstance, make_steps: Callable[..., int]) -> tuple[float, float]:
     """Of the same steps through fmi2DoStep: called by FMPy, and by the host in C."""
     by_fmpy = by_c = float("inf")
     for _ in range(RUNS):
@@ -70,7 +70,7 @@ def face_seconds(bogie: Slave, make_steps: Callable[..., int]) -> tuple[float, f
     return by_fmpy, by_c
 
 
-def instantiate_seconds(bogie: Slave) -> float:
+def instantiate_seconds(bogie: FmuInstance) -> float:
     """Of fmi2Instantiate and fmi2FreeInstance, the library being loaded."""
     fmu = bogie.fmu
     kept = fmu.component
@@ -85,7 +85,7 @@ def instantiate_seconds(bogie: Slave) -> float:
 
 def rows(library: Library) -> list[Row]:
     """Rows with what was measured, in microseconds, least of several runs."""
-    with tempfile.TemporaryDirectory() as folder, Slave(up_to_date("bogie", "native")) as bogie:
+    with tempfile.TemporaryDirectory() as folder, FmuInstance(up_to_date("bogie", "native")) as bogie:
         make_steps = host_library(Path(folder)).make_steps
         bare = kernel_seconds(library)
         by_fmpy, by_c = face_seconds(bogie, make_steps)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import curve_fit
 
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 from rbd_model.vehicle.parameters import AS_PRINTED
 from rbd_model.wheelset.rigid import FOLD_MARGIN
 from scenarios.measuring.runs import layout_of
@@ -29,15 +29,15 @@ class Approach:
 
 
 def derail(scene: Scene, kernel: Kernel) -> float:
-    """Runs a scene until it derails; the time [s]. Raises KernelError where it does not."""
+    """Runs a scene until it derails; the time [s]. Raises SimulationError where it does not."""
     for start, end in scene.segments():
         scene.set_inputs(kernel, start, end)
         try:
             kernel.step(start, end - start)
-        except KernelError:
+        except SimulationError:
             break
     if not kernel.ended:
-        raise KernelError(f"{scene.name} did not derail within {scene.duration:g} s", 3)
+        raise SimulationError(f"{scene.name} did not derail within {scene.duration:g} s", 3)
     return kernel.time
 
 

@@ -35,7 +35,7 @@ from typing import Any
 
 import numpy as np
 
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.suggestion import suggestion
 from products.building import up_to_date
 from products.registry import FMUS
@@ -163,7 +163,7 @@ def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
     Raises BadInputError, CosimulationError, and KeyboardInterrupt with a sentence.
     """
     try:
-        slave = Slave(pace.path)
+        slave = FmuInstance(pace.path)
     except OSError as error:
         raise CosimulationError(
             f"{pace.path} cannot be unpacked: {error}; make room, or name a folder in TMPDIR."
@@ -187,7 +187,9 @@ def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
             gc.enable()
 
 
-def keep_pace(slave: Slave, step: float, rows: Sequence[dict[str, float]], drawn: Callable[[int], object]) -> Paced:
+def keep_pace(
+    slave: FmuInstance, step: float, rows: Sequence[dict[str, float]], drawn: Callable[[int], object]
+) -> Paced:
     """One step at each tick of the clock, with a row of inputs each."""
     took, late = np.zeros(len(rows)), np.zeros(len(rows))
     clock, told, number = time.perf_counter, 0, 0

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 from scenarios.bench.drive import system_of
 from scenarios.measuring.scenes import Samples, Scene
 
@@ -46,7 +46,7 @@ def own(scene: Scene, at_axles: bool = False, **values: float) -> Run:
             table = kernel.record(end - start, scene.interval, names)
             first = 0 if start == 0.0 else 1
             rows += list(zip(*(table[name][first:] for name in names), strict=True))
-    except KernelError as error:
+    except SimulationError as error:
         return failed(scene, clock.perf_counter() - begin, str(error), kernel)
     seconds = clock.perf_counter() - begin
     return finish(scene, np.array(rows), seconds, kernel.counts, kernel)

@@ -1,4 +1,4 @@
-"""Six scenes that stress different things, two more at contact depths 2 and 3, and what is read off each."""
+"""Six scenes that stress different things, two more at contact models 2 and 3, and what is read off each."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -169,17 +169,17 @@ ASYMMETRIC = Scene(
 ON_PATCHES = replace(
     ASYMMETRIC,
     name="asymmetric shoes, fixed yaw torque, on patches",
-    stress="depth 2",
-    values={"contact_depth": 2},
+    stress="model 2",
+    values={"contact_model": 2},
 )
 #: Strips that begin and cease to touch bend their forces, which a smaller tolerance would meet by tiny steps.
 ON_STRIPS = replace(
     ON_PATCHES,
     name="asymmetric shoes, fixed yaw torque, on strips",
-    stress="depth 3",
+    stress="model 3",
     duration=4.0,
     measure=lateral_peak,
-    values={"contact_depth": 3},
+    values={"contact_model": 3},
     references=(1e-8, 1e-8),
 )
 STANDING = replace(SMOOTH, name="stop and 10 s of rest", stress="creep without bound on its stiffness", duration=27.0)

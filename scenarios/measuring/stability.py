@@ -53,9 +53,9 @@ PLANAR = Machine("bogie, planar", "bogie", (("level", 2.0),))
 WHEELSET = Machine("one wheelset in a frame", "wheelset", (), 1)
 #: Those whose fastest mode is creep at every speed, so that it decays without oscillating.
 MACHINES = (SPATIAL, PLANAR, WHEELSET)
-#: At contact depths 2 and 3 the wheelsets bounce on their contacts, which limits explicit steps where creep is slow.
+#: At contact models 2 and 3 the wheelsets bounce on their contacts, which limits explicit steps where creep is slow.
 PATCHES, STRIPS = (
-    Machine(f"bogie, {word}", "bogie", (("level", 3.0), ("contact_depth", depth)))
+    Machine(f"bogie, {word}", "bogie", (("level", 3.0), ("contact_model", depth)))
     for word, depth in (("patches", 2.0), ("strips", 3.0))
 )
 

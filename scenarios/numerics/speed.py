@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from fmu_src.compile import compiler
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import Kernel, Library
 from products.building import kernel_of, up_to_date
 from products.coach import AS_PUBLISHED, brakes
@@ -120,7 +120,7 @@ def stop_time(library: Library, values: Mapping[str, float]) -> float:
 
 def fmu_timings(kind: str, level: int) -> list[Timing]:
     torques = {"brake_torque_1": TORQUE, "brake_torque_2": TORQUE}
-    with Slave(up_to_date("bogie", kind), **start_of(level)) as bogie:
+    with FmuInstance(up_to_date("bogie", kind), **start_of(level)) as bogie:
         bogie.start(**torques)
         step = bogie.fmu.doStep
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.drive import RIGID, prepare
 from scenarios.measuring.drift import STEP as DRIFT_STEP
@@ -158,7 +158,7 @@ def fixed_over_wave(method: int, step: float) -> tuple[Kernel, np.ndarray | None
     kernel = prepare("bogie", **RIGID, **WAVE, **BRAKED, **values)
     try:
         return kernel, np.array(kernel.record(BRAKED_SECONDS, INTERVAL, ["lateral_1"])["lateral_1"])
-    except KernelError:
+    except SimulationError:
         return kernel, None
 
 
@@ -188,7 +188,7 @@ def stops_with_fixed_steps(atlas: Atlas) -> None:
             try:
                 kernel.advance(8.0)
                 atlas.stops[method].append((step, abs(kernel["speed"]), ""))
-            except KernelError as error:
+            except SimulationError as error:
                 atlas.stops[method].append((step, np.nan, str(error)))
 
 
@@ -337,7 +337,7 @@ def run(options: Options) -> Report:
         "saturates, the axles shake, and what is slow still looks right; the log says that it is not.",
         "RODAS5P and ROS34PW2 have no such limit. With fixed steps their error is what remains, and the log says when "
         "it exceeds the tolerance.",
-        "On patches and strips, contact depths 2 and 3, the limit is the same where creep is the fastest; at 60 m/s it "
+        "On patches and strips, contact models 2 and 3, the limit is the same where creep is the fastest; at 60 m/s it "
         "is that of the wheelsets, which bounce on their contacts.",
         "At perfect rolling the law of creep has no unique slope (3.92): limits are taken under light braking.",
     ]

@@ -102,15 +102,15 @@ def rows_of_loads(outcomes: dict[Case, Outcome]) -> list[Row]:
 
 
 ON_PATCHES_REMARK = (
-    "Contact depth 2, elastic patches of tread and flange: the derailments of chapter 9 do not survive when the flange "
+    "Contact model 2, elastic patches of tread and flange: the derailments of chapter 9 do not survive when the flange "
     "has its own place, force, friction and creep. With 75 % error on the leading wheelset treads lift, flanges bear "
-    "alone for moments, and every case stops on its rails, also the one that derails at depth 1 "
+    "alone for moments, and every case stops on its rails, also the one that derails at model 1 "
     "in the physical reading. What decides is less the place than how much a flange gives: the spring of 1e8 N/m "
-    "yields 2 mm, which takes the tread to its fold, one of 1e9 N/m holds the wheelset at depth 1 too, Hertz' contact "
-    "yields less than 0.1 mm; a rail that gives sideways is not in depth 2."
+    "yields 2 mm, which takes the tread to its fold, one of 1e9 N/m holds the wheelset at model 1 too, Hertz' contact "
+    "yields less than 0.1 mm; a rail that gives sideways is not in model 2."
 )
 IMPACTS_REMARK = (
-    "Peaks at depth 2 are converged to 1 %, as a test asks, but for 75 % error on the trailing wheelset "
+    "Peaks at model 2 are converged to 1 %, as a test asks, but for 75 % error on the trailing wheelset "
     "with the rotating axis. There the yaw torque, turned into roll, takes 116 of the 131 kN off a wheel once a turn: "
     "it comes off its rail and falls back on it with up to {load:.0f} kN (the rail is rigid), which is chaotic: other "
     "tolerances move the peak of the trailing wheelset by a tenth."
@@ -161,7 +161,7 @@ def run(options: Options) -> Report:
     parameters = as_printed(tables_5_1_and_5_2()).values() | RIGID | {"tolerance": TOLERANCE}
     seconds = sum(float(outcome.series["time"][-1]) for outcome in outcomes.values())
     report = Report(rows, series, lambda: draw(outcomes), parameters, seconds, remarks_of(outcomes))
-    report.other_figures["contact-depth"] = lambda: draw_depths(outcomes)
+    report.other_figures["contact-model"] = lambda: draw_depths(outcomes)
     report.motion = motion
     return report
 

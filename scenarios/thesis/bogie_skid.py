@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from rbd_model.levels.models import smallest_level
+from rbd_model.levels.models import recommend_level
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import bogie, play
@@ -53,7 +53,7 @@ def run(options: Options) -> Report:
             shift = 1e3 * float(np.abs(series["lateral_1"][chosen]).max())
             rows.append(measured(f"{name}: shift of wheelset 1 {label}", "mm", shift, "Figs 5.45, 5.47"))
     first = runs["leading wheelset braked"][0]
-    choice = smallest_level(("brake_torque_1", *WAVE), RECORDED)
+    choice = recommend_level(("brake_torque_1", *WAVE), RECORDED)
     remarks += [choice.reason, f"The picture tells the largest shift later than {SETTLED:g} s after the brake."]
     parameters = as_printed(tables_5_1_and_5_2()).values() | WAVE | {"level": choice.level}
     return Report(rows, first, lambda: draw(runs), parameters, 2 * DURATION * len(runs), remarks, motion=motion)

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 from matplotlib.figure import Figure
 
-from fmu_src.cosimulation.master import couple
+from fmu_src.cosimulation.master import cosimulate
 from fmu_src.cosimulation.recording import Recording
 from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
@@ -42,7 +42,7 @@ def brake(
             bogie.set(brake_torque_1=torques[0] * on, brake_torque_2=torques[1] * on)
 
         record = [(bogie, name) for name in RECORDED]
-        series = couple([bogie], [], DURATION, options.macro_step(), record, drive, label=f"level {level}")
+        series = cosimulate([bogie], [], DURATION, options.macro_step(), record, drive, label=f"level {level}")
         return series, list(bogie.messages), bogie.guid
 
 

@@ -9,7 +9,7 @@ from brake_controller.experiment import EXPERIMENT
 from brake_controller.parameters import qr30
 from fmu_src.cosimulation.master import Connection, Coupling
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_8_1_and_8_2
 from scenarios.bench.drive import AT_REST
 from scenarios.bench.open_fmus import open_bogie, open_brake
@@ -36,8 +36,8 @@ BAND = 1e-3
 
 
 def brake_until_lock_or_rest(
-    brake: Slave,
-    bogie: Slave,
+    brake: FmuInstance,
+    bogie: FmuInstance,
     pressure: int,
     shoe_friction: float,
     friction: float,
@@ -57,7 +57,7 @@ def brake_until_lock_or_rest(
 
 
 def boundary(
-    brake: Slave, bogie: Slave, pressure: int, friction: float, step: float, reaction: float = HUNG
+    brake: FmuInstance, bogie: FmuInstance, pressure: int, friction: float, step: float, reaction: float = HUNG
 ) -> tuple[float, float]:
     """Shoe friction at which the wheelset just locks, to RESOLUTION, and the time simulated to find it [s]."""
     seconds = 0.0

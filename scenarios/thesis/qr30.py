@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT
 from brake_controller.parameters import qr30
-from fmu_src.cosimulation.master import Connection, Coupling, couple
+from fmu_src.cosimulation.master import Connection, Coupling, cosimulate
 from fmu_src.cosimulation.recording import Recording
 from products.building import units_of
 from rbd_model.vehicle.parameters import AS_PRINTED, tables_8_1_and_8_2
@@ -85,7 +85,7 @@ def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, fri
         ]
         torque = connections[0]
         coupling = Coupling([brake, bogie], connections, options.master(), [(torque, (bogie, "angular_velocity_2"))])
-        series = couple(
+        series = cosimulate(
             *([brake, bogie], connections, DURATION, options.macro_step(), record, drive),
             label=f"{pressure} kPa",
             coupling=coupling,
@@ -114,7 +114,7 @@ def brake_by_history(
 
         record = [(bogie, name) for name in RECORDED]
         length = float(times[-1] - times[0])
-        series = couple([bogie], [], length, options.macro_step(), record, drive, label="torque history")
+        series = cosimulate([bogie], [], length, options.macro_step(), record, drive, label="torque history")
         series.add("brake_torque", "N.m", np.array([*applied, applied[-1]]))
         return _judge(series, {bogie.name: bogie.guid}, 0.0)
 

@@ -1,6 +1,6 @@
 """What the fitted and assumed values decide: critical speed, lateral peak, derailment and wheel load over each.
 
-In the thesis's reading of what reacts where, but for one picture; two beside contact depth 2, whose flange has its own
+In the thesis's reading of what reacts where, but for one picture; two beside contact model 2, whose flange has its own
 place and force, and three about what is assumed there.
 """
 
@@ -42,7 +42,7 @@ SPACINGS = np.linspace(0.55, 0.85, 7)
 class Panel:
     """One picture: what is varied over which values, what is answered, the thesis's answer, and the value used.
 
-    on_patches: the same at contact depth 2, where both are shown.
+    on_patches: the same at contact model 2, where both are shown.
     """
 
     title: str
@@ -57,7 +57,7 @@ class Panel:
     @property
     def lines(self) -> dict[str, Callable[[float], float]]:
         """What is answered, by what stands behind the title in the table."""
-        return {"": self.answer} | ({} if self.on_patches is None else {", contact depth 2": self.on_patches})
+        return {"": self.answer} | ({} if self.on_patches is None else {", contact model 2": self.on_patches})
 
 
 def critical_over_spacing(half_spacing: float) -> float:
@@ -90,7 +90,7 @@ def wheel_load(**values: float) -> float:
 
 @lru_cache
 def stop_on_patches(damping: float) -> tuple[float, float]:
-    """At contact depth 2 speed at derailment [m/s], as `derailment_speed`, and largest load of all wheels [kN]."""
+    """At contact model 2 speed at derailment [m/s], as `derailment_speed`, and largest load of all wheels [kN]."""
     case = Case(1, 75, 1.0, ON_PATCHES[AS_THESIS])
     kernel, series = brake(case, 20.0, contact_damping=damping, tolerance=TOLERANCE)
     load = max(float(series[name].max()) for name in LOADS)
@@ -133,7 +133,7 @@ def peak_panels() -> list[Panel]:
             "lateral peak over spacing",
             *(HALF_SPACING, spacings, lambda value: lateral_peak(**spaced(value)), *answer),
             used=used.longitudinal_half_spacing,
-            on_patches=lambda value: lateral_peak(contact_depth=2, **spaced(value)),
+            on_patches=lambda value: lateral_peak(contact_model=2, **spaced(value)),
         ),
         Panel(
             "lateral peak over flange stiffness",
@@ -181,7 +181,7 @@ def high_panels() -> list[Panel]:
             lambda value: wheel_load(vertical_half_spacing=value, flange_at_rail=1, **HIGH),
             *load,
             used=used.vertical_half_spacing,
-            on_patches=lambda value: wheel_load(vertical_half_spacing=value, contact_depth=2, **HIGH),
+            on_patches=lambda value: wheel_load(vertical_half_spacing=value, contact_model=2, **HIGH),
         ),
         Panel(
             "derailment speed over spacing against yaw, against roll 0.9 m, height 1.2 m",
@@ -199,14 +199,14 @@ def patch_panels() -> list[Panel]:
     over = "contact damping [s/m]", used * np.array([0.5, 1.0, 2.0])
     return [
         Panel(
-            "lateral peak at contact depth 2",
+            "lateral peak at contact model 2",
             *over,
-            lambda value: lateral_peak(contact_depth=2, contact_damping=value),
+            lambda value: lateral_peak(contact_model=2, contact_damping=value),
             *("mm", LATERAL_PEAK[0]),
             used=used,
         ),
         Panel(
-            "derailment speed at contact depth 2",
+            "derailment speed at contact model 2",
             *over,
             lambda value: stop_on_patches(value)[0],
             *("m/s", DERAILED_AT[1.0]),
@@ -218,7 +218,7 @@ def patch_panels() -> list[Panel]:
 
 READING = (
     "In the picture a grey line is the value that is used, a green one what the thesis prints; 0 m/s is no derailment; "
-    "orange, in the last row, is contact depth 2."
+    "orange, in the last row, is contact model 2."
 )
 
 
@@ -243,7 +243,7 @@ def run(options: Options) -> Report:
 
 
 def table(answers: dict[str, list[float]]) -> list[list[float]]:
-    """Rows (panel counted from 1, a half more at contact depth 2 beside it; value, answer)."""
+    """Rows (panel counted from 1, a half more at contact model 2 beside it; value, answer)."""
     return [
         [number + line / 2, value, answer]
         for number, panel in enumerate(panels(), 1)

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.figure import Figure
 
-from fmu_src.cosimulation.master import couple
+from fmu_src.cosimulation.master import cosimulate
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.cosimulation.slave import Slave
-from rbd_model.levels.models import smallest_level
+from fmu_src.cosimulation.slave import FmuInstance
+from rbd_model.levels.models import recommend_level
 from rbd_model.vehicle.parameters import BogieParameters, as_printed, tables_5_1_and_5_2
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.plots import BOGIE, THESIS, mark, panels
@@ -28,7 +28,7 @@ MOMENT_BAND = 5e-3
 class TorqueSequence:
     """Fig. 5.24: traction to 20 m/s, 5 s of rolling, braking to 10 m/s, rolling; the speed decides when to go on."""
 
-    bogie: Slave
+    bogie: FmuInstance
     switches: list[float] = field(default_factory=list)
     torque: list[float] = field(default_factory=list)
 
@@ -91,7 +91,9 @@ def drive(options: Options, level: int, reaction: float) -> tuple[Recording, Tor
         bogie.start()
         sequence = TorqueSequence(bogie)
         record = [(bogie, name) for name in RECORDED]
-        series = couple([bogie], [], DURATION, options.macro_step(), record, sequence, label="bogie-traction-braking")
+        series = cosimulate(
+            [bogie], [], DURATION, options.macro_step(), record, sequence, label="bogie-traction-braking"
+        )
         guids = {bogie.name: bogie.guid}
     series.add("torque", "N.m", np.array([*sequence.torque, sequence.torque[-1]]))
     return series, sequence, guids
@@ -125,7 +127,7 @@ def load_row(words: str, series: Recording, judged: bool) -> Row:
 
 def run(options: Options) -> Report:
     parameters = as_printed(tables_5_1_and_5_2())
-    choice = smallest_level(("traction_torque_1", "brake_torque_1"), RECORDED)
+    choice = recommend_level(("traction_torque_1", "brake_torque_1"), RECORDED)
     series, sequence, guids = drive(options, choice.level, parameters.torque_reaction)
     hung, *_ = drive(options, choice.level, tables_5_1_and_5_2().torque_reaction)
     # Times of 20 m/s reached, brake applied, 10 m/s reached; None for what did not happen.

@@ -37,12 +37,12 @@ def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Tr
     consist = Consist(block_train(standing, coupler=coupler).vehicles[: standing + 1])
     free = tuple(_rolling(one, coupler) for one in consist.vehicles)
     train = Train(Consist(free), settings=Settings(depth="delay", share=0.02))
-    train.inputs["coupled"][-1] = 0.0
+    train.inputs["coupling_closed"][-1] = 0.0
     state = train.motion
     state[0, -1], state[1:3, -1] = -GAP, speed
     train.motion = state
     train.advance(1e-3)
-    train.inputs["coupled"][-1] = 1.0
+    train.inputs["coupling_closed"][-1] = 1.0
     return train, follow(train, GAP / speed + LONG, 0.01)
 
 

@@ -46,7 +46,7 @@ def part(place: float, shut: float) -> Parting:
     """Runs, parts, and stops; behind the head's valve air is lost until it is shut off."""
     train = Train(train_of(LENGTH), speed=SPEED)
     coupling = round(place * (len(train.consist.vehicles) - 1)) - 1
-    train.inputs["coupled"][coupling], train.inputs["joined"][coupling] = 0.0, 2.0
+    train.inputs["coupling_closed"][coupling], train.inputs["hose_state"][coupling] = 0.0, 2.0
 
     def act(one: Train) -> bool:
         if one.time >= shut:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.master import Coupling, Master
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from products.building import up_to_date
 from products.machine import coach, coach_brake
 from scenarios.bench.coupled_machine import CoupledMachine
@@ -57,7 +57,7 @@ class Findings:
         return abs(run.distance / self.reference - 1.0)
 
 
-def composed(slave: Slave, tolerance: float, step: float) -> Braking:
+def composed(slave: FmuInstance, tolerance: float, step: float) -> Braking:
     """One FMU, one call each step."""
     machine = coach()
     demands = {f"pressure_demand_{number}": machine.full_pressure for number in machine.numbers}
@@ -84,7 +84,7 @@ def coupled(machine: CoupledMachine, master: Master, step: float) -> Braking:
 
 def measure() -> Findings:
     with ExitStack() as stack:
-        one = stack.enter_context(Slave(up_to_date("braked-vehicle", "native")))
+        one = stack.enter_context(FmuInstance(up_to_date("braked-vehicle", "native")))
         five = stack.enter_context(CoupledMachine("vehicle", coach().numbers))
         count = len(STEPS) * (len(MASTERS) + 2)
         bar = stack.enter_context(counting(total=count, unit="run"))

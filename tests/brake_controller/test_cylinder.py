@@ -10,7 +10,7 @@ from brake_controller.experiment import EXPERIMENT
 from brake_controller.parameters import qr30
 from brake_controller.rigging import force_per_pressure
 from brake_controller.shoe_friction import MEASURED_AGAINST_FORCE
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, Library, SimulationError
 
 #: Error of a pressure, from the tolerance 1e-6 of 1e5 Pa per step.
 PRESSURE_ERROR = 1.0
@@ -129,7 +129,7 @@ def test_piston_and_rigging_ratio_give_the_force_per_pressure() -> None:
     ],
 )
 def test_bad_value_gets_a_sentence(brake: Library, values: dict[str, float], sentence: str) -> None:
-    with pytest.raises(KernelError, match=sentence):
+    with pytest.raises(SimulationError, match=sentence):
         Kernel(brake).set(**values)
 
 

@@ -39,10 +39,10 @@ PRESSURE_ERROR = 30.0
 TIMED, FLOW = 1, 2
 
 
-def kernel_of(brake: Library, ready: ReadySet, pneumatics: int, **values: float) -> Kernel:
-    without = TIMES if pneumatics == FLOW else ready.flow.values()
+def kernel_of(brake: Library, ready: ReadySet, cylinder_model: int, **values: float) -> Kernel:
+    without = TIMES if cylinder_model == FLOW else ready.flow.values()
     given = {name: value for name, value in ready.values().items() if name not in without}
-    return Kernel(brake, pneumatics=pneumatics, **given | values)
+    return Kernel(brake, cylinder_model=cylinder_model, **given | values)
 
 
 @pytest.mark.parametrize("seconds", [0.5, 4.0, 30.0])
@@ -87,10 +87,10 @@ def test_times_by_quadrature_are_those_of_the_simulation(brake: Library, exponen
     assert kernel["cylinder_pressure"] == pytest.approx(UIC_RELEASED, abs=PRESSURE_ERROR)
 
 
-@pytest.mark.parametrize("pneumatics", [TIMED, FLOW])
+@pytest.mark.parametrize("cylinder_model", [TIMED, FLOW])
 @pytest.mark.parametrize(("ready", "timing"), [(uic_p(), UIC_P), (uic_g(), UIC_G)])
-def test_uic_sets_keep_the_windows(brake: Library, ready: ReadySet, timing: Timing, pneumatics: int) -> None:
-    kernel = kernel_of(brake, ready, pneumatics, pressure_demand=UIC_PRESSURE)
+def test_uic_sets_keep_the_windows(brake: Library, ready: ReadySet, timing: Timing, cylinder_model: int) -> None:
+    kernel = kernel_of(brake, ready, cylinder_model, pressure_demand=UIC_PRESSURE)
     kernel.advance(timing.application.shortest)
     assert kernel["cylinder_pressure"] < 0.95 * UIC_PRESSURE
     kernel.advance(timing.application.longest - timing.application.shortest)
@@ -145,12 +145,12 @@ def test_regulator_holds_any_demand_from_above_and_from_below(brake: Library) ->
         assert kernel["cylinder_pressure"] == pytest.approx(min(demand, UIC_PRESSURE), rel=1e-4, abs=PRESSURE_ERROR)
 
 
-@pytest.mark.parametrize("pneumatics", [TIMED, FLOW])
+@pytest.mark.parametrize("cylinder_model", [TIMED, FLOW])
 def test_pressure_only_rises_while_it_is_applied_and_only_falls_while_it_is_released(
-    brake: Library, pneumatics: int
+    brake: Library, cylinder_model: int
 ) -> None:
     ready = uic_p()
-    kernel = kernel_of(brake, ready, pneumatics, pressure_demand=UIC_PRESSURE)
+    kernel = kernel_of(brake, ready, cylinder_model, pressure_demand=UIC_PRESSURE)
     rising = kernel.record(10.0, 0.05, ["cylinder_pressure", "shoe_force"])
     kernel.set(pressure_demand=0.0)
     falling = kernel.record(30.0, 0.05, ["cylinder_pressure", "shoe_force"])
@@ -186,8 +186,8 @@ def test_shoe_force_at_a_pressure_is_the_same_by_time_and_by_flow(
     """Eq. (2.4): the return spring holds back 300 N of the thrust of a UIC cylinder in both; at 2 % it holds it all."""
     demand = share * ready.rigging.supply_pressure
     forces = []
-    for pneumatics in (TIMED, FLOW):
-        kernel = kernel_of(brake, ready, pneumatics, pressure_demand=demand)
+    for cylinder_model in (TIMED, FLOW):
+        kernel = kernel_of(brake, ready, cylinder_model, pressure_demand=demand)
         kernel.advance(400.0)
         assert kernel["cylinder_pressure"] == pytest.approx(demand, rel=1e-6)
         forces.append(kernel["shoe_force"])

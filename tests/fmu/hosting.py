@@ -20,7 +20,7 @@ from fmpy.fmi2 import (
 )
 from fmpy.fmi3 import FMU3Model, FMU3Slave, fmi3LogMessageCallback
 
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 
 OK, WARNING, DISCARD, ERROR = range(4)
 STEP = 1e-3
@@ -135,7 +135,7 @@ def host(path: Path, **how: bool) -> Iterator[Host]:
 
 def answers_of_a_counter(path: Path) -> list[int]:
     """What the first valve of a controller in an FMU shows after each of 50 steps; asked every 10 ms."""
-    with Slave(path, period=0.01) as slave:
+    with FmuInstance(path, period=0.01) as slave:
         slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
         found = []
         for number in range(len(THREES)):

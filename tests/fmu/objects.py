@@ -162,11 +162,13 @@ OBJECTS = {
         kernel=True,
         exchange=True,
     ),
-    "coupler": Behind(lambda _: all_sources(coupler_in_c()), _coupler, "way=-0.02:0.02 coupled=0:1", reads_files=True),
+    "coupler": Behind(
+        lambda _: all_sources(coupler_in_c()), _coupler, "way=-0.02:0.02 coupling_closed=0:1", reads_files=True
+    ),
     "train": Behind(
         lambda _: all_sources(train_in_c()),
         _train,
-        "driver_position=0:4 driver_step=0:1 pull=-1e4:1e4 friction=0.1:0.3 protection=0:2 coupled=0:1 "
+        "driver_position=0:4 driver_step=0:1 pull=-1e4:1e4 friction=0.1:0.3 protection=0:2 coupling_closed=0:1 "
         "start_speed=-1:20 start_pipe_pressure=4e5:5e5 end_force=-1e3:1e3",
         reads_files=True,
     ),

@@ -6,7 +6,7 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 
 #: What each program does.
 STEPS, STEP = 100, 0.01
@@ -25,7 +25,7 @@ def shown(command: Sequence[str | Path], folder: Path, given: Mapping[str, float
 
 def found_here(fmu: Path, given: Mapping[str, float], names: Sequence[str]) -> dict[str, float]:
     """The same by FMPy, on this platform."""
-    with Slave(fmu) as instance:
+    with FmuInstance(fmu) as instance:
         instance.start(**given)
         for n in range(STEPS):
             instance.step(n * STEP, STEP)

@@ -19,7 +19,7 @@ import build_fmu
 from fmu_src import archive
 from fmu_src.compile import library_suffix
 from fmu_src.cosimulation import slave as slave_module
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.protection.in_fmu import InFmu
 from readers.storage import StorageError
 from scenarios.controllers.controller_loader import fmu_names
@@ -129,7 +129,7 @@ def test_what_is_wrong_is_one_sentence_and_leaves_nothing(
     change, words = WRONG[damage]
     path, here = packed(tmp_path / "a.fmu", change(contents_of(whole))), os.getcwd()
     with pytest.raises(CosimulationError, match=words) as caught:
-        Slave(path)
+        FmuInstance(path)
     assert "\n" not in str(caught.value)
     assert os.getcwd() == here
     assert list(temporary.iterdir()) == []
@@ -165,7 +165,7 @@ def test_an_archive_that_lies_is_one_sentence(damage: str, whole: Path, temporar
     path = tmp_path / "a.fmu"
     path.write_bytes(change(whole.read_bytes()))
     with pytest.raises(CosimulationError, match=words):
-        Slave(path)
+        FmuInstance(path)
     assert list(temporary.iterdir()) == []
 
 
@@ -175,7 +175,7 @@ def test_an_entry_that_is_there_twice_is_refused(whole: Path, tmp_path: Path) ->
     with zipfile.ZipFile(path, "a") as made:
         made.writestr(ABOUT, b"another")
     with pytest.raises(CosimulationError, match=f"it has {ABOUT} twice"):
-        Slave(path)
+        FmuInstance(path)
 
 
 @pytest.mark.parametrize(
@@ -194,7 +194,7 @@ def test_what_an_archive_unpacks_to_is_bounded(
     monkeypatch.setattr(archive, limit, value)
     path = packed(tmp_path / "a.fmu", contents_of(whole) | {"resources/zeros": bytes(100_000)})
     with pytest.raises(CosimulationError, match=words):
-        Slave(path)
+        FmuInstance(path)
 
 
 def test_an_interrupted_start_leaves_nothing(whole: Path, temporary: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -204,14 +204,14 @@ def test_an_interrupted_start_leaves_nothing(whole: Path, temporary: Path, monke
 
     monkeypatch.setattr(slave_module, "unpacked", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        Slave(whole)
+        FmuInstance(whole)
     assert list(temporary.iterdir()) == []
 
 
 @pytest.mark.skipif(os.name != "posix", reason="limits of a process are those of POSIX")
 def test_no_room_for_temporary_files_is_told(whole: Path, temporary: Path) -> None:
     with files_of_at_most(1000), pytest.raises(StorageError, match=r"Free space on its disk, or name .* TMPDIR\."):
-        Slave(whole)
+        FmuInstance(whole)
     assert list(temporary.iterdir()) == []
 
 
@@ -233,7 +233,7 @@ def test_a_header_with_places_beyond_what_a_machine_addresses_is_one_sentence(wh
     binary[32 + 7] ^= 0x80
     path = packed(tmp_path / "a.fmu", files | {BINARY: bytes(binary)})
     with pytest.raises(CosimulationError, match="is cut off at"):
-        Slave(path)
+        FmuInstance(path)
 
 
 #: In a process of its own, which damaged binaries ended before: random changes of an archive, and a binary cut off.
@@ -241,7 +241,7 @@ MUTATIONS = """
 import random, sys, tempfile, time, zipfile
 from pathlib import Path
 from fmu_src.archive import archive_bytes, contents_of
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 whole, binary, folder = Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
 tempfile.tempdir = str(folder / "temporary")
 data, files, draw = whole.read_bytes(), contents_of(whole), random.Random(47)
@@ -277,14 +277,14 @@ for number in range(1000):
     path.write_bytes(draw.choice((flipped, cut, extended, renamed, misdirected) if number % 20 else (shortened,))())
     begin = time.process_time()
     try:
-        with Slave(path) as slave:
+        with FmuInstance(path) as slave:
             slave.start()
             slave.step(0.0, 0.005)
         counts[True] += 1
     except CosimulationError:
         counts[False] += 1
     longest = max(longest, time.process_time() - begin)
-left_open = Slave(whole)
+left_open = FmuInstance(whole)
 print(sum(counts.values()), counts[False] > counts[True], longest < 5.0)
 """
 

@@ -14,7 +14,7 @@ from fmpy import read_model_description
 import bogie_braking as bb
 from brake_controller.protection_fmu import wheel_slide_in_c
 from fmu_src.compile import build_library
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.step_fmu_in_c import build_step_fmu_in_c
 from products.registry import DIFFERENT
 from products.train.consist import block_train
@@ -115,10 +115,10 @@ def test_a_kernel_refuses_damaged_states() -> None:
     kernel = Kernel(Library(build_library(sled())))
     kernel.advance(0.1)
     whole = kernel.save()
-    refused(kernel.restore, whole, KernelError)
+    refused(kernel.restore, whole, SimulationError)
     assert kernel.save() == whole
     with pytest.raises(
-        KernelError, match=rf"must have {len(whole)} bytes; got 3\. Give it as it was written\. Nothing"
+        SimulationError, match=rf"must have {len(whole)} bytes; got 3\. Give it as it was written\. Nothing"
     ):
         kernel.restore(whole[:3])
 
@@ -127,7 +127,7 @@ def test_a_simulation_refuses_damaged_states() -> None:
     one = bb.Simulation(sled())
     one.advance(0.1)
     whole = one.save()
-    refused(one.restore, whole, KernelError)
+    refused(one.restore, whole, SimulationError)
     assert one.save() == whole
 
 

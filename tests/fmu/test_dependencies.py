@@ -7,7 +7,7 @@ from fmpy import read_model_description
 
 from fmu_src.compile import build_library
 from fmu_src.dependencies import start_dependencies
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.model_description import NOMINAL
 from fmu_src.system import Model, Variable
 from products.registry import DIFFERENT, model_of
@@ -24,7 +24,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "vehicle": [{"level": 1, "coupler_force_front": 1e3}, {"level": 3, "initial_speed": 0.0, "brake_torque_2": 1.0}],
     "braked-vehicle": [{"level": 1, "coupler_force_front": 1e3}],
     "wheelset": [{"lateral_irregularity": 0.01}, {"initial_speed": 0.0, "brake_torque_1": 1.0}],
-    "brake": [{"friction_law": law, "pneumatics": 1 + law % 2, "angular_velocity": 5.0} for law in range(6)],
+    "brake": [{"friction_law": law, "cylinder_model": 1 + law % 2, "angular_velocity": 5.0} for law in range(6)],
     "rail": [{"speed": 10.0, "slip_1": 1.0, "creep_force_1": 1e3}],
 }
 #: Some that must act, or the starts above would show nothing.
@@ -62,7 +62,7 @@ def acting(library: Library, model: Model, start: dict[str, float]) -> set[tuple
         value = changed(variable, start.get(variable.name, variable.start))
         try:
             after = at_start(library, model, start | {variable.name: value})
-        except KernelError:  # geometry that does not fit together has no start at all
+        except SimulationError:  # geometry that does not fit together has no start at all
             continue
         for name, number in after.items():
             if abs(number - base[name]) > UNCHANGED * max(abs(number), abs(base[name]), 1e-3):
@@ -91,7 +91,7 @@ def test_speed_at_the_start_is_the_initial_speed_whatever_brakes(fmus: dict) -> 
         found = {u.variable.name: {d.name for d in u.dependencies} for u in about.initialUnknowns}
         inputs = {variable.name for variable in about.modelVariables if variable.causality == "input"}
         for name in ("speed", "angular_velocity_2"):
-            assert {"level", "contact_depth", "initial_speed", "wheel_radius"} <= found[name]
+            assert {"level", "contact_model", "initial_speed", "wheel_radius"} <= found[name]
             # On a gradient it rolls freely, steadily (fmu_src/runtime/steady.c).
             assert found[name] & inputs == {"gradient", "friction_1", "friction_2"}
         assert "friction_1" in found["acceleration"]

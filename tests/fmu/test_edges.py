@@ -21,7 +21,7 @@ from fmpy.fmi2 import (
 from fmpy.fmi3 import FMU3Slave, fmi3LogMessageCallback
 
 from fmu_src.compliance import CHECKS
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from tests.fmu.hosting import DISCARD, ERROR, OK, STEP, WARNING, host
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -470,7 +470,7 @@ def test_initial_unknowns_have_the_dependencies_of_the_start(sleds: dict, kind: 
 
 
 def test_pythonfmu_discards_steps_past_the_stop_time_with_the_same_sentence(sleds: dict) -> None:
-    with Slave(sleds["python"]) as sled:
+    with FmuInstance(sleds["python"]) as sled:
         sled.fmu.setupExperiment(startTime=0.0, stopTime=1.0, tolerance=2.0)
         sled.fmu.enterInitializationMode()
         sled.fmu.exitInitializationMode()
@@ -487,7 +487,7 @@ def test_pythonfmu_discards_steps_past_the_stop_time_with_the_same_sentence(sled
 
 
 def test_pythonfmu_makes_no_step_of_a_run_that_stops_before_it_starts(sleds: dict) -> None:
-    with Slave(sleds["python"]) as sled:
+    with FmuInstance(sleds["python"]) as sled:
         sled.fmu.setupExperiment(startTime=1.0, stopTime=0.5)
         sled.fmu.enterInitializationMode()
         sled.fmu.exitInitializationMode()

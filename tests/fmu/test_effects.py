@@ -10,7 +10,7 @@ import pytest
 
 from fmu_src.chain import Part
 from fmu_src.effects import without_effect
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.system import Model, System, Variable, model_of, model_of_choices
 from rbd_model.levels.models import bogie_dynamics
@@ -117,11 +117,11 @@ def test_a_name_that_there_is_not_is_told_however_it_is_used() -> None:
         lambda: one.record(1.0, 0.1, ["sped"]),
     ]
     for way in ways:
-        with pytest.raises(KernelError, match=r"There is no variable sped; did you mean speed\?"):
+        with pytest.raises(SimulationError, match=r"There is no variable sped; did you mean speed\?"):
             way()
 
 
-#: By level and depth of contact of the bogie: some of the parameters that have no effect there.
+#: By level and contact model of the bogie: some of the parameters that have no effect there.
 NAMED = {
     (1, 1): {"constant_speed", "wheel_lift_ends", "frame_height", "vertical_stiffness", "vertical_half_spacing"},
     (2, 1): {"constant_speed", "lateral_stiffness", "vertical_half_spacing"},
@@ -144,7 +144,7 @@ def test_what_has_no_effect_changes_no_bit_of_a_stop(bogie: Library, level: int,
     changed |= {name: 1.0 - known[name].start for name in idle if known[name].kind == "integer"}
     found = []
     for values in ({}, changed):
-        kernel = Kernel(bogie, level=level, contact_depth=depth, brake_torque_1=15e3, **values)
+        kernel = Kernel(bogie, level=level, contact_model=depth, brake_torque_1=15e3, **values)
         kernel.advance(0.2)
         found.append([kernel[name] for name in known if known[name].causality == "output"])
     assert found[0] == found[1]

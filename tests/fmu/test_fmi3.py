@@ -98,7 +98,7 @@ def test_step_goes_on_where_no_early_return_is_allowed(fmus: dict) -> None:
 def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict, early: bool) -> None:
     """With OK and a request to terminate where early return is allowed; where it is not, nothing has happened."""
     with open_fmi3(fmus["bogie", "fmi3"], early) as (fmu, refs, said):
-        fmu.setInt32([refs["contact_depth"], refs["wheel_lift_ends"], refs["constant_speed"]], [1, 0, 1])
+        fmu.setInt32([refs["contact_model"], refs["wheel_lift_ends"], refs["constant_speed"]], [1, 0, 1])
         begin(fmu, refs, 3, initial_speed=10.0, flange_stiffness=1e6, yaw_torque_1=1.8e5)
         if early:
             _, ended, returned, time = fmu.doStep(0.0, 20.0)

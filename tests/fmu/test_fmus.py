@@ -15,7 +15,7 @@ from fmpy.validation import validate_fmu
 
 from build_fmu import main
 from fmu_src import compile as compiling
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.registry import DIFFERENT, model_of
 
 #: Of FMI 2.0.
@@ -81,7 +81,7 @@ def test_native_and_pythonfmu_give_the_same_trajectory(fmus: dict, level: int) -
     names = [*OUTPUTS]
     rows: dict[str, np.ndarray] = {}
     for kind in KINDS:
-        with Slave(fmus["bogie", kind], level=level, initial_speed=10.0) as bogie:
+        with FmuInstance(fmus["bogie", kind], level=level, initial_speed=10.0) as bogie:
             bogie.start(friction_1=0.2)
             found = []
             for number in range(900):
@@ -96,7 +96,7 @@ def test_native_and_pythonfmu_give_the_same_trajectory(fmus: dict, level: int) -
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_brake_drives_bogie_to_the_same_stop_in_both_kinds(fmus: dict, kind: str) -> None:
-    with Slave(fmus["brake", kind]) as brake, Slave(fmus["bogie", kind], initial_speed=2.0) as bogie:
+    with FmuInstance(fmus["brake", kind]) as brake, FmuInstance(fmus["bogie", kind], initial_speed=2.0) as bogie:
         brake.start(pressure_demand=180e3)
         bogie.start()
         for number in range(100):
@@ -109,7 +109,7 @@ def test_brake_drives_bogie_to_the_same_stop_in_both_kinds(fmus: dict, kind: str
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_lost_demand_applies_the_brake_in_any_host(fmus: dict, kind: str) -> None:
-    with Slave(fmus["brake", kind]) as brake:
+    with FmuInstance(fmus["brake", kind]) as brake:
         brake.start(pressure_demand=0.0)
         brake.set(pressure_demand=math.nan)
         brake.step(0.0, 5.0)
@@ -134,7 +134,7 @@ def test_start_values_and_input_signals_reach_the_fmu(fmus: dict) -> None:
 
 
 def test_saved_state_of_the_native_fmu_is_bit_identical(fmus: dict) -> None:
-    with Slave(fmus["bogie", "native"]) as bogie:
+    with FmuInstance(fmus["bogie", "native"]) as bogie:
         bogie.start(brake_torque_1=60e3, brake_torque_2=60e3)
         for number in range(100):
             bogie.step(number * 1e-3, 1e-3)
@@ -173,7 +173,7 @@ def test_saved_state_of_the_native_fmu_is_bit_identical(fmus: dict) -> None:
 def test_bad_input_is_refused_with_a_sentence_and_the_next_good_call_works(
     fmus: dict, kind: str, call: object, sentence: str
 ) -> None:
-    with Slave(fmus["bogie", kind]) as bogie:
+    with FmuInstance(fmus["bogie", kind]) as bogie:
         bogie.start(brake_torque_1=1e3)
 
         def offend() -> None:
@@ -191,18 +191,18 @@ def test_bad_input_is_refused_with_a_sentence_and_the_next_good_call_works(
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_bad_parameter_never_starts_a_run(fmus: dict, kind: str) -> None:
-    def begin(bogie: Slave) -> None:
+    def begin(bogie: FmuInstance) -> None:
         bogie.start()
         bogie.step(0.0, 0.1)
 
-    with Slave(fmus["bogie", kind], wheelset_mass=-1.0) as bogie:
+    with FmuInstance(fmus["bogie", kind], wheelset_mass=-1.0) as bogie:
         with pytest.raises(CosimulationError) as caught:
             begin(bogie)
         assert "Set wheelset_mass to at least 1e-06 kg" in str(caught.value)
 
 
 def test_end_of_a_run_is_a_discarded_step_with_its_sentence(fmus: dict) -> None:
-    with Slave(fmus["bogie", "native"], torque_reaction=1.0, frame_height=1.2) as bogie:
+    with FmuInstance(fmus["bogie", "native"], torque_reaction=1.0, frame_height=1.2) as bogie:
         bogie.start(brake_torque_1=60e3, brake_torque_2=60e3)
         with pytest.raises(CosimulationError, match="Wheelset 2 lifted off the rail at"):
             bogie.step(0.0, 3.0)
@@ -211,7 +211,7 @@ def test_end_of_a_run_is_a_discarded_step_with_its_sentence(fmus: dict) -> None:
 
 def test_events_are_told_as_sentences(fmus: dict) -> None:
     for kind in KINDS:
-        with Slave(fmus["bogie", kind], torque_reaction=0.0) as bogie:
+        with FmuInstance(fmus["bogie", kind], torque_reaction=0.0) as bogie:
             bogie.start(brake_torque_1=60e3)
             bogie.step(0.0, 1.0)
             assert bogie.messages == ["Wheelset 1 locked at 0.48372 s."]
@@ -230,7 +230,7 @@ def test_the_vehicle_with_other_numbers_is_an_fmu_too(tmp_path: Path, monkeypatc
     """The coal wagon, whose wheelsets carry 306 kN each; for a tenth of a second its equations need no optimising."""
     monkeypatch.setattr(compiling, "OPTIMISE_GENERATED", "-O0")
     assert main(["coal-wagon", "--kind", "native", "--out", str(tmp_path)]) == 0
-    with Slave(tmp_path / "native" / "CoalWagonDynamics.fmu", level=3) as wagon:
+    with FmuInstance(tmp_path / "native" / "CoalWagonDynamics.fmu", level=3) as wagon:
         wagon.start()
         wagon.step(0.0, 0.1)
         assert [wagon[f"axle_load_{n}"] for n in (1, 2, 3, 4)] == pytest.approx([306e3] * 4, rel=2e-3)
@@ -260,7 +260,7 @@ def test_archives_hold_no_paths_of_the_machine_that_built_them(fmus: dict) -> No
 
 
 def test_refusal_without_a_sentence_is_not_explained_by_an_older_one(fmus: dict) -> None:
-    with Slave(fmus["bogie", "native"]) as bogie:
+    with FmuInstance(fmus["bogie", "native"]) as bogie:
         bogie.start(brake_torque_1=60e3)
         bogie.step(0.0, 1.0)
         assert bogie.messages  # the lock

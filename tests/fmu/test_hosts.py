@@ -17,7 +17,7 @@ from fmu_src.native_fmu import HOST_FILES
 from tests.fmu.programs import call, found_here, shown
 from tests.needed import needed
 
-GIVEN = {"pressure_demand": 180e3, "pneumatics": 2}
+GIVEN = {"pressure_demand": 180e3, "cylinder_model": 2}
 MONO = {"mcs": "mono-mcs", "mono": "mono-runtime"}
 OUTPUTS = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 

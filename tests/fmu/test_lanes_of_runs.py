@@ -25,7 +25,7 @@ STEP, ROWS, STEPS_OF_A_ROW = 0.005, 6, 20
 ZIG = [sys.executable, "-m", "ziglang", "cc", "-mcpu=baseline"]
 #: The leading wheelset locks on a slippery rail while a yaw torque presses its flange.
 VALUES = {
-    **{"level": 3, "contact_depth": 2, "initial_speed": 20, "initial_lateral": 0.006, "initial_yaw": 0.01},
+    **{"level": 3, "contact_model": 2, "initial_speed": 20, "initial_lateral": 0.006, "initial_yaw": 0.01},
     **{"friction_1": 0.1, "friction_2": 0.1, "brake_torque_1": 60e3, "brake_torque_2": 9e3, "yaw_torque_1": 20e3},
 }
 #: Force of a flange that bears [N].
@@ -126,12 +126,12 @@ def test_a_run_has_the_same_bits_on_other_processors(processor: str, lanes: int,
 
 @pytest.mark.long
 def test_runs_in_lanes_are_clean_under_sanitizers(folder: Path, curve: Path) -> None:
-    """At each depth of contact; and what is compiled without optimisation has the same bits."""
+    """At each contact model; and what is compiled without optimisation has the same bits."""
     try:
         one = program("bogie", folder, ("-O0", *SANITIZERS))
     except compiling.CompilerError as error:
         pytest.skip(f"this compiler has no sanitizer libraries: {str(error)[-200:]}")
     for depth in (1, 2, 3):
         for lanes in WIDTHS:
-            values = values_of("bogie", curve, depth == 2) | {"contact_depth": depth}
+            values = values_of("bogie", curve, depth == 2) | {"contact_model": depth}
             assert run_of(one, lanes, values)[1] == run_of(program("bogie", folder), lanes, values)[1]

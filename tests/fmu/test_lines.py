@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description, simulate_fmu
 
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.kernel import Kernel, Library
 from rbd_model.track.line import arc, clothoid, line_of, straight
 
@@ -26,7 +26,7 @@ def curve(tmp_path: Path) -> Path:
 
 def run(path: Path, **values: float | str) -> list[float]:
     """What an FMU shows after 6 s."""
-    with Slave(path, **(SPACE | values)) as bogie:
+    with FmuInstance(path, **(SPACE | values)) as bogie:
         bogie.start()
         for number in range(6):
             bogie.step(float(number), 1.0)
@@ -57,7 +57,7 @@ def test_a_line_among_the_resources_is_the_first_one(
         archive.write(curve, "resources/line.csv")
     assert run(path) == run(fmus["bogie", "native"], line_file=str(curve))
     assert run(path, line_file="") == run(fmus["bogie", "native"])
-    with Slave(path, **SPACE, line_file="") as one:
+    with FmuInstance(path, **SPACE, line_file="") as one:
         one.start()
         one.restart(SPACE)
         one.step(0.0, 6.0)
@@ -72,13 +72,13 @@ def test_a_bad_line_among_the_resources_leaves_no_instance(
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr("resources/line.csv", "distance,curvature,cant,gradient\n0,1,0,0\n")
     with pytest.raises(CosimulationError, match=r"line\.csv, row 2, column curvature: .* got '1' 1/m"):
-        Slave(path)
+        FmuInstance(path)
 
 
 def test_a_bad_line_is_refused_with_its_row(fmus: Mapping[tuple[str, str], Path], tmp_path: Path, curve: Path) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text("distance,curvature,cant,gradient\n0,0,0,0\n1,0.5,0,0\n")
-    with Slave(fmus["bogie", "native"], **SPACE) as one:
+    with FmuInstance(fmus["bogie", "native"], **SPACE) as one:
         one.set(line_file=str(curve))
         with pytest.raises(CosimulationError, match=r"row 3, column curvature: .*0.5"):
             one.set(line_file=str(bad))
@@ -91,15 +91,15 @@ def test_a_bad_line_is_refused_with_its_row(fmus: Mapping[tuple[str, str], Path]
 
 def test_depths_that_no_line_has_are_refused(fmus: Mapping[tuple[str, str], Path], curve: Path) -> None:
     with (
-        Slave(fmus["bogie", "native"], **SPACE, contact_depth=3, line_file=str(curve)) as one,
-        pytest.raises(CosimulationError, match="Set level to 1 or 2, or contact_depth to 2, or line_file to no text"),
+        FmuInstance(fmus["bogie", "native"], **SPACE, contact_model=3, line_file=str(curve)) as one,
+        pytest.raises(CosimulationError, match="Set level to 1 or 2, or contact_model to 2, or line_file to no text"),
     ):
         one.start()
 
 
 def test_a_saved_state_goes_back_on_its_line_alone(fmus: Mapping[tuple[str, str], Path], curve: Path) -> None:
     path = fmus["bogie", "native"]
-    with Slave(path, **SPACE, line_file=str(curve)) as one, Slave(path, **SPACE) as other:
+    with FmuInstance(path, **SPACE, line_file=str(curve)) as one, FmuInstance(path, **SPACE) as other:
         for slave in (one, other):
             slave.start()
             slave.step(0.0, 3.0)
@@ -175,7 +175,7 @@ def test_model_exchange_starts_in_the_steady_state_of_its_gradient(
 def test_a_start_without_a_steady_state_is_refused(fmus: Mapping[tuple[str, str], Path], tmp_path: Path) -> None:
     path = str(line_of([arc(200.0, 100.0)], -10.0).write(tmp_path / "curve.csv"))
     with (
-        Slave(fmus["bogie", "native"], level=3, initial_speed=40.0, line_file=path) as one,
+        FmuInstance(fmus["bogie", "native"], level=3, initial_speed=40.0, line_file=path) as one,
         pytest.raises(CosimulationError, match="no steady state of rolling freely where it starts on its line at 0 s"),
     ):
         one.start()
@@ -183,7 +183,7 @@ def test_a_start_without_a_steady_state_is_refused(fmus: Mapping[tuple[str, str]
 
 def test_a_model_without_a_line_takes_no_text(fmus: Mapping[tuple[str, str], Path]) -> None:
     with (
-        Slave(fmus["brake", "native"]) as brake,
+        FmuInstance(fmus["brake", "native"]) as brake,
         pytest.raises(CosimulationError, match="not a variable of type String"),
     ):
         brake._call(brake.fmu.setString, [0], ["line.csv"])

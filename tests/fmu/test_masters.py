@@ -18,7 +18,7 @@ from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.ssp import Component, write_ssp
 from fmu_src.start_values import FILE, with_start_values
 from products.building import fmu_path
@@ -106,7 +106,7 @@ def test_no_fmu_of_a_system_warns_as_it_starts(systems: Callable[[str], Path], n
     found = sorted(tmp_path.rglob("*.fmu"))
     assert found
     for fmu in found:
-        with Slave(fmu) as slave:
+        with FmuInstance(fmu) as slave:
             slave.start()
             assert not [line for line in slave.messages if "no effect" in line], fmu.name
 
@@ -145,12 +145,12 @@ def test_start_values_that_are_none_leave_no_instance(fmus: dict, tmp_path: Path
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr(FILE, f"{row}\n")
     with pytest.raises(CosimulationError, match=r"start_values\.csv, row 1: |Set pressure_demand to at least 0 Pa"):
-        Slave(path)
+        FmuInstance(path)
 
 
 def test_wheels_lock_on_that_rail_without_protection(fmus: dict) -> None:
     friction = {f"friction_{number}": SLIDING_FRICTION for number in (1, 2, 3, 4)}
-    with Slave(fmus["braked-vehicle", "native"], level=2, initial_speed=25.0) as vehicle:
+    with FmuInstance(fmus["braked-vehicle", "native"], level=2, initial_speed=25.0) as vehicle:
         vehicle.start(**friction)  # demands that are never given count as full
         for number in range(500):
             vehicle.step(number * 0.01, 0.01)
@@ -159,7 +159,7 @@ def test_wheels_lock_on_that_rail_without_protection(fmus: dict) -> None:
 
 
 def test_wheel_speed_is_that_of_a_wheel_that_rolls(fmus: dict) -> None:
-    with Slave(fmus["braked-vehicle", "native"], level=1, initial_speed=10.0) as vehicle:
+    with FmuInstance(fmus["braked-vehicle", "native"], level=1, initial_speed=10.0) as vehicle:
         vehicle.start()
         radius = manchester_vehicle_1().wheel_radius
         assert vehicle["wheel_speed_2"] == pytest.approx(radius * vehicle["angular_velocity_2"], rel=1e-15)

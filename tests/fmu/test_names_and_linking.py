@@ -16,7 +16,7 @@ import pytest
 from fmu_src import compile as compiling
 from fmu_src.codegen import generate, guid_of
 from fmu_src.compile import build_library, compiler, library_of
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import _SIGNATURES
 from fmu_src.system import Model
 from products.registry import DIFFERENT, FMUS, model_of
@@ -251,7 +251,7 @@ def test_page_of_c_runs_the_fmu_opened_and_linked(fmus: dict, models: dict, tmp_
         subprocess.run([*call, "pressure_demand=180e3"], capture_output=True, text=True, check=True).stdout
         for call in calls
     )
-    with Slave(fmus["brake", "native"]) as brake:
+    with FmuInstance(fmus["brake", "native"]) as brake:
         brake.start(pressure_demand=180e3)
         for n in range(100):
             brake.step(n * 0.01, 0.01)

@@ -8,7 +8,7 @@ import pytest
 from fmpy.ssp.ssd import ParameterSet, read_ssv
 
 from build_fmu import main
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.parameter_file import parameter_file
 from products.parameter_sets import PARAMETER_SETS, set_files, write_sets
 from products.registry import FMUS, model_of
@@ -41,7 +41,7 @@ def test_fmu_takes_its_set_and_gives_it_back(fmus: dict, files: dict[str, Parame
     expected = PARAMETER_SETS[name].values()
     values = {p.name: float(p.value) for p in files[name].parameters}
     assert values == expected
-    with Slave(fmus[FMUS[fmu].alike or fmu, "native"], **values) as slave:
+    with FmuInstance(fmus[FMUS[fmu].alike or fmu, "native"], **values) as slave:
         assert {p.name: p.unit for p in files[name].parameters if p.unit} == {
             p.name: slave.units[p.name] for p in files[name].parameters if p.type == "Real"
         }

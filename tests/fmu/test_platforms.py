@@ -32,7 +32,7 @@ RUNNERS = {
 }
 #: Inputs and parameters by FMU; the bogie's leading wheelset locks in space, on a rail of low adhesion.
 GIVEN = {
-    "brake": {"pressure_demand": 180e3, "pneumatics": 2},
+    "brake": {"pressure_demand": 180e3, "cylinder_model": 2},
     "bogie": {
         **{"level": 3, "initial_speed": 20.0, "friction_1": 0.1, "friction_2": 0.1},
         **{"brake_torque_1": 60e3, "brake_torque_2": 9e3},

@@ -49,6 +49,7 @@ def test_each_change_of_a_variable_is_a_sentence() -> None:
     assert changes("brake", now) == [
         f"brake: hurry is new, {first.causality} [{first.unit}], since version {version}.",
         f"brake: {first.name} is gone, since version {version}.",
+        f"brake: pneumatics is called cylinder_model now, since version {version}.",
         f"brake: the unit of {second.name} is bar in place of {second.unit}, since version {version}.",
         f"brake: the start value of constant_shoe_friction is 0.3 in place of 0.25, since version {version}.",
     ]

@@ -16,7 +16,7 @@ from fmpy.fmi3 import FMU3Slave, fmi3IntermediateUpdateCallback, fmi3LogMessageC
 
 from fmu_src.codegen import RUNTIME
 from fmu_src.compile import FLAGS, compiler
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
 from fmu_src.system import System, Variable, model_of
@@ -276,6 +276,6 @@ def test_pythonfmu_fmus_open_in_a_folder_of_any_name(tmp_path: Path, monkeypatch
     for name in NAMES:
         (tmp_path / name).mkdir()
         monkeypatch.setattr("tempfile.tempdir", str(tmp_path / name))
-        with Slave(tmp_path / "Still.fmu") as one:
+        with FmuInstance(tmp_path / "Still.fmu") as one:
             one.start()
             assert one["one"] == 1.0

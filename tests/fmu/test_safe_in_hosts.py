@@ -16,7 +16,7 @@ import casadi as ca
 import pytest
 
 from fmu_src.compile import build_library
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.system import Model, System, Variable, model_of
 from rbd_model.track.friction import low
 from rbd_model.track.line import arc, line_of, straight
@@ -94,7 +94,7 @@ def saying(sentence: str, ends: bool = False) -> Kernel:
 def test_a_sentence_of_a_model_is_no_format(sentence: str, ends: bool) -> None:
     """Its end is located, at 0.5 s; a warning comes with the step."""
     kernel = saying(sentence, ends)
-    with suppress(KernelError):
+    with suppress(SimulationError):
         kernel.advance(1.0)
     before, behind = sentence.split("%s")
     [said] = kernel.journal
@@ -126,7 +126,7 @@ def test_the_journal_keeps_its_newest_sentences_the_error_among_them() -> None:
     count = 1000
     for number in range(count):
         assert call.kernel_set(kernel.handle, brake, -1.0 - number) == ERROR
-    with pytest.raises(KernelError, match=f"-{count + 1} N is below"):
+    with pytest.raises(SimulationError, match=f"-{count + 1} N is below"):
         kernel.set(brake=-1.0 - count)
     lost, *kept = kernel.journal
     assert lost == f"{count + 1 - len(kept)} earlier sentences were lost: nobody heard them."
@@ -161,8 +161,8 @@ def test_an_output_follows_an_input_through_an_algebraic_state(sleds: dict, kind
 
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_outputs_that_are_read_after_friction_changed_have_the_slope_that_is_told(bogie: Library, level: int) -> None:
-    """At contact depth 1 normal forces are algebraic states: difference and directional derivative, two ways to it."""
-    kernel = Kernel(bogie, level=level, contact_depth=1, initial_speed=20.0, brake_torque_1=8e3)
+    """At contact model 1 normal forces are algebraic states: difference and directional derivative, two ways to it."""
+    kernel = Kernel(bogie, level=level, contact_model=1, initial_speed=20.0, brake_torque_1=8e3)
     kernel.set(**{name: value for name, value in low().values(2).items() if name.startswith("friction")})
     kernel.advance(3.0)
     names = ["axle_load_1", "creep_force_1", "acceleration"]
@@ -189,12 +189,12 @@ def root(outputs: Callable[[ca.SX], ca.SX]) -> Kernel:
 
 def test_a_value_that_is_no_number_is_refused_at_every_reading() -> None:
     kernel = root(ca.sqrt)
-    with pytest.raises(KernelError, match="root has a value from the initialisation on"):
+    with pytest.raises(SimulationError, match="root has a value from the initialisation on"):
         print(kernel["root"])
     kernel.advance(1.0)
     kernel.set(level=-1.0)
     for _ in range(3):
-        with pytest.raises(KernelError, match="The output root is not a finite number at these inputs"):
+        with pytest.raises(SimulationError, match="The output root is not a finite number at these inputs"):
             print(kernel["root"])
     kernel.set(level=9.0)
     assert kernel["root"] == 3.0
@@ -204,9 +204,9 @@ def test_a_start_that_fails_leaves_no_value_behind() -> None:
     kernel = root(ca.sqrt)
     kernel.set(level=-1.0)
     for _ in range(2):
-        with pytest.raises(KernelError, match="root is not a finite number at the start"):
+        with pytest.raises(SimulationError, match="root is not a finite number at the start"):
             kernel.initialise()
-        with pytest.raises(KernelError, match="root has a value from the initialisation on"):
+        with pytest.raises(SimulationError, match="root has a value from the initialisation on"):
             print(kernel["root"])
 
 
@@ -223,7 +223,7 @@ def test_a_state_from_before_the_start_remembers_its_line(bogie: Library, tmp_pa
     kernel.restore(on_curve)
     for other in ("", str(level)):
         kernel.set(line_file=other)
-        with pytest.raises(KernelError, match="one on another line; set line_file as it was then"):
+        with pytest.raises(SimulationError, match="one on another line; set line_file as it was then"):
             kernel.restore(on_curve)
         assert kernel.get_text(bogie.index["line_file"]) == other  # nothing was restored
     kernel.restore(without)  # which needs no file
@@ -283,7 +283,7 @@ def test_a_pipe_or_a_folder_is_no_line(bogie: Library, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     with ringing(20):
         for path in (tmp_path / "pipe", tmp_path, Path(os.devnull)):
-            with pytest.raises(KernelError, match=r"it is a folder, a pipe or a device\. Give the path of a file"):
+            with pytest.raises(SimulationError, match=r"it is a folder, a pipe or a device\. Give the path of a file"):
                 Kernel(bogie, line_file=str(path))
 
 
@@ -329,5 +329,5 @@ def root_system() -> System:
 def test_a_model_without_a_line_asks_for_the_one_it_needs(tmp_path: Path) -> None:
     """A model with a line's variable and no selector: the sentence names the variable and not one that is not there."""
     kernel = Kernel(Library(build_library(model_of(system_on_a_line(), 1e-6))))
-    with pytest.raises(KernelError, match="Set line_file to the path of a file with a line"):
+    with pytest.raises(SimulationError, match="Set line_file to the path of a file with a line"):
         kernel.initialise()

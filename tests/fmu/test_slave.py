@@ -12,8 +12,8 @@ from fmpy.fmi3 import FMU3Slave
 
 from fmu_src import compile as compiling
 from fmu_src.compile import library_suffix
-from fmu_src.cosimulation.master import Connection, Coupling, Master, couple
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.master import Connection, Coupling, Master, cosimulate
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from tests.fmu.sanitized import HEADERS
 
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
@@ -56,7 +56,7 @@ def arrays(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_arrays_go_in_and_come_out_row_by_row(arrays: Path) -> None:
     gain = np.arange(6.0).reshape(2, 3)
-    with Slave(arrays, gain=gain.tolist()) as slave:
+    with FmuInstance(arrays, gain=gain.tolist()) as slave:
         slave.start(u=[1.0, 2.0, 3.0], count=7)
         assert slave.array("gain").tolist() == gain.tolist()
         assert slave.array("y") == pytest.approx(gain @ [1.0, 2.0, 3.0])
@@ -66,7 +66,7 @@ def test_arrays_go_in_and_come_out_row_by_row(arrays: Path) -> None:
 
 
 def test_what_an_array_is_not_is_told(arrays: Path) -> None:
-    with Slave(arrays) as slave:
+    with FmuInstance(arrays) as slave:
         slave.start()
         with pytest.raises(CosimulationError, match="Give u of Arrays 3 numbers; there are 2"):
             slave.set(u=[1.0, 2.0])
@@ -79,7 +79,7 @@ def test_what_an_array_is_not_is_told(arrays: Path) -> None:
 
 def braked(bogie: Path, brake: Path, master: Master) -> np.ndarray:
     """Speed of the bogie and torque of its brake, which are coupled, after each macro step."""
-    with Slave(bogie, initial_speed=25.0) as one, Slave(brake) as other:
+    with FmuInstance(bogie, initial_speed=25.0) as one, FmuInstance(brake) as other:
         one.start()
         other.start(pressure_demand=180e3, angular_velocity=25.0 / 0.425)
         connections = [
@@ -88,7 +88,7 @@ def braked(bogie: Path, brake: Path, master: Master) -> np.ndarray:
         ]
         record = [(one, "speed"), (other, "brake_torque")]
         slaves = [other, one]
-        found = couple(slaves, connections, 2.0, 1e-2, record, coupling=Coupling(slaves, connections, master))
+        found = cosimulate(slaves, connections, 2.0, 1e-2, record, coupling=Coupling(slaves, connections, master))
         return np.column_stack([found[name] for name in ("time", "speed", "brake_torque")])
 
 
@@ -107,7 +107,7 @@ def test_both_standards_give_the_same_run_in_the_master(fmus: dict) -> None:
 def test_a_value_that_is_refused_is_told_with_the_sentence_of_the_fmu(fmus: dict) -> None:
     for kind in ("native", "fmi3"):
         with (
-            Slave(fmus["bogie", kind]) as slave,
+            FmuInstance(fmus["bogie", kind]) as slave,
             pytest.raises(CosimulationError, match="Set brake_torque_1 to at least 0"),
         ):
             slave.start(brake_torque_1=-1.0)
@@ -118,4 +118,4 @@ def test_another_version_is_refused(arrays: Path, tmp_path: Path) -> None:
         text = DESCRIPTION.replace('fmiVersion="3.0"', 'fmiVersion="3.1"')
         archive.writestr("modelDescription.xml", text)
     with pytest.raises(Exception, match=r"3\.1"):
-        Slave(tmp_path / "Old.fmu")
+        FmuInstance(tmp_path / "Old.fmu")

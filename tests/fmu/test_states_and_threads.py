@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from fmu_src import compile as compiling
-from fmu_src.cosimulation.slave import Slave
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.cosimulation.slave import FmuInstance
+from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.system import state_variable
 from products.sources import ROOMS
 from rbd_model.levels.models import bogie_dynamics, levels
@@ -153,16 +153,16 @@ def test_directional_derivatives_are_those_of_differences(bogie: Library, level:
     differences = (np.array(shifted[0]) - np.array(shifted[1])) / (2 * size)
     assert found == pytest.approx(list(differences), rel=1e-5, abs=1e-6)
     assert abs(found[0]) > 0.0
-    with pytest.raises(KernelError, match="Derivatives are taken by real inputs and states; level is none"):
+    with pytest.raises(SimulationError, match="Derivatives are taken by real inputs and states; level is none"):
         kernel.directional(["speed"], {"level": 1.0})
-    with pytest.raises(KernelError, match="Only real outputs have derivatives; locked_1 is none"):
+    with pytest.raises(SimulationError, match="Only real outputs have derivatives; locked_1 is none"):
         kernel.rates(["locked_1"])
 
 
 @pytest.mark.parametrize("level", [2, 3])
 def test_derivatives_by_states_are_those_of_the_linearisation(bogie: Library, level: int) -> None:
     """Speed is the mean of the axles' states; the acceleration's share of a state is a row of the exact Jacobian."""
-    kernel = Kernel(bogie, level=level, contact_depth=1, brake_torque_1=1e4)
+    kernel = Kernel(bogie, level=level, contact_model=1, brake_torque_1=1e4)
     kernel.advance(1.0)
     assert kernel.directional(["speed"], {"state_frame_speed": 1.0}) == pytest.approx([1.0])
     assert kernel["state_angular_velocity_1"] == kernel["angular_velocity_1"]
@@ -176,7 +176,7 @@ def test_derivatives_by_states_are_those_of_the_linearisation(bogie: Library, le
     axles = rows["frame_speed"] + (rows["shift_speed_1"] + rows["shift_speed_2"]) / 2
     assert np.abs(axles).max() > 10.0  # per second: the creep law is stiff
     assert found == pytest.approx(list(axles), rel=1e-6, abs=1e-6)
-    with pytest.raises(KernelError, match="state_frame_speed is a state and cannot be set"):
+    with pytest.raises(SimulationError, match="state_frame_speed is a state and cannot be set"):
         kernel.set(state_frame_speed=1.0)
 
 
@@ -224,7 +224,7 @@ def test_sources_in_the_archive_build(fmus: dict, tmp_path: Path) -> None:
     command = [*compiling.compiler(), *compiling.FLAGS, "-O1", "-shared", "-o", str(library), *names, "-lm"]
     subprocess.run(command, cwd=tmp_path / "own/sources", check=True)
     shutil.make_archive(str(tmp_path / "own"), "zip", tmp_path / "own")
-    with Slave(tmp_path / "own.zip") as brake:
+    with FmuInstance(tmp_path / "own.zip") as brake:
         brake.start(pressure_demand=1e5)
         brake.step(0.0, 10.0)
         assert brake["cylinder_pressure"] == pytest.approx(1e5, rel=1e-3)

@@ -10,7 +10,7 @@ import pytest
 import build_fmu
 from brake_controller.protection_fmu import wheel_slide_in_python
 from brake_controller.wheel_slide import APPLY, VENT
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.building import build_protection
 from tests.fmu.hosting import THREES, answers_of_a_counter
 
@@ -45,7 +45,7 @@ def test_failing_controller_leaves_the_brake_applied_and_ends_the_run_with_a_sen
     file.write_text(
         f"class Bad:\n    def step(self, time, speeds):\n        if time < 0.1: return [2, 2]\n        {body}\n"
     )
-    with Slave(protection(tmp_path, file, "Bad")) as slave:
+    with FmuInstance(protection(tmp_path, file, "Bad")) as slave:
         slave.start(wheel_speed_1=10.0, wheel_speed_2=10.0)
         for number in range(20):  # up to 0.1 s
             slave.step(number * PERIOD, PERIOD)
@@ -59,7 +59,7 @@ def test_failing_controller_leaves_the_brake_applied_and_ends_the_run_with_a_sen
 def test_lost_sensor_applies_the_brake(tmp_path: Path) -> None:
     file = tmp_path / "vents.py"
     file.write_text("class Vents:\n    def step(self, time, speeds):\n        return [2, 2]\n")
-    with Slave(protection(tmp_path, file, "Vents")) as slave:
+    with FmuInstance(protection(tmp_path, file, "Vents")) as slave:
         slave.start(wheel_speed_1=10.0, wheel_speed_2=10.0)
         slave.step(0.0, PERIOD)
         assert slave["valve_1"] == VENT
@@ -73,7 +73,7 @@ def test_one_command_makes_the_fmu_of_a_class(tmp_path: Path, capsys: pytest.Cap
     own = ROOT / "scenarios" / "bench" / "own_controller.py"
     assert build_fmu.main(["--controller", f"{own}:FixedSlip", "--out", str(tmp_path)]) == 0
     assert "valid" in capsys.readouterr().out
-    with Slave(tmp_path / "python" / "FixedSlip.fmu") as slave:
+    with FmuInstance(tmp_path / "python" / "FixedSlip.fmu") as slave:
         slave.start(wheel_speed_1=20.0, wheel_speed_2=10.0)
         slave.step(0.0, PERIOD)
         assert slave.get(("valve_1", "valve_2")) == [APPLY, VENT]

@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 import build_fmu
 from brake_controller.protection_fmu import wheel_slide_protection
 from brake_controller.wheel_slide import APPLY, VENT
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.building import build_protection
 from products.protection.slide_protection import SlideProtection
 from tests.fmu.hosting import THREES, answers_of_a_counter
@@ -43,7 +43,7 @@ def test_it_is_asked_once_a_period_whatever_the_host_step(counts: Path) -> None:
 
 
 def test_a_saved_state_goes_back_with_the_memory_of_the_controller(counts: Path) -> None:
-    with Slave(counts) as slave:
+    with FmuInstance(counts) as slave:
         slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
         slave.step(0.0, PERIOD)
         state = slave.save()
@@ -59,7 +59,7 @@ def test_a_saved_state_goes_back_with_the_memory_of_the_controller(counts: Path)
 
 
 def test_nonsense_leaves_the_brake_applied_and_ends_with_a_sentence(counts: Path) -> None:
-    with Slave(counts) as slave:
+    with FmuInstance(counts) as slave:
         slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
         slave.step(0.0, PERIOD)
         slave.set(wheel_speed_2=-7.0)
@@ -72,7 +72,7 @@ def test_nonsense_leaves_the_brake_applied_and_ends_with_a_sentence(counts: Path
 
 
 def test_an_input_that_is_no_number_applies_the_brake(counts: Path) -> None:
-    with Slave(counts) as slave:
+    with FmuInstance(counts) as slave:
         slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
         slave.step(0.0, PERIOD)
         slave.set(wheel_speed_1=float("nan"))
@@ -83,12 +83,15 @@ def test_an_input_that_is_no_number_applies_the_brake(counts: Path) -> None:
 
 @pytest.mark.parametrize("period", [0.0, 2.0, float("nan")])
 def test_a_period_that_cannot_be_is_refused(counts: Path, period: float) -> None:
-    with Slave(counts, period=period) as slave, pytest.raises(CosimulationError, match="Set period to 1e-06 to 1 s"):
+    with (
+        FmuInstance(counts, period=period) as slave,
+        pytest.raises(CosimulationError, match="Set period to 1e-06 to 1 s"),
+    ):
         slave.start()
 
 
 def test_the_period_is_fixed_once_it_runs(counts: Path) -> None:
-    with Slave(counts) as slave:
+    with FmuInstance(counts) as slave:
         slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
         with pytest.raises(CosimulationError, match="period is a parameter and fixed once the run has begun"):
             slave.set(period=0.01)
@@ -119,7 +122,7 @@ def test_the_protection_that_comes_with_the_brake_gives_the_commands_of_its_clas
     assert not validate_fmu(str(path))
     assert read_model_description(str(path)).modelName == "WheelSlideProtection"
     direct, seen = SlideProtection(), set()
-    with Slave(path) as slave:
+    with FmuInstance(path) as slave:
         slave.start(wheel_speed_1=20.0, wheel_speed_2=20.0)
         for number in range(800):
             time = number * PERIOD

@@ -13,7 +13,7 @@ import build_fmu
 from bogie_braking import fmus
 from brake_controller.protection_fmu import MOST_WHEELSETS
 from fmu_src import compile as compiling
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.train.building import build_train
 from products.train.layout import DEPTHS
 from products.train.numbers import Settings
@@ -22,14 +22,14 @@ from rbd_model.track.line import arc, line_of, straight
 from rbd_model.train.coupler import COUPLERS
 from tests.fmu.objects import COUNTS
 
-#: Of the systems at level 3, that which is compiled soonest: contact depth 1 on straight track.
+#: Of the systems at level 3, that which is compiled soonest: contact model 1 on straight track.
 SOONEST = places_of(3, 1, False)
 
 
 def goes(path: Path) -> dict[str, float]:
     """Start values of an FMU that starts with them and makes steps, though none above a day; those asked for below."""
-    with Slave(path) as one:
-        shown = {name: one[name] for name in ("level", "contact_depth") if name in one.units}
+    with FmuInstance(path) as one:
+        shown = {name: one[name] for name in ("level", "contact_model") if name in one.units}
         one.start()
         one.step(0.0, 0.01)
         for size in (86401.0, 1e300):
@@ -54,7 +54,7 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> bb.Vehicle:
 def test_a_vehicle_at_one_level_starts_at_it_and_takes_no_other(
     level: int, kind: str, tiny: bb.Vehicle, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And of what it does not have the sentence names what it has: at level 3 here contact depth 1 alone."""
+    """And of what it does not have the sentence names what it has: at level 3 here contact model 1 alone."""
     if level == 3:
         monkeypatch.setattr(fmus, "places_of", lambda asked: SOONEST)
     path = bb.write_fmu(tiny, tmp_path / "Tiny.fmu", kind, level=level)
@@ -62,11 +62,14 @@ def test_a_vehicle_at_one_level_starts_at_it_and_takes_no_other(
     if kind == "python":  # which tells refusals in its log alone
         return
     other, limit = (level - 1, "least") if level > 1 else (level + 1, "most")
-    with Slave(path, level=other) as one, pytest.raises(CosimulationError, match=f"Set level to at {limit} {level}"):
+    with (
+        FmuInstance(path, level=other) as one,
+        pytest.raises(CosimulationError, match=f"Set level to at {limit} {level}"),
+    ):
         one.start()
     if level == 3:
-        words = r"Tiny has no system for level 3, contact_depth 2\. Set contact_depth to 1\."
-        with Slave(path, contact_depth=2) as one, pytest.raises(CosimulationError, match=words):
+        words = r"Tiny has no system for level 3, contact_model 2\. Set contact_model to 1\."
+        with FmuInstance(path, contact_model=2) as one, pytest.raises(CosimulationError, match=words):
             one.start()
 
 
@@ -74,9 +77,9 @@ def test_a_vehicle_at_one_level_starts_at_it_and_takes_no_other(
 @pytest.mark.parametrize("level", [3, None])
 def test_a_vehicle_with_all_depths_starts_as_well(level: int | None, tiny: bb.Vehicle, tmp_path: Path) -> None:
     path = bb.write_fmu(tiny, tmp_path / "Tiny.fmu", level=level)
-    assert goes(path) == {"level": level or 2, "contact_depth": 2}
+    assert goes(path) == {"level": level or 2, "contact_model": 2}
     for asked, depth in product([level or 1, 3], (1, 2, 3)):
-        with Slave(path, level=asked, contact_depth=depth) as one:
+        with FmuInstance(path, level=asked, contact_model=depth) as one:
             one.start()
             one.step(0.0, 0.01)
 

@@ -1,4 +1,4 @@
-"""What the states of level 3 at contact depth 2 mean: bodies in an inertial frame, and their accelerations back.
+"""What the states of level 3 at contact model 2 mean: bodies in an inertial frame, and their accelerations back.
 
 The model counts places and velocities in the axes of the track where a body is; its slopes are rates of these. Both are
 carried over by their meaning alone: a state a moment ago and a moment later are differenced in the inertial frame.

@@ -1,4 +1,4 @@
-"""The fast model at level 3, contact depth 2, compiled, beside the oracle of the same vehicle."""
+"""The fast model at level 3, contact model 2, compiled, beside the oracle of the same vehicle."""
 
 from __future__ import annotations
 

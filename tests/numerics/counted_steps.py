@@ -109,10 +109,10 @@ def plan_of(fmu: Path, unpacked: Path, stop: Stop) -> str:
 LEVELS: dict[str, dict[str, float]] = {
     "point": {"level": 1},
     "planar": {"level": 2},
-    "spatial, depth 1": {"level": 3, "contact_depth": 1},
-    "spatial, depth 2": {"level": 3, "contact_depth": 2},
+    "spatial, model 1": {"level": 3, "contact_model": 1},
+    "spatial, model 2": {"level": 3, "contact_model": 2},
 }
-#: By name: FMU, and its number of wheelsets, level and depth of contact.
+#: By name: FMU, and its number of wheelsets, level and contact model.
 CASES: dict[str, tuple[str, int, dict[str, float]]] = {
     f"{name} {what}": (fmu, wheelsets, values)
     for name, fmu, wheelsets in (("bogie", "bogie", 2), ("coach", "vehicle", 4))

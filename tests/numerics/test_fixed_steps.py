@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fmu_src.compile import build_library
-from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.system import System, Variable, model_of
 from scenarios.bench.drive import prepare, value_at
 from scenarios.measuring.stops import Stop, stop_of
@@ -84,7 +84,7 @@ def test_no_step_costs_much_more_than_another_at_any_level(fmus: Fmus, case: str
 
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the host counts calls of glibc")
-@pytest.mark.parametrize("case", ["bogie point", "bogie spatial, depth 2"])
+@pytest.mark.parametrize("case", ["bogie point", "bogie spatial, model 2"])
 def test_steps_take_no_memory_and_no_lock_and_call_no_system(fmus: Fmus, case: str) -> None:
     """The system kills a host that calls it within a step, as it does where the host itself does so."""
     name, wheelsets, chosen = CASES[case]
@@ -186,7 +186,7 @@ def test_the_end_of_a_run_is_that_of_the_step_it_falls_into() -> None:
         system.output(Variable("x_now", "output", "1", "x"), x)
 
     kernel = Kernel(small(write), integration_step=0.1)
-    with pytest.raises(KernelError, match=r"It is over at 0\.6 s") as ended:
+    with pytest.raises(SimulationError, match=r"It is over at 0\.6 s") as ended:
         kernel.advance(2.0)
     assert ended.value.status == DISCARD
     assert kernel.time == pytest.approx(0.6)

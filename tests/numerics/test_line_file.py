@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmu_src.kernel import ERROR, Kernel, KernelError, Library
+from fmu_src.kernel import ERROR, Kernel, Library, SimulationError
 from fmu_src.system import System, Variable, model_of
 from rbd_model.track.line import Line, Segment, arc, clothoid, line_of, straight
 from rbd_model.track.line_table import PIECES, along_line
@@ -164,7 +164,7 @@ def test_a_bad_line_ends_with_its_row_and_value(surveyor: Library, tmp_path: Pat
     path.write_bytes(text.encode())
     good = str(line_of([arc(100, 500)]).write(tmp_path / "good.csv"))
     kernel = Kernel(surveyor, line_file=good)
-    with pytest.raises(KernelError, match=sentence) as refused:
+    with pytest.raises(SimulationError, match=sentence) as refused:
         kernel.set(line_file=str(path))
     assert refused.value.status == ERROR
     assert str(path) in str(refused.value)
@@ -176,22 +176,22 @@ def test_a_bad_line_ends_with_its_row_and_value(surveyor: Library, tmp_path: Pat
 
 def test_files_that_are_none_are_refused(surveyor: Library, tmp_path: Path) -> None:
     kernel = Kernel(surveyor)
-    with pytest.raises(KernelError, match=r"cannot be opened\. Give the path"):
+    with pytest.raises(SimulationError, match=r"cannot be opened\. Give the path"):
         kernel.set(line_file=str(tmp_path / "missing.csv"))
-    with pytest.raises(KernelError, match=r"Line .* Give"):
+    with pytest.raises(SimulationError, match=r"Line .* Give"):
         kernel.set(line_file=str(tmp_path))
-    with pytest.raises(KernelError, match="is a text, no number"):
+    with pytest.raises(SimulationError, match="is a text, no number"):
         kernel.set(line_file=3.0)
-    with pytest.raises(KernelError, match="is a number, no text"):
+    with pytest.raises(SimulationError, match="is a number, no text"):
         kernel.set(speed="fast")
-    with pytest.raises(KernelError, match="Set line_file to the path of a file with a line"):
+    with pytest.raises(SimulationError, match="Set line_file to the path of a file with a line"):
         kernel.initialise()
 
 
 def test_more_rows_than_there_is_room_for_are_refused(surveyor: Library, tmp_path: Path) -> None:
     path = tmp_path / "endless.csv"
     path.write_text(HEAD + ",0,0,0\n".join(map(str, range(4_000_001))) + ",0,0,0\n")
-    with pytest.raises(KernelError, match=r"row 4000002: the file must have at most 4000000 rows\. Split it"):
+    with pytest.raises(SimulationError, match=r"row 4000002: the file must have at most 4000000 rows\. Split it"):
         Kernel(surveyor, line_file=str(path))
 
 
@@ -214,7 +214,7 @@ def test_any_bytes_end_in_a_sentence(surveyor: Library, tmp_path: Path) -> None:
             kernel.advance(10.0)
             taken += 1
             assert all(math.isfinite(kernel[name]) for name in surveyor.names if name not in ("line_file",))
-        except KernelError as error:
+        except SimulationError as error:
             refused.append(str(error))
     assert taken > 5
     assert len(refused) > 20
@@ -249,12 +249,12 @@ def test_a_saved_state_belongs_to_its_line(surveyor: Library, tmp_path: Path) ->
     for file in (other, mirrored):
         stranger = Kernel(surveyor, line_file=file, speed=10.0)
         stranger.initialise()
-        with pytest.raises(KernelError, match="one on another line; set line_file as it was then"):
+        with pytest.raises(SimulationError, match="one on another line; set line_file as it was then"):
             stranger.restore(saved)
     twin = Kernel(surveyor, line_file=one, speed=10.0)
     twin.restore(saved)
     assert twin["heading_0"] == heading
-    with pytest.raises(KernelError, match="fixed once the run has begun"):
+    with pytest.raises(SimulationError, match="fixed once the run has begun"):
         kernel.set(line_file=other)
     kernel.reset()
     assert kernel.get_text(surveyor.index["line_file"]) == ""

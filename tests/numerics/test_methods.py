@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fmu_src.compile import build_library
-from fmu_src.kernel import ERROR, Kernel, KernelError, Library
+from fmu_src.kernel import ERROR, Kernel, Library, SimulationError
 from fmu_src.system import System, Variable, model_of
 from rbd_model.vehicle.parameters import tables_4_1_and_4_2, tables_5_1_and_5_2
 from scenarios.bench.drive import RIGID, prepare
@@ -136,7 +136,7 @@ def test_fixed_step_says_when_its_error_exceeds_the_tolerance() -> None:
 
 
 def test_explicit_method_without_a_step_is_refused_with_a_sentence() -> None:
-    with pytest.raises(KernelError, match="Set integration_step above 0 s") as refused:
+    with pytest.raises(SimulationError, match="Set integration_step above 0 s") as refused:
         SMOOTH.kernel(integration_method=3)
     assert refused.value.status == ERROR
 
@@ -151,7 +151,7 @@ def test_failed_fixed_step_leaves_the_last_good_state(method: int) -> None:
     kernel = Kernel(small(write, tolerance=1e-2), integration_method=method, integration_step=0.1)
     kernel.advance(0.2)
     before = kernel["x"]
-    with pytest.raises(KernelError, match=r"finds no finite motion at t = .* shorten integration_step"):
+    with pytest.raises(SimulationError, match=r"finds no finite motion at t = .* shorten integration_step"):
         kernel.advance(5.0)
     assert kernel.time == 0.2
     assert kernel["x"] == before
@@ -183,7 +183,7 @@ def test_stop_with_explicit_steps_above_their_limit_ends_in_a_sentence_whatever_
     Host steps of 1 ms each held a thousand of them.
     """
     sentence = "a friction chatters; above its stability limit an explicit method cannot come to rest"
-    with pytest.raises(KernelError, match=sentence) as ended:
+    with pytest.raises(SimulationError, match=sentence) as ended:
         stop_from_walking_pace(host_step, traction_torque_1=-5e3, **EXPLICIT)
     assert ended.value.status == ERROR
 

@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 
 RUNS, STEPS = 60, 50
 WATCHED = ("speed", "acceleration", "slip_1", "creep_force_1", "creep_force_2", "axle_load_1", "pitch")
@@ -26,10 +26,10 @@ def drive(one: Kernel, chance: random.Random) -> None:
     one.advance(10 ** chance.uniform(-5, 1))
 
 
-def refused(one: Kernel, chance: random.Random) -> KernelError | None:
+def refused(one: Kernel, chance: random.Random) -> SimulationError | None:
     try:
         drive(one, chance)
-    except KernelError as error:
+    except SimulationError as error:
         return error
     return None
 

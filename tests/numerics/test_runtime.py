@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from fmu_src.compile import build_library
 from fmu_src.equations import functions
-from fmu_src.kernel import DISCARD, ERROR, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, ERROR, Kernel, Library, SimulationError
 from fmu_src.piecewise import interpolation
 from fmu_src.system import System, Variable, model_of
 
@@ -149,7 +149,7 @@ def test_ramp_that_would_leave_the_limits_is_refused_and_nothing_moves() -> None
     kernel = Kernel(library(integrator), u=1.0)
     kernel.initialise()
     kernel.set_rate(u=20.0)
-    with pytest.raises(KernelError, match="at most 10"):
+    with pytest.raises(SimulationError, match="at most 10"):
         kernel.step(0.0, 1.0)
     assert (kernel.time, kernel["x"]) == (0.0, 0.0)
 
@@ -163,7 +163,7 @@ def test_equations_without_a_finite_solution_end_in_a_sentence_and_keep_the_last
     kernel = Kernel(library(write))
     kernel.advance(0.5)
     before = kernel["x"]
-    with pytest.raises(KernelError, match="step size vanished") as caught:
+    with pytest.raises(SimulationError, match="step size vanished") as caught:
         kernel.advance(0.5)
     assert caught.value.status == ERROR
     assert kernel["x"] == before == pytest.approx(0.25 ** (2 / 3), rel=1e-6)
@@ -256,14 +256,14 @@ def test_start_and_a_jump_of_an_input_are_made_consistent() -> None:
     kernel.advance(1.0)
     assert kernel["x"] == pytest.approx(2.0 + 10.0, rel=1e-9)
     kernel.set(level=-1.0)
-    with pytest.raises(KernelError, match=r"The algebraic equations have no solution near t = 2 s"):
+    with pytest.raises(SimulationError, match=r"The algebraic equations have no solution near t = 2 s"):
         kernel.advance(1.0)
     for _ in range(2):  # there is no value of x at this level, neither at the first reading nor at the next
-        with pytest.raises(KernelError, match=r"The equations have no solution at t = 2 s with these inputs"):
+        with pytest.raises(SimulationError, match=r"The equations have no solution at t = 2 s with these inputs"):
             print(kernel["x"])
     kernel.set(level=100.0)
     assert kernel["x"] == pytest.approx(12.0, rel=1e-9)
-    with pytest.raises(KernelError, match="no consistent start"):
+    with pytest.raises(SimulationError, match="no consistent start"):
         Kernel(library(write), level=-1.0).initialise()
 
 
@@ -303,7 +303,7 @@ def test_saved_state_of_another_model_is_refused() -> None:
     kernel = Kernel(library(sliding_block))
     kernel.advance(1.0)
     before = kernel.save()
-    with pytest.raises(KernelError, match=r"not one of this FMU .* Nothing was restored"):
+    with pytest.raises(SimulationError, match=r"not one of this FMU .* Nothing was restored"):
         kernel.restore(b"\x7f" * len(before))
     assert kernel.save() == before
 
@@ -365,12 +365,12 @@ def test_run_ends_at_the_located_time_with_its_sentence() -> None:
 
     kernel = Kernel(library(write))
     kernel.advance(1.0)
-    with pytest.raises(KernelError, match=r"The glass was full at 2 s\.") as caught:
+    with pytest.raises(SimulationError, match=r"The glass was full at 2 s\.") as caught:
         kernel.advance(5.0)
     assert caught.value.status == DISCARD
     assert kernel.ended
     assert kernel.time == pytest.approx(2.0, abs=1e-9)
-    with pytest.raises(KernelError, match="ended at t = 2"):
+    with pytest.raises(SimulationError, match="ended at t = 2"):
         kernel.step(kernel.time, 1.0)
     kernel.reset()
     kernel.advance(1.0)
@@ -405,7 +405,7 @@ def test_saved_state_continues_bit_for_bit() -> None:
 )
 def test_bad_value_gets_a_sentence_and_the_old_one_stays(values: dict[str, float], sentence: str) -> None:
     kernel = Kernel(library(sliding_block), capacity=1.5)
-    with pytest.raises(KernelError, match=sentence):
+    with pytest.raises(SimulationError, match=sentence):
         kernel.set(**values)
     assert kernel["capacity"] == 1.5
 
@@ -414,7 +414,7 @@ def test_bad_value_gets_a_sentence_and_the_old_one_stays(values: dict[str, float
 def test_bad_step_size_advances_nothing(size: float) -> None:
     kernel = Kernel(library(sliding_block))
     kernel.initialise()
-    with pytest.raises(KernelError, match="Give a step size above 0 s"):
+    with pytest.raises(SimulationError, match="Give a step size above 0 s"):
         kernel.step(0.0, size)
     assert (kernel.time, kernel["v"]) == (0.0, 3.0)
 
@@ -422,7 +422,7 @@ def test_bad_step_size_advances_nothing(size: float) -> None:
 def test_step_from_another_time_is_refused() -> None:
     kernel = Kernel(library(sliding_block))
     kernel.advance(1.0)
-    with pytest.raises(KernelError, match="Step from t = 1 s"):
+    with pytest.raises(SimulationError, match="Step from t = 1 s"):
         kernel.step(3.0, 0.1)
 
 

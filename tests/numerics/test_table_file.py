@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.system import Piece, System, TableFile, Variable, model_of
 from readers.tables import Column
 from tests.quick_library import quick_library
@@ -107,12 +107,12 @@ def test_a_tank_is_filled_by_the_map_of_its_pump(pump: Library, tmp_path: Path) 
 def test_a_bad_map_is_refused_in_its_own_words(pump: Library, tmp_path: Path, rows: str, sentence: str) -> None:
     path = tmp_path / "map.csv"
     path.write_text(rows)
-    with pytest.raises(KernelError, match=sentence):
+    with pytest.raises(SimulationError, match=sentence):
         Kernel(pump, map_file=str(path))
 
 
 def test_a_pump_without_a_map_asks_for_one(pump: Library) -> None:
-    with pytest.raises(KernelError, match="Set map_file to the path of a file with a map; this model has no other"):
+    with pytest.raises(SimulationError, match="Set map_file to the path of a file with a map; this model has no other"):
         Kernel(pump).initialise()
 
 

@@ -231,7 +231,7 @@ def test_jacobian_is_exact_on_falling_friction_within_the_end_of_a_patch(bogie: 
     """Against central differences, on a patch that grows over a kilometre while the wheels skid."""
     patch = {"patch_start": -10.0, "patch_length": 2e3, "patch_blend": 1e3, "patch_friction": 0.2}
     values = {"brake_torque_1": 60e3, "brake_torque_2": 60e3, "tolerance": 1e-9}
-    kernel = Kernel(bogie, level=level, contact_depth=1, **patch, **(wet().values() | values))
+    kernel = Kernel(bogie, level=level, contact_model=1, **patch, **(wet().values() | values))
     kernel.advance(0.05)
     assert kernel["slip_1"] > 1.0
     assert kernel["locked_1"] == 0.0

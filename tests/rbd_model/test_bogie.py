@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fmu_src.equations import functions
-from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.system import model_of
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from rbd_model.levels.planar import planar_vehicle
@@ -206,7 +206,7 @@ def test_wheel_lift_ends_the_run_with_a_sentence(bogie: Library) -> None:
     values = {"brake_torque_1": 60e3, "brake_torque_2": 60e3, "torque_reaction": 1.0, "frame_height": 1.2}
     one = chapter_5(bogie, PLANAR, **values)
     with pytest.raises(
-        KernelError, match=r"Wheelset 2 lifted off the rail at 0\.\d+ s; the planar level ends here\."
+        SimulationError, match=r"Wheelset 2 lifted off the rail at 0\.\d+ s; the planar level ends here\."
     ) as e:
         one.advance(3.0)
     assert e.value.status == DISCARD
@@ -494,14 +494,14 @@ def test_friction_of_zero_gives_no_force_and_no_failure(bogie: Library) -> None:
     ],
 )
 def test_bad_value_gets_a_sentence(bogie: Library, values: dict[str, float], sentence: str) -> None:
-    with pytest.raises(KernelError, match=sentence):
+    with pytest.raises(SimulationError, match=sentence):
         Kernel(bogie).set(**values)
 
 
 @pytest.mark.parametrize("values", [{"rail_head_radius": 1e-3}, {"wheel_profile_curvature": -4.0}])
 def test_contact_beyond_the_tables_never_starts_a_run(bogie: Library, values: dict[str, float]) -> None:
     one = Kernel(bogie, **values)
-    with pytest.raises(KernelError, match="is not a finite number at the start; check the parameters"):
+    with pytest.raises(SimulationError, match="is not a finite number at the start; check the parameters"):
         one.initialise()
 
 

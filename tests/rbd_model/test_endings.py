@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fmu_src.kernel import Kernel, KernelError, Library
+from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.system import model_of
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.track.line import arc, clothoid, line_of, straight
@@ -40,7 +40,7 @@ def said_in_curve(library: Library, folder: Path, arm: float, sign: float) -> li
     kernel = Kernel(library, line_file=path, initial_speed=speed, constant_speed=1.0, **STIFF)
     try:
         kernel.advance(10.0)
-    except KernelError:
+    except SimulationError:
         assert kernel.ended
     return kernel.journal
 

@@ -38,7 +38,7 @@ def systems() -> tuple[System, ...]:
 
 
 def frequencies(vehicle: Library, systems: tuple[System, ...], level: int, **values: float) -> np.ndarray:
-    kernel = Kernel(vehicle, level=level, contact_depth=1, initial_speed=0.0, tolerance=1e-10, **values)
+    kernel = Kernel(vehicle, level=level, contact_model=1, initial_speed=0.0, tolerance=1e-10, **values)
     kernel.initialise()
     modes = oscillations(systems[level - 1], np.array(kernel.linearise().jacobian))
     return np.array([mode.frequency for mode in modes])
@@ -107,7 +107,7 @@ def test_bending_of_the_air_springs_stiffens_the_frames_pitch(vehicle: Library, 
 def test_static_axle_load_is_a_quarter_of_the_weight(vehicle: Library) -> None:
     """109.1 kN, at every level."""
     for level in (1, PLANAR, SPATIAL):
-        kernel = Kernel(vehicle, level=level, contact_depth=1)
+        kernel = Kernel(vehicle, level=level, contact_model=1)
         kernel.initialise()
         for number in NUMBERS:
             assert kernel[f"axle_load_{number}"] == pytest.approx(109.1e3, rel=5e-4)

@@ -1,4 +1,4 @@
-"""Friction by contact angle: head and gauge face of the rail, at each depth of contact."""
+"""Friction by contact angle: head and gauge face of the rail, at each contact model."""
 
 from __future__ import annotations
 

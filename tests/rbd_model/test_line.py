@@ -298,7 +298,7 @@ def test_a_free_wheelset_follows_its_rolling_line(wheelset: Library, written) ->
     pair, radius_of_wheel = thesis_pair(), two_axle_bogie().parameters.wheel_radius
     for radius in (600.0, 1000.0, 3000.0):
         line = written(line_of([straight(20), clothoid(60, straight(1), arc(1, radius)), arc(400, radius)]))
-        kernel = Kernel(wheelset, track_yields=0.0, line_file=line, initial_speed=3.0)
+        kernel = Kernel(wheelset, flexible_track=0.0, line_file=line, initial_speed=3.0)
         kernel.advance(60.0)
         wave = wavelength()
         mean = float(np.mean(kernel.record(2 * wave / 3.0, wave / 3.0 / 60, ["lateral_1"])["lateral_1"][:-1]))
@@ -325,7 +325,7 @@ def test_a_free_wheelset_swings_about_its_rolling_line_with_klingels_wavelength(
         line = line_of([Segment(60, (curvature, curvature))], -1.0)
         rolling = -radius * spacing * curvature / conicity
         kernel = Kernel(
-            wheelset, track_yields=0.0, line_file=written(line), initial_speed=1.0, initial_lateral=rolling + 1e-3
+            wheelset, flexible_track=0.0, line_file=written(line), initial_speed=1.0, initial_lateral=rolling + 1e-3
         )
         table = kernel.record(43.0, 0.1, ["distance", "lateral_1"])
         distance, lateral = np.array(table["distance"]), np.array(table["lateral_1"]) - rolling
@@ -349,7 +349,7 @@ def test_cant_that_balances_loads_both_rails_alike(wheelset: Library, written) -
     for share in (1.0, 1.02):
         kernel = Kernel(
             wheelset,
-            track_yields=0.0,
+            flexible_track=0.0,
             line_file=written(line_of([arc(400, radius, cant)])),
             initial_speed=share * speed,
         )
@@ -376,7 +376,7 @@ def test_a_bogie_steers_as_linear_theory_says(linear: Library, stiffness: float,
     """
     radius, speed = 5000.0, 4.0
     line = line_of([straight(20), clothoid(300, straight(1), arc(1, radius)), arc(900, radius)])
-    kernel = Kernel(linear, track_yields=0.0, line_file=written(line), initial_speed=speed, constant_speed=1.0)
+    kernel = Kernel(linear, flexible_track=0.0, line_file=written(line), initial_speed=speed, constant_speed=1.0)
     kernel.set(longitudinal_stiffness=stiffness)
     kernel.advance(230.0)
     names = ("lateral_1", "lateral_2", "yaw_1", "yaw_2")
@@ -621,7 +621,7 @@ def test_lines_that_cannot_be_built_are_refused() -> None:
 
 
 def test_the_contact_of_the_thesis_runs_on_straight_track_alone() -> None:
-    with pytest.raises(ValueError, match="Contact depth 1 runs on straight track alone"):
+    with pytest.raises(ValueError, match="Contact model 1 runs on straight track alone"):
         bogie_in_space(Contact(1))
 
 

@@ -1,4 +1,4 @@
-"""Level 3 at contact depth 2, which runs by default, against an oracle in maximal coordinates that shares nothing.
+"""Level 3 at contact model 2, which runs by default, against an oracle in maximal coordinates that shares nothing.
 
 The oracle has an inertial frame, a potential that is differenced for each connection, surfaces that are searched for
 contacts, and laws of its own. On a line its rails are the contour swept along the line. It is compared twice: with one

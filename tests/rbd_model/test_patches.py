@@ -1,4 +1,4 @@
-"""Contact depths 2 and 3: elastic patches of tread and flange, against closed forms and the rigid contact."""
+"""Contact models 2 and 3: elastic patches of tread and flange, against closed forms and the rigid contact."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ def test_wheelset_stands_on_its_treads_beyond_the_flanges_contact_too() -> None:
 
 
 def test_depth_that_is_not_there_is_refused_in_a_sentence() -> None:
-    with pytest.raises(ValueError, match=f"no contact depth 7; give one of 1: {DEPTHS[1][:8]}"):
+    with pytest.raises(ValueError, match=f"no contact model 7; give one of 1: {DEPTHS[1][:8]}"):
         Contact(7)
 
 
@@ -201,7 +201,7 @@ def test_depth_that_is_not_there_is_refused_in_a_sentence() -> None:
     ("depth", "laws"), [(1, {"flange_law": polach}), (3, {"flange_law": polach}), (3, {"creep_law": kalker_linear})]
 )
 def test_law_that_the_depth_would_not_use_is_refused(depth: int, laws: dict[str, CreepLaw]) -> None:
-    with pytest.raises(ValueError, match=f"Contact depth {depth} does not use a {next(iter(laws))}; leave it out"):
+    with pytest.raises(ValueError, match=f"Contact model {depth} does not use a {next(iter(laws))}; leave it out"):
         Contact(depth, **laws)
 
 
@@ -351,7 +351,7 @@ def slid(library: Library, weak: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_rails_of_unequal_friction_hold_by_their_own(patched: Library, rigid: Library, depth: int) -> None:
-    """At each depth of contact; the rail that holds more turns the wheelsets, and mirrored is mirrored."""
+    """At each contact model; the rail that holds more turns the wheelsets, and mirrored is mirrored."""
     for library in {2: (rigid, patched), 3: (patched,)}[depth]:
         (held, moved), (held_mirrored, moved_mirrored) = slid(library, "left"), slid(library, "right")
         assert np.abs(np.array([held, held_mirrored]) - 1).max() < SLID
@@ -409,5 +409,5 @@ def test_one_rigid_contact_refuses_unequal_sides_in_a_sentence() -> None:
     bogie = two_axle_bogie()
     sides = Sides(thesis_pair().left, european_pair().left)
     vehicle = replace(bogie, wheelsets=(replace(bogie.wheelsets[0], pair=sides), bogie.wheelsets[1]))
-    with pytest.raises(ValueError, match="give a Pair, or take contact depth 2 or 3, where each side has its own"):
+    with pytest.raises(ValueError, match="give a Pair, or take contact model 2 or 3, where each side has its own"):
         spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(1))

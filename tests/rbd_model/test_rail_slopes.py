@@ -22,7 +22,7 @@ SLOPE, SPEED, PLACE = 1e-3, 20.0, 50.0
 #: The left wheel on its flange with some 60 kN, the right one on its tread: lateral position, rise [m] and roll [rad].
 STANDS = {"lateral_1": 9.5e-3, "rise_1": 1.486e-3, "roll_1": 3.385e-3}
 #: Of a static wheel load, 60 kN: of second order in the slope, 1e-6, times up to 100 for what a creepage makes of it.
-#: Measured 4.3e-5 at depth 2 and 3. With creepage in the axes of the track 4e-3 to 5e-2.
+#: Measured 4.3e-5 at model 2 and 3. With creepage in the axes of the track 4e-3 to 5e-2.
 LOAD, BAND = 60e3, 1e-4
 
 

@@ -1,4 +1,4 @@
-"""The reference profiles of EN 15302 on a vehicle: at each depth of contact it runs, or one sentence says why not."""
+"""The reference profiles of EN 15302 on a vehicle: at each contact model it runs, or one sentence says why not."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_a_pair_that_no_ellipses_describe_is_refused_at_depth_2() -> None:
     check_ellipses(pair_of("B").left)
     count = len(parts_of(pair_of("A").left))
     assert count > MOST_PATCHES
-    sentence = f"has {count}, with jumps from y = -37.5 to 28.9 mm. Take contact depth 3"
+    sentence = f"has {count}, with jumps from y = -37.5 to 28.9 mm. Take contact model 3"
     with pytest.raises(ValueError, match=sentence):
         check_ellipses(pair_of("A").left)
 
@@ -71,13 +71,13 @@ def test_a_pair_whose_contact_jumps_is_refused_at_depth_1() -> None:
     with pytest.raises(ValueError, match="RUIC519B on rail en15302_SUIC519A jumps at 3 mm or before"):
         check_one_contact(pair_of("B"))  # the flange root touches from 2.9 mm on, and the tread's place goes on
     with pytest.raises(
-        ValueError, match=r"jumps at 0.16 mm or before, from y = 12.3 mm of the wheel. Take contact depth 2 or 3"
+        ValueError, match=r"jumps at 0.16 mm or before, from y = 12.3 mm of the wheel. Take contact model 2 or 3"
     ):
-        bb.Simulation(vehicle_on(pair_of("A")), level=3, contact_depth=1)
+        bb.Simulation(vehicle_on(pair_of("A")), level=3, contact_model=1)
     with pytest.raises(
-        ValueError, match=r"jumps at 0.16 mm or before, from y = 12.3 mm of the wheel. Take contact depth 2 or 3"
+        ValueError, match=r"jumps at 0.16 mm or before, from y = 12.3 mm of the wheel. Take contact model 2 or 3"
     ):
-        bb.batch(vehicle_on(pair_of("A")), 1.0, ["speed"], level=3, contact_depth=1)
+        bb.batch(vehicle_on(pair_of("A")), 1.0, ["speed"], level=3, contact_model=1)
 
 
 def test_distances_that_are_none_of_a_wheel_and_its_rail_are_refused_at_once() -> None:

@@ -12,11 +12,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fmu_src.compile import build_library
-from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.system import model_of
 from rbd_model.contact.geometry import contact_at, equivalent_conicity, flange_of, thesis_pair
 from rbd_model.contact.hertz import ellipse_fit, ellipse_shape, moving_ellipse
-from rbd_model.levels.models import DEPTH_ON_LINE, levels, smallest_level, wheelset_in_frame
+from rbd_model.levels.models import DEPTH_ON_LINE, levels, recommend_level, wheelset_in_frame
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.linear import critical_speed, oscillations
 from rbd_model.track.irregularity import (
@@ -56,7 +56,7 @@ def wheelset() -> Library:
 
 
 def spatial(library: Library, **values: float) -> Kernel:
-    return Kernel(library, **{"level": 3, "contact_depth": 1} | values)
+    return Kernel(library, **{"level": 3, "contact_model": 1} | values)
 
 
 def test_lost_energy_equals_brake_creep_and_damper_work(observed: Library) -> None:
@@ -211,7 +211,7 @@ def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> 
     """The ellipse moves by micrometres only; measured 0.4 mm."""
     stops = []
     for level in (2, 3):
-        kernel = Kernel(bogie, level=level, contact_depth=1, brake_torque_1=20e3, brake_torque_2=20e3)
+        kernel = Kernel(bogie, level=level, contact_model=1, brake_torque_1=20e3, brake_torque_2=20e3)
         kernel.advance(22.9)
         stops.append((kernel["distance"], kernel["lateral_1"], kernel["frame_roll"]))
     assert stops[1][0] == pytest.approx(stops[0][0], abs=1e-3)
@@ -282,7 +282,7 @@ def test_pitch_of_the_frame_is_that_of_the_planar_level(bogie: Library, reaction
     found = []
     for level in (2, 3):
         kernel = Kernel(
-            bogie, level=level, contact_depth=1, initial_speed=10.0, torque_reaction=reaction, traction_torque_1=2e4
+            bogie, level=level, contact_model=1, initial_speed=10.0, torque_reaction=reaction, traction_torque_1=2e4
         )
         pitch = kernel.record(2.0, 0.01, ["pitch", "axle_load_1"])
         kernel.set(traction_torque_1=0.0, brake_torque_2=2e4)
@@ -320,7 +320,7 @@ def test_wheelset_that_turns_ever_further_derails_where_its_wheel_falls_off_the_
     """
     kernel = Kernel(wheelset, initial_speed=15.0, yaw_torque_1=torque)
     sentence = rf"Derailed: the {side} wheel of wheelset 1 ran off the end of its tread or of the rail's head at \d\."
-    with pytest.raises(KernelError, match=sentence) as refusal:
+    with pytest.raises(SimulationError, match=sentence) as refusal:
         kernel.advance(20.0)
     assert refusal.value.status == DISCARD
     assert kernel["derailed"] == 1.0
@@ -345,7 +345,7 @@ def test_vehicle_starts_where_it_is_put_with_both_wheels_on_the_rails(
 
 @pytest.mark.parametrize("values", [{"initial_lateral": 0.011}, {"initial_yaw": -0.06}])
 def test_vehicle_that_would_start_beside_its_rails_is_refused(bogie: Library, values: dict[str, float]) -> None:
-    with pytest.raises(KernelError, match=r"Set initial_(lateral|yaw) to at (most|least) -?0\.0"):
+    with pytest.raises(SimulationError, match=r"Set initial_(lateral|yaw) to at (most|least) -?0\.0"):
         spatial(bogie, **values)
 
 
@@ -456,7 +456,7 @@ def test_asymmetric_braking_derails_at_the_fold_and_says_so(bogie: Library) -> N
     kernel.set_rate(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=131.76e3)
     kernel.advance(1.0)
     with pytest.raises(
-        KernelError, match=r"Derailed: the \w+ wheel of wheelset 1 lost its tread contact at 1\d\."
+        SimulationError, match=r"Derailed: the \w+ wheel of wheelset 1 lost its tread contact at 1\d\."
     ) as end:
         kernel.advance(20.0)
     assert end.value.status == DISCARD
@@ -467,7 +467,7 @@ def test_asymmetric_braking_derails_at_the_fold_and_says_so(bogie: Library) -> N
 
 def test_lifted_wheel_ends_the_run_or_warns(bogie: Library) -> None:
     values = {"initial_speed": 15.0, "constant_speed": 1, "yaw_torque_rotates": 1, "yaw_torque_1": 2.5e5}
-    with pytest.raises(KernelError, match=r"Wheel lift: the .* carried no load at .* s; results up to"):
+    with pytest.raises(SimulationError, match=r"Wheel lift: the .* carried no load at .* s; results up to"):
         spatial(bogie, **values).advance(1.0)
     held = spatial(bogie, wheel_lift_ends=0, **values)
     held.advance(0.2)
@@ -557,11 +557,11 @@ def test_wave_and_plateau_are_those_printed() -> None:
         (["yaw_torque_1"], ["speed"], 3, "yaw_torque_1 asks for level 3, spatial"),
         (["lateral_irregularity"], ["speed"], 3, "lateral_irregularity"),
         ([], ["derailed"], 3, "derailed"),
-        ([], ["wheel_rise_1_left"], 3, "wheel_rise_1_left asks for contact depth 2"),
+        ([], ["wheel_rise_1_left"], 3, "wheel_rise_1_left asks for contact model 2"),
         (["line_file"], ["speed"], 1, "static loads"),
         (["line_file"], ["axle_load_1"], 2, "axle_load_1 asks for level 2"),
-        (["line_file"], ["lateral_1"], 3, "line_file asks for contact depth 2: no other knows a line."),
-        (["line_file"], ["flange_force_1"], 3, "flange_force_1 asks for contact depth 2"),
+        (["line_file"], ["lateral_1"], 3, "line_file asks for contact model 2: no other knows a line."),
+        (["line_file"], ["flange_force_1"], 3, "flange_force_1 asks for contact model 2"),
         (["line_file"], ["body_roll"], 3, "body_roll belongs to the complete vehicle"),
         (["brake_torque_3"], ["speed"], 1, "brake_torque_3 belongs to the complete vehicle; speed and rotation"),
         (["brake_torque_1"], ["axle_load_1", "front_frame_pitch"], 2, "front_frame_pitch belongs to the complete"),
@@ -569,11 +569,11 @@ def test_wave_and_plateau_are_those_printed() -> None:
     ],
 )
 def test_smallest_level_says_why(driven: list[str], read: list[str], level: int, word: str) -> None:
-    choice = smallest_level(driven, read)
+    choice = recommend_level(driven, read)
     assert choice.level == level
     assert word in choice.reason
     assert choice.whole == ("complete vehicle" in choice.reason)
-    assert (choice.level == 3 and choice.depth == 1) == ("contact_depth 1 serves" in choice.reason)
+    assert (choice.level == 3 and choice.depth == 1) == ("contact_model 1 serves" in choice.reason)
     assert choice.level < 3 or "line_file" not in driven or choice.depth == DEPTH_ON_LINE
 
 
@@ -586,4 +586,4 @@ def test_smallest_level_says_why(driven: list[str], read: list[str], level: int,
 )
 def test_smallest_level_refuses_names_that_do_not_exist(read: list[str], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        smallest_level([], read)
+        recommend_level([], read)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 from fmu_src.system import System, model_of
 from rbd_model.contact.depth import Contact
 from rbd_model.levels.spatial import spatial_vehicle
@@ -309,7 +309,7 @@ def test_the_input_gradient_starts_level_2_as_a_line_does(tmp_path: Path) -> Non
 
 def test_a_speed_that_overturns_is_refused_with_a_sentence_and_leaves_all_open(tmp_path: Path) -> None:
     kernel = on_line("vehicle", curve(300.0, 0.0), tmp_path, initial_speed=45.0)
-    with pytest.raises(KernelError) as refusal:
+    with pytest.raises(SimulationError) as refusal:
         kernel.initialise()
     assert str(refusal.value) == NO_STEADY_STATE % "0"
     assert refusal.value.status == 3

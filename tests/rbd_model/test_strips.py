@@ -317,7 +317,7 @@ def creep_by_strips(stand: Stand, motion: manchester.Motion) -> np.ndarray:
 
 
 def creep_of_level(stand: Stand, motion: manchester.Motion) -> np.ndarray:
-    """As `creep_of_elements`, by contact depth 3."""
+    """As `creep_of_elements`, by contact model 3."""
     pair = manchester.manchester_pair()
     sliding, smooth = (press_wheel(pair, STEEL, mu, stand, motion).force for mu in (manchester.FRICTION, 0.0))
     return np.asarray(sliding - smooth) / (manchester.FRICTION * float(np.hypot(*smooth[1:])))
@@ -338,7 +338,7 @@ def test_patch_with_a_shoulder_creeps_as_elements_do(shift: float, monkeypatch: 
     assert 100 * math.hypot(*(found[24] - found[96])) < LIMIT_ERROR
 
 
-#: Of friction times load: elements against the benchmark with all in one plane, measured up to 1.6 %, depth 3 against
+#: Of friction times load: elements against the benchmark with all in one plane, measured up to 1.6 %, model 3 against
 #: them with the slip and the normal of each place, measured up to 0.9 %; what these are apart, measured 4.0 and 3.3 %.
 PLANE_ERROR, PLACE_ERROR, APART = 0.02, 0.0125, 0.03
 

@@ -1,4 +1,4 @@
-"""Contact depth 3: the strips in C against the finer study tool in NumPy, differences, and what has no contact."""
+"""Contact model 3: the strips in C against the finer study tool in NumPy, differences, and what has no contact."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def test_polynomial_that_is_too_far_off_is_refused() -> None:
 def test_wheel_with_more_parts_than_there_is_room_for_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     parts = len(strips_in_c.segments_of(PAIR.left))
     monkeypatch.setattr(strips_in_c, "MOST_SEGMENTS", parts - 1)
-    with pytest.raises(ValueError, match=rf"contact jumps between {parts} parts .* depth 3 has room for {parts - 1}: "):
+    with pytest.raises(ValueError, match=rf"contact jumps between {parts} parts .* model 3 has room for {parts - 1}: "):
         strips_in_c.wheel_on_strips(PAIR.left)
 
 

@@ -151,7 +151,7 @@ def test_load_moves_between_the_bogies_as_masses_on_springs_swing(level: int) ->
 
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 def test_the_swing_along_the_track_has_the_frequency_and_decay_of_masses_on_rods(level: int) -> None:
-    values = {"level": level, "contact_depth": 1, "initial_speed": SLOW}
+    values = {"level": level, "contact_model": 1, "initial_speed": SLOW}
     kernel = prepare("vehicle", **values)
     kernel.initialise()
     moving = np.diag([0.0 if state.algebraic else 1.0 for state in system_of("vehicle", **values).states.values()])

@@ -15,7 +15,7 @@ from products.registry import model_of
 from rbd_model.linear import reduced_jacobian
 from rbd_model.track.irregularity import ballasted_track
 from rbd_model.vehicle.parameters import manchester_vehicle_1
-from scenarios.lines.track_yields import RIGID, Scene, curve, peaks
+from scenarios.lines.flexible_track import RIGID, Scene, curve, peaks
 
 #: Asked of peaks over tolerances and dampings of the contact; measured is at most 5e-5 of either.
 PEAK_BAND = 0.02

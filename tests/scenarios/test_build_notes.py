@@ -182,5 +182,5 @@ def test_levels_are_written_by_one_thread_whichever_ask_which_serves(monkeypatch
     monkeypatch.setattr(models, "levels", slow)
     models._names_of_levels.cache_clear()
     with ThreadPoolExecutor(4) as pool:
-        chosen = list(pool.map(models.smallest_level, [["brake_torque_1"]] * 4, [["axle_load_1"]] * 4))
+        chosen = list(pool.map(models.recommend_level, [["brake_torque_1"]] * 4, [["axle_load_1"]] * 4))
     assert [choice.level for choice in chosen] == [2] * 4

@@ -23,7 +23,7 @@ IN_SPACE = (
 #: Behind flange impacts (peaks beyond the clearance) the motion is chaotic; the spread found is up to 5 %. On elastic
 #: patches it is not, but where wheels come off their rails: there the spread found is 9 %.
 BAND, CHAOTIC_BAND, LIFTING_BAND, FLANGE = 0.01, 0.06, 0.12, 9.5
-ON_PATCHES, LIFTING = "contact depth 2", "rotating axis, contact depth 2, trailing, 75 %"
+ON_PATCHES, LIFTING = "contact model 2", "rotating axis, contact model 2, trailing, 75 %"
 
 
 def tighter(library: Library, **values: float) -> Kernel:

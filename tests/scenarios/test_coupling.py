@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
-from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI, Connection, Coupling, Master, couple
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI, Connection, Coupling, Master, cosimulate
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 
 #: A full application by the measured law, in which the shoe friction falls with the force, and a stop behind it.
 SECONDS = 1.2
 
 
 @contextmanager
-def train(fmus: dict, kind: str = "native") -> Iterator[tuple[Slave, Slave, list]]:
+def train(fmus: dict, kind: str = "native") -> Iterator[tuple[FmuInstance, FmuInstance, list]]:
     """Brake and bogie, started: half of the QR30's cylinder force on the chapter 5 bogie's trailing wheelset."""
-    with Slave(fmus["brake", kind]) as brake, Slave(fmus["bogie", kind], initial_speed=10.0) as bogie:
+    with FmuInstance(fmus["brake", kind]) as brake, FmuInstance(fmus["bogie", kind], initial_speed=10.0) as bogie:
         brake.start(pressure_demand=150e3)
         bogie.start()
         connections = [
@@ -35,7 +35,7 @@ def distance(fmus: dict, master: Master, step: float) -> tuple[float, Coupling]:
     with train(fmus) as (brake, bogie, connections):
         bond = (connections[0], (bogie, "angular_velocity_2"))
         coupling = Coupling([brake, bogie], connections, master, [bond])
-        couple([brake, bogie], connections, SECONDS, step, [(bogie, "speed")], coupling=coupling)
+        cosimulate([brake, bogie], connections, SECONDS, step, [(bogie, "speed")], coupling=coupling)
         return bogie["distance"], coupling
 
 
@@ -142,11 +142,11 @@ def test_tolerance_that_cannot_be_met_is_told(fmus: dict) -> None:
 def test_columns_of_two_slaves_with_outputs_of_one_name_are_told_apart(fmus: dict) -> None:
     """Time stays the first column and rises; each cylinder's pressure stands under its own instance."""
     path = fmus["brake", "native"]
-    with Slave(path, "front") as front, Slave(path, "rear") as rear:
+    with FmuInstance(path, "front") as front, FmuInstance(path, "rear") as rear:
         front.start(pressure_demand=100e3)
         rear.start(pressure_demand=200e3)
         record = [(rear, "cylinder_pressure"), (front, "brake_torque"), (front, "cylinder_pressure")]
-        series = couple([front, rear], [], 5.0, 0.1, record)
+        series = cosimulate([front, rear], [], 5.0, 0.1, record)
     assert series.names == ["time", "brake_torque", "front.cylinder_pressure", "rear.cylinder_pressure"]
     assert np.all(np.diff(series["time"]) > 0.0)
     assert series["front.cylinder_pressure"][-1] == pytest.approx(100e3, rel=1e-3)
@@ -155,12 +155,12 @@ def test_columns_of_two_slaves_with_outputs_of_one_name_are_told_apart(fmus: dic
 
 def test_two_slaves_of_one_name_cannot_share_a_column(fmus: dict) -> None:
     path = fmus["brake", "native"]
-    with Slave(path) as one, Slave(path) as other:
+    with FmuInstance(path) as one, FmuInstance(path) as other:
         one.start()
         other.start()
         record = [(one, "brake_torque"), (other, "brake_torque")]
         with pytest.raises(CosimulationError, match=r"Two columns would be called BrakeCylinder\.brake_torque: give"):
-            couple([one, other], [], 1.0, 0.1, record)
+            cosimulate([one, other], [], 1.0, 0.1, record)
 
 
 def test_connection_multiplies_with_its_factor(fmus: dict) -> None:

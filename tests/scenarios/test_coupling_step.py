@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from scenarios.bench.braked_bogie import bogie_values
 from scenarios.bench.drive import prepare
 from scenarios.coupling.error import MASTERS, RATE, CoupledStop, coupled_stop, error_on_paper, order, reference
@@ -44,8 +44,8 @@ NEAR = 0.1
 
 
 @pytest.fixture(scope="module")
-def slaves(fmus: dict) -> Iterator[tuple[Slave, Slave]]:
-    with Slave(fmus["brake", "native"]) as brake, Slave(fmus["bogie", "native"]) as bogie:
+def slaves(fmus: dict) -> Iterator[tuple[FmuInstance, FmuInstance]]:
+    with FmuInstance(fmus["brake", "native"]) as brake, FmuInstance(fmus["bogie", "native"]) as bogie:
         brake.start()
         bogie.start()
         yield brake, bogie
@@ -63,7 +63,7 @@ def plant() -> Plant:
 
 @pytest.mark.parametrize("name", list(MASTERS))
 def test_stop_errs_by_the_surplus_of_the_torques_impulse(
-    slaves: tuple[Slave, Slave], exact: CoupledStop, name: str
+    slaves: tuple[FmuInstance, FmuInstance], exact: CoupledStop, name: str
 ) -> None:
     """A torque held from the start of each step brakes half a step late; from its end, half a step early."""
     master, steps = MASTERS[name], (0.02, 0.01, 0.005)
@@ -75,7 +75,7 @@ def test_stop_errs_by_the_surplus_of_the_torques_impulse(
     assert all(errors[1] != pytest.approx(other, rel=NEXT_TERM) for other in others)
 
 
-def test_capacity_holds_the_bogie_at_any_macro_step(slaves: tuple[Slave, Slave]) -> None:
+def test_capacity_holds_the_bogie_at_any_macro_step(slaves: tuple[FmuInstance, FmuInstance]) -> None:
     for step in (1e-3, 1e-2, 1e-1):
         found = capacity_stop(slaves[1], step)
         assert found.standing == 1.0
@@ -83,7 +83,7 @@ def test_capacity_holds_the_bogie_at_any_macro_step(slaves: tuple[Slave, Slave])
 
 
 @pytest.mark.parametrize("step", [5e-4, 1e-2, 1e-1])
-def test_torque_with_sign_never_lets_the_bogie_stand(slaves: tuple[Slave, Slave], step: float) -> None:
+def test_torque_with_sign_never_lets_the_bogie_stand(slaves: tuple[FmuInstance, FmuInstance], step: float) -> None:
     """It rolls backward, by more than its deceleration in a macro step."""
     found = signed_stop(slaves[1], step)
     assert found.standing == 0.0
@@ -91,7 +91,9 @@ def test_torque_with_sign_never_lets_the_bogie_stand(slaves: tuple[Slave, Slave]
 
 
 @pytest.mark.parametrize("step", [5e-4, 2e-3, 1e-2])
-def test_jump_of_the_wheels_is_torque_by_macro_step_over_inertia(slaves: tuple[Slave, Slave], step: float) -> None:
+def test_jump_of_the_wheels_is_torque_by_macro_step_over_inertia(
+    slaves: tuple[FmuInstance, FmuInstance], step: float
+) -> None:
     skid = signed_skid(slaves[1], step).jump
     assert skid == pytest.approx(jump_in_skid(step), rel=SKIDDING)
     assert skid != pytest.approx(jump_at_rest(step), rel=SKIDDING)
@@ -99,7 +101,7 @@ def test_jump_of_the_wheels_is_torque_by_macro_step_over_inertia(slaves: tuple[S
     assert rest.jump == pytest.approx(jump_at_rest(step), rel=capacity_stop(slaves[1], 1e-2).adhesion ** 2)
 
 
-def test_smoothed_sign_stands_when_it_is_wide_enough_for_the_step(slaves: tuple[Slave, Slave]) -> None:
+def test_smoothed_sign_stands_when_it_is_wide_enough_for_the_step(slaves: tuple[FmuInstance, FmuInstance]) -> None:
     """But it then creeps under a force, so that it is no way out: only a lock holds."""
     step = 2e-3
     sharp = signed_stop(slaves[1], step, 0.8 * width_on_paper(step)).jump
@@ -111,7 +113,7 @@ def test_smoothed_sign_stands_when_it_is_wide_enough_for_the_step(slaves: tuple[
 @pytest.mark.parametrize("step", [1e-3, 1e-2, 7e-2])
 @pytest.mark.parametrize("method", [JACOBI, GAUSS_SEIDEL])
 def test_disturbance_decays_below_the_boundary_and_grows_above(
-    slaves: tuple[Slave, Slave], plant: Plant, method: str, step: float
+    slaves: tuple[FmuInstance, FmuInstance], plant: Plant, method: str, step: float
 ) -> None:
     paper = boundary_on_paper(plant, method, step)
     with closing(ClosedLoop(*slaves, plant)) as loop:
@@ -119,7 +121,9 @@ def test_disturbance_decays_below_the_boundary_and_grows_above(
         assert loop.grows(method, step, (1.0 + NEAR) * paper)
 
 
-def test_gauss_seidel_bears_a_gain_with_which_jacobi_grows(slaves: tuple[Slave, Slave], plant: Plant) -> None:
+def test_gauss_seidel_bears_a_gain_with_which_jacobi_grows(
+    slaves: tuple[FmuInstance, FmuInstance], plant: Plant
+) -> None:
     """The torque of the step before is one macro step more of dead time."""
     step = 5e-3
     gain = 1.2 * boundary_on_paper(plant, JACOBI, step)

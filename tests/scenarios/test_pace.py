@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from scenarios.measuring import pace
 from scenarios.measuring.pace import Paced
 from tests.conftest import Fmus
@@ -30,13 +30,13 @@ def test_a_run_takes_as_long_as_it_says_and_reports_its_steps(capsys: pytest.Cap
 
 
 def test_a_host_that_is_too_slow_overruns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    kept = Slave.step
+    kept = FmuInstance.step
 
-    def slow(self: Slave, at: float, size: float) -> None:
+    def slow(self: FmuInstance, at: float, size: float) -> None:
         kept(self, at, size)
         time.sleep(3e-3)
 
-    monkeypatch.setattr(Slave, "step", slow)
+    monkeypatch.setattr(FmuInstance, "step", slow)
     assert main(["pace", "point", "--step", "1ms", "--seconds", "0.02"]) == 1
     assert "Overruns: 20 of 20." in capsys.readouterr().out
 

@@ -41,7 +41,7 @@ WORDS = {True: "\u2713 holds", False: "\u2717 does not hold", None: "\u2013 not 
 ROUNDED = 5e-6
 #: A rigid contact has no gap; the section leaves out the yaw, and draws profiles with straight lines [mm].
 TOUCHES = 0.05
-#: Half width in which a wheel stands on its tread [mm]; beyond it a flange at contact depth 1 is a spring that yields.
+#: Half width in which a wheel stands on its tread [mm]; beyond it a flange at contact model 1 is a spring that yields.
 TREAD = 25.0
 
 

@@ -11,7 +11,7 @@ from packaging.tags import platform_tags
 import release
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import Kernel, Library
 from products import building, prebuilt
 from products.protection import rig_in_c
@@ -48,7 +48,7 @@ def test_of_unchanged_sources_nothing_is_generated(filled: Path, monkeypatch: py
     monkeypatch.setattr(building, "_in_cache", refuse)
     path = building.up_to_date("brake", "native")
     assert path == filled / "native" / "brake.fmu"
-    with Slave(path) as brake:
+    with FmuInstance(path) as brake:
         brake.start(pressure_demand=180e3)
         brake.step(0.0, 5.0)
         from_fmu = brake["brake_torque"]

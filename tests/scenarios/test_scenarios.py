@@ -23,9 +23,9 @@ from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
 from scenarios.comparisons import speed_accuracy, train_methods
 from scenarios.comparisons.peers import ensembles
-from scenarios.contact import contact_depth, creep_laws
+from scenarios.contact import contact_model, creep_laws
 from scenarios.coupling import coupling_step
-from scenarios.lines import track_yields
+from scenarios.lines import flexible_track
 from scenarios.measuring import environment_throughput, protected_throughput, throughput, train_pace
 from scenarios.measuring import scenes as six_scenes
 from scenarios.numerics import oracle, speed, stability_atlas
@@ -119,9 +119,9 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(throughput, "STOPS", few)
     monkeypatch.setattr(throughput, "MANY", 64)
     monkeypatch.setattr(throughput, "RAILS", {0.3: 2.0})
-    monkeypatch.setattr(contact_depth, "ROUNDS", 1)
-    monkeypatch.setattr(contact_depth, "TORQUES", contact_depth.TORQUES[::8])
-    monkeypatch.setattr(contact_depth, "NEIGHBOURS", contact_depth.NEIGHBOURS[::3])
+    monkeypatch.setattr(contact_model, "ROUNDS", 1)
+    monkeypatch.setattr(contact_model, "TORQUES", contact_model.TORQUES[::8])
+    monkeypatch.setattr(contact_model, "NEIGHBOURS", contact_model.NEIGHBOURS[::3])
     monkeypatch.setattr(stability_atlas, "TRIED", (0.01, 25.0, 60.0))
     monkeypatch.setattr(stability_atlas, "SPEEDS", tuple(np.geomspace(0.01, 60.0, 11).tolist()))
     monkeypatch.setattr(stability_atlas, "FRICTIONS", tuple(np.linspace(0.05, 0.6, 3).tolist()))
@@ -140,10 +140,10 @@ def short_vehicles(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def short_track(monkeypatch: pytest.MonkeyPatch) -> None:
     """What does not vibrate on rigid rails; tests/rbd_model/test_yielding_track.py has what does."""
-    calm = [scene for scene in track_yields.scenes() if scene.name in ("curve 800 m", "straight, braked")]
-    monkeypatch.setattr(track_yields, "scenes", lambda: calm)
-    monkeypatch.setattr(track_yields, "SHOWN", "curve 800 m")
-    monkeypatch.setattr(track_yields, "REPEATS", 1)
+    calm = [scene for scene in flexible_track.scenes() if scene.name in ("curve 800 m", "straight, braked")]
+    monkeypatch.setattr(flexible_track, "scenes", lambda: calm)
+    monkeypatch.setattr(flexible_track, "SHOWN", "curve 800 m")
+    monkeypatch.setattr(flexible_track, "REPEATS", 1)
 
 
 @pytest.fixture
@@ -202,12 +202,12 @@ MISSES = {
         "15 m/s: forced peak",
         "25 m/s: natural frequency in the spectrum",
     },
-    "contact-depth": {
-        f"depth {depth}: largest error of one state, median about the default over the tolerance" for depth in (2, 3)
+    "contact-model": {
+        f"model {depth}: largest error of one state, median about the default over the tolerance" for depth in (2, 3)
     },
     "contact-manchester": {
         f"{depth}: largest miss of {quantity}"
-        for depth in ("depth 1, one ellipse", "depth 2, ellipses that part")
+        for depth in ("model 1, one ellipse", "model 2, ellipses that part")
         for quantity in ("the place on the rail", "the force ahead", "the force sideways")
     },
     "creep-forces": {"largest distance from exact theory, with spin"},

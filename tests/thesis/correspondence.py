@@ -9,7 +9,7 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from fmu_src.kernel import DISCARD, Kernel, KernelError, Library
+from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.system import System, model_of
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
@@ -101,7 +101,7 @@ def reach(of: Machine, scene: Mapping[str, float], seconds: float) -> Snapshot |
     kernel = Kernel(of.library, tolerance=1e-7, **scene)
     try:
         kernel.advance(seconds)
-    except KernelError as error:
+    except SimulationError as error:
         if error.status == DISCARD:
             return None
         raise

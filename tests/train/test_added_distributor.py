@@ -12,7 +12,7 @@ import pytest
 from brake_controller.air import AMBIENT, DISCHARGE, GAS_CONSTANT, HEAT_CAPACITY, WALL, effective_area, elliptic_flow
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.system import quantity
 from products.train.consist import Consist, TrainVehicle, block_train
 from products.train.consist_file import consist_of
@@ -155,7 +155,7 @@ def test_a_consist_picks_it_by_its_name_and_an_fmu_has_it(tmp_path: Path) -> Non
     build_train_fmu(consist, tmp_path / "train.fmu", 2)
     own = Train(consist)
     own.advance(1.0)
-    with Slave(tmp_path / "train.fmu") as fmu:
+    with FmuInstance(tmp_path / "train.fmu") as fmu:
         fmu.start()
         fmu.step(0.0, 1.0)
         found = fmu.get([f"cylinder_pressure[{n}]" for n in range(1, 6)])

@@ -13,7 +13,7 @@ from fmpy.validation import validate_fmu
 
 import build_fmu
 from fmu_src.cosimulation.faces import face_of
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from products.train.coupler_fmu import build_coupler_fmu
 from rbd_model.train.coupler import Coupler, Curve
 
@@ -32,7 +32,7 @@ def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 def ways(path: Path, course: list[float]) -> list[tuple[float, float, float]]:
     """Force, mean force and work behind each way."""
     found = []
-    with Slave(path) as coupler:
+    with FmuInstance(path) as coupler:
         coupler.start()
         for n, way in enumerate(course):
             coupler.set(way=way)
@@ -63,8 +63,8 @@ def test_a_closed_way_costs_the_area_between_both_lines(fmu: Path) -> None:
 
 
 def test_apart_it_only_pushes(fmu: Path) -> None:
-    with Slave(fmu) as coupler:
-        coupler.start(coupled=0)
+    with FmuInstance(fmu) as coupler:
+        coupler.start(coupling_closed=0)
         for n, (way, due) in enumerate(((0.02, 0.0), (-0.02, -LOADING * 0.02), (0.02, 0.0))):
             coupler.set(way=way)
             coupler.step(0.1 * n, 0.1)
@@ -72,7 +72,7 @@ def test_apart_it_only_pushes(fmu: Path) -> None:
 
 
 def test_a_saved_state_goes_back_with_its_friction(fmu: Path) -> None:
-    with Slave(fmu) as coupler:
+    with FmuInstance(fmu) as coupler:
         coupler.start()
         coupler.set(way=0.02)
         coupler.step(0.0, 0.1)

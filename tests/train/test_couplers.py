@@ -38,7 +38,7 @@ def moving(train: Train) -> float:
 def collide(coupler: Coupler, speed: float = 1.0, time: float = 0.6, **settings: object) -> Train:
     """The second vehicle runs against the first, which stands; they are not coupled."""
     train = chain([MASS, MASS], coupler, depth="delay", share=FINE, **settings)
-    train.inputs["coupled"][:] = 0.0
+    train.inputs["coupling_closed"][:] = 0.0
     state = train.motion
     state[1:3, 1] = speed
     train.motion = state
@@ -330,13 +330,13 @@ def test_curves_that_cannot_be_are_refused() -> None:
 
 def test_a_coupling_holds_from_when_vehicles_touch() -> None:
     train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), depth="delay")
-    train.inputs["coupled"][:] = 0.0
+    train.inputs["coupling_closed"][:] = 0.0
     state = train.motion
     state[0, 1], state[1:3, 1] = -1.0, 0.5
     train.motion = state
     train.advance(1.0)
     assert train.coupler_force[0] == 0.0
-    train.inputs["coupled"][:] = 1.0
+    train.inputs["coupling_closed"][:] = 1.0
     train.advance(0.5)
     assert train.coupler_force[0] == 0.0
     train.advance(4.5)

@@ -81,7 +81,7 @@ def test_an_emergency_empties_the_pipe_and_fills_all_cylinders() -> None:
 
 def test_a_shut_cock_keeps_the_brake_from_what_is_behind_it() -> None:
     one = train()
-    one.inputs["joined"][4] = 1.0
+    one.inputs["hose_state"][4] = 1.0
     one.drive("emergency")
     one.advance(20.0)
     assert (one.cylinder_pressure[:5] > 0.99 * FULL).all()
@@ -91,8 +91,8 @@ def test_a_shut_cock_keeps_the_brake_from_what_is_behind_it() -> None:
 
 def test_a_hose_that_parts_brakes_both_parts() -> None:
     one = train()
-    one.inputs["joined"][4] = 2.0
-    one.inputs["coupled"][4] = 0.0
+    one.inputs["hose_state"][4] = 2.0
+    one.inputs["coupling_closed"][4] = 0.0
     one.advance(20.0)
     assert (one.cylinder_pressure[5:] > 0.9 * FULL).all()
     assert one.cylinder_pressure[4] > 0.9 * FULL
@@ -138,8 +138,8 @@ def test_a_valve_in_the_middle_brakes_both_halves_alike() -> None:
 def test_mass_and_energy_close_with_valves_cocks_and_parted_hoses() -> None:
     """Of the air in the pipe: what left by valves, hoses and vehicles, and heat from walls."""
     one = train(6)
-    one.inputs["joined"][2] = 2.0
-    one.inputs["joined"][4] = 1.0
+    one.inputs["hose_state"][2] = 2.0
+    one.inputs["hose_state"][4] = 1.0
     mass, energy = one.air.mass, one.air.energy
     for position in ("emergency", "running", "service", "overcharge"):
         one.drive(position, 0.3)
@@ -186,7 +186,7 @@ def test_a_train_in_position_g_brakes_later_than_in_p() -> None:
         ("protection", 3.0, r"Set inputs\['protection'\]\[0\] to a whole number from 0 to 2: it was 3."),
         ("friction", float("nan"), r"Set inputs\['friction'\]\[0\] to a number from 0 to 2: it was nan."),
         ("friction", -0.3, r"Set inputs\['friction'\]\[0\] to a number from 0 to 2: it was -0.3."),
-        ("joined", 3.0, r"Set inputs\['joined'\]\[0\] to a whole number from 0 to 2: it was 3."),
+        ("hose_state", 3.0, r"Set inputs\['hose_state'\]\[0\] to a whole number from 0 to 2: it was 3."),
     ],
 )
 def test_an_input_that_cannot_be_is_refused_and_the_train_stays_as_it_was(
@@ -258,7 +258,7 @@ def test_what_is_no_number_place_or_state_is_refused() -> None:
 
 def test_a_cock_where_a_coarse_pipe_has_none_is_refused() -> None:
     one = train(6, cells=0.5)
-    one.inputs["joined"][0] = 1.0
+    one.inputs["hose_state"][0] = 1.0
     with pytest.raises(ValueError, match="there is no cock or hose; take one cell"):
         one.advance(1.0)
 

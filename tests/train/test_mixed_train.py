@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fmu_src.cosimulation.master import Connection, Coupling
-from fmu_src.cosimulation.slave import Slave
+from fmu_src.cosimulation.slave import FmuInstance
 from products.building import up_to_date
 from products.coach import COACH, NUMBERS
 from products.train.fmu import build_train_fmu
@@ -52,16 +52,16 @@ def test_fmus_coupled_by_the_master_give_the_numbers_of_one_process(tmp_path: Pa
         one.step(STEP)
     place = PLACE + 1
     with (
-        Slave(path, start_speed=SPEED) as train,
-        Slave(up_to_date("vehicle", "native"), level=2, initial_speed=SPEED) as vehicle,
+        FmuInstance(path, start_speed=SPEED) as train,
+        FmuInstance(up_to_date("vehicle", "native"), level=2, initial_speed=SPEED) as vehicle,
     ):
-        train.start(driver_position=4, **{f"led[{place}]": 2, f"led_speed[{place}]": SPEED})
+        train.start(driver_position=4, **{f"external_vehicle[{place}]": 2, f"external_vehicle_speed[{place}]": SPEED})
         vehicle.start()
         torque = COACH.wheel_radius / len(NUMBERS)
         coupling = Coupling(
             [train, vehicle],
             [
-                Connection(vehicle, "state_body_speed", train, f"led_speed[{place}]"),
+                Connection(vehicle, "state_body_speed", train, f"external_vehicle_speed[{place}]"),
                 Connection(train, f"mean_coupler_force[{place - 1}]", vehicle, "coupler_force_front"),
                 Connection(train, f"mean_coupler_force[{place}]", vehicle, "coupler_force_rear", -1.0),
                 *(Connection(train, f"brake_force[{place}]", vehicle, f"brake_torque_{n}", torque) for n in NUMBERS),

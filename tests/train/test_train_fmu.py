@@ -20,7 +20,7 @@ from brake_controller.distributors import DISTRIBUTORS
 from fmu_src.arrays_fmu import all_sources
 from fmu_src.compile import FLAGS, compiler, objects_of
 from fmu_src.cosimulation.faces import face_of
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.train.consist import Consist, block_train
 from products.train.fmu import OUTPUTS, build_train_fmu, train_in_c
 from products.train.layout import layout
@@ -52,7 +52,7 @@ class Host:
     """A train in an FMU of either standard, with arrays by name."""
 
     def __init__(self, path: Path) -> None:
-        self.path, self.slave = path, Slave(path)
+        self.path, self.slave = path, FmuInstance(path)
         self.two = read_model_description(str(path)).fmiVersion == "2.0"
         self.count = 0
 
@@ -205,8 +205,8 @@ def test_wheels_that_lock_are_told(version: int, fmus: dict[tuple[str, int], Pat
 
 
 def test_a_reset_train_runs_as_a_new_one(train: Host) -> None:
-    train.put("coupled", [0, 0])
-    train.put("joined", [2, 1])
+    train.put("coupling_closed", [0, 0])
+    train.put("hose_state", [2, 1])
     train.go(4)
     train.count = 0
     train.slave.restart({"start_speed": SPEED})
@@ -228,7 +228,7 @@ def test_where_a_step_leads_nowhere_what_was_asked_for_is_done_in_the_next() -> 
     motion = one.motion
     one.motion = np.where(np.arange(4)[:, None] == 0, math.nan, motion)  # places that lead nowhere
     for own in (one, other):
-        own.inputs["coupled"][0], own.inputs["joined"][1] = 0, 2
+        own.inputs["coupling_closed"][0], own.inputs["hose_state"][1] = 0, 2
     with pytest.raises(ValueError, match="no finite state"):
         one.advance(20.0)
     one.motion = motion
@@ -276,7 +276,7 @@ def test_it_is_valid_and_arrays_have_the_lengths_of_the_consist(
     path, vehicles = fmus[name, version], len(CONSISTS[name].vehicles)
     assert validate_fmu(str(path)) == []
     about = read_model_description(str(path))
-    for array, length in {"pull": vehicles, "speed": vehicles, "coupled": vehicles - 1, "end_force": 2}.items():
+    for array, length in {"pull": vehicles, "speed": vehicles, "coupling_closed": vehicles - 1, "end_force": 2}.items():
         if version == 3:
             [one] = [v for v in about.modelVariables if v.name == array]
             assert one.shape == (length,)
@@ -289,7 +289,7 @@ def test_a_locomotive_alone_is_a_train(tmp_path: Path) -> None:
         path = tmp_path / f"alone{version}.fmu"
         build_train_fmu(Consist(SHORT.vehicles[:1]), path, version)
         assert validate_fmu(str(path)) == []
-        with Slave(path, start_speed=SPEED) as slave:
+        with FmuInstance(path, start_speed=SPEED) as slave:
             slave.start()
             slave.step(0.0, 1.0)
             assert slave["largest_tension"] == 0.0
@@ -373,7 +373,7 @@ def test_a_state_of_another_consist_is_refused(name: str, train: Host, fmus: dic
         ("friction", [0.3, -1.0, 0.3], "Set friction[2] to 0 to 2: it was -1."),
         ("friction", [0.3, 0.3, math.nan], "Set friction[3] to 0 to 2: it was nan."),
         ("pull", [1e300, 0.0, 0.0], "Set pull[1] to -1e+07 to 1e+07 N: it was 1e+300."),
-        ("joined", [3, 0], "Set joined[1] to 0 to 2: it was 3."),
+        ("hose_state", [3, 0], "Set hose_state[1] to 0 to 2: it was 3."),
     ],
 )
 def test_what_cannot_be_set_is_refused_and_nothing_changes(
@@ -562,8 +562,8 @@ def test_a_cock_that_a_coarse_pipe_does_not_have_is_told(tmp_path: Path) -> None
     host = started(path)
     with host.slave:
         joined = [0.0] * (len(CONSISTS["long"].vehicles) - 1)
-        host.put("joined", [1, *joined[1:]])
-        with pytest.raises(CosimulationError, match=r"Set joined\[1\] to what can be there: it was 1"):
+        host.put("hose_state", [1, *joined[1:]])
+        with pytest.raises(CosimulationError, match=r"Set hose_state\[1\] to what can be there: it was 1"):
             host.go(1)
-        host.put("joined", joined)
+        host.put("hose_state", joined)
         host.go(1)

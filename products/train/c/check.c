@@ -66,7 +66,7 @@ int train_input_wrong(const train *self, long long int *element) {
     for (int row = 0; row < TRAIN_INPUTS; ++row)
         for (*element = 0; *element < layout_input(self->counts, row); ++*element) {
             const double value = self->input[row][*element];
-            const int no_face = row == IN_JOINED && value != JOINED_WHOLE && self->face[*element] <= 0;
+            const int no_face = row == IN_HOSE_STATE && value != HOSE_STATE_WHOLE && self->face[*element] <= 0;
             if (!within(value, &INPUTS[row], INPUTS[row].most) || no_face) return row;
         }
     return -1;

@@ -16,7 +16,7 @@
 enum { PARTS = 64 };
 
 struct arrays_object {
-    double values[ARRAYS_MOST]; /* WAY, COUPLED, FORCE, MEAN_FORCE, WORK */
+    double values[ARRAYS_MOST]; /* WAY, COUPLING_CLOSED, FORCE, MEAN_FORCE, WORK */
     double constants[COUPLER_ROWS], rest, way, force;
     unsigned long long mark; /* of its curves as they were read */
 };
@@ -55,7 +55,7 @@ double *arrays_values(const arrays_object *self, unsigned array, size_t *count) 
 
 void arrays_reset(arrays_object *self) {
     memset(self->values, 0, sizeof self->values);
-    self->values[COUPLED] = 1.0;
+    self->values[COUPLING_CLOSED] = 1.0;
     self->rest = self->way = self->force = 0.0;
 }
 
@@ -75,7 +75,7 @@ static void find(arrays_object *self) {
 
 void arrays_start(arrays_object *self, double time) {
     (void)time;
-    self->constants[COUPLER_COUPLED] = self->values[COUPLED];
+    self->constants[COUPLER_COUPLING_CLOSED] = self->values[COUPLING_CLOSED];
     self->rest = 0.0;
     self->values[WORK] = 0.0;
     find(self);
@@ -86,8 +86,8 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     const double begin = self->way, gone = self->values[WAY] - begin;
     double sum = 0.0, before = self->force;
     /* Coupled, it holds from when the vehicles touch. */
-    if (self->values[COUPLED] == 0.0 || begin <= 0.0 || self->values[WAY] <= 0.0)
-        self->constants[COUPLER_COUPLED] = self->values[COUPLED];
+    if (self->values[COUPLING_CLOSED] == 0.0 || begin <= 0.0 || self->values[WAY] <= 0.0)
+        self->constants[COUPLER_COUPLING_CLOSED] = self->values[COUPLING_CLOSED];
     for (int n = 1; n <= PARTS; ++n) {
         const double force = pull(self, begin + gone * n / PARTS);
         sum += (before + force) / 2.0 / PARTS;

@@ -74,7 +74,7 @@ double *motion_force(motion *self) { return self->force; }
 const double *motion_rail(const motion *self) { return self->found + 2 * self->stride; }
 
 int motion_is_coupled(const motion *self, long long int coupler) {
-    return self->coupler[coupler + COUPLER_COUPLED * self->stride] > 0.0;
+    return self->coupler[coupler + COUPLER_COUPLING_CLOSED * self->stride] > 0.0;
 }
 
 static void count_waiting(motion *self) {
@@ -89,7 +89,7 @@ static void count_led(motion *self) {
 
 void motion_couple(motion *self, long long int coupler, int coupled) {
     self->wish[coupler] = coupled;
-    if (!coupled) self->coupler[coupler + COUPLER_COUPLED * self->stride] = 0.0;
+    if (!coupled) self->coupler[coupler + COUPLER_COUPLING_CLOSED * self->stride] = 0.0;
     count_waiting(self);
 }
 
@@ -124,7 +124,7 @@ enum { KEPT_ROWS = 5 };
 long long int motion_numbers(const motion *self) { return (MOTION_STATES + KEPT_ROWS) * self->vehicles + EXTREMES + 1; }
 
 static double *kept_rows(const motion *self, int row) {
-    double *rows[] = {self->coupler + COUPLER_COUPLED * self->stride, self->wish, self->force, self->lead, self->sum};
+    double *rows[] = {self->coupler + COUPLER_COUPLING_CLOSED * self->stride, self->wish, self->force, self->lead, self->sum};
     return rows[row];
 }
 
@@ -152,7 +152,7 @@ void motion_load(motion *self, const double *numbers) {
 static void couple_what_touches(motion *self) {
     for (long long int i = 0; i + 1 < self->vehicles; ++i)
         if (self->wish[i] > 0.0 && !motion_is_coupled(self, i) && self->state[i] <= self->state[i + 1]) {
-            self->coupler[i + COUPLER_COUPLED * self->stride] = 1.0;
+            self->coupler[i + COUPLER_COUPLING_CLOSED * self->stride] = 1.0;
             --self->waiting;
         }
 }

@@ -96,7 +96,7 @@ void pipe_end(pipe *self, int end, const pipe_outside *outside) {
 
 void pipe_join(pipe *self, long long int face, int how) {
     self->looked = 0.0;
-    self->joints += (how != JOINED_WHOLE) - (self->joint[face] != JOINED_WHOLE);
+    self->joints += (how != HOSE_STATE_WHOLE) - (self->joint[face] != HOSE_STATE_WHOLE);
     self->joint[face] = (unsigned char)how;
 }
 
@@ -187,7 +187,7 @@ static void look_at_joints(pipe *self) {
                 for (int k = 0; k < 3; ++k) {
                     const double *u = self->state + n * self->stride;
                     const int beyond = (ahead && k == 0) || (!ahead && k == 2);
-                    const double mirrored = n == 1 && self->joint[face] == JOINED_SHUT ? -1.0 : 1.0;
+                    const double mirrored = n == 1 && self->joint[face] == HOSE_STATE_SHUT ? -1.0 : 1.0;
                     cells[k][n] = beyond ? mirrored * u[own] : u[own + k - 1];
                 }
             pipe_side_1(cells[0], cells[1], cells[2], found);
@@ -246,7 +246,7 @@ static void pass_joints(pipe *self, pipe_passed *passed) {
         for (int ahead = 0; ahead < 2; ++ahead) {
             const long long int own = face - 1 + ahead;
             const double area = area_of(self, own), *given = self->given + own;
-            const double opening = self->joint[face] == JOINED_PARTED ? HOSE * area : 0.0;
+            const double opening = self->joint[face] == HOSE_STATE_PARTED ? HOSE * area : 0.0;
             const pipe_outside o = {opening, area, given[CELL_AMBIENT_PRESSURE * self->stride],
                                     given[CELL_WALL_TEMPERATURE * self->stride]};
             pass_end(self, own, !ahead, &o, out[ahead]);

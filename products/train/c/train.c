@@ -163,8 +163,8 @@ static void begin_inputs(train *self) {
     fill(self->input[IN_POSITION], self->valves, POSITION_SHUT_OFF);
     self->input[IN_POSITION][0] = POSITION_RUNNING;
     fill(self->input[IN_FRICTION], self->vehicles, START_FRICTION);
-    fill(self->input[IN_COUPLED], self->vehicles - 1, 1.0);
-    fill(self->input[IN_JOINED], self->vehicles - 1, JOINED_WHOLE);
+    fill(self->input[IN_COUPLING_CLOSED], self->vehicles - 1, 1.0);
+    fill(self->input[IN_HOSE_STATE], self->vehicles - 1, HOSE_STATE_WHOLE);
     memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
 }
 
@@ -221,7 +221,7 @@ static void find_outputs(train *self) {
 
 /* Joints as inputs had them in the last step. */
 static void put_joints(train *self) {
-    const double *joined = self->given_before + (self->input[IN_JOINED] - self->input[0]);
+    const double *joined = self->given_before + (self->input[IN_HOSE_STATE] - self->input[0]);
     for (long long int i = 0; i + 1 < self->vehicles; ++i)
         if (self->face[i] > 0) pipe_join(self->air, self->face[i], (int)joined[i]);
 }
@@ -251,18 +251,19 @@ void train_begin(train *self, double time, double speed, double distance, double
 
 /* Vehicles that are computed in detail elsewhere. */
 static void lead(train *self) {
-    const double *led = self->input[IN_LED], *speed = self->input[IN_LED_SPEED];
+    const double *led = self->input[IN_EXTERNAL_VEHICLE], *speed = self->input[IN_EXTERNAL_VEHICLE_SPEED];
     const double *before = self->given_before + (led - self->input[0]);
     for (long long int i = 0; i < self->vehicles; ++i) {
-        if (led[i] == LED_CORRECTED) motion_correct(self->moves, i, speed[i], self->run[RUN_STEP]);
-        if (led[i] == LED_HELD || before[i] == LED_HELD) motion_lead(self->moves, i, led[i] == LED_HELD ? speed[i] : NAN);
+        if (led[i] == EXTERNAL_VEHICLE_CORRECTED) motion_correct(self->moves, i, speed[i], self->run[RUN_STEP]);
+        if (led[i] == EXTERNAL_VEHICLE_HELD || before[i] == EXTERNAL_VEHICLE_HELD)
+            motion_lead(self->moves, i, led[i] == EXTERNAL_VEHICLE_HELD ? speed[i] : NAN);
     }
 }
 
 /* Couplings and joints that have been changed from outside. */
 static void take_inputs(train *self) {
     const long long int couplings = self->vehicles - 1;
-    const double *coupled = self->input[IN_COUPLED], *joined = self->input[IN_JOINED];
+    const double *coupled = self->input[IN_COUPLING_CLOSED], *joined = self->input[IN_HOSE_STATE];
     const double *coupled_before = self->given_before + (coupled - self->input[0]);
     const double *joined_before = self->given_before + (joined - self->input[0]);
     for (long long int i = 0; i < couplings; ++i) {

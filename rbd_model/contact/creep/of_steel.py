@@ -17,7 +17,7 @@ class OfSteel:
     """A creep law for a Poisson's ratio of its own, with the coefficients of Kalker (1990), table E.3, at that ratio.
 
     The ellipse shrinks with (1 - nu)^(1/3), eq. (3.84). Use it for laws that take Kalker's coefficients from the patch:
-    Polach, Shen, Hedrick and Elkins, FASTSIM, FaStrip, linear. Levels 1 and 2, contact depth 3 and `exact_law` keep the
+    Polach, Shen, Hedrick and Elkins, FASTSIM, FaStrip, linear. Levels 1 and 2, contact model 3 and `exact_law` keep the
     ratio of all vehicles, `POISSON_RATIO`; so does the stiffness of a contact at a given approach.
     """
 

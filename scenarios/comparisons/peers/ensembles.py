@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fmu_src.batch import library_of_batch, run_batch
-from fmu_src.kernel import KernelError
+from fmu_src.kernel import SimulationError
 from products.registry import model_of
 from products.study.points import process_pool
 from scenarios.bench.drive import library
@@ -25,8 +25,8 @@ from scenarios.reporting.progress import counting
 
 #: What chooses a level, and the system that a batch of it runs.
 LEVELS: dict[str, tuple[dict[str, float], str]] = {
-    "planar": ({"level": 2, "contact_depth": 1}, "planar"),
-    "spatial": ({"level": 3, "contact_depth": 2}, "spatial_patches"),
+    "planar": ({"level": 2, "contact_model": 1}, "planar"),
+    "spatial": ({"level": 3, "contact_model": 2}, "spatial_patches"),
 }
 #: Simulated time of a stop [s], and least and largest torque capacity on both wheelsets [N.m]. The first stands shortly
 #: after: at rest others' methods, which switch between sliding and sticking as ours do, may do so without end.
@@ -136,7 +136,7 @@ def together(level: str, **values: float) -> tuple[Distances, np.ndarray]:
             in_lanes, {**SMOOTH.parameters, **chosen, **given, **values}, DURATION, ["state_frame_distance"]
         )
         for sentence in ends.failures.values():
-            raise KernelError(sentence, 3)
+            raise SimulationError(sentence, 3)
         return ends.outputs["state_frame_distance"]
 
     return run, places
@@ -191,7 +191,7 @@ def ours(level: str, exact: np.ndarray) -> Iterator[tuple[Rate, float]]:
         try:
             stops, single = fastest_of(alone(level, **values))
             in_batch, every = fastest_of(run)
-        except KernelError as error:  # steps that are too long
+        except SimulationError as error:  # steps that are too long
             yield Rate(level, ALONE + words, setting, None, 0.0, str(error)), 0.0
             yield Rate(level, BATCH + words, setting, None, 0.0, str(error)), 0.0
             continue

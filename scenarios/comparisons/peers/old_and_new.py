@@ -94,7 +94,7 @@ class Comparison:
 
 
 def values_of(vehicle: str, level: int, **more: float | str) -> tuple[tuple[str, float | str], ...]:
-    """A stop from 25 m/s at a level, in space at contact depth 2."""
+    """A stop from 25 m/s at a level, in space at contact model 2."""
     torques = (
         brakes(TORQUE[vehicle])
         if vehicle == "vehicle"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import BDF, LSODA, RK45, OdeSolver, Radau
 
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 from scenarios.measuring.runs import Run, failed, finish, layout_of
 from scenarios.measuring.scenes import Scene
 
@@ -52,12 +52,12 @@ class _Equations:
             raise GivenUpError(f"given up at t = {time:.3g} s after {self.kernel.counts['events']} switches")
         try:
             return np.array(self.kernel.slopes_at(time, y.tolist()))
-        except KernelError:  # a trial value without contact: the method must shorten its step
+        except SimulationError:  # a trial value without contact: the method must shorten its step
             return np.full(y.size, np.nan)
 
     def jacobian(self, time: float, y: np.ndarray) -> np.ndarray:
         self.jacobians += 1
-        with suppress(KernelError):  # the method must shorten its step, and may do so with the last one
+        with suppress(SimulationError):  # the method must shorten its step, and may do so with the last one
             self.last_jacobian = np.array(self.kernel.jacobian_at(time, y.tolist()))
         return self.last_jacobian
 
@@ -87,7 +87,7 @@ def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -
             while time < end and not kernel.ended:
                 solver = METHODS[method](equations.slopes, time, place, end, **options)
                 time, place = _to_switch(solver, equations, scene, columns, rows)
-    except (GivenUpError, KernelError) as error:
+    except (GivenUpError, SimulationError) as error:
         return failed(scene, clock.perf_counter() - begin, str(error), kernel)
     seconds = clock.perf_counter() - begin
     work = {"right_hand_sides": equations.right_hand_sides, "jacobians": equations.jacobians}

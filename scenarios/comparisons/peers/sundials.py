@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src import compile as compiling
-from fmu_src.kernel import Kernel, KernelError
+from fmu_src.kernel import Kernel, SimulationError
 from scenarios.comparisons.peers.scipy_methods import BUDGET
 from scenarios.measuring.runs import Run, failed, finish, layout_of
 from scenarios.measuring.scenes import SMOOTH, Scene
@@ -125,7 +125,7 @@ class Integrator:
             self._slope[:] = np.where(self.differential, slope, 0.0)
 
     def advance(self, end: float) -> None:
-        """Starts anew with the kernel's present inputs and goes to `end` [s], through switches. Raises KernelError."""
+        """Starts anew with the kernel's present inputs, goes to `end` [s], through switches. Raises SimulationError."""
         session = self.session
         while session.time < end and not self.kernel.ended:
             session.end = end
@@ -133,7 +133,9 @@ class Integrator:
             late = clock.time() > session.deadline
             if flag < 0 or late:
                 why = "given up" if late else f"SUNDIALS stopped with flag {flag}"
-                raise KernelError(f"{why} at t = {session.time:.4g} s after {self.kernel.counts['events']} switches", 3)
+                raise SimulationError(
+                    f"{why} at t = {session.time:.4g} s after {self.kernel.counts['events']} switches", 3
+                )
             differential = self._place[self.differential] if self.whole else self._place
             arrived = self.kernel.arrive(session.time, differential.tolist(), bool(session.rooted))
             if self.whole:
@@ -155,7 +157,7 @@ def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET
         for start, end in scene.segments():
             scene.set_inputs(kernel, start, end)
             integrator.advance(end)
-    except KernelError as error:
+    except SimulationError as error:
         return failed(scene, clock.perf_counter() - begin, str(error), kernel)
     finally:
         seconds = clock.perf_counter() - begin
@@ -195,5 +197,5 @@ def hosted_seconds(method: str, step: float, tolerance: float) -> tuple[float, f
     seconds = clock.perf_counter() - begin
     integrator.close()
     if failure:
-        raise KernelError(f"{method} failed within host steps of {step:g} s", 3)
+        raise SimulationError(f"{method} failed within host steps of {step:g} s", 3)
     return seconds / steps, kernel["distance"]

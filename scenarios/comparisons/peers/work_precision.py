@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fmu_src.cosimulation.slave import CosimulationError, Slave
+from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.building import up_to_date
 from rbd_model.levels.models import DEFAULT_TOLERANCE
 from scenarios.comparisons.peers import sundials
@@ -140,7 +140,7 @@ def works(scene: Scene, short: bool) -> Iterator[Work]:
 def hosted(scene: Scene, kind: str, step: float) -> Run:
     """The FMU at host steps through fmpy; constant inputs; samples where a host step ends."""
     rows, inputs = [], {name: history[0][1] for name, history in scene.inputs.items()}
-    with Slave(up_to_date(scene.fmu, kind), **scene.parameters) as slave:
+    with FmuInstance(up_to_date(scene.fmu, kind), **scene.parameters) as slave:
         slave.start(**inputs)
         every = max(1, round(scene.interval / step))
         begin = clock.perf_counter()

@@ -7,7 +7,7 @@ async function loadModule(packed) {
   return WebAssembly.compile(await unpacked(packed));
 }
 
-class KernelError extends Error {}
+class SimulationError extends Error {}
 
 class Kernel {
   static async create(module, names) {
@@ -70,6 +70,6 @@ class Kernel {
   }
 
   check(status) {
-    if (status > WARNING) throw new KernelError(this.journal().at(-1) ?? `The kernel answered ${status}.`);
+    if (status > WARNING) throw new SimulationError(this.journal().at(-1) ?? `The kernel answered ${status}.`);
   }
 }

@@ -71,7 +71,7 @@ class Simulation {
     try {
       while (!this.ended && this.steps < last) this.step();
     } catch (error) {
-      if (!(error instanceof KernelError)) throw error;
+      if (!(error instanceof SimulationError)) throw error;
       this.ended = error.message;
     }
     const heard = this.kernel.journal();

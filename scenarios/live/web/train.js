@@ -68,8 +68,8 @@ class Train {
   part() {
     this.parted = true;
     const middle = Math.floor(this.vehicles / 2) - 1;
-    this.input("coupled")[middle] = 0;
-    this.input("joined")[middle] = 2;
+    this.input("coupling_closed")[middle] = 0;
+    this.input("hose_state")[middle] = 2;
   }
 
   step() {

@@ -66,7 +66,7 @@ TOUCHING = 1.0
 ROUNDS = 5
 #: Depths that are timed in rounds; the third takes its minutes.
 QUICK = (1, 2)
-#: What depth 2 may cost on a stop that no flange touches, times depth 1; a wall time, so that no row is judged by it.
+#: What model 2 may cost on a stop that no flange touches, times model 1; a wall time, so that no row is judged by it.
 COST_TO_REACH = 1.3
 COLOURS, DASHES = {1: TRAILING, 2: LEADING, 3: THESIS}, {1: "--", 2: "-", 3: ":"}
 
@@ -82,21 +82,21 @@ def inputs(yaw_torque: float) -> dict[str, History]:
 def scene(depth: int) -> Scene:
     """The strong torque at a depth, every differential state read."""
     return Scene(
-        f"from tread to flange, depth {depth}",
+        f"from tread to flange, model {depth}",
         "contact that comes and stays",
         "bogie",
         DURATION,
         INTERVAL,
-        tuple(layout("bogie", level=3, contact_depth=depth).kept),
+        tuple(layout("bogie", level=3, contact_model=depth).kept),
         lateral_peak,
-        values={"contact_depth": depth, "initial_speed": SPEED},
+        values={"contact_model": depth, "initial_speed": SPEED},
         inputs=inputs(STRONG),
     )
 
 
 def history(depth: int, yaw_torque: float, **values: float) -> Recording:
     """What is read off: shift, flange force and Y/Q of the wheelset that turns."""
-    kernel = prepare("bogie", level=3, contact_depth=depth, initial_speed=SPEED, **values)
+    kernel = prepare("bogie", level=3, contact_model=depth, initial_speed=SPEED, **values)
     return play("bogie", kernel, DURATION, INTERVAL, tuple(RECORDED), inputs(yaw_torque))
 
 
@@ -132,7 +132,7 @@ class Accuracy:
 
 def accuracy(depth: int, run: Run, exact: Run) -> Accuracy:
     """Errors of a run, see there."""
-    place, form = scene(depth), layout("bogie", level=3, contact_depth=depth)
+    place, form = scene(depth), layout("bogie", level=3, contact_model=depth)
     nominal = form.nominal[form.differential]
     errors = np.array([run.samples[name] - exact.samples[name] for name in form.kept]).T / nominal
     instant, state = np.unravel_index(np.argmax(np.abs(errors)), errors.shape)
@@ -190,7 +190,7 @@ class Steps:
 
 def steps_over_shift(depth: int) -> Steps:
     """Steps through the transition, which end where a window does."""
-    place, form = scene(depth), layout("bogie", level=3, contact_depth=depth)
+    place, form = scene(depth), layout("bogie", level=3, contact_model=depth)
     kernel, rows = place.kernel(), []
     for begin in np.arange(0.0, DURATION, WINDOW):
         before = kernel.counts["steps"]
@@ -206,7 +206,7 @@ def steps_over_shift(depth: int) -> Steps:
 def missing_energy(depth: int) -> float:
     """Energy that neither brakes, creep nor dampers took, by default, as a share of that at the start.
 
-    That of depth 1: tests/rbd_model/test_spatial.py.
+    That of model 1: tests/rbd_model/test_spatial.py.
     """
     system = spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(depth))
     model = model_of(system.with_integrals(POWERS).with_outputs(ENERGIES), COMPILED_TOLERANCE)
@@ -222,7 +222,7 @@ def missing_energy(depth: int) -> float:
 
 def costs() -> dict[int, float]:
     """Seconds of the smooth stop of `speed-accuracy`, which no flange touches, by depth."""
-    kernels = {depth: SMOOTH.kernel(contact_depth=depth) for depth in DEPTHS}
+    kernels = {depth: SMOOTH.kernel(contact_model=depth) for depth in DEPTHS}
     torques = {name: history[0][1] for name, history in SMOOTH.inputs.items()}
 
     def once(kernel: Kernel) -> None:
@@ -253,7 +253,7 @@ class Findings:
     missing: Mapping[int, float]
 
     def more(self, name: str, torque: float, depth: int = 1) -> float:
-        """What a depth finds more than depth 2, in % of that."""
+        """What a depth finds more than model 2, in % of that."""
         return 100 * (self.peaks[depth][torque][name] / self.peaks[2][torque][name] - 1.0)
 
 
@@ -279,7 +279,7 @@ def run(options: Options) -> Report:
     series = Recording({"time": "s"}, [[time] for time in found.histories[1]["time"]])
     for depth, one in found.histories.items():
         for name, unit in RECORDED.items():
-            series.add(f"{name}, depth {depth}", unit, one[name])
+            series.add(f"{name}, model {depth}", unit, one[name])
     rows = [row for depth in DEPTHS for row in accuracy_rows(depth, found)]
     rows += step_rows(found) + difference_rows(found) + cost_rows(found)
     parameters = tables_5_1_and_5_2().values() | {
@@ -328,7 +328,7 @@ def accuracy_rows(depth: int, found: Findings) -> list[Row]:
         middle = float(np.median(errors)) * DEFAULT_TOLERANCE
         rows[f"{words}, median about the default"] = middle, at_most(ERROR_BAND), spread
     return [
-        measured(f"depth {depth}: {words} over the tolerance", "1", error / DEFAULT_TOLERANCE, source, asked, note)
+        measured(f"model {depth}: {words} over the tolerance", "1", error / DEFAULT_TOLERANCE, source, asked, note)
         for words, (error, asked, note) in rows.items()
     ]
 
@@ -340,24 +340,24 @@ def step_rows(found: Findings) -> list[Row]:
         shortest, period = 1e3 * float(one.step[one.shift > MOVED].min()), 1e3 * one.period
         asked = at_least(period / STEPS_OF_A_PERIOD)
         note = f"the fastest vibration takes {period:.2g} ms; mean of windows of {1e3 * WINDOW:g} ms"
-        quantity, source = f"depth {depth}: shortest step onto the flange", "eigenvalues of the exact Jacobian"
+        quantity, source = f"model {depth}: shortest step onto the flange", "eigenvalues of the exact Jacobian"
         rows.append(measured(quantity, "ms", shortest, source, asked, note))
     source = "work of brakes, creep, dampers and contacts"
     for depth, missing in found.missing.items():
-        quantity = f"depth {depth}: energy that is missing, as a share"
+        quantity = f"model {depth}: energy that is missing, as a share"
         rows.append(measured(quantity, "1", missing, source, at_most(ENERGY_BAND)))
     return rows
 
 
 def difference_rows(found: Findings) -> list[Row]:
-    """What depths 1 and 3 find more than depth 2, below and above the torque that brings the flange to its rail."""
+    """What models 1 and 3 find more than model 2, below and above the torque that brings the flange to its rail."""
     rows = []
     for depth, torque, (name, (words, unit, scale)) in product((1, 3), (TORQUES[0], WEAK, STRONG), COMPARED.items()):
         if name == "flange_force_1" and torque < WEAK:
             continue  # no flange touches
         one, two = (scale * found.peaks[number][torque][name] for number in (depth, 2))
-        quantity = f"{1e-3 * torque:.3g} kN.m: {words}, depth {depth} over depth 2, less 1"
-        note = f"depth {depth} finds {one:.4g}, depth 2 {two:.4g} in {unit}"
+        quantity = f"{1e-3 * torque:.3g} kN.m: {words}, model {depth} over model 2, less 1"
+        note = f"model {depth} finds {one:.4g}, model 2 {two:.4g} in {unit}"
         rows.append(measured(quantity, "%", found.more(name, torque, depth), "measured now", None, note))
     return rows
 
@@ -371,9 +371,9 @@ def cost_rows(found: Findings) -> list[Row]:
         ("stop without flange contact", found.costs, asked),
         ("run onto the flange", onto, ""),
     ):
-        rows += [measured(f"depth {n}: {words}", "ms", 1e3 * one, source) for n, one in seconds.items()]
+        rows += [measured(f"model {n}: {words}", "ms", 1e3 * one, source) for n, one in seconds.items()]
         for depth in (2, 3):
-            quantity = f"{words}: time of depth {depth} over depth 1"
+            quantity = f"{words}: time of model {depth} over model 1"
             rows.append(measured(quantity, "1", seconds[depth] / seconds[1], source, None, note if depth == 2 else ""))
     return rows
 
@@ -382,13 +382,13 @@ def remarks(found: Findings) -> list[str]:
     """The rule, and where each depth fails."""
     error, about = found.accuracies[2][DEFAULT_TOLERANCE], found.about_default[2].single
     return [
-        "Depth 1 serves off the flange, where both find the same, and for comparison with the thesis. From the flange "
+        "Model 1 serves off the flange, where both find the same, and for comparison with the thesis. From the flange "
         f"on its wheelset goes {found.more('lateral_1', STRONG):.0f} % too far and presses the flange "
-        f"{found.more('flange_force_1', STRONG):.0f} % too hard; Y/Q, climb and lift ask for depth 2.",
-        f"Depth 2 errs most where the flange touches, at {1e3 * error.shift:.2f} mm: there {error.state} is off by "
+        f"{found.more('flange_force_1', STRONG):.0f} % too hard; Y/Q, climb and lift ask for model 2.",
+        f"Model 2 errs most where the flange touches, at {1e3 * error.shift:.2f} mm: there {error.state} is off by "
         f"{error.single / DEFAULT_TOLERANCE:.0f} tolerances for an instant; with tolerances near the default by "
         f"{min(about):.0f} to {max(about):.0f}, as steps happen to end at the impact.",
-        "Depth 3 parts from depth 2 before the flange touches: from 7 mm of shift on the tread's patch, 11 mm broad, "
+        "Model 3 parts from model 2 before the flange touches: from 7 mm of shift on the tread's patch, 11 mm broad, "
         "reaches into the fillet and grows to 18 mm, which no ellipse does. The rail pushes back earlier, the flange "
         f"meets it later, and Y/Q is {-found.more('derailment_quotient_1_left', STRONG, 3):.0f} % lower. It takes "
         f"{found.costs[3] / found.costs[2]:.0f} times as long, and is for measured profiles, whose contact jumps or is "
@@ -408,26 +408,26 @@ def draw(found: Findings) -> Figure:
     draw_cost(grid[2, 0], found)
     draw_course(grid[2, 1], found)
     further = found.more("lateral_1", STRONG)
-    return titled(figure, f"At the flange depth 1 shifts {further:.0f} % further than depth 2")
+    return titled(figure, f"At the flange model 1 shifts {further:.0f} % further than model 2")
 
 
 def draw_history(axis: Axes, found: Findings, name: str) -> None:
     words, unit, scale = COMPARED[name]
     for depth, series in found.histories.items():
         values = scale * np.abs(series[name])
-        axis.plot(series["time"], values, DASHES[depth], color=COLOURS[depth], label=f"depth {depth}")
+        axis.plot(series["time"], values, DASHES[depth], color=COLOURS[depth], label=f"model {depth}")
     axis.set(title=f"{words.removeprefix('peak ')} of the leading wheelset [{unit}]", xlabel="time [s]")
     axis.legend()
 
 
 def draw_difference(axis: Axes, found: Findings) -> None:
-    """What depth 1 misses, over the torque."""
+    """What model 1 misses, over the torque."""
     for (name, (words, _, _)), marker, colour in zip(COMPARED.items(), "os^", THREE, strict=True):
         # Below, no flange touches.
         touched = [torque for torque in TORQUES if name != "flange_force_1" or found.peaks[2][torque][name] > TOUCHING]
         values = [found.more(name, torque) for torque in touched]
         axis.plot([1e-3 * torque for torque in touched], values, marker=marker, color=colour, label=words)
-    axis.set(title="depth 1 finds more than depth 2 by [%]", xlabel="yaw torque at full brake [kN.m]")
+    axis.set(title="model 1 finds more than model 2 by [%]", xlabel="yaw torque at full brake [kN.m]")
     axis.legend()
 
 
@@ -438,9 +438,9 @@ def draw_steps(axis: Axes, found: Findings) -> None:
         axis.plot(1e3 * one.shift[near], 1e3 * one.step[near], "o", color=COLOURS[depth], markersize=3)
         limit = 1e3 * one.period / STEPS_OF_A_PERIOD
         if depth not in QUICK:
-            continue  # as that of depth 2
+            continue  # as that of model 2
         axis.axhline(limit, color=COLOURS[depth], linewidth=0.8, linestyle=":")
-        place, words = (1e3 * NEAR_FLANGE, limit), f"1/{STEPS_OF_A_PERIOD} of the fastest period, depth {depth}"
+        place, words = (1e3 * NEAR_FLANGE, limit), f"1/{STEPS_OF_A_PERIOD} of the fastest period, model {depth}"
         axis.annotate(words, place, xytext=(0, 3), textcoords="offset points", fontsize=7)
     axis.set_yscale("log")
     axis.yaxis.set_major_formatter("{x:g}")
@@ -457,7 +457,7 @@ def draw_cost(axis: Axes, found: Findings) -> None:
         for kind, (marker, words) in kinds.items():
             values = [getattr(one, kind) for one in by_tolerance.values()]
             axis.plot(
-                times, values, marker + DASHES[depth], color=colour, markersize=5, label=f"depth {depth}, {words}"
+                times, values, marker + DASHES[depth], color=colour, markersize=5, label=f"model {depth}, {words}"
             )
             ringed = getattr(default, kind)
             axis.plot(1e3 * default.seconds, ringed, "o", color=colour, markersize=12, fillstyle="none")
@@ -480,7 +480,7 @@ def draw_course(axis: Axes, found: Findings) -> None:
 
 
 SCENARIO = Scenario(
-    "contact-depth",
+    "contact-model",
     "From tread to flange at all depths of contact: what each misses, what it costs, and how well it is solved",
     run,
 )

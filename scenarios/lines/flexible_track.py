@@ -34,7 +34,7 @@ DAMPINGS, BAND = (1.0, 0.5, 2.0), 0.02
 REPEATS = 2
 #: The scene whose wheel load is drawn, and how much of its end [m].
 SHOWN, DRAWN = "curve 500 m, friction 0.5", 10.0
-RIGID, YIELDING = {"track_yields": 0.0}, {"track_yields": 1.0}
+RIGID, YIELDING = {"flexible_track": 0.0}, {"flexible_track": 1.0}
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def shown_loads(scene: Scene) -> Recording:
 
 def run(options: Options) -> Report:
     every = scenes()
-    outcomes = [compare(scene) for scene in counting(every, "track-yields")]
+    outcomes = [compare(scene) for scene in counting(every, "flexible-track")]
     series = shown_loads(next(scene for scene in every if scene.name == SHOWN))
     rows = [row for outcome in outcomes for row in rows_of(outcome)]
     needed = [one.scene for one in outcomes if one.error > BAND]
@@ -201,7 +201,7 @@ def draw(series: Recording, outcomes: list[Outcome]) -> Figure:
 
 
 SCENARIO = Scenario(
-    "track-yields",
+    "flexible-track",
     "When do rails have to yield? Loads of a coach on rigid rails and on rails that yield, and what they cost",
     run,
 )
