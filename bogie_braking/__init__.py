@@ -1,6 +1,6 @@
 """Brake a railway vehicle in simulation: torque goes in; speed, wheel rotation, slip and lock-up come out.
 
-The page *In Python, one name* of the documentation says what is promised of the names here. What else lies below this
+The page *Python API* of the documentation describes the names and their compatibility. All other modules of this
 package may change.
 """
 
