@@ -101,7 +101,7 @@ def show(scenario: Scenario, report: Report, folder: Path, whole: bool) -> None:
     print(f"{scenario.name}: {scenario.summary}\n")
     print(table(report.rows) if whole else short_table(report.rows, folder))
     if any(row.holds is False for row in report.rows):
-        print("\nThe documentation gives the reasons: page How it is checked, section What does not hold.")
+        print("\nThe documentation gives the reasons: page Verification, section Known deviations.")
     for remark in report.remarks:
         print(f"\n{remark}")
     print(f"\nPicture: {folder / 'figure.png'}")

@@ -15,7 +15,7 @@ HEAD = """# Scenarios
 `docs/generate/catalogue.py` writes this page from `scenarios/catalogue.py`. `python -m bogie_braking run NAME` runs a
 scenario. It prints a table of what is expected (the thesis, a closed form, another method) beside what was simulated,
 and writes `summary.json`, `timeseries.csv` and `figure.png` into `results/NAME/`. The exit status is 1 if a row does
-not hold; [these rows are known](checking.md#what-does-not-hold). [Running scenarios](running.md) explains options,
+not hold; [these rows are known](checking.md#known-deviations). [Running scenarios](running.md) explains options,
 sweeps and macro steps. [Choosing](choosing.md) explains the pictures of `speed-accuracy`, `throughput`,
 `stability-atlas`, `coupling-step`, `levels` and `levels-in-curves`, and [fitted](fitted.md) that of `sensitivity`. In
 the site that `make docs` builds, each scenario has a page with its picture and its table.
