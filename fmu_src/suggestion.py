@@ -11,19 +11,19 @@ MOST_NAMES = 12
 
 #: Names that were others in versions before, by their old ones: of variables, settings and public functions.
 RENAMED = {
-    "SimulationError": "SimulationError",
-    "FmuInstance": "FmuInstance",
-    "contact-model": "contact-model",
-    "contact_model": "contact_model",
-    "cosimulate": "cosimulate",
+    "KernelError": "SimulationError",
+    "Slave": "FmuInstance",
+    "contact-depth": "contact-model",
+    "contact_depth": "contact_model",
+    "couple": "cosimulate",
     "coupled": "coupling_closed",
     "joined": "hose_state",
-    "external_vehicle": "external_vehicle",
-    "external_vehicle_speed": "external_vehicle_speed",
-    "cylinder_model": "cylinder_model",
-    "recommend_level": "recommend_level",
-    "flexible-track": "flexible-track",
-    "flexible_track": "flexible_track",
+    "led": "external_vehicle",
+    "led_speed": "external_vehicle_speed",
+    "pneumatics": "cylinder_model",
+    "smallest_level": "recommend_level",
+    "track-yields": "flexible-track",
+    "track_yields": "flexible_track",
 }
 
 

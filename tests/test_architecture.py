@@ -195,7 +195,7 @@ PLUMBING = {
     "rbd_model/contact/hertz.py": {"polynomial"},
     "rbd_model/contact/gauge_side.py": {"upright"},
     "rbd_model/contact/strips_in_c.py": {"array_in_c", "checked", "contour_entry", "contour_in_c", "fitted"},
-    "rbd_model/track/line.py": {"arc", "clothoid", "irregular", "hose_state", "line_of", "read_line", "straight"},
+    "rbd_model/track/line.py": {"arc", "clothoid", "irregular", "joined", "line_of", "read_line", "straight"},
     "rbd_model/track/line_rows.py": {"checked_rows"},
     "rbd_model/track/line_table.py": {"along_line"},
     "rbd_model/wheelset/elastic.py": {"surroundings"},

@@ -140,10 +140,10 @@ def test_a_level_of_any_kind_of_number_is_that_level(one: float) -> None:
 
 
 def test_a_name_of_an_earlier_version_is_refused_with_the_new_one() -> None:
-    with pytest.raises(AttributeError, match=r"no public name FmuInstance; its name is FmuInstance now"):
-        _ = bb.FmuInstance  # type: ignore[attr-defined]
-    with pytest.raises(bb.SimulationError, match=r"no variable contact_model; its name is contact_model now"):
-        bb.run("bogie", 1.0, level=3, contact_model=2)
+    with pytest.raises(AttributeError, match=r"no public name Slave; its name is FmuInstance now"):
+        _ = bb.Slave  # type: ignore[attr-defined]
+    with pytest.raises(bb.SimulationError, match=r"no variable contact_depth; its name is contact_model now"):
+        bb.run("bogie", 1.0, level=3, contact_depth=2)
 
 
 def test_what_cannot_be_is_told_in_a_sentence() -> None:
