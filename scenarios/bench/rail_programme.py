@@ -61,11 +61,15 @@ class Score:
 
 
 def scores(
-    machine: Machine, trials: Sequence[Trial], parameters: SlideProtectionParameters, settings: Settings
+    machine: Machine,
+    trials: Sequence[Trial],
+    parameters: SlideProtectionParameters,
+    settings: Settings,
+    by_flow: bool = True,
 ) -> list[Score]:
-    """Protected stops on these rails."""
+    """Return the scores of protected stops on these rails; by_flow: as `Rig` takes it."""
     runs = [Run(trial.rail.values(len(machine.numbers)), trial.speed) for trial in trials]
-    stops = Rig(machine, lambda: SlideProtection(parameters), settings, by_flow=True).runs(runs)
+    stops = Rig(machine, lambda: SlideProtection(parameters), settings, by_flow=by_flow).runs(runs)
     ideal = [
         PeakAdhesion(machine, run.values).stopping_distance(trial.speed)
         for run, trial in zip(runs, trials, strict=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -28,11 +29,19 @@ from tests.rbd_model.test_adhesion import adhesion
 DRY, _, LOW, _ = (rail.values() for rail in RAILS)
 #: Braking force and largest creep force: the brake fills to 1e-3, slip ratios are tried 20 % apart.
 USED_BAND = 3e-3
-#: Distance over the ideal on rails on which no threshold was chosen; measured 1.28 on the bogie. Thresholds were chosen
-#: with cylinders that fill by time, which refill 2.6 times as fast at first, and were met there by 1.25.
-REPORTED = 1.3
-#: How short of the ideal a stop may come, which tries 28 slips.
-TRIED = 0.99
+#: Distances over the ideal that are above OVER_IDEAL, and the band of these values. Thresholds were chosen with
+#: cylinders that fill by time. By flow of air they refill 2.6 times as slowly at first: venting for nothing costs more.
+#: Sensors: teeth, jitter, whether by flow of air. Rails, of the bogie by flow of air: name, initial speed [m/s].
+MISSED_BY_SENSORS = {(2000, 0.3, True): 1.325}
+MISSED_ON_RAILS = {
+    ("0.08 falling", 40.0): 1.260,
+    ("0.1 falling", 40.0): 1.262,
+    ("0.12 falling", 40.0): 1.280,
+    ("0.15", 25.0): 1.275,
+    ("0.15 falling", 15.0): 1.264,
+    ("0.15 falling", 40.0): 1.260,
+}
+MISSED_BAND = 5e-3
 
 
 def stopped(
@@ -40,9 +49,10 @@ def stopped(
     rail: dict[str, float],
     settings: Settings | None = None,
     every: float = 0.0,
+    by_flow: bool = True,
 ) -> Stop:
     """One stop of the bogie."""
-    [stop] = Rig(bogie(), make, settings or Settings(), by_flow=True).runs([Run(rail)], every=every)
+    [stop] = Rig(bogie(), make, settings or Settings(), by_flow=by_flow).runs([Run(rail)], every=every)
     return stop
 
 
@@ -62,7 +72,7 @@ def test_protection_neither_locks_nor_wastes_adhesion(ideal: float, period: floa
     assert stop.longest_lock <= LONGEST_LOCK
     assert stop.share_in_band >= SHARE
     assert stop.distance is not None
-    assert TRIED * ideal < stop.distance < OVER_IDEAL * ideal
+    assert ideal < stop.distance < OVER_IDEAL * ideal
 
 
 def test_without_protection_the_wheels_lock_and_the_stop_is_longer(locked: Stop, ideal: float) -> None:
@@ -93,17 +103,22 @@ def test_what_a_stop_uses_of_a_rail_is_told_apart_from_its_distance() -> None:
     assert row.simulated == pytest.approx(slowed / own.parameters.gravity / rail.condition.friction, rel=USED_BAND)
 
 
-#: Teeth, and errors of their places as a share of the pitch; and what a stop may take over the ideal. Teeth that err by
-#: 0.3 of it: measured 1.325, as what was vented for nothing refills slowly.
-SENSORS = [(80, 0.0, OVER_IDEAL), (100, 0.1, OVER_IDEAL), (2000, 0.3, 1.35), (10000, 0.0, OVER_IDEAL)]
+#: Teeth, and errors of their places as a share of the pitch.
+SENSORS = [(80, 0.0), (100, 0.1), (200, 0.0), (2000, 0.3), (10000, 0.0)]
 
 
-@pytest.mark.parametrize(("teeth", "jitter", "most"), SENSORS)
-def test_every_sensor_is_enough_on_a_low_rail(ideal: float, teeth: int, jitter: float, most: float) -> None:
-    stop = stopped(SlideProtection, LOW, Settings(pulses=teeth, jitter=jitter))
+@pytest.mark.parametrize(("teeth", "jitter"), SENSORS)
+@pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
+def test_every_sensor_is_enough_on_a_low_rail(ideal: float, teeth: int, jitter: float, by_flow: bool) -> None:
+    """All but the known misses, whose values are held."""
+    stop = stopped(SlideProtection, LOW, Settings(pulses=teeth, jitter=jitter), by_flow=by_flow)
     assert stop.distance is not None
     assert stop.longest_lock <= LONGEST_LOCK
-    assert TRIED * ideal < stop.distance < most * ideal
+    missed = MISSED_BY_SENSORS.get((teeth, jitter, by_flow))
+    if missed:
+        assert stop.distance / ideal == pytest.approx(missed, abs=MISSED_BAND)
+    else:
+        assert ideal < stop.distance < OVER_IDEAL * ideal
 
 
 #: The same on dry rail.
@@ -149,9 +164,13 @@ def test_an_ideal_that_never_stops_is_refused(monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.long
 @pytest.mark.parametrize("make", [bogie, coach])
-def test_thresholds_hold_on_rails_on_which_they_were_not_chosen(make: Callable[[], Machine]) -> None:
-    found = scores(make(), for_reporting(), common_protection(), Settings())
-    assert all(score.over_ideal is not None and score.over_ideal <= REPORTED for score in found)
+@pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
+def test_thresholds_hold_on_rails_on_which_they_were_not_chosen(make: Callable[[], Machine], by_flow: bool) -> None:
+    """All but the known misses, whose values are held."""
+    found = scores(make(), for_reporting(), common_protection(), Settings(), by_flow)
+    ratios = {(score.trial.rail.name, score.trial.speed): score.over_ideal or math.inf for score in found}
+    missed = {trial: ratio for trial, ratio in ratios.items() if ratio > OVER_IDEAL}
+    assert missed == pytest.approx(MISSED_ON_RAILS if make is bogie and by_flow else {}, abs=MISSED_BAND)
     assert max(score.longest_lock for score in found) <= LONGEST_LOCK
 
 

@@ -466,22 +466,27 @@ DAMAGES |= {
 
 
 def test_each_field_is_held_to_its_limits_and_to_whole_numbers() -> None:
-    """The message names the field; distances of a line have to rise."""
+    """The limits themselves are taken. The message names the field; distances of a line have to rise."""
     numbers, wrong = numbers_of(SHORT, Settings(), None), functions().train_wrong
     assert wrong(numbers.ctypes.data, numbers.size) is None
+
+    def said_of(group: str, name: str, value: float) -> str:
+        changed = numbers.copy()
+        changed[place_of(group, name)] = value
+        return (wrong(changed.ctypes.data, changed.size) or b"").decode()
+
     for group in layout():
         for one in group.fields:
             most = one.most + (COUNTS[one.counts] if one.counts else 0)
-            for value in (
-                math.nan,
-                np.nextafter(one.least, -math.inf),
-                np.nextafter(most, math.inf),
-                *[0.5] * one.whole,
-            ):
-                changed = numbers.copy()
-                changed[place_of(group.name, one.name)] = value
-                said = wrong(changed.ctypes.data, changed.size).decode()
-                assert said in (one.text, "its length"), (group.name, one.name, value)
+            below, above = (
+                (one.least - 1, most + 1)
+                if one.whole
+                else (np.nextafter(one.least, -math.inf), np.nextafter(most, math.inf))
+            )
+            for value in (math.nan, below, above, *[0.5] * one.whole):
+                assert said_of(group.name, one.name, value) == one.text, (group.name, one.name, value)
+            for value in (one.least, most):
+                assert said_of(group.name, one.name, value) != one.text, (group.name, one.name, value)
     line = Line({"distance": np.array([0.0, 1.0])})
     level = numbers_of(SHORT, Settings(), line)
     assert wrong(level.ctypes.data, level.size) is None
