@@ -183,13 +183,16 @@ def head_of(
     for name, column in columns.items():
         if not all(map(math.isfinite, column)):
             raise ValueError(f"{name} must be finite where a folder keeps the runs; got {shown(column)}.")
+    refused = TypeError(
+        "A folder keeps runs of ready machines and of vehicles, with numbers and tables; got equations or a function. "
+        "Leave folder out."
+    )
+    if isinstance(what, System | Model):
+        raise refused
     try:
         rest = hashlib.sha256(pickle.dumps((what, line, values))).hexdigest()[:24]
     except (pickle.PicklingError, AttributeError, TypeError):
-        raise TypeError(
-            "A folder keeps runs of ready machines and of vehicles, with numbers and tables; got equations or a "
-            "function. Leave folder out."
-        ) from None
+        raise refused from None
     held = {name: float(value) for name, value in values.items() if is_number(value)}
     name = what if isinstance(what, str) else what.name
     return {

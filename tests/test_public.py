@@ -521,6 +521,8 @@ def test_a_sweep_in_a_folder_goes_on_where_it_was_interrupted(tmp_path: Path) ->
     ):
         with pytest.raises((ValueError, TypeError), match=re.escape(sentence)):
             bb.sweep("bogie", 5.0, ["distance"], vary, folder=folder, **other)
+    with pytest.raises(TypeError, match=r"got equations or a function\. Leave folder out\.$"):
+        bb.sweep(sled().systems[0], 0.5, ["distance"], {"mass": [10.0]}, folder=tmp_path / "sled")
     with pytest.raises(ValueError, match="friction_1 must be finite where a folder keeps the runs"):
         bb.sweep("bogie", 5.0, ["distance"], {"friction_1": [np.nan]}, folder=folder, **scene)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -26,6 +27,8 @@ JOURNAL = "journal.jsonl"
 FORM = 2
 #: What to do where it is not of the sweep that is asked for.
 ADVICE = "Give another --out and both stay; --restart begins anew in its place."
+#: Infinite results, by their texts in a line: JSON has no number for them.
+INFINITE = {"inf": math.inf, "-inf": -math.inf}
 #: Largest count of damaged lines whose numbers a message lists.
 TOLD = 5
 
@@ -119,8 +122,8 @@ class Journal:
             names = ", ".join(self._results)
             raise ValueError(f"{what} must have the results {names}; got {shown(', '.join(results) or 'none')}.")
         for name, value in results.items():
-            if not (value is None or is_number(value)):
-                raise ValueError(f"{what}: {name} must be a finite number or null; got {shown(value)}.")
+            if not (value is None or is_number(value) or (isinstance(value, str) and value in INFINITE)):
+                raise ValueError(f"{what}: {name} must be a number, null, inf or -inf; got {shown(value)}.")
         numbers = {name: None if results[name] is None else float(results[name]) for name in self._results}
         return number, Outcome(numbers, point=point, said=text_in(found, "said", what) if "said" in found else "")
 
@@ -162,7 +165,9 @@ class Journal:
     def _line(self, number: int, outcome: Outcome) -> dict[str, Any]:
         answer: dict[str, Any] = {"failure": outcome.failure}
         if outcome.failure is None:
-            answer = {"results": outcome.results} | ({"said": outcome.said} if outcome.said else {})
+            texts: dict[float | None, str] = {value: text for text, value in INFINITE.items()}
+            results = {name: texts.get(value, value) for name, value in (outcome.results or {}).items()}
+            answer = {"results": results} | ({"said": outcome.said} if outcome.said else {})
         return checked({"point": number, "parameters": self._points[number], **answer}, self._head["check"])
 
     def _append(self, *lines: Mapping[str, Any]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import random
 import signal
 import sys
@@ -16,6 +17,7 @@ import pytest
 
 from products.study.journal import Journal, checked
 from products.study.lock import LOCK, only_writer
+from products.study.points import Outcome
 from readers.storage import PARTIAL
 from scenarios.scenario import BadInputError
 from tests.scenarios import cheap_points as points
@@ -53,6 +55,17 @@ def written(out: Path, lines: list[bytes]) -> Path:
     path.parent.mkdir()
     path.write_bytes(b"\n".join([*lines, b""]))
     return path
+
+
+def test_infinite_results_are_kept_as_they_are(tmp_path: Path) -> None:
+    """JSON has no number for them; they ended a sweep."""
+    found = Outcome({"product": math.inf, "ratio": -math.inf}, point={"x": 1.0})
+    before: dict[int, Outcome]
+    for before in ({}, {0: found}):
+        journal = Journal(tmp_path / JOURNAL, {}, [{"x": 1.0}], ["product", "ratio"])
+        assert journal.outcomes == before
+        with journal:
+            journal.add({0: found})
 
 
 # ---- killed, and continued -----------------------------------------------------------------------------------------
@@ -245,10 +258,10 @@ FORGED: dict[str, Callable[[Line], Line]] = {
     "must have the results product, ratio; got none": lambda line: line | {"results": {}},
     "the results product, ratio; got product": lambda line: line | {"results": {"product": 1.0}},
     "ratio; got product, ratio, more": lambda line: line | {"results": line["results"] | {"more": 1.0}},
-    "product must be a finite number or null; got true": lambda line: (
+    "product must be a number, null, inf or -inf; got true": lambda line: (
         line | {"results": line["results"] | {"product": True}}
     ),
-    "product must be a finite number or null; got 1.0": lambda line: (
+    "product must be a number, null, inf or -inf; got 1.0": lambda line: (
         line | {"results": line["results"] | {"product": "1.0"}}
     ),
     "results must be an object; got null": lambda line: line | {"results": None},
