@@ -1,4 +1,4 @@
-"""Writes docs/scenarios.md: every scenario by its room, from the catalogue. --check only compares."""
+"""Write docs/scenarios.md from the catalogue: every scenario by its package. --check only compares."""
 
 import importlib
 import sys
@@ -12,13 +12,14 @@ from scenarios.scenario import Scenario
 PAGE = DOCS / "scenarios.md"
 HEAD = """# Scenarios
 
-`docs/generate/catalogue.py` writes this page from `scenarios/catalogue.py`. `python -m bogie_braking run NAME` runs a
-scenario. It prints a table of what is expected (the thesis, a closed form, another method) beside what was simulated,
-and writes `summary.json`, `timeseries.csv` and `figure.png` into `results/NAME/`. The exit status is 1 if a row does
-not hold; [these rows are known](checking.md#known-deviations). [Running scenarios](running.md) explains options,
-sweeps and macro steps. [Choosing](choosing.md) explains the pictures of `speed-accuracy`, `throughput`,
-`stability-atlas`, `coupling-step`, `levels` and `levels-in-curves`, and [fitted](fitted.md) that of `sensitivity`. In
-the site that `make docs` builds, each scenario has a page with its picture and its table.
+`python -m bogie_braking run NAME` runs a scenario. It prints a table that compares the expected values (the thesis, a
+closed form, another method) with the simulated ones, and writes `summary.json`, `timeseries.csv` and `figure.png` into
+`results/NAME/`. The exit status is 1 if a row fails; [these rows fail](checking.md#known-deviations).
+
+[Running scenarios](running.md) explains options, sweeps and macro steps. [Choosing](choosing.md) explains the figures
+of `speed-accuracy`, `throughput`, `stability-atlas`, `coupling-step`, `levels` and `levels-in-curves`, and
+[fitted](fitted.md) that of `sensitivity`. In the site that `make docs` builds, each scenario has a page with its figure
+and its table. `docs/generate/catalogue.py` writes this page from `scenarios/catalogue.py`.
 """
 
 
@@ -48,7 +49,7 @@ def options(scenario: Scenario) -> str:
 
 def table(files: list[ModuleType]) -> list[str]:
     """The rows of one room: what a file says about itself, or of each of several scenarios in it what it says."""
-    lines = ["| scenario | what it shows | options |", "|---|---|---|"]
+    lines = ["| scenario | content | options |", "|---|---|---|"]
     for module in files:
         held = scenarios_of(module)
         for scenario in held:

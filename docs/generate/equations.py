@@ -26,9 +26,9 @@ LAST = {2: 16, 3: 124, 4: 2, 5: 4, 6: 7, 7: 3, 9: 1}
 EXPECTED = [*((2, n) for n in range(4, 13)), *((c, n) for c in (3, 4, 5) for n in range(1, LAST[c] + 1))]
 #: Equations without a home, and why.
 REASONS = {
-    (2, 9): "an inequality; the simulated wheelset locks by itself when the brake exceeds what the rail can turn",
-    (2, 11): "curving: the track here is straight",
-    (2, 12): "curving: the track here is straight",
+    (2, 9): "an inequality; the simulated wheelset locks when the brake torque exceeds that of the adhesion",
+    (2, 11): "an equation of curving; the models take curves from the line instead",
+    (2, 12): "an equation of curving; the models take curves from the line instead",
 }
 
 Number = tuple[int, int]
@@ -136,9 +136,9 @@ def page() -> str:
     lines = [
         "# Equations",
         "",
-        "Where each equation of sections 2.4, 2.5 and of chapters 3, 4, 5 of the thesis lives, and what tests it.",
-        "Written by `docs/generate/equations.py` from the citations in the code. The files of `rbd_model/thesis/` hold",
-        "chapter 3 as printed; deviations stand there under *Differs from the thesis*.",
+        "This table gives the code and the tests of each equation of the thesis, sections 2.4 and 2.5 and chapters",
+        "3, 4 and 5. `docs/generate/equations.py` writes it from the citations in the code. The files of",
+        "`rbd_model/thesis/` implement chapter 3 as published, and list deviations under *Differs from the thesis*.",
         "",
         "| equation | code | tests |",
         "|---|---|---|",

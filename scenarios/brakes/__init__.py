@@ -1,1 +1,1 @@
-"""What brakes do: application, wheel-slide protection, uneven brakes."""
+"""Brakes: application, wheel-slide protection, uneven brakes."""

@@ -1,7 +1,7 @@
-"""Application and release of the ready brakes against the windows of the standards, timed and by flow of air.
+"""Application and release of the built-in brakes against the windows of the standards, timed and by flow of air.
 
-Beside them: the flow model against closed forms of gas dynamics, its balances, and what chapter 7 prints about force
-and friction of the shoes.
+The scenario also compares the flow model with closed forms of gas dynamics, its balances, and the force and friction
+of the shoes that chapter 7 reports.
 """
 
 from collections.abc import Sequence
@@ -272,7 +272,7 @@ def _draw_friction(axis: Axes, frictions: dict[str, np.ndarray]) -> None:
 
 SCENARIO = Scenario(
     "brake-timing",
-    "Application and release of ready brakes against the standards, timed and by flow of air",
+    "Application and release of built-in brakes against the standards, timed and by flow of air",
     run,
     frozenset({"kind"}),
 )

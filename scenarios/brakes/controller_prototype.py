@@ -1,4 +1,4 @@
-"""Your own controller in a few lines, compared with the protection that comes with the brake."""
+"""Your own controller in a few lines, compared with the built-in protection."""
 
 from collections.abc import Callable
 
@@ -67,4 +67,4 @@ def draw(stops: dict[tuple[str, str], Stop]) -> Figure:
     return titled(figure, f"A fixed slip needs {own:.0f} m on low rail, protection {other:.0f} m")
 
 
-SCENARIO = Scenario("controller-prototype", "A wheel-slide controller of one's own in under 40 lines, compared", run)
+SCENARIO = Scenario("controller-prototype", "Your own wheel-slide controller in under 40 lines, compared", run)

@@ -1,8 +1,9 @@
-"""Stops of a four-car train on sand, against full-scale trials: the law of sand is fitted to two, judged on the others.
+"""Stops of a four-car train on sand, against full-scale trials: two fit the law of sand, the others test it.
 
-Trials with a unit of four cars at 55 mph, 0.9 m/s2 asked for, untreated adhesion 0.02: RSSB project T1107, as Rail
-Engineer of February 2018 reports it. The train here is sixteen wheelsets that use all adhesion there is, so that what a
-wheel-slide protection wastes is in the fitted numbers. Where sanders stood and what they gave is not printed: assumed.
+Trials with a unit of four cars at 55 mph, a demanded 0.9 m/s2, untreated adhesion 0.02: RSSB project T1107, as
+reported by Rail Engineer of February 2018. The train here is sixteen wheelsets that use all available adhesion, so the
+fitted numbers include the losses of a wheel-slide protection. The places and rates of the sanders are not published:
+assumed.
 """
 
 from __future__ import annotations
@@ -177,5 +178,5 @@ def draw(trials: Sequence[Trial], ways: Mapping[str, float]) -> Figure:
 
 
 SCENARIO = Scenario(
-    "sanding", "Stops on sand against full-scale trials: fitted to two, and what that predicts of the others.", run
+    "sanding", "Stops on sand against full-scale trials: two fit the law of sand, the others test it", run
 )

@@ -1,1 +1,1 @@
-"""Others' methods on the same equations, SciPy's and those of SUNDIALS: in a checkout alone, not in a wheel."""
+"""Third-party methods on the same equations, those of SciPy and SUNDIALS: only in a checkout, not in a wheel."""

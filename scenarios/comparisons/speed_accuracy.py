@@ -1,4 +1,4 @@
-"""Speed against accuracy: eight scenes, two at contact models 2 and 3; our methods, SciPy's and SUNDIALS'."""
+"""Speed against accuracy: eight cases, two with contact models 2 and 3; our methods, SciPy's and SUNDIALS'."""
 
 import time as clock
 from dataclasses import asdict, replace
@@ -284,4 +284,4 @@ def mark_default(axis: Axes, point: Point, against: str) -> None:
     axis.plot(getattr(point, against), max(point.error, LEAST), "o", color="#0072b2", markersize=12, fillstyle="none")
 
 
-SCENARIO = Scenario("speed-accuracy", "Eight scenes: error against wall time, our methods and others'", run)
+SCENARIO = Scenario("speed-accuracy", "Eight cases: error against wall time, our methods, SciPy's and SUNDIALS'", run)

@@ -144,4 +144,6 @@ def draw_level(axis: Axes, found: Study, level: str, handles: dict[str, Artist])
     axis.set(xscale="log", yscale="log", ylim=(LEAST, 2 * FAILED))
 
 
-SCENARIO = Scenario("throughput", "Error against stops a second: one instance, batches and others' ensembles", run)
+SCENARIO = Scenario(
+    "throughput", "Error against stops a second: one instance, batches, and ensembles of SciPy and SUNDIALS", run
+)

@@ -1,4 +1,4 @@
-"""Which integrator a train takes: explicit steps with a bound, implicit ones, CVODE or LSODA, by counted work."""
+"""Integrators of a train: explicit steps with a bound, implicit ones, CVODE and LSODA, by counted work."""
 
 from __future__ import annotations
 
@@ -293,6 +293,6 @@ def mark_default(found: Study, axis: Axes) -> None:
 
 SCENARIO = Scenario(
     "train-methods",
-    "Which integrator a train takes: explicit steps with a bound, implicit ones, CVODE or LSODA, by counted work",
+    "Integrators of a train: explicit steps with a bound, implicit ones, CVODE and LSODA, by counted work",
     run,
 )

@@ -1,1 +1,1 @@
-"""Where wheel and rail touch, how hard, and with which creep forces: depths of contact against exact theory."""
+"""Wheel-rail contact: geometry, load and creep forces of the contact models against exact theory."""

@@ -1,4 +1,4 @@
-"""S1002 on UIC60 over the lateral shift, where contact jumps and splits: depths of contact against exact theory."""
+"""S1002 on UIC60 over the lateral shift, where contact jumps and splits: contact models against exact theory."""
 
 from __future__ import annotations
 
@@ -430,6 +430,6 @@ def draw_panel(axis: Axes, lines: dict[tuple[str, str], list[Found]], name: str,
 
 SCENARIO = Scenario(
     "contact-manchester",
-    "Contact that jumps and splits, S1002 on UIC60: one ellipse, ellipses that part and strips against exact theory",
+    "Contact that jumps and splits, S1002 on UIC60: one ellipse, several ellipses and strips against exact theory",
     run,
 )

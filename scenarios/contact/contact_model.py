@@ -1,7 +1,7 @@
-"""From tread to flange at all depths of contact: what each misses, what it costs, and how well it is solved.
+"""From tread to flange with all contact models: the error, the cost and the accuracy of the solution of each.
 
-The scene is that of chapter 9 with an axis of the yaw torque that stays fixed: brakes applied slowly, one shoe pressing
-too hard, so that the leading wheelset turns until its left flange meets the rail.
+The case is that of chapter 9 with a fixed axis of the yaw torque. Brakes are applied slowly and one shoe presses too
+hard, so that the leading wheelset turns until its left flange meets the rail.
 """
 
 from collections.abc import Mapping
@@ -481,6 +481,6 @@ def draw_course(axis: Axes, found: Findings) -> None:
 
 SCENARIO = Scenario(
     "contact-model",
-    "From tread to flange at all depths of contact: what each misses, what it costs, and how well it is solved",
+    "From tread to flange with all contact models: error, cost and accuracy of the solution of each",
     run,
 )

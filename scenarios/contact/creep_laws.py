@@ -1,4 +1,4 @@
-"""Creep laws compared with Kalker's exact theory: the error of each, over what it costs as compiled C."""
+"""Creep laws compared with Kalker's exact theory: the error of each over its cost as compiled C."""
 
 import csv
 from collections.abc import Mapping

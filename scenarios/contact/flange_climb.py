@@ -136,6 +136,6 @@ def draw(rows: list[Row], series: Recording) -> Figure:
 
 SCENARIO = Scenario(
     "flange-climb",
-    "At which Y/Q a pushed wheelset climbs its flange, over friction, flange angle and yaw, against Nadal",
+    "Y/Q at which a pushed wheelset climbs its flange, over friction, flange angle and yaw, against Nadal",
     run,
 )

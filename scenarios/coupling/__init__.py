@@ -1,1 +1,1 @@
-"""What coupling FMUs costs."""
+"""Co-simulation: cost and error of coupled FMUs."""

@@ -1,4 +1,4 @@
-"""What the macro step costs when brake and bogie are coupled: error, a torque that chatters, feedback that grows."""
+"""Effect of the macro step when brake and bogie are coupled: error, a torque that chatters, feedback that grows."""
 
 from typing import Any
 

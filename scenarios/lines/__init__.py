@@ -1,1 +1,1 @@
-"""Lines: curves, cant and gradients, and what the vehicle makes of them."""
+"""Lines: vehicles on curves, cant and gradients."""

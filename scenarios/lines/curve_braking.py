@@ -1,7 +1,7 @@
-"""Does braking torque change Y/Q in curves? A bogie braked in steady curves and on straight track, and stopped in one.
+"""Effect of braking torque on Y/Q in curves: a bogie braked in steady curves and on straight track, and stopped in one.
 
-In steady curves the speed is held while the brakes drag, so that nothing but their torque differs; the cant suits the
-speed. Then it stops from that speed in the curve, or braked from the beginning of the transition on. Adhesion
+In steady curves the speed is held while the brakes drag, so that only their torque differs; the cant suits the speed.
+Then the bogie stops from that speed in the curve, or is braked from the beginning of the transition on. Adhesion
 utilisation: as in `levels`, brake torque over wheel radius, over friction times the static load.
 """
 

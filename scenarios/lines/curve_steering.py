@@ -1,4 +1,4 @@
-"""A bogie in steady curves: where its wheelsets run, which flange bears, and what the rails carry, over radius."""
+"""A bogie in steady curves over the radius: lateral position of its wheelsets, bearing flange, loads on the rails."""
 
 import numpy as np
 from matplotlib.figure import Figure

@@ -1,8 +1,8 @@
-"""When do rails have to yield? Largest wheel loads of a coach on rigid rails and on rails that yield, and their cost.
+"""Largest wheel loads of a coach on rigid and on flexible rails, and the cost of both.
 
-On rigid rails a wheelset that slides on its flange may vibrate at 180 Hz: friction in proportion to the normal
-force couples its bounce and its roll, which lie close together, and what stops it is a damping of the contacts that is
-assumed. Each scene runs on both kinds of rails, with 0.5 to 2 times that damping.
+On rigid rails a wheelset that slides on its flange may vibrate at 180 Hz. Friction in proportion to the normal force
+couples its bounce and its roll, whose frequencies are close, and only the assumed damping of the contacts stops the
+vibration. Each case runs on both kinds of rails, with 0.5 to 2 times that damping.
 """
 
 import time
@@ -202,6 +202,6 @@ def draw(series: Recording, outcomes: list[Outcome]) -> Figure:
 
 SCENARIO = Scenario(
     "flexible-track",
-    "When do rails have to yield? Loads of a coach on rigid rails and on rails that yield, and what they cost",
+    "Loads of a coach on rigid and on flexible rails, and the cost of both",
     run,
 )

@@ -1,7 +1,7 @@
-"""A bogie on gradients at all levels: down it freely and braked, at terminal speed, held on it, and started against it.
+"""A bogie on gradients at all levels: rolling and braked downhill, at terminal speed, held, and started uphill.
 
-Speeds and accelerations against closed forms, m a = sum of the forces, where both wheelsets turn along:
-m + 2 J (1 - slip ratio) / r^2.
+Speeds and accelerations are compared with closed forms, m a = sum of the forces. While both wheelsets turn, the mass
+is m + 2 J (1 - slip ratio) / r^2.
 """
 
 import math

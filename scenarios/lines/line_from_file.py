@@ -1,7 +1,7 @@
-"""A bogie along a line from a file, or along an example with every feature: a picture of the line, and the motion.
+"""A bogie along a line from a file, or along an example with every feature: a plot of the line, and the motion.
 
-A bogie in space, drawn along by its frame's drawbar, which holds the speed: 15 m/s, or less where a curve would have
-more than 100 mm of cant deficiency.
+The bogie runs at level 3 with a drawbar force on its frame that holds the speed: 15 m/s, or less where a curve would
+have more than 100 mm of cant deficiency.
 """
 
 import math

@@ -1,9 +1,9 @@
-"""How far the twist of a cant ramp unloads the wheels of a bogie, compared with statics: into a curve and out of it.
+"""Wheel unloading of a bogie by the twist of a cant ramp, compared with statics: into a curve and out of it.
 
-A ramp 1:n turns the track between two axles 2a apart by 2a / (1.5 m n). One frame on both wheelsets shares that between
-their springs. Measured is the wheel load that goes from the left to the right wheel of the leading wheelset and back on
-the trailing one; half of its difference between the middles of the ramp up and the ramp down, where all but the twist
-is the same.
+A ramp 1:n turns the track between two axles 2a apart by 2a / (1.5 m n). One frame on both wheelsets shares that
+between their springs. The table gives the wheel load that moves from the left to the right wheel of the leading
+wheelset and back on the trailing one. It is half of the difference between the middles of the ramp up and the ramp
+down, where only the twist differs.
 """
 
 from collections.abc import Sequence

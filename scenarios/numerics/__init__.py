@@ -1,1 +1,1 @@
-"""What the methods and levels of detail cost, where they fail, and what they agree with."""
+"""Methods and levels of detail: cost, limits and agreement."""

@@ -1,7 +1,7 @@
-"""What each level of detail answers and costs: stops at rising adhesion utilisation, point and planar against spatial.
+"""Error and cost of each level of detail: stops at rising adhesion utilisation, point and planar against spatial.
 
-Adhesion utilisation: brake torques of both wheelsets over the wheel radius, over friction times both static axle loads.
-The rails are asked for 2 % less than that, because a part of the torque stops the rotation of the wheelsets.
+Adhesion utilisation: brake torques of both wheelsets over the wheel radius, over friction times both static axle
+loads. The force on the rails is lower by 2 %, because a part of the torque stops the rotation of the wheelsets.
 """
 
 import math

@@ -1,8 +1,9 @@
-"""Which level a curve needs: point and planar with von Roeckl's resistance, compared with spatial, over the radius.
+"""Levels in curves: point and planar with von Roeckl's resistance, compared with spatial, over the radius.
 
-Levels point and planar know a curve by `curve_resistance` alone, a share of the weight (von Roeckl 1880); in space the
-wheels' creep and the flanges hold the bogie back. Measured is what a rolling bogie loses in a curve, and where it stops
-when it is braked there. `levels` has the same for straight track, over adhesion utilisation.
+Levels point and planar model a curve by `curve_resistance` alone, a share of the weight (von Roeckl 1880). At level 3
+the creep of the wheels and the flanges retard the bogie. The scenario measures the energy that a rolling bogie loses
+in a curve, and the stopping distance if it is braked there. `levels` has the same for straight track, over adhesion
+utilisation.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""The fast model beside chapter 3 as printed: the same three scenes in both, and what each costs."""
+"""The fast model against chapter 3 of the thesis: the same three cases in both, and the cost of each."""
 
 import time
 from collections.abc import Callable
@@ -180,4 +180,4 @@ def draw(outcomes: dict[Scene, Outcome]) -> Figure:
     return titled(figure, f"The fast model keeps within {apart:.2g} mm of chapter 3 as printed")
 
 
-SCENARIO = Scenario("oracle", "The fast model beside chapter 3 as printed, three scenes", run)
+SCENARIO = Scenario("oracle", "The fast model against chapter 3 of the thesis, three cases", run)

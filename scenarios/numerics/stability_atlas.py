@@ -1,4 +1,4 @@
-"""Where integration methods fail, predicted and found: stable steps, silent errors, drift, rest and the fold."""
+"""Limits of integration methods, predicted and simulated: stable steps, silent errors, drift, rest and the fold."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -472,4 +472,4 @@ def draw_fold(axis: Axes, atlas: Atlas) -> None:
     axis.legend(fontsize=8)
 
 
-SCENARIO = Scenario("stability-atlas", "Where methods fail: stable steps, silent errors, drift, rest, the fold", run)
+SCENARIO = Scenario("stability-atlas", "Limits of methods: stable steps, silent errors, drift, rest, the fold", run)

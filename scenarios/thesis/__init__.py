@@ -1,1 +1,1 @@
-"""What the thesis did: its experiment and its simulations, chapters 4 to 9."""
+"""The thesis: its experiment and its simulations, chapters 4 to 9."""

@@ -1,6 +1,6 @@
 """Asymmetric brake shoes on one wheelset: chapter 9, Tables 9.2 and 9.3, with the thesis's forces and physical ones.
 
-With the flange as a spring on one rigid contact a wheel (3.106), and with a flange that has its own place and force.
+The flange is a spring on one rigid contact a wheel (3.106), or has its own place and force.
 """
 
 from collections.abc import Iterable
@@ -228,5 +228,5 @@ def mark_derailed(axis: Axes, x: Iterable[float], y: Iterable[float], outcomes: 
 
 
 SCENARIO = Scenario(
-    "asymmetric-braking", "The 18 cases of chapter 9, with readings of yaw torque, reaction and flange", run
+    "asymmetric-braking", "The 18 cases of chapter 9, with variants of yaw torque, reaction and flange", run
 )

@@ -1,4 +1,4 @@
-"""Heavy braking of the bogie behind a lateral wave: a locked wheelset no longer guides (section 5.5)."""
+"""Heavy braking of the bogie after a lateral wave: a locked wheelset no longer guides (section 5.5)."""
 
 from collections.abc import Mapping, Sequence
 
@@ -83,4 +83,4 @@ def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:
     return figure
 
 
-SCENARIO = Scenario("bogie-skid", "60 kN.m behind a lateral wave: skid in space (section 5.5)", run)
+SCENARIO = Scenario("bogie-skid", "60 kN.m after a lateral wave: skid at level 3 (section 5.5)", run)

@@ -1,6 +1,6 @@
 """Contact of wheel and rail profiles over the lateral shift, section 4.3 (Figs 4.7, 4.8), and equivalent conicity.
 
-Of profiles from files too, which may differ from side to side (EN 15302).
+Profiles may come from files, and may differ from side to side (EN 15302).
 """
 
 from typing import TypeVar

@@ -1,4 +1,4 @@
-"""Polach's creep forces (eqs 3.89-3.105) against Kalker's exact theory: what the fast law costs in accuracy."""
+"""Polach's creep forces (eqs 3.89-3.105) against Kalker's exact theory: the error of the fast law."""
 
 import casadi as ca
 import numpy as np

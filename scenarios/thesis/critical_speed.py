@@ -1,4 +1,4 @@
-"""Where hunting begins: eigenvalues over speed, and the growth of a small motion in time (section 4.4)."""
+"""Critical speed of the wheelset: eigenvalues over speed, and the growth of a small motion in time (section 4.4)."""
 
 import numpy as np
 from matplotlib.figure import Figure

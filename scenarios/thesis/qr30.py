@@ -1,7 +1,7 @@
 """The experiment: the QR30 bogie braked on its trailing wheelset, chapters 6-8, at 130, 150 and 180 kPa.
 
-Printed values drive it through the brake cylinder FMU, and the brake hangs in the frame, as it did. The measured torque
-histories are not printed; where the answer depends on them the row says so and is not judged.
+The brake cylinder FMU drives it with the published values, and the brake reacts on the frame, as in the experiment.
+The measured torque histories are not published. A row that depends on them says so, and is shown without pass or fail.
 """
 
 from collections.abc import Mapping

@@ -1,7 +1,7 @@
-"""What the fitted and assumed values decide: critical speed, lateral peak, derailment and wheel load over each.
+"""Effect of the fitted and assumed values: critical speed, lateral peak, derailment and wheel load over each.
 
-In the thesis's reading of what reacts where, but for one picture; two beside contact model 2, whose flange has its own
-place and force, and three about what is assumed there.
+All plots but one use the thesis's assumptions on where forces react. Two compare with contact model 2, whose flange
+has its own place and force, and three vary the assumptions of that model.
 """
 
 from collections.abc import Callable
@@ -270,4 +270,4 @@ def draw(answers: dict[str, list[float]]) -> Figure:
     return titled(figure, f"The half spacing moves the {words}")
 
 
-SCENARIO = Scenario("sensitivity", "What the fitted and assumed values decide", run)
+SCENARIO = Scenario("sensitivity", "Effect of the fitted and assumed values", run)

@@ -1,6 +1,6 @@
-"""Printed numbers over the fixed step of the classical Runge-Kutta method, as the thesis may have used it.
+"""Published numbers over the fixed step of the classical Runge-Kutta method, as the thesis may have used it.
 
-It names the Runge-Kutta method (below eq. 3.118, conclusion 2.1), and prints neither order nor step.
+The thesis names the Runge-Kutta method (below eq. 3.118, conclusion 2.1), but neither order nor step.
 """
 
 from collections.abc import Callable, Mapping
@@ -345,5 +345,5 @@ def panel(axis: Axes, run: Run, printed: Printed, values: Mapping[float | None, 
 
 
 SCENARIO = Scenario(
-    "thesis-step", "Printed numbers over the step of the thesis's Runge-Kutta method, which is not printed", run
+    "thesis-step", "Published numbers over the step of the thesis's Runge-Kutta method, which is not published", run
 )

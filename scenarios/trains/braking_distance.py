@@ -1,4 +1,4 @@
-"""How far a train runs until it stands: ten distances of the conversion model, and shunting stops that spread.
+"""Stopping distances of trains: ten distances of the conversion model, and the spread of shunting stops.
 
 100 000 stops of a locomotive with five wagons from 25 km/h, by the rules of a published program, with the locomotive's
 brake counted once, and with a demand that comes later to each wagon.

@@ -1,7 +1,7 @@
-"""Build-up time of trains beside the formulas of the conversion model, and what each unknown moves.
+"""Build-up time of trains against the formulas of the conversion model, and the effect of each unknown.
 
-Told, not judged, not tuned: the formulas hold margins of their own. What is judged is that each unknown moves the time
-the way physics says.
+The times are shown without pass or fail and are not tuned, because the formulas include margins. The scenario tests
+that each unknown changes the time in the physical direction.
 """
 
 from __future__ import annotations
@@ -145,5 +145,5 @@ def draw(found: Mapping[tuple[str, float], tuple[float, Course]], moved: Mapping
 
 
 SCENARIO = Scenario(
-    "train-build-up", "Build-up time of trains beside the conversion model, and what each unknown moves", run
+    "train-build-up", "Build-up time of trains against the conversion model, and the effect of each unknown", run
 )

@@ -1,4 +1,4 @@
-"""What each depth of a train's brake costs and how far it errs: whole distributors, empirical valves, a delay."""
+"""Cost and error of each brake model of a train: whole distributors, empirical valves, a delay."""
 
 from __future__ import annotations
 
@@ -124,6 +124,4 @@ def draw(found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Ma
     return figure
 
 
-SCENARIO = Scenario(
-    "train-depths", "What each depth of a train's brake costs, how far it errs, and where it fails", run
-)
+SCENARIO = Scenario("train-depths", "Cost, error and limits of each brake model of a train", run)

@@ -1,6 +1,4 @@
-"""One vehicle of a train in detail, the others as points: where the coupling of both lies, and the way that does
-not.
-"""
+"""One vehicle of a train in detail, the others as points: where to couple them, and a coupling that fails."""
 
 from __future__ import annotations
 
@@ -179,6 +177,6 @@ def draw(stops: Mapping[tuple[str, float], Stop], whole: tuple[float, float]) ->
 
 SCENARIO = Scenario(
     "train-one-vehicle-in-detail",
-    "A train with one vehicle in detail at its two couplers: where the coupling lies, and the way that does not",
+    "A train with one vehicle in detail at its two couplers: where to couple them, and a coupling that fails",
     run,
 )

@@ -100,5 +100,7 @@ def draw(shut: Parting, kept: Parting) -> Figure:
 
 
 SCENARIO = Scenario(
-    "train-parts", "A hose and a coupling part on the way: both parts brake, and how far apart they stop", run
+    "train-parts",
+    "A hose and a coupling part during a run: both parts brake, and the distance between them at rest",
+    run,
 )

@@ -1,6 +1,4 @@
-"""Release after full service: how late the end lets go, what an overcharge gains, and what runs through the
-couplers.
-"""
+"""Release after full service: delay at the end of the train, gain by an overcharge, and forces of the couplers."""
 
 from __future__ import annotations
 
@@ -106,5 +104,5 @@ def draw(drawn: Mapping[str, Release]) -> Figure:
 
 
 SCENARIO = Scenario(
-    "train-release", "Release after full service, with and without overcharge: how late the end lets go", run
+    "train-release", "Release after full service, with and without overcharge: delay at the end of the train", run
 )

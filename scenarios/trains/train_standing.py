@@ -1,4 +1,4 @@
-"""A train stands on a gradient by air alone while its cylinders leak: how long, against the closed form."""
+"""A train held on a gradient by air alone while its cylinders leak: the duration, against the closed form."""
 
 from __future__ import annotations
 
@@ -128,5 +128,5 @@ def draw(found: dict[tuple[float, float], tuple[Train, Course]]) -> Figure:
 
 
 SCENARIO = Scenario(
-    "train-standing", "A train stands on a gradient by air alone while its cylinders leak: how long", run
+    "train-standing", "A train held on a gradient by air alone while its cylinders leak: the duration", run
 )

@@ -1,4 +1,4 @@
-"""Vehicle and brakes as one FMU or as five that a master couples: what each costs, and the error of the coupling."""
+"""Vehicle and brakes as one FMU or as five that a master couples: the cost of each, and the error of the coupling."""
 
 import time as clock
 from collections.abc import Iterator, Mapping

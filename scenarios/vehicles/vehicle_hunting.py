@@ -1,4 +1,4 @@
-"""Where a vehicle hunts: its body at middle speeds when the dampers are gone, its bogies at high ones."""
+"""Hunting of a vehicle: its body at middle speeds without the dampers, its bogies at high speeds."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""One bogie under half a body, or the complete vehicle: the error of the half, and what each costs."""
+"""One bogie under half a body, or the complete vehicle: the error of the half, and the cost of each."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
