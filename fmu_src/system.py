@@ -8,9 +8,9 @@ FMU: a table of variables and one or more systems that serve it, chosen by an in
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, Literal
 
 import casadi as ca
@@ -129,19 +129,29 @@ class ParameterSet:
         return Variable(name, "parameter", start=getattr(self, name), **item.metadata)
 
 
+#: A start value, or what returns it.
+Start = ca.SX | float | Callable[[], ca.SX]
+
+
 @dataclass(frozen=True)
 class State:
     """A continuous state. `nominal` scales its error, in its unit; `start` depends on parameters only.
 
     An algebraic state has no derivative: an equation without derivatives determines it, and `start` is a guess.
+    starts: makes `start`, called where it is first needed: a table of variables takes names and units alone.
     """
 
     name: str
     unit: str
     symbol: ca.SX
-    start: ca.SX
+    starts: Callable[[], ca.SX | float]
     nominal: float
     algebraic: bool = False
+
+    @cached_property
+    def start(self) -> ca.SX:
+        """Start value."""
+        return ca.SX(self.starts())
 
 
 #: In place of a system that a model does not have: in `Model.choice`.
@@ -349,22 +359,24 @@ class System(Chain):
         self.derived_symbols[name] = symbol
         return symbol
 
-    def state(self, name: str, unit: str, start: ca.SX | float, nominal: float) -> ca.SX:
+    def state(self, name: str, unit: str, start: Start, nominal: float) -> ca.SX:
         """Symbol of a state; `nominal` (> 0, in `unit`) is the size at which the tolerance is counted.
 
-        Equations, frictions and limits take the symbol; no other place asks for a state by its name.
+        start: its value, or what returns it and is called once, where a search for it takes time. Equations, frictions
+        and limits take the symbol; no other place asks for a state by its name.
         """
         return self._add_state(name, unit, start, nominal, algebraic=False)
 
-    def algebraic(self, name: str, unit: str, guess: ca.SX | float, nominal: float) -> ca.SX:
+    def algebraic(self, name: str, unit: str, guess: Start, nominal: float) -> ca.SX:
         """Symbol of an algebraic state, which an equation given with `residual` determines at every instant."""
         return self._add_state(name, unit, guess, nominal, algebraic=True)
 
-    def _add_state(self, name: str, unit: str, start: ca.SX | float, nominal: float, algebraic: bool) -> ca.SX:
+    def _add_state(self, name: str, unit: str, start: Start, nominal: float, algebraic: bool) -> ca.SX:
         if not nominal > 0.0:
             raise ValueError(f"State {name}: nominal {nominal} must be above 0.")
         symbol = ca.SX.sym(name)
-        self.states[name] = State(name, unit, symbol, ca.SX(start), nominal, algebraic)
+        starts = start if callable(start) else lambda: start
+        self.states[name] = State(name, unit, symbol, cache(starts), nominal, algebraic)
         return symbol
 
     def table(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
@@ -453,7 +465,8 @@ class System(Chain):
     def add_to_start(self, state: ca.SX, more: ca.SX) -> None:
         """Adds to the start value of a state."""
         name = self.name_of(state)
-        self.states[name] = replace(self.states[name], start=self.states[name].start + more)
+        before = self.states[name]
+        self.states[name] = replace(before, starts=lambda: before.start + more)
 
     def name_of(self, state: ca.SX) -> str:
         """Name of a state. Raises ValueError for what is no symbol that `state` or `algebraic` returned."""

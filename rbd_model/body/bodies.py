@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from fmu_src.chain import symbols_in
 from fmu_src.system import System
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, pitch_rotation, yaw_roll
@@ -137,8 +138,9 @@ def start_along(assembly: Assembly, body: Body, states: Sequence[ca.SX | None]) 
 
 def at_start(system: System, expression: ca.SX) -> ca.SX:
     """An expression at the start (section 5.2), where all states that are declared have their start values."""
-    known = list(system.states.values())
     plain = system.expand(expression)
+    within = symbols_in(plain)
+    known = [state for state in system.states.values() if state.symbol.element_hash() in within]
     return ca.substitute(plain, ca.vertcat(*[s.symbol for s in known]), ca.vertcat(*[s.start for s in known]))
 
 

@@ -92,7 +92,7 @@ class Part:
 def patches_of(one: Side) -> tuple[Patch, ...]:
     """The patches of a wheel, from the field side to the flange (section 9.4.1), at most MOST_PATCHES."""
     parts, s = list(parts_of(one)), positions_of(one)
-    gaps = [gap_of(one, s, offset) for offset in offsets_of(one)] if len(parts) > MOST_PATCHES else []
+    gaps = gaps_of(one, s) if len(parts) > MOST_PATCHES else []
     while len(parts) > MOST_PATCHES:
         join_shortest(one, s, gaps, parts)
     return tuple(patch(one, s, part) for part in parts)
@@ -109,7 +109,7 @@ def parts_of(one: Side) -> tuple[Part, ...]:
     Raises ValueError for a wheel that touches its rail at an end of its profile alone.
     """
     s = positions_of(one)
-    gaps = [gap_of(one, s, offset) for offset in offsets_of(one)]
+    gaps = gaps_of(one, s)
     cuts, whole = [], [(0, s.size)]
     while whole:
         first, last = whole.pop()
@@ -178,10 +178,14 @@ def offsets_of(one: Side) -> np.ndarray:
     return np.arange(first - REACH, last + REACH, TABLE_PITCH)
 
 
-def gap_of(one: Side, s: np.ndarray, offset: float) -> np.ndarray:
-    """Height of the wheel's contour over the rail's at the positions s (3.77), (3.78); infinite beside the rail."""
-    gap = one.wheel.height(s) - one.rail.height(s + offset)
-    return np.where(np.isfinite(gap), gap, np.inf)
+def gaps_of(one: Side, s: np.ndarray) -> list[np.ndarray]:
+    """Height of the wheel's contour over the rail's at the positions s, at each offset (3.77), (3.78).
+
+    Infinite beside the rail.
+    """
+    heights = one.wheel.height(s)
+    gaps = (heights - one.rail.height(s + offset) for offset in offsets_of(one))
+    return [np.where(np.isfinite(gap), gap, np.inf) for gap in gaps]
 
 
 def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> int | None:

@@ -16,7 +16,7 @@ from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import Side, Sides
 from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
-from rbd_model.contact.patches import check_ellipses, patches_of, stand_on_treads
+from rbd_model.contact.patches import TreadStand, check_ellipses, patches_of, stand_on_treads
 from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
 from rbd_model.track.irregularity import Section
 from rbd_model.vehicle.assembly import Assembly
@@ -85,14 +85,14 @@ def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX
     """Declares the states of a wheelset and lets its patches meet the rails, by (3.54), (3.57) and Hertz."""
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
-    rise, roll = stand_at_start(assembly, data.pair, on)
+    first_rise, first_roll = stand_at_start(assembly, data.pair, on)
     # Counted from where it stands at rest, as the bodies that it carries are.
-    risen = system.state(f"rise_{number}", "m", rise, NOMINAL_RISE)
+    risen = system.state(f"rise_{number}", "m", first_rise, NOMINAL_RISE)
     sunk = system.derived(f"sinking_{number}", sinking(assembly, number))
     settled = sunk - (stand_on_treads(data.pair, 0.0).height - data.pair.mean_radius)
     height = assembly.radius(data) + risen - settled
     rising = system.state(f"rise_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
-    roll = system.state(f"roll_{number}", "rad", roll, NOMINAL_ROLL)
+    roll = system.state(f"roll_{number}", "rad", first_roll, NOMINAL_ROLL)
     roll_rate = system.state(f"roll_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
     give = add_give(assembly, number) if assembly.on_line else Give.rigid()
     stance = Stance(on, give, height, settled, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
@@ -275,18 +275,28 @@ def room_left(one: Side, nearest: Sequence[Nearest]) -> ca.SX:
     return ca.vertcat(on_tread, flange.position - low)
 
 
-def stand_at_start(assembly: Assembly, pair: Sides, on: OnTrack) -> tuple[ca.SX, ca.SX]:
-    """Rise [m] and roll [rad] of a wheelset that starts on its treads (section 4.3), on the rails as they are there.
+def stand_at_start(assembly: Assembly, pair: Sides, on: OnTrack) -> tuple[Callable[[], ca.SX], Callable[[], ca.SX]]:
+    """Return what finds rise [m] and roll [rad] of a wheelset that starts on its treads (section 4.3).
 
-    Where one rail is higher it leans, and its wheels are as much beside the rails as they are below its centre.
+    The rails are as they are there. Where one is higher it leans, and its wheels are as much beside the rails as they
+    are below its centre.
     """
     lateral, left, right = ca.vertsplit(at_start(assembly.system, ca.vertcat(on.offset, on.heights)))
     leaning = (left - right) / sum(one.rail_half_distance for one in pair.both)
     lateral += pair.mean_radius * leaning
-    shifts = np.arange(-LARGEST_LATERAL, LARGEST_LATERAL + STAND_PITCH / 2, STAND_PITCH).tolist()
-    stands, middle = [stand_on_treads(pair, shift) for shift in shifts], stand_on_treads(pair, 0.0)
-    rise = ca.pw_lin(lateral, shifts, [one.height - middle.height for one in stands]) + (left + right) / 2
-    return rise, ca.pw_lin(lateral, shifts, [one.roll for one in stands]) + leaning
+
+    def from_stands(of: Callable[[TreadStand], float]) -> ca.SX:
+        shifts = np.arange(-LARGEST_LATERAL, LARGEST_LATERAL + STAND_PITCH / 2, STAND_PITCH).tolist()
+        return ca.pw_lin(lateral, shifts, [of(stand_on_treads(pair, shift)) for shift in shifts])
+
+    def rise() -> ca.SX:
+        middle = stand_on_treads(pair, 0.0).height
+        return from_stands(lambda one: one.height - middle) + (left + right) / 2
+
+    def roll() -> ca.SX:
+        return from_stands(lambda one: one.roll) + leaning
+
+    return rise, roll
 
 
 def sinking(assembly: Assembly, number: int) -> ca.SX:
