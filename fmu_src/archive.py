@@ -30,6 +30,8 @@ FAULTS = (
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError),
     *(ValueError, KeyError, NotImplementedError, RuntimeError, OverflowError, MemoryError),
 )
+#: Of zlib: the highest, 9, takes 3.5 times as long and saves 1.4 % of the largest FMU.
+COMPRESSION = 6
 CHUNK = 1 << 20
 #: Names of entries are longer than other values that messages show.
 shown = partial(text.shown, longest=100)
@@ -49,7 +51,7 @@ def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
 def archive_bytes(contents: Mapping[str, bytes]) -> bytes:
     """The archive itself."""
     made = io.BytesIO()
-    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED, compresslevel=COMPRESSION) as archive:
         for name in sorted(contents):
             entry = zipfile.ZipInfo(name, FIXED_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED

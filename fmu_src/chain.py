@@ -118,11 +118,11 @@ class Call:
         return symbols_in(self.slopes)
 
     @cached_property
-    def found_from(self) -> list[ca.SX]:
-        """For each result all that it depends on at this place."""
-        taken = self.taken
-        last = list(range(self.given.numel() + self.constants.numel(), taken.numel()))
-        return [taken[[*places, *last]] for places in self.part.needed]
+    def found_from(self) -> list[frozenset[int]]:
+        """For each result the symbols that it depends on at this place, as `symbols_in` has them."""
+        taken = [symbols_in(one) for one in ca.vertsplit(self.taken)]
+        always = frozenset[int]().union(*taken[self.given.numel() + self.constants.numel() :])
+        return [always.union(*(taken[place] for place in places)) for places in self.part.needed]
 
     @cached_property
     def written_out(self) -> ca.SX:
@@ -169,6 +169,11 @@ class Waist:
     def own(self) -> frozenset[int]:
         """Its symbols, as `symbols_in` has them."""
         return symbols_in(self.symbols)
+
+    @cached_property
+    def found_from(self) -> list[frozenset[int]]:
+        """For each value the symbols that are in it, as `symbols_in` has them."""
+        return [symbols_in(one) for one in ca.vertsplit(self.values)]
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 
 import casadi as ca
 
-from fmu_src.chain import Call, symbols_in
+from fmu_src.chain import symbols_in
 from fmu_src.exchange import derivative_name, exchanged_states, serves_exchange
 from fmu_src.system import Model, System, state_variable
+
+#: Symbols, each with what they are found from: an expression, or the symbols in it as `symbols_in` has them.
+Equations = Sequence[tuple[ca.SX, ca.SX | frozenset[int]]]
 
 
 def direct_inputs(system: System) -> dict[str, set[str]]:
@@ -20,7 +24,7 @@ def integrated_knowns(system: System) -> dict[str, set[str]]:
     """For each output and each derivative of a state the inputs and states that it follows from between events."""
     known = system.input_symbols | {state_variable(state.name): state.symbol for state in system.states.values()}
     tables = [(table.symbols, table.argument) for table in system.tables]
-    return known_behind(system.outputs | _derivatives(system), known, link_equations(system) + tables)
+    return known_behind(system.outputs | _derivatives(system), known, [*link_equations(system), *tables])
 
 
 def _derivatives(system: System) -> dict[str, ca.SX]:
@@ -38,32 +42,33 @@ def start_knowns(system: System) -> dict[str, set[str]]:
     return known_behind(unknown, system.input_symbols | system.parameter_symbols, start_equations(system))
 
 
-def known_behind(
-    unknown: Mapping[str, ca.SX], known: Mapping[str, ca.SX], equations: Sequence[tuple[ca.SX, ca.SX]]
-) -> dict[str, set[str]]:
+def known_behind(unknown: Mapping[str, ca.SX], known: Mapping[str, ca.SX], equations: Equations) -> dict[str, set[str]]:
     """For each `unknown` the names of those `known` that reach it, also through symbols that equations stand for."""
     names = list(known)
     symbols = ca.vertcat(*known.values(), *[symbol for symbol, _ in equations])
     place = {symbol.element_hash(): number for number, symbol in enumerate(ca.vertsplit(symbols))}
 
-    def places(expression: ca.SX) -> set[int]:
-        return {place[symbol] for symbol in symbols_in(expression) if symbol in place}
+    def places(found_from: ca.SX | frozenset[int]) -> set[int]:
+        within = found_from if isinstance(found_from, frozenset) else symbols_in(found_from)
+        return {place[symbol] for symbol in within if symbol in place}
 
     needed: list[set[int]] = [set() for _ in names]
     seen: dict[int, set[int]] = {}  # what many are found from is looked at once
-    for symbol, expression in equations:
-        if id(expression) not in seen:
-            seen[id(expression)] = places(expression)
-        needed += [seen[id(expression)]] * symbol.numel()
+    for symbol, found_from in equations:
+        if id(found_from) not in seen:
+            seen[id(found_from)] = places(found_from)
+        needed += [seen[id(found_from)]] * symbol.numel()
     return {
         name: {names[place] for place in closure(places(expression), needed) if place < len(names)}
         for name, expression in unknown.items()
     }
 
 
-def start_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
-    """What is found at the start, each with an expression of all that it is found from."""
-    found = [(symbol, system.derived_expressions[name]) for name, symbol in system.derived_symbols.items()]
+def start_equations(system: System) -> Equations:
+    """What is found at the start, each with all that it is found from."""
+    found: list[tuple[ca.SX, ca.SX | frozenset[int]]] = [
+        (symbol, system.derived_expressions[name]) for name, symbol in system.derived_symbols.items()
+    ]
     found += [(state.symbol, state.start) for state in system.states.values() if not state.algebraic]
     found += settled_equations(system)
     found += [(table.symbols, table.argument) for table in system.tables]
@@ -95,13 +100,10 @@ def settled_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
     return [(state.symbol, found_by) for state in settling if not state.algebraic]
 
 
-def link_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
-    """Results of parts and waists, each with what it is found from."""
-    every = [
-        (ca.vertsplit(link.symbols), link.found_from if isinstance(link, Call) else ca.vertsplit(link.values))
-        for link in system.links
-    ]
-    return [pair for symbols, values in every for pair in zip(symbols, values, strict=True)]
+def link_equations(system: System) -> Equations:
+    """Results of parts and waists, each with the symbols that it is found from."""
+    every = [(ca.vertsplit(link.symbols), link.found_from) for link in system.links]
+    return [pair for symbols, found_from in every for pair in zip(symbols, found_from, strict=True)]
 
 
 def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:
@@ -113,20 +115,23 @@ def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:
     return reached
 
 
-def input_dependencies(model: Model) -> dict[str, set[str]]:
-    """For each unknown of a model the inputs that reach it directly in any of its systems."""
+@lru_cache(maxsize=32)
+def input_dependencies(model: Model) -> Mapping[str, set[str]]:
+    """For each unknown of a model the inputs that reach it directly in any of its systems; found once."""
     return union(model, model.systems, direct_inputs)
 
 
+@lru_cache(maxsize=32)
 def step_dependencies(model: Model) -> Mapping[str, set[str]]:
     """The same, and the inputs and states that it follows from where the host integrates."""
-    found = input_dependencies(model)
+    found = {name: set(names) for name, names in input_dependencies(model).items()}
     integrated = [system for system in model.systems if serves_exchange(model, system)]
     for name, names in union(model, integrated, integrated_knowns).items():
         found[name] |= names
     return found
 
 
+@lru_cache(maxsize=32)
 def start_dependencies(model: Model) -> Mapping[str, set[str]]:
     """For each unknown what it depends on at the start in any of the model's systems, and what chooses among them."""
     found = union(model, model.systems, start_knowns)
