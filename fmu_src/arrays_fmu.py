@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,7 +44,8 @@ class ArrayVariable:
 class ArraysInC:
     """An object in C behind arrays.h: its C files by name, and its arrays in the order in which it numbers them.
 
-    stride: between value references of FMI 2.0 from array to array.
+    stride: between value references of FMI 2.0 from array to array. starts_alone: outputs at the start depend on no
+    input and no parameter.
     """
 
     name: str
@@ -52,6 +53,7 @@ class ArraysInC:
     arrays: tuple[ArrayVariable, ...]
     sources: Mapping[str, str]
     stride: int = ELEMENTS
+    starts_alone: bool = False
 
 
 def token_of(given: ArraysInC) -> str:
@@ -221,22 +223,35 @@ def description2(given: ArraysInC, of: Lengths) -> str:
             name = one.name if of.lengths[number] == 1 else f"{one.name}[{element + 1}]"
             attributes = {
                 "name": name,
-                "valueReference": str(number * ELEMENTS + element),
+                "valueReference": str(number * given.stride + element),
                 "description": one.description,
             }
             variable = ET.SubElement(variables, "ScalarVariable", attributes | _nature(one))
-            kind = {} if one.whole else {"unit": one.unit}
+            kind = {} if one.whole else _unit(one)
             if one.causality != "output":
                 kind["start"] = _text(one, of.starts[number][element])
             ET.SubElement(variable, "Integer" if one.whole else "Real", kind | _limits(one))
             if one.causality == "output":
                 outputs.append(str(len(variables)))
     structure = ET.SubElement(root, "ModelStructure")
-    for place in ("Outputs", "InitialUnknowns"):
+    for place, known in _dependencies(given, ("Outputs", "InitialUnknowns")):
         element_of = ET.SubElement(structure, place)
         for index in outputs:
-            ET.SubElement(element_of, "Unknown", index=index)
+            ET.SubElement(element_of, "Unknown", {"index": index} | known)
     return _document(root)
+
+
+def _unit(one: ArrayVariable) -> dict[str, str]:
+    """Unit, and nominal value if its unit has one."""
+    nominal = {"nominal": repr(NOMINAL[one.unit])} if one.unit in NOMINAL else {}
+    return {"unit": one.unit} | nominal
+
+
+def _dependencies(given: ArraysInC, places: tuple[str, str]) -> Iterator[tuple[str, dict[str, str]]]:
+    """Of outputs between steps, which change in steps alone, and at the start; without a list they depend on all."""
+    none = {"dependencies": ""}
+    yield places[0], none
+    yield places[1], none if given.starts_alone else {}
 
 
 def description3(given: ArraysInC, of: Lengths) -> str:
@@ -252,9 +267,7 @@ def description3(given: ArraysInC, of: Lengths) -> str:
             continue
         attributes = {"name": one.name, "valueReference": str(number), "description": one.description} | _nature(one)
         if not one.whole:
-            attributes["unit"] = one.unit
-            if one.unit in NOMINAL:
-                attributes["nominal"] = repr(NOMINAL[one.unit])
+            attributes |= _unit(one)
         if one.causality != "output":
             attributes["start"] = " ".join(_text(one, value) for value in of.starts[number])
         variable = ET.SubElement(variables, "Int32" if one.whole else "Float64", attributes | _limits(one))
@@ -265,7 +278,7 @@ def description3(given: ArraysInC, of: Lengths) -> str:
     time = {"name": "time", "valueReference": str(len(given.arrays)), "causality": "independent"}
     ET.SubElement(variables, "Float64", time | {"variability": "continuous", "unit": "s"})
     structure = ET.SubElement(root, "ModelStructure")
-    for place in ("Output", "InitialUnknown"):
+    for place, known in _dependencies(given, ("Output", "InitialUnknown")):
         for reference in outputs:
-            ET.SubElement(structure, place, valueReference=reference)
+            ET.SubElement(structure, place, {"valueReference": reference} | known)
     return _document(root)

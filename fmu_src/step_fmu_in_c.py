@@ -7,20 +7,10 @@ from pathlib import Path
 
 import fmpy
 
-from fmu_src.archive import write_archive
-from fmu_src.arrays_fmu import (
-    ArraysInC,
-    ArrayVariable,
-    Lengths,
-    all_sources,
-    build_arrays_fmu,
-    sources_for,
-    token_of,
-)
-from fmu_src.compile import FMI_HEADERS, library_suffix, plain_library
-from fmu_src.model_description import model_description
-from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, STANDARD_HEADERS, binary_for
-from fmu_src.objects import ARRAYS, RUNTIME
+from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, all_sources, build_arrays_fmu
+from fmu_src.compile import library_suffix, plain_library
+from fmu_src.native_fmu import PLATFORMS, PLATFORMS3, binary_for
+from fmu_src.objects import RUNTIME
 from fmu_src.system import StepInC, Variable
 
 
@@ -35,17 +25,9 @@ def build_step_fmu_in_c(step: StepInC, path: Path, platforms: Sequence[str] = ()
     for name in platforms or [own]:
         targets, suffix = known[name] if platforms else ((), library_suffix())
         binaries[f"{name}/{step.name}{suffix}"] = binary_for(targets, lambda target: _library(step, target))
-    if version == 3:
-        starts = [[one.start] for one in step.model.variables]
-        of = Lengths([1] * len(starts), starts, step.model.step_size, step.model.stop_time)
-        return build_arrays_fmu(given, of, path, version, binaries, {})
-    texts = sources_for(given, version)
-    named = sorted(name for name in texts if name.endswith(".c"))
-    about = model_description(step.model, token_of(given), ARRAYS, named)
-    files = {f"sources/{name}": text.encode() for name, text in texts.items()}
-    files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
-    files |= {f"binaries/{place}": data for place, data in binaries.items()}
-    write_archive(path, {"modelDescription.xml": about.encode(), **files})
+    starts = [[one.start] for one in step.model.variables]
+    of = Lengths([1] * len(starts), starts, step.model.step_size, step.model.stop_time)
+    build_arrays_fmu(given, of, path, version, binaries, {})
 
 
 def _library(step: StepInC, target: str | None) -> Path:
@@ -59,7 +41,7 @@ def step_in_c(step: StepInC) -> ArraysInC:
     """The three functions as an object whose arrays have one element each."""
     own = {"step_object.c": (RUNTIME / "step_object.c").read_text(encoding="utf-8"), "step_model.h": _numbers(step)}
     arrays = tuple(_array(one) for one in step.model.variables)
-    return ArraysInC(step.name, step.description, arrays, {**step.sources, **own}, stride=1)
+    return ArraysInC(step.name, step.description, arrays, {**step.sources, **own}, stride=1, starts_alone=True)
 
 
 def _array(one: Variable) -> ArrayVariable:

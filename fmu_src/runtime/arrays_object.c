@@ -132,10 +132,11 @@ static kernel_status refuse(fmu_object *self, unsigned variable, size_t element,
 
 static kernel_status object_check(fmu_object *self, unsigned variable, size_t first, size_t count, const double *value) {
     const variable_description *about = &ARRAYS_ABOUT[variable];
-    if (!isnan(about->when_lost)) return KERNEL_OK; /* whatever it is */
-    for (size_t k = 0; k < count; ++k)
-        if (!(isfinite(value[k]) && value[k] >= about->minimum && value[k] <= about->maximum))
-            return refuse(self, variable, first + k, value[k]);
+    const bool may_be_lost = !isnan(about->when_lost);
+    for (size_t k = 0; k < count; ++k) {
+        const bool fits = isfinite(value[k]) ? value[k] >= about->minimum && value[k] <= about->maximum : may_be_lost;
+        if (!fits) return refuse(self, variable, first + k, value[k]);
+    }
     return KERNEL_OK;
 }
 

@@ -37,7 +37,7 @@ struct component {
     fmu_object *object;
     phase now;
     unsigned logged;           /* one bit for each category that the host wants to hear */
-    kernel_status last_step;   /* status of the last step */
+    kernel_status last_step;   /* what fmi2GetStatus answers: the status of the last step */
     bool exchange;             /* model exchange, not co-simulation */
     bool events;               /* co-simulation whose host asked for event mode */
     unsigned variables, stride; /* of the object */

@@ -1,7 +1,9 @@
-/* The face of FMI 3.0: co-simulation and model exchange. The time has a value reference of its own. In co-simulation with
- * earlyReturnAllowed a step ends where a wheelset locks or turns again, and where the run ends; without it a step within
- * which the run ends is discarded, and the instance stands where it stood before. A host that uses event mode is told of the
- * former; there is nothing left to update. */
+/* The face of FMI 3.0 over any object (object.h): co-simulation and model exchange. The time has a value reference of its own.
+ *
+ * In co-simulation an object that can stop at events ends a step early at its events, such as a wheelset that locks, and
+ * where its run ends, if the host has set earlyReturnAllowed. Else it discards a step within which its run ends, and stays
+ * where it was. A step of any other object goes to its end, also the last one. With eventModeUsed, eventHandlingNeeded
+ * reports such an event; the step has handled it, so that fmi3UpdateDiscreteStates changes nothing. */
 #include <string.h>
 
 #include "face.h"
@@ -219,15 +221,15 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     *lastSuccessfulTime = OBJECT.time(self->object);
     if (self->now == STOPPED)
         return (fmi3Status)face_error(self, "The run has ended, as terminateSimulation said; reset it to start again.");
-    self->last_step = face_report(self, OBJECT.step(self->object, currentCommunicationPoint, communicationStepSize));
+    kernel_status status = face_report(self, OBJECT.step(self->object, currentCommunicationPoint, communicationStepSize));
     const bool ended = OBJECT.ended(self->object);
-    if (ended) self->now = STOPPED, self->last_step = KERNEL_OK; /* to reach the end of the run is no failure */
-    if (self->last_step > KERNEL_WARNING) return (fmi3Status)self->last_step;
+    if (ended) self->now = STOPPED, status = KERNEL_OK; /* to reach the end of the run is no failure */
+    if (status > KERNEL_WARNING) return (fmi3Status)status;
     *terminateSimulation = ended;
     *lastSuccessfulTime = OBJECT.time(self->object);
     *earlyReturn = *lastSuccessfulTime < end;
     *eventHandlingNeeded = self->events && *earlyReturn && !ended;
-    return (fmi3Status)self->last_step;
+    return (fmi3Status)status;
 }
 
 /* ---- events and model exchange ---- */
@@ -236,7 +238,7 @@ enum { INTEGRATING = AT_EVENT | CONTINUOUS };
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
     REQUIRE(instance, CONTINUOUS | STEPPING, "fmi3EnterEventMode");
-    if (!OBJECT.stop_at_events) return (fmi3Status)face_absent(self, "fmi3EnterEventMode");
+    if (!self->exchange && !OBJECT.stop_at_events) return (fmi3Status)face_absent(self, "fmi3EnterEventMode");
     if (!self->exchange && !self->events)
         return (fmi3Status)face_error(self, "Event mode was not asked for; instantiate with eventModeUsed = true.");
     return (fmi3Status)face_enter(self, AT_EVENT);

@@ -92,8 +92,6 @@ KERNEL_EXPORT bool kernel_ended(const kernel *self);
 KERNEL_EXPORT void kernel_listen(kernel *self, unsigned statuses);
 /* The oldest sentence that was not heard yet; whether there was one. Its text lasts until the next call. */
 KERNEL_EXPORT bool kernel_hear(kernel *self, kernel_sentence *heard);
-/* Makes valid UTF-8 on one line of a text that may come from anyone. */
-RUNTIME_LOCAL void kernel_make_readable(char *text);
 KERNEL_EXPORT int kernel_state_count(const kernel *self);
 
 #endif

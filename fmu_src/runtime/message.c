@@ -9,8 +9,6 @@
 
 static const char CUT[] = "..."; /* at the end of a sentence that was too long */
 
-void kernel_make_readable(char *text) { make_readable(text); }
-
 /* Where a sentence is too long, its last whole letters give way. */
 static void mark_cut(char text[MESSAGE_SIZE]) {
     char *end = text + MESSAGE_SIZE - sizeof CUT;
@@ -44,7 +42,7 @@ static void note(sentence_journal *journal, kernel_status status, const char *se
 
 static void write_sentence(char text[MESSAGE_SIZE], const char *format, va_list arguments) {
     if (vsnprintf(text, MESSAGE_SIZE, format, arguments) >= MESSAGE_SIZE) mark_cut(text);
-    kernel_make_readable(text);
+    make_readable(text);
 }
 
 void kernel_listen(kernel *self, unsigned statuses) { self->asked.unheard = ~statuses; }

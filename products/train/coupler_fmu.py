@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.arrays_fmu import ArraysInC, ArrayVariable, Lengths, build_arrays_fmu
+from fmu_src.c_literals import c_array, c_number
 from fmu_src.codegen import RUNTIME
 from fmu_src.equations_in_c import function_of_cells
 from products.train.fmu import binaries_of
 from products.train.layout_in_c import layout_in_c
 from products.train.library import FOLDER
-from rbd_model.train.coupler import Coupler, coupling
+from rbd_model.train.coupler import COUPLER, Coupler, coupling
 
 NAME = "Coupler"
 WAY = "Way of the coupling from where it is neither long nor short: of the vehicle ahead less that behind"
@@ -30,6 +31,9 @@ ARRAYS = (
 def coupler_in_c() -> ArraysInC:
     """Its object in C with its arrays."""
     places = f"enum {{ {', '.join(one.name.upper() for one in ARRAYS)}, ARRAYS_MOST }};\n"
+    limits = [f"{{{c_number(one.least)}, {c_number(one.most)}}}" for one in COUPLER]
+    places += "typedef struct {\n    double least, most;\n} coupler_limits;\n"
+    places += c_array("coupler_limits", "COUPLER_LIMITS", limits)
     own = {
         "coupler_arrays.h": places,
         "coupler_cells.h": function_of_cells(coupling()),

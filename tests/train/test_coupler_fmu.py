@@ -98,6 +98,8 @@ def test_the_command_line_builds_the_ready_ones(tmp_path: Path) -> None:
         (lambda path: path.write_bytes(path.read_bytes()[:-8]), "coupler.bin are damaged"),
         (lambda path: np.full(50, np.nan).tofile(path), "coupler.bin are damaged"),
         (lambda path: np.r_[np.fromfile(path)[:9], np.inf, np.fromfile(path)[10:]].tofile(path), "are damaged"),
+        (lambda path: np.r_[np.fromfile(path)[:9], 1.001e15, np.fromfile(path)[10:]].tofile(path), "are damaged"),
+        (lambda path: np.r_[np.fromfile(path)[:9], -1.001e15, np.fromfile(path)[10:]].tofile(path), "are damaged"),
     ],
 )
 def test_damaged_curves_give_no_instance_and_one_sentence(

@@ -21,13 +21,15 @@ struct arrays_object {
     unsigned long long mark; /* of its curves as they were read */
 };
 
-/* Its curves, if they are as many as they should be and finite; null: and one sentence that says why. */
+/* Its curves, if they are as many as they should be and each within the limits of its field, as in a train; null: and one
+ * sentence that says why. */
 static double *read_curves(const char *folder, char *problem) {
     size_t count = 0;
     double *found = arrays_read(folder, "coupler.bin", &count, problem);
     if (!found) return NULL;
     int good = count == COUPLER_ROWS && found[0] > 0.0;
-    for (size_t n = 0; good && n < COUPLER_ROWS; ++n) good = isfinite(found[n]) != 0;
+    for (size_t n = 0; good && n < COUPLER_ROWS; ++n)
+        good = found[n] >= COUPLER_LIMITS[n].least && found[n] <= COUPLER_LIMITS[n].most; /* not so of what is no number */
     if (good) return found;
     snprintf(problem, MESSAGE_SIZE, "The coupler's curves in %.200s/coupler.bin are damaged; build the FMU again.", folder);
     free(found);
