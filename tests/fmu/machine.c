@@ -78,7 +78,8 @@ static struct {
     int place;
     double value;
 } off = {-1, 0.0};
-static long long made[3], broken, done_steps, restored, ends;
+static long long made[3], broken, done_steps, restored, refused, ends, discarded, early_returns, places;
+static const char *born = "machine"; /* the name that instances are given */
 enum { ALLOWED, FORBIDDEN, INSANE };
 
 /* ---- chance ---- */
@@ -92,6 +93,17 @@ static unsigned random_number(unsigned below) { /* xorshift64 */
 }
 static double fraction(void) { return random_number(1000001) / 1e6; }
 static int one_in(unsigned many) { return random_number(many) == 0; }
+
+/* From the smallest to the largest, and what is hardly a number. */
+static double wild_number(void) {
+    static const double wild[] = {0.0,   -0.0,   5e-324, -5e-324, 1e-310, 1e-300, -1e-300,
+                                  1e300, -1e300, 1e-9,   1e9,     -1e9,   1.0,    -1.0};
+    return random_number(5) ? wild[random_number(14)] : (fraction() - 0.5) * 2e5;
+}
+static double hardly_number(void) {
+    const unsigned choice = random_number(12);
+    return choice == 0 ? NAN : choice == 1 ? INFINITY : choice == 2 ? -INFINITY : wild_number();
+}
 
 static void expect(const host *h, int kept, const char *what) {
     static const char *const face[] = {"FMI 2.0 co-simulation", "FMI 2.0 model exchange", "FMI 3.0 co-simulation",
@@ -158,7 +170,7 @@ static void hear2(fmi2ComponentEnvironment environment, fmi2String name, fmi2Sta
     const int length = vsnprintf(sentence, sizeof sentence, format, arguments);
     va_end(arguments);
     expect((host *)environment, length >= 0 && length < (int)sizeof sentence, "a message is a format");
-    expect((host *)environment, name && strcmp(name, "machine") == 0, "an instance tells its name");
+    expect((host *)environment, name && strcmp(name, born) == 0, "an instance tells its name");
     hear((host *)environment, (int)status, category, sentence);
 }
 
@@ -320,9 +332,19 @@ static double sane_value(const host *h, int place) {
     if (is_exchange(h) && place == off.place) return of->start; /* its states are those of the standard's file */
     return of->least + random_number((unsigned)(of->most - of->least) + 1);
 }
+/* Also one that is lost, if the variable may be. */
 static double wild_value(const variable_description *of) {
-    const double value = within(of, random_number(2) ? 0.0 : (fraction() - 0.5) * 1e3 * (fabs(of->start) + 1.0));
-    return of->kind == KIND_REAL ? value : floor(value);
+    double value = wild_number();
+    switch (random_number(6)) {
+    case 0: value = isfinite(of->minimum) ? of->minimum : -1e300; break;
+    case 1: value = isfinite(of->maximum) ? of->maximum : 1e300; break;
+    case 2: value = of->start; break;
+    case 3: value = (fraction() - 0.5) * 1e3 * (fabs(of->start) + 1.0); break;
+    default: break;
+    }
+    if (of->kind == KIND_REAL) return !isnan(of->when_lost) && one_in(4) ? NAN : within(of, value);
+    value = floor(within(of, value));
+    return value < -2147483647.0 ? -2147483647.0 : value > 2147483647.0 ? 2147483647.0 : value;
 }
 /* One that the variable forbids; of some kinds there is none. */
 static int forbidden_value(int place, double *value) {
@@ -332,7 +354,7 @@ static int forbidden_value(int place, double *value) {
     case 0: return *value = NAN, real && isnan(of->when_lost);
     case 1: return *value = random_number(2) ? INFINITY : -INFINITY, real && limited;
     case 2: return *value = of->minimum - 1.0, of->kind != KIND_BOOLEAN && isfinite(of->minimum);
-    default: return *value = of->maximum + 1.0, of->kind != KIND_BOOLEAN && isfinite(of->maximum);
+    default: return *value = one_in(3) ? 2147483647.0 : of->maximum + 1.0, of->kind != KIND_BOOLEAN && isfinite(of->maximum);
     }
 }
 
@@ -353,7 +375,7 @@ static void spoil(const host *h, request *r, int kind) {
     if (choice == 0) r->null_values = 1;
     else if (choice == 1) r->null_references = 1;
     else if (choice == 2) r->spoilt = (int)random_number((unsigned)r->n), r->stray = no_reference(h, kind);
-    else r->excess = random_number(2) ? 1 : -1;
+    else r->excess = random_number(3) ? (random_number(2) ? 1 : -1) : 2147483647;
 }
 
 static request request_of(int causality, int kind) {
@@ -387,7 +409,10 @@ static int set_some(host *h, int causality, int kind) {
     for (size_t i = 0; i < r.n; ++i) h->is.value[r.place[i]] = value[i];
     if (h->is.state != INSTANTIATED && !can_read(h)) return status;
     expect(h, is_fine(get_numbers(h, kind, &r, back)), "what was set is read");
-    for (size_t i = 0; i < r.n; ++i) expect(h, back[i] == h->is.value[r.place[i]], "what was set is what is read");
+    for (size_t i = 0; i < r.n; ++i) {
+        const double due = h->is.value[r.place[i]]; /* not known of what is lost */
+        expect(h, isnan(due) || back[i] == due, "what was set is what is read");
+    }
     return status;
 }
 
@@ -491,7 +516,7 @@ static int text_variable(void) {
 static void look_at_line(host *h) {
     const unsigned vr = (unsigned)text_variable();
     const char *text = NULL;
-    if (text_variable() < 0) return;
+    if (text_variable() < 0 || !h->instance) return;
     const int status = get_text(h, &vr, 1, &text);
     expect(h, is_fine(status) && text && strcmp(text, h->is.line) == 0, "the line is the one that was set last");
 }
@@ -551,22 +576,25 @@ static int step_into(host *h, int status, int state) {
 /* Start and stop; insane: no number, or a stop before the start. */
 typedef struct {
     double start, stop, tolerance;
-    int stops, tolerates;
+    int stops, tolerates, wild;
 } plan;
 static plan any_plan(const host *h) {
     static const double starts[] = {0.0, 0.0, 5.0, 1.7e9};
-    plan p = {starts[random_number(4)], 0.0, random_number(2) ? 1e-4 : 1e-5, (int)random_number(2), one_in(3)};
-    p.stop = p.start + 0.125 * random_number(30);
+    plan p = {starts[random_number(4)], 0.0, random_number(2) ? 1e-4 : hardly_number(), (int)random_number(2), one_in(3), 0};
+    if ((p.wild = !h->insane && one_in(60))) p.start = wild_number();
+    p.stop = p.wild && one_in(2) ? INFINITY : p.start + 0.125 * random_number(30);
     if (!h->insane) return p;
     const unsigned choice = random_number(3);
     if (choice == 0) p.start = NAN;
-    else if (choice == 1) p.start = INFINITY;
-    else p.stops = 1, p.stop = random_number(2) ? NAN : p.start - 1.0;
+    else if (choice == 1) p.start = random_number(2) ? INFINITY : -INFINITY;
+    else p.stops = 1, p.stop = random_number(2) ? NAN : random_number(2) ? -1e300 : p.start - 1.0;
     return p;
 }
 static int take_plan(host *h, plan p, int status) {
+    h->excused = p.wild; /* some have a time that is too far */
     if (!is_fine(status) || h->insane) return status;
     h->is.time = h->is.start = p.start;
+    h->is.wild |= p.wild;
     h->stop = p.stops ? p.stop : INFINITY;
     if (p.tolerates && named("tolerance") >= 0) h->is.value[named("tolerance")] = NAN;
     return status;
@@ -650,7 +678,8 @@ static int set_logging(host *h) {
 static double any_size(const host *h) {
     static const double sane[] = {1e-4, 1e-3, 1e-3, 1e-2, 0.03125, 0.25};
     static const double none[] = {0.0, -1.0, -1e-300, NAN, INFINITY, -INFINITY, 86401.0, 1e300};
-    return h->insane ? none[random_number(8)] : h->is.wild ? 1e-4 : one_in(50) ? 3.0 : sane[random_number(6)];
+    static const double wild[] = {1e-12, 1e-9, 1e-6, 1e-4, 1e-4, 1e-4, 1e-3, 1.0};
+    return h->insane ? none[random_number(8)] : h->is.wild ? wild[random_number(8)] : one_in(50) ? 3.0 : sane[random_number(6)];
 }
 
 /* What the sum of many steps may be off by, so that the last one does not end at the stop time: a hundredth of a step. */
@@ -690,7 +719,7 @@ static int do_step2(host *h, double point, double size) {
     h->is.time = reached;
     h->is.state = FAILED;
     h->excused = 1;
-    ++ends;
+    ++ends, ++discarded;
     return status;
 }
 
@@ -707,12 +736,13 @@ static int do_step3(host *h, double point, double size) {
     if (h->insane) return status;
     if (status == DISCARD) {
         expect(h, !h->early, "with leave to return early no step is discarded");
-        return h->excused = 1, ++ends, status;
+        return h->excused = 1, ++ends, ++discarded, status;
     }
     if (!is_fine(status)) return status;
     expect(h, !early || h->early || end, "a step returns early only with leave");
     expect(h, !event || h->events, "event mode is asked for of those that use it");
     look_at_step(h, point + size, reached, early);
+    early_returns += early;
     h->is.event_due = event;
     if (end) h->is.state = ENDED, ++ends;
     return status;
@@ -750,9 +780,13 @@ static int set_rates(host *h) {
     for (size_t i = 0; i < in.r.n; ++i) in.value[i] = one_in(3) ? 2.0 * fraction() - 1.0 : 0.0;
     if (choice == 0) order[0] = random_number(2) ? 0 : -1;
     else if (choice == 1) in.value[0] = random_number(2) ? NAN : INFINITY;
+    const int wild = !h->insane && one_in(60);
+    if (wild) in.value[0] = wild_number();
     void *c;
     const int status = ASK2(fmi2SetRealInputDerivatives(c, REFERENCES(in), in.r.n, order, VALUES(in)));
     h->is.rated |= is_fine(status) && !h->insane;
+    h->is.wild |= is_fine(status) && wild;
+    h->excused = wild;
     return status;
 }
 
@@ -775,12 +809,14 @@ static int get_directional(host *h) {
     const int first = (int)random_number(2);
     row of = row_of(h, CAUSALITY_OUTPUT, h->insane && first), by = row_of(h, CAUSALITY_INPUT, h->insane && !first);
     by.value[0] = 1.0, by.value[2] = 0.5;
+    const int wild = !h->insane && one_in(20);
+    if (wild) by.value[0] = hardly_number();
     void *c;
     const int status =
         ASK(fmi2GetDirectionalDerivative(c, REFERENCES(of), of.r.n, REFERENCES(by), by.r.n, VALUES(by), VALUES(of)),
             fmi3GetDirectionalDerivative(c, REFERENCES(of), of.r.n, REFERENCES(by), by.r.n, VALUES(by), by.size, VALUES(of),
                                          of.size));
-    h->excused = h->is.wild;
+    h->excused = h->is.wild || wild;
     for (size_t i = 0; is_fine(status) && !h->insane && i < of.r.n; ++i)
         expect(h, isfinite(of.value[i]), "a directional derivative is finite");
     return status;
@@ -791,7 +827,7 @@ static int cancel_step(host *h) {
     return h->insane = 0, ASK2(fmi2CancelStep(c));
 }
 
-/* Section 4.2.3: a status that cannot be told is a discard. */
+/* Section 4.2.3: a status that cannot be told is a discard. Insane: no place for an answer that there is. */
 static int ask_status(host *h) {
     const fmi2StatusKind kind = (fmi2StatusKind)random_number(4);
     fmi2Status status = fmi2OK;
@@ -799,8 +835,9 @@ static int ask_status(host *h) {
     int truth = -1;
     const char *text = NULL;
     void *c;
-    h->insane = 0;
-    switch (random_number(4)) {
+    const unsigned choice = random_number(5);
+    h->insane &= choice > 1;
+    switch (choice) {
     case 0:
         c = listening(h);
         h->excused = 1;
@@ -809,12 +846,55 @@ static int ask_status(host *h) {
         c = listening(h);
         h->excused = 1;
         return (int)fmi2GetIntegerStatus(c, kind, &truth);
-    case 2: return ASK2(fmi2GetStatus(c, fmi2DoStepStatus, &status));
-    default: {
-        const int answer = ASK2(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time));
-        if (is_fine(answer)) expect(h, time == h->is.time, "the last successful time is the one reached");
+    case 2: return ASK2(fmi2GetStatus(c, fmi2DoStepStatus, h->insane ? NULL : &status));
+    case 3: {
+        const int answer = ASK2(fmi2GetBooleanStatus(c, fmi2Terminated, h->insane ? NULL : &truth));
+        if (is_fine(answer) && !h->insane)
+            expect(h, truth == (h->is.state == FAILED) || h->is.state == TERMINATED, "a run that has ended says so");
         return answer;
     }
+    default: {
+        const int answer = ASK2(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, h->insane ? NULL : &time));
+        if (is_fine(answer) && !h->insane) expect(h, time == h->is.time, "the last successful time is the one reached");
+        return answer;
+    }
+    }
+}
+
+/* Of FMI 3.0, what no object has is refused, and to read or set none of a type that no variable has is no error. */
+static int call_absent(host *h) {
+    const unsigned vr = 0;
+    size_t n = 0;
+    double number = 0.0;
+    fmi3IntervalQualifier qualifier;
+    fmi3UInt64 long_number = 0;
+    fmi3DependencyKind kind;
+    fmi3Clock clock = 0;
+    fmi3Int64 whole = 0;
+    fmi3Binary binary = NULL;
+    void *c;
+    h->insane = 0;
+    if (h->instance)
+        expect(h, ASK3(fmi3GetInt64(c, &vr, 0, &whole, 0)) == OK && ASK3(fmi3SetClock(c, &vr, 0, &clock)) == OK,
+               "to read or set none is no error");
+    switch (random_number(17)) {
+    case 0: return ASK3(fmi3EnterConfigurationMode(c));
+    case 1: return ASK3(fmi3ExitConfigurationMode(c));
+    case 2: return ASK3(fmi3EvaluateDiscreteStates(c));
+    case 3: return ASK3(fmi3GetBinary(c, &vr, 1, &n, &binary, 1));
+    case 4: return ASK3(fmi3SetBinary(c, &vr, 1, &n, &binary, 1));
+    case 5: return ASK3(fmi3GetClock(c, &vr, 1, &clock));
+    case 6: return ASK3(fmi3SetClock(c, &vr, 1, &clock));
+    case 7: return ASK3(fmi3GetIntervalDecimal(c, &vr, 1, &number, &qualifier));
+    case 8: return ASK3(fmi3GetIntervalFraction(c, &vr, 1, &long_number, &long_number, &qualifier));
+    case 9: return ASK3(fmi3GetShiftDecimal(c, &vr, 1, &number));
+    case 10: return ASK3(fmi3SetIntervalDecimal(c, &vr, 1, &number));
+    case 11: return ASK3(fmi3SetShiftDecimal(c, &vr, 1, &number));
+    case 12: return ASK3(fmi3ActivateModelPartition(c, vr, number));
+    case 13: return ASK3(fmi3GetNumberOfVariableDependencies(c, vr, &n));
+    case 14: return ASK3(fmi3GetVariableDependencies(c, vr, &n, NULL, &n, &kind, 1));
+    case 15: return ASK3(fmi3GetAdjointDerivative(c, &vr, 1, &vr, 1, &number, 1, &number, 1));
+    default: return ASK3(fmi3SetInt64(c, &vr, 1, &whole, 1));
     }
 }
 
@@ -822,7 +902,10 @@ static int ask_status(host *h) {
 
 static size_t states_of(void) { return OBJECT.exchange ? (size_t)OBJECT.exchange->states() : 0; }
 static size_t indicators_of(void) { return OBJECT.exchange ? (size_t)OBJECT.exchange->indicators() : 0; }
-static size_t size_of(const host *h, size_t right) { return h->insane ? right + 1 - 2 * (size_t)random_number(2) : right; }
+static size_t size_of(const host *h, size_t right) {
+    if (!h->insane) return right;
+    return random_number(3) ? right + 1 - 2 * (size_t)random_number(2) : random_number(2) ? right + (1u << 31) : ~(size_t)0;
+}
 
 enum { STATES, SLOPES, NOMINALS, INDICATORS };
 static int read_array(host *h, int which, double *value, size_t n) {
@@ -866,9 +949,12 @@ static int get_sizes(host *h) {
 }
 
 static int set_time(host *h) {
-    const double time = h->insane ? (random_number(2) ? NAN : INFINITY) : h->is.time + 1e-3 * fraction();
+    const int wild = !h->insane && one_in(100);
+    const double time = h->insane ? (random_number(2) ? NAN : INFINITY) : wild ? wild_number() : h->is.time + 1e-3 * fraction();
     void *c;
     const int status = ASK(fmi2SetTime(c, time), fmi3SetTime(c, time));
+    h->excused = wild;
+    h->is.wild |= wild && is_fine(status);
     if (is_fine(status) && !h->insane) h->is.time = time;
     return status;
 }
@@ -884,7 +970,7 @@ static int set_states(host *h) {
     const int missing = h->insane && right && one_in(3), far = !h->insane && right && one_in(200);
     const int no_number = h->insane && !missing && right && one_in(2);
     if (no_number) state[random_number((unsigned)right)] = random_number(2) ? NAN : INFINITY;
-    if (far) state[random_number((unsigned)right)] = random_number(2) ? 1e300 : -1e9;
+    if (far) state[random_number((unsigned)right)] = wild_number();
     const size_t n = missing || no_number ? right : size_of(h, right);
     const double *const given = missing ? NULL : state;
     void *c;
@@ -892,13 +978,19 @@ static int set_states(host *h) {
     h->excused = h->is.wild || far;
     if (!is_fine(status) || h->insane) return status;
     h->is.wild |= far;
+    ++places;
     expect(h, is_fine(read_array(h, STATES, back, n)) && memcmp(back, state, n * sizeof *back) == 0,
            "states that were set are read, bit for bit");
     return status;
 }
 
-/* One event iteration; returns the status, and whether states moved and the run is to end. */
-static int update_once(host *h, int *more, int *moved, int *end) {
+/* What an event iteration gives. */
+typedef struct {
+    int more, end, nominals, moved, timed;
+    double next;
+} event_result;
+
+static int update_once(host *h, event_result *found) {
     bool three[5] = {1, 1, 1, 1, 1};
     double next = NAN;
     fmi2EventInfo info = {1, 1, 1, 1, 1, NAN};
@@ -908,40 +1000,51 @@ static int update_once(host *h, int *more, int *moved, int *end) {
                            fmi3UpdateDiscreteStates(c, spoilt == 0 ? NULL : &three[0], spoilt == 1 ? NULL : &three[1],
                                                     spoilt == 2 ? NULL : &three[2], spoilt == 3 ? NULL : &three[3],
                                                     spoilt == 4 ? NULL : &three[4], spoilt == 5 ? NULL : &next));
-    *more = is_three(h) ? three[0] : info.newDiscreteStatesNeeded;
-    *end = is_three(h) ? three[1] : info.terminateSimulation;
-    *moved = is_three(h) ? three[3] : info.valuesOfContinuousStatesChanged;
+    const event_result two = {
+        info.newDiscreteStatesNeeded,         info.terminateSimulation,  info.nominalsOfContinuousStatesChanged,
+        info.valuesOfContinuousStatesChanged, info.nextEventTimeDefined, info.nextEventTime};
+    *found = is_three(h) ? (event_result){three[0], three[1], three[2], three[3], three[4], next} : two;
     return status;
 }
 
-/* States that move are told; and the iteration comes to an end (3.2.2; FMI 3.0, 2.3.5). */
+/* States that move are told, nominals that change are, and no object has an event that is due at a time; the iteration comes
+ * to an end (FMI 2.0, 3.2.2; FMI 3.0, 2.3.5). */
 static int update(host *h) {
-    double before[MOST] = {0}, after[MOST] = {0};
+    double before[MOST] = {0}, after[MOST] = {0}, nominal[MOST] = {0}, later[MOST] = {0};
     const size_t n = states_of();
-    int more, moved, end, known = is_exchange(h) && is_fine(read_array(h, STATES, before, n));
-    int status = update_once(h, &more, &moved, &end);
+    event_result found;
+    int known = is_exchange(h) && is_fine(read_array(h, STATES, before, n));
+    const int scaled = is_exchange(h) && is_fine(read_array(h, NOMINALS, nominal, n));
+    int status = update_once(h, &found);
     h->excused = h->is.wild;
     if (!is_fine(status) || h->insane) return status;
     known &= is_exchange(h) && is_fine(read_array(h, STATES, after, n));
-    if (known && memcmp(before, after, n * sizeof *before) != 0) expect(h, moved, "states that moved at an event are told");
-    for (int i = 0; i < 10 && more && !end; ++i) status = update_once(h, &more, &moved, &end);
-    expect(h, !more, "an event iteration ends");
-    if (end) h->is.state = ENDED, ++ends;
-    if (end || !is_exchange(h)) return status;
-    expect(h, !is_fine(update_once(h, &more, &moved, &end)) || !moved || h->is.wild, "nothing moves at an event that is over");
-    if (end) h->is.state = ENDED;
+    if (known && memcmp(before, after, n * sizeof *before) != 0)
+        expect(h, found.moved, "states that moved at an event are told");
+    const int rescaled = scaled && is_fine(read_array(h, NOMINALS, later, n)) && memcmp(nominal, later, n * sizeof *later) != 0;
+    expect(h, found.nominals == rescaled, "nominals that changed at an event are told, and no others");
+    expect(h, !found.timed, "no event is due at a time");
+    expect(h, is_exchange(h) || !found.moved, "behind a step of its own no state is left to move");
+    for (int i = 0; i < 10 && found.more && !found.end; ++i) status = update_once(h, &found);
+    expect(h, !found.more, "an event iteration ends");
+    if (found.end) h->is.state = ENDED, ++ends;
+    if (found.end || !is_exchange(h)) return status;
+    expect(h, !is_fine(update_once(h, &found)) || !found.moved || h->is.wild, "nothing moves at an event that is over");
+    if (found.end) h->is.state = ENDED;
     return status;
 }
 
 static int complete_step(host *h) {
     int two[2] = {-1, -1};
-    bool three[2] = {0, 0};
+    bool three[2] = {0, 1}; /* no object asks for an end there: an event does */
     void *c;
     const unsigned spoilt = h->insane ? random_number(2) : 2;
     const int status = ASK(fmi2CompletedIntegratorStep(c, fmi2True, spoilt ? &two[0] : NULL, spoilt == 1 ? NULL : &two[1]),
                            fmi3CompletedIntegratorStep(c, true, spoilt ? &three[0] : NULL, spoilt == 1 ? NULL : &three[1]));
     h->excused = h->is.wild;
-    if (is_fine(status) && (two[1] > 0 || three[1])) h->is.state = ENDED;
+    if (!is_fine(status) || h->insane) return status;
+    expect(h, is_three(h) || (two[0] >> 1 == 0 && two[1] >> 1 == 0), "a completed step says what follows");
+    if (two[1] > 0 || three[1]) h->is.state = ENDED;
     return status;
 }
 
@@ -1072,7 +1175,7 @@ static int spoil_state(host *h) {
     if (take(h, &state) != OK) return -1;
     const size_t whole = serialised(h, state, &bytes);
     int status = ERROR;
-    switch (random_number(8)) {
+    switch (random_number(9)) {
     case 0:
         bytes[random_number((unsigned)whole)] ^= (unsigned char)(1 + random_number(255));
         status = deserialised(h, bytes, whole, &other);
@@ -1084,6 +1187,7 @@ static int spoil_state(host *h) {
         status = ASK(fmi2SetFMUstate(c, state), fmi3SetFMUState(c, state));
         break;
     case 2: status = deserialised(h, random_number(2) ? NULL : bytes, 0, &other); break;
+    case 8: status = deserialised(h, bytes, random_number(2) ? ~(size_t)0 : whole + (1u << 31), &other); break;
     case 3: status = ASK(fmi2SerializedFMUstateSize(c, NULL, &size), fmi3SerializedFMUStateSize(c, NULL, &size)); break;
     case 4:
         status =
@@ -1102,7 +1206,7 @@ static int free_state(host *h) {
     saved *const s = &kept[random_number(SAVED)];
     void *nothing = NULL;
     h->insane = 0;
-    if (random_number(2)) return let_go(h, &nothing);
+    if (random_number(2)) return let_go(h, random_number(2) ? &nothing : NULL);
     const int status = let_go(h, &s->state);
     expect(h, !s->state, "a state that was let go is gone");
     return status;
@@ -1157,6 +1261,7 @@ static const call CALLS[] = {
     {"get derivatives", get_slopes, {"--..--.-", "-+++..++", "---.-.--", "-+++..++"}, NOTHING},
     {"get event indicators", get_indicators, {"--..--.-", "-+++..++", "---.-.--", "-+++..++"}, NOTHING},
     {"get nominals", get_nominals, {"--..--.-", "++++..++", "---.-.--", "o+++..++"}, NOTHING},
+    {"what no object has", call_absent, {NULL, NULL, "---.-.--", "----..--"}, NOTHING},
     {"get numbers of states and indicators", get_sizes, {NULL, NULL, "---.-.--", "+o+o..oo"}, NOTHING},
 };
 enum { CALL_COUNT = sizeof CALLS / sizeof *CALLS };
@@ -1171,6 +1276,7 @@ static void judge(host *h, int status) {
     if (h->rule == '-') expect(h, status == ERROR, "a forbidden call is an error");
     else if (h->insane) expect(h, status > WARNING, "insane arguments are refused");
     else if (h->rule == '+' && !h->excused) expect(h, is_fine(status), "an allowed call succeeds");
+    refused += status == ERROR;
     made[h->rule == '-' ? FORBIDDEN : h->insane ? INSANE : ALLOWED]++;
 }
 
@@ -1296,28 +1402,67 @@ static void read_word(char *word) {
     }
 }
 
-/* Who is born wrong gives no instance and one sentence. */
-static void expect_no_birth(int face, const char *name, const char *token, const char *what) {
-    host h;
-    memset(&h, 0, sizeof h);
-    h.face = face, h.may_hear = 15;
-    const fmi2CallbackFunctions callbacks = {face <= EXCHANGE_2 ? hear2 : NULL, calloc, free, NULL, &h};
-    void *made;
+static void *birth(host *h, int face, const char *name, const char *token, const char *folder) {
+    memset(h, 0, sizeof *h);
+    be_new(h);
+    born = name ? name : "";
+    h->face = face, h->may_hear = 15;
+    const fmi2CallbackFunctions callbacks = {hear2, calloc, free, NULL, h};
     if (face <= EXCHANGE_2)
-        made = fmi2Instantiate(name, face == EXCHANGE_2 ? fmi2ModelExchange : fmi2CoSimulation, token, resources, &callbacks, 0,
+        return fmi2Instantiate(name, face == EXCHANGE_2 ? fmi2ModelExchange : fmi2CoSimulation, token, folder, &callbacks, 0,
                                0);
-    else if (face == EXCHANGE_3) made = fmi3InstantiateModelExchange(name, token, resources, false, true, &h, hear3);
-    else made = fmi3InstantiateCoSimulation(name, token, resources, false, true, false, false, NULL, 0, &h, hear3, NULL);
-    expect(&h, !made && h.heard[ERROR] == 1, what);
+    if (face == EXCHANGE_3) return fmi3InstantiateModelExchange(name, token, folder, false, true, h, hear3);
+    return fmi3InstantiateCoSimulation(name, token, folder, false, true, false, false, NULL, 0, h, hear3, NULL);
+}
+
+/* Who is born wrong gives no instance and one sentence. */
+static void expect_no_birth(int face, const char *name, const char *token, const char *folder, const char *what) {
+    host h;
+    void *const wrong = birth(&h, face, name, token, folder);
+    expect(&h, !wrong && h.heard[ERROR] == 1, what);
+    born = "machine";
 }
 
 static void look_at_births(int face) {
-    expect_no_birth(face, "machine", "another", "another's token gives no instance");
-    expect_no_birth(face, "machine", NULL, "no token gives no instance");
+    host h;
+    expect_no_birth(face, "machine", "another", resources, "another's token gives no instance");
+    expect_no_birth(face, "machine", NULL, resources, "no token gives no instance");
+    expect_no_birth(face, "", OBJECT.token(), resources, "an empty name gives no instance");
+    expect_no_birth(face, NULL, OBJECT.token(), resources, "no name gives no instance");
     if (!states_of())
-        expect_no_birth(face ^ 1, "machine", OBJECT.token(), "what has no states gives no instance of model exchange");
-    expect(&(host){.face = face}, !fmi2Instantiate("machine", fmi2CoSimulation, OBJECT.token(), "", NULL, 0, 0),
-           "no callbacks");
+        expect_no_birth(face ^ 1, "machine", OBJECT.token(), resources,
+                        "what has no states gives no instance of model exchange");
+    if (*resources) {
+        expect_no_birth(face, "machine", OBJECT.token(), NULL, "no folder gives no instance of what is made of files");
+        expect_no_birth(face, "machine", OBJECT.token(), face <= EXCHANGE_2 ? "file:///nowhere" : "/nowhere",
+                        "nor does a wrong one");
+    } else {
+        expect(&h, (h.instance = birth(&h, face, "machine", OBJECT.token(), NULL)) != NULL,
+               "what has no files needs no folder");
+        free_instance(&h);
+    }
+    memset(&h, 0, sizeof h);
+    expect(&h, !fmi2Instantiate("machine", fmi2CoSimulation, OBJECT.token(), "", NULL, 0, 0), "no callbacks");
+    expect(&h,
+           !fmi3InstantiateScheduledExecution("machine", OBJECT.token(), resources, false, false, NULL, NULL, NULL, NULL, NULL),
+           "no object has scheduled execution");
+}
+
+/* Without an instance no call succeeds and none crashes. */
+static void look_at_nothing(int face) {
+    for (int i = 0; i < CALL_COUNT; ++i)
+        for (int times = 0; times < 20 && CALLS[i].rule[face]; ++times) {
+            host h;
+            memset(&h, 0, sizeof h);
+            be_new(&h);
+            h.face = face, h.quiet = 1, h.insane = times & 1;
+            h.now = &CALLS[i], h.rule = '-';
+            if (CALLS[i].act == spoil_state || CALLS[i].act == save || CALLS[i].act == call_absent) h.insane = 1;
+            const int status = CALLS[i].act(&h);
+            expect(&h, status == ERROR || status < 0, "without an instance a call is an error");
+        }
+    fmi2FreeInstance(NULL);
+    fmi3FreeInstance(NULL);
 }
 
 int main(int argc, char **argv) {
@@ -1331,9 +1476,8 @@ int main(int argc, char **argv) {
     look_at_object(argv[4]);
     for (int i = 5; i < argc; ++i) read_word(argv[i]);
     look_at_births(face);
+    look_at_nothing(face);
     static host hosts[HOSTS];
-    fmi2FreeInstance(NULL);
-    fmi3FreeInstance(NULL);
     while (made[ALLOWED] + made[FORBIDDEN] + made[INSANE] < calls) {
         const unsigned which = random_number(HOSTS);
         host *const h = &hosts[which];
@@ -1346,7 +1490,9 @@ int main(int argc, char **argv) {
     }
     for (int i = 0; i < SAVED; ++i) (void)let_go(&hosts[0], &kept[i].state);
     for (int i = 0; i < HOSTS; ++i) free_instance(&hosts[i]);
-    printf("%lld allowed, %lld forbidden, %lld insane, %lld steps, %lld restored, %lld ends, %lld broken\n", made[ALLOWED],
-           made[FORBIDDEN], made[INSANE], done_steps, restored, ends, broken);
+    printf("%lld allowed, %lld forbidden, %lld insane, %lld steps, %lld restored, ", made[ALLOWED], made[FORBIDDEN],
+           made[INSANE], done_steps, restored);
+    printf("%lld refused, %lld ends, %lld discarded, %lld early, %lld places, %lld broken\n", refused, ends, discarded,
+           early_returns, places, broken);
     return broken != 0;
 }

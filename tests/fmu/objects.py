@@ -19,7 +19,7 @@ from products.train.consist import block_train
 from products.train.coupler_fmu import coupler_in_c
 from products.train.fmu import train_in_c
 from products.train.numbers import Settings, numbers_of
-from rbd_model.levels.models import bogie_dynamics
+from rbd_model.levels.models import bogie_dynamics, places_of
 from rbd_model.track.line import arc, line_of, straight
 from rbd_model.track.line_table import along_line
 from rbd_model.train.coupler import screw_coupler
@@ -116,6 +116,7 @@ class Behind:
     """Sources of an object, its own files, whether it has model exchange, and what machine.c sets its variables to.
 
     sources: of a kernel those that are generated, else all. files: are written to a folder of resources; returns words.
+    ends: whether its runs end by themselves. calls: share of the calls that others get, for what takes long.
     """
 
     sources: Callable[[Path], Mapping[str, str]]
@@ -124,6 +125,8 @@ class Behind:
     kernel: bool = False
     exchange: bool = False
     reads_files: bool = False
+    ends: bool = False
+    calls: float = 1.0
 
     def linked(self, program: Path, folder: Path) -> Path:
         """The program with the object and its faces, under sanitizers."""
@@ -146,6 +149,7 @@ OBJECTS = {
         _nothing,
         "push=-9:21 lift=-9:21 brake=0:21 mass=9.7:10.3 initial_speed=1.94:2.06 length=2.9:3.1 push>pace=1e-3",
         kernel=True,
+        ends=True,
     ),
     "brick": Behind(
         lambda _: generate(bricks()),
@@ -153,6 +157,7 @@ OBJECTS = {
         "push=-1:2 grip=0:3 gear=1:2 detail=1:2 off=detail:2",
         kernel=True,
         exchange=True,
+        ends=True,
     ),
     "bogie": Behind(
         lambda _: generate(bogie_dynamics()),
@@ -161,6 +166,15 @@ OBJECTS = {
         "friction_1=0.29:0.31 drawbar_force=-30:30 gradient=-0.01:0.01",
         kernel=True,
         exchange=True,
+    ),
+    "bogie in space": Behind(
+        lambda _: generate(bogie_dynamics(places=places_of(3, on_line=False))),
+        _nothing,
+        "contact_depth=1:3 off=contact_depth:0 initial_speed=24:26 brake_torque_1=0:2e4 brake_torque_2=0:2e4 "
+        "friction_1=0.29:0.31",
+        kernel=True,
+        exchange=True,
+        calls=0.1,
     ),
     "coupler": Behind(
         lambda _: all_sources(coupler_in_c()), _coupler, "way=-0.02:0.02 coupling_closed=0:1", reads_files=True
@@ -172,5 +186,5 @@ OBJECTS = {
         "start_speed=-1:20 start_pipe_pressure=4e5:5e5 end_force=-1e3:1e3",
         reads_files=True,
     ),
-    "controller": Behind(_controller, _nothing, "wheel_speed_1=-4:20 wheel_speed_2=-4:20 period=1e-3:1e-2"),
+    "controller": Behind(_controller, _nothing, "wheel_speed_1=-4:20 wheel_speed_2=-4:20 period=1e-3:1e-2", ends=True),
 }
