@@ -170,7 +170,7 @@ OBJECTS = {
     "bogie in space": Behind(
         lambda _: generate(bogie_dynamics(places=places_of(3, on_line=False))),
         _nothing,
-        "contact_depth=1:3 off=contact_depth:0 initial_speed=24:26 brake_torque_1=0:2e4 brake_torque_2=0:2e4 "
+        "contact_model=1:3 off=contact_model:0 initial_speed=24:26 brake_torque_1=0:2e4 brake_torque_2=0:2e4 "
         "friction_1=0.29:0.31",
         kernel=True,
         exchange=True,
