@@ -18,110 +18,120 @@
                                          Coupler.fmu, one coupler between two vehicles
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
-Exit status: 0, 1 after a failed build or validation, 2 after bad input, 130 when it was interrupted.
+Exit status: 0 all FMUs are valid; 1 one is not valid; 2 bad input; 3 one was not built; 130 interrupted with Ctrl-C.
 """
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from brake_controller.protection_fmu import BOGIE, MOST_WHEELSETS
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
-from fmu_src.suggestion import suggestion
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
 from products.promised_variables import changes
-from products.registry import FMUS, model_of
+from products.registry import ALIASES, FMUS, fmu_named, model_of
 from products.systems import build_systems
 from products.train.building import build_coupler, build_train
 from products.train.layout import DEPTHS
 from products.train.numbers import SETTING_LIMITS, Settings
 from rbd_model.train.coupler import COUPLERS
+from readers.command_line import CommandLine, check_folder, quantity, whole
+from readers.text import BadInputError
 
 #: What can be built.
 NAMES = (*FMUS, "train", "coupler", "ssp", "all")
-#: Cells of a pipe in each vehicle, from and to.
-CELLS = SETTING_LIMITS["cells"]
+#: Exit status.
+DONE, NOT_VALID, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
 
-def known(name: str) -> str:
-    """The name of what can be built. Raises ArgumentTypeError."""
-    if name not in NAMES:
-        raise argparse.ArgumentTypeError(f"there is no FMU {name}; {suggestion(name, NAMES)}")
-    return name
+def main(arguments: Sequence[str] | None = None, program: str | None = None) -> int:
+    """Build what a command line asks for; return the exit status."""
+    try:
+        chosen = parser_of(program).parse_args(arguments)
+        kinds = kinds_of(chosen)
+    except BadInputError as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+    try:
+        if not chosen.describe:
+            check_folder(chosen.out)
+        return NOT_VALID if built(chosen, kinds) else DONE
+    except ValueError as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+    except (CompilerError, OSError) as error:
+        print(f"The FMUs in {chosen.out} are not complete: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        print(f"Interrupted; the FMUs that were finished are in {chosen.out}.", file=sys.stderr)
+        return INTERRUPTED
 
 
-def main(arguments: list[str] | None = None, program: str | None = None) -> int:
-    """Exit status: 0, 1 after a failed build or validation, 2 bad input, 130 interrupted."""
+def parser_of(program: str | None) -> argparse.ArgumentParser:
+    """Return the parser of the command line; program: the name by which it is called."""
     shape = argparse.RawDescriptionHelpFormatter
     about = (__doc__ or "").replace("python build_fmu.py", program or "python build_fmu.py")
-    parser = argparse.ArgumentParser(program, description=about, formatter_class=shape)
+    parser = CommandLine(program, description=about, formatter_class=shape)
     add = parser.add_argument
-    add("model", nargs="?", default="all", type=known, metavar="FMU", help=f"{', '.join(NAMES)} (default: all)")
+    also = "; ".join(f"{own} = {name}" for own, name in ALIASES.items())
+    text = f"{', '.join(NAMES)} (default: all); {also}"
+    add("model", nargs="?", default="all", type=fmu_named, choices=NAMES, metavar="FMU", help=text)
     add("--kind", default="all", choices=[*KINDS, "all"], help="FMI 2.0, FMI 3.0, pythonfmu or all")
     add("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
     add("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")
     add("--controller", metavar="FILE", help="only the FMU of FILE.py:CLASS, a wheel-slide protection, or of FILE.c")
-    add("--wheelsets", type=int, default=BOGIE, help="of the vehicle that it protects (default: 2)")
+    wheelsets = whole("--wheelsets", 1, MOST_WHEELSETS)
+    text = f"of the vehicle that it protects, 1 to {MOST_WHEELSETS} (default: {BOGIE})"
+    add("--wheelsets", type=wheelsets, default=BOGIE, metavar="COUNT", help=text)
     add("--consist", type=Path, metavar="FILE", help="of the train, CSV or TOML (default: a locomotive and 20 wagons)")
     add("--line", type=Path, metavar="FILE", help="that the train runs on, CSV (default: straight and level)")
     add("--coupler", default="screw", choices=[*COUPLERS], help="of the coupler's FMU (default: screw)")
     add("--depth", default="whole", choices=[*DEPTHS], help="of the train's brake (default: whole)")
-    add("--cells", type=float, default=2.0, help="of the pipe in each vehicle (default: 2)")
+    least, most = SETTING_LIMITS["cells"]
+    text = f"of the pipe in each vehicle, {least:g} to {most:g} (default: 2)"
+    add("--cells", type=quantity("--cells", least=least, most=most), default=2.0, metavar="COUNT", help=text)
     add("--describe", action="store_true", help="print the table of variables instead of building")
-    chosen = parser.parse_args(arguments)
-    names = {"all": list(FMUS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
-    every = chosen.platforms == "all"
-    native_only = every or chosen.model in ("train", "coupler")
+    return parser
+
+
+def kinds_of(chosen: argparse.Namespace) -> list[str]:
+    """Return the kinds of FMUs to build. Raises BadInputError for options that do not go together."""
+    native_only = chosen.platforms == "all" or chosen.model in ("train", "coupler")
     able = ["native"] if chosen.model == "ssp" else [*NATIVE] if native_only else [*KINDS]
     if chosen.kind not in ("all", *able):
-        parser.error(f"--kind {chosen.kind} does not go with this; take one of {', '.join(able)}.")
-    if not 1 <= chosen.wheelsets <= MOST_WHEELSETS:
-        parser.error(f"Set --wheelsets to 1 to {MOST_WHEELSETS}: it was {chosen.wheelsets}.")
+        of = "--platforms all" if chosen.platforms == "all" and chosen.model != "ssp" else chosen.model
+        raise BadInputError(f"--kind must be all or one of {', '.join(able)} for {of}; got {chosen.kind}.")
     if chosen.model != "train" and (chosen.consist or chosen.line):
-        parser.error("--consist and --line are of a train; say: train --consist FILE.")
-    if not CELLS[0] <= chosen.cells <= CELLS[1]:
-        parser.error(f"Set --cells to {CELLS[0]:g} to {CELLS[1]:g}: it was {chosen.cells:g}.")
-    if chosen.model in ("train", "coupler"):
-        return train(chosen, able if chosen.kind == "all" else [chosen.kind])
+        given = "--consist" if chosen.consist else "--line"
+        raise BadInputError(f"{given} belongs to the train; got {chosen.model}. Write: train {given} FILE.")
+    return able if chosen.kind == "all" else [chosen.kind]
+
+
+def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
+    """Build what is asked for; return whether something is wrong with it. Raises ValueError, CompilerError, OSError."""
+    every = chosen.platforms == "all"
+    if chosen.model == "coupler":
+        return bool(build_coupler(chosen.out, kinds, chosen.coupler, every))
+    if chosen.model == "train":
+        settings = Settings(depth=chosen.depth, cells=chosen.cells)
+        return bool(build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every))
+    names = {"all": list(FMUS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
     if chosen.describe:
         print("\n".join(variable_table(model_of(name)) for name in names), end="")
-        return 0
-    try:
-        if chosen.controller:
-            kind = "fmi3" if chosen.kind == "fmi3" else "native"
-            return build_controller(chosen.controller, chosen.out, chosen.wheelsets, kind)
-        kinds = able if chosen.kind == "all" else [chosen.kind]
-        problems = build_all(names, kinds, chosen.out, every)
-        write_sets(names, chosen.out)
-        if "native" in kinds:
-            build_systems(names, chosen.out, every)
-        for sentence in (one for name in names for one in changes(name)):
-            print(sentence)
-    except (CompilerError, OSError) as error:
-        print(f"The FMUs in {chosen.out} are not complete ({error}).", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print(f"Interrupted; the FMUs that were finished are in {chosen.out}.", file=sys.stderr)
-        return 130
-    return 1 if problems else 0
-
-
-def train(chosen: argparse.Namespace, kinds: list[str]) -> int:
-    """Builds the FMU of a train or of a coupler; exit status."""
-    try:
-        if chosen.model == "coupler":
-            return 1 if build_coupler(chosen.out, kinds, chosen.coupler, chosen.platforms == "all") else 0
-        settings = Settings(depth=chosen.depth, cells=chosen.cells)
-        every = chosen.platforms == "all"
-        return 1 if build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every) else 0
-    except ValueError as error:
-        print(error, file=sys.stderr)
-        return 2
-    except (CompilerError, OSError) as error:
-        print(f"The FMU of the train was not built ({error}).", file=sys.stderr)
-        return 1
+        return False
+    if chosen.controller:
+        kind = "fmi3" if chosen.kind == "fmi3" else "native"
+        return bool(build_controller(chosen.controller, chosen.out, chosen.wheelsets, kind))
+    problems = build_all(names, kinds, chosen.out, every)
+    write_sets(names, chosen.out)
+    if "native" in kinds:
+        build_systems(names, chosen.out, every)
+    for sentence in (one for name in names for one in changes(name)):
+        print(sentence)
+    return bool(problems)
 
 
 if __name__ == "__main__":

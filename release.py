@@ -34,6 +34,8 @@ from products.systems import build_systems
 from products.train.building import build_coupler, build_train
 from products.train.coupler_fmu import coupler_in_c
 from products.train.fmu import train_in_c
+from readers.command_line import CommandLine, check_folder
+from readers.text import BadInputError
 from scenarios.live.page import write_page
 from scenarios.live.train_page import PAGE as TRAIN_PAGE
 from scenarios.live.train_page import write_train_page
@@ -119,14 +121,22 @@ def write_checksums(out: Path) -> None:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit status: 0, 1 after a failure, 2 bad input, 130 interrupted."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    """Exit status: 0, 2 bad input, 3 after a failure, 130 interrupted."""
+    parser = CommandLine(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("dist"), help="a new or empty folder (default: dist)")
-    out = parser.parse_args(arguments).out.resolve()
+    try:
+        out = parser.parse_args(arguments).out.resolve()
+        check_folder(out)
+    except BadInputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    if out.exists() and any(out.iterdir()):
+        print(
+            f"--out must be a new or empty folder; {out} holds files. Empty it, or name another one.", file=sys.stderr
+        )
+        return 2
     try:
         out.mkdir(parents=True, exist_ok=True)
-        if any(out.iterdir()):
-            parser.error(f"{out} is not empty; empty it, or name another folder with --out.")
         write_wheels(WHEELS, out)
         write_fmus(out)
         write_page(out / f"bogie_braking-{__version__}-{PAGE}")
@@ -134,7 +144,7 @@ def main(arguments: list[str] | None = None) -> int:
         write_checksums(out)
     except (CompilerError, OSError, subprocess.CalledProcessError) as error:
         print(f"The release in {out} is not complete ({error}).", file=sys.stderr)
-        return 1
+        return 3
     except KeyboardInterrupt:
         print(f"Interrupted; the release in {out} is not complete, what was compiled is kept.", file=sys.stderr)
         return 130

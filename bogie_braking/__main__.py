@@ -3,7 +3,7 @@
   bogie-braking list                                             all scenarios, each in a sentence
   bogie-braking run qr30-180kpa                                  runs one: table, data, figure in results/qr30-180kpa/
   bogie-braking run bogie-heavy-braking --kind python            with the pythonfmu FMUs
-  bogie-braking run qr30-180kpa --step 0.0001                    with another macro step
+  bogie-braking run qr30-180kpa --step 0.1ms                     with another macro step
   bogie-braking run qr30-180kpa --coupling-tolerance 1e-4        with macro steps chosen by the error of the coupling
   bogie-braking run qr30-180kpa --torque-csv measured.csv        with a measured torque (time [s], torque [N.m])
   bogie-braking run contact-geometry --wheel left.csv right.csv --rail 60e1.csv --diameter 920 918
@@ -40,8 +40,15 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from bogie_braking.exit_status import FAILED, NOBODY_READS
+from bogie_braking.exit_status import BAD_INPUT, FAILED, NOBODY_READS
 from fmu_src import __version__
+from readers.command_line import CommandLine, quantity
+from readers.text import BadInputError
+
+#: The largest macro step that any scenario is meant for, and the smallest, with which one takes hours [s].
+LARGEST_STEP, SMALLEST_STEP = 0.1, 1e-5
+#: The smallest coupling error that rounding lets a macro step have.
+SMALLEST_ERROR = 1e-9
 
 
 def add_speech(parser: argparse.ArgumentParser, quiet: str, document: str) -> None:
@@ -65,15 +72,14 @@ def add_profiles(runner: argparse.ArgumentParser) -> None:
     sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
     group.add_argument("--wheel", type=Path, metavar="FILE", help="profile of both wheels, or left and right", **sides)
     group.add_argument("--rail", type=Path, metavar="FILE", help="profile of both rails, or left and right", **sides)
-    text = "diameter of both wheels at the tape circle, or left and right (default: 920)"
-    group.add_argument("--diameter", type=float, metavar="MM", help=text, **sides)
+    text = "diameter of both wheels at the tape circle, or left and right, as 920 or 0.92m (default: 920 mm)"
+    group.add_argument("--diameter", type=quantity("--diameter", "mm"), metavar="MM", help=text, **sides)
     text = "gauge, measured 14 mm below the top (default: the y = 0 of both files lie 1500 mm apart)"
-    group.add_argument("--gauge", type=float, metavar="MM", help=text)
-    group.add_argument(
-        "--flange-back", type=float, metavar="MM", help="distance between the backs of the flanges (default: 1360)"
-    )
+    group.add_argument("--gauge", type=quantity("--gauge", "mm"), metavar="MM", help=text)
+    text = "distance between the backs of the flanges (default: 1360 mm)"
+    group.add_argument("--flange-back", type=quantity("--flange-back", "mm"), metavar="MM", help=text)
     text = "inclines the rails by 1:N, for files in which they stand upright (default: as in the files)"
-    group.add_argument("--inclination", type=float, metavar="N", help=text)
+    group.add_argument("--inclination", type=quantity("--inclination"), metavar="N", help=text)
     text = "side of y in the rails' files that is turned to the middle of the track (default: found by lean or wear)"
     group.add_argument("--gauge-side", choices=("y-", "y+"), help=text, **sides)
 
@@ -82,7 +88,7 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     """The command line and its commands; asked: the command that is given, which alone needs to know all of itself."""
     from scenarios.completion import SHELLS
 
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="bogie-braking", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--version", action="version", version=f"bogie-braking {__version__}")
@@ -95,7 +101,8 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
     runner.add_argument("name", help="a name from 'list'")
     runner.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
     runner.add_argument("--kind", choices=["native", "python"], help="which FMUs (default: native)")
-    runner.add_argument("--step", type=float, metavar="SECONDS", help="macro step (default: 0.001; lock boundary 0.01)")
+    step, text = quantity("--step", "s", SMALLEST_STEP, LARGEST_STEP), "macro step, as 1ms or 0.001 in seconds"
+    runner.add_argument("--step", type=step, metavar="TIME", help=f"{text} (default: 1ms; lock boundary 10ms)")
     runner.add_argument(
         "--torque-csv",
         type=Path,
@@ -103,7 +110,8 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
         help="torque of the trailing wheelset: time [s], torque [N.m]",
     )
     text = "largest error of a macro step, in nominal values; the steps are chosen by it"
-    runner.add_argument("--coupling-tolerance", type=float, metavar="ERROR", help=text)
+    error = quantity("--coupling-tolerance", least=SMALLEST_ERROR)
+    runner.add_argument("--coupling-tolerance", type=error, metavar="ERROR", help=text)
     runner.add_argument("--all", action="store_true", help="also print the rows that are not judged, in their order")
     runner.add_argument("--html", action="store_true", help="also write report.html, one page that needs no other file")
     text = "line for line-from-file: a CSV with the columns distance, curvature, cant, gradient, and more if you like"
@@ -155,6 +163,9 @@ def main(arguments: list[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left would be written at the exit
         return NOBODY_READS
+    except BadInputError as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
     except Exception:
         traceback.print_exc()  # Python would end with the status of a row that does not hold
         return FAILED

@@ -14,10 +14,15 @@ import numpy as np
 from fmu_src.kernel import ERROR, SimulationError
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Variable
+from products.registry import fmu_named
 from rbd_model.track.line import Line
 
 #: The most characters of a value that a sentence shows.
 LONGEST = 60
+#: What is chosen elsewhere than by a variable, and how.
+ELSEWHERE = {
+    "creep_law": 'a vehicle has it: dataclasses.replace(bogie_braking.vehicle("coach"), creep_law="fastsim").',
+}
 #: A day [s], the longest step of an instance: duration.h of the runtime.
 LONGEST_TIME = 86400.0
 #: Instances that are made at once, particles, and threads at most: more is a slip of the pen, and takes all memory.
@@ -25,13 +30,28 @@ MOST_INSTANCES, MOST_THREADS = 1_000_000, 1024
 
 
 def known(name: str, those: Iterable[str], what: str) -> str:
-    """The name, if it is one of those; `what` says of which kind. Raises KeyError, TypeError for what is no text."""
+    """Return the name, or that which it is another word for, if it is one of those; `what` says of which kind.
+
+    Raises
+    ------
+    KeyError
+        If it is none of those.
+    TypeError
+        If it is not a text.
+    """
     if not isinstance(name, str):
         raise TypeError(f"Give the name of the {what} as a text: it was {shown(name)}.")
     those = list(those)
+    if fmu_named(name) in those:
+        return fmu_named(name)
     if name not in those:
-        raise KeyError(f"There is no {what} {name}; {suggestion(name, those)}")
+        raise KeyError(f"There is no {what} {name}; {near(name, those)}")
     return name
+
+
+def near(name: str, those: Iterable[str]) -> str:
+    """Return the end of a message about an unknown name: where it belongs, or the names that are like it."""
+    return ELSEWHERE.get(name) or suggestion(name, those)
 
 
 def seconds(what: str, value: Any, most: float = LONGEST_TIME) -> float:

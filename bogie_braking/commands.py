@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
-import os
 import sys
 from contextlib import nullcontext
 from dataclasses import fields
@@ -21,6 +19,7 @@ from fmu_src.kernel import SimulationError
 from products.prebuilt import PAGE
 from products.registry import FMUS
 from products.study.points import SweepError
+from readers.command_line import check_folder
 from readers.storage import StorageError, cannot_write
 from scenarios import sweep
 from scenarios.catalogue import SCENARIOS, find
@@ -35,24 +34,12 @@ from scenarios.reporting.report import Report, save, short_table, stopwatch, tab
 from scenarios.reporting.saved import wall_seconds
 from scenarios.scenario import BadInputError, Options, Scenario
 
-#: The largest macro step that any scenario is meant for, and the smallest, with which one takes hours [s].
-LARGEST_STEP, SMALLEST_STEP = 0.1, 1e-5
-#: The smallest coupling error that rounding lets a macro step have.
-SMALLEST_ERROR = 1e-9
+#: Commands that write into the folder of --out.
+WRITING = {"run", "sweep", "report", "live", "compare", "replay", "loop"}
 
 
 def check(scenario: Scenario, options: Options) -> None:
-    """Raises BadInputError for an option that cannot be, or that a scenario does not take."""
-    step = options.macro_step()
-    if not (math.isfinite(step) and 0.0 < step <= LARGEST_STEP):
-        raise BadInputError(f"Give --step a value above 0 and up to {LARGEST_STEP} s: it was {step} s.")
-    if step < SMALLEST_STEP:
-        raise BadInputError(f"--step must be at least {SMALLEST_STEP:g} s; got {step:g} s. Shorter steps take days.")
-    tolerance = options.coupling_tolerance
-    if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0.0):
-        raise BadInputError(f"Give --coupling-tolerance a value above 0: it was {tolerance}.")
-    if tolerance is not None and tolerance < SMALLEST_ERROR:
-        raise BadInputError(f"--coupling-tolerance must be at least {SMALLEST_ERROR:g}; got {tolerance:g}.")
+    """Raises BadInputError for an option that a scenario does not take."""
     for name in sorted(options.given - scenario.takes):
         takers = ", ".join(one.name for one in SCENARIOS if name in one.takes)
         raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")
@@ -69,9 +56,6 @@ def run(chosen: argparse.Namespace) -> int:
         from scenarios.reporting.html_report import write_report
 
         further = partial(write_report, scenario)
-    if out.exists() and not out.is_dir():
-        raise BadInputError(f"{out} is a file; give --out a folder.")
-    look_for_room(out)
     elapsed = stopwatch()
     with ticking(scenario.name, wall_seconds(out / scenario.name)):
         report = scenario.run(options)
@@ -87,13 +71,6 @@ def look_for_plotly() -> None:
     """Raises BadInputError, before a run, where what draws the pages is not installed: it is an extra."""
     if find_spec("plotly") is None:
         raise BadInputError("A page of results needs Plotly: pip install 'bogie-braking[pages]'.")
-
-
-def look_for_room(out: Path) -> None:
-    """Raises OSError before a run whose results could not be written; makes no folder."""
-    place = next(one for one in (out.absolute(), *out.absolute().parents) if one.exists())
-    if not (place.is_dir() and os.access(place, os.W_OK)):
-        raise OSError(f"{place} is no folder that can be written")
 
 
 def show(scenario: Scenario, report: Report, folder: Path, whole: bool) -> None:
@@ -144,6 +121,8 @@ def show_completion(parser: argparse.ArgumentParser, commands: Any, shell: str) 
 def carry_out(chosen: argparse.Namespace) -> int:
     """Runs one of the commands that write results; the exit status."""
     try:
+        if {chosen.command, getattr(chosen, "action", None)} & WRITING:
+            check_folder(chosen.out)
         if chosen.command == "live":
             write_train_page(chosen.out / TRAIN_PAGE)
             print(f"Open in a browser: {write_page(chosen.out / PAGE)}")

@@ -66,8 +66,8 @@ def told(stop: Stop) -> dict[str, Any]:
 class WheelSlide(gymnasium.Env[Numbers, Numbers]):
     """One bogie, or coach, that brakes to rest; the page *Train and tune* has what it sees, is told, and what it costs.
 
-    vehicle: "bogie" or "vehicle", the coach. rails: draws a `Run` by a generator of random numbers and the number of
-    wheelsets. privileged: whether it sees what no controller does. settings: as `bogie_braking.protected_stops` has
+    vehicle: "bogie" or "coach", also "vehicle". rails: draws a `Run` by a generator of random numbers and the number
+    of wheelsets. privileged: whether it sees what no controller does. settings: as `bogie_braking.protected_stops` has
     them.
     """
 

@@ -65,9 +65,23 @@ class Machine:
 
 
 def vehicle(name: str) -> Vehicle:
-    """A ready vehicle as data, to be changed with `dataclasses.replace`: bodies, wheelsets, connections, parameters.
+    """Return a ready vehicle as data, to be changed with `dataclasses.replace`.
 
-    name: "bogie", "vehicle", "coal-wagon" or "wheelset", as `fmu` has them. Raises KeyError for another one.
+    Parameters
+    ----------
+    name : str
+        "bogie", "coach" (also "vehicle"), "coal-wagon" or "wheelset", as in `fmu`.
+
+    Returns
+    -------
+    Vehicle
+        Bodies, wheelsets, connections, parameters and the name of the creep law of its treads:
+        `replace(vehicle("coach"), creep_law="fastsim")`.
+
+    Raises
+    ------
+    KeyError
+        If the name is unknown.
     """
     return VEHICLES[known(name, VEHICLES, "vehicle")]()
 
@@ -80,7 +94,8 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
     there is not, CompilerError where no C compiler works.
     """
     if isinstance(what, str):
-        variables = variables_of(known(what, FMUS, "FMU"))
+        what = known(what, FMUS, "FMU")
+        variables = variables_of(what)
         return machine_at(what, place_of(what, variables, values, on_line))
     with ONE_WRITES:
         if isinstance(what, Vehicle):
@@ -98,7 +113,8 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
     """
     with ONE_WRITES:
         if isinstance(what, str):
-            fmu = FMUS[known(what, FMUS, "FMU")]
+            what = known(what, FMUS, "FMU")
+            fmu = FMUS[what]
             selected = fmu.selectors if fmu.vehicle else model_of_fmu(what).selectors
             return _batch_of_the_list(what, tuple((name, values[name]) for name in selected if name in values), on_line)
         if isinstance(what, Vehicle):

@@ -45,9 +45,9 @@ def protected_stops(
 
     controller: a class whose objects have `step(time, wheel_speeds)` [s], [m/s], which answers for each wheelset 0 to
     apply its brake, 1 to hold or 2 to vent it; "protection": the one that comes with the brake; None: no controller.
-    vehicle: "bogie" or "vehicle", the coach. settings: speed, at which it begins, 25 m/s; strength, torque over that of
-    the full brake, 1; application_time, to 95 % of it, 2 s; period, of its questions, 5e-3 s; pulses, teeth of the
-    wheel under each speed sensor, 100; jitter, standard deviation of their places as a share of the pitch, 0.
+    vehicle: "bogie" or "coach", also "vehicle". settings: speed, at which it begins, 25 m/s; strength, torque over that
+    of the full brake, 1; application_time, to 95 % of it, 2 s; period, of its questions, 5e-3 s; pulses of each speed
+    sensor in a revolution, 100; jitter, standard deviation of their places as a share of the pitch, 0.
 
     Columns have shape (rails,): number of the row; friction of the rail; distance [m] and duration [s]; longest_lock,
     of any wheelset while the machine ran faster than 0.3 m/s [s]; share_in_band, of the braked time above 3 m/s in
@@ -75,7 +75,7 @@ def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **
     wheel_speed [m/s], pressure in its cylinder [Pa], what its valve was told, and adhesion that it used.
     """
     [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, recorded=True)
-    radius = MACHINES[vehicle]().parameters.wheel_radius
+    radius = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]().parameters.wheel_radius
     return stop.course.recording(radius, _sentence(case, stop), stop.commands)
 
 

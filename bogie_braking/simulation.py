@@ -10,13 +10,12 @@ from itertools import pairwise
 import numpy as np
 
 from bogie_braking.batches import file_of
-from bogie_braking.checks import is_number, line_or_none, names_of, refused, seconds, shown
+from bogie_braking.checks import is_number, line_or_none, names_of, near, refused, seconds, shown
 from bogie_braking.histories import History, Value
 from bogie_braking.machines import Machine, Runnable, machine_at, machine_of
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import MOST_NUMBERS, Kernel, SimulationError
 from fmu_src.refusals import without_value_before
-from fmu_src.suggestion import suggestion
 from fmu_src.system import NONE
 from products.registry import FMUS
 from rbd_model.track.line import Line
@@ -129,7 +128,7 @@ class Simulation:
     def _take(self, values: Mapping[str, Value]) -> None:
         for name, value in values.items():
             if name not in self._machine.variables:
-                raise refused(f"There is no variable {name}; {suggestion(name, self._machine.variables)}")
+                raise refused(f"There is no variable {name}; {near(name, self._machine.variables)}")
             if isinstance(value, str) or is_number(value):
                 self._kernel.set(**{name: value if isinstance(value, str) else float(value)})
                 self._histories.pop(name, None)

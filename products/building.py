@@ -33,6 +33,7 @@ from products.registry import variables_of as written_variables
 from products.sources import ROOT
 from products.terminals import terminals_of
 from readers.storage import writing
+from readers.text import BadInputError
 
 #: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.
 NATIVE = ("native", "fmi3")
@@ -188,26 +189,37 @@ def build_protection(
     return path
 
 
-def build_controller(text: str, out: Path, wheelsets: int, kind: str = "native") -> int:
-    """The FMU of FILE.py:CLASS or FILE.c for so many wheelsets; exit status 0, 1 with problems, 2 with a sentence.
+def build_controller(text: str, out: Path, wheelsets: int, kind: str = "native") -> list[str]:
+    """Build the FMU of a controller; return the problems that fmpy finds.
 
-    kind: "native" or "fmi3", of a controller in C.
+    Parameters
+    ----------
+    text : str
+        FILE.py:CLASS or FILE.c.
+    out : Path
+        Folder of the FMUs.
+    wheelsets : int
+        Number of wheelsets that it protects.
+    kind : str
+        "native" or "fmi3", of a controller in C.
+
+    Raises
+    ------
+    BadInputError
+        If the controller does not become an FMU.
     """
     begin = time.perf_counter()
     try:
         path = _controller(text, out, wheelsets, kind)
     except FileNotFoundError:
-        print(f"There is no file {text.split(':')[0]}; give the path of a controller.", file=sys.stderr)
-        return 2
+        raise BadInputError(f"The file {text.split(':')[0]} does not exist. Check the path.") from None
     except CompilerError as error:
         missing = sorted(set(re.findall(r"undefined reference to `(wheel_slide_\w+)'", str(error))))
-        lacks = f"{text} lacks {', '.join(missing)}, functions of wheel_slide.h; add them."
-        print(lacks if missing else f"{text} does not compile. {error}", file=sys.stderr)
-        return 2
+        lacks = f"{text} must have all functions of wheel_slide.h; it lacks {', '.join(missing)}. Add them."
+        raise BadInputError(lacks if missing else f"{text} does not compile. {error}") from None
     except (OSError, ValueError, ImportError, SyntaxError, NameError, TypeError, AttributeError) as error:
-        print(f"{text} does not become an FMU: {error}", file=sys.stderr)
-        return 2
-    return 1 if announce(path, time.perf_counter() - begin) else 0
+        raise BadInputError(f"{text} does not become an FMU: {error}") from None
+    return announce(path, time.perf_counter() - begin)
 
 
 def _controller(text: str, out: Path, wheelsets: int, kind: str) -> Path:

@@ -64,6 +64,15 @@ FMUS: dict[str, Fmu] = {
     "rail": Fmu(rail_adhesion),
 }
 
+#: Names that people type for FMUs of the list.
+ALIASES = {"coach": "vehicle"}
+
+
+def fmu_named(name: str) -> str:
+    """Return the name in the list of what people may call otherwise; another name as it is."""
+    return ALIASES.get(name, name) if isinstance(name, str) else name
+
+
 #: Those with equations of their own; the others have the same ones with other numbers.
 DIFFERENT = [name for name, fmu in FMUS.items() if fmu.alike is None]
 

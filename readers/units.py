@@ -116,3 +116,43 @@ def spellings_for(target: str) -> dict[str, tuple[float, float]]:
     quantity = quantity_of(target)
     found = {} if quantity is None else {one: factor(one, target) for one in SPELLINGS[quantity]}
     return {target: (1.0, 1.0)} | {one: both for one, both in found.items() if both is not None}
+
+
+#: Units that people use for a quantity in place of the SI unit, the likeliest first.
+USUAL = {
+    "m": ("mm",),
+    "m/s": ("km/h",),
+    "kg": ("t",),
+    "Pa": ("bar", "kPa"),
+    "N": ("kN",),
+    "N.m": ("kN.m",),
+    "s": ("ms",),
+    "mm": ("m",),
+}
+
+
+def likely_unit(value: float, unit: str, least: float, most: float) -> str:
+    """Return the end of a message about a number outside its limits: the usual unit in which it is inside.
+
+    Parameters
+    ----------
+    value : float
+        The number that is outside its limits [unit].
+    unit : str
+        The unit in which it was read.
+    least, most : float
+        Limits [unit].
+
+    Returns
+    -------
+    str
+        A question with a leading space, or no text if no usual unit puts the value inside the limits.
+    """
+    for usual in USUAL.get(unit, ()):
+        found = factor(usual, unit)
+        if found is None:
+            continue
+        own = value * found[0] / found[1]
+        if least <= own <= most:
+            return f" Did you mean {value:g} {usual} = {own:.4g} {unit}?"
+    return ""

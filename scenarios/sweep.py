@@ -27,6 +27,7 @@ from products.study.grid import grid_of, points_of
 from products.study.journal import JOURNAL, Journal
 from products.study.points import Evaluator, Outcome, in_processes, point_function
 from products.study.study import Study, kept_outcomes_of
+from readers.command_line import check_folder, whole
 from scenarios import catalogue
 from scenarios.scenario import BadInputError
 
@@ -48,7 +49,8 @@ def add_command(commands: Any) -> None:
         metavar="PARAMETER",
         help="name=first:last:count or name=a,b,c; several give every combination, the first varying slowest",
     )
-    parser.add_argument("--jobs", type=int, metavar="COUNT", help="worker processes (default: one per processor)")
+    text = "worker processes (default: one per processor)"
+    parser.add_argument("--jobs", type=whole("--jobs", 1), metavar="COUNT", help=text)
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, whose workers take the points")
     parser.add_argument("--restart", action="store_true", help="drop the points of an earlier sweep")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
@@ -74,12 +76,8 @@ def study_of(chosen: argparse.Namespace) -> Study:
     if sweepable is None:
         takers = ", ".join(one.name for one in catalogue.SCENARIOS if one.sweep)
         raise BadInputError(f"{scenario.name} takes no part in sweeps; these do: {takers}.")
-    if chosen.jobs is not None and chosen.jobs < 1:
-        raise BadInputError(f"Give --jobs a value of at least 1: it was {chosen.jobs}.")
     name = f"sweep-{scenario.name}"
-    for path in (chosen.out, chosen.out / name):
-        if path.exists() and not path.is_dir():
-            raise BadInputError(f"{path} is a file; give --out a folder.")
+    check_folder(chosen.out / name)
     grid = grid_of(chosen.vary, sweepable.parameters, scenario.name)
     defaults = inspect.signature(sweepable.run).parameters
     head = {

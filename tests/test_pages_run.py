@@ -47,7 +47,7 @@ SHORT = {
     "python -m bogie_braking live": "python -m bogie_braking live --help",
     "python -m bogie_braking pace spatial --step 1ms --seconds 10": "python -m bogie_braking pace --help",
     "python study.py": "python -m py_compile study.py",
-    "python -m bogie_braking controllers compare let_go.c let_go.py:LetGo --vehicle vehicle --programme my.toml": (
+    "python -m bogie_braking controllers compare let_go.c let_go.py:LetGo --vehicle coach --programme my.toml": (
         "python -m bogie_braking controllers compare --help"
     ),
 } | {

@@ -17,6 +17,7 @@ from fmu_src.compose import compose, scope
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Model, System, Variable, model_of
 from products.machine import MACHINES, Machine
+from products.registry import fmu_named
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
 
 #: How fast a wheelset is pulled to its measured speed [1/s]; assumed: well above the rate at which a sliding wheel runs
@@ -26,14 +27,14 @@ TRACKING_RATE = 20.0
 
 @lru_cache
 def logged_machine(name: str) -> Model:
-    """The planar bogie ("bogie") or coach ("vehicle"): inputs pressure_1 [Pa] and wheel_speed_1 [m/s] and so on.
+    """The planar "bogie" or "coach" (also "vehicle"): inputs pressure_1 [Pa] and wheel_speed_1 [m/s] and so on.
 
     full_torque is that of its full brake; friction_1 and so on are what a fit looks for. Raises KeyError for
     another name.
     """
-    if name not in MACHINES:
+    if fmu_named(name) not in MACHINES:
         raise KeyError(f"There is no machine {name} with a log; {suggestion(name, MACHINES)}")
-    machine, [planar] = MACHINES[name](), places_of(level=2, on_line=False)
+    machine, [planar] = MACHINES[fmu_named(name)](), places_of(level=2, on_line=False)
     system = system_at(machine.vehicle, planar)
     logs = [scope(_wheelset(machine), after=f"_{n}", common=_COMMON) for n in machine.numbers]
     faces = [f"{face}_{n}" for face in ("brake_torque", "traction_torque", "angular_velocity") for n in machine.numbers]

@@ -1,4 +1,10 @@
-"""A Python class as a client of the test rig behind a socket (loop.py)."""
+"""A Python class answers a test rig that is behind a socket (controllers loop).
+
+  bogie-braking controllers answer mine.py:PI                    a rig on this machine
+  bogie-braking controllers answer mine.py:PI --host 192.0.2.1   a rig on another one
+
+Exit status: 0 the run came to its end; 1 it did not; 2 bad input.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +14,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 
 from brake_controller.rig.udp_client import HOST, PORT, answer
+from readers.command_line import whole
 from scenarios.controllers.controller_loader import class_in
 from scenarios.scenario import BadInputError
 
@@ -19,14 +26,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("controller", help="FILE.py:CLASS; C has a client of its own: controllers client c")
     parser.add_argument("--host", default=HOST, help=f"where the rig is (default: {HOST})")
-    parser.add_argument("--port", type=int, default=PORT, help=f"its UDP port (default: {PORT})")
+    parser.add_argument("--port", type=whole("--port", 1, 65535), default=PORT, help=f"its UDP port (default: {PORT})")
 
 
 def run(chosen: argparse.Namespace) -> bool:
     """Answers a run; whether it came to its end. Raises BadInputError."""
     file, _, name = chosen.controller.rpartition(":")
     if not file.endswith(".py"):
-        raise BadInputError(f"Give FILE.py:CLASS as a controller: it was {chosen.controller}.")
+        raise BadInputError(f"The controller must be FILE.py:CLASS; got {chosen.controller}.")
     controller = class_in(Path(file), name)()
     try:
         with redirect_stdout(sys.stderr):  # what a controller prints
@@ -35,7 +42,8 @@ def run(chosen: argparse.Namespace) -> bool:
         print(error, file=sys.stderr)
         return False
     except (OSError, OverflowError) as error:
-        raise BadInputError(f"There is no way to {chosen.host}:{chosen.port} ({error}); give the rig's.") from None
+        place = f"{chosen.host}:{chosen.port}"
+        raise BadInputError(f"Cannot reach {place}: {error}. Start the rig, or check --host and --port.") from None
     except Exception as error:
         print(f"The controller {name} failed ({type(error).__name__}: {error}); it answers no more.", file=sys.stderr)
         return False

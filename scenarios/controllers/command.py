@@ -1,33 +1,15 @@
-"""Compares wheel-slide controllers on the test rig: one score table, one picture, one JSON file, and a page that plays.
+"""Compares wheel-slide controllers on the test rig, replays logs, and runs the rig behind a socket.
 
-  bogie-braking controllers compare mine.py:PI                    a Python class; none and our own stand beside it
-  bogie-braking controllers compare mine.py:PI libpi.so           and a shared library
-  bogie-braking controllers compare pi.c --vehicle vehicle        C, compiled now; on the coach
-  bogie-braking controllers compare pi.fmu                        an FMU; pi.toml beside it may name its variables
-  bogie-braking controllers compare 'mine.py:PI(kp=0.3)' 'mine.py:PI(kp=0.5)'
-                                                                  a class with two choices of its gains
-  bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
-  bogie-braking controllers compare mine.py:PI --programme full   32 cases: 60 to 200 km/h, sensors and valves that fail
-  bogie-braking controllers compare mine.py:Spin --programme starts
-                                                                  driven wheels that must not spin
-  bogie-braking controllers compare mine.py:PI --programme my.toml
-                                                                  cases of your own (controllers programme > my.toml)
-  bogie-braking controllers compare mine.py:PI --speed 160km/h --teeth 80 --period 10ms
-  bogie-braking controllers compare mine.py:PI --html             and results/controllers/compare.html, which plays
-  bogie-braking controllers compare mine.py:PI --json | jq .runs  for a program
-  bogie-braking controllers header > wheel_slide.h                what a controller in C includes
-  bogie-braking controllers replay log.csv mine.py:PI             what it would have done in a recorded run
-  bogie-braking controllers loop --rail low                       behind a UDP socket, paced by the clock, for
-  bogie-braking controllers answer mine.py:PI                     a client in another process, or on another machine
-  bogie-braking controllers client c > udp_client.c               the client of a controller in C; also: python
+  bogie-braking controllers compare mine.py:PI           scores, a picture and a page of stops with your controller
+  bogie-braking controllers replay log.csv mine.py:PI    what it would have done in a recorded run
+  bogie-braking controllers loop --rail low              the rig behind a UDP socket, paced by the clock
+  bogie-braking controllers answer mine.py:PI            a client of such a rig, also on another machine
+  bogie-braking controllers client c > udp_client.c      the client of a controller in C; also: python
+  bogie-braking controllers header > wheel_slide.h       what a controller in C includes
+  bogie-braking controllers programme > my.toml          a programme of cases, to write one of your own from
 
-A class has the method step(time, wheel_speeds) -> valves: [s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
-All make the same stops with the same brake, sensors and rails; cylinders fill by flow of air from a reservoir. Without
-a controller the wheels may lock.
-The ideal has the best slip at every instant. Measures in the manner of EN 15595, without any claim of conformity.
-
-Each case is run with the looks of the controllers in three places between two teeth of the sensors. A distance is the
-mean of those stops; controllers whose difference is within that spread are called equal.
+'compare --help', 'replay --help' and 'loop --help' say more. A class has the method step(time, wheel_speeds) -> valves:
+[s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
 
 Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, was not judged, or missed a period in the
 loop; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
@@ -37,14 +19,25 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from brake_controller.slide_protection import RIG
 from products.machine import MACHINES, TRACTION
-from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme, speed_of
+from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme
 from products.protection.rails import RAILS
-from products.protection.settings import MOST_JITTER, STRONGEST, Settings
+from products.protection.settings import (
+    FASTEST,
+    LONGEST_PERIOD,
+    MOST_JITTER,
+    MOST_PULSES,
+    SHORTEST_PERIOD,
+    STRONGEST,
+    Settings,
+)
+from products.registry import ALIASES, fmu_named
+from readers.command_line import quantity, whole
 from readers.storage import write_whole
 from scenarios.controllers import answering, loop, replay, verdict
 from scenarios.controllers.controller_loader import controllers_of
@@ -52,10 +45,38 @@ from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
 from scenarios.controllers.scoring import PHASES, Scored, compare, ideal_distance, runs_of
 from scenarios.controllers.table import document, lines, write_document
-from scenarios.measuring.pace import time_of
 from scenarios.reporting.plots import plt
 from scenarios.scenario import BadInputError
 
+#: Help of `compare`.
+COMPARE = """Scores wheel-slide controllers on the test rig: a table, a picture, a JSON file, and a page that plays.
+
+  bogie-braking controllers compare mine.py:PI                    a Python class; none and our own stand beside it
+  bogie-braking controllers compare mine.py:PI libpi.so           and a shared library
+  bogie-braking controllers compare pi.c --vehicle coach          C, compiled now; on the coach
+  bogie-braking controllers compare pi.fmu                        an FMU; pi.toml beside it may name its variables
+  bogie-braking controllers compare 'mine.py:PI(kp=0.3)' 'mine.py:PI(kp=0.5)'
+                                                                  a class with two choices of its gains
+  bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
+  bogie-braking controllers compare mine.py:PI --programme full   32 cases: 60 to 200 km/h, sensors and valves that fail
+  bogie-braking controllers compare mine.py:Spin --programme starts
+                                                                  driven wheels that must not spin
+  bogie-braking controllers compare mine.py:PI --programme my.toml
+                                                                  cases of your own (controllers programme > my.toml)
+  bogie-braking controllers compare mine.py:PI --speed 160km/h --pulses 80 --period 10ms
+  bogie-braking controllers compare mine.py:PI --html             and results/controllers/compare.html, which plays
+  bogie-braking controllers compare mine.py:PI --json | jq .runs  for a program
+
+All controllers make the same stops with the same brake, sensors and rails; cylinders fill by flow of air from a
+reservoir. Without a controller the wheels may lock. The ideal has the best slip at every instant. Measures are in the
+manner of EN 15595, without any claim of conformity.
+
+Each case is run three times. The controllers are then called at other places between two pulses of the sensors. A
+distance is the mean of those stops; controllers whose difference is within that spread are called equal.
+
+Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed or was not judged; 2 bad input; 3 the
+simulation failed; 130 interrupted with Ctrl-C.
+"""
 #: Stops of each case at most: two phases then lie a hundredth of a tooth apart.
 MOST_PHASES = 100
 
@@ -63,18 +84,26 @@ MOST_PHASES = 100
 def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.ArgumentParser], None]) -> None:
     """What can be done with controllers; speech: gives a command its ways of printing less."""
     actions = parser.add_subparsers(dest="action", required=True)
-    form: dict[str, Any] = {"description": __doc__, "formatter_class": argparse.RawDescriptionHelpFormatter}
-    compare = actions.add_parser("compare", help="score controllers on the same rails", **form)
+
+    def form(text: str | None) -> dict[str, Any]:
+        return {"description": text, "formatter_class": argparse.RawDescriptionHelpFormatter}
+
+    compare = actions.add_parser("compare", help="score controllers on the same rails", **form(COMPARE))
     add_arguments(compare)
     speech(compare)
-    replayed = actions.add_parser("replay", help="give a controller the wheel speeds of a recorded run", **form)
+    replayed = actions.add_parser(
+        "replay", help="give a controller the wheel speeds of a recorded run", **form(replay.__doc__)
+    )
     replay.add_arguments(replayed)
     speech(replayed)
-    looped = actions.add_parser("loop", help="put the rig behind a UDP socket, paced by the clock", **form)
+    looped = actions.add_parser(
+        "loop", help="put the rig behind a UDP socket, paced by the clock", **form(loop.__doc__)
+    )
     loop.add_arguments(looped)
     add_case(looped)
     speech(looped)
-    answering.add_arguments(actions.add_parser("answer", help="answer such a rig with a Python class", **form))
+    answered = actions.add_parser("answer", help="answer such a rig with a Python class", **form(answering.__doc__))
+    answering.add_arguments(answered)
     client = actions.add_parser("client", help="print a client of such a rig, which goes to another machine")
     client.add_argument("language", choices=list(answering.CLIENTS))
     actions.add_parser("header", help="print wheel_slide.h, which a controller in C includes")
@@ -86,14 +115,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     text = "FILE.py:CLASS, also with gains, 'FILE.py:CLASS(kp=0.3)'; a library; C that includes wheel_slide.h; an FMU"
     parser.add_argument("controller", nargs="*", help=text)
-    parser.add_argument("--level", type=int, choices=(2, 3), default=2, help="2 in the plane (default), 3 in space")
+    level, text = whole("--level", 2, 3), "2 in the plane (default), 3 in space"
+    parser.add_argument("--level", type=level, default=2, metavar="LEVEL", help=text)
     group = parser.add_mutually_exclusive_group()
     text = f"some of {','.join(rail.name for rail in RAILS)} (default: all)"
     group.add_argument("--rails", default="", metavar="NAMES", help=text)
     text = "a TOML file with cases; full: the programme that comes along; starts: the one for driven wheels"
     group.add_argument("--programme", metavar="FILE", help=text)
     text = f"stops of each case, with looks elsewhere between two teeth, 1 to {MOST_PHASES} (default: {PHASES})"
-    parser.add_argument("--phases", type=int, default=PHASES, metavar="N", help=text)
+    phases = whole("--phases", 1, MOST_PHASES)
+    parser.add_argument("--phases", type=phases, default=PHASES, metavar="N", help=text)
     parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")
     add_settings(parser)
 
@@ -109,13 +140,25 @@ def add_case(parser: argparse.ArgumentParser) -> None:
 
 def add_settings(parser: argparse.ArgumentParser) -> None:
     """Options of all stops."""
-    parser.add_argument("--vehicle", choices=list(MACHINES), default="bogie", help="bogie, or vehicle: the coach")
-    parser.add_argument("--speed", default="25", help="at the start, as 25m/s or 160km/h (default: 25 m/s)")
-    parser.add_argument("--strength", type=float, default=1.0, help="torque over that of the full brake (default: 1)")
-    parser.add_argument("--period", default="5ms", metavar="TIME", help="of the controllers (default: 5ms)")
-    parser.add_argument("--teeth", type=int, default=Settings.pulses, help="of each sensor (default: 100)")
-    text = "standard deviation of the teeth's places, as a share of the pitch (default: 0)"
-    parser.add_argument("--jitter", type=float, default=0.0, help=text)
+    text = (
+        f"{' or '.join(MACHINES)}; {' and '.join(f'{own} = {name}' for own, name in ALIASES.items())} (default: bogie)"
+    )
+    parser.add_argument("--vehicle", type=fmu_named, choices=list(MACHINES), default="bogie", help=text)
+    speed = quantity("--speed", "m/s", 0.0, FASTEST, above=True)
+    text = "at the start, as 25 or 90km/h (default: 25 m/s)"
+    parser.add_argument("--speed", type=speed, default=25.0, metavar="SPEED", help=text)
+    strength = quantity("--strength", least=0.0, most=STRONGEST, above=True)
+    text = "torque over that of the full brake (default: 1)"
+    parser.add_argument("--strength", type=strength, default=1.0, metavar="RATIO", help=text)
+    period = quantity("--period", "s", SHORTEST_PERIOD, LONGEST_PERIOD)
+    text = "of the controllers, as 5ms or 0.005 (default: 5ms)"
+    parser.add_argument("--period", type=period, default=5e-3, metavar="TIME", help=text)
+    text = f"of each speed sensor in a revolution, 1 to {MOST_PULSES} (default: {Settings.pulses})"
+    pulses = whole("--pulses", 1, MOST_PULSES)
+    parser.add_argument("--pulses", type=pulses, default=Settings.pulses, metavar="COUNT", help=text)
+    text = f"standard deviation of the pulses' places, as a share of the pitch, 0 to {MOST_JITTER:g} (default: 0)"
+    jitter = quantity("--jitter", least=0.0, most=MOST_JITTER)
+    parser.add_argument("--jitter", type=jitter, default=0.0, metavar="SHARE", help=text)
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
 
 
@@ -156,8 +199,6 @@ def run(chosen: argparse.Namespace) -> bool:
     settings = settings_of(chosen)
     machine = MACHINES[chosen.vehicle]()
     cases = cases_of(chosen)
-    if not 1 <= chosen.phases <= MOST_PHASES:
-        raise BadInputError(f"Set --phases to a whole number from 1 to {MOST_PHASES}: it was {chosen.phases}.")
     controllers = controllers_of(chosen.controller, len(machine.numbers), TRACTION in cases[0].equipment)
     scores = compare(machine, controllers, cases, settings, chosen.level, chosen.html, chosen.phases)
     folder = chosen.out / "controllers"
@@ -202,20 +243,8 @@ def run_loop(chosen: argparse.Namespace) -> bool:
 
 def settings_of(chosen: argparse.Namespace) -> Settings:
     """What the command line asks for. Raises BadInputError."""
-    period = time_of(chosen.period, "--period")
-    if chosen.teeth < 1:
-        raise BadInputError(f"Set --teeth to a whole number of at least 1: it was {chosen.teeth}.")
-    if not 0.0 < chosen.strength <= STRONGEST:
-        raise BadInputError(f"Set --strength above 0 and up to {STRONGEST:g}: it was {chosen.strength:g}.")
-    if not 0.0 <= chosen.jitter <= MOST_JITTER:
-        raise BadInputError(f"Set --jitter to 0 to {MOST_JITTER:g} of the pitch: it was {chosen.jitter:g}.")
+    given = {one.name: getattr(chosen, one.name) for one in fields(Settings) if hasattr(chosen, one.name)}
     try:
-        return Settings(
-            speed=speed_of(chosen.speed),
-            strength=chosen.strength,
-            period=period,
-            pulses=chosen.teeth,
-            jitter=chosen.jitter,
-        )
+        return Settings(**given)
     except ValueError as error:
         raise BadInputError(str(error)) from None

@@ -1,13 +1,20 @@
 """The test rig behind a UDP socket, paced by the clock: a controller in another process or machine answers in time.
 
-The page In the loop has the protocol; brake_controller/rig/udp_client.py and .c are its clients.
+  bogie-braking controllers loop --rail low                    one stop on the low rail, at 127.0.0.1:5005
+  bogie-braking controllers loop --programme full --rail low   a case of a programme
+  bogie-braking controllers loop --host 0.0.0.0 --pace 0.5     for a client on another machine, at half the clock's pace
+  bogie-braking controllers answer mine.py:PI                  the client, in another terminal
+
+The page In the loop has the protocol; 'controllers client c' and 'controllers client python' print its clients.
+
+Exit status: 0 the client stopped the machine and missed no period; 1 it did not; 2 bad input; 3 the simulation failed;
+130 interrupted.
 """
 
 from __future__ import annotations
 
 import argparse
 import gc
-import math
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,6 +28,7 @@ from products.machine import Machine
 from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 from products.protection.settings import Settings
+from readers.command_line import quantity, whole
 from scenarios.controllers.remote import Counts, Remote
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
@@ -32,9 +40,14 @@ LONGEST = 0.45 * PATIENCE
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the loop alone."""
     parser.add_argument("--host", default=HOST, help=f"where the rig listens (default: {HOST}, this machine alone)")
-    parser.add_argument("--port", type=int, default=PORT, help=f"its UDP port; 0: any that is free (default: {PORT})")
+    parser.add_argument(
+        "--port",
+        type=whole("--port", 0, 65535),
+        default=PORT,
+        help=f"its UDP port; 0: any that is free (default: {PORT})",
+    )
     text = "seconds of the run in a second on the clock; 0: as fast as answers come (default: 1)"
-    parser.add_argument("--pace", type=float, default=1.0, help=text)
+    parser.add_argument("--pace", type=quantity("--pace", least=0.0), default=1.0, help=text)
 
 
 @contextmanager
@@ -81,9 +94,9 @@ class Looped:
 
 def run_in_loop(machine: Machine, run: Run, settings: Settings, own: socket.socket, pace: float) -> Looped:
     """One stop under a client at the other end of a socket. Raises BadInputError for a pace that cannot be."""
-    if not (math.isfinite(pace) and pace >= 0.0) or (pace and settings.period / pace > LONGEST):
+    if pace and settings.period / pace > LONGEST:
         least = settings.period / LONGEST
-        raise BadInputError(f"Set --pace to 0, or to at least {least:.2g} with this period: it was {pace:g}.")
+        raise BadInputError(f"--pace must be 0, or at least {least:.2g} with this period; got {pace:g}.")
     with counting(text="in the loop", unit="s") as bar, without_collections():
         remote = Remote(own, settings.period, pace, bar)
         try:

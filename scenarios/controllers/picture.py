@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
-from scenarios.controllers.scoring import Scored
+from scenarios.controllers.scoring import Scored, sliding_cases
 from scenarios.controllers.verdict import best_given, verdicts
 from scenarios.controllers.words import words_of
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, one_word, plt, titled
@@ -41,7 +41,7 @@ def draw(scores: Sequence[Scored]) -> Figure:
     cases, names = (list(dict.fromkeys(getattr(one, kind) for one in scores)) for kind in ("case", "controller"))
     figure, axis = plt.subplots(figsize=(9.0, AROUND + max(1.0, (ROW + OF_EACH * len(names)) * len(cases))))
     titled(figure, message(scores))
-    edge = set_axis(axis, scores, cases)
+    edge, sliding = set_axis(axis, scores, cases), sliding_cases(scores)
     places = {name: len(cases) - 1 - number for number, name in enumerate(cases)}
     for number, name in enumerate(names):
         aside = APART * ((len(names) - 1) / 2 - number)
@@ -53,16 +53,24 @@ def draw(scores: Sequence[Scored]) -> Figure:
         hollow = copy(line)
         # Behind a space, for a label that begins with _ is left out of the legend.
         line.set(data=(list(ratios.values()), list(ratios)))
-        line.set(label=f" {plain(name)}: {count(ratios.values(), len(cases))}")
+        line.set(label=f" {plain(name)}: {count(near_ratios(scores, name), len(sliding))}")
         hollow.set(data=([edge] * len(missed), missed), markerfacecolor="none")
         axis.add_line(line)
         axis.add_line(hollow)
-    title = "distance over the ideal" if len(cases) == 1 else f"cases within {NEAR:g} of the ideal"
+    those = "cases" if len(sliding) == len(cases) else "cases where wheels slide,"
+    title = "distance over the ideal" if len(cases) == 1 else f"{those} within {NEAR:g} of the ideal"
     handles = axis.get_legend_handles_labels()
     below = (0.3 + 0.2 * math.ceil(len(names) / COLUMNS)) / figure.get_figheight()
     figure.legend(*handles, loc="lower left", ncols=COLUMNS, fontsize=9, title=title, alignment="left")
     figure.set_layout_engine("constrained", rect=(0.0, below, 1.0, 1.0 - below))
     return figure
+
+
+def near_ratios(scores: Sequence[Scored], name: str) -> list[float]:
+    """Return a controller's distances over the ideal in the cases in which a wheel slides."""
+    sliding = sliding_cases(scores)
+    own = [one.over(one.ideal) for one in scores if one.controller == name and one.case in sliding]
+    return [ratio for ratio in own if ratio is not None]
 
 
 def count(ratios: Collection[float], cases: int) -> str:
@@ -116,6 +124,9 @@ def message(scores: Sequence[Scored]) -> str:
         return f"{name} does not {words.do}"
     if best.worst is None or cases == 1:
         return f"{name} takes {best.worst.mean:.2f} of the ideal distance" if best.worst else f"{name} {words.does}"
-    own = (one.over(one.ideal) for one in scores if one.controller == best.controller)
-    near = count([ratio for ratio in own if ratio is not None], cases)
+    near = count(near_ratios(scores, best.controller), best.sliding)
+    if best.sliding == 1:
+        return f"{name} takes {near} of the ideal distance where wheels slide"
+    if best.sliding < cases:
+        return f"{name} {words.does} within {NEAR:g} of ideal in {near} sliding cases"
     return f"{name} {words.does} within {NEAR:g} of the ideal in {near} cases"

@@ -1,6 +1,13 @@
 """A controller gets the wheel speeds of a recorded run, and shows what it would have done: a table and a picture.
 
-The wheels do not feel its commands: they turn as they did.
+  bogie-braking controllers replay log.csv mine.py:PI                    at the times of the rows
+  bogie-braking controllers replay log.csv pi.c --period 10ms            every 10 ms, with the last row before
+  bogie-braking controllers replay log.csv pi.fmu --json | jq .wheelsets
+
+The log has the columns time [s] and wheel_speed_1 [m/s] to wheel_speed_N [m/s]; valve_1 [1] and so on are compared with
+the commands. The wheels do not feel the commands: they turn as they did.
+
+Exit status: 0 the controller answered to the end; 1 it failed; 2 bad input; 3 this program failed; 130 interrupted.
 """
 
 from __future__ import annotations
@@ -25,10 +32,10 @@ from products.protection.controller_kinds import Arrays, Form, InC, Outside
 from products.protection.own_process import Apart, EndedError, NoControllerError, called_apart
 from products.protection.settings import LONGEST_PERIOD
 from products.protection.single_controller import OneInC, OneOfMany
+from readers.command_line import quantity
 from readers.text import FileError, quoted, shown
 from scenarios.controllers.controller_loader import Given, controller_of
 from scenarios.controllers.table import write_document
-from scenarios.measuring.pace import time_of
 from scenarios.reporting.plots import FOUR, one_word, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
@@ -92,16 +99,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "FILE.py:CLASS, a shared library, a C file that includes wheel_slide.h, or an FMU"
     parser.add_argument("controller", help=text)
     text = "ask so often, with the last row before; default: at the times of the rows"
-    parser.add_argument("--period", metavar="TIME", help=text)
+    period = quantity("--period", "s", SHORTEST, LONGEST_PERIOD)
+    parser.add_argument("--period", type=period, metavar="TIME", help=text)
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
 
 
 def run(chosen: argparse.Namespace) -> bool:
     """Replays and reports; whether the controller answered to the end. Raises BadInputError, CompilerError."""
-    period = None if chosen.period is None else time_of(chosen.period, "--period")
-    if period is not None and not SHORTEST <= period <= LONGEST_PERIOD:
-        limits = f"from {SHORTEST:g} to {LONGEST_PERIOD:g} s"
-        raise BadInputError(f"Give --period a value {limits}: it was {period:g} s.")
+    period: float | None = chosen.period
     log = read_log(chosen.log)
     name, controller = controller_of(chosen.controller, wheelsets_in(log))
     try:

@@ -93,6 +93,16 @@ class Scored:
         return 1e3 * self.stop.air * GAS / FREE_AIR
 
 
+def sliding_cases(scores: Sequence[Scored]) -> list[str]:
+    """Return the cases in which a wheel slides: under one controller at least, or without one, a wheelset locks.
+
+    Driven, a wheelset spins. All cases if there is no such case.
+    """
+    cases = list(dict.fromkeys(one.case for one in scores))
+    slid = {one.case for one in scores if one.stop.judged and one.stop.longest_lock > 0.0}
+    return [case for case in cases if case in slid] or cases
+
+
 def together(stops: Sequence[Stop]) -> Stop:
     """Return the stops of one case, one for each phase, as one.
 

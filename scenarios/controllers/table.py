@@ -42,7 +42,7 @@ def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterato
 
 def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
     """How all stops, or starts, are made."""
-    teeth = f"{settings.pulses} teeth, every {1e3 * settings.period:g} ms"
+    sensors = f"{settings.pulses} pulses a revolution, every {1e3 * settings.period:g} ms"
     what = "traction" if scores[0].driven else "brake"
     strength = f"full {what}" if settings.strength == 1.0 else f"{settings.strength:g} of the full {what}"
     if scores[0].driven:
@@ -51,7 +51,7 @@ def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
         way, lock = f"from {settings.speed:g} m/s", f"lock counted above {LOCK_ABOVE:g} m/s"
     phases = max(len(one.stops) for one in scores)
     stops = f"; {phases} phases a case" if phases > 1 else ""
-    return f"{vehicle}: {strength} {way} unless the case says otherwise, {teeth}; {lock}{stops}"
+    return f"{vehicle}: {strength} {way} unless the case says otherwise, {sensors}; {lock}{stops}"
 
 
 def said(scores: Sequence[Scored]) -> list[str]:

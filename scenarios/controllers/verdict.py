@@ -11,7 +11,7 @@ from statistics import median
 
 from products.protection.rails import LONGEST_LOCK
 from scenarios.controllers.controller_loader import ALWAYS
-from scenarios.controllers.scoring import Scored
+from scenarios.controllers.scoring import Scored, sliding_cases
 from scenarios.controllers.words import STOPS, Words, words_of
 
 HEADS = (
@@ -54,12 +54,12 @@ class Ratio:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a controller came to in all cases that are judged.
+    """What a controller came to in all cases that are judged; its distances in those in which a wheel slides.
 
     stopped, failed, not_judged: cases in which it stopped in every phase, in which it did not, and which are not
-    judged; locked: those with a lock of more than LONGEST_LOCK; median, worst: distance over the ideal where it
-    stopped, None where there is none to compare with; worst_case: the first in which it did not stop, or that of the
-    worst; longest_lock [s]; air [l], the mean.
+    judged; sliding: in which a wheel slides; locked: those with a lock of more than LONGEST_LOCK; median, worst:
+    distance over the ideal where it stopped, None where there is none to compare with; worst_case: the first in which
+    it did not stop, or that of the worst; longest_lock [s]; air [l], the mean.
     """
 
     controller: str
@@ -73,6 +73,7 @@ class Verdict:
     air: float
     words: Words = STOPS
     not_judged: int = 0
+    sliding: int = 0
 
     @property
     def cases(self) -> int:
@@ -105,13 +106,14 @@ def leaders(found: Sequence[Verdict]) -> list[Verdict]:
 def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
     """One for each controller, in their order."""
     names = dict.fromkeys(one.controller for one in scores)
-    return [verdict(name, [one for one in scores if one.controller == name]) for name in names]
+    sliding = sliding_cases(scores)
+    return [verdict(name, [one for one in scores if one.controller == name], sliding) for name in names]
 
 
-def verdict(name: str, own: Sequence[Scored]) -> Verdict:
-    """Of one controller, whose scores these are."""
+def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str]) -> Verdict:
+    """Return that of one controller, whose scores are `own`; sliding: the cases whose distances count."""
     judged = [one for one in own if one.stop.judged]
-    phases = {one.case: ratios for one in judged if (ratios := one.ratios)}
+    phases = {one.case: ratios for one in judged if one.case in sliding and (ratios := one.ratios)}
     each = list(zip(*phases.values(), strict=True))
     failed = [one.case for one in judged if one.stop.distance is None]
     worst = max(phases, key=lambda case: mean(phases[case])) if phases else ""
@@ -127,6 +129,7 @@ def verdict(name: str, own: Sequence[Scored]) -> Verdict:
         sum(one.air for one in judged) / len(judged) if judged else math.nan,
         words_of(own[0].driven),
         len(own) - len(judged),
+        len(sliding),
     )
 
 
@@ -157,7 +160,11 @@ def sentences(found: Sequence[Verdict]) -> list[str]:
 
 def _median(one: Verdict, cases: int) -> str:
     ratio = "" if one.median is None else f", after {one.median.mean:.2f} of the ideal distance"
-    return f"{ratio} in the median" if ratio and cases > 1 else ratio
+    if not ratio or cases == 1:
+        return ratio
+    if one.sliding == 1:
+        return f"{ratio} where wheels slide"
+    return f"{ratio} in the median" + ("" if one.sliding == cases else f" of the {one.sliding} where wheels slide")
 
 
 def _worst(one: Verdict) -> str:

@@ -2,7 +2,7 @@
 
   bogie-braking pace                                          the bogie in the plane, 10 s with steps of 1 ms
   bogie-braking pace spatial --step 0.5ms --seconds 60        in space, for a minute
-  bogie-braking pace vehicle --level spatial                  the coach
+  bogie-braking pace coach --level spatial                    the coach
   bogie-braking pace --step 10ms --integration-step 1ms       ten steps of the integrator in each of the host
   bogie-braking pace --step 10ms --integration-step 0         steps chosen by the error, whose cost has no bound
   bogie-braking pace wheelset --set initial_speed=20          any FMU of the list, here at 20 m/s
@@ -23,12 +23,9 @@ from __future__ import annotations
 import argparse
 import gc
 import json
-import math
-import re
 import sys
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -38,7 +35,9 @@ import numpy as np
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.suggestion import suggestion
 from products.building import up_to_date
-from products.registry import FMUS
+from products.registry import FMUS, fmu_named
+from readers.command_line import quantity
+from readers.text import shown
 from scenarios.bench.drive import value_at
 from scenarios.measuring.stops import stop_of
 from scenarios.reporting.progress import counting
@@ -47,7 +46,6 @@ from scenarios.scenario import BadInputError
 LEVELS = {"point": 1, "planar": 2, "spatial": 3}
 #: Wheelsets of the FMUs that make a stop.
 VEHICLES = {"bogie": 2, "vehicle": 4, "coal-wagon": 4}
-UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "": 1.0}
 #: Largest step of the host, and longest run [s]; shortest step that a clock and Python can pace.
 LARGEST_STEP, LONGEST, SHORTEST_STEP = 1.0, 86400.0, 2e-5
 #: The last part of a wait is not slept but watched, and the bar is drawn twice a second [s].
@@ -97,32 +95,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "an FMU of the list, the file of one, or a level of the bogie: point, planar, spatial (default: planar)"
     parser.add_argument("name", nargs="?", default="planar", help=text)
     parser.add_argument("--level", choices=list(LEVELS), help="level of a vehicle (default: planar)")
-    parser.add_argument("--step", default="1ms", metavar="TIME", help="host step, as 1ms or 0.001 (default: 1ms)")
+    step, text = quantity("--step", "s", SHORTEST_STEP, LARGEST_STEP), "host step, as 1ms or 0.001 in seconds"
+    parser.add_argument("--step", type=step, default="1ms", metavar="TIME", help=f"{text} (default: 1ms)")
     text = "step of the integrator, 0: chosen by the error (default: the host step)"
-    parser.add_argument("--integration-step", metavar="TIME", help=text)
-    parser.add_argument("--seconds", type=float, default=10.0, metavar="S", help="how long (default: 10)")
+    within = quantity("--integration-step", "s", 0.0, LARGEST_STEP)
+    parser.add_argument("--integration-step", type=within, metavar="TIME", help=text)
+    text, length = "length of the run, as 10 or 1min (default: 10 s)", quantity("--seconds", "s", 0.0, LONGEST)
+    parser.add_argument("--seconds", type=length, default=10.0, metavar="TIME", help=text)
     text = "a parameter or a constant input, as NAME=VALUE; may be given several times"
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=text)
 
 
-def time_of(text: str, option: str) -> float:
-    """Seconds of "1ms", "500us", "0.001". Raises BadInputError."""
-    found = re.fullmatch(r"([0-9.eE+-]+) ?(s|ms|us|)", text.strip())
-    with suppress(ValueError):
-        if found:
-            return float(found[1]) * UNITS[found[2]]
-    raise BadInputError(f"Give {option} a time such as 1ms, 500us or 0.001: it was {text}.")
-
-
 def pace_of(chosen: argparse.Namespace) -> Pace:
     """What the command line asks for. Raises BadInputError, CompilerError."""
-    step = time_of(chosen.step, "--step")
-    if not SHORTEST_STEP <= step <= LARGEST_STEP:
-        raise BadInputError(f"Give --step a value from {SHORTEST_STEP:g} to {LARGEST_STEP:g} s: it was {step:g} s.")
-    if not (math.isfinite(chosen.seconds) and step <= chosen.seconds <= LONGEST):
-        raise BadInputError(f"Give --seconds a value from {step:g} to {LONGEST:g}: it was {chosen.seconds:g}.")
-    within = step if chosen.integration_step is None else time_of(chosen.integration_step, "--integration-step")
-    name, level = ("bogie", chosen.name) if chosen.name in LEVELS else (chosen.name, chosen.level or "planar")
+    step: float = chosen.step
+    if chosen.seconds < step:
+        raise BadInputError(f"--seconds must be at least one step of {step:g} s; got {chosen.seconds:g} s.")
+    within = step if chosen.integration_step is None else chosen.integration_step
+    name, level = fmu_named(chosen.name), chosen.level or "planar"
+    if chosen.name in LEVELS:
+        name, level = "bogie", chosen.name
     if chosen.level and (chosen.name in LEVELS or name not in VEHICLES):
         raise BadInputError(f"--level has no effect on {chosen.name}; it belongs to {', '.join(VEHICLES)}.")
     values, inputs = values_of(chosen.set), {}
@@ -140,7 +132,7 @@ def path_of(name: str) -> Path:
     if name.endswith(".fmu"):
         if Path(name).is_file():
             return Path(name)
-        raise BadInputError(f"There is no file {name}; give the path of an FMU.")
+        raise BadInputError(f"The file {name} does not exist. Check the path.")
     known = [*FMUS, *LEVELS]
     raise BadInputError(f"There is no FMU {name}; {suggestion(name, known, 'these are: ' + ', '.join(known) + '.')}")
 
@@ -153,7 +145,7 @@ def values_of(texts: Sequence[str]) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            raise BadInputError(f"Give --set a name and a number, as level=2: it was {text}.") from None
+            raise BadInputError(f"--set must be NAME=NUMBER, as level=2; got {shown(text)}.") from None
     return values
 
 

@@ -65,7 +65,7 @@ def test_a_refusal_is_said_also_where_quiet_is_asked_for(capsys: pytest.CaptureF
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["build", "bogey"], "there is no FMU bogey; did you mean bogie?"),
+        (["build", "bogey"], "got bogey. Did you mean bogie?"),
         (["build", "--help"], "  bogie-braking build --kind native "),
         (["run", "line-from-file", "--line", "nothing.csv"], "The file nothing.csv does not exist. Check the path."),
     ],
@@ -198,7 +198,7 @@ def test_a_folder_that_cannot_be_is_told_before_the_run(
 ) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setattr(commands, "save", lambda *_: pytest.fail("It ran."))
-    assert main(["run", "critical-speed", "--out", str(tmp_path / "file" / "results")]) == 3
+    assert main(["run", "critical-speed", "--out", str(tmp_path / "file" / "results")]) == 2
     assert "Choose another folder with --out.\n" in capsys.readouterr().err
 
 

@@ -127,16 +127,16 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         (["LetGo"], "Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was LetGo."),
         (["let_go.py:LetGo", "--rails", "slow"], "There is no rail slow; give some of dry, wet, low, changing."),
         (
-            ["let_go.py:LetGo", "--speed", "25mph"],
-            "Give a speed above 0 and up to 100 m/s, as 25m/s or 160km/h: it was 25mph.",
+            ["let_go.py:LetGo", "--speed", "25knots"],
+            "--speed must be above 0 and at most 100 m/s; got 25knots. Give a number in m/s, km/h,",
         ),
         (["gains.py:Gains"], "Gains of gains.py cannot be made without arguments (TypeError: "),
         (["nothing.c", "--rails", "dry", "--phases", "1"], "nothing is no controller ("),
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
-        (["let_go.py:LetGo", "--teeth", "0"], "Set --teeth to a whole number of at least 1: it was 0."),
-        (["let_go.py:LetGo", "--phases", "0"], "Set --phases to a whole number from 1 to 100: it was 0."),
-        (["let_go.py:LetGo", "--jitter", "nan"], "Set --jitter to 0 to 0.5 of the pitch: it was nan."),
+        (["let_go.py:LetGo", "--pulses", "0"], "--pulses must be a whole number from 1 to 10000; got 0."),
+        (["let_go.py:LetGo", "--phases", "0"], "--phases must be a whole number from 1 to 100; got 0."),
+        (["let_go.py:LetGo", "--jitter", "nan"], "--jitter must be from 0 to 0.5; got nan."),
         (["let_go.py:LetGo", "--rails", "low,low"], "Give each of --rails once: low was there 2 times."),
         (
             ["gains.py:Gains(2 * 3)"],
@@ -242,9 +242,9 @@ def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path, capsys: pytest
     )
     assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "own.py:Own", "let_go.c", "--json"]) == 0
     assert main(["controllers", "compare", "--rails", "dry", "--strength", "6"]) == 2
-    assert "Set --strength above 0 and up to 5: it was 6." in capsys.readouterr().err
+    assert "--strength must be above 0 and at most 5; got 6." in capsys.readouterr().err
     assert main(["controllers", "compare", "--rails", "dry", "--jitter", "2"]) == 2
-    assert "Set --jitter to 0 to 0.5 of the pitch: it was 2." in capsys.readouterr().err
+    assert "--jitter must be from 0 to 0.5; got 2." in capsys.readouterr().err
 
 
 def test_two_forms_of_one_name_are_told_apart_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -186,4 +186,4 @@ def test_scenario_chooses_its_macro_steps_by_tolerance(tmp_path, capsys: pytest.
     coupling = json.loads((tmp_path / "qr30-180kpa" / "summary.json").read_text())["coupling"]
     assert coupling["macro_steps"] < 1000
     assert main(["run", "qr30-180kpa", "--coupling-tolerance", "0", "--out", str(tmp_path)]) == 2
-    assert "Give --coupling-tolerance a value above 0" in capsys.readouterr().err
+    assert "--coupling-tolerance must be at least 1e-09" in capsys.readouterr().err

@@ -253,11 +253,11 @@ def test_the_command_prints_what_came(capsys: pytest.CaptureFixture[str], tmp_pa
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["--pace", "-1"], "Set --pace to 0, or to at least 0.011 with this period: it was -1."),
-        (["--pace", "0.001"], "Set --pace to 0, or to at least 0.011 with this period: it was 0.001."),
+        (["--pace", "-1"], "--pace must be at least 0; got -1."),
+        (["--pace", "0.001"], "--pace must be 0, or at least 0.011 with this period; got 0.001."),
         (["--rail", "slow"], "There is no case slow; give --rail one of dry, wet, low, changing."),
-        (["--port", "70000"], "Port 70000 of 127.0.0.1 cannot be had ("),
-        (["--period", "0.001ms"], "Set period to at least 1e-05 s: it was 1e-06 s."),
+        (["--port", "70000"], "--port must be a whole number from 0 to 65535; got 70000."),
+        (["--period", "0.001ms"], "--period must be from 1e-05 to 1 s; got 0.001ms."),
         (["--port", "0"], "No client came to 127.0.0.1:"),
     ],
 )

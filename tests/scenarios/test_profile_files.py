@@ -130,7 +130,7 @@ def test_rail_that_stands_upright_in_its_file_is_laid_inclined_without_what_over
         ),
         (
             ["--wheel", "A", "--rail", "RAIL", "--gauge", "nan"],
-            "Give --gauge a value from 500 to 2000 mm: it was nan mm",
+            "--gauge must be a finite number of mm; got nan.",
         ),
         (
             ["--wheel", "A", "--rail", "RAIL", "--gauge", "1400"],

@@ -179,7 +179,7 @@ def test_a_log_from_a_spreadsheet_is_read(encoding: str, folder: Path) -> None:
     [
         (["none.csv", "let_go.py:LetGo"], "The file none.csv does not exist. Check the path."),
         (["log.csv", "let_go.py:Other"], "let_go.py has no class Other"),
-        (["log.csv", "let_go.py:LetGo", "--period", "2s"], "Give --period a value from 0.0001 to 1 s: it was 2 s."),
+        (["log.csv", "let_go.py:LetGo", "--period", "2s"], "--period must be from 0.0001 to 1 s; got 2s."),
     ],
 )
 def test_a_replay_that_cannot_be_is_refused(

@@ -342,9 +342,9 @@ def test_bad_history_is_refused_with_its_line(
     [
         (["qr30-170kpa"], "There is no scenario qr30-170kpa; did you mean qr30-1"),
         (["zzz"], "There is no scenario zzz; 'python -m bogie_braking list'"),
-        (["qr30-180kpa", "--step", "0"], "Give --step a value above 0"),
-        (["qr30-180kpa", "--step", "-0.01"], "Give --step a value above 0"),
-        (["qr30-180kpa", "--step", "nan"], "Give --step a value above 0"),
+        (["qr30-180kpa", "--step", "0"], "--step must be from 1e-05 to 0.1 s; got "),
+        (["qr30-180kpa", "--step", "-0.01"], "--step must be from 1e-05 to 0.1 s; got "),
+        (["qr30-180kpa", "--step", "nan"], "--step must be from 1e-05 to 0.1 s; got "),
         (["qr30-180kpa", "--torque-csv", "missing.csv"], "The file missing.csv does not exist. Check the path."),
         (["speed", "--kind", "python"], "--kind has no effect on speed; it belongs to qr30-130kpa"),
         (["speed", "--torque-csv", "missing.csv"], "--torque-csv has no effect on speed; it belongs to qr30-130kpa"),
@@ -407,7 +407,7 @@ def test_interrupted_run_ends_with_a_sentence_and_leaves_the_old_results(
 def test_file_in_place_of_the_results_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "taken").write_text("")
     assert main(["run", "qr30-180kpa", "--out", str(tmp_path / "taken")]) == 2
-    assert "is a file; give --out a folder" in capsys.readouterr().err
+    assert "is a file. Choose another folder with --out." in capsys.readouterr().err
 
 
 def test_exact_forces_in_the_creep_scenario_are_the_published_ones() -> None:

@@ -210,8 +210,8 @@ SWEPT = f"{HEAVY}, anti-skid, braking-distance, train-braking, levels"
             "Vary friction once: --vary friction=2 is the second",
         ),
         ([HEAVY, "--vary", "friction=0:1:2000", "--vary", "frame_height=0:1:2000"], "a grid of at most 1000000 points"),
-        ([HEAVY, "--vary", "friction=1", "--jobs", "0"], "Give --jobs a value of at least 1: it was 0."),
-        ([HEAVY, "--vary", "friction=1", "--jobs", "-3"], "Give --jobs a value of at least 1: it was -3."),
+        ([HEAVY, "--vary", "friction=1", "--jobs", "0"], "--jobs must be a whole number of at least 1; got 0."),
+        ([HEAVY, "--vary", "friction=1", "--jobs", "-3"], "--jobs must be a whole number of at least 1; got -3."),
     ],
 )
 def test_bad_input_gets_one_sentence(
@@ -247,7 +247,7 @@ def test_code_parts_sweeps_and_how_pages_look_does_not(tmp_path: Path, monkeypat
 def test_file_in_place_of_the_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "sweep-levels").write_text("")
     assert main(["sweep", "levels", "--vary", "level=1", "--out", str(tmp_path)]) == 2
-    assert "sweep-levels is a file; give --out a folder." in capsys.readouterr().err
+    assert "sweep-levels is a file. Choose another folder with --out." in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("scenario", [s for s in SCENARIOS if s.sweep], ids=lambda s: s.name)

@@ -58,6 +58,20 @@ def test_the_best_has_the_fewest_failures_then_the_smallest_median_then_the_smal
     assert first == "none is best: it stops in every case, after 1.85 of the ideal distance in the median."
 
 
+def test_distances_count_where_a_wheel_slides() -> None:
+    """On three dry rails nothing slides, and a brake without protection has the ideal distance there."""
+    dry = [scored(f"dry {n}", name, 1.0) for n in range(3) for name in RATIOS]
+    rolls = [replace(one, stop=replace(one.stop, longest_lock=0.0)) for one in dry]
+    found = verdicts([*rolls, *scores("none", "PD")])
+    assert [one.median and one.median.mean for one in found if one.controller == "none"] == [pytest.approx(1.85)]
+    assert [one.sliding for one in found] == [4] * len(found)
+    [first, _] = sentences(verdicts([*rolls[::4], *rolls[3::4], *scores("none", "PD")]))
+    assert first.endswith("after 1.12 of the ideal distance in the median of the 4 where wheels slide.")
+    given = [*rolls[::4], *rolls[3::4], *scores("none", "PD")]
+    assert message(given) == "PD stops within 1.2 of ideal in 4 of 4 sliding cases"
+    assert sentences(verdicts(rolls))[0].startswith("All controllers are alike: they stop in every case, after 1.00")
+
+
 def in_phases(case: str, controller: str, *ratios: float) -> Scored:
     stops = [replace(STOP, distance=100.0 * ratio) for ratio in ratios]
     return Scored(case, controller, together(stops), 0.46, 100.0, None, stops=tuple(stops))

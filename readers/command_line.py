@@ -1,0 +1,185 @@
+"""Command lines: options with units and limits, and one sentence for each input that is refused."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import errno
+import math
+import re
+import secrets
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NoReturn
+
+from readers.storage import PARTIAL
+from readers.text import BadInputError, shown
+from readers.units import factor, likely_unit, spellings_for
+
+#: A number and its unit.
+NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
+#: Share of letters in common from which an option is suggested.
+NEAR = 0.7
+#: Options of other names in earlier versions, by the old ones.
+RENAMED = {"--teeth": "--pulses"}
+#: What argparse says, and the sentence in its place. Each takes the groups of its pattern.
+SENTENCES: tuple[tuple[str, Callable[..., str]], ...] = (
+    (r"the following arguments are required: (.*)", lambda names: f"{names} must be given; got nothing."),
+    (r"argument (\S+): expected (?:one argument|\d+ arguments?)", lambda name: f"{name} must have a value; got none."),
+    (r"argument (\S+): expected at least one argument", lambda name: f"{name} must have a value; got none."),
+    (
+        r"argument (\S+): not allowed with argument (\S+)",
+        lambda one, other: f"{other} and {one} must not be given together; got both. Leave one out.",
+    ),
+    (
+        r"ambiguous option: (\S+) could match (.*)",
+        lambda name, those: f"{name} must be the name of one option; got the start of {those}. Write it in full.",
+    ),
+    (
+        r"argument (\S+): ignored explicit argument (.*)",
+        lambda name, value: f"{name} must have no value; got {value}. Leave the value out.",
+    ),
+    (r"argument \S+: (.*)", lambda sentence: str(sentence)),
+)
+
+
+class CommandLine(argparse.ArgumentParser):
+    """An `ArgumentParser` that raises BadInputError with one sentence, without its usage, for what it refuses."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise BadInputError with the sentence for a message of argparse."""
+        for pattern, sentence in SENTENCES:
+            if found := re.fullmatch(pattern, message, re.DOTALL):
+                message = sentence(*found.groups())
+                break
+        if not message.endswith((".", "?")):
+            message += f". See {self.prog} --help."
+        elif message.endswith(("got nothing.", "got none.")):
+            message += f" See {self.prog} --help."
+        raise BadInputError(message)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse; refuse what this parser does not take, also where it serves one command of another parser."""
+        found, left = super().parse_known_args(args, namespace)
+        if left:
+            self.error(self._unknown(left[0]))
+        return found, left
+
+    def _unknown(self, given: str) -> str:
+        option = given.partition("=")[0]
+        known = [one for action in self._actions for one in action.option_strings]
+        if not given.startswith("-"):
+            return f"{self.prog} must have no argument {shown(given)} here. Leave it out."
+        if RENAMED.get(option) in known:
+            return f"There is no option {option}; its name is {RENAMED[option]} now."
+        near = difflib.get_close_matches(option, known, 1, NEAR)
+        return f"There is no option {option}; " + (f"did you mean {near[0]}?" if near else f"see {self.prog} --help.")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is None or value in action.choices:
+            return
+        name = "/".join(action.option_strings) or str(action.metavar or action.dest)
+        choices = [str(one) for one in action.choices]
+        near = difflib.get_close_matches(str(value), choices, 1)
+        end = f" Did you mean {near[0]}?" if near else ""
+        text = f"{name} must be one of {', '.join(choices)}; got {shown(value)}.{end}"
+        raise argparse.ArgumentError(None, text)
+
+
+def quantity(
+    name: str, unit: str = "1", least: float = -math.inf, most: float = math.inf, *, above: bool = False
+) -> Callable[[str], float]:
+    """Return the reader of an option's value: a number in `unit`, or with a unit that converts to it.
+
+    Parameters
+    ----------
+    name : str
+        The option, as messages name it.
+    unit : str
+        Unit of the result, and of a number without a unit; "1" for a number that takes none.
+    least, most : float
+        Limits [unit].
+    above : bool
+        The value must be above `least`, not equal to it.
+
+    Returns
+    -------
+    Callable
+        Takes a text, returns a number [unit]. It raises `argparse.ArgumentTypeError` with one sentence.
+    """
+
+    def read(text: str) -> float:
+        value = number_in(text, unit)
+        inside = value is not None and math.isfinite(value) and (least < value if above else least <= value)
+        if value is not None and inside and value <= most:
+            return value
+        limit = f"{name} must be {_limits(unit, least, most, above)}; got {shown(text)}."
+        if value is None:
+            raise argparse.ArgumentTypeError(limit + _units(unit))
+        own = text.strip()[-1:].isalpha()
+        raise argparse.ArgumentTypeError(limit + ("" if own else likely_unit(value, unit, least, most)))
+
+    return read
+
+
+def whole(name: str, least: int, most: int | None = None) -> Callable[[str], int]:
+    """Return the reader of an option's value that is a whole number from `least` to `most`, as `quantity` does."""
+
+    def read(text: str) -> int:
+        with suppress(ValueError):
+            if least <= int(text) <= (int(text) if most is None else most):
+                return int(text)
+        limit = f"of at least {least}" if most is None else f"from {least} to {most}"
+        raise argparse.ArgumentTypeError(f"{name} must be a whole number {limit}; got {shown(text)}.")
+
+    return read
+
+
+def number_in(text: str, unit: str) -> float | None:
+    """Return a number, with or without its unit, in `unit`; None if it is not a number in a unit that converts."""
+    found = NUMBER.fullmatch(text.strip())
+    if not found:
+        return None
+    times = (1.0, 1.0) if found[2] is None else None if unit == "1" else factor(found[2], unit)
+    return None if times is None else float(found[1]) * times[0] / times[1]
+
+
+def _limits(unit: str, least: float, most: float, above: bool) -> str:
+    in_unit = "" if unit == "1" else f" {unit}"
+    from_, to = f"{'above' if above else 'at least'} {least:g}", f"at most {most:g}"
+    if math.isinf(least) and math.isinf(most):
+        return "a finite number" if unit == "1" else f"a finite number of {unit}"
+    if math.isinf(most):
+        return f"{from_}{in_unit}"
+    if math.isinf(least):
+        return f"{to}{in_unit}"
+    return f"{from_} and {to}{in_unit}" if above else f"from {least:g} to {most:g}{in_unit}"
+
+
+def _units(unit: str) -> str:
+    those = [one for one in spellings_for(unit) if one.isascii() and " " not in one]
+    return " Give a number without a unit." if unit == "1" else f" Give a number in {', '.join(those[:6])}."
+
+
+def check_folder(folder: Path, option: str = "--out") -> None:
+    """Refuse a folder in which nothing can be written, before the work whose results go there. Leave nothing behind.
+
+    Raises
+    ------
+    BadInputError
+        If it is a file, or if it or its nearest existing parent cannot be written.
+    """
+    places = (folder.absolute(), *folder.absolute().parents)
+    place = next(one for one in places if one.exists() or one.is_symlink())
+    remedy = f"Choose another folder with {option}."
+    if not place.is_dir():
+        raise BadInputError(f"{option} must be a folder; got {folder}, and {place} is a file. {remedy}")
+    probe = place / f".{secrets.token_hex(8)}{PARTIAL}"
+    try:
+        probe.mkdir()
+        probe.rmdir()
+    except OSError as error:
+        reason = "it takes no new folder" if error.errno == errno.ENOENT else error.strerror
+        said = f"{option} must be a folder that can be written; got {folder} ({place}: {reason}). {remedy}"
+        raise BadInputError(said) from None
