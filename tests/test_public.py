@@ -698,3 +698,9 @@ def test_a_file_that_is_not_there_is_named_with_what_it_should_be() -> None:
         bb.measured_from("none.csv")
     with pytest.raises(FileNotFoundError, match=r"There is no file none\.fmu; give the path of an FMU"):
         bb.FmuInstance("none.fmu")
+
+
+def test_people_say_coach() -> None:
+    assert bb.vehicle("coach") == bb.vehicle("vehicle")
+    with pytest.raises(bb.SimulationError, match=r"no variable creep_law; a vehicle has it: dataclasses\.replace\("):
+        bb.run("rail", 1.0, creep_law="fastsim")
