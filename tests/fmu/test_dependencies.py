@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from fmpy import read_model_description
 
-from fmu_src.compile import build_library
 from fmu_src.dependencies import start_dependencies
 from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.model_description import NOMINAL
 from fmu_src.system import Model, Variable
+from products.building import kernel_of
 from products.registry import DIFFERENT, model_of
 
 #: Algebraic states are found to this tolerance; twice that, of an output's size, is no change.
@@ -77,7 +77,7 @@ COMPOSED = pytest.param("braked-vehicle", marks=pytest.mark.long)
 @pytest.mark.parametrize("name", [COMPOSED if name == "braked-vehicle" else name for name in DIFFERENT])
 def test_values_at_the_start_depend_on_nothing_that_is_not_listed(name: str) -> None:
     model = model_of(name)
-    library = Library(build_library(model))
+    library = Library(kernel_of(name))
     listed = start_dependencies(model)
     found = set().union(*(acting(library, model, start) for start in STARTS[name]))
     assert {pair for pair in found if pair[1] not in listed[pair[0]]} == set()

@@ -13,7 +13,7 @@ from fmu_src.effects import without_effect
 from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.system import Model, System, Variable, model_of, model_of_choices
-from rbd_model.levels.models import bogie_dynamics
+from products.registry import model_of as fmu_model
 from tests.fmu.hosting import OK, WARNING, Host, host
 from tests.quick_library import quick_library
 
@@ -135,7 +135,7 @@ NAMED = {
 @pytest.mark.parametrize(("level", "depth"), NAMED)
 def test_what_has_no_effect_changes_no_bit_of_a_stop(bogie: Library, level: int, depth: int) -> None:
     """All of them at once, each to another value than that of its start."""
-    model = bogie_dynamics()
+    model = fmu_model("bogie")
     idle = without_effect(model, model.systems[model.choice[3 * (level - 1) + depth - 1]])
     assert NAMED[level, depth] <= set(idle)
     assert {"davis_constant", "davis_linear", "davis_quadratic"}.isdisjoint(idle)

@@ -16,7 +16,7 @@ from fmpy.validation import validate_fmu
 from build_fmu import main
 from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
-from products.registry import DIFFERENT, model_of
+from products.registry import DIFFERENT, model_of, variables_of
 
 #: Of FMI 2.0.
 KINDS = ["native", "python"]
@@ -24,7 +24,7 @@ BUILT = [(name, kind) for kind in KINDS for name in DIFFERENT]
 
 
 #: Of the bogie.
-OUTPUTS = [one.name for one in model_of("bogie").variables if one.causality == "output"]
+OUTPUTS = [one.name for one in variables_of("bogie") if one.causality == "output"]
 
 
 @pytest.mark.parametrize("key", BUILT)

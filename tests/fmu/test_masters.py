@@ -11,6 +11,7 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -45,23 +46,29 @@ def systems(fmus: dict, tmp_path_factory: pytest.TempPathFactory) -> Callable[[s
         target = fmu_path(name, "native", out)
         target.parent.mkdir(exist_ok=True)
         shutil.copyfile(fmus[name, "native"], target)
-    return lambda name: build_system(name, out)
+    return cache(lambda name: build_system(name, out))
+
+
+@cache
+def in_fmpy(system: Path, step: float, count: int, outputs: tuple[tuple[str, str], ...]) -> list[float]:
+    """What FMPy finds, with which the other masters are compared."""
+    return list(MASTERS["fmpy"](system, step, count, outputs))
 
 
 def master(name: str) -> Callable:
     if importlib.util.find_spec(name) is None:
         pytest.skip("install the extra: pip install -e .[masters]")
-    return MASTERS[name]
+    return in_fmpy if name == "fmpy" else MASTERS[name]
 
 
 @pytest.mark.parametrize("name", MASTERS)
 def test_bogie_brakes_in_every_master(systems: Callable[[str], Path], name: str) -> None:
-    outputs = [("bogie", "speed"), ("brake", "cylinder_pressure")]
+    outputs = (("bogie", "speed"), ("brake", "cylinder_pressure"))
     system = systems("BogieBraking")
     speed, pressure = master(name)(system, 1e-3, 1000, outputs)
     assert 2.0 < speed < 2.9
     assert pressure == pytest.approx(180e3, rel=0.05)
-    expected = MASTERS["fmpy"](system, 1e-3, 1000, outputs)
+    expected = in_fmpy(system, 1e-3, 1000, outputs)
     assert speed == pytest.approx(expected[0], abs=SPEED_BAND)
     assert pressure == pytest.approx(expected[1], rel=1e-6)
 
@@ -70,10 +77,10 @@ def test_bogie_brakes_in_every_master(systems: Callable[[str], Path], name: str)
 def test_vehicle_brakes_in_every_master(systems: Callable[[str], Path], name: str) -> None:
     """As by the full torque of its brakes over its mass, but for the time in which they apply."""
     system, count, step = systems("VehicleBraking"), 1000, 1e-2
-    outputs = [("vehicle", "speed"), ("vehicle", "cylinder_pressure_4")]
+    outputs = (("vehicle", "speed"), ("vehicle", "cylinder_pressure_4"))
     speed, pressure = master(name)(system, step, count, outputs)
     assert pressure == pytest.approx(FULL_PRESSURE, rel=1e-4)
-    assert speed == pytest.approx(MASTERS["fmpy"](system, step, count, outputs)[0], abs=SPEED_BAND)
+    assert speed == pytest.approx(in_fmpy(system, step, count, outputs)[0], abs=SPEED_BAND)
     applying = 2.0 / 3.0  # the mean delay of a cylinder with 95 % after 2 s
     assert speed == pytest.approx(25.0 - coach().deceleration(FULL_TORQUE) * (10.0 - applying), rel=2e-3)
 
@@ -81,18 +88,18 @@ def test_vehicle_brakes_in_every_master(systems: Callable[[str], Path], name: st
 @pytest.mark.parametrize("name", MASTERS)
 def test_protection_keeps_the_wheels_rolling_in_every_master(systems: Callable[[str], Path], name: str) -> None:
     wheels = [("vehicle", f"wheel_speed_{number}") for number in (1, 2, 3, 4)]
-    outputs = [("vehicle", "distance"), ("vehicle", "speed"), *wheels]
+    outputs = (("vehicle", "distance"), ("vehicle", "speed"), *wheels)
     system = systems("VehicleProtection")
     distance, speed, *rolling = master(name)(system, 5e-3, 1000, outputs)
     assert min(rolling) > (1.0 - LARGEST_SLIP) * speed
-    assert distance == pytest.approx(MASTERS["fmpy"](system, 5e-3, 1000, outputs)[0], rel=CONTROLLED_BAND)
+    assert distance == pytest.approx(in_fmpy(system, 5e-3, 1000, outputs)[0], rel=CONTROLLED_BAND)
 
 
 def test_a_master_that_reads_no_parameters_starts_with_those_of_the_system(systems: Callable[[str], Path]) -> None:
     """FMPy leaves the values in the structure alone; 50 m in place of 5 is what the FMUs' own defaults would give."""
     system = systems("BogieBraking")
-    alone = simulate_ssp(str(system), stop_time=5.0, step_size=1e-3)
-    given = simulate_ssp(str(system), stop_time=5.0, step_size=1e-3, parameter_set=parameters_of(system))
+    alone = simulate_ssp(str(system), stop_time=5.0, step_size=5e-3)
+    given = simulate_ssp(str(system), stop_time=5.0, step_size=5e-3, parameter_set=parameters_of(system))
     assert 4.0 < alone["bogie.distance"][-1] < 10.0
     for name in ("bogie.distance", "brake.cylinder_pressure"):
         assert (alone[name] == given[name]).all()

@@ -12,7 +12,7 @@ import pytest
 from fmu_src import kernel
 from fmu_src.codegen import BATCH_SOURCES, RUNTIME, RUNTIME_HEADERS, RUNTIME_SOURCES, generate
 from fmu_src.objects import ARRAYS
-from rbd_model.levels.models import bogie_dynamics
+from products.registry import model_of
 
 #: Lines of a function that one screen shows.
 SCREEN = 60
@@ -71,7 +71,7 @@ def functions_of(path: Path) -> Iterator[tuple[str, int]]:
 
 @pytest.fixture(scope="module")
 def bogie_sources() -> dict[str, str]:
-    return generate(bogie_dynamics())
+    return generate(model_of("bogie"))
 
 
 SOURCES = (*RUNTIME_SOURCES, *BATCH_SOURCES)

@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
-from products.registry import model_of
+from products.building import kernel_of
 from rbd_model.track.recovery import SCATTER, SLOWEST, assumed_recovery, easy_recovery, hard_recovery, no_recovery
 from scenarios.bench.drive import prepare
 
@@ -21,7 +20,7 @@ DELAY_ERROR, LATER_ERROR = 0.02, 2e-3
 
 @pytest.fixture(scope="module")
 def rail() -> Library:
-    return Library(build_library(model_of("rail")))
+    return Library(kernel_of("rail"))
 
 
 def slid(rail: Library, seconds: float, **inputs: float) -> Kernel:
