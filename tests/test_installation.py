@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -47,19 +48,53 @@ def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def install(wheels: Path, place: Path) -> Path:
-    """Python of a new environment that holds nothing but the wheel of this platform and what it asks for."""
-    venv.create(place, with_pip=True)
-    python = place / ("Scripts" if os.name == "nt" else "bin") / "python"
-    pip = [python, "-m", "pip", "install", "--quiet", "--no-compile", "--disable-pip-version-check"]
+def environment(place: Path) -> Path:
+    """Python of a new environment that holds nothing."""
+    venv.create(place)
+    return place / ("Scripts" if os.name == "nt" else "bin") / "python"
+
+
+def install(wheels: Path, python: Path, *how: str) -> None:
+    """Installs the wheel of this platform, and what it asks for, into an environment by the pip of this one."""
     [wheel] = wheels.glob(f"*{OWN}.whl")
-    subprocess.run([*pip, str(wheel)], check=True, capture_output=True, text=True, cwd=place)
-    return python
+    pip = [sys.executable, "-m", "pip", "--python", str(python), "install", "--quiet", "--no-compile"]
+    call = [*pip, "--disable-pip-version-check", *how, str(wheel)]
+    subprocess.run(call, check=True, capture_output=True, text=True, cwd=python.parent)
+
+
+def asked_for() -> set[str]:
+    """Names of the packages that ours asks for, of those that these ask for, and so on, without extras."""
+    found, waiting = set(), ["bogie-braking"]
+    while waiting:
+        asked = map(Requirement, requires(waiting.pop()) or [])
+        names = {one.name for one in asked if one.marker is None or one.marker.evaluate({"extra": ""})} - found
+        found |= names
+        waiting += names
+    return found
+
+
+def link_packages(names: set[str], folder: Path) -> None:
+    """Puts packages of this environment into a folder, with what Python compiled of them; links, on one disk."""
+    for one in map(distribution, names):
+        for file in one.files or []:
+            if ".." in file.parts:
+                continue
+            target = folder / file
+            target.parent.mkdir(parents=True, exist_ok=True)
+            try:
+                os.link(one.locate_file(file), target)
+            except OSError:
+                shutil.copy2(str(one.locate_file(file)), target)
 
 
 @pytest.fixture(scope="module")
 def installed(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return install(wheels, tmp_path_factory.mktemp("installation") / "environment")
+    """Beside what it asks for, which pip looks at and need not fetch: the long test below does."""
+    folder = tmp_path_factory.mktemp("installation")
+    python = environment(folder / "environment")
+    link_packages(asked_for(), packages_of(python, folder))
+    install(wheels, python, "--no-index")
+    return python
 
 
 def contents(folder: Path) -> dict[str, tuple[int, int]]:
@@ -132,7 +167,8 @@ def test_an_installation_is_light(installed: Path, tmp_path: Path) -> None:
     """A compiler and what draws pages are extras. With pip and compiled Python it is below 800 MB."""
     packages = packages_of(installed, tmp_path)
     ours = {one.name for one in packages.iterdir()} - {"pip", "setuptools"}
-    size = sum(path.lstat().st_size for name in ours for path in (packages / name).rglob("*"))
+    found = (path for name in ours for path in (packages / name).rglob("*") if "__pycache__" not in path.parts)
+    size = sum(path.lstat().st_size for path in found)
     assert 300e6 < size < MOST_SIZE
     assert not ours & {"ziglang", "plotly"}
 
@@ -173,9 +209,16 @@ def test_a_wheel_brings_one_name_and_minds_no_folder_of_the_user(installed: Path
     assert "usage: bogie-braking build" in call(installed, tmp_path, "-m", "bogie_braking", "build", "--help")
 
 
-def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path: Path) -> None:
-    """Its blocks one after another, and what they print."""
+@pytest.mark.parametrize("part", ["begin", pytest.param("whole", marks=pytest.mark.long)])
+def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path: Path, part: str) -> None:
+    """Its blocks one after another, and what they print; runs, lines, own vehicles and controllers at its begin.
+
+    From the checkout all of them run (tests/test_pages_run.py).
+    """
     page = (ROOT / "docs" / "public.md").read_text(encoding="utf-8")
+    if part == "begin":
+        page = page[: page.index("```python\nbogie = bb.Simulation(")]
+        assert all(f"bb.{name}(" in page for name in ("run", "line_of", "vehicle", "write_fmu", "protected_stops"))
     blocks = re.findall(r"^```(\w+)\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
     (tmp_path / "page.py").write_text("".join(text for kind, text in blocks if kind == "python"), encoding="utf-8")
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
@@ -195,18 +238,16 @@ def test_comparisons_with_other_programs_need_a_checkout(installed: Path, tmp_pa
 
 
 def test_a_wheel_that_is_uninstalled_leaves_nothing(wheels: Path, tmp_path: Path) -> None:
-    venv.create(tmp_path / "environment", with_pip=True)
-    python = tmp_path / "environment" / ("Scripts" if os.name == "nt" else "bin") / "python"
+    python = environment(tmp_path / "environment")
     packages = packages_of(python, tmp_path)
     before = {path.name for path in packages.iterdir()}
-    [wheel] = wheels.glob(f"*{OWN}.whl")
-    pip = (python, tmp_path, "-m", "pip", "--quiet", "--disable-pip-version-check")
-    call(*pip, "install", "--no-deps", "--no-index", str(wheel))
+    install(wheels, python, "--no-deps", "--no-index")
     assert {path.name for path in packages.iterdir()} - before == {
         "bogie_braking",
         f"bogie_braking-{__version__}.dist-info",
     }
-    call(*pip, "uninstall", "--yes", "bogie-braking")
+    pip = [sys.executable, "-m", "pip", "--python", str(python), "--disable-pip-version-check"]
+    subprocess.run([*pip, "uninstall", "--quiet", "--yes", "bogie-braking"], check=True, capture_output=True)
     assert {path.name for path in packages.iterdir()} == before
 
 
@@ -279,7 +320,8 @@ def test_from_an_empty_machine_to_the_picture_in_a_minute(tmp_path: Path) -> Non
     [one, two] = (next((tmp_path / folder).glob(f"*{OWN}.whl")).read_bytes() for folder in ("one", "two"))
     assert one == two
     begin = time.perf_counter()
-    python = install(tmp_path / "one", tmp_path / "environment")
+    python = environment(tmp_path / "environment")
+    install(tmp_path / "one", python)
     ready = time.perf_counter()
     no_cache = {"CC": "no-compiler", "BOGIE_BRAKING_CACHE": str(tmp_path / "cache")}
     call(python, tmp_path, "-m", "bogie_braking", "run", "qr30-180kpa", **no_cache)

@@ -70,7 +70,7 @@ def test_an_fmu_that_needs_python_makes_the_stops_of_its_class(tmp_path: Path) -
     (tmp_path / "let_go.py").write_text(text)
     assert build_fmu.main(["--controller", f"{tmp_path / 'let_go.py'}:LetGo", "--out", str(tmp_path)]) == 0
     form = Apart(partial(in_fmu, tmp_path / "python" / "LetGo.fmu", NAMES[2]))
-    runs = [Run(RAILS[number].values()) for number in (1, 2)]
+    runs = [Run(RAILS[number].values(), speed=12.0) for number in (1, 2)]
     assert runs_apart(Order(bogie(), form, Settings()), runs) == Rig(bogie(), LetGo, Settings(), by_flow=True).runs(
         runs
     )
@@ -95,8 +95,8 @@ def test_an_fmu_that_needs_python_makes_the_stops_of_its_class(tmp_path: Path) -
     ids=["abort", "crash", "wait", "hang"],
 )
 def test_what_ends_its_process_ends_no_comparison(step: str, words: str, limits: Limits, tmp_path: Path) -> None:
-    """On a low rail it comes that far; from 5 m/s on a dry one it stops before."""
-    low, soon = Run(RAILS[2].values()), Run(RAILS[0].values(), speed=5.0)
+    """From 12 m/s on a low rail it comes that far; from 5 m/s on a dry one it stops before."""
+    low, soon = Run(RAILS[2].values(), speed=12.0), Run(RAILS[0].values(), speed=5.0)
     form, runs = made_of(let_go(tmp_path, "bad", step)), [soon, low, *[soon] * ("abort" in step)]
     found = runs_apart(Order(bogie(), form, Settings()), runs, limits)
     [good] = Rig(bogie(), LetGo, Settings(), by_flow=True).runs([soon])
