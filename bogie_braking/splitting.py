@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 from scipy.stats import t as student
-from tqdm import tqdm
 
-from fmu_src.progress import PATIENCE
+from fmu_src.progress import counting
 
 Numbers = NDArray[np.float64]
 #: Outputs, shape (points,), of standard normal points, shape (points, inputs); -inf where there is none.
@@ -131,7 +130,7 @@ def climb(
     outputs = np.split(evaluate(np.concatenate(points)), POPULATIONS)
     everyone = [Population(*one) for one in zip(streams, points, outputs, strict=True)]
     count = particles * POPULATIONS
-    with tqdm(desc="levels", delay=PATIENCE, leave=False, unit="level") as bar:
+    with counting(text="levels", unit="level") as bar:
         while copies := [(one, rows) for one in everyone if one.climbs and (rows := one.split(limit)).size]:
             count += moves * sum(rows.size for _, rows in copies)
             move_together(evaluate, copies, moves)

@@ -17,13 +17,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from tqdm import tqdm
 
 from fmu_src.batch_in_c import batch_source
 from fmu_src.codegen import generate
 from fmu_src.compile import batch_library, build_library
 from fmu_src.kernel import DISCARD, ERROR, Kernel, Library, SimulationError
-from fmu_src.progress import PATIENCE
+from fmu_src.progress import counting
 from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Model, System
@@ -173,7 +172,7 @@ def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_
             raise MemoryError(NO_MEMORY)
         with (
             ThreadPoolExecutor(count) as pool,
-            tqdm(total=runs.count, desc="runs", delay=PATIENCE, leave=False, unit="run") as bar,
+            counting(text="runs", total=runs.count, unit="run") as bar,
         ):
             waiting = {pool.submit(call.batch_run, lanes, runs) for lanes in every}
             try:

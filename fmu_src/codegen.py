@@ -8,8 +8,6 @@ from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 
-from tqdm import tqdm
-
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.effects import without_effect
 from fmu_src.elimination import Elimination, elimination, elimination_source
@@ -19,7 +17,7 @@ from fmu_src.exchange import exchanged, serves_exchange
 from fmu_src.identifier import identifier
 from fmu_src.model_description import model_description
 from fmu_src.objects import FACES, KERNEL, RUNTIME
-from fmu_src.progress import PATIENCE
+from fmu_src.progress import counting
 from fmu_src.system import Model, SteadyStart, System, integration_variables, state_variable
 from fmu_src.table_file import table_file_source
 
@@ -131,7 +129,7 @@ def _sources(model: Model) -> dict[str, str]:
     generated: list[dict[str, Generated]] = []
     solving: dict[str, Elimination] = {}
     sources: dict[str, str] = {}
-    for system in tqdm(model.systems, "generating C", delay=PATIENCE, leave=False, unit="system"):
+    for system in counting(model.systems, "generating C", unit="system"):
         generated.append(functions(system))
         solving[system.name] = elimination(system)
         sources |= equations_in_c(system.name, generated[-1])

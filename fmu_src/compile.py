@@ -20,7 +20,6 @@ from pathlib import Path
 
 import fmpy
 import platformdirs
-from tqdm import tqdm
 
 from fmu_src.codegen import (
     BATCH_SOURCES,
@@ -33,7 +32,7 @@ from fmu_src.codegen import (
     generate,
 )
 from fmu_src.kept import keep, missing, own_folder, whole
-from fmu_src.progress import PATIENCE
+from fmu_src.progress import counting
 from fmu_src.system import Model
 from readers.storage import ANOTHER_TEMPORARY, StorageError, cannot_write, sentence, write_whole
 
@@ -157,9 +156,7 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
     names = sorted(included, key=lambda name: -length[name])
     with (
         ThreadPoolExecutor(os.cpu_count()) as pool,
-        tqdm(
-            total=sum(length.values()), desc="compiling", delay=PATIENCE, leave=False, unit="B", unit_scale=True
-        ) as bar,
+        counting(text="compiling", total=sum(length.values()), unit="B", unit_scale=True) as bar,
     ):
         under_way = {
             pool.submit(_object_of, name, {name: sources[name]} | included[name], flags, target): name for name in names

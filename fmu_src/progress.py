@@ -1,6 +1,9 @@
-"""When people want to see that something happens, and when not."""
+"""Progress bars: on terminals alone, and only for what takes longer than PATIENCE."""
 
-from functools import partialmethod
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
 
 from tqdm import tqdm
 
@@ -8,6 +11,55 @@ from tqdm import tqdm
 PATIENCE = 2.0
 
 
+@dataclass
+class _Switch:
+    """Whether this process shows bars."""
+
+    hidden: bool = False
+
+
+_SWITCH = _Switch()
+
+
+def counting(
+    items: Iterable[Any] | None = None,
+    text: str | None = None,
+    total: float | None = None,
+    unit: str = "it",
+    **form: Any,
+) -> tqdm:
+    """Return a progress bar over items, or up to a total that `update` counts.
+
+    The bar disappears at its end. It is disabled if standard error is a file or a pipe, and after `hide_bars`.
+
+    Parameters
+    ----------
+    items
+        What to iterate over; None if `update` counts.
+    text
+        The words in front of the bar.
+    total
+        The value of a full bar, in `unit`; None if unknown.
+    unit
+        The unit of the count.
+    form
+        Further arguments of `tqdm.tqdm`, such as `bar_format`.
+    """
+    hidden = True if _SWITCH.hidden else None  # tqdm takes None as: only on a terminal
+    return tqdm(items, text, total, delay=PATIENCE, leave=False, unit=unit, disable=hidden, **form)
+
+
 def hide_bars() -> None:
-    """No bars from now on, wherever they are made."""
-    tqdm.__init__ = partialmethod(tqdm.__init__, disable=True)
+    """Disable all progress bars of this process from now on."""
+    _SWITCH.hidden = True
+
+
+@contextmanager
+def without_bars() -> Iterator[None]:
+    """Disable all progress bars within the context."""
+    before = _SWITCH.hidden
+    hide_bars()
+    try:
+        yield
+    finally:
+        _SWITCH.hidden = before

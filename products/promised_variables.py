@@ -60,6 +60,14 @@ def changes(name: str, variables: Iterable[Variable] | None = None) -> list[str]
     return [f"{name}: {one}, since version {version}." for one in said]
 
 
+def build_notes(name: str, variables: Iterable[Variable] | None = None) -> list[str]:
+    """Return what a build prints of `changes`: those that may break a host, and the number of new variables."""
+    found = changes(name, variables)
+    new = [one for one in found if " is new, " in one]
+    count = [f"{name}: new variables since version {last_version()[0]}: {len(new)}."] if new else []
+    return [*(one for one in found if one not in new), *count]
+
+
 def write_table() -> None:
     """The table of this version."""
     with TABLE.open("w", encoding="utf-8", newline="") as file:

@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from pages import DOCS
 from scipy.stats import binomtest, norm, uniform
-from tqdm import tqdm
 
 import bogie_braking as bb
 from bogie_braking.rare_events import Rare
+from fmu_src.progress import counting
 from scenarios.reporting import plots
 
 DATA, PICTURE = DOCS / "data" / "rare-stops.json", DOCS / "pictures" / "rare-stops.png"
@@ -55,7 +55,7 @@ def plain_distances(part: int) -> np.ndarray:
 def plain_counts() -> dict[str, int]:
     """How many of all plain runs are longer than each limit."""
     counts = np.zeros(len(LIMITS), int)
-    for part in tqdm(range(RUNS // PART), "plain runs", unit="part"):
+    for part in counting(range(RUNS // PART), "plain runs", unit="part"):
         counts += np.sum(plain_distances(part)[:, None] > np.array(LIMITS), axis=0)
     return dict(zip(map(str, LIMITS), counts.tolist(), strict=True))
 
@@ -67,7 +67,7 @@ def splitting(limit: float, seed: int, **more: Any) -> Rare:
 
 def intervals() -> list[list[float]]:
     """Probability and interval of each seed at the limit of 1e-4, and how many runs they took."""
-    found = [splitting(LIMIT_4, seed) for seed in tqdm(SEEDS, "seeds", unit="seed")]
+    found = [splitting(LIMIT_4, seed) for seed in counting(SEEDS, "seeds", unit="seed")]
     return [[one.probability, *one.interval, one.runs] for one in found]
 
 

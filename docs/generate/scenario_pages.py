@@ -13,12 +13,11 @@ from types import ModuleType
 from typing import Any
 
 from pages import DOCS, ROOT
-from tqdm import tqdm
 
 from bogie_braking.exit_status import DOES_NOT_HOLD
 from readers.documents import read_document
 from scenarios.catalogue import SCENARIOS
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.reporting.report import VERDICTS, number, parted
 from scenarios.scenario import Scenario
 
@@ -93,7 +92,7 @@ def row(one: Mapping[str, Any], heads: Sequence[str]) -> str:
 
 def main() -> int:
     missing = [one.name for one in SCENARIOS if summary_of(one.name) is None]
-    for name in (progress := tqdm(missing, unit="scenario", delay=PATIENCE, leave=False)):
+    for name in (progress := counting(missing, unit="scenario")):
         progress.set_postfix_str(name)
         command = [sys.executable, "-m", "bogie_braking", "run", name]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)

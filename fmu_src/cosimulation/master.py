@@ -8,11 +8,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from tqdm import tqdm
-
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
-from fmu_src.progress import PATIENCE
+from fmu_src.progress import counting
 
 
 class Connection(NamedTuple):
@@ -259,7 +257,7 @@ def cosimulate(
         return values
 
     rows = [sample(0.0)]
-    with tqdm(total=duration, desc=label, delay=PATIENCE, leave=False, unit="s") as bar:
+    with counting(text=label, total=duration, unit="s") as bar:
         for time in coupling.run(duration, step, drive, instants):
             rows.append(sample(time))
             bar.update(time - rows[-2][0])

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
-from fmu_src.progress import PATIENCE
+from fmu_src.progress import counting
 from products.sources import versions
 from products.study.journal import JOURNAL, Journal
 from products.study.lock import only_writer
@@ -47,7 +45,7 @@ def outcomes_of(study: Study, run_points: Evaluator, journal: Journal | None = N
     try:
         with (
             closing(run_points(study.evaluate, left)) as outcomes,
-            tqdm(total=count, initial=len(found), desc=study.name, delay=PATIENCE, leave=False, unit="point") as bar,
+            counting(text=study.name, total=count, unit="point", initial=len(found)) as bar,
         ):
             for some in outcomes:
                 for number, outcome in some.items():

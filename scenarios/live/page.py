@@ -5,8 +5,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TEETH, TIMER
 from fmu_src import __version__
 from fmu_src.codegen import generate, guid_of
@@ -21,7 +19,7 @@ from scenarios.live.lines import CANTS, rows_of
 from scenarios.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of
 from scenarios.live.presets import DEFAULTS, PERIOD, PRESETS
 from scenarios.reporting.motion import drawn
-from scenarios.reporting.progress import PATIENCE
+from scenarios.reporting.progress import counting
 from scenarios.web.frame import filled, packed
 
 
@@ -49,7 +47,7 @@ def page() -> str:
         "presets": [{"title": one.title, "link": one.link} for one in PRESETS.values()],
         "curves": {radius: {"cant": cant, "rows": rows_of(radius)} for radius, cant in CANTS.items()},
         "lineVariable": LINE.variable.name,
-        "machines": {name: machine(name) for name in tqdm(MACHINES, "machines", delay=PATIENCE, leave=False)},
+        "machines": {name: machine(name) for name in counting(MACHINES, "machines")},
     }
     return filled("live.html.jinja", data=data)
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
+from fmu_src.progress import counting
 from rbd_model.contact.creep.exact import exact, half_space
 from rbd_model.contact.creep.law import CreepLaw
 from scenarios.measuring.creep_cost import SHEAR_MODULUS, values, with_coefficients
@@ -55,7 +55,7 @@ def random_states() -> np.ndarray:
 def write() -> None:
     """The states with their exact forces over mu N."""
     states = random_states()
-    forces = [exact(half_space(row[0], counts(row[0])), row[1:]).forces for row in tqdm(states, "states")]
+    forces = [exact(half_space(row[0], counts(row[0])), row[1:]).forces for row in counting(states, "states")]
     np.savetxt(TABLE, np.column_stack([states, forces]), "%.6g", ",", header=COLUMNS, comments="")
 
 

@@ -13,7 +13,6 @@ import time
 from pathlib import Path
 
 import pytest
-from tqdm import tqdm
 
 from bogie_braking import commands
 from bogie_braking.__main__ import main
@@ -21,12 +20,13 @@ from bogie_braking.exit_status import FAILED, NOBODY_READS
 from brake_controller.cylinder import brake_cylinder
 from fmu_src import codegen
 from fmu_src import compile as compiling
+from fmu_src import progress as fmu_progress
+from fmu_src.progress import counting, without_bars
 from products import prebuilt
-from products.sources import digest
+from products.sources import HOUSE, digest
 from scenarios import doctor
 from scenarios.catalogue import SCENARIOS
 from scenarios.reporting import progress, report
-from scenarios.reporting.progress import without_bars
 from scenarios.reporting.saved import wall_seconds
 
 ROOT = Path(__file__).parents[2]
@@ -90,21 +90,38 @@ def test_list_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
     assert listed["qr30-180kpa"]["summary"]
 
 
-def test_bars_are_hidden_within_and_shown_after(capsys: pytest.CaptureFixture[str]) -> None:
-    def bar() -> str:
-        list(tqdm([1], "working"))
-        return capsys.readouterr().err
-
-    with without_bars():
-        assert bar() == ""
-    assert "working: 100%" in bar()
-
-
 class Terminal(io.StringIO):
     """What people would see."""
 
     def isatty(self) -> bool:
         return True
+
+
+def test_bars_are_on_terminals_alone_and_hidden_within(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fmu_progress, "PATIENCE", 0.0)
+
+    def bar(shown: io.StringIO) -> str:
+        monkeypatch.setattr(sys, "stderr", shown)
+        list(counting([1], "working"))
+        return shown.getvalue()
+
+    assert bar(io.StringIO()) == ""
+    with without_bars():
+        assert bar(Terminal()) == ""
+    assert "working:" in bar(Terminal())
+
+
+def test_every_bar_is_one_that_no_file_gets() -> None:
+    """tqdm writes into files unless it is told not to; `counting` and `disable=None` tell it."""
+    rooms = (*HOUSE, "docs/generate")
+    sources = [*ROOT.glob("*.py"), *(path for room in rooms for path in (ROOT / room).rglob("*.py"))]
+    calls = {
+        f"{path.relative_to(ROOT)}: {call}"
+        for path in sources
+        for call in re.findall(r"(?<!def )\btqdm\(.*", path.read_text(encoding="utf-8"))
+        if "disable=" not in call
+    }
+    assert calls == set()
 
 
 def test_a_bar_moves_with_the_clock_where_nothing_else_does(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -140,14 +157,13 @@ def test_results_that_cannot_be_read_promise_no_time(text: str, tmp_path: Path) 
     assert wall_seconds(tmp_path) is None
 
 
-def test_generating_and_compiling_show_how_far_they_are(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for module in (codegen, compiling):
-        monkeypatch.setattr(module, "PATIENCE", 0.0)
+def test_generating_and_compiling_show_how_far_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fmu_progress, "PATIENCE", 0.0)
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
     sources = codegen.generate(brake_cylinder())
     compiling.objects_of(sources, compiling.FLAGS)
-    shown = capsys.readouterr().err
+    shown = terminal.getvalue()
     assert "generating C:" in shown
     assert "compiling:" in shown
 

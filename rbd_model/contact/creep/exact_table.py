@@ -53,7 +53,7 @@ def made() -> CreepTable:
     """The table of exact theory, Kalker (1990); its places with u < 0 or spin < 0 are mirror images of others."""
     places = axes()
     forces = np.zeros((*(place.size for place in places), 2))
-    for number in tqdm(range(1, places[3].size - 1), "ellipses"):
+    for number in tqdm(range(1, places[3].size - 1), "ellipses", disable=None):
         forces[..., number, :] = of_ellipse(places, float(places[3][number]))
     forces[0] = forces[2] * (-1, 1)
     forces[:, :, 0] = forces[:, ::-1, 2] * (1, -1)
