@@ -9,11 +9,19 @@ export OPENBLAS_NUM_THREADS ?= 1
 # A C compiler comes from PyPI where the machine has none: what this finds is a comma and the extra, or nothing.
 COMPILER := $(shell for name in $$CC cc gcc clang; do command -v $$name > /dev/null && exit; done; echo ,compiler)
 
-.PHONY: demo live test test-fast test-long check charts screenshots pages docs release clean
+# pip shows bars on a terminal; it writes none into a file.
+PIP = [ -t 1 ] && quiet= || quiet="--quiet --progress-bar off"; $(RUN) -m pip install --disable-pip-version-check $$quiet
 
-demo: $(VENV)/demo-installed
+.PHONY: demo foretold live test test-fast test-long check charts screenshots pages docs release clean
+
+demo: foretold $(VENV)/demo-installed
 	$(RUN) build_fmu.py ssp
-	$(RUN) -m bogie_braking run qr30-180kpa
+	$(RUN) build_fmu.py braked-vehicle --kind native
+	$(RUN) -m bogie_braking run demo
+
+foretold:
+	@[ -e $(VENV)/demo-installed ] || echo "The first make demo installs Python packages into $(VENV), compiles three FMUs" \
+		"and stops three vehicles: some 3 minutes on two cores and a download, 0.8 GB on disk. Again: half a minute."
 
 # The page that brakes a bogie in a browser; zig compiles its kernels, no other compiler here does.
 live: $(VENV)/compiler-installed
@@ -44,15 +52,15 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[pages$(COMPILER)]"
+	$(PIP) -e ".[pages$(COMPILER)]"
 	touch $@
 
 $(VENV)/compiler-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[compiler,pages]"
+	$(PIP) -e ".[compiler,pages]"
 	touch $@ $(VENV)/demo-installed
 
 $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[test,masters,charts,sweep,docs]"
+	$(PIP) -e ".[test,masters,charts,sweep,docs]"
 	touch $@ $(VENV)/demo-installed $(VENV)/compiler-installed
 
 # Draws the pictures of docs/choosing.md anew, some ten minutes, and puts what they measured into the text.
@@ -62,7 +70,7 @@ charts: $(VENV)/charts-installed
 	$(RUN) docs/generate/charts.py --collect
 
 $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[charts,pages$(COMPILER)]"
+	$(PIP) -e ".[charts,pages$(COMPILER)]"
 	touch $@ $(VENV)/demo-installed
 
 # The screenshots of the documentation, by the tests of the pages in a browser.
@@ -84,7 +92,7 @@ docs: $(VENV)/docs-installed
 	NO_MKDOCS_2_WARNING=1 $(RUN) -m mkdocs build --strict
 
 $(VENV)/docs-installed: pyproject.toml | $(VENV)/bin/python
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[docs,compiler,pages]"
+	$(PIP) -e ".[docs,compiler,pages]"
 	touch $@ $(VENV)/demo-installed
 
 clean:

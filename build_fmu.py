@@ -31,7 +31,7 @@ from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
-from products.promised_variables import changes
+from products.promised_variables import build_note
 from products.registry import ALIASES, FMUS, fmu_named, model_of
 from products.systems import build_systems
 from products.train.building import build_coupler, build_train
@@ -129,8 +129,8 @@ def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
     write_sets(names, chosen.out)
     if "native" in kinds:
         build_systems(names, chosen.out, every)
-    for sentence in (one for name in names for one in changes(name)):
-        print(sentence)
+    for note in filter(None, map(build_note, names)):
+        print(note)
     return bool(problems)
 
 

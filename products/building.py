@@ -32,7 +32,7 @@ from products.registry import FMUS, model_of
 from products.registry import variables_of as written_variables
 from products.sources import ROOT
 from products.terminals import terminals_of
-from readers.storage import writing
+from readers.storage import write_whole, writing
 from readers.text import BadInputError
 
 #: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.
@@ -86,6 +86,21 @@ def write_fmu(name: str, kind: str, out: Path, all_platforms: bool = False) -> P
         build_native_fmu3(model, path, list(PLATFORMS3) if all_platforms else [], extras(name, kind))
     else:
         build_python_fmu(model, path)
+    return path
+
+
+def copy_fmu(name: str, kind: str, out: Path) -> Path:
+    """Write one native FMU for this platform as OUT/KIND/Model.fmu, a copy of that in the cache, built if missing.
+
+    Raises
+    ------
+    CompilerError, OSError
+        If it cannot be built or written.
+    """
+    path = fmu_path(name, kind, out)
+    with writing(path.parent, "choose another folder with --out"):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, up_to_date(name, kind).read_bytes(), "choose another folder with --out")
     return path
 
 
@@ -167,7 +182,8 @@ def build_all(names: Sequence[str], kinds: Sequence[str], out: Path, all_platfor
     for kind in kinds:
         for name in names:
             begin = time.perf_counter()
-            path = write_fmu(name, kind, out, all_platforms)
+            cached = kind in NATIVE and not all_platforms
+            path = copy_fmu(name, kind, out) if cached else write_fmu(name, kind, out, all_platforms)
             problems += announce(path, time.perf_counter() - begin)
     return problems
 

@@ -126,10 +126,10 @@ def set_files(fmu: str) -> dict[str, bytes]:
 
 
 def write_sets(names: Sequence[str], out: Path) -> None:
-    """Writes the sets of the named FMUs into OUT/parameters/, a line each."""
+    """Write the parameter sets of the named FMUs into OUT/parameters/, and print how many."""
     folder = out / "parameters"
     folder.mkdir(parents=True, exist_ok=True)
-    for fmu in names:
-        for name, data in set_files(fmu).items():
-            write_whole(folder / name, data)
-            print(folder / name)
+    files = {name: data for fmu in names for name, data in set_files(fmu).items()}
+    for name, data in files.items():
+        write_whole(folder / name, data)
+    print(f"{folder}  {len(files)} parameter sets (.ssv)")

@@ -4,6 +4,7 @@
 """
 
 import csv
+import re
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
@@ -60,12 +61,14 @@ def changes(name: str, variables: Iterable[Variable] | None = None) -> list[str]
     return [f"{name}: {one}, since version {version}." for one in said]
 
 
-def build_notes(name: str, variables: Iterable[Variable] | None = None) -> list[str]:
-    """Return what a build prints of `changes`: those that may break a host, and the number of new variables."""
+def build_note(name: str, variables: Iterable[Variable] | None = None) -> str:
+    """Return what a build prints of `changes`, in one line; empty if there are none."""
     found = changes(name, variables)
     new = [one for one in found if " is new, " in one]
-    count = [f"{name}: new variables since version {last_version()[0]}: {len(new)}."] if new else []
-    return [*(one for one in found if one not in new), *count]
+    others = (re.search(r": (?:the .*? of )?(\w+) is ", one) for one in found if one not in new)
+    named = ", ".join(dict.fromkeys(one[1] for one in others if one))
+    said = [f"{len(new)} variables are new"] * bool(new) + [f"{named} changed or are gone"] * bool(named)
+    return f"{name}: since version {last_version()[0]} {'; '.join(said)} (see the changelog)." if said else ""
 
 
 def write_table() -> None:

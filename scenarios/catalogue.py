@@ -3,7 +3,7 @@
 from importlib.util import find_spec
 
 from fmu_src.suggestion import suggestion
-from scenarios.brakes import anti_skid, brake_timing, controller_prototype, sanding, uneven_brakes
+from scenarios.brakes import anti_skid, brake_timing, controller_prototype, demo, sanding, uneven_brakes
 from scenarios.contact import contact_manchester, contact_model, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import curve_braking, curve_steering, flexible_track, gradient, line_from_file, transition
@@ -51,6 +51,7 @@ from scenarios.vehicles import (
 )
 
 SCENARIOS: list[Scenario] = [
+    demo.SCENARIO,
     *qr30.SCENARIOS,
     lock_boundary.SCENARIO,
     brake_timing.SCENARIO,

@@ -256,6 +256,8 @@ def draw_all(report: Report, folder: Path) -> dict[str, str]:
 def number(value: float | None) -> str:
     if value is None:
         return "-"
+    if isinstance(value, int):
+        return str(value)
     if value == 0.0 or 1e-3 <= abs(value) < 1e6:
         digits = max(0, 4 - (0 if value == 0.0 else math.floor(math.log10(abs(value)))) - 1)
         return f"{value:.{min(digits, 6)}f}"

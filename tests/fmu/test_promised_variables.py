@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from products.promised_variables import build_notes, changes, last_version
+from products.promised_variables import build_note, changes, last_version
 from products.registry import FMUS, model_of
 
 
@@ -53,7 +53,7 @@ def test_each_change_of_a_variable_is_a_sentence() -> None:
         f"brake: the unit of {second.name} is bar in place of {second.unit}, since version {version}.",
         f"brake: the start value of constant_shoe_friction is 0.3 in place of 0.25, since version {version}.",
     ]
-    assert build_notes("brake", now) == [
-        *changes("brake", now)[1:],
-        f"brake: new variables since version {version}: 1.",
-    ]
+    assert build_note("brake", now) == (
+        f"brake: since version {version} 1 variables are new; {first.name}, {second.name}, constant_shoe_friction "
+        "changed or are gone (see the changelog)."
+    )
