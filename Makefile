@@ -21,7 +21,7 @@ demo: foretold $(VENV)/demo-installed
 
 foretold:
 	@[ -e $(VENV)/demo-installed ] || echo "The first make demo installs Python packages into $(VENV), compiles three FMUs" \
-		"and stops three vehicles: some 3 minutes on two cores and a download, 0.8 GB on disk. Again: half a minute."
+		"and stops three vehicles: 3 minutes of processor time and a download, 0.95 GB on disk. Repeated: 20 s."
 
 # The page that brakes a bogie in a browser; zig compiles its kernels, no other compiler here does.
 live: $(VENV)/compiler-installed

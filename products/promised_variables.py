@@ -65,8 +65,8 @@ def build_note(name: str, variables: Iterable[Variable] | None = None) -> str:
     """Return what a build prints of `changes`, in one line; empty if there are none."""
     found = changes(name, variables)
     new = [one for one in found if " is new, " in one]
-    others = (re.search(r": (?:the .*? of )?(\w+) is ", one) for one in found if one not in new)
-    named = ", ".join(dict.fromkeys(one[1] for one in others if one))
+    others = (re.search(r": (?:the .*? of )?(\w+) is (?:called (\w+) now)?", one) for one in found if one not in new)
+    named = ", ".join(dict.fromkeys(f"{one[1]} -> {one[2]}" if one[2] else one[1] for one in others if one))
     said = [f"{len(new)} variables are new"] * bool(new) + [f"{named} changed or are gone"] * bool(named)
     return f"{name}: since version {last_version()[0]} {'; '.join(said)} (see the changelog)." if said else ""
 

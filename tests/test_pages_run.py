@@ -2,7 +2,7 @@
 
 Python runs, or is written where its first line names a file, as C and TOML are; changes are made; commands are
 called, a few of them in a short form (SHORT). The folder is a copy of the checkout, with the FMUs that
-`python build_fmu.py ssp` makes in build/. What needs other programs is only read (UNTESTED).
+`make demo` makes in build/. What needs other programs is only read (UNTESTED).
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def checkout(tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Pat
     ):
         shutil.copyfile(ROOT / file, tmp_path / file)
     (tmp_path / "build" / "native").mkdir(parents=True)
-    for fmu in ("bogie", "brake"):
+    for fmu in ("bogie", "brake", "braked-vehicle"):
         path = fmus[fmu, "native"]
         shutil.copyfile(path, tmp_path / "build" / "native" / path.name)
     monkeypatch.chdir(tmp_path)

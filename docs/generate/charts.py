@@ -1,11 +1,11 @@
 """Puts the pictures of `make charts` beside the text, and what they measured into it.
 
-  python docs/generate/charts.py              the texts in docs/ and the README anew, from the JSON in docs/data/
+  python docs/generate/charts.py              docs/choosing.md anew, from the JSON in docs/data/
   python docs/generate/charts.py --collect    first the pictures and the JSON, from results/ to docs/
   python docs/generate/charts.py --check      exit status 1 when a text does not hold the numbers of the JSON
 
-In the templates here, `[[scenario | quantity | format]]` stands for what a scenario measured: choosing.md.in
-becomes docs/choosing.md; charts-in-readme.md.in, the part of the README between the two marks.
+In the template here, `[[scenario | quantity | format]]` stands for what a scenario measured: choosing.md.in
+becomes docs/choosing.md.
 """
 
 import json
@@ -32,7 +32,6 @@ CHARTS = (
 )
 #: Characters in a line of text.
 WIDTH = 118
-BEGIN, END = "<!-- charts: begin -->\n", "<!-- charts: end -->\n"
 
 
 def collect() -> None:
@@ -88,13 +87,7 @@ def wrapped(block: str) -> str:
 
 def texts() -> dict[Path, str]:
     """The texts as they should be."""
-    values, readme = measured(), ROOT / "README.md"
-    before, rest = readme.read_text(encoding="utf-8").split(BEGIN)
-    after = rest.split(END)[1]
-    return {
-        DOCS / "choosing.md": filled(HERE / "choosing.md.in", values),
-        readme: before + BEGIN + filled(HERE / "charts-in-readme.md.in", values) + END + after,
-    }
+    return {DOCS / "choosing.md": filled(HERE / "choosing.md.in", measured())}
 
 
 def main(arguments: list[str]) -> int:

@@ -54,6 +54,6 @@ def test_each_change_of_a_variable_is_a_sentence() -> None:
         f"brake: the start value of constant_shoe_friction is 0.3 in place of 0.25, since version {version}.",
     ]
     assert build_note("brake", now) == (
-        f"brake: since version {version} 1 variables are new; {first.name}, {second.name}, constant_shoe_friction "
-        "changed or are gone (see the changelog)."
+        f"brake: since version {version} 1 variables are new; {first.name}, pneumatics -> cylinder_model, "
+        f"{second.name}, constant_shoe_friction changed or are gone (see the changelog)."
     )
