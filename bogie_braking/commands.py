@@ -102,11 +102,20 @@ def show_list(chosen: argparse.Namespace) -> int:
     """Prints all scenarios, as text, as names alone or as JSON."""
     width = max(len(scenario.name) for scenario in SCENARIOS)
     if chosen.json:
-        about = [{"name": one.name, "summary": one.summary, "options": sorted(one.takes)} for one in SCENARIOS]
+        about = [
+            {"name": one.name, "group": one.group, "summary": one.summary, "options": sorted(one.takes)}
+            for one in SCENARIOS
+        ]
         print(json.dumps(about, indent=2))
         return HOLDS
-    for scenario in SCENARIOS:
-        print(scenario.name if chosen.quiet else f"{scenario.name.ljust(width)}  {scenario.summary}")
+    if chosen.quiet:
+        print(*(one.name for one in SCENARIOS), sep="\n")
+        return HOLDS
+    for number, group in enumerate(dict.fromkeys(one.group for one in SCENARIOS)):
+        print("\n" * bool(number) + f"{group}:")
+        for scenario in SCENARIOS:
+            if scenario.group == group:
+                print(f"  {scenario.name.ljust(width)}  {scenario.summary}")
     return HOLDS
 
 
@@ -124,8 +133,8 @@ def carry_out(chosen: argparse.Namespace) -> int:
         if {chosen.command, getattr(chosen, "action", None)} & WRITING:
             check_folder(chosen.out)
         if chosen.command == "live":
-            write_train_page(chosen.out / TRAIN_PAGE)
-            print(f"Open in a browser: {write_page(chosen.out / PAGE)}")
+            pages = write_page(chosen.out / PAGE), write_train_page(chosen.out / TRAIN_PAGE)
+            print("Open in a browser:", *(page.resolve().as_uri() for page in pages), sep="\n")
             return HOLDS
         if chosen.command == "report":
             return index(chosen.out)

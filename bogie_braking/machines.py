@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pickle
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 from bogie_braking.checks import known, shown
@@ -41,6 +42,8 @@ Key = tuple[bytes, CreepLaw]
 TOLERANCE = 1e-6
 #: The level of detail unless another is asked for, and those that there are.
 LEVEL, LEVELS = 2, (1, 2, 3)
+#: Time to compile the equations of a level, for each wheelset, on two processors [s].
+COMPILING = {1: 1.5, 2: 2.0, 3: 5.0}
 #: Vehicles as data, by the names of their FMUs.
 VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
     "bogie": two_axle_bogie,
@@ -196,7 +199,27 @@ def machine_at(name: str, place: int | None) -> Machine:
     whole = whole_kernel(name)
     if whole or place is None:
         return Machine(name, variables_of(name), Library(whole or kernel_of(name)))
-    return Machine(name, variables_of(name), Library(kernel_at(name, place)), place=place)
+    return Machine(
+        name, variables_of(name), Library(kernel_at(name, place, partial(announce, name, place))), place=place
+    )
+
+
+def announce(name: str, place: int) -> None:
+    """Say which equations of an FMU are compiled, and about how long that takes, if standard error is a terminal."""
+    if not sys.stderr.isatty():
+        return
+    both = ((level, contact) for level in LEVELS for contact in LEVELS)
+    level, contact = next(
+        (one for one in both if any(place in places_of(*one, line) for line in (False, True))), (3, 3)
+    )
+    vehicle = FMUS[name].vehicle
+    wheelsets = len(vehicle().wheelsets) if vehicle else 1
+    seconds = wheelsets * COMPILING[level] * (2 if (level, contact) == (3, 3) else 1)
+    which = f"level {level}" + (f" with contact model {contact}" if level == LEVELS[-1] else "")
+    words = (
+        f"Compiling the {name} at {which}: about {seconds:g} s on two processors. Later runs take it from the cache."
+    )
+    print(words, file=sys.stderr, flush=True)
 
 
 def _key(what: Vehicle) -> Key:

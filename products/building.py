@@ -5,7 +5,7 @@ import json
 import re
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, distribution
@@ -139,10 +139,22 @@ def whole_kernel(name: str) -> Path | None:
     return prebuilt_from_these(_kernel_file(name))
 
 
-def kernel_at(name: str, place: int) -> Path:
-    """Path of the library of one of a vehicle's systems, by its number (`one_level.place_of`), compiled if missing."""
+def kernel_at(name: str, place: int, before: Callable[[], None] | None = None) -> Path:
+    """Return the path of the library of one of a vehicle's systems, compiled if missing.
+
+    Parameters
+    ----------
+    name : str
+        FMU of the registry.
+    place : int
+        Number of the system (`one_level.place_of`).
+    before : Callable or None
+        Called before equations are written and compiled, if the library is missing.
+    """
 
     def built() -> Path:
+        if before:
+            before()
         return build_library(model_at(name, variables_of(name), place))
 
     with ONE_WRITES:

@@ -66,3 +66,9 @@ class Scenario:
     run: Callable[[Options], Report]
     takes: frozenset[str] = frozenset()
     sweep: Sweepable | None = None
+
+    @property
+    def group(self) -> str:
+        """The subject that it belongs to: the name of the folder of its file, such as "thesis" or "trains"."""
+        function = getattr(self.run, "func", self.run)
+        return str(function.__module__).split(".")[-2]

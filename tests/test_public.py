@@ -17,10 +17,11 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
-from bogie_braking import parts, sweeping
+from bogie_braking import machines, parts, sweeping
 from bogie_braking.machines import machine_of
 from bogie_braking.sweeping import PAYS_FROM
 from fmu_src.system import model_of
+from rbd_model.levels.models import places_of
 from tests.fmu.sled import sled
 
 ROOT = Path(__file__).parents[1]
@@ -704,3 +705,17 @@ def test_people_say_coach() -> None:
     assert bb.vehicle("coach") == bb.vehicle("vehicle")
     with pytest.raises(bb.SimulationError, match=r"no variable creep_law; a vehicle has it: dataclasses\.replace\("):
         bb.run("rail", 1.0, creep_law="fastsim")
+
+
+@pytest.mark.parametrize(
+    ("level", "said"), [(2, "Compiling the bogie at level 2: about 4 s"), (3, "level 3 with contact")]
+)
+def test_a_terminal_says_what_is_compiled_and_a_file_does_not(
+    level: int, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = places_of(level, 2, on_line=False)[0]
+    machines.announce("bogie", place)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    machines.announce("bogie", place)
+    assert said in capsys.readouterr().err

@@ -234,7 +234,7 @@ def draw(chosen: Sequence[Case], series: Recording, frictions: dict[str, np.ndar
     for axis in (grid[0, 0], grid[0, 1], grid[1, 0]):
         axis.legend(loc="upper right")
     _draw_friction(grid[1, 1], frictions)
-    return titled(figure, f"By flow of air cylinders fill within {1e3 * apart:.0f} ms of timed ones")
+    return titled(figure, f"Fully applied, cylinders fill by flow within {1e3 * apart:.0f} ms of timed ones")
 
 
 def _draw_pressures(axis: Axes, case: Case, series: Recording) -> None:

@@ -62,14 +62,14 @@ def level_rows(found: Study, level: str) -> list[Row]:
 
 
 def message(found: Study) -> str:
-    """What the picture says: how many times the stops of others a batch makes, or else those of one instance."""
+    """Return how many times as many stops a batch makes at its default as others do to WANTED, or as one instance."""
     ways, who = (PEERS, "others'") if found.fastest("planar", PEERS, WANTED) else ((ALONE,), "one instance's")
     times = []
     for level in ensembles.LEVELS:
-        batch, other = found.fastest(level, [BATCH], WANTED), found.fastest(level, ways, WANTED)
-        if batch and other:
+        [batch] = [one for one in found.of(level, BATCH) if one.setting == DEFAULT_TOLERANCE]
+        if other := found.fastest(level, ways, WANTED):
             times.append(f"{batch.stops / other.stops:.0f} ({level})")
-    return f"A batch makes {' and '.join(times)} times {who} stops"
+    return f"A default batch makes {' and '.join(times)} times {who} stops"
 
 
 def series_of(found: Study) -> Recording:

@@ -26,18 +26,26 @@ YAW_PER_BRAKE_TORQUE = 43.92 / 20 / 0.25
 
 @dataclass(frozen=True)
 class Machine:
-    """A braked machine and how it looks. full_traction [N.m]: of each wheelset; pair: profiles of its wheels."""
+    """A braked machine and how it looks. full_traction [N.m]: of each wheelset; pair: profiles of its wheels.
+
+    mass: the body whose mass the page sets, in a word, and the parameter.
+    """
 
     title: str
     braked: braked.Machine
     pair: Callable[[], Pair]
     full_traction: float  # assumed
+    mass: tuple[str, str] = ("body", "body_mass")
 
 
 MACHINES = {
     "coach": Machine("coach", coach(), synthetic_pair, 5e3),
     "bogie": Machine(
-        "bogie, 60 t", braked.Machine("bogie", FULL_PRESSURE, BOGIE_TORQUE, FULL_PRESSURE), thesis_pair, 15e3
+        "bogie, 60 t",
+        braked.Machine("bogie", FULL_PRESSURE, BOGIE_TORQUE, FULL_PRESSURE),
+        thesis_pair,
+        15e3,
+        ("frame", "frame_mass"),
     ),
 }
 

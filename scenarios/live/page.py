@@ -63,6 +63,7 @@ def machine(name: str) -> dict[str, Any]:
         "guid": guid_of(generate(model)),
         "module": packed(web_module(model, controlled()).read_bytes()),
         "variables": [variable.name for variable in model.variables],
+        "mass": {"body": one.mass[0], "variable": one.mass[1], "value": numbers[one.mass[1]]},
         "fullPressure": FULL_PRESSURE,
         "fullTraction": one.full_traction,
         "fullYaw": YAW_PER_BRAKE_TORQUE * one.braked.full_torque,

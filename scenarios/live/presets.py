@@ -8,12 +8,14 @@ from urllib.parse import urlencode
 PERIOD = 5e-3
 #: Step at which presets brake: half a second of rolling comes first.
 BRAKING = 100
-#: Values of a run that a link does not name; the names are those of the page's controls. speed [km/h], friction [1],
-#: protection 0 or 1, gradient [1/1000, uphill positive], curve: radius [m], 0 straight, uneven [%], wave [mm].
+#: Values of a run that a link does not name; the names are those of the page's controls. speed [km/h], mass of the body
+#: [t] or no text for its own, friction [1], protection 0 or 1, gradient [1/1000, uphill positive], curve: radius
+#: [m], 0 straight, uneven [%], wave [mm].
 DEFAULTS: dict[str, Any] = {
     "machine": "coach",
     "level": 2,
     "speed": 90,
+    "mass": "",
     "friction": 0.3,
     "protection": 1,
     "gradient": 0,

@@ -44,6 +44,8 @@ class Run:
         self.actions = sorted(actions)
         self.kernel = Kernel(Library(build_library(model_of(given["machine"]))))
         self.kernel.set(level=given["level"], initial_speed=given["speed"] / 3.6, gradient=self.gradient)
+        if given["mass"] != "":
+            self.kernel.set(**{machine.mass[1]: 1e3 * given["mass"]})
         if spatial:
             line = line_for(given["curve"], slope).write(folder / "line.csv")
             self.kernel.set(lateral_irregularity=given["wave"] / 1e3, line_file=str(line))

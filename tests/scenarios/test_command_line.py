@@ -88,6 +88,13 @@ def test_list_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
     listed = {one["name"]: one for one in json.loads(capsys.readouterr().out)}
     assert "torque_csv" in listed["qr30-180kpa"]["options"]
     assert listed["qr30-180kpa"]["summary"]
+    assert listed["braking-distance"]["group"] == "trains"
+
+
+def test_list_for_people_stands_in_groups(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    groups = [line for line in capsys.readouterr().out.splitlines() if line and not line.startswith(" ")]
+    assert groups == [f"{group}:" for group in dict.fromkeys(scenario.group for scenario in SCENARIOS)]
 
 
 class Terminal(io.StringIO):

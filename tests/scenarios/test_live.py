@@ -252,6 +252,28 @@ def test_a_preset_ends_as_the_native_kernel_does(still: Page, name: str, tmp_pat
     assert (float(told[1]) if told else 0.0) == pytest.approx(locked, abs=0.1)
 
 
+def test_a_heavier_coach_from_200_kmh_stops_as_in_python(still: Page, tmp_path: Path) -> None:
+    link = "#speed=200&mass=44&do=100:lever:100"
+    still.evaluate(f"openLink('{link}')")
+    still.evaluate("live.running = false")
+    assert still.evaluate("live.simulation.kernel.get('body_mass')") == 44e3
+    assert still.evaluate("writeLink(live.settings, [[100, 'lever', 1]])") == link
+    start = {"speed": 200, "mass": 44}
+    own = Run(start, [(100, "lever", 100)], tmp_path, FINE_TIMER)
+    while own.steps < 400:
+        own.step()
+    found = still.evaluate(f"played({json.dumps(start)}, [[100, 'lever', 100]], 400, ['speed', 'distance'])")
+    assert found["values"] == pytest.approx([own.kernel["speed"], own.kernel["distance"]], rel=1e-9)
+
+
+def test_a_number_that_is_no_start_is_refused(still: Page) -> None:
+    still.evaluate("openLink('#')")
+    for name, value, said in (("speed", "999", "0 to 300 km/h; got 999"), ("mass", "1", "5 to 120 t; got 1")):
+        still.evaluate(f"at('{name}').value = '{value}', at('{name}').dispatchEvent(new Event('change'))")
+        assert f"{name} must be {said}. It stays as it was." in still.evaluate("at('sentences').textContent")
+    assert still.evaluate("[at('speed').value, at('mass').value]") == ["90", ""]
+
+
 def test_wheels_that_are_locked_slow_the_coach_by_friction_times_gravity(still: Page) -> None:
     """All weight rests on sliding wheels and nothing else brakes: mu g, in any vehicle."""
     still.evaluate(f"stopped('#{PRESETS['locks'].link}')")

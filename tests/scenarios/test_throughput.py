@@ -22,7 +22,7 @@ def found() -> Study:
     for level, stops in (("planar", 400.0), ("spatial", 200.0)):
         rates += [
             Rate(level, BATCH, DEFAULT_TOLERANCE, 1e-7, stops),
-            Rate(level, BATCH, 1e-3, 2e-4, 2 * stops),
+            Rate(level, BATCH, 1e-3, 5e-5, 2 * stops),  # good too, and not what the title counts
             Rate(level, ALONE, DEFAULT_TOLERANCE, 1e-7, stops / 8),
             Rate(level, IN_THREADS, 1e-3, 2e-4, 50.0),
             Rate(level, IN_THREADS, 1e-5, 1e-5, 10.0),
@@ -40,9 +40,9 @@ def test_the_best_of_others_is_the_fastest_whose_error_is_good() -> None:
 
 
 def test_the_title_is_what_was_measured() -> None:
-    assert throughput.message(found()) == "A batch makes 40 (planar) and 20 (spatial) times others' stops"
+    assert throughput.message(found()) == "A default batch makes 40 (planar) and 20 (spatial) times others' stops"
     without = Study([one for one in found().rates if one.way not in ensembles.PEERS], {}, {})
-    assert throughput.message(without) == "A batch makes 8 (planar) and 8 (spatial) times one instance's stops"
+    assert throughput.message(without) == "A default batch makes 8 (planar) and 8 (spatial) times one instance's stops"
 
 
 def test_errors_and_bits_are_judged_and_the_clock_is_not() -> None:

@@ -31,6 +31,7 @@ function readPlan(text, sentences) {
 // Whether a control of the page can have this value.
 function takes(name, value = "") {
   const control = at(name);
+  if (name === "mass" && value === "") return true; // the vehicle's own
   if (control.tagName === "SELECT") return [...control.options].some((option) => option.value === value);
   if (control.type === "checkbox") return value === "0" || value === "1";
   const number = Number(value);

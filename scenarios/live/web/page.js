@@ -1,8 +1,9 @@
 // The page itself: controls, frames, and what is told at the end.
 
 const CHART_FRAMES = 4; // charts are drawn in one frame of so many
-const STARTS = ["machine", "level", "speed", "gradient", "curve", "wave"]; // settings that begin a run anew
+const STARTS = ["machine", "level", "speed", "mass", "gradient", "curve", "wave"]; // settings that begin a run anew
 const IN_SPACE = ["curve", "wave", "uneven"]; // that act at level 3 alone
+const UNITS = { speed: "km/h", mass: "t" }; // of numbers that are typed
 const ACTS = ["lever", "friction", "protection", "uneven"]; // controls that act while it goes
 
 const live = Object.assign(new Player(["go on", "pause"], goOn), { modules: {}, kernels: {}, frames: 0, before: null, turn: 0 });
@@ -36,6 +37,7 @@ async function restart(plan = []) {
   keepBefore();
   const simulation = new Simulation(kernel, machine, DATA.sensor), gradient = Number(settings.gradient) / 1000;
   const values = { level: Number(settings.level), initial_speed: Number(settings.speed) / 3.6 };
+  if (settings.mass !== "") values[machine.mass.variable] = 1000 * Number(settings.mass);
   const wave = spatial ? { lateral_irregularity: Number(settings.wave) / 1e3 } : {};
   const texts = spatial ? { [DATA.lineVariable]: lineText(settings.curve, gradient) } : {};
   const controls = Object.fromEntries(["friction", "protection", "uneven"].map((name) => [name, inside(name, settings[name])]));
@@ -43,7 +45,9 @@ async function restart(plan = []) {
   simulation.restart({ ...values, ...wave }, texts, { ...controls, gradient: spatial ? 0 : gradient }, plan);
   if (machine !== live.simulation?.machine) live.charts = chartsOf(machine.wheelsets.length);
   Object.assign(live, { simulation, settings, left: 0, busy: 0, simulated: 0, told: false, doing: "" });
-  live.line = { gradient, words: wordsOnLine(settings, spatial) };
+  live.line = { gradient, words: wordsOnLine(settings, spatial), plan: spatial ? curvesOf(settings.curve) : [] };
+  at("mass").placeholder = +(machine.mass.value / 1000).toFixed(3);
+  at("mass-label").textContent = `${machine.mass.body} mass`;
   show("lever", 0);
   for (const name of IN_SPACE) at(name).disabled = !spatial;
   at("section-box").hidden = !spatial;
@@ -58,6 +62,12 @@ async function restart(plan = []) {
 function lineText(radius, gradient) {
   const [heads, ...rows] = DATA.curves[radius].rows;
   return [`${heads},gradient`, ...rows.map((row) => `${row},${gradient}`)].join("\n") + "\n";
+}
+
+// Distance [m] and curvature [1/m] of the rows of a line; none of a straight one.
+function curvesOf(radius) {
+  const [, ...rows] = DATA.curves[radius].rows;
+  return radius === "0" ? [] : rows.map((row) => row.split(",").map(Number));
 }
 
 function wordsOnLine({ gradient, curve }, spatial) {
@@ -221,9 +231,18 @@ function fillChoices() {
     at("curve").append(new Option(radius === "0" ? "straight" : `${radius} m curve`, radius));
 }
 
+// Begins a run with another start; a number that the page does not take goes back to what it was.
+function startWith(name) {
+  if (name === "machine") show("mass", "");
+  const given = at(name).validity?.badInput ? NaN : valueOf(name);
+  if (takes(name, String(given))) return void restart();
+  show(name, live.settings[name]);
+  tell(`${name} must be ${taken(name)} ${UNITS[name] ?? ""}; got ${Number.isNaN(given) ? "no number" : given || "nothing"}. It stays as it was.`);
+}
+
 function listen() {
   for (const name of ACTS) at(name).addEventListener("input", () => act(name));
-  for (const name of STARTS) at(name).addEventListener("change", () => restart());
+  for (const name of STARTS) at(name).addEventListener("change", () => startWith(name));
   at("leaves").addEventListener("click", () => act("leaves"));
   const redraw = () => live.simulation && draw(), table = () => live.simulation.table();
   onDesk({ press: pressBrake, restart, openLink, showLink, redraw, file: ["run.csv", table] });

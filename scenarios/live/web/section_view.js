@@ -1,6 +1,7 @@
 // The leading wheelset on its rails, seen from behind: profiles, where they touch, wheel loads Q and lateral forces Y.
 
 const TOUCHES = 0.03; // gap up to which profiles are drawn as touching [mm]
+const HALVES = 330; // width of both wheels and of what they move aside [mm]
 const FORCE = { Q: 0.15, Y: 0.6 }; // length of an arrow [mm for each kN]
 
 class SectionView {
@@ -13,7 +14,7 @@ class SectionView {
     for (const [side, name] of [[1, "left"], [-1, "right"]]) {
       const values = Object.fromEntries(
         ["wheel_load", "lateral_force", "wheel_rise"].map((one) => [one, kernel.get(`${one}_1_${name}`)]));
-      const scale = Math.min(width / 230, height / 100), middle = width / 2 - side * 0.25 * width;
+      const scale = Math.min(width / HALVES, height / 100), middle = width / 2 - side * 0.25 * width;
       const view = { context, scale, x: (y) => middle - side * scale * y, z: (z) => height * 0.52 - scale * z, side };
       this.side(view, machine, 1e3 * kernel.get("lateral_1"), values);
       context.fillStyle = look.ink;

@@ -5,6 +5,7 @@ const SLEEPERS = 0.6, POSTS = 50; // along the track [m]
 const FRAME = { size: 0.5, beyond: 0.6 }, CAR = { size: 2.6, beyond: 2.5 }; // height and what juts out, drawn [m]
 const PANE = { pitch: 2, width: 1.3 }; // of windows, drawn [m]
 const CAPTION = 20; // room for the words above the vehicle [pixels]
+const PLAN = { width: 110, length: 200 }; // of the track from above [pixels], [m]
 const SMALLEST = 12; // a wheel with its number in it [pixels]
 const VALVES = ["", "hold", "vent"]; // by command; what applies needs no word
 
@@ -16,6 +17,14 @@ function shapeOf(body) {
 // Whether a wheelset is locked while the vehicle moves.
 function slides(kernel, number) {
   return kernel.get(`locked_${number}`) > 0.5;
+}
+
+// Curvature [1/m] at a place, on straight lines between the rows of a line.
+function curvatureAt(rows, place) {
+  const after = rows.findIndex(([at]) => at > place);
+  if (after <= 0) return after < 0 ? rows.at(-1)[1] : rows[0][1];
+  const [from, first] = rows[after - 1], [to, last] = rows[after];
+  return first + ((last - first) * (place - from)) / (to - from);
 }
 
 class SideView {
@@ -47,9 +56,36 @@ class SideView {
     machine.wheelsets.forEach((wheelset, number) => this.wheel(view, wheelset, number + 1, simulation));
     this.below(view, simulation, rail);
     context.restore();
+    if (line.plan.length) this.plan(context, width / 2, height - 20, line.plan, view.distance, machine);
     Object.assign(context, { fillStyle: look.soft, textAlign: "left" });
     const drawn = `bounce and pitch drawn ${EXAGGERATED} times as large`;
     context.fillText(line.words && width < 500 ? line.words : [line.words, drawn].filter(Boolean).join("; "), 6, 14);
+  }
+
+  // The track from above, where the vehicle is: PLAN.length of it, in one scale, with the vehicle as a bar.
+  plan(context, middle, y, rows, distance, { wheelsets }) {
+    const scale = PLAN.width / PLAN.length, ends = [wheelsets[0].along, wheelsets.at(-1).along];
+    const half = (way) => {
+      const points = [[middle, y]];
+      for (let at = 0, heading = 0, x = middle, place = y; Math.abs(at) < PLAN.length / 2; at += way) {
+        heading += way * curvatureAt(rows, distance + at);
+        x += way * scale * Math.cos(heading);
+        place -= way * scale * Math.sin(heading);
+        points.push([x, place]);
+      }
+      return points;
+    };
+    const ahead = half(1), behind = half(-1);
+    const draw = (points, colour, wide) => {
+      Object.assign(context, { strokeStyle: colour, lineWidth: wide });
+      context.beginPath();
+      for (const point of points) context.lineTo(...point);
+      context.stroke();
+    };
+    draw([...behind.reverse(), ...ahead], look.steel, 2);
+    draw([...behind.slice(Math.round(ends[1]) - 1), ...ahead.slice(0, Math.round(ends[0]) + 1)], look.fourth, 5);
+    Object.assign(context, { fillStyle: look.soft, textAlign: "center" });
+    context.fillText(`from above, ${PLAN.length} m`, middle, y + 16);
   }
 
   track({ context, x, scale, width, distance }, { patches, machine }, rail, half) {
