@@ -43,7 +43,7 @@ TOLERANCE = 1e-6
 #: The level of detail unless another is asked for, and those that there are.
 LEVEL, LEVELS = 2, (1, 2, 3)
 #: Time to compile the equations of a level, for each wheelset, on two processors [s].
-COMPILING = {1: 1.5, 2: 2.0, 3: 5.0}
+COMPILING = {1: 2.0, 2: 2.0, 3: 4.0}
 #: Vehicles as data, by the names of their FMUs.
 VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
     "bogie": two_axle_bogie,
@@ -214,7 +214,7 @@ def announce(name: str, place: int) -> None:
     )
     vehicle = FMUS[name].vehicle
     wheelsets = len(vehicle().wheelsets) if vehicle else 1
-    seconds = wheelsets * COMPILING[level] * (2 if (level, contact) == (3, 3) else 1)
+    seconds = wheelsets * COMPILING[level]
     which = f"level {level}" + (f" with contact model {contact}" if level == LEVELS[-1] else "")
     words = (
         f"Compiling the {name} at {which}: about {seconds:g} s on two processors. Later runs take it from the cache."
