@@ -1,7 +1,7 @@
-"""Where wheels and rails touch when a wheelset is shifted sideways: rolling radii, contact angles, conicity, the fold.
+"""Contact points of a wheelset that is shifted sideways: rolling radii, contact angles, conicity, the fold.
 
-Rigid profiles, no yaw: the contact points lie in the vertical plane through the axle, so this is a problem in that
-plane. Left is positive. Section 4.3, Figs 4.7 and 4.8.
+The profiles are rigid and do not yaw. The contact points lie in the vertical plane through the axle, so that the
+problem is a planar one. Left is positive. Section 4.3, Figs 4.7 and 4.8.
 """
 
 from __future__ import annotations
@@ -18,14 +18,16 @@ from rbd_model.contact.profiles import Profile, rail_60e1, rail_60kg, wheel_cone
 #: Pitch of the search grid on the contour [m]; a parabola through three points refines it to better than 1 um.
 GRID = 0.02e-3
 LEFT, RIGHT = 1, -1
-#: Rolls within which the balance is looked for, one after the other [rad]: a wheelset on its treads rolls by 0.001, and
-#: one that has climbed its flange, which balances too, by 0.03.
+#: Consecutive limits of the roll in the search for the balance [rad]. A wheelset on its treads rolls by 0.001. One that
+#: has climbed its flange, where a balance exists too, rolls by 0.03.
 ROLL_LIMITS = (0.002, 0.004, 0.008, 0.016, 0.05)
 
 
 @dataclass(frozen=True)
 class Side:
-    """A wheel on its rail [m]: its radius at y = 0, and how far the y = 0 of wheel and rail lie from the middle."""
+    """A wheel on its rail [m]: its radius at y = 0, and the distances of the y = 0 of wheel and rail from the
+    middle.
+    """
 
     wheel: Profile
     rail: Profile
@@ -34,12 +36,12 @@ class Side:
     rail_half_distance: float
 
     def gap(self, side: int, shift: float, roll: float, s: np.ndarray, heights: np.ndarray | None = None) -> np.ndarray:
-        """Height of the wheel contour over the rail at the positions s, up to the height of the axle.
+        """Return the height of the wheel contour over the rail at the positions s [m], up to the height of the axle.
 
-        Infinite beside the rail. heights: of the wheel's profile at s, where they are known.
+        It is infinite beside the rail. heights [m]: of the wheel's profile at s, if they are known.
         """
         gap = np.full(s.shape, np.inf)
-        # Only what can lie over the rail is computed: the roll moves no point of the wheel sideways by more than this.
+        # Only positions that may be above the rail are computed: the roll moves no point sideways by more than this.
         aside, (low, high) = 2 * self.radius * abs(math.sin(roll)), self.rail.limits
         across = (self.wheel_half_distance + s) * math.cos(roll) + side * shift - self.rail_half_distance
         near = (across >= low - aside - GRID) & (across <= high + aside + GRID)
@@ -66,17 +68,17 @@ class Sides:
 
     @property
     def mirrored(self) -> Sides:
-        """Left and right exchanged: it shifts and rolls the other way."""
+        """Left and right exchanged: the wheelset shifts and rolls in the opposite sense."""
         return Sides(self.right, self.left)
 
     @property
     def mean_radius(self) -> float:
-        """Of both wheels at y = 0 [m] (r0)."""
+        """Mean radius of both wheels at y = 0 [m] (r0)."""
         return (self.left.radius + self.right.radius) / 2
 
 
 class Pair(Sides):
-    """Equal sides, which is what the vehicles have: a wheel on a rail, and the half distances of either's y = 0 [m]."""
+    """Equal sides, as on the built-in vehicles: a wheel on a rail, and the half distances of the y = 0 of each [m]."""
 
     def __init__(
         self, wheel: Profile, rail: Profile, radius: float, wheel_half_distance: float, rail_half_distance: float
@@ -96,7 +98,7 @@ class Pair(Sides):
 
     @property
     def radius(self) -> float:
-        """Of both wheels at y = 0 [m]."""
+        """Radius of both wheels at y = 0 [m]."""
         return self.left.radius
 
     @property
@@ -111,14 +113,16 @@ class Pair(Sides):
 
 
 def thesis_pair() -> Pair:
-    """Synthetic wheel on the 60 kg rail: contact points 1140 mm apart (section 4.3), r0 = 0.425 m (section 4.4)."""
+    """Return the synthetic wheel on the 60 kg rail: contacts 1140 mm apart (section 4.3), r0 = 0.425 m (section
+    4.4).
+    """
     return Pair(wheel_cone_120(), rail_60kg(), 0.425, 0.570, 0.570)
 
 
 def synthetic_pair() -> Pair:
-    """The same profiles on standard gauge: contact points 1.5 m apart, r0 = 0.46 m, as the Manchester vehicles have.
+    """Return the same profiles on standard gauge: contacts 1.5 m apart, r0 = 0.46 m, as on the Manchester vehicles.
 
-    Assumed, in the place of S1002 on UIC 60, whose contact jumps: one point a wheel does not follow it.
+    Assumed, instead of S1002 on UIC 60. Contact of those jumps, and one contact point per wheel does not follow it.
     """
     return Pair(wheel_cone_120(), rail_60kg(), 0.460, 0.750, 0.750)
 
@@ -128,16 +132,17 @@ GAUGE_DEPTH, STANDARD_GAUGE = 14e-3, 1.435
 
 
 def gauge_face(rail: Profile) -> float:
-    """y of the gauge face, GAUGE_DEPTH below the highest point of the rail as it is laid (EN 13848-1) [m]."""
+    """Return the y of the gauge face [m], GAUGE_DEPTH below the highest point of the rail as laid (EN 13848-1)."""
     y = np.linspace(*rail.limits, 100001)
     height = rail.height(y)
     return float(y[np.argmax(height > np.max(height) - GAUGE_DEPTH)])
 
 
 def european_pair() -> Pair:
-    """S1002 (EN 13715) on 60E1 (EN 13674-1) 1:40, gauge 1435 mm, tape circles 1500 mm apart, r0 = 0.46 m.
+    """Return S1002 (EN 13715) on 60E1 (EN 13674-1) 1:40, gauge 1435 mm, tape circles 1500 mm apart, r0 = 0.46 m.
 
-    The head is 72 mm wide where the gauge is measured, but inclined, its gauge face lies at y = -35.5 mm, not -36.
+    At the height where the gauge is measured, the head is 72 mm wide. The gauge face of the inclined head lies at y =
+    -35.5 mm, not -36.
     """
     rail = rail_60e1()
     return Pair(wheel_s1002(), rail, 0.460, 0.750, STANDARD_GAUGE / 2 - gauge_face(rail))
@@ -163,7 +168,7 @@ Search = tuple[np.ndarray, np.ndarray]
 
 
 def _lowest(one: Side, side: int, shift: float, roll: float, s: np.ndarray) -> tuple[float, float, bool]:
-    """Smallest gap over the positions s, where it is, and whether it lies inside the range."""
+    """Return the smallest gap over the positions s, its position, and whether that lies inside the range."""
     gap = one.gap(side, shift, roll, s)
     i = int(np.argmin(gap))
     if i in (0, s.size - 1) or not np.all(np.isfinite(gap[i - 1 : i + 2])):
@@ -175,13 +180,13 @@ def _lowest(one: Side, side: int, shift: float, roll: float, s: np.ndarray) -> t
 
 
 def _both(pair: Sides, shift: float, roll: float, search: Search) -> list[tuple[float, float, bool]]:
-    """`_lowest` of the left and of the right wheel."""
+    """Return `_lowest` of the left and of the right wheel."""
     left = _lowest(pair.left, LEFT, shift, roll, search[0])
     return [left, _lowest(pair.right, RIGHT, shift, roll, search[1])]
 
 
 def _touch(pair: Sides, shift: float, search: Search) -> tuple[ContactAtShift, bool]:
-    """Contact at the roll at which both gaps are equal; the flag: both contacts lie inside their search range."""
+    """Return the contact at the roll with equal gaps; the flag: both contacts lie inside their search range."""
 
     def difference(roll: float) -> float:
         left, right = _both(pair, shift, roll, search)
@@ -193,7 +198,7 @@ def _touch(pair: Sides, shift: float, search: Search) -> tuple[ContactAtShift, b
 
 
 def _contact(pair: Sides, shift: float, roll: float, search: Search) -> tuple[ContactAtShift, bool]:
-    """Contact of each wheel for itself at a given roll; the flag as in `_touch`."""
+    """Return the contact of each wheel by itself at a given roll; the flag as in `_touch`."""
     found = _both(pair, shift, roll, search)
     if not all(math.isfinite(gap) for gap, _, _ in found):
         raise ValueError(f"With the wheelset {1e3 * shift:g} mm to the left a wheel stands beside its rail.")
@@ -206,29 +211,28 @@ def _contact(pair: Sides, shift: float, roll: float, search: Search) -> tuple[Co
 
 
 def contact_at(pair: Sides, shift: float, rolls: bool = True) -> ContactAtShift:
-    """Contact of rigid profiles, wherever on the contour it is (one-sided: nothing penetrates), section 4.3.
+    """Return the contact of rigid profiles at any place of the contour (one-sided: no penetration), section 4.3.
 
-    shift [m]: of the axle.
+    shift [m]: of the axle. rolls: if false, the wheelset stays level, as EN 15302 assumes for the equivalent conicity.
 
-    Beyond the flange contact there is no balance: as the wheel climbs by dz, the roll moves its contact sideways by
-    r/2b dz, more than the flange recedes, and the search ends on the flange's tip.
-
-    rolls False: the wheelset stays level, as EN 15302 assumes for the equivalent conicity.
+    Beyond the flange contact no balance exists. As the wheel climbs by dz, the roll moves its contact sideways by r/2b
+    dz. This is more than the flange recedes, and the search ends on the flange's tip.
     """
     left, right = (np.arange(*side.wheel.limits, GRID) for side in pair.both)
     return _touch(pair, shift, (left, right))[0] if rolls else _contact(pair, shift, 0.0, (left, right))[0]
 
 
-#: Contacts are looked for up to this shift [m].
+#: Largest shift up to which contacts are searched [m].
 LARGEST_SHIFT = 15e-3
 #: A contact as steep as this lies on the flange [rad].
 ON_FLANGE = math.radians(30.0)
 
 
 def flange_contact_shift(pair: Sides, rolls: bool = True) -> float:
-    """Shift [m] to the left at which the contact leaves the tread for the flange, as in Fig. 4.8.
+    """Return the shift [m] to the left at which the contact moves from the tread to the flange, as in Fig. 4.8.
 
-    Infinite if it stays on the tread, 0 if it is on the flange from the start. To the right: that of `pair.mirrored`.
+    It is infinite if the contact stays on the tread, and 0 if it is on the flange from the start. For the shift to the
+    right use `pair.mirrored`.
     """
 
     def on_flange(shift: float) -> float:
@@ -250,8 +254,10 @@ SMALL_SHIFT = 1e-3
 
 @dataclass(frozen=True)
 class Flange:
-    """A wheel's flange on its rail: its angle [rad], how far below the rail's top they touch [m], and the roll of the
-    wheelset, which stands on its treads until then, by its shift [rad/m].
+    """A wheel's flange on its rail.
+
+    `angle` [rad] is its slope; `depth` [m] is the distance of the contact below the rail's top. `roll_by_shift` [rad/m]
+    is the roll of the wheelset over its shift while it runs on its treads.
     """
 
     angle: float
@@ -261,7 +267,9 @@ class Flange:
 
 @lru_cache
 def flange_of(pair: Pair) -> Flange:
-    """They touch where the rail's gauge face is as steep as the flange, beside a tread contact (section 9.4.1)."""
+    """Return the flange contact: where the gauge face is as steep as the flange, beside a tread contact (section
+    9.4.1).
+    """
     low, high = pair.wheel.limits
     begin = np.arange(low, high - FLANGE_CHORD, GRID)
     slope = float(np.max(pair.wheel.height(begin + FLANGE_CHORD) - pair.wheel.height(begin))) / FLANGE_CHORD
@@ -271,16 +279,16 @@ def flange_of(pair: Pair) -> Flange:
     return Flange(math.atan(slope), -float(pair.rail.height(place)), roll / SMALL_SHIFT)
 
 
-#: Half width and pitch of the search around the last tread contact, when it is followed [m].
+#: Half width and pitch of the search around the previous tread contact while it is followed [m].
 FOLLOW, FOLLOW_GRID = 0.1e-3, 2e-6
 
 
 def last_tread_contact(pair: Sides, largest: float = LARGEST_SHIFT, step: float = 20e-6) -> ContactAtShift:
-    """The contact at the largest shift to the left at which a tread contact exists; a fold lies within `step` [m].
+    """Return the contact at the largest shift to the left with a tread contact; a fold lies within `step` [m].
 
-    There the curvatures of wheel and rail sum to zero. Follows the tread contact even where the flange already touches,
-    as the bilateral contact constraints of the thesis do; its program breaks down at the fold and calls it derailment
-    (section 9.4.1).
+    At a fold the curvatures of wheel and rail sum to zero. The tread contact is followed even if the flange already
+    touches, as the bilateral contact constraints of the thesis do. The thesis's program breaks down at the fold and
+    reports a derailment (section 9.4.1).
     """
     around = np.arange(-FOLLOW, FOLLOW, FOLLOW_GRID)
     last = contact_at(pair, 0.0)
@@ -294,21 +302,26 @@ def last_tread_contact(pair: Sides, largest: float = LARGEST_SHIFT, step: float 
 
 
 def rolling_radius_difference(pair: Sides, shifts: np.ndarray, rolls: bool = True) -> np.ndarray:
-    """r_left - r_right [m] at the shifts [m], Fig. 4.8."""
+    """Return r_left - r_right [m] at the shifts [m], Fig. 4.8."""
     return np.array([contact_at(pair, shift, rolls).radius_difference for shift in shifts])
 
 
-#: Shifts between which a radius difference of unequal sides is first looked for a zero, and how far out [m].
+#: Step of the shift in the search for a zero of the radius difference of unequal sides, and its largest value [m].
 CENTRE_STEP, LARGEST_CENTRE = 0.5e-3, 25e-3
-#: Radius differences below this are noise of the search [m], and conicities below the other guide nothing.
+#: Radius differences below the first are noise of the search [m]. Conicities below the second do not guide.
 NOISE, UNGUIDED = 1e-9, 1e-9
 
 
 def centred_shift(pair: Sides, rolls: bool = True) -> float:
-    """Shift [m] at which both wheels roll on equal radii, about which the wheelset runs (EN 15302:2008, y_em).
+    """Return the shift [m] at which both wheels roll on equal radii, the centre of motion (EN 15302:2008, y_em).
 
-    0 for equal sides. Decided here: of several zeros of the radius difference the nearest to the middle of the track,
-    as for equal sides; where it jumps over 0, the jump. Raises ValueError where there is none up to LARGEST_CENTRE.
+    It is 0 for equal sides. This project decides: of several zeros of the radius difference, the one nearest to the
+    middle of the track, as for equal sides; if the difference jumps over 0, the jump.
+
+    Raises
+    ------
+    ValueError
+        If no zero exists up to LARGEST_CENTRE.
     """
     if pair.left == pair.right:
         return 0.0
@@ -334,8 +347,9 @@ def centred_shift(pair: Sides, rolls: bool = True) -> float:
     )
 
 
-#: Longest step of the shift [m], half of that in which EN 15302 tabulates Dr. Its values carry what such a step makes
-#: of a jump: with jumps to the micrometre E2 at 3.0 mm is 0.0282 (limit 0.029) and E3 at 2.6 mm 0.1145 (limit 0.112).
+#: Longest step of the shift [m], half of the step in which EN 15302 tabulates Dr. Its values include the effect of such
+#: a step on a jump. With jumps to the micrometre, E2 at 3.0 mm is 0.0282 (limit 0.029) and E3 at 2.6 mm 0.1145 (limit
+#: 0.112).
 STEP = 0.05e-3
 #: Points of the integral over a half wave.
 PHASES = 2000
@@ -345,8 +359,8 @@ PHASES = 2000
 class Guidance:
     """Dr over the shift, both from the centre of rolling y_em [m], linear between its points, and its integral.
 
-    `shift` is the axle's, `moved` that of the contacts, y + r0 roll(y), over which the integral S(y) is taken, from the
-    centre, where it is 0 (EN 15302:2008, annex B).
+    `shift` is that of the axle. `moved` is that of the contacts, y + r0 roll(y). The integral S(y) is taken over it,
+    from the centre, where it is 0 (EN 15302:2008, annex B).
     """
 
     shift: np.ndarray
@@ -355,15 +369,15 @@ class Guidance:
     area: np.ndarray
 
     def area_at(self, eta: np.ndarray) -> np.ndarray:
-        """Integral of Dr from the centre to where the contacts have moved [m2]."""
+        """Return the integral of Dr from the centre to the displacement `eta` of the contacts [m2]."""
         i = np.clip(np.searchsorted(self.moved, eta, "right") - 1, 0, self.moved.size - 2)
         mean = (self.difference[i] + np.interp(eta, self.moved, self.difference)) / 2
         return self.area[i] + (eta - self.moved[i]) * mean
 
     def middle(self, reach: float) -> float:
-        """Middle of the wave that is 2 `reach` wide, from the centre [m]: S is equal at both its ends.
+        """Return the middle of the wave that is 2 `reach` wide, from the centre [m]: S is equal at both its ends.
 
-        Of several the nearest to the centre; the centre, where no such wave is seen.
+        If several exist, it is the one nearest to the centre. If no such wave is within the points, it is the centre.
         """
 
         def unequal(middle: np.ndarray) -> np.ndarray:
@@ -380,7 +394,7 @@ class Guidance:
         return min(zeros, key=abs, default=0.0)
 
     def conicity(self, reach: float) -> float:
-        """tan(gamma_e) of the wave that moves the contacts by `reach` to both sides of its middle [m]."""
+        """Return tan(gamma_e) of the wave that moves the contacts by `reach` to both sides of its middle [m]."""
         # Midpoints in the phase angle: the integrand is bounded there, also where the radius difference jumps.
         angle = (np.arange(PHASES) + 0.5) * (math.pi / 2) / PHASES
         sine, cosine = np.sin(angle), np.cos(angle)
@@ -388,7 +402,7 @@ class Guidance:
         slowness, moment = [], 0.0
         for side in (LEFT, RIGHT):
             end, place = np.array(middle + side * reach), middle + side * reach * sine
-            # The cone that would be as fast at each phase: what is left of the area, which on a cone is gamma eta^2.
+            # The cone that would be as fast at each phase, from the remaining area: on a cone this is gamma eta^2.
             local = (self.area_at(end) - self.area_at(place)) / (reach * cosine) ** 2
             slowness.append(math.inf if np.min(local) <= UNGUIDED else float(np.mean(1 / np.sqrt(local))))
             moment += side * float(np.mean(sine * cosine * np.interp(place, self.moved, self.difference))) * math.pi / 4
@@ -396,10 +410,10 @@ class Guidance:
 
 
 def guidance(pair: Sides, largest: float, points: int | None = None, rolls: bool = True) -> Guidance:
-    """Dr about the centre of rolling, in the middle of `points` - 1 equal steps up to the shift `largest` [m].
+    """Return Dr about the centre of rolling, in the middle of `points` - 1 equal steps up to the shift `largest` [m].
 
-    EN 15302:2008, annex B. Unequal sides do not hold the wheelset equally: to the softer one Dr is followed further,
-    until S is what it is at `largest` on the other, so that every wave up to this amplitude is there.
+    EN 15302:2008, annex B. Unequal sides do not guide the wheelset equally. To the softer side Dr is followed further,
+    until S equals its value at `largest` on the other side. Every wave up to this amplitude is then within the points.
     """
     count = points - 1 if points else math.ceil(largest / STEP - 1e-6)
     outward = [*((np.arange(count) + 0.5) * largest / count), largest]
@@ -428,7 +442,7 @@ def guidance(pair: Sides, largest: float, points: int | None = None, rolls: bool
 
 
 def _area(half: list[tuple[float, float, float]]) -> np.ndarray:
-    """Integral of Dr over the movement of the contacts, from the first row to each [m2]."""
+    """Return the integral of Dr over the movement of the contacts, from the first row to each [m2]."""
     _, moved, difference = np.array(half).T
     return np.concatenate([[0.0], np.cumsum(np.diff(moved) * (difference[1:] + difference[:-1]) / 2)])
 
@@ -436,25 +450,31 @@ def _area(half: list[tuple[float, float, float]]) -> np.ndarray:
 def equivalent_conicity(
     pair: Sides, amplitudes: np.ndarray, rolls: bool = True, points: int | None = None
 ) -> np.ndarray:
-    """tan(gamma_e) at the amplitudes [m], shape (n,): the cone whose wavelength, eq. (2.1), is the real profiles'.
+    """Return tan(gamma_e) at the amplitudes [m], shape (n,): the cone with the wavelength, eq. (2.1), of the real
+    profiles.
 
-    The wave eta(x) obeys eta'' = -Dr / (e r0), with e = 2 wheel_half_distance; its period follows from one integral
-    over the amplitude (EN 15302:2008, annex B, which leaves the roll out: rolls False). eta is the shift of the
-    contacts, y + r0 roll(y): free of lateral creep, it is their speed that the yaw turns into, and not the axle's.
-    On cones gamma and crowns R, 2b apart, Dr / 2y = gamma (b + R gamma) / (b - r0 gamma) and eta / y =
-    b / (b - r0 gamma) leave gamma (1 + R gamma / b).
+    The wave eta(x) obeys eta'' = -Dr / (e r0), with e = 2 wheel_half_distance. Its period follows from one integral
+    over the amplitude (EN 15302:2008, annex B, which omits the roll: rolls False). eta is the shift of the contacts, y
+    + r0 roll(y). Without lateral creep, the yaw turns into their speed, not into that of the axle. On cones gamma and
+    crowns R, 2b apart, Dr / 2y = gamma (b + R gamma) / (b - r0 gamma) and eta / y = b / (b - r0 gamma). The result is
+    gamma (1 + R gamma / b).
 
-    Unequal sides: the wave runs about the shift at which the radii are equal (`centred_shift`), and its positive and
-    its negative half wave differ. Its ends are those at which S, the integral of Dr, is equal, and its amplitude is
-    half the distance between them: so come out the cases E5 to E9 of annex E, wheels of 918 and 920 mm and A with B.
+    Unequal sides: the wave runs about the shift at which the radii are equal (`centred_shift`). Its positive and its
+    negative half wave differ. S, the integral of Dr, is equal at its ends, and its amplitude is half the distance
+    between them. This gives the cases E5 to E9 of annex E, wheels of 918 and 920 mm and A with B.
 
     Dr is taken in the middle of `points` - 1 equal steps up to the largest amplitude and is linear between them, which
-    smears its jumps over a step. Raises ValueError for an amplitude that is not above 0, and as `centred_shift`.
+    smears its jumps over a step.
 
-    A wheelset that starts at rest at the amplitude does not cross the centre where Dr has turned: it oscillates about
-    another point, moves away, or, where Dr is 0, stays. Annex B has no answer there; returned is that of annex C, half
-    the slope of the line that fits Dr best between the ends: 0 where nothing guides the wheelset, negative where it is
-    driven outwards.
+    A wheelset that starts at rest at the amplitude does not cross the centre if Dr has changed its sign. It oscillates
+    about another point, moves away, or, if Dr is 0, stays. Annex B gives no result there. The function then returns
+    that of annex C, half the slope of the line that fits Dr best between the ends. This is 0 if the wheelset is not
+    guided, and negative if it is driven outwards.
+
+    Raises
+    ------
+    ValueError
+        If an amplitude is not above 0, or as `centred_shift`.
     """
     amplitudes = np.asarray(amplitudes, float)
     if not np.all(amplitudes > 0.0):

@@ -1,7 +1,8 @@
-"""Patches of a wheel on its rail: parts of its profile that each touch for themselves, such as tread and flange.
+"""Patches of a wheel on its rail: parts of its profile with one contact patch each, such as tread and flange.
 
-Rigid profiles, no yaw, no roll. Along a patch the distance of wheel and rail is taken square to its `direction`, so
-that there is a nearest point wherever the wheel stands: over the rail for the tread, from the side for the flange.
+The profiles are rigid, without yaw and roll. Along a patch the distance of wheel and rail is measured square to its
+`direction`. A nearest point therefore exists at every shift of the wheel: above the rail for the tread, beside it for
+the flange.
 """
 
 import math
@@ -15,24 +16,24 @@ from scipy.optimize import brentq
 from rbd_model.contact.geometry import LEFT, RIGHT, ROLL_LIMITS, Side, Sides
 from rbd_model.contact.profiles import Profile, from_points
 
-#: How much further from the rail than the rest of the wheel a part may be to be looked at, and which jumps count [m].
+#: Largest extra distance from the rail at which a part is followed, and smallest jump of its nearest point [m].
 RELEVANT, JUMP = 0.3e-3, 1e-3
-#: Roll of a wheelset against its rails up to which jumps are looked for [rad]: one 6 mm higher than the other.
+#: Roll of a wheelset against its rails up to which jumps are searched for [rad]: one rail 6 mm above the other.
 TILT = 4e-3
-#: A part that bears on less slope is described along the track's own level [rad]; one on more of it is a flange.
+#: Slope that separates treads from flanges [rad]. Parts of less slope are described along the track's own level.
 TREAD_SLOPE = math.radians(20.0)
 #: Largest angle between a rail's contour and the direction along which it is described [rad].
 STEEPEST = math.radians(75.0)
-#: Pitch of the search for nearest points and of the table of what is found [m].
+#: Pitch of the search for nearest points, and of the table of nearest points [m].
 SEARCH_PITCH, TABLE_PITCH = 0.02e-3, 0.1e-3
-#: Least curvature of a rail's contour [1/m]: flatter than any head is where it bears.
+#: Least curvature of a rail's contour [1/m]. Every head is more curved where it bears.
 LEAST_BEND = 1.0
-#: How far wheel and rail may be moved against each other along the patch [m].
+#: Largest displacement of the wheel against the rail along a patch [m].
 REACH = 20e-3
-#: Range of shift over which a part of a wheel is nearest by itself at least [m], and the most patches. What jumps more
-#: often is joined: there the contact goes from place to place steeply, within TABLE_PITCH, instead of jumping.
+#: Least range of shift over which a part of a wheel is nearest by itself [m], and the largest number of patches. Parts
+#: that jump more often are joined: there the contact moves steeply, within TABLE_PITCH, instead of jumping.
 LEAST_TRAVEL, MOST_PATCHES = 0.5e-3, 6
-#: How far the y = 0 of a wheel and of its rail may lie apart [m]: offsets every TABLE_PITCH are looked at up to there.
+#: Largest offset between the y = 0 of a wheel and of its rail [m]. Offsets up to it are searched every TABLE_PITCH.
 LARGEST_APART = 0.25
 #: Pitch of the points through which a turned rail is laid [m].
 TURNED_PITCH = 0.02e-3
@@ -40,14 +41,18 @@ TURNED_PITCH = 0.02e-3
 
 @dataclass(frozen=True)
 class Patch:
-    """A part of a wheel's profile and of its rail's that touch each other.
+    """A part of a wheel's profile and the part of its rail that it touches.
 
-    direction [rad]: slope of the line along which both are described; limits [m]: of the wheel's part; rail: the
-    contour of the rail in axes along and square to that line; nearest: breakpoints and coefficients of the position on
-    the wheel [m] that is nearest to the rail, by how far the wheel's y = 0 lies along the line from the rail's; along:
-    the same for how far that position lies along the line from y = 0 [m]; square [m]: and square to it, on the mean.
-    radius [m]: of the rail's contour where the part bears. A roll leaves that arc as it is and only moves the wheel
-    along it, about its centre.
+    `direction` [rad] is the slope of the line along which both are described. `limits` [m] are those of the wheel's
+    part. `rail` is the contour of the rail in axes along and square to this line.
+
+    `nearest` holds breakpoints and coefficients of the position on the wheel [m] that is nearest to the rail. It
+    depends on the offset of the wheel's y = 0 from the rail's along the line [m]. `along` holds the same for the
+    distance of this position from y = 0 along the line [m]. `square` [m] is the mean of its distance square to the
+    line.
+
+    `radius` [m] is that of the rail's contour at the contact. A roll leaves this arc unchanged. It only moves the wheel
+    along the arc, about its centre.
     """
 
     direction: float
@@ -60,14 +65,16 @@ class Patch:
 
     @property
     def flange(self) -> bool:
-        """Whether it belongs to the flange, and not to the tread."""
+        """True if the patch belongs to the flange, False for the tread."""
         return self.direction >= TREAD_SLOPE
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a wheel, points `first` to `last`: its direction [rad], radius [m] and rail, as a `Patch` has them, and
-    the position that is nearest to the rail at each offset [m], NaN where none is.
+    """A part of a wheel from point `first` to point `last`.
+
+    Its direction [rad], radius [m] and rail are those of a `Patch`. nearest: position nearest to the rail at each
+    offset [m], NaN if the part is not nearest there.
     """
 
     first: int
@@ -79,7 +86,7 @@ class Part:
 
     @property
     def flange(self) -> bool:
-        """Whether it belongs to the flange, as a `Patch` does."""
+        """True if the part belongs to the flange, as for a `Patch`."""
         return self.direction >= TREAD_SLOPE
 
     @property
@@ -90,7 +97,7 @@ class Part:
 
 @lru_cache
 def patches_of(one: Side) -> tuple[Patch, ...]:
-    """The patches of a wheel, from the field side to the flange (section 9.4.1), at most MOST_PATCHES."""
+    """Return the patches of a wheel from the field side to the flange, at most MOST_PATCHES (section 9.4.1)."""
     parts, s = list(parts_of(one)), positions_of(one)
     gaps = gaps_of(one, s) if len(parts) > MOST_PATCHES else []
     while len(parts) > MOST_PATCHES:
@@ -100,13 +107,18 @@ def patches_of(one: Side) -> tuple[Patch, ...]:
 
 @lru_cache
 def parts_of(one: Side) -> tuple[Part, ...]:
-    """The parts of a wheel, from the field side to the flange (section 9.4.1): where contact would jump, they part.
+    """Return the parts of a wheel from the field side to the flange, cut where the contact would jump (section 9.4.1).
 
-    Over shifts of the wheel against its rail the nearest point of each part is followed; where it jumps while the part
-    is as near as the rest of the wheel to within RELEVANT, the part is cut at the ridge between both places. So each
-    part's own nearest point moves without jumps, and several may bear at once. Where conformal contours jump every
-    tenth of a millimetre, as those of EN 15302 in the flange root, parts are joined again until each travels enough.
-    Raises ValueError for a wheel that touches its rail at an end of its profile alone.
+    The nearest point of each part is followed over shifts of the wheel against its rail. It may jump while the part is
+    as near as the rest of the wheel to within RELEVANT. The part is then cut at the ridge between both places, so that
+    each part's own nearest point moves without jumps. Several parts may bear at once. On some conformal contours, such
+    as those of EN 15302 in the flange root, the contact jumps every tenth of a millimetre. Parts are then joined again
+    until each of them travels far enough.
+
+    Raises
+    ------
+    ValueError
+        If the wheel touches its rail only at an end of its profile.
     """
     s = positions_of(one)
     gaps = gaps_of(one, s)
@@ -130,9 +142,12 @@ def parts_of(one: Side) -> tuple[Part, ...]:
 
 
 def check_ellipses(one: Side) -> None:
-    """Check that ellipses describe a wheel: that its contact jumps in few places (section 9.4.1).
+    """Check that the contact of a wheel jumps in few places, so that ellipses describe it (section 9.4.1).
 
-    Raises ValueError if it has more parts than MOST_PATCHES, as conformal contours of many small arcs.
+    Raises
+    ------
+    ValueError
+        If the wheel has more than MOST_PATCHES parts, as conformal contours of many small arcs have.
     """
     parts, s = parts_of(one), positions_of(one)
     if len(parts) > MOST_PATCHES:
@@ -145,9 +160,10 @@ def check_ellipses(one: Side) -> None:
 
 
 def join_shortest(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
-    """Join the part that travels least to the shorter of its neighbours, tread to flange last.
+    """Join the part that travels least to the shorter of its neighbours. Tread and flange are joined last.
 
-    Decided here, for contours on which a jump is no longer than the contact is wide (section 9.4.1).
+    This is a decision of this project, for contours on which a jump is shorter than the contact is wide (section
+    9.4.1).
     """
     at = int(np.argmin([part.travel for part in parts]))
     beside = [place for place in (at - 1, at + 1) if 0 <= place < len(parts)]
@@ -157,15 +173,20 @@ def join_shortest(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[
 
 
 def positions_of(one: Side) -> np.ndarray:
-    """The points of the wheel's profile that are searched [m] (section 4.3)."""
+    """Return the points of the wheel's profile that are searched [m] (section 4.3)."""
     return np.arange(one.wheel.limits[0] + SEARCH_PITCH, one.wheel.limits[1] - SEARCH_PITCH, SEARCH_PITCH)
 
 
 def offsets_of(one: Side) -> np.ndarray:
-    """How far the wheel's y = 0 is looked at from the rail's [m] (3.77).
+    """Return the searched offsets of the wheel's y = 0 from the rail's [m] (3.77).
 
-    Profiles may be given from any origin: REACH is counted from where a centred wheelset has them as well. Raises
-    ValueError for distances so different that they are no distances of one wheel and its rail.
+    Profiles may have any origin. The offsets therefore extend by REACH beyond 0 and beyond the offset of a centred
+    wheelset.
+
+    Raises
+    ------
+    ValueError
+        If the half distances of wheel and rail differ by more than LARGEST_APART.
     """
     apart = one.wheel_half_distance - one.rail_half_distance
     if not abs(apart) <= LARGEST_APART:
@@ -179,9 +200,9 @@ def offsets_of(one: Side) -> np.ndarray:
 
 
 def gaps_of(one: Side, s: np.ndarray) -> list[np.ndarray]:
-    """Height of the wheel's contour over the rail's at the positions s, at each offset (3.77), (3.78).
+    """Return the height of the wheel's contour over the rail's at the positions s [m], for each offset (3.77), (3.78).
 
-    Infinite beside the rail.
+    It is infinite beside the rail.
     """
     heights = one.wheel.height(s)
     gaps = (heights - one.rail.height(s + offset) for offset in offsets_of(one))
@@ -189,10 +210,11 @@ def gaps_of(one: Side, s: np.ndarray) -> list[np.ndarray]:
 
 
 def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> int | None:
-    """Where to cut a part of the wheel whose nearest point (section 9.4.1) jumps: at the highest point jumped over.
+    """Return the index at which to cut a part whose nearest point jumps, or None: the highest point of the jump.
 
-    A roll moves the wheel along each arc of the rail by its radius times the roll, and so a jump from one arc to
-    another by the difference of both: it counts if wheelsets that roll by up to TILT may meet it.
+    Section 9.4.1. A roll moves the wheel along each arc of the rail by its radius times the roll. It therefore moves a
+    jump from one arc to another by the difference of both. The jump is relevant if wheelsets that roll by up to TILT
+    reach it.
     """
     offsets, own = offsets_of(one), np.array([gap[first:last] for gap in gaps])
     places = np.argmin(own, axis=1)
@@ -258,10 +280,10 @@ def patch(one: Side, s: np.ndarray, part: Part) -> Patch:
 
 
 def nearest_point(s: np.ndarray, gap: np.ndarray, cut: tuple[bool, bool]) -> float:
-    """Where a gap over equally spaced positions is smallest (section 4.3), by a parabola through three of them [m].
+    """Return the position of the smallest gap (section 4.3), refined by a parabola through three positions [m].
 
-    cut: whether the first and the last position lie at a cut. There nothing touches, as what is nearer lies in the part
-    beyond: without a place that is nearer than those beside it NaN.
+    cut: true for each end of the positions that lies at a cut. The contact is not there, because the part beyond the
+    cut is nearer. Returns NaN if no position is nearer than both its neighbours.
     """
     known = np.where(np.isfinite(gap), gap, np.inf)
     beside = np.concatenate([[-np.inf if cut[0] else np.inf], known, [-np.inf if cut[1] else np.inf]])
@@ -277,13 +299,18 @@ def nearest_point(s: np.ndarray, gap: np.ndarray, cut: tuple[bool, bool]) -> flo
 
 
 def in_direction(y: np.ndarray, z: np.ndarray, direction: float) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates of points (y, z) [m] along a line of that slope [rad] and square to it, upwards (section 3.3.2)."""
+    """Return the coordinates of points (y, z) [m] along a line of slope `direction` [rad] and square to it, upwards.
+
+    Section 3.3.2.
+    """
     cosine, sine = math.cos(direction), math.sin(direction)
     return cosine * y + sine * z, cosine * z - sine * y
 
 
 def turned(rail: Profile, direction: float) -> Profile:
-    """The contour of a rail in axes along `direction` (section 3.3.2), as far as it is nowhere too steep in them."""
+    """Return the contour of a rail in axes along `direction` [rad], up to where it becomes too steep (section
+    3.3.2).
+    """
     if direction == 0.0:
         return rail
     y = np.arange(rail.limits[0], rail.limits[1], TURNED_PITCH)
@@ -305,7 +332,7 @@ class TreadStand:
 
 @lru_cache
 def stand_on_treads(pair: Sides, shift: float) -> TreadStand:
-    """Rigid contact of both treads, whatever the flanges do, at a shift of the axle [m], section 4.3."""
+    """Return the rigid contact of both treads at a shift of the axle [m], without the flanges (section 4.3)."""
     places = []
     for one in pair.both:
         treads = [patch.limits for patch in patches_of(one) if not patch.flange]

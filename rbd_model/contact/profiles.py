@@ -4,9 +4,9 @@ A profile is a contour height z(y) [m]. y is positive towards the field side, th
 negative y; z is positive upwards. A wheel's z is the height of its lower contour, so its radius is r0 - z(y). y = 0 is
 the nominal contact point.
 
-Quintic, because contact needs the contour's curvature and the chapter 3 formulation its third derivative (section
-3.3.2); smoothed at a knot distance of 0.5 mm, because 2 um of noise in measured points give ten times the crown's
-curvature.
+The splines are quintic, because contact needs the contour's curvature and the chapter 3 formulation its third
+derivative (section 3.3.2). They are smoothed at a knot distance of 0.5 mm: 2 um of noise in measured points would
+otherwise give ten times the crown's curvature.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from readers.profiles import FEWEST_POINTS, LARGEST_BREADTH, read_contour
 
 DEGREE = 5
 KNOT_DISTANCE = 0.5e-3
-#: Distance of the points that are laid on given arcs and lines [m].
+#: Distance of the points on given arcs and lines [m].
 POINT_DISTANCE = 0.02e-3
 #: Rails stand inclined by 1:20 (section 4.3) and the tread of the wheel is a cone of the same slope.
 INCLINATION = 1 / 20
@@ -30,10 +30,10 @@ INCLINATION = 1 / 20
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A contour z(y) as a quintic spline; `source` says where the points come from and what was fitted.
+    """A contour z(y) as a quintic spline; `source` gives the origin of the points and the fitted values.
 
-    gauge_side: of a contour from a file, which side of its y is turned to the middle of the track. Profiles are equal
-    if name, source and every number of the spline are.
+    gauge_side: for a contour from a file, the side of its y towards the middle of the track. Profiles are equal if
+    name, source and every number of the spline are equal.
     """
 
     name: str
@@ -57,7 +57,7 @@ class Profile:
         return float(self.spline.t[DEGREE]), float(self.spline.t[-DEGREE - 1])
 
     def height(self, y: np.ndarray, derivative: int = 0) -> np.ndarray:
-        """z or one of its derivatives by y at the positions y [m]; not a number beyond the limits."""
+        """Return z or one of its derivatives by y at the positions y [m]; not a number beyond the limits."""
         return np.asarray(self.spline(y, nu=derivative, extrapolate=False))
 
     @property
@@ -70,10 +70,13 @@ class Profile:
 
 
 def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
-    """Least-squares quintic spline through points [m] with y increasing, section 3.3.2; knots every KNOT_DISTANCE.
+    """Return the least-squares quintic spline through points [m] (section 3.3.2), with knots every KNOT_DISTANCE.
 
-    Raises ValueError for less than FEWEST_POINTS, for ones that are not finite, for a y that does not increase and for
-    a breadth above LARGEST_BREADTH, which makes a knot for each KNOT_DISTANCE.
+    Raises
+    ------
+    ValueError
+        If there are fewer than FEWEST_POINTS points, a point is not finite, or y does not increase. Also if the breadth
+        is above LARGEST_BREADTH, because each KNOT_DISTANCE has a knot.
     """
     y_array, z_array = np.asarray(y, float), np.asarray(z, float)
     if y_array.size < FEWEST_POINTS or np.any(np.diff(y_array) <= 0.0) or not np.all(np.isfinite([y_array, z_array])):
@@ -83,7 +86,7 @@ def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
         limit = LARGEST_BREADTH / 1e3
         raise ValueError(f"Profile {name}: y must span at most {limit:g} m; got {breadth:g} m. Give metres.")
     if np.diff(y_array).max() > KNOT_DISTANCE:
-        # Points further apart than the knots are joined by straight lines, which the spline then smooths.
+        # Points further apart than the knots are joined by straight lines. The spline then smooths these.
         fine = np.arange(y_array[0], y_array[-1], KNOT_DISTANCE / 4)
         z_array, y_array = np.interp(fine, y_array, z_array), fine
     count = max(1, round((y_array[-1] - y_array[0]) / KNOT_DISTANCE))
@@ -92,15 +95,15 @@ def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
     return Profile(name, source, make_lsq_spline(y_array, z_array, knots, DEGREE))
 
 
-#: Where R300 meets R80 and R80 meets R13, from the middle of the head [m]. 60E1: from the contour of the Manchester
-#: contact benchmark, equal to it within 3 um down to 5 mm below the top. The stand-in for the thesis's rail has its
-#: own, to which the synthetic wheel is fitted.
+#: Distances from the middle of the head [m] at which R300 meets R80 and R80 meets R13. Those of 60E1 are from the
+#: contour of the Manchester contact benchmark, and equal to it within 3 um down to 5 mm below the top. The stand-in for
+#: the thesis's rail has its own, to which the synthetic wheel is fitted.
 JOINTS_60E1 = (10.5e-3, 25.99e-3)
 JOINTS_60KG = (10.1e-3, 25.7e-3)
 
 
 def rail_head(joints: tuple[float, float]) -> np.ndarray:
-    """Half a head of a 60 kg rail, three tangent arcs: rows (y, z), y from 0 outwards, z = 0 at the top [m].
+    """Return half a head of a 60 kg rail, three tangent arcs: rows (y, z) [m], y from 0 outwards, z = 0 at the top.
 
     R300 to the first of the joints, R80 to the second, R13 to the side: the arcs of 60E1 (EN 13674-1).
     """
@@ -117,9 +120,9 @@ def rail_head(joints: tuple[float, float]) -> np.ndarray:
 
 
 def inclined(points: np.ndarray, inclination: float) -> np.ndarray:
-    """A contour turned towards the track centre by `inclination`, top again at the origin; rows (y, z).
+    """Return a contour turned towards the track centre by `inclination` [1], top again at the origin; rows (y, z) [m].
 
-    So rails are laid (section 4.3).
+    Rails are laid in this way (section 4.3).
     """
     angle = np.arctan(inclination)
     y = points[:, 0] * np.cos(angle) - points[:, 1] * np.sin(angle)
@@ -130,26 +133,26 @@ def inclined(points: np.ndarray, inclination: float) -> np.ndarray:
 def _rail(name: str, joints: tuple[float, float], inclination: float) -> Profile:
     half = rail_head(joints)
     whole = inclined(np.concatenate([half[:0:-1] * [-1, 1], half]), inclination)
-    # Where the inclined corner overhangs, the contour is no function of y any more.
+    # Beyond the overhang of the inclined corner, the contour is not a function of y.
     whole = whole[int(np.argmin(whole[:, 0])) :]
     return from_points(name, "arcs R300, R80, R13 mm", *whole.T)
 
 
 @lru_cache
 def rail_60kg() -> Profile:
-    """60 kg rail head inclined 1:20. Stands for the AS 60 kg/m rail of section 4.3, whose arcs are not public."""
+    """Return a 60 kg rail head inclined 1:20, for the AS 60 kg/m rail of section 4.3, whose arcs are not public."""
     return _rail("60 kg rail, 1:20", JOINTS_60KG, INCLINATION)
 
 
 @lru_cache
 def rail_60e1() -> Profile:
-    """60E1 rail head (EN 13674-1) inclined 1:40, as most of Europe lays it."""
+    """Return the 60E1 rail head (EN 13674-1) inclined 1:40, as in most of Europe."""
     return _rail("60E1, 1:40", JOINTS_60E1, 1 / 40)
 
 
 @lru_cache
 def wheel_s1002() -> Profile:
-    """S1002 wheel (EN 13715) from its published sections A to F, from the flange face outwards."""
+    """Return the S1002 wheel (EN 13715) from its published sections A to F, from the flange face outwards."""
     y = np.arange(-48.0, 58.0, 1e3 * POINT_DISTANCE)
     tread = np.polyval(S1002_B[::-1], y)
     sections = [
@@ -198,20 +201,22 @@ FLANGE_LENGTH, FIELD_SIDE = 14e-3, 55e-3
 
 @lru_cache
 def wheel_cone_120() -> Profile:
-    """A cone 1:20 with transition arc, fillet and flange. Synthetic: for LW2 of section 4.3, which is not public."""
+    """Return a cone 1:20 with transition arc, fillet and flange: synthetic, for LW2 of section 4.3, which is not
+    public.
+    """
     return from_points("synthetic wheel 1:20", "fitted to sections 4.3 and 9.4.1 of the thesis", *synthetic_wheel())
 
 
 def synthetic_wheel(flange_angle: float = FLANGE_ANGLE) -> np.ndarray:
-    """Contour (y row, z row) of the synthetic wheel: cone, two concave arcs, flange; from the flange outwards [m].
+    """Return the contour (y row, z row) of the synthetic wheel [m]: cone, two concave arcs, flange; inwards first.
 
-    Where the arcs begin is fitted to sections 4.3 and 9.4.1. flange_angle [rad].
+    The starts of the arcs are fitted to sections 4.3 and 9.4.1. flange_angle [rad].
     """
     angle = np.arctan(INCLINATION)
     points = [np.array([[TRANSITION_START, TRANSITION_START * INCLINATION]])]
 
     def add_arc(radius: float, end_angle: float) -> None:
-        """Walks inwards on a concave arc until the contour's angle is `end_angle`."""
+        """Add a concave arc inwards until the contour's angle is `end_angle` [rad]."""
         nonlocal angle
         y, z = points[-1][-1]
         steps = np.linspace(angle, end_angle, max(2, int(radius * (end_angle - angle) / POINT_DISTANCE)))[1:]
@@ -231,19 +236,19 @@ def synthetic_wheel(flange_angle: float = FLANGE_ANGLE) -> np.ndarray:
     return np.concatenate([tread, *points])[::-1].T
 
 
-#: Why a side is a contour's where a user says so.
+#: Reason of a gauge side that the user gives.
 GIVEN = "given"
-#: Largest distance of a contour's points from the spline through them, on the median [m]. Those of two contours that
-#: are mixed are further off; corners and noise are not on the median.
+#: Largest median distance of a contour's points from the spline through them [m]. If two contours are mixed, the
+#: distance is larger; corners and noise do not affect the median.
 SCATTER = 0.1e-3
 
 
 def read_profile(path: str | Path, kind: str, inclination: float = 0.0, side: str | None = None) -> Profile:
     """Read a measured contour: a table of y and z [mm], a file of the MiniProf or of SIMPACK (`readers.profiles`).
 
-    Instruments differ in the direction of their axes: a contour that lies upside down is turned, and so is one whose
-    gauge side lies at positive y. What lies under an overhang, as of the head of a rail, is passed over. Noise is
-    smoothed by the spline alone (`from_points`): EN 15302 leaves the way open and judges by the conicity.
+    Instruments differ in the direction of their axes. A contour that is upside down is turned, as is one whose gauge
+    side is at positive y. Points below an overhang, as of the head of a rail, are ignored. Only the spline smooths the
+    noise (`from_points`): EN 15302 leaves the method open and uses the conicity as the criterion.
 
     Parameters
     ----------
@@ -254,14 +259,15 @@ def read_profile(path: str | Path, kind: str, inclination: float = 0.0, side: st
     inclination : float
         Slope by which a rail that stands upright in the file is laid towards the middle of the track.
     side : str, optional
-        The side of the file's y that is turned to the middle of the track, "y-" or "y+"; by default that of the flange,
-        to which a rail leans, or whose corner is worn. `Profile.gauge_side` says which and why.
+        The side of the file's y towards the middle of the track, "y-" or "y+". By default it is that of the flange. For
+        a rail it is the side to which the rail leans, or whose corner is worn. `Profile.gauge_side` holds the side and
+        the reason.
 
     Raises
     ------
     ValueError
-        If the file is not one contour as it is meant, if its gauge side is not given and cannot be told, or if a rail
-        would lean outwards.
+            If the file is not one contour of this kind, if its gauge side is neither given nor can be determined, or if
+            a rail would lean outwards.
     """
     if kind not in ("wheel", "rail") or side not in (None, *SIDES):
         raise ValueError(f"kind must be wheel or rail and side y- or y+; got {kind!r} and {side!r}. Correct them.")
@@ -306,7 +312,7 @@ def _facing(source: str, points: np.ndarray, kind: str, inclination: float, side
 
 
 def _check_lean(source: str, faces: GaugeSide, lean: float, inclination: float) -> None:
-    """Check that a rail will lean inwards or stand upright, and that it is not inclined twice without a word."""
+    """Check that a rail leans inwards or is upright, and that it is not inclined twice without a message."""
     if inclination and lean >= LAID and faces.reason != GIVEN:
         raise ValueError(
             f"{source}: a rail that is to be inclined must stand upright in its file; it leans 1:{1 / lean:.3g} towards"
@@ -322,6 +328,6 @@ def _check_lean(source: str, faces: GaugeSide, lean: float, inclination: float) 
 
 
 def _without_overhang(points: np.ndarray) -> np.ndarray:
-    """Those rows (y, z) whose y is larger than all before."""
+    """Return the rows (y, z) whose y is larger than all before."""
     y = points[:, 0]
     return points[np.concatenate([[True], y[1:] > np.maximum.accumulate(y)[:-1]])]

@@ -1,25 +1,25 @@
 """Creep forces strip by strip: Kalker's simplified theory (FASTSIM) on a patch of any shape.
 
 Kalker (1982), A fast algorithm for the simplified theory of rolling contact. Each strip is followed from its leading to
-its trailing edge; the stress grows with the sliding of the rigid surfaces over the flexibility and is cut at friction
-times pressure.
+its trailing edge. The stress grows with the sliding of the rigid surfaces over the flexibility and is limited to
+friction times pressure.
 
-How flexible a strip is depends on its length and on what pulls beside it, not on the patch as a whole: where a patch
-has a long shoulder, one ellipse for all of it was up to 21 % of mu N off, and no number of strips mended that. So the
-surfaces are asked, as `normal` asks them for the loads. Where nothing slides each strip is pulled as Carter (1926) has
-it, t G ((a - x) / (a + x))^(1/2). Cerruti says how far that stretches both surfaces in the middles of all strips, and
-the t are such that the stretch is the creepage. That finds c = pi^2 / 2 t, which in an ellipse is Kalker's coefficient
-of bodies with Poisson's ratio 0, everywhere in it. What Poisson's ratio adds, for creepage ahead, to the side and from
-spin, is that of the ellipse with the same c.
+The flexibility of a strip depends on its length and on the stress beside it, not on the patch as a whole. If a patch
+has a long shoulder, one ellipse for all of it has errors of up to 21 % of mu N, with any number of strips. Therefore
+the flexibility follows from the deformation of the surfaces, as the loads do in `normal`. If nothing slides, the stress
+on each strip is that of Carter (1926), t G ((a - x) / (a + x))^(1/2). By Cerruti it stretches both surfaces in the
+middles of all strips. The t are those for which the stretch equals the creepage. They give c = pi^2 / 2 t. In an
+ellipse this is everywhere Kalker's coefficient of bodies with Poisson's ratio 0. The effect of Poisson's ratio, for
+creepage ahead, to the side and from spin, is that of the ellipse with the same c.
 
-Such linear forces fall with a strip's length a, FASTSIM's with its square, which is what makes the right places slide.
-So the flexibilities are those with which each strip's linear force is carried by the strips around it in proportion to
-a^2, that of spin to a^3. "Around" is what the inverse cube of the distance makes of it, as everywhere in elasticity.
-On an ellipse the sums are Kalker's linear theory, exactly.
+Such linear forces vary with a strip's length a, FASTSIM's with its square, by which the right places slide. The
+flexibilities are therefore those with which the surrounding strips carry each strip's linear force in proportion to
+a^2, and that of spin in proportion to a^3. Surrounding strips are weighted by the inverse cube of the distance, as
+everywhere in elasticity. On an ellipse the sums are exactly those of Kalker's linear theory.
 
-The stress is cut at a parabola along the strip, as Kalker chose it so that the right places slide, with the load that
-the strip truly has. Half an ellipse instead would be nearer to exact theory where spin is strong and creepage against
-it, and further off elsewhere.
+The stress is limited by a parabola along the strip with the strip's true load. Kalker chose the parabola so that the
+right places slide. Half an ellipse instead would be nearer to exact theory if spin is strong and opposed to creepage,
+and less exact elsewhere.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ from rbd_model.contact.normal import TINY, ContactArea, Steel, lowering_of
 CELLS = 16
 #: a/b of the columns of Kalker's table, and strips of the ellipses for which they are read.
 AXIS_RATIOS, ELLIPSE_STRIPS = np.array([*(i / 10 for i in range(1, 11)), *(10 / i for i in range(9, 0, -1))]), 120
-#: `c_of_ellipse` of these ratios, which takes two seconds; numbers in place of a computation have the same bits
-#: wherever C is written of them.
+#: `c_of_ellipse` of these ratios, which takes two seconds to compute. Stored numbers give bit-identical C code on all
+#: machines.
 C_OF_ELLIPSES = (
     *(2.52117499757, 2.56071976555, 2.62015980047, 2.68788325752, 2.7601100601, 2.83499761401, 2.91149582654),
     *(2.98895528647, 3.0669538226, 3.14520786226, 3.23222185247, 3.34082444236, 3.47985672326, 3.66375931593),
@@ -48,27 +48,29 @@ C_OF_ELLIPSES = (
 
 @dataclass(frozen=True)
 class Creepages:
-    """Of the wheel against the rail at the middle of each strip: ahead, to the side [1], spin [1/m]; cf. eq. (2.3)."""
+    """Creepages of the wheel against the rail at the middle of each strip: ahead, sideways [1], spin [1/m]; cf.
+    (2.3).
+    """
 
     ahead: np.ndarray
     aside: np.ndarray
     spin: np.ndarray
 
     def of(self, which: np.ndarray) -> Creepages:
-        """Those of some strips."""
+        """Return those of some strips."""
         return Creepages(self.ahead[which], self.aside[which], self.spin[which])
 
 
 def stretches(away: np.ndarray, breadth: np.ndarray, half_length: np.ndarray) -> np.ndarray:
-    """Stretch of both surfaces in the middles of strips (rows) by t = 1 on each (columns) [1], Poisson's ratio 0.
+    """Return the stretch of both surfaces in the middles of strips (rows) by t = 1 on each (columns) [1].
 
-    Johnson (1985), section 3.6: a tangential force moves the surface there as a normal one does, so Carter's stress
-    stretches it by the second derivative of what half an ellipse lowers it by. away: between middles [m], 0 on the
-    diagonal.
+    Poisson's ratio is 0. By Johnson (1985), section 3.6, a tangential force moves the surface there as a normal one
+    does. Carter's stress therefore stretches it by the second derivative of the displacement below half an ellipse.
+    away: distances between middles [m], 0 on the diagonal.
     """
     ratio = (away / half_length) ** 2
     matrix = np.pi / 2 * breadth * lowering_of(away, half_length) / (1 + ratio)
-    # On the strip itself the mean over its breadth, K(m) by the arithmetic-geometric mean.
+    # On the strip itself: the mean over its breadth, K(m) by the arithmetic-geometric mean.
     np.fill_diagonal(matrix, breadth / _arithmetic_geometric_mean(np.hypot(half_length, breadth / 2), breadth / 2))
     return np.asarray(matrix)
 
@@ -81,32 +83,32 @@ def _arithmetic_geometric_mean(large: np.ndarray, small: np.ndarray) -> np.ndarr
 
 @dataclass(frozen=True)
 class Coefficients:
-    """By the logarithm of an ellipse's c: c11 / c, c22 / c and c23 / (c (a/b)^(1/2)), Kalker (1990), table E.3.
+    """c11 / c, c22 / c and c23 / (c (a/b)^(1/2)) by the logarithm of an ellipse's c: Kalker (1990), table E.3.
 
-    Its Poisson's ratio is 0.25, as everywhere here; at 0.28 those of creepage ahead are 4 % larger. Beyond axis ratios
-    of 10 and 1/10, the ends of his table, they stay.
+    Its Poisson's ratio is 0.25, as in all contact models here; at 0.28 those of creepage ahead are 4 % larger. They are
+    constant beyond axis ratios of 10 and 1/10, the ends of his table.
     """
 
     logarithm: np.ndarray
     ratios: np.ndarray
 
     def of(self, c: np.ndarray) -> np.ndarray:
-        """The three ratios of strips, shape (3, n)."""
+        """Return the three ratios of strips, shape (3, n)."""
         known = np.log(np.maximum(c, TINY))
         return np.array([np.interp(known, self.logarithm, ratio) for ratio in self.ratios])
 
 
 @lru_cache
 def coefficients() -> Coefficients:
-    """Of the ellipses of Kalker (1990), table E.3."""
+    """Return the coefficients of the ellipses of Kalker (1990), table E.3."""
     c = np.array(C_OF_ELLIPSES)
     return Coefficients(np.log(c), np.array([C11, C22, np.array(C23) / np.sqrt(AXIS_RATIOS)]) / c)
 
 
 def c_of_ellipse(axis_ratio: float) -> float:
-    """Force over G a b and the creepage, with b = 1, of an ellipse of Kalker (1990), table E.3.
+    """Return the force over G a b and the creepage, with b = 1, of an ellipse of Kalker (1990), table E.3.
 
-    Without the last digits, which the threads of BLAS decide.
+    It is rounded, because the last digits depend on the threads of BLAS.
     """
     y = (2 * np.arange(ELLIPSE_STRIPS) + 1) / ELLIPSE_STRIPS - 1
     breadth, half_length = np.full_like(y, 2 / ELLIPSE_STRIPS), axis_ratio * np.sqrt(1 - y**2)
@@ -114,16 +116,18 @@ def c_of_ellipse(axis_ratio: float) -> float:
     return float(f"{np.pi * np.sum(pull * half_length * breadth) / axis_ratio:.{DIGITS}g}")
 
 
-#: Of constants that go into C, so that it has the same bits wherever it is written.
+#: Digits of constants that are written into C code, so that the code is bit-identical on all machines.
 DIGITS = 12
-#: Least t of a strip for a creepage of 1, of which an ellipse has 0.5 and more: divides where others carry all.
+#: Least t of a strip for a creepage of 1; an ellipse has 0.5 and more. It limits a quotient if other strips carry all.
 LEAST_PULL = 0.05
 
 
 @dataclass(frozen=True)
 class Growth:
-    """How the stress grows along each strip while nothing slides: ahead and to the side [Pa/m], shape (2, n), by spin
-    [Pa/m2], and flexibility ahead and to the side over their mean [1], shape (2, n).
+    """Growth of the stress along each strip while nothing slides.
+
+    `steady` is the growth ahead and to the side [Pa/m], shape (2, n), `turning` that by spin [Pa/m2]. `flexible` is the
+    flexibility ahead and to the side over the mean of both [1], shape (2, n).
     """
 
     steady: np.ndarray
@@ -132,7 +136,7 @@ class Growth:
 
 
 def growth_of(patch: ContactArea, creepages: Creepages, steel: Steel) -> Growth:
-    """Of a patch whose strips all touch: Carter (1926) and Kalker (1982), see the module."""
+    """Return the growth for a patch whose strips all touch: Carter (1926) and Kalker (1982), see the module."""
     a, breadth = patch.half_length, patch.breadth
     away = np.hypot(*(patch.strips.arm[i][:, None] - patch.strips.arm[i] for i in (1, 2)))
     asked = np.array([np.ones_like(a), creepages.ahead, creepages.aside])
@@ -149,9 +153,9 @@ def growth_of(patch: ContactArea, creepages: Creepages, steel: Steel) -> Growth:
 
 
 def creep_forces(patch: ContactArea, creepages: Creepages, steel: Steel, friction: float | np.ndarray) -> np.ndarray:
-    """Forces on the wheel, ahead and to the side, of each strip [N], shape (2, n); Kalker (1982).
+    """Return the forces on the wheel, ahead and to the side, of each strip [N], shape (2, n); Kalker (1982).
 
-    friction: of all strips or of each.
+    friction [1]: of all strips or of each.
     """
     touching = patch.half_length > 0.0
     inside = patch.of(touching)
@@ -163,7 +167,7 @@ def creep_forces(patch: ContactArea, creepages: Creepages, steel: Steel, frictio
     shape *= math.pi / 4 / np.mean(shape)
     stress, total, moved = (np.zeros_like(grown.steady) for _ in range(3))
     for place, height in zip(places, shape, strict=True):
-        # By how much the surfaces would have moved over each other since the leading edge.
+        # The displacement of the rigid surfaces over each other since the leading edge.
         before, moved = moved, grown.steady * (1 - place)
         moved[1] += grown.turning * inside.half_length * (1 - place**2) / 2
         stress = _cut(stress - (moved - before) * inside.half_length, limit * height, grown.flexible)
@@ -174,10 +178,10 @@ def creep_forces(patch: ContactArea, creepages: Creepages, steel: Steel, frictio
 
 
 def _cut(stress: np.ndarray, limit: np.ndarray, flexible: np.ndarray) -> np.ndarray:
-    """The stress, no larger than the limit, where friction is met by sliding in its own direction.
+    """Return the stress limited by friction. If it reaches the limit, the sliding has the stress's direction.
 
-    Sliding takes from each component in inverse proportion to its flexibility: far beyond the limit the stress then
-    lies along the sliding, and not along the stress before it.
+    Sliding reduces each component in inverse proportion to its flexibility. Far beyond the limit the stress is thus
+    directed along the sliding, and not along the stress before it.
     """
     beyond = np.maximum(np.hypot(*stress) / np.maximum(limit, TINY), 1.0) - 1
     turned = stress / (1 + beyond / flexible)

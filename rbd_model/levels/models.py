@@ -1,4 +1,4 @@
-"""The FMUs of this package: BogieDynamics, all levels of detail behind one table of variables, and WheelsetDynamics."""
+"""The FMUs of this package: BogieDynamics, all levels of detail with one table of variables, and WheelsetDynamics."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ from rbd_model.vehicle.description import Vehicle, relations_of
 from rbd_model.vehicle.parameters import BogieParameters
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 
-#: Local error per step in nominal values, chosen from the pictures of `speed-accuracy`: docs/choosing.md.
+#: Local error per step in nominal values, chosen from the figures of `speed-accuracy`: docs/choosing.md.
 DEFAULT_TOLERANCE = 1e-6
-#: Start value of `contact_model`: model 1 misleads where a flange bears (scenario `contact-model`), which a run only
-#: tells when it is over.
+#: Start value of `contact_model`. Model 1 misleads if a flange bears (scenario `contact-model`), which is detected only
+#: at the end of a run.
 DEFAULT_DEPTH = 2.0
-#: Start value of `level`: load transfer decides what a braked vehicle does.
+#: Start value of `level`: load transfer determines the motion of a braked vehicle.
 DEFAULT_LEVEL = 2.0
 
 #: Levels of detail by their numbers: what the parameter level chooses.
@@ -34,23 +34,23 @@ LEVELS = {
     3: "spatial (also lateral, yaw and roll motion, profiles of wheels and rails)",
 }
 
-#: Which system of a vehicle serves, by level and, the last number running first, by contact model; and behind them
-#: which of those on a line. NONE: there is no such system.
+#: Number of the system of a vehicle by level and contact model (which varies fastest). The second table continues with the
+#: systems on a line. NONE: no such system exists.
 CHOICE = (0, 0, 0, 1, 1, 1, 2, 3, 4)
 CHOICE_ON_LINE = (*CHOICE, 5, 5, 5, 6, 6, 6, NONE, 7, NONE)
-#: What the places in it stand for: whether on a line, level, contact model.
+#: Meaning of the indices in these tables: whether on a line, level, contact model.
 COMBINATIONS = tuple(product((False, True), LEVELS, DEPTHS))
 #: The numbers of all systems.
 EVERY = tuple(range(8))
-#: The number of that whose strips have a creep law of their own.
+#: The number of the system whose strips have a creep law of their own.
 STRIPS = CHOICE[-1]
-#: Contact model in space on a line: that of the start value, in which a flange has its own place. Each further one
-#: would make every FMU half as large again.
+#: Contact model at level 3 on a line: that of the start value, in which a flange has its own contact. Each further one
+#: would make every FMU larger by half.
 DEPTH_ON_LINE = 2
 
 
 def system_at(vehicle: Vehicle, place: int) -> System:
-    """The system with this number in CHOICE_ON_LINE."""
+    """Return the system with this number in CHOICE_ON_LINE."""
     on_line = place > max(CHOICE)
     number = place - max(CHOICE) - 1 if on_line else place
     if number < 2:
@@ -61,23 +61,23 @@ def system_at(vehicle: Vehicle, place: int) -> System:
 
 
 def levels(vehicle: Vehicle) -> tuple[System, ...]:
-    """The systems in the order of the parameter `level`, the least first; the last one by contact model."""
+    """Return the systems in the order of the parameter `level`, the least first; the last one by contact model."""
     return tuple(system_at(vehicle, place) for place in sorted(set(CHOICE)))
 
 
 def places_of(level: int | None = None, depth: int | None = None, on_line: bool | None = None) -> tuple[int, ...]:
-    """Numbers in CHOICE_ON_LINE of the systems of a level, of a contact model, with or without a line; None: all."""
+    """Return the numbers in CHOICE_ON_LINE of a level, of a contact model, with or without a line; None: of all."""
     asked = (on_line, level, depth)
     good = [all(one in (None, own) for one, own in zip(asked, each, strict=True)) for each in COMBINATIONS]
     return tuple(sorted({*compress(CHOICE_ON_LINE, good)} - {NONE}))
 
 
 def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int] = EVERY) -> Model:
-    """A vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set.
+    """Return a vehicle at all levels as one FMU: inputs, outputs, level, parameters in the order of their set.
 
-    places: which of the systems it has, as `places_of` gives them. Those that it lacks cannot be chosen; without
-    one on a line it has no name of a line's file. Of several, strips are left out where they would not follow the
-    vehicle's creep law.
+    places: the systems that it has, from `places_of`. Systems that it lacks cannot be chosen. Without a system on a
+    line, it has no variable for the name of a line's file. Strips are omitted if other systems exist and the vehicle
+    has a creep law that strips do not follow.
     """
     if vehicle.creep_law != DEFAULT_LAW and len(places) > 1:
         places = [place for place in places if place != STRIPS]
@@ -100,16 +100,16 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int
 
 
 def choice_of(places: Sequence[int], highest: int, on_line: bool) -> tuple[int, ...]:
-    """`Model.choice` of the systems of `places`, where `level` goes up to the highest and lines are read or not."""
+    """Return `Model.choice` of the systems of `places`, for levels up to the highest, with or without lines."""
     each = [choice[: highest * len(DEPTHS)] for choice in (CHOICE, CHOICE_ON_LINE[len(CHOICE) :])]
     kept = (*each[0], *(each[1] if on_line else ()))
     return tuple(places.index(place) if place in places else NONE for place in kept)
 
 
 def selectors(places: Sequence[int] = EVERY) -> tuple[Variable, Variable]:
-    """The parameters that choose the level of detail and, in space, the contact model; of a model with `places`.
+    """Return the parameters for the level of detail and the contact model of a model with `places`.
 
-    They start with the default, or what is nearest to it, and take no level that the model does not have.
+    They start with the default, or the nearest value to it, and accept only levels that the model has.
     """
     found = [each for each, place in zip(COMBINATIONS, CHOICE_ON_LINE, strict=True) if place in places]
     levels_there = {level: text for level, text in LEVELS.items() if level in {own for _, own, _ in found}}
@@ -123,48 +123,51 @@ def selectors(places: Sequence[int] = EVERY) -> tuple[Variable, Variable]:
 
 
 def parameters_of(vehicle: Vehicle, systems: Iterable[System]) -> list[Variable]:
-    """Parameters of all systems: those of the vehicle in the order of their set, after the speed at the start."""
+    """Return the parameters of all systems: the speed at the start, then those of the vehicle in the order of their
+    set.
+    """
     found = {v.name: v for system in systems for v in system.variables if v.causality == "parameter"}
     first = [variables.initial_speed(0.0).name, *vehicle.parameters.values()]
     return [found[name] for name in sorted(found, key=lambda name: first.index(name) if name in first else len(first))]
 
 
 def bogie_dynamics(defaults: BogieParameters | None = None, places: Sequence[int] = EVERY) -> Model:
-    """The bogie as one FMU, that of chapter 5 by default: brake torque capacity in; speed, rotation and slip out.
+    """Return the bogie as one FMU, by default that of chapter 5: brake torque capacity in; speed, rotation and slip
+    out.
 
-    places: as `model_of_levels` takes them.
+    places: as in `model_of_levels`.
     """
     text = "Two-axle railway bogie under brake and traction torque, after Handoko (2006)"
     return model_of_levels("BogieDynamics", text, two_axle_bogie(defaults), places)
 
 
 def vehicle_dynamics(vehicle: Vehicle | None = None, places: Sequence[int] = EVERY) -> Model:
-    """A complete vehicle as one FMU, vehicle 1 of the Manchester benchmarks by default; places: as above."""
+    """Return a complete vehicle as one FMU, by default vehicle 1 of the Manchester benchmarks; places: as above."""
     whole = vehicle or passenger_coach()
     text = "Four-axle railway vehicle under brake and traction torque: car body, two bogies, four wheelsets"
     return model_of_levels(whole.name, text, whole, places)
 
 
 def coal_wagon_dynamics(places: Sequence[int] = EVERY) -> Model:
-    """The coal wagon of two bogies of chapter 5 as an FMU; places: as above."""
+    """Return the coal wagon on two bogies of chapter 5 as an FMU; places: as above."""
     return vehicle_dynamics(loaded_coal_wagon(), places)
 
 
-#: Share of the adhesion that the brakes of the chapter 5 bogie may ask for while static loads give speed, distance and
-#: rotation to 0.2 %; from 0.70 on load transfer locks the trailing wheelset (scenario `levels`, friction 0.3).
+#: Largest share of the adhesion used by the brakes of the chapter 5 bogie for which static loads give speed, distance
+#: and rotation to 0.2 %. Load transfer locks the trailing wheelset (scenario `levels`, friction 0.3).
 STATIC_LOADS_UP_TO = 0.6
-#: Outputs that the point level has, but that load transfer decides: slip and axle load at any torque, lock and creep
-#: force near the adhesion limit.
+#: Outputs of the point level that depend on load transfer: slip and axle load at any torque, lock and creep force near
+#: the adhesion limit.
 DECIDED_BY_LOAD_TRANSFER = ("locked", "slip", "slip_ratio", "creep_force", "axle_load")
-#: Outputs that a flange with its own place, force and creep decides.
+#: Outputs that depend on a flange with its own place, force and creep.
 DECIDED_BY_FLANGE = ("flange_force", "derailment_quotient", "wheel_rise")
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One bogie or, `whole`, the complete vehicle; a level of detail and, in space, a contact model; and why.
+    """A model: one bogie or, `whole`, the complete vehicle; a level of detail; at level 3 a contact model; the reason.
 
-    depth: the least that answers; `contact_model` starts at 2, so that 1 must be asked for.
+    depth: the least contact model that suffices. The parameter `contact_model` starts at 2, so that 1 must be set.
     """
 
     level: int
@@ -174,10 +177,24 @@ class Choice:
 
 
 def recommend_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
-    """The least model that answers a scene: `driven` are the inputs and parameters that it changes, `read` the outputs.
+    """Return the least model that computes a case.
 
-    One bogie (BogieDynamics, of a vehicle with `one_bogie_of`) where it has all names, else the complete vehicle.
-    Raises ValueError for a name that no level has.
+    Parameters
+    ----------
+    driven : iterable of str
+        The inputs and parameters that the case changes.
+    read : iterable of str
+        The outputs that it uses.
+
+    Returns
+    -------
+    Choice
+        One bogie (BogieDynamics, of a vehicle with `one_bogie_of`) if it has all names, else the complete vehicle.
+
+    Raises
+    ------
+    ValueError
+        If no level has a name.
     """
     needed = [*driven, *read]
     of_one_bogie: set[str] = set().union(*names_of_levels(False).values())
@@ -218,14 +235,14 @@ def recommend_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
 
 
 def family_of(name: str) -> str:
-    """What a variable is, without the number of its wheelset and the side of its wheel."""
+    """Return a variable's name without the number of its wheelset and the side of its wheel."""
     return name.removesuffix("_left").removesuffix("_right").rstrip("1234").removesuffix("_")
 
 
 def names_of_levels(whole: bool) -> dict[str, set[str]]:
-    """Names of the variables of each level of one bogie or the vehicle, least first; all have tolerance and line.
+    """Return the variables of each level of one bogie or the vehicle, least first; all have tolerance and line.
 
-    Those of rails that yield are in space only, where there is a line.
+    Those of flexible rails exist only in 3D on a line.
     """
     with ONE_WRITES:
         return _names_of_levels(whole)
@@ -243,7 +260,7 @@ def _names_of_levels(whole: bool) -> dict[str, set[str]]:
 
 
 def wheelset_in_frame(defaults: BogieParameters | None = None) -> System:
-    """The single wheelset in a frame of chapter 4, spatial, with the variables of wheelset 1."""
+    """Return the single wheelset in a frame of chapter 4, at the spatial level, with the variables of wheelset 1."""
     system = spatial_vehicle(wheelset_under_frame(defaults), irregular_track(section_5_3()))
     system.name = "WheelsetDynamics"
     system.description = "Railway wheelset in a frame under brake and traction torque, after Handoko (2006), chapter 4"
@@ -251,7 +268,7 @@ def wheelset_in_frame(defaults: BogieParameters | None = None) -> System:
 
 
 def wheelset_dynamics() -> Model:
-    """The wheelset of chapter 4 as an FMU."""
+    """Return the wheelset of chapter 4 as an FMU."""
     system, vehicle = wheelset_in_frame(), wheelset_under_frame()
     own = {variable.name for variable in system.variables}
     faces = (*variables.inputs(vehicle).values(), *variables.outputs(vehicle).values())

@@ -1,9 +1,9 @@
-"""What holds a vehicle back beside its brakes where the model has no motion for it.
+"""Running and curve resistance of a vehicle, for effects whose motion the model does not include.
 
 Running resistance: W. J. Davis (1926), The tractive resistance of electric locomotives and cars, General Electric
-Review 29: a + b V + c V^2, at all levels. Curves, at levels point and planar: von Roeckl (1880), as railway handbooks
-print it: a share of the weight of 0.650 / (R - 55 m) on main lines, and 0.500 / (R - 30 m) below R = 300 m. All are
-zero with the start values.
+Review 29: a + b V + c V^2, at all levels. Curve resistance, at levels point and planar: von Roeckl (1880), as published
+in railway handbooks. Its share of the weight is 0.650 / (R - 55 m) on main lines, and 0.500 / (R - 30 m) below R = 300
+m. All are zero with the start values.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,9 @@ WIDE, TIGHT, RADIUS = (0.650, 55.0), (0.500, 30.0), 300.0
 
 @dataclass(frozen=True)
 class RunningResistance(ParameterSet):
-    """Of the whole vehicle; the constant part is dry friction, which holds at rest up to its size."""
+    """Resistance of the whole vehicle. Its constant part is dry friction, which holds the vehicle at rest up to its
+    size.
+    """
 
     davis_constant: float = quantity("N", "Running resistance that does not change with speed (a of Davis)", 0.0)
     davis_linear: float = quantity("N.s/m", "Running resistance for each m/s (b of Davis)", 0.0)
@@ -32,7 +34,7 @@ class RunningResistance(ParameterSet):
 
 
 def none() -> RunningResistance:
-    """As in chapter 5: no resistance but that of the axle boxes, rolling_resistance_torque."""
+    """Return the set of chapter 5: no resistance except that of the axle boxes, rolling_resistance_torque."""
     return RunningResistance(0.0, 0.0, 0.0, 0)
 
 
@@ -40,9 +42,10 @@ def none() -> RunningResistance:
 class Resistance:
     """The symbols of running resistance, Davis (1926).
 
-    speed [m/s]: of the body that it acts on. direction: 1, -1, or 0 where it holds that body. steady [N]: what does
-    not change with the speed; growing [N]: what does, with the sign of the speed. possible: above 0 where some of the
-    steady part may come. alone: above 0 where no brake is applied, which would hold the vehicle too.
+    `speed` [m/s] is that of the body on which it acts. `direction` is 1, -1, or 0 while it holds that body. `steady`
+    [N] is the part that does not depend on the speed. `growing` [N] is the part that does, with the sign of the speed.
+    `possible` is above 0 if the steady part is not zero. `alone` is above 0 if no brake is applied, because a brake
+    holds the vehicle too.
     """
 
     speed: ca.SX
@@ -54,21 +57,23 @@ class Resistance:
 
     @property
     def moves(self) -> ca.SX:
-        """1, or 0 where it holds."""
+        """1, or 0 while it holds the body."""
         return self.direction**2
 
     @property
     def force(self) -> ca.SX:
-        """Along the track on what moves [N]; where it holds, 0 in place of what that takes."""
+        """Force along the track on a moving body [N]. While the body is held, its steady part is 0."""
         return -(self.direction * self.steady + self.growing)
 
     @property
     def power(self) -> ca.SX:
-        """What it takes [W]."""
+        """Dissipated power [W]."""
         return -self.force * self.speed
 
     def hold(self, system: System, state: ca.SX, drive: ca.SX) -> None:
-        """Lets it hold the body whose speed is this state, as dry friction does; drive [N]: all other forces on it."""
+        """Let it hold the body whose speed is `state`, as dry friction does; drive [N]: all other forces on the
+        body.
+        """
         absent = system.derived("no_steady_resistance", self.possible == 0)
         words = "holds the vehicle", "lets the vehicle go"
         system.dry_friction(
@@ -77,7 +82,7 @@ class Resistance:
 
 
 def add_resistance(assembly: Assembly, speed: ca.SX, places: Sequence[ca.SX]) -> Resistance:
-    """Of the whole vehicle, Davis (1926) and von Roeckl (1880).
+    """Return the resistance of the whole vehicle, Davis (1926) and von Roeckl (1880).
 
     places [m]: distances of the wheelsets, which carry equal shares of the weight.
     """
@@ -90,7 +95,9 @@ def add_resistance(assembly: Assembly, speed: ca.SX, places: Sequence[ca.SX]) ->
 
 
 def add_davis(assembly: Assembly, speed: ca.SX) -> Resistance:
-    """Of the whole vehicle on straight track, Davis (1926): a + b V + c V^2; speed [m/s]: of what it acts on."""
+    """Return the resistance a + b V + c V^2 of the vehicle on straight track, Davis (1926); speed [m/s]: of its
+    body.
+    """
     names = ("davis_constant", "davis_linear", "davis_quadratic")
     constant, linear, quadratic = (assembly.system.parameter(none().variable(name)) for name in names)
     direction = assembly.system.direction("resisting")
@@ -100,15 +107,15 @@ def add_davis(assembly: Assembly, speed: ca.SX) -> Resistance:
 
 
 def curvatures_at(assembly: Assembly, places: Sequence[ca.SX]) -> list[ca.SX]:
-    """Of the line that an instance runs on [1/m], which holds a vehicle back (section 2.4); without one the input."""
+    """Return the curvatures for the curve resistance [1/m] (section 2.4): of the line, or without a line the input."""
     if not assembly.on_line:
         return [assembly.input["curvature"]]
     return [along_line(assembly.system, "heading", place, 1)[1] for place in places]
 
 
 def curve_share(curvature: ca.SX) -> ca.SX:
-    """Share of the weight that holds a vehicle back in a curve, von Roeckl (1880); curvature [1/m] >= 0."""
+    """Return the resistance in a curve as a share of the weight, von Roeckl (1880); curvature [1/m] >= 0."""
     tight = curvature * RADIUS > 1
-    # A sum in place of a choice, which would cost more, in what is asked after every step.
+    # A sum instead of a choice, which would take longer: this is evaluated after every step.
     share, place = (wide + tight * (narrow - wide) for narrow, wide in zip(TIGHT, WIDE, strict=True))
     return share * curvature / (1 - place * curvature)

@@ -1,9 +1,9 @@
 """The line as data: curvature, cant, gradient, widening, irregularity and friction of both rails, by rows along it.
 
-A line is built of segments or read from a file, and written to one: the file is what an FMU or a kernel reads
-(`line_file`, line_table.py). Curvature and cant are positive for a curve to the left, whose right rail is the higher
-one; distance is that along the line, and gradient the rise for each metre of it. Between rows all values are straight,
-with rounded corners at the rows: `Line.value`, and for models fmu_src/runtime/table_pieces.c.
+A line is built of segments or read from a file. It can be written to a file, which FMUs and kernels read (`line_file`,
+line_table.py). Curvature and cant are positive for a curve to the left, whose right rail is the higher one. Distance is
+measured along the line; gradient is the rise per metre of it. Values are linear between rows, with rounded corners at
+the rows: `Line.value`, and for models fmu_src/runtime/table_pieces.c.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from readers.tables import read_table
 
 #: Names of the columns of a line file.
 NAMES = tuple(column.name for column in LINE.columns)
-#: Rows of a line that is built: at most so far apart [m], and with so much turning between two [rad].
+#: Rows of a line that is built: largest distance between two of them [m], and largest turn between two of them [rad].
 ROW_DISTANCE, ROW_TURN = 5.0, 0.02
-#: Most rows of a line that is built, and most products of rows and waves of `irregular`: some minutes.
+#: Largest number of rows of a line that is built. Largest product of rows and waves in `irregular`: some minutes.
 MOST_ROWS, MOST_PRODUCTS = 1_000_000, 1e10
-#: Irregularities begin behind so much of a line and have grown to their size so much further on [m]: a vehicle starts
-#: with all wheels on rails that lie where they should.
+#: Length of line without irregularities at its start, and length over which they grow to their size after it [m]. A
+#: vehicle thus starts with all wheels on rails in their nominal position.
 QUIET, GROWTH = 15.0, 35.0
-#: Columns whose corners are rounded by cubics, as their integrals are looked up too; friction keeps its corners, and
-#: all others have two continuous derivatives.
+#: Columns whose corners are rounded by cubics, because their integrals are looked up too. Friction keeps its corners.
+#: All other columns have two continuous derivatives.
 INTEGRATED, FRICTIONS = ("curvature", "gradient"), ("left_friction", "right_friction")
-#: What a slope and a bend of 1 at a row add to the straight line over a reach of 1, until it is met again: of the cubic
-#: without a bend, of the quintic with one.
+#: Corrections of the straight line over a reach of 1, for a slope and for a bend of 1 at a row, until the line is met
+#: again: those of the cubic without a bend, those of the quintic with one.
 _AWAY, _LEFT = Polynomial([0.0, 1.0]), Polynomial([1.0, -1.0])
 CUBIC = (_AWAY * _LEFT**2, Polynomial([0.0]))
 QUINTIC = (_AWAY * _LEFT**3 * Polynomial([1.0, 3.0]), _AWAY**2 * _LEFT**3 / 2)
@@ -43,9 +43,12 @@ QUINTIC = (_AWAY * _LEFT**3 * Polynomial([1.0, 3.0]), _AWAY**2 * _LEFT**3 / 2)
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of line, whose curvature [1/m], cant [m] and gradient [1] go linearly from a first to a last value.
+    """A piece of line whose curvature [1/m], cant [m] and gradient [1] change linearly from a first to a last value.
 
-    Raises ValueError for a length [m] that is not above 0, and for what is not finite.
+    Raises
+    ------
+    ValueError
+        If the length [m] is not above 0, or a value is not finite.
     """
 
     length: float
@@ -65,20 +68,24 @@ class Segment:
 
     @property
     def slopes(self) -> np.ndarray:
-        """Their changes along it, shape (3,)."""
+        """Changes of the values per metre, shape (3,)."""
         first, last = self.ends
         return np.asarray((last - first) / self.length)
 
 
 def straight(length: float, gradient: float = 0.0) -> Segment:
-    """Straight track [m] on one gradient."""
+    """Return straight track of a length [m] on one gradient [1]."""
     return Segment(length, gradient=(gradient, gradient))
 
 
 def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) -> Segment:
-    """A curve of one radius [m], to the left where it is positive; cant [m] has the sign of the radius it suits.
+    """Return a curve of one radius [m], to the left if it is positive; cant [m] has the sign of the radius that it
+    suits.
 
-    Raises ValueError for a radius of 0 m, and for what is no number.
+    Raises
+    ------
+    ValueError
+        If the radius is 0 m or not a number.
     """
     if not isinstance(radius, Real) or radius == 0.0 or math.isnan(radius):
         raise ValueError(f"Give an arc a radius that is not 0 m; straight makes what has none. It was {radius!r}.")
@@ -86,9 +93,21 @@ def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) 
 
 
 def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
-    """The transition between two segments, with its cant ramp and, where they differ in gradient, a vertical curve.
+    """Return the transition between two segments, with its cant ramp and, if gradients differ, a vertical curve.
 
-    length [m]. Raises TypeError for what is no segment, ValueError for a length that is not above 0.
+    Parameters
+    ----------
+    length : float
+        Length of the transition [m].
+    before, behind : Segment
+        The segments before and after it.
+
+    Raises
+    ------
+    TypeError
+        If `before` or `behind` is not a segment.
+    ValueError
+        If the length is not above 0.
     """
     if not (isinstance(before, Segment) and isinstance(behind, Segment)):
         raise TypeError("Give a clothoid its length and two segments: that before it and that behind it.")
@@ -98,10 +117,15 @@ def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A line by rows: arrays of shape (n,) by name and in the unit of a column of LINE; equal if these are.
+    """A line by rows: arrays of shape (n,) by name, each in the unit of a column of LINE. Lines with equal rows are
+    equal.
 
-    A column that is missing has its neutral value; distance is never missing. Raises TypeError, KeyError, ValueError
-    for rows that no line file may have (docs/line.md); the message names column, row from 1, value and limit.
+    A missing column has its neutral value. The distance is required.
+
+    Raises
+    ------
+    TypeError, KeyError, ValueError
+        If no line file may have these rows (docs/line.md). The message gives column, row from 1, value and limit.
     """
 
     rows: dict[str, np.ndarray] = field(repr=False)
@@ -111,7 +135,7 @@ class Line:
 
     @classmethod
     def of_any_size(cls, rows: dict[str, np.ndarray]) -> Line:
-        """Return a line of rows that are right but for the limits of their columns, which are not looked at."""
+        """Return a line of valid rows, without a check of the limits of their columns."""
         line = object.__new__(cls)
         object.__setattr__(line, "rows", rows)
         return line
@@ -128,14 +152,21 @@ class Line:
 
     @property
     def length(self) -> float:
-        """From the first row to the last [m]."""
+        """Distance from the first row to the last [m]."""
         return float(self.rows["distance"][-1] - self.rows["distance"][0])
 
     def value(self, name: str, distance: np.ndarray | float, order: int = 0) -> np.ndarray:
         """Return a column at places [m] as models read it (docs/line.md), or its derivative of an `order` along them.
 
-        It is straight between rows; corners are rounded over ROUNDING on either side of a row. A column that is missing
-        has its neutral value. Raises KeyError for a name that is no column, ValueError for an order that is not 0 to 2.
+        The column is linear between rows. Corners are rounded over ROUNDING on either side of a row. A missing column
+        has its neutral value.
+
+        Raises
+        ------
+        KeyError
+            If `name` is not a column.
+        ValueError
+            If `order` is not 0, 1 or 2.
         """
         if name not in NAMES:
             raise KeyError(f"A line's columns must be of {', '.join(NAMES)}; got {name!r}. Give one of these.")
@@ -166,13 +197,13 @@ class Line:
         return np.sort(np.concatenate([s, s[:-1][far] + ROUNDING, s[1:][far] - ROUNDING]))
 
     def write(self, path: Path) -> Path:
-        """Writes the file that a kernel reads, each number to its last digit; the path."""
+        """Write the file that a kernel reads, with all digits of each number, and return its path."""
         lines = self.lines_of([name for name in NAMES if name in self.rows])
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
         return path
 
     def lines_of(self, names: Sequence[str]) -> list[str]:
-        """Lines of that file with these columns alone."""
+        """Return the lines of that file with only these columns."""
         table = np.column_stack([self.rows[name] for name in names]).tolist()
         return [",".join(names), *(",".join(map(repr, row)) for row in table)]
 
@@ -193,9 +224,9 @@ class Line:
 def rounded(distance: np.ndarray, values: np.ndarray, bending: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the reach of corners on either side of each row [m], slope [1/m] and bend [1/m2] at each row.
 
-    bending: for quintics; else for cubics, whose bends are not asked for. Reaches have one more value, beyond either
-    end of the line. As in table_pieces.c curves do not leave the values of the rows beside them:
-    Fritsch and Carlson (1980), Monotone piecewise cubic interpolation, SIAM Journal on Numerical Analysis 17.
+    bending: true for quintics. Cubics need no bends. Reaches have one more value, beyond either end of the line. As in
+    table_pieces.c, curves do not leave the values of the neighbouring rows: Fritsch and Carlson (1980), Monotone
+    piecewise cubic interpolation, SIAM J. Numer. Anal. 17.
     """
     width = np.diff(distance)
     meets = np.pad(width <= 2 * ROUNDING, 1)
@@ -219,7 +250,7 @@ def rounded(distance: np.ndarray, values: np.ndarray, bending: bool) -> tuple[np
 
 
 def share_of_end(straight: np.ndarray, slope: np.ndarray, bend: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Return which share of slope and bend the end of a quintic may have beside a straight line of another slope.
+    """Return the share of slope and bend that the end of a quintic may have next to a straight line of another slope.
 
     Dougherty, Edelman and Hyman (1989), Mathematics of Computation 52.
     """
@@ -250,10 +281,16 @@ def read_line(path: Path) -> Line:
 
 
 def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
-    """A line of segments one after the other from a distance [m]; joints within what goes on alike leave no trace.
+    """Return a line of consecutive segments from a distance [m]. Joints between segments of equal slopes are removed.
 
-    Corners and jumps are rounded over ROUNDING on either side. Raises ValueError for a segment without length, or one
-    that is shorter than what is rounded at both its ends. Raises TypeError for what is no list of segments.
+    Corners and jumps are rounded over ROUNDING on either side.
+
+    Raises
+    ------
+    TypeError
+        If `segments` is not a list of segments.
+    ValueError
+        If a segment is shorter than the rounding at both its ends, or `start` is not finite.
     """
     given = [] if isinstance(segments, Segment) else list(segments)
     if isinstance(segments, Segment) or not all(isinstance(one, Segment) for one in given):
@@ -284,7 +321,7 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
 
 
 def joined(segments: Sequence[Segment]) -> list[Segment]:
-    """The segments, those joined into one that go on as the one before. Raises ValueError, see `line_of`."""
+    """Return the segments, with each one that continues the one before joined to it. ValueError: see `line_of`."""
     if not segments:
         raise ValueError("Give a line at least one segment.")
     found = [segments[0]]
@@ -305,8 +342,8 @@ def joined(segments: Sequence[Segment]) -> list[Segment]:
 class Spectrum:
     """Power spectral densities of a track [m2/(rad/m)], by wave number W [rad/m], two-sided.
 
-    A W_c^2 / ((W^2 + W_r^2)(W^2 + W_c^2)): lateral and vertical of the centre line; half of the cross level as the
-    vertical one times W^2 / (W^2 + W_s^2).
+    A W_c^2 / ((W^2 + W_r^2)(W^2 + W_c^2)) is the lateral and the vertical density of the centre line. That of half of
+    the cross level is the vertical one times W^2 / (W^2 + W_s^2).
     """
 
     lateral: float
@@ -316,26 +353,31 @@ class Spectrum:
     level: float = 0.4380
 
     def of_centre(self, size: float, number: np.ndarray) -> np.ndarray:
-        """Density of the lateral or vertical irregularity at wave numbers [rad/m]."""
+        """Return the density of the lateral or vertical irregularity [m2/(rad/m)] at wave numbers [rad/m]."""
         return np.asarray(size * self.cut**2 / ((number**2 + self.rise**2) * (number**2 + self.cut**2)))
 
     def of_level(self, number: np.ndarray) -> np.ndarray:
-        """Density of half of the cross level [m2/(rad/m)]."""
+        """Return the density of half of the cross level [m2/(rad/m)] at wave numbers [rad/m]."""
         return self.of_centre(self.vertical, number) * number**2 / (number**2 + self.level**2)
 
 
-#: ERRI B176 (1993), as H. Claus and W. Schiehlen (1998), Modeling and simulation of railway bogie structural
-#: vibrations, Vehicle System Dynamics 29 (S1), 538-552, print them.
+#: ERRI B176 (1993), as published by H. Claus and W. Schiehlen (1998), Modeling and simulation of railway bogie
+#: structural vibrations, Vehicle System Dynamics 29 (S1), 538-552.
 ERRI_LOW, ERRI_HIGH = Spectrum(2.119e-7, 4.032e-7), Spectrum(6.125e-7, 1.08e-6)
 
 
 def irregular(
     line: Line, spectrum: Spectrum, seed: int, waves: tuple[float, float] = (3.0, 100.0), pitch: float = 0.25
 ) -> Line:
-    """The line with irregularities of both rails by random phases, rows every `pitch` [m]; a seed gives one track.
+    """Return the line with irregularities of both rails by random phases, rows every `pitch` [m]; a seed gives one
+    track.
 
-    They grow behind its start: QUIET, GROWTH. waves: shortest and longest wave [m]. Raises ValueError where the pitch
-    does not show the shortest one.
+    They grow after its start: QUIET, GROWTH. waves: shortest and longest wave [m].
+
+    Raises
+    ------
+    ValueError
+        If the pitch does not resolve the shortest wave.
     """
     if not pitch * 8 <= waves[0] < waves[1]:
         raise ValueError(

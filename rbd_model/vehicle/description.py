@@ -1,7 +1,8 @@
-"""A vehicle as data: bodies, wheelsets, connections. Nothing here is a symbol; a level of detail interprets it.
+"""A vehicle as data: bodies, wheelsets, connections. It holds no symbols; a level of detail interprets it.
 
-x forward from the vehicle's centre, y to the left, z up from the wheelset axes; all places are those at rest. A size is
-a number, the name of a parameter, or a sum of such, so that one description serves all parameter sets of its kind.
+x points forward from the vehicle's centre, y to the left, z up from the wheelset axes. All places are those at rest. A
+size is a number, the name of a parameter, or a sum of both. Therefore one description suffices for all parameter sets
+of its kind.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.geometry import Pair, Sides, thesis_pair
 from readers.text import shown
 
-#: Radius of a wheel from and to [m]: of scale models on rollers, and above those of steam locomotives, 1.2 m.
+#: Limits of a wheel's radius [m]: scale models on roller rigs; 0.3 m above the wheels of steam locomotives, 1.2 m.
 SMALLEST_RADIUS, LARGEST_RADIUS = 0.01, 1.5
-#: Length of a vehicle at most [m]: the longest Schnabel cars have 70 m.
+#: Largest length of a vehicle [m]. The longest Schnabel cars have 70 m.
 LONGEST_VEHICLE = 100.0
 
 DIRECTIONS = ("longitudinal", "lateral", "vertical")
 ANGLES = ("roll", "pitch", "yaw")
-#: Motions that a body may be without: a direction, but for the longitudinal one, or an angle.
+#: Motions that a body may lack: all directions except the longitudinal one, and all angles.
 HOLDABLE = ("lateral", "bounce", *ANGLES)
 Motion = Literal["lateral", "bounce", "roll", "pitch", "yaw"]
 
@@ -55,14 +56,14 @@ Place = tuple[Size, Size, Size]
 
 
 def as_sum(size: Size) -> Sum:
-    """The same size as a `Sum`."""
+    """Return the same size as a `Sum`."""
     if isinstance(size, Sum):
         return size
     return Sum(((size, 1.0),)) if isinstance(size, str) else Sum((), float(size))
 
 
 def size_of(size: Size, parameters: Mapping[str, Any]) -> Any:
-    """A size with values, or symbols, of the parameters that it names."""
+    """Return a size, computed from the values or symbols of the parameters that it names."""
     if isinstance(size, str):
         return parameters[size]
     if isinstance(size, Sum):
@@ -75,8 +76,8 @@ def size_of(size: Size, parameters: Mapping[str, Any]) -> Any:
 class RigidBody:
     """A body above the wheelsets: mass [kg], moments of inertia about its own x, y, z [kg.m2], place of its centre [m].
 
-    held: motions that something keeps at rest, as section 4.2 keeps a frame's pitch, without work. text: what it is
-    called in descriptions. Its variables begin with its name, but for those of the motions in `plain`.
+    held: motions that are kept at rest without work, as the pitch of a frame in section 4.2. text: name of the body in
+    descriptions. Names of its variables begin with its name, except for those of the motions in `plain`.
     """
 
     name: str
@@ -89,7 +90,7 @@ class RigidBody:
     plain: tuple[str, ...] = ()
 
     def variable(self, motion: str) -> str:
-        """Name of a motion's variable."""
+        """Return the name of a motion's variable."""
         return motion if motion in self.plain else f"{self.name}_{motion}"
 
 
@@ -109,13 +110,19 @@ class Wheelset:
 
     @property
     def mean_radius(self) -> Size:
-        """Nominal rolling radius of both wheels."""
+        """Nominal rolling radius, the mean of both wheels [m]."""
         left, right = self.radius
         return left if left == right else (as_sum(left) + right) * 0.5
 
     @property
     def equal_sides(self) -> Pair:
-        """The pair of wheel and rail on both sides. Raises ValueError where they are not said to be equal."""
+        """The pair of wheel and rail of both sides.
+
+        Raises
+        ------
+        ValueError
+            If `pair` is not a `Pair`, which has the same profiles on both sides.
+        """
         if not isinstance(self.pair, Pair):
             raise ValueError(
                 "At contact model 1 both wheels of a wheelset have one profile, and so have both rails; give a Pair, "
@@ -125,15 +132,16 @@ class Wheelset:
 
 
 def wheelset_name(number: int) -> str:
-    """How connections name a wheelset."""
+    """Return the name of a wheelset in connections."""
     return f"wheelset_{number}"
 
 
 @dataclass(frozen=True)
 class SuspensionElement:
-    """Between a point of one body and a point of another, which are one place at rest; `upper` rests on `lower`.
+    """An element between a point of one body and a point of another. At rest both points are at one place.
 
-    Ends are bodies by name, and wheelsets as wheelset_1, wheelset_2 ... On both sides: one at y and one at -y.
+    `upper` rests on `lower`. Ends are names of bodies, or wheelset_1, wheelset_2 ... both_sides: one element at y and
+    one at -y.
     """
 
     name: str
@@ -143,7 +151,7 @@ class SuspensionElement:
     both_sides: bool
 
     def sides(self) -> Iterator[tuple[str, Place]]:
-        """Each single one: a name and its place."""
+        """Yield the name and the place of each single element."""
         x, y, z = self.place
         if not self.both_sides:
             yield self.name, self.place
@@ -156,7 +164,7 @@ class SuspensionElement:
 class Springs(SuspensionElement):
     """Linear springs and dampers, each along one direction of the track: [N/m] and [N.s/m] for x, y, z.
 
-    One with a vertical stiffness carries its share of the weight of what rests on it.
+    An element with a vertical stiffness carries its share of the weight that rests on it.
     """
 
     stiffness: tuple[Size, Size, Size] = (0.0, 0.0, 0.0)
@@ -164,7 +172,7 @@ class Springs(SuspensionElement):
 
     @property
     def carries(self) -> bool:
-        """Whether it has a preload."""
+        """True if it has a preload."""
         return self.stiffness[2] != 0.0
 
 
@@ -179,9 +187,10 @@ class Torsion(SuspensionElement):
 
 @dataclass(frozen=True)
 class BumpStop(SuspensionElement):
-    """A piecewise linear force [N] over the travel [m] along one direction, the same both ways.
+    """A piecewise linear force [N] over the travel [m] along one direction, the same in both senses.
 
-    travel: increasing, the first the clearance, where the force is 0; the last slope goes on beyond the end.
+    travel: increasing; the first value is the clearance, where the force is 0. The last slope is continued beyond the
+    end.
     """
 
     direction: str = "lateral"
@@ -191,7 +200,7 @@ class BumpStop(SuspensionElement):
 
 @dataclass(frozen=True)
 class SeriesDamper(SuspensionElement):
-    """A spring [N/m] and a damper [N.s/m] one behind the other, along one direction."""
+    """A spring [N/m] and a damper [N.s/m] in series, along one direction."""
 
     direction: str = "lateral"
     stiffness: Size = 0.0
@@ -200,10 +209,11 @@ class SeriesDamper(SuspensionElement):
 
 @dataclass(frozen=True)
 class FrictionSlider(SuspensionElement):
-    """Dry friction along one direction, with a true stuck state: a slider of some mass [kg] behind a spring [N/m].
+    """Dry friction along one direction, with a true stuck state: a slider with a mass [kg] in series with a spring
+    [N/m].
 
-    Stuck, it is that spring alone. capacity [N]: a force, such as that of a prestressed friction wedge. The damper
-    [N.s/m] lies beside the spring.
+    A stuck element is only this spring. capacity [N]: a force, such as that of a prestressed friction wedge. The damper
+    [N.s/m] is parallel to the spring.
     """
 
     direction: str = "vertical"
@@ -215,7 +225,9 @@ class FrictionSlider(SuspensionElement):
 
 @dataclass(frozen=True)
 class Pull:
-    """A force from outside on a body or wheelset [N], an input, along one direction of the track, at a place."""
+    """An external force on a body or wheelset [N]. It is an input, acts at a place, and along one direction of the
+    track.
+    """
 
     name: str
     text: str
@@ -226,11 +238,22 @@ class Pull:
 
 @dataclass(frozen=True)
 class Vehicle:
-    """Bodies, the first of which counts the distance; wheelsets, the leading one first; what connects them.
+    """Bodies, wheelsets, and the connections between them.
 
-    creep_law: a key of LAWS, for treads; at contact model 3 strips have their own, and only the default stands there.
-    Raises ValueError with one sentence for what cannot be built: a connection to what is not there, a mass of 0, a body
-    that nothing carries, two wheelsets at one place, a law that there is not.
+    Parameters
+    ----------
+    bodies : tuple of RigidBody
+        The distance is measured at the first of them.
+    wheelsets : tuple of Wheelset
+        The leading one first.
+    creep_law : str
+        A key of LAWS, for treads. Strips (contact model 3) have their own law and accept only the default.
+
+    Raises
+    ------
+    ValueError
+        If the vehicle cannot be built. Examples: an end of a connection is unknown; a mass is 0; a body is not carried;
+        two wheelsets are at one place; the creep law is unknown.
     """
 
     name: str
@@ -251,16 +274,18 @@ class Vehicle:
 
     @property
     def parts(self) -> list[RigidBody | Wheelset]:
-        """What has a mass."""
+        """Bodies and wheelsets: all parts with a mass."""
         return [*self.bodies, *self.wheelsets]
 
     def number(self, size: Size) -> float:
-        """A size with the values of the vehicle's own parameters."""
+        """Return a size computed from the values of the vehicle's own parameters."""
         return float(size_of(size, self.parameters.values()))
 
     @property
     def gaps(self) -> list[Sum]:
-        """What lies between the wheels of each wheelset and the next one [m]; below 0 they overlap."""
+        """Clearances between the wheels of each wheelset and the next one [m]. They overlap if a clearance is below
+        0.
+        """
         return [
             as_sum(leading.along) - trailing.along - as_sum(leading.mean_radius) - trailing.mean_radius
             for leading, trailing in pairwise(self.wheelsets)
@@ -273,7 +298,7 @@ class Vehicle:
 
 
 def check(vehicle: Vehicle) -> None:
-    """Raises ValueError with a sentence for a vehicle that cannot be built."""
+    """Raise ValueError with a message if the vehicle cannot be built."""
     ends = [*(body.name for body in vehicle.bodies), *(wheelset_name(number) for number, _ in vehicle.numbered)]
     names = Counter([*ends, *(one.name for one in vehicle.connections), *(pull.name for pull in vehicle.pulls)])
     for name, count in names.items():
@@ -299,9 +324,9 @@ def check(vehicle: Vehicle) -> None:
     _check_supports(vehicle)
 
 
-#: Of any body or wheelset.
+#: Names of the mass and of the moments of inertia of a body or wheelset.
 INERTIAS = ("mass", *(f"{angle} inertia" for angle in ANGLES))
-#: What must be above 0: accelerations and rates are divided by it.
+#: Sizes that must be above 0, because accelerations and rates are divided by them.
 POSITIVE_SIZES = (*INERTIAS, "series damping", "slider mass")
 
 
@@ -317,7 +342,7 @@ def _number(vehicle: Vehicle, part: str, size: Size) -> float:
 
 
 def _sizes(vehicle: Vehicle) -> Iterator[tuple[str, str, Size]]:
-    """All sizes of a description: of which part, what, and the size."""
+    """Yield all sizes of a description: name of the part, name of the size, and the size."""
     parts: dict[str, RigidBody | Wheelset] = {body.name: body for body in vehicle.bodies}
     parts |= {wheelset_name(number): wheelset for number, wheelset in vehicle.numbered}
     for name, part in parts.items():
@@ -336,7 +361,7 @@ def _sizes(vehicle: Vehicle) -> Iterator[tuple[str, str, Size]]:
 
 
 def _references(vehicle: Vehicle, ends: list[str]) -> Iterator[tuple[str, str, list[str]]]:
-    """Who names which part, and the parts that may be meant."""
+    """Yield each reference to a part: its user, the name that it uses, and the possible names."""
     bodies = [body.name for body in vehicle.bodies]
     for one in vehicle.connections:
         yield f"the connection {one.name}", one.upper, ends
@@ -349,7 +374,7 @@ def _references(vehicle: Vehicle, ends: list[str]) -> Iterator[tuple[str, str, l
 
 
 def _check_ends(vehicle: Vehicle, connection: SuspensionElement) -> None:
-    """What joins axle boxes, which pitch with the body at the other end."""
+    """Check connections to axle boxes. Axle boxes pitch with the body at the other end."""
     wheelsets = [end for end in (connection.upper, connection.lower) if end not in {b.name for b in vehicle.bodies}]
     if len(wheelsets) == 2:
         sentence = (
@@ -366,7 +391,7 @@ def _check_ends(vehicle: Vehicle, connection: SuspensionElement) -> None:
 
 
 def _check_law(vehicle: Vehicle, connection: SuspensionElement) -> None:
-    """Words that name no direction or angle, and the points of a bump stop."""
+    """Check the names of directions and angles, and the points of a bump stop."""
     for word, known in (("direction", DIRECTIONS), ("angle", ANGLES)):
         value = getattr(connection, word, known[0])
         if value not in known:
@@ -409,7 +434,7 @@ def _check_radii(vehicle: Vehicle) -> None:
 
 
 def _overlap(number: int, gap: Sum) -> str:
-    """The sentence for wheelsets that are too near, with a place for how much."""
+    """Return the message for wheelsets that are too near. %s stands for the overlap [m]."""
     names = _words(name for name, _ in _joined(gap))
     return (
         f"the wheels of {wheelset_name(number)} and {wheelset_name(number + 1)} must not overlap; they do by %s m; "
@@ -418,13 +443,13 @@ def _overlap(number: int, gap: Sum) -> str:
 
 
 def _words(names: Iterable[str]) -> str:
-    """Names in a sentence."""
+    """Return names as a list in words, with "and" before the last one."""
     *first, last = [*names] or [""]
     return f"{', '.join(first)} and {last}" if first else last
 
 
 def _joined(size: Sum) -> tuple[tuple[str, float], ...]:
-    """The terms of a size, each parameter once."""
+    """Return the terms of a size, each parameter once."""
     factors: dict[str, float] = {}
     for name, factor in size.terms:
         factors[name] = factors.get(name, 0.0) + factor
@@ -432,7 +457,7 @@ def _joined(size: Sum) -> tuple[tuple[str, float], ...]:
 
 
 def relations_of(vehicle: Vehicle, parameters: Collection[str]) -> tuple[Relation, ...]:
-    """What the `parameters` of an FMU must keep together: wheels must not overlap."""
+    """Return the relations between the `parameters` of an FMU by which wheels do not overlap."""
     found = []
     for number, gap in enumerate(vehicle.gaps, 1):
         terms = _joined(gap)
@@ -445,7 +470,7 @@ def relations_of(vehicle: Vehicle, parameters: Collection[str]) -> tuple[Relatio
 
 
 def _check_supports(vehicle: Vehicle) -> None:
-    """Every body must rest, by others or at once, on a wheelset, and on springs that do not let it tip over."""
+    """Check that each body rests on a wheelset, directly or through others, on springs that do not let it tip over."""
     resting = {wheelset_name(number) for number, _ in vehicle.numbered}
     waiting = [body for body in vehicle.bodies if "bounce" not in body.held]
     resting |= {body.name for body in vehicle.bodies if body not in waiting}
@@ -464,7 +489,7 @@ def _check_supports(vehicle: Vehicle) -> None:
 
 
 def _check_footing(vehicle: Vehicle, body: RigidBody) -> None:
-    """Springs on one line let a body tip over that line."""
+    """Check that the springs of a body are not on one line, over which the body would tip."""
     places = [p for c in vehicle.carrying if c.upper == body.name for _, p in c.sides()]
     for angle, across, axis in (("roll", 1, "side to side"), ("pitch", 0, "front to back")):
         values = {_number(vehicle, body.name, place[across]) for place in places}

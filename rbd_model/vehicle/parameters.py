@@ -1,7 +1,7 @@
 """Parameter sets of the bogie, one function for each pair of tables in the thesis.
 
-Every field carries its unit, the thesis's symbol and a lower limit; the doc string of each set says what was printed,
-what was fitted and what was assumed.
+Every field has its unit, the thesis's symbol and a lower limit. The docstring of each set lists the reported values,
+the fitted values and the assumptions.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -9,12 +9,12 @@ from dataclasses import dataclass, fields, replace
 from fmu_src.system import ParameterSet, quantity
 from rbd_model.vehicle.description import LARGEST_RADIUS, LONGEST_VEHICLE
 
-#: Smallest value of quantities that must be above zero; far below any bogie, far above round-off.
+#: Smallest value of quantities that must be above zero. It is far below any bogie's and far above round-off.
 POSITIVE = 1e-6
-#: Half of a lateral distance at most [m]: half of a vehicle's width on the widest gauges, rounded up.
+#: Largest half lateral distance [m]: half of a vehicle's width on the widest gauges, rounded up.
 WIDEST = 3.0
-#: The thesis's reading of what reacts where: its torques act on the wheelsets alone (3.36), its flange's force at the
-#: wheelset's centre (3.106). Scenarios that compare with it use these values in place of the physical ones.
+#: The thesis's reading of the points of action: its torques act on the wheelsets alone (3.36), its flange's force at
+#: the wheelset's centre (3.106). Scenarios that compare with it use these values instead of the physical ones.
 AS_PRINTED = {"torque_reaction": 0.0, "flange_at_rail": 0.0}
 
 
@@ -92,7 +92,7 @@ class BogieParameters(ParameterSet):
 
 @dataclass(frozen=True)
 class VehicleParameters(BogieParameters):
-    """A car body on two bogies; what `BogieParameters` calls the sprung mass is one bogie's frame.
+    """A car body on two bogies. The sprung mass of `BogieParameters` is the frame of one bogie.
 
     Heights are above the wheelset axes. Secondary stiffness and damping are those of one side of one bogie. A traction
     rod joins the body to the middle of a frame, at the height of the secondary springs.
@@ -125,7 +125,7 @@ class VehicleParameters(BogieParameters):
 
 
 def as_printed(parameters: BogieParameters) -> BogieParameters:
-    """The same bogie in the thesis's reading of what reacts where: AS_PRINTED.
+    """Return the same bogie with the thesis's points of action: AS_PRINTED.
 
     Torques act on the wheelsets alone (section 9.2), the flange's force at the wheelset's centre (section 3.3.7).
     """
@@ -133,14 +133,14 @@ def as_printed(parameters: BogieParameters) -> BogieParameters:
 
 
 def tables_4_1_and_4_2() -> BogieParameters:
-    """The wheelset in a frame of chapter 4, axle load about 110 kN.
+    """Return the wheelset in a frame of chapter 4, axle load about 110 kN.
 
-    Printed: Table 4.1 (springs and dampers, of each of the two elements), Table 4.2 (masses and inertias), wheel radius
-    0.425 m.
-    Fitted: both half spacings 0.49 m, to the critical speed of 27 m/s (section 4.4). Printed is a distance of
-    0.7 m, so 0.35 m, which makes the wheelset unstable from 22 m/s on; `critical-speed` shows both.
-    Assumed: frame_height 0, as nothing else is said and the frame's pitch is held; wheel_base has no meaning here; the
-    rest as in `tables_5_1_and_5_2`.
+    Reported: Table 4.1 (springs and dampers, of each of the two elements), Table 4.2 (masses and inertias), wheel
+    radius 0.425 m.
+    Fitted: both half spacings 0.49 m, to the critical speed of 27 m/s (section 4.4). The thesis reports a distance of
+    0.7 m, so 0.35 m. This makes the wheelset unstable from 22 m/s on; `critical-speed` shows both.
+    Assumed: frame_height 0, because the thesis gives no height and the frame's pitch is held. The wheel_base has no
+    effect here. The rest is as in `tables_5_1_and_5_2`.
     """
     return BogieParameters(
         **tables_5_1_and_5_2().values()
@@ -163,20 +163,20 @@ def tables_4_1_and_4_2() -> BogieParameters:
 
 
 def tables_5_1_and_5_2() -> BogieParameters:
-    """The simplified two-axle bogie of chapter 5, axle load about 300 kN.
+    """Return the simplified two-axle bogie of chapter 5, axle load about 300 kN.
 
-    Printed: Table 5.1 (springs and dampers, of each element), Table 5.2 (masses and inertias), wheel base 1.675 m
-    (section 5.2, where "mm" is a misprint for m), wheel radius 0.425 m (section 4.5),
-    flange_clearance 9.5 mm (section 4.3).
+    Reported: Table 5.1 (springs and dampers, of each element). Table 5.2 (masses and inertias). Wheel base 1.675 m
+    (section 5.2, where "mm" is a misprint for m). Wheel radius 0.425 m (section 4.5). Flange_clearance 9.5 mm (section
+    4.3).
     Fitted, all under the thesis's reading (AS_PRINTED): frame_height. Section 5.4.2 says only that the axles lie below
-    the centre of mass; 0.8 m locks the leading wheelset half a second after 60 kN.m are applied (Fig. 5.44).
-    Both half spacings 0.7 m, to the derailments of chapter 9. flange_stiffness 1e8 N/m, to lateral peaks of 9.5 to
-    10 mm (section 5.3.1).
+    the centre of mass; 0.8 m locks the leading wheelset half a second after 60 kN.m are applied (Fig. 5.44). Both half
+    spacings 0.7 m, to the derailments of chapter 9. Flange_stiffness 1e8 N/m, to lateral peaks of 9.5 to 10 mm (section
+    5.3.1).
     Switches: torque_reaction, flange_at_rail, yaw_torque_rotates, constant_speed and wheel_lift_ends are on, on, off,
-    off and on, the physical readings; AS_PRINTED has the thesis's of the first two; running_safety_warnings is off.
-    Both rails have the friction of the inputs, as in section 4.4.
-    Assumed: contact_damping 1 s/m, 7 % of the critical damping of a wheelset on its rails; rail head radius 300 mm
-    (60 kg rail), conical tread, steel with G = 82 GPa, g = 9.81 m/s2, creepage_speed; no rolling resistance.
+    off and on, the physical readings. AS_PRINTED has the thesis's of the first two. Also, running_safety_warnings is
+    off. Both rails have the friction of the inputs, as in section 4.4.
+    Assumed: contact_damping 1 s/m, 7 % of the critical damping of a wheelset on its rails. A rail head radius of 300 mm
+    (60 kg rail), a conical tread, steel with G = 82 GPa, g = 9.81 m/s2, and creepage_speed. No rolling resistance.
     """
     return BogieParameters(
         frame_mass=60000.0,
@@ -220,13 +220,14 @@ def tables_5_1_and_5_2() -> BogieParameters:
 
 
 def tables_8_1_and_8_2() -> BogieParameters:
-    """The QR30 bogie of the experiment, without a wagon body.
+    """Return the QR30 bogie of the experiment, without a wagon body.
 
-    Printed: Table 8.1 (masses and inertias), Table 8.2 (wheel base, wheel radius), rolling resistance 65 N.m for each
-    wheelset (section 8.3, where "kN.m" is a misprint: 65 kN.m is fifty times what the rail can turn at friction 0.18).
-    Assumed: the suspension of Table 5.1, because section 8.2.1 refers to the model of chapter 5; frame_height 0,
-    because the measured load of the braked wheelset, 2 x 8.85 kN (section 7.4.2), is the static one to 1 %; the rest as
-    in `tables_5_1_and_5_2`.
+    Reported: Table 8.1 (masses and inertias). Table 8.2 (wheel base, wheel radius). Rolling resistance 65 N.m for each
+    wheelset (section 8.3). There "kN.m" is a misprint: 65 kN.m is fifty times the torque that the rail can transmit at
+    friction 0.18.
+    Assumed: the suspension of Table 5.1, because section 8.2.1 refers to the model of chapter 5. Also frame_height 0:
+    the measured load of the braked wheelset, 2 x 8.85 kN (section 7.4.2), is the static one to 1 %. The rest is as in
+    `tables_5_1_and_5_2`.
     """
     chapter_5 = tables_5_1_and_5_2().values()
     return BogieParameters(
@@ -249,13 +250,14 @@ def tables_8_1_and_8_2() -> BogieParameters:
 
 
 def manchester_vehicle_1() -> VehicleParameters:
-    """Vehicle 1 of the Manchester benchmarks, a passenger coach; Iwnicki (1998), Vehicle System Dynamics 30, 295-313.
+    """Return vehicle 1 of the Manchester benchmarks, a passenger coach (Iwnicki 1998).
 
-    As transcribed in public code that cites it: masses, inertias, spacings, wheel radius, heights of the
-    centres (1.8 and 0.6 m above the rail), springs, dampers, anti-roll bar, bending of the air springs. The vertical
-    primary stiffness is found as 1.220 and as 1.200 MN/m; here 1.220. No transcription has a traction rod.
-    Assumed: height of the secondary springs 0.9 m above the rail, couplers 20 m apart and 1.0 m above the rail; wheels
-    and rails (`synthetic_pair`), flange and contact as in `tables_5_1_and_5_2`, no rolling resistance.
+    S. Iwnicki (1998), Vehicle System Dynamics 30, 295-313, as transcribed in public code that cites it: masses,
+    inertias, spacings, wheel radius, heights of the centres (1.8 and 0.6 m above the rail), springs, dampers, anti-roll
+    bar, bending of the air springs. Transcriptions give 1.220 and 1.200 MN/m for the vertical primary stiffness; this
+    set uses 1.220. No transcription has a traction rod.
+    Assumed: height of the secondary springs 0.9 m above the rail; couplers 20 m apart and 1.0 m above the rail. Wheels
+    and rails (`synthetic_pair`), flange and contact are as in `tables_5_1_and_5_2`, without rolling resistance.
     """
     radius = 0.46
     return VehicleParameters(
@@ -305,24 +307,27 @@ def manchester_vehicle_1() -> VehicleParameters:
 
 
 def coach_with_traction_rods() -> VehicleParameters:
-    """The passenger coach: vehicle 1 of the Manchester benchmarks, Iwnicki (1998), with a traction rod in each bogie.
+    """Return the passenger coach: vehicle 1 of the Manchester benchmarks (Iwnicki 1998), with a traction rod in each
+    bogie.
 
-    Printed: all of `manchester_vehicle_1`, whose body nothing damps along the track.
-    Assumed: the rods. 5 MN/m is the size of a rod between rubber bushes, soft against the wheelsets' guidance, stiff
-    against the secondary springs: body and bogies swing against each other on it at 4.8 Hz, and it gives way by 4 mm
-    when the coach brakes at 1.2 m/s2. 25 kN.s/m gives the bushes a loss factor, damping times circular frequency over
-    stiffness, of 0.15 there, as filled natural rubber has 0.1 to 0.2: the swing falls to 1/e in half a second. One
-    transcription of vehicle 1 has 25 kN.s/m along the track on each side of the secondary suspension, others none.
+    Reported: all values of `manchester_vehicle_1`, whose body has no damping along the track.
+    Assumed: the rods. 5 MN/m is the size of a rod between rubber bushes. It is soft compared with the wheelsets'
+    guidance and stiff compared with the secondary springs. Body and bogies oscillate against each other on it at 4.8
+    Hz. It deflects by 4 mm when the coach brakes at 1.2 m/s2. 25 kN.s/m gives the bushes a loss factor of 0.15 there,
+    within the 0.1 to 0.2 of filled natural rubber. The loss factor is damping times circular frequency over stiffness.
+    The oscillation falls to 1/e in half a second. One transcription of vehicle 1 has 25 kN.s/m along the track on each
+    side of the secondary suspension; the others have no such damping.
     """
     return replace(manchester_vehicle_1(), traction_rod_stiffness=5e6, traction_rod_damping=25e3)
 
 
 def one_bogie_of(vehicle: VehicleParameters) -> BogieParameters:
-    """One bogie of a vehicle under half its body, as the sprung mass of section 5.2, for scenes about braking.
+    """Return one bogie of a vehicle under half its body, as the sprung mass of section 5.2, for studies of braking.
 
-    The body's inertia force pulls at the height of the secondary springs, by Newton's third law; so the sprung mass has
-    its centre where frame and half a body there have theirs. Left out: the load that moves between the bogies, the
-    secondary springs, and that the body cannot pitch with a bogie; `vehicle-or-bogie` shows what that costs.
+    The body's inertia force acts at the height of the secondary springs, by Newton's third law. The sprung mass
+    therefore has the centre of mass of the frame with half a body at that height. Not modelled: the load transfer
+    between the bogies, the secondary springs, and that the body cannot pitch with a bogie. `vehicle-or-bogie` shows the
+    resulting error.
     """
     own = BogieParameters(**{name: value for name, value in vehicle.values().items() if name in BOGIE_NAMES})
     mass = vehicle.frame_mass + vehicle.body_mass / 2
@@ -343,14 +348,14 @@ BOGIE_NAMES = frozenset(item.name for item in fields(BogieParameters))
 
 
 def coal_wagon() -> VehicleParameters:
-    """A coal wagon: two bogies of chapter 5 under a body, axle load about 306 kN.
+    """Return a coal wagon: two bogies of chapter 5 under a body, axle load about 306 kN.
 
-    Printed: Table 5.1 (primary springs and dampers), wheelset of Table 5.2, wheel base and radius, as in
+    Reported: Table 5.1 (primary springs and dampers), wheelset of Table 5.2, wheel base and radius, as in
     `tables_5_1_and_5_2`.
-    Assumed: how the sprung mass of 60 t of each bogie divides into a frame of 2 t, with its inertias, and half a body
-    of 116 t, whose centre makes the height of the whole that fitted for chapter 5, 0.8 m; the body's inertias, those
-    of a box of 15 m x 2.9 m x 2.4 m; pivots 10.4 m apart; secondary springs as stiff as a centre bowl and side
-    bearers may be, which need no traction rod; couplers 15.5 m apart, 0.9 m above the rail.
+    Assumed: the division of each bogie's sprung mass of 60 t into a frame of 2 t, with its inertias, and half a body of
+    116 t. The body's centre gives the whole the height that was fitted for chapter 5, 0.8 m. The body has the inertias
+    of a box of 15 m x 2.9 m x 2.4 m. Pivots are 10.4 m apart. Secondary springs have the stiffness of a centre bowl and
+    side bearers, which need no traction rod. Couplers are 15.5 m apart, 0.9 m above the rail.
     """
     chapter_5 = tables_5_1_and_5_2()
     frame_height = 0.1

@@ -41,9 +41,9 @@ from rbd_model.wheelset.yielding_rails import Give, add_give, press_rails
 
 #: Scales of the error control: with tolerance 1e-6, 1 nm of an approach that is 0.1 mm under load.
 NOMINAL_RISE = 1e-3
-#: Any approach at which a contact's stiffness is asked for [m].
+#: Approach at which a contact's stiffness is evaluated [m]; its value does not matter.
 UNIT_APPROACH = 1e-3
-#: Pitch of the table of how a wheelset stands on its treads [m].
+#: Pitch of the table of wheelset positions on the treads [m].
 STAND_PITCH = 0.25e-3
 
 
@@ -51,7 +51,7 @@ STAND_PITCH = 0.25e-3
 class ElasticWheelset(WheelsetOnRails):
     """A wheelset on elastic contacts.
 
-    nearest: where the patches are nearest to their rails, by wheel (left, right) and in the order of `patches_of`.
+    nearest: nearest points of the patches to their rails, by wheel (left, right) and in the order of `patches_of`.
     """
 
     stance: Stance
@@ -60,10 +60,10 @@ class ElasticWheelset(WheelsetOnRails):
 
 @dataclass(frozen=True)
 class Stance:
-    """How a wheelset stands: on the track, with its height over it [m], its roll and their rates.
+    """Position of a wheelset: on the track, its height over it [m], its roll and their rates.
 
-    settled [m]: how much higher than the track's axes level rails lie, as places are counted from where it rests.
-    give: of the rails below it.
+    settled [m]: height of level rails over the track's axes, because heights are measured from the position at rest.
+    give: displacement of the rails below it.
     """
 
     on: OnTrack
@@ -77,16 +77,18 @@ class Stance:
 
     @property
     def placement(self) -> Placement:
-        """Where it stands."""
+        """Position and angles on the track."""
         return Placement(self.on.yaw, self.roll, self.cosines, self.on.offset)
 
 
 def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX, int], Section]) -> ElasticWheelset:
-    """Declares the states of a wheelset and lets its patches meet the rails, by (3.54), (3.57) and Hertz."""
+    """Declare the states of a wheelset, and compute the contact of its patches with the rails, by (3.54), (3.57) and
+    Hertz.
+    """
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
     first_rise, first_roll = stand_at_start(assembly, data.pair, on)
-    # Counted from where it stands at rest, as the bodies that it carries are.
+    # The rise is measured from the position at rest, as for the bodies that the wheelset carries.
     risen = system.state(f"rise_{number}", "m", first_rise, NOMINAL_RISE)
     sunk = system.derived(f"sinking_{number}", sinking(assembly, number))
     settled = sunk - (stand_on_treads(data.pair, 0.0).height - data.pair.mean_radius)
@@ -106,7 +108,7 @@ def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX
     )
     stand_on_track(assembly, on, body)
     if assembly.on_line:
-        # Before its contacts are found, it stands as high as its wheels are.
+        # Before its contacts are found, its centre is at the height of its wheels' radius.
         standing = replace(body, position=ca.vertcat(body.position[:2], assembly.radius(data)))
         start_along(assembly, standing, [on.sideways, rising, roll_rate, None, on.yaw_rate])
     system.derivative(risen, body.moving[1])
@@ -121,7 +123,7 @@ def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX
 
 
 def add_up(assembly: Assembly, number: int, body: Body, stance: Stance, found: Sequence[WheelFound]) -> ElasticWheelset:
-    """What all patches of a wheelset do together, (3.35), (3.36); found: of the (left, right) wheel."""
+    """Return the total effect of all patches of a wheelset, (3.35), (3.36); found: of the (left, right) wheel."""
     data, give = assembly.vehicle.wheelsets[number - 1], stance.give
 
     def of_wheels(value: Callable[[WheelPress], ca.SX]) -> ca.SX:
@@ -149,7 +151,7 @@ def add_up(assembly: Assembly, number: int, body: Body, stance: Stance, found: S
 
 
 def observe_patches(assembly: Assembly, number: int, found: Sequence[WheelFound]) -> None:
-    """Force of the rail on each patch of each wheel [N], in the axes of the track where the wheelset is, (3.35)."""
+    """Observe the force of the rail on each patch of each wheel [N], in the track's axes at the wheelset, (3.35)."""
     for side, wheel in zip(SIDES.values(), found, strict=True):
         for place, patch in enumerate(wheel.each):
             for row, force in zip(("ahead", "aside", "above"), ca.vertsplit(patch.force), strict=True):
@@ -158,7 +160,7 @@ def observe_patches(assembly: Assembly, number: int, found: Sequence[WheelFound]
 
 @dataclass(frozen=True)
 class WheelFound:
-    """What the patches of a wheel do together and each by itself, and where they are nearest to the rail."""
+    """Effect of the patches of a wheel together and individually, and their nearest points to the rail."""
 
     pressed: WheelPress
     each: list[Press]
@@ -166,12 +168,12 @@ class WheelFound:
 
 
 def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
-    """The wheel `index` (0 the left one) of a wheelset on its patches, (3.77), (3.78)."""
+    """Return the forces on the wheel `index` (0: left) of a wheelset on its patches, (3.77), (3.78)."""
     one, system = side_of(assembly, number, index), assembly.system
     check_ellipses(one)
     wheel, state = feel_rail(assembly, number, index, stance)
     track = TurningTrack(body.track.turning, body.stretch)
-    # As the track turns about its own axis, so does the rail's place; what lies beside it the patch itself adds.
+    # As the track turns about its own axis, so does the rail's place. The patch adds the part beside this axis.
     on, moved = stance.on, stance.give.moved
     lies = ca.vertcat(0, on.centre + wheel.side * on.spread[0], on.heights[index] + stance.settled)
     lies += ca.vertcat(0, moved[0], moved[1 + index])
@@ -187,10 +189,10 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
 
 
 def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
-    """As `press_patches`, by strips: Knothe (1984), Kalker (1982), see contact/strips.c.
+    """Return the same as `press_patches`, by strips: Knothe (1984), Kalker (1982), see contact/strips.c.
 
-    Nearest points only tell where tread and flange end. On a line all strips of a wheel see the rail twist as its
-    head's middle does, a few cm away: of what moves the wheel up a ramp, 1e-5 is missing.
+    Nearest points only determine where tread and flange end. On a line, all strips of a wheel use the twist of the rail
+    at its head's middle, a few cm away. The vertical motion on a ramp has a relative error of 1e-5.
     """
     one = side_of(assembly, number, index)
     middle = ca.vertcat(0, list(SIDES)[index] * one.rail_half_distance, 0)
@@ -209,17 +211,17 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     return WheelFound(WheelPress.of_patches(each, [patch.flange for patch in patches]), each, nearest)
 
 
-#: By the contact model: how a wheel is pressed.
+#: By the contact model: the function for the forces on a wheel.
 STRIPS_OR_PATCHES = {2: press_patches, 3: press_strips}
 
 
 def side_of(assembly: Assembly, number: int, index: int) -> Side:
-    """A wheel on its rail (section 4.3), index 0 the left one."""
+    """Return a wheel on its rail (section 4.3), index 0 the left one."""
     return assembly.vehicle.wheelsets[number - 1].pair.both[index]
 
 
 def feel_rail(assembly: Assembly, number: int, index: int, stance: Stance) -> tuple[Wheel, PatchState]:
-    """A wheel, and how it stands and moves on its rail (section 3.2); its nearest point is not known yet (0)."""
+    """Return a wheel, its position and its motion on its rail (section 3.2); its nearest point is not known yet (0)."""
     data, on, one = assembly.vehicle.wheelsets[number - 1], stance.on, side_of(assembly, number, index)
     moved, speed = stance.give.moved, stance.give.speed
     distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
@@ -244,16 +246,16 @@ def feel_rail(assembly: Assembly, number: int, index: int, stance: Stance) -> tu
 
 
 def surroundings(assembly: Assembly) -> tuple[ca.SX, ...]:
-    """What all contacts of a vehicle have in common, in the order of `PatchConstants`."""
+    """Return the constants that all contacts of a vehicle share, in the order of `PatchConstants`."""
     p = assembly.parameter
     steel, surface = (p["creepage_speed"], p["shear_modulus"]), assembly.rail.surface.symbols
     return *steel, surface, p["contact_damping"], p["gauge_face_friction"]
 
 
 def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequence[WheelPress]) -> ca.SX:
-    """Newton's and Euler's equations of a wheelset on its patches without suspension, as (3.73): `free`.
+    """Return `free`: Newton's and Euler's equations of a wheelset on its patches without suspension, as (3.73).
 
-    In axes that yaw and roll with it, in which its inertia is constant.
+    They are in axes that yaw and roll with the wheelset, in which its inertia is constant.
     """
     mass, inertia = assembly.value(data.mass), [assembly.value(size) for size in data.inertia]
     force = sum((wheel.force for wheel in pressed), mass * body.falling(assembly.parameter["gravity"]))
@@ -265,9 +267,10 @@ def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequen
 
 
 def room_left(one: Side, nearest: Sequence[Nearest]) -> ca.SX:
-    """Distances of a wheel's tread and flange from where they end [m] (section 9.4.1).
+    """Return the distances of a wheel's tread and flange from their ends [m] (section 9.4.1).
 
-    That of the tread: from the field side and from both ends of the rail; that of the flange: from its tip.
+    The distance of the tread is that from the field side and from both ends of the rail; that of the flange is from its
+    tip.
     """
     (low, high), (first, last) = one.wheel.limits, one.rail.limits
     tread, flange = nearest[0], nearest[-1]
@@ -276,10 +279,10 @@ def room_left(one: Side, nearest: Sequence[Nearest]) -> ca.SX:
 
 
 def stand_at_start(assembly: Assembly, pair: Sides, on: OnTrack) -> tuple[Callable[[], ca.SX], Callable[[], ca.SX]]:
-    """Return what finds rise [m] and roll [rad] of a wheelset that starts on its treads (section 4.3).
+    """Return functions for rise [m] and roll [rad] of a wheelset that starts on its treads (section 4.3).
 
-    The rails are as they are there. Where one is higher it leans, and its wheels are as much beside the rails as they
-    are below its centre.
+    The rails are those at the start. If one rail is higher, the wheelset leans. Its wheels then move sideways over the
+    rails in proportion to their distance below its centre.
     """
     lateral, left, right = ca.vertsplit(at_start(assembly.system, ca.vertcat(on.offset, on.heights)))
     leaning = (left - right) / sum(one.rail_half_distance for one in pair.both)
@@ -300,7 +303,7 @@ def stand_at_start(assembly: Assembly, pair: Sides, on: OnTrack) -> tuple[Callab
 
 
 def sinking(assembly: Assembly, number: int) -> ca.SX:
-    """How far a centred wheelset presses itself into its rails under the static load [m]: Hertz, Johnson (1985)."""
+    """Return the approach of a centred wheelset and its rails under the static load [m]: Hertz, Johnson (1985)."""
     data = assembly.vehicle.wheelsets[number - 1]
     load = (assembly.resting_on(number) + assembly.value(data.mass) * assembly.parameter["gravity"]) / 2
     modulus, places = assembly.parameter["shear_modulus"], stand_on_treads(data.pair, 0.0).position
@@ -310,10 +313,10 @@ def sinking(assembly: Assembly, number: int) -> ca.SX:
 
 
 def sinking_of_wheel(one: Side, on_wheel: float, radius: ca.SX, load: ca.SX, modulus: ca.SX) -> ca.SX:
-    """Approach of a wheel that stands on this place of its profile [m], by Hertz, Johnson (1985).
+    """Return the approach of a wheel in contact at this place of its profile [m], by Hertz, Johnson (1985).
 
-    The load is carried by the normal force and, on a cone, by the lateral creep force of spin (3.99), which for a
-    rolling wheel is in proportion to it.
+    The load is carried by the normal force and, on a cone, by the lateral creep force of spin (3.99). For a rolling
+    wheel the two are proportional.
     """
     place = np.array(on_wheel)
     depth, slope, bend = (float(one.wheel.height(place, n)) for n in range(3))
@@ -329,7 +332,7 @@ def sinking_of_wheel(one: Side, on_wheel: float, radius: ca.SX, load: ca.SX, mod
 def move_elastic(
     assembly: Assembly, wheelset: ElasticWheelset, suspension: Load, first_acceleration: ca.SX
 ) -> WheelsetMotion:
-    """Equations of motion of a wheelset, as (3.73): to what the rails do comes what the suspension does."""
+    """Add the equations of motion of a wheelset, as (3.73): the effects of the rails and of the suspension."""
     push, motion = push_wheelset(assembly, wheelset, suspension, first_acceleration)
     assembly.system.derivative(wheelset.stance.rise, wheelset.free[2] + push[2])
     assembly.system.derivative(wheelset.stance.roll_rate, wheelset.free[3] + push[3])

@@ -1,4 +1,4 @@
-"""A wheelset in space at its place in a vehicle, as all depths of contact have it: states, track, suspension, brake."""
+"""A wheelset in 3D at its place in a vehicle, common to all contact models: states, track, suspension, brake."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -28,13 +28,13 @@ from rbd_model.wheelset.touch import SIDES
 
 NOMINAL_ROLL = 1e-3
 
-#: Distance from the end of a profile at which a contact counts as run off it [m]; beyond the end there is no contact.
+#: Distance from the end of a profile at which a contact is treated as lost [m]. Beyond the end there is no contact.
 END_MARGIN = 1e-3
 
 
 @dataclass(frozen=True)
 class WheelsetMotion:
-    """What the forces do: longitudinal acceleration [m/s2], rotation, power of the yaw torque [W].
+    """Effects of the forces: longitudinal acceleration [m/s2], rotation, power of the yaw torque [W].
 
     held [N]: force along the track with which the rails hold an axle that stands, else 0.
     """
@@ -47,7 +47,7 @@ class WheelsetMotion:
 
 @dataclass(frozen=True)
 class OnTrack:
-    """The states of a wheelset that do not depend on how it touches its rails, and the track under it."""
+    """The states of a wheelset that do not depend on its contact with the rails, and the track below it."""
 
     shift: Shift
     along: ca.SX  # from the vehicle's place [m]
@@ -78,7 +78,9 @@ class OnTrack:
 
 
 def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX, int], Section]) -> OnTrack:
-    """Declares the states of a wheelset along and across the track (section 5.2) and looks at the track there."""
+    """Declare the states of a wheelset along and across the track (section 5.2), and return them with the track
+    there.
+    """
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     shift = add_axle_shift(assembly, number)
     lateral = system.state(f"lateral_{number}", "m", assembly.parameter["initial_lateral"], NOMINAL_TRAVEL)
@@ -102,19 +104,19 @@ def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX,
 
 
 def stand_on_track(assembly: Assembly, on: OnTrack, body: Body) -> None:
-    """How place, lateral position and yaw of a wheelset change, by (3.12) and section 3.2.2."""
+    """Set the derivatives of place, lateral position and yaw of a wheelset, by (3.12) and section 3.2.2."""
     move_along(assembly, body, on.shift)
     assembly.system.derivative(on.lateral, body.moving[0])
     assembly.system.derivative(on.yaw, body.turning[2] / ca.cos(body.angles[0]))
 
 
 def yaw_torque_of(assembly: Assembly, number: int, rotated: ca.SX) -> ca.SX:
-    """Yaw torque in the axes that yaw and roll with a wheelset [N.m]; rotated: the angle that it has turned by.
+    """Return the yaw torque in the axes that yaw and roll with a wheelset [N.m]; rotated: its angle of rotation [rad].
 
-    It acts about their upright axis, as the couple of the shoe forces (9.1) does, which are square to the axle; the
-    vertical of the track, the other reading, is a roll (1e-3) away and would turn the axle by its sine. About an axis
-    that turns with the wheelset's rotation as well when yaw_torque_rotates is 1, which the body's matrix in place of
-    the global one in (3.36) does.
+    It acts about their upright axis, as the couple of the shoe forces (9.1) does, which are square to the axle. The
+    vertical of the track, the other reading, differs by a roll (1e-3) and would turn the axle by its sine. If
+    yaw_torque_rotates is 1, the torque acts about an axis that also turns with the wheelset's rotation. This is the
+    effect of the body's matrix instead of the global one in (3.36).
     """
     angle = assembly.parameter["yaw_torque_rotates"] * rotated
     return assembly.input[f"yaw_torque_{number}"] * ca.vertcat(ca.sin(angle), 0, ca.cos(angle))
@@ -122,15 +124,17 @@ def yaw_torque_of(assembly: Assembly, number: int, rotated: ca.SX) -> ca.SX:
 
 @dataclass(frozen=True)
 class WheelsetOnRails:
-    """A wheelset on its rails before its suspension's forces are added up; pairs are (left, right).
+    """A wheelset on its rails before its suspension's forces are added; pairs are (left, right).
 
-    The body's own axes are those that yaw and roll with the wheelset. rail_heights [m]: of rails that may yield.
-    loads, thrusts [N]: vertical forces of the rails, and lateral ones on their heads, outwards; flange_force [N]: of
-    the rails on the flanges, to the left. creep_along [N]: creep forces along the rails; creep_powers [W]: what all
-    creep forces take. stored [J]: in the contacts and the track below; damping_power [W]: what both lose. free:
-    acceleration [m/s2] and turning by rails and weight alone, moments over inertia about x and z [rad/s2], between them
-    that about the axle [N.m]. lost: what is left of each wheel's contact until it ends, negative where it has (section
-    9.4.1).
+    The body's own axes are those that yaw and roll with the wheelset. `rail_heights` [m] are those of rails that may be
+    flexible. `loads` and `thrusts` [N] are the vertical forces of the rails, and the lateral ones on their heads,
+    outwards. `flange_force` [N] is that of the rails on the flanges, to the left. `creep_along` [N] are creep forces
+    along the rails. `creep_powers` [W] are the powers dissipated by all creep forces. `stored` [J] is the energy in the
+    contacts and the track below, `damping_power` [W] the power dissipated in both.
+
+    `free` is the acceleration [m/s2] and turning by rails and weight alone: moments over inertia about x and z
+    [rad/s2], between them the moment about the axle [N.m]. `lost` is the remaining distance of each wheel's contact to
+    its end, negative beyond it (section 9.4.1).
     """
 
     number: int
@@ -151,16 +155,17 @@ class WheelsetOnRails:
 
     @property
     def static(self) -> ca.SX:
-        """The most that both rails hold along the track [N], friction times load as (3.97) ends."""
+        """Largest force with which both rails hold along the track [N], friction times load as at the end of (3.97)."""
         return ca.dot(self.on.frictions, ca.fmax(self.loads, 0))
 
 
 def push_wheelset(
     assembly: Assembly, wheelset: WheelsetOnRails, suspension: Load, first_acceleration: ca.SX
 ) -> tuple[ca.SX, WheelsetMotion]:
-    """What the suspension adds to what the rails do, and the motion along, across and about the vertical, (3.73).
+    """Return the suspension's addition to the rails' effect, and the motion along, across and about the vertical,
+    (3.73).
 
-    What is added has the rows of `free`; with it comes what the rails add that hold an axle which stands.
+    The addition has the rows of `free`. It includes the force of rails that hold a standing axle.
     """
     system, data, body = assembly.system, wheelset.data, wheelset.body
     number, rotated = wheelset.number, wheelset.on.rotated
@@ -178,7 +183,7 @@ def push_wheelset(
     stand_still(assembly, f"Wheelset {number}", hold, states, pushed, grip)
     turned = rotated, wheelset.on.angular_velocity
     rotation = add_rotation(assembly, number, hold, turned, moved[4], -held * assembly.radius(data))
-    # It reacts on all angles of a body.
+    # The brake torque reacts on all angles of a body.
     rotation = replace(rotation, brake_torque=system.narrow(rotation.brake_torque))
     acceleration = hold.moves * moved[0]
     system.derivative(on.shift.lead, acceleration - first_acceleration)

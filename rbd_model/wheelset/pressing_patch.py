@@ -1,7 +1,7 @@
-"""What one patch of a wheel does: the rail's normal force and the creep forces, by how it is pressed and how it slides.
+"""Forces of one patch of a wheel: the rail's normal force and the creep forces, by its approach and its sliding.
 
-A tread's is one part, a flange's another: generated once, called for each such patch of each wheel of a vehicle, and
-only where it may touch.
+Treads and flanges are two parts. Each is generated once, called for each such patch of each wheel of a vehicle, and
+evaluated only if it may touch.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rbd_model.wheelset.touching_patch import TouchingPatch, patch_of_wheel
 
 @dataclass(frozen=True)
 class PatchState(Bundle):
-    """How a wheelset stands and moves, with what a patch of one of its wheels feels of the rail there."""
+    """Position and motion of a wheelset, with the rail's slopes, friction and nearest point at a patch of a wheel."""
 
     forward: ca.SX = rows(1)  # v_x [m/s]
     sideways: ca.SX = rows(1)  # v_y [m/s]
@@ -42,10 +42,11 @@ class PatchState(Bundle):
 
 @dataclass(frozen=True)
 class TurningTrack(Bundle):
-    """How the axes of a track turn that is not straight, and how much further its wheelset goes than its place there.
+    """The turning of the axes of a track that is not straight, and the ratio of the wheelset's travel to that of its
+    place.
 
-    Both come behind a `PatchState`, whose slopes are then those of the rail's place in these axes: as the axes turn,
-    so does the place.
+    Both follow a `PatchState`, whose slopes are then those of the rail's place in these axes: as the axes turn, so does
+    the place.
     """
 
     turning: ca.SX = rows(3)  # as in `TrackFrame` [rad/m]
@@ -53,13 +54,13 @@ class TurningTrack(Bundle):
 
     @classmethod
     def straight(cls) -> TurningTrack:
-        """Straight track, section 3.2.1."""
+        """Return that of straight track, section 3.2.1."""
         return cls(ca.SX.zeros(3), ca.SX(1))
 
 
 @dataclass(frozen=True)
 class PatchConstants(Bundle):
-    """What a patch is given and not differentiated by; the cosines are those of `direction_cosines`."""
+    """Inputs of a patch that are not differentiated; the cosines are those of `direction_cosines`."""
 
     cosines: ca.SX = rows(4)
     wheel: ca.SX = rows(4)  # `Wheel`
@@ -73,7 +74,7 @@ class PatchConstants(Bundle):
 
 @dataclass(frozen=True)
 class Press(Bundle):
-    """What one patch does to its wheelset: force in the axes of the track, moment in the wheelset's own."""
+    """Effect of one patch on its wheelset: force in the axes of the track, moment in the wheelset's own."""
 
     force: ca.SX = rows(3)  # [N]
     moment: ca.SX = rows(3)  # [N.m]
@@ -86,11 +87,12 @@ class Press(Bundle):
 
 @dataclass(frozen=True)
 class RailSlope:
-    """How a rail leaves the track's direction where a patch touches it, to first order of its slopes, for (3.89).
+    """Deviation of a rail from the track's direction at the contact of a patch, to first order of its slopes, for
+    (3.89).
 
-    Along the rail it goes sideways by `aside` and into the wheel by `drift` for each metre [1]. A wheel touches a rail
-    that rises ahead of its axle, by r drift / n_z, and its surface moves down there: sideways on the patch by `lead`
-    for each radian that it turns [m]. What slides and what forces do are of one virtual work.
+    Along the rail it goes sideways by `aside` and into the wheel by `drift` for each metre [1]. A wheel touches a
+    rising rail ahead of its axle, by r drift / n_z. Its surface moves down there: sideways on the patch by `lead` for
+    each radian of rotation [m]. Sliding and forces are consistent in virtual work.
     """
 
     aside: ca.SX
@@ -101,7 +103,7 @@ class RailSlope:
     def of(
         cls, chain: Chain, track: TurningTrack, patch: TouchingPatch, sideways: ca.SX, sections: ca.SX, drift: ca.SX
     ) -> RailSlope:
-        """sideways: in the wheelset's axes; sections: slopes for each metre of the track; drift: see `press`."""
+        """sideways: in the wheelset's axes; sections: slopes per metre of the track; drift: see `press`."""
         if track.turning.is_zero():
             return cls(ca.SX(0), ca.SX(0), ca.SX(0))
         aside = (patch.across[1] * sections[0] - patch.across[0] * sections[1]) / track.stretch
@@ -109,25 +111,28 @@ class RailSlope:
         return cls(chain.narrow(aside), drift, chain.narrow(lead))
 
     def slides(self, slides: ca.SX, closing: ca.SX, rolling: ca.SX) -> ca.SX:
-        """Of `how_it_slides` along the track: along the rail, (3.89)-(3.91); rolling: angular velocity [rad/s]."""
+        """Return the sliding along the rail (3.89)-(3.91) from that along the track; rolling: angular velocity
+        [rad/s].
+        """
         along, sideways = slides[0], slides[1]
         on_rail = along + self.aside * sideways - self.drift * closing
         return ca.vertcat(on_rail, sideways - self.aside * along + self.lead * rolling, slides[2:])
 
     def forces(self, along: ca.SX, sideways: ca.SX, normal: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Forces along the rail, sideways and normal to it [N], (3.105), in the directions of the track and the patch.
+        """Return the forces along the rail, sideways and normal to it [N], (3.105), in the directions of track and
+        patch.
 
-        But for what the normal force has along the track, see `press`.
+        The component of the normal force along the track is not included, see `press`.
         """
         return along - self.aside * sideways, sideways + self.aside * along, normal + self.drift * along
 
 
 @lru_cache
 def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: CreepLaw, on_line: bool = False) -> Part:
-    """A `Press` of a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach; constants: with the pieces.
+    """Return the part that computes a `Press` from a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach.
 
-    flange: of a flange or, otherwise, a tread, which have their own creep laws. on_line: a `TurningTrack` comes behind
-    the state.
+    Constants include the pieces. flange: true for a flange, false for a tread; they have their own creep laws. on_line:
+    a `TurningTrack` follows the state.
     """
     place = "flange" if flange else "tread"
     state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
@@ -142,7 +147,7 @@ def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: C
 
 
 def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: Pieces) -> TouchingPatch:
-    """Where it touches or would touch, (3.54), (3.57)."""
+    """Return the point where the patch touches or would touch, (3.54), (3.57)."""
     given = ca.vertcat(state.offset, state.height, state.yaw, state.roll, state.nearest)
     constants = ca.vertcat(fixed.cosines, fixed.wheel, fixed.direction, pieces.vector)
     part = patch_of_wheel(pieces.wheel.numel(), pieces.rail.numel())
@@ -152,7 +157,7 @@ def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: P
 def press(
     chain: Chain, state: PatchState, track: TurningTrack, fixed: PatchConstants, patch: TouchingPatch, creeping: Part
 ) -> Press:
-    """Normal force by the approach (Hertz, as Johnson (1985) has it), creep forces by (3.89)-(3.105), their moments.
+    """Return normal force by the approach (Hertz, Johnson 1985), creep forces by (3.89)-(3.105), and their moments.
 
     creeping: a `creep_of_wheel`.
     """
@@ -178,7 +183,7 @@ def press(
     friction = state.friction * friction_over_angle(-fixed.wheel[0] * patch.across[0], fixed.gauge_face)
     given = ca.vertcat(slides, *curvatures, normal, friction)
     creep = chain.call(creeping, given, ca.vertcat(fixed.shear_modulus, fixed.surface))
-    # The law knows no load below the smallest; without any there is no creep force.
+    # The law does not model loads below the smallest. Without load the creep force is 0.
     share = normal / at_least(normal, SMALLEST_LOAD)
     creep_along, creep_aside = share * creep[0], share * creep[1]
     ahead_force, side_force, pressing = slope.forces(creep_along, creep_aside, normal)

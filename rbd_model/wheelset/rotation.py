@@ -1,4 +1,4 @@
-"""What every level of detail shares: one wheelset that rolls, skids or is locked, on a level rail or in space."""
+"""The rotation of one wheelset, common to all levels of detail: it rolls, skids or is locked, in 2D or in 3D."""
 
 from __future__ import annotations
 
@@ -17,21 +17,23 @@ from rbd_model.vehicle.scales import NOMINAL_ANGULAR_VELOCITY, NOMINAL_ROTATION
 #: Creepage at which wheels of any load begin to slide as a whole; its order of magnitude, from (3.92) and (3.94).
 BENDING = 0.01
 
-#: Speed of an axle in creepage_speed from which on its vehicle, once it stands, counts as moving again: there the
-#: regularised creepage is that of (2.3) but for half a per cent. Bodies that rock back at the end of a stop stay below.
+#: Speed of an axle over creepage_speed above which its vehicle, after a stop, is treated as moving again. At this speed
+#: the regularised creepage differs by half a per cent from that of (2.3). Bodies that rock back at the end of a stop
+#: remain below.
 ON_ITS_WAY = 10.0
 
-#: Share of creepage_speed up to which an axle on a locked wheelset counts as still: ten times what BENDING says is all
-#: that is left of sliding there, and stopping from it is 0.1 um of way.
+#: Speed of an axle over creepage_speed up to which an axle on a locked wheelset is treated as still. It is ten times
+#: the sliding that remains there by BENDING. Stopping from it takes 0.1 um of travel.
 STILL = 0.1
 
 
 @dataclass(frozen=True)
 class Hold:
-    """What may hold a wheelset: its brake, so that it is locked, and then its rails, so that its axle stands.
+    """The constraints that may hold a wheelset: its brake, so that it is locked, and its rails, so that its axle
+    stands.
 
-    Symbols of the directions in which it turns and moves along: 1, -1, or 0 where it is held. forward [m/s]: speed of
-    its axle.
+    turning, moving: symbols of the directions in which it turns and moves along: 1, -1, or 0 if it is held. forward
+    [m/s]: speed of its axle.
     """
 
     turning: ca.SX
@@ -40,18 +42,18 @@ class Hold:
 
     @property
     def turns(self) -> ca.SX:
-        """1, or 0 where it is locked."""
+        """1, or 0 if the wheelset is locked."""
         return self.turning**2
 
     @property
     def moves(self) -> ca.SX:
-        """1, or 0 where its axle stands."""
+        """1, or 0 if its axle stands."""
         return self.moving**2
 
 
 @dataclass(frozen=True)
 class Rotation:
-    """Symbols of one wheelset: angle, velocity, torques of its brake with sign, and 0 where its brake holds it."""
+    """Symbols of one wheelset: angle, velocity, torques of its brake with sign; moving is 0 if its brake holds it."""
 
     number: int
     angle: ca.SX
@@ -63,11 +65,13 @@ class Rotation:
 
 
 def follow_creep(assembly: Assembly, speed: ca.SX, *states: ca.SX) -> None:
-    """No step may change an axle's speed, the sum of the states, by more than half: (2.3) goes with its reciprocal.
+    """Limit the change of an axle's speed, the sum of the states, to half of it per step: (2.3) varies with its
+    inverse.
 
-    Nor, near rest, by more than half of what bends the creep curve there, BENDING of the creepage's smallest speed. The
-    error of a step says nothing of that: at the end of a stop the creep is so stiff that it is solved for at once, but
-    with a Jacobian of another speed the force comes out wrong, and a wheelset that has just locked breaks free.
+    Near rest, the limit is half of the speed at which the creep curve bends there: BENDING times the creepage's
+    smallest speed. The error estimate of a step does not include this effect. At the end of a stop the creep is so
+    stiff that it is solved for implicitly. With the Jacobian of another speed the force would be wrong, and a wheelset
+    that has just locked would break free.
     """
     least = BENDING * assembly.parameter["creepage_speed"]
     assembly.system.limit_change(ca.sqrt(speed**2 + least**2) / 2, *states)
@@ -75,10 +79,11 @@ def follow_creep(assembly: Assembly, speed: ca.SX, *states: ca.SX) -> None:
 
 @dataclass(frozen=True)
 class RollingWheelset:
-    """A wheelset that rolls, skids or is locked, as every level has it.
+    """A wheelset that rolls, skids or is locked, as at every level of detail.
 
-    number: from 1. displacement [m]: of its axle from its place in the vehicle; forward [m/s]: speed of the axle.
-    creep_force, load [N]: of both rails on it, along the track and upwards; creep_power [W]: what both take.
+    number: from 1. displacement [m]: of its axle from its place in the vehicle. forward [m/s]: speed of the axle.
+    creep_force, load [N]: forces of both rails on it, along the track and upwards. creep_power [W]: power dissipated at
+    both rails.
     """
 
     number: int
@@ -93,11 +98,11 @@ class RollingWheelset:
 
 @dataclass(frozen=True)
 class Grip:
-    """The most that holds a locked wheelset along the track, else 0 [N]: what its brake holds, and with that its rails.
+    """Largest forces that hold a locked wheelset along the track, else 0 [N].
 
-    able [N]: what its brake could hold, where the wheelset turns too.
-    More than its brake does neither hold, third line of (2.8): before that turns, its axle must move, or there is no
-    creep force to turn it.
+    able: force of its brake, also while the wheelset turns. braked: force of its brake if it is locked. whole: force of
+    brake and rails together. The whole force does not exceed that of the brake, third line of (2.8): before the
+    wheelset turns, its axle must move, because otherwise no creep force turns it.
     """
 
     able: ca.SX
@@ -106,7 +111,7 @@ class Grip:
 
     @classmethod
     def of(cls, assembly: Assembly, number: int, hold: Hold, static: ca.SX) -> Grip:
-        """Of a wheelset by its number; static [N]: friction times load, as (3.97) ends."""
+        """Return the forces for a wheelset by its number; static [N]: friction times load, as at the end of (3.97)."""
         locked, braked = 1 - hold.turns, brake_capacity(assembly, number) / radius_of(assembly, number)
         return cls(braked, locked * braked, locked * ca.fmin(static, braked))
 
@@ -114,15 +119,15 @@ class Grip:
 def stand_still(
     assembly: Assembly, label: str, hold: Hold, states: Sequence[ca.SX], pushed: tuple[ca.SX, ca.SX], grip: Grip
 ) -> None:
-    """Lets rails hold what stands on locked wheels, as the third line of (2.8) holds a locked wheelset.
+    """Add the rails' static hold of a vehicle on locked wheels, as the third line of (2.8) holds a locked wheelset.
 
-    Differs from the thesis, whose creep (2.3) has no rest: regularised, it lets a locked vehicle slide for ever.
-    Contacts yield by micrometres as they hold, which is left out. states: whose sum is the velocity; pushed [N]: what
-    the rails must hold, without their creep, and traction torque over radius.
+    This differs from the thesis, whose creep (2.3) has no state of rest: regularised, it lets a locked vehicle slide
+    indefinitely. The compliance of the contacts, some micrometres, is not modelled. states: their sum is the velocity.
+    pushed [N]: force on the rails without their creep, and traction torque over radius.
     """
     still = STILL * assembly.parameter["creepage_speed"]
     push = ca.fmax(ca.fabs(pushed[0]), ca.fabs(pushed[0] + pushed[1]))
-    # The capacity is looked at after each step, the drive only where something is still: so the loads are in that.
+    # The capacity is checked after each step, the drive only while something is still. The loads are thus in the drive.
     drive = push * grip.braked / at_least(grip.whole, SMALLEST_LOAD)
     words = "stands", "moves again"
     told = grip.able, ca.fabs(hold.forward) - ON_ITS_WAY * assembly.parameter["creepage_speed"]
@@ -132,50 +137,52 @@ def stand_still(
 
 
 def slides_along(assembly: Assembly, forward: ca.SX) -> ca.SX:
-    """Above 0 where an axle moves: a wheelset that does not turn (2.8) is then locked; forward [m/s]: of the axle.
+    """Return an expression that is above 0 while an axle moves; forward [m/s]: speed of the axle.
 
-    Below creepage_speed, creepage is regularised: there the creep of a wheelset that does not turn may still carry its
-    brake's whole force, as it does at the end of every stop.
+    A wheelset that does not turn (2.8) is then locked. Creepage is regularised below creepage_speed. There the creep of
+    a wheelset that does not turn may still carry its brake's whole force, as at the end of every stop.
     """
     return ca.fabs(forward) - assembly.parameter["creepage_speed"]
 
 
 def traction_force(assembly: Assembly, number: int) -> ca.SX:
-    """Traction torque over radius [N], eq. (2.8)."""
+    """Return the traction torque over radius [N], eq. (2.8)."""
     return assembly.input[f"traction_torque_{number}"] / radius_of(assembly, number)
 
 
 def radius_of(assembly: Assembly, number: int) -> ca.SX:
-    """Nominal rolling radius of a wheelset [m], r of (2.8), by its number."""
+    """Return the nominal rolling radius of a wheelset [m], r of (2.8), by its number."""
     return assembly.radius(assembly.vehicle.wheelsets[number - 1])
 
 
 def brake_capacity(assembly: Assembly, number: int) -> ca.SX:
-    """The most with which a wheelset's brake and rolling resistance hold it [N.m], T_B of (2.8)."""
+    """Return the capacity of a wheelset's brake and rolling resistance [N.m], T_B of (2.8)."""
     return assembly.input[f"brake_torque_{number}"] + assembly.parameter["rolling_resistance_torque"]
 
 
 def add_rotation_states(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
-    """Declares the rotation [rad] of a wheelset and its angular velocity, omega of (2.8); at the start it rolls."""
+    """Declare the rotation [rad] of a wheelset and its angular velocity [rad/s], omega of (2.8). At the start it
+    rolls.
+    """
     start = assembly.initial_speed / assembly.radius(assembly.vehicle.wheelsets[number - 1])
     rotated = assembly.system.state(f"rotation_{number}", "rad", 0.0, NOMINAL_ROTATION)
     return rotated, assembly.system.state(f"angular_velocity_{number}", "rad/s", start, NOMINAL_ANGULAR_VELOCITY)
 
 
 def add_hold(system: System, number: int, forward: ca.SX) -> Hold:
-    """New symbols of what may hold a wheelset, third line of eq. (2.8); forward [m/s]: speed of its axle."""
+    """Return new symbols of the constraints of a wheelset, third line of (2.8); forward [m/s]: speed of its axle."""
     return Hold(system.direction(f"direction_{number}"), system.direction(f"moving_{number}"), forward)
 
 
 def add_rotation(
     assembly: Assembly, number: int, hold: Hold, turned: tuple[ca.SX, ca.SX], rail_torque: ca.SX, held_torque: ca.SX
 ) -> Rotation:
-    """Rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling resistance.
+    """Add the rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling
+    resistance.
 
-    turned: its rotation [rad] and angular velocity [rad/s]; rail_torque [N.m]: moment about the axle from creep;
-    held_torque [N.m]: the same from rails that hold an axle that stands, which only a locked wheelset's does.
-    The brake torque is a capacity: dry friction that opposes the rotation, or holds the wheelset locked while the rail
-    cannot turn it.
+    turned: its rotation [rad] and angular velocity [rad/s]. rail_torque [N.m]: moment of the creep about the axle.
+    held_torque [N.m]: moment of rails that hold a standing axle, only for a locked wheelset. The brake torque is a
+    capacity. It is dry friction that opposes the rotation, or holds the wheelset locked while the rail cannot turn it.
     """
     system = assembly.system
     rotated, omega = turned
@@ -183,7 +190,7 @@ def add_rotation(
     brake, capacity = assembly.input[f"brake_torque_{number}"], brake_capacity(assembly, number)
     traction = assembly.input[f"traction_torque_{number}"]
     drive = traction + rail_torque
-    # Sliding, the friction is the capacity; locked, it is whatever balances the drive, shared in proportion.
+    # While sliding, the friction equals the capacity. While locked, it balances the drive, shared in proportion.
     moving, holding = hold.turns, drive + held_torque
     friction_torque = moving * direction * capacity + (1 - moving) * holding
     own = assembly.vehicle.wheelsets[number - 1].inertia[1]
@@ -197,7 +204,9 @@ def add_rotation(
 
 
 def add_wheelset_outputs(assembly: Assembly, rolling: RollingWheelset, speed: ca.SX) -> None:
-    """Outputs of one wheelset; the slip ratio is (2.10), regularised as the creepage is; speed [m/s]: the vehicle's."""
+    """Add the outputs of one wheelset; speed [m/s]: of the vehicle. Slip ratio: (2.10), regularised as the creepage
+    is.
+    """
     system, number, rotation = assembly.system, rolling.number, rolling.rotation
     slip = speed - assembly.radius(rolling.data) * rotation.angular_velocity
     rows = {
@@ -214,12 +223,12 @@ def add_wheelset_outputs(assembly: Assembly, rolling: RollingWheelset, speed: ca
 
 
 def add_axle_shift(assembly: Assembly, number: int) -> Shift:
-    """The displacement of an axle along the track (section 5.2), whose creep the steps must follow."""
+    """Return the displacement of an axle along the track (section 5.2). Steps are limited to follow its creep."""
     shift = add_shift(assembly, f"shift_{number}", f"shift_speed_{number}")
     follow_creep(assembly, shift.speed, assembly.speed, shift.lead)
     return shift
 
 
 def rail_friction(assembly: Assembly, number: int, distance: ca.SX) -> ca.SX:
-    """Friction coefficient without sliding, mu0 of Polach (2005), under a wheelset at a distance [m]."""
+    """Return the friction coefficient without sliding, mu0 of Polach (2005), below a wheelset at a distance [m]."""
     return assembly.input[f"friction_{number}"] * assembly.rail.factor(number, distance)

@@ -1,8 +1,8 @@
-"""One patch of a wheel on its rail in space: its nearest point, how far it presses into the rail, and with which shape.
+"""One patch of a wheel on its rail in 3D: its nearest point, its approach to the rail, and its curvatures.
 
-As `rolling_contact`, but wheel and rail may be apart or pressed into each other, and along a `Patch` their distance is
-taken square to its direction. The nearest point of rigid profiles, without yaw, comes from a table; one step of
-Newton's method from there finds the common normal, eqs (3.54), (3.57), where the wheel yaws.
+This is like `rolling_contact`, but wheel and rail may be apart or penetrate each other. Along a `Patch` their distance
+is measured square to its direction. The nearest point of rigid profiles, without yaw, comes from a table. One step of
+Newton's method from there finds the common normal, eqs (3.54), (3.57), if the wheel yaws.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from rbd_model.contact.patches import Patch
 from rbd_model.contact.profiles import KNOT_DISTANCE, Profile
 from rbd_model.wheelset.touch import Pieces, Placement, Touch, Wheel, follow_cosines, touch
 
-#: Least sum of the curvatures of wheel and rail across the track with which a common normal is looked for [1/m], and
-#: how far from the nearest point of the table [m]: half of a profile's piece, beyond which its polynomial means little.
+#: Least sum of the curvatures of wheel and rail across the track in the search for a common normal [1/m]. Largest step
+#: from the nearest point of the table [m]: half of a profile's piece, beyond which its polynomial is not valid.
 LEAST_CURVATURE, LARGEST_STEP = 0.5, KNOT_DISTANCE / 10
 
 
 @dataclass(frozen=True)
 class TouchingPatch(Bundle):
-    """Where a patch touches or would touch; vectors in the wheelset's yaw-roll axes, but for `across`."""
+    """The point where a patch touches or would touch; vectors in the wheelset's yaw-roll axes, except for `across`."""
 
     arm: ca.SX = rows(3)  # from the wheelset's centre to the nearest point of the wheel [m] (P)
     normal: ca.SX = rows(3)  # unit vector into the wheel
@@ -41,7 +41,9 @@ class TouchingPatch(Bundle):
 
 @dataclass(frozen=True)
 class Meeting:
-    """Wheel and rail square to a patch's direction: their distance [m], and what of the common normal is missing."""
+    """Wheel and rail square to a patch's direction: their distance [m], and the remaining error of the common
+    normal.
+    """
 
     gap: ca.SX
     mismatch: ca.SX  # sine of the angle between the normals
@@ -50,7 +52,8 @@ class Meeting:
 
 
 def along_and_square(one: Touch, height: ca.SX, direction: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Coordinates of a point of the wheel (3.77) from the rail's origin along the patch's direction and square to it.
+    """Return coordinates of a point of the wheel (3.77) from the rail's origin along a patch's direction and square to
+    it.
 
     height [m]: of the wheelset's centre over the rail; direction: its cosine and sine.
     """
@@ -59,7 +62,9 @@ def along_and_square(one: Touch, height: ca.SX, direction: ca.SX) -> tuple[ca.SX
 
 
 def meet(one: Touch, on: Wheel, height: ca.SX, direction: ca.SX, bend: ca.SX, rail: ca.SX) -> Meeting:
-    """Distance and normals of the wheel's point and of the rail beside it, as (3.54); bend: of the wheel's profile."""
+    """Return distance and normals of a wheel's point and the rail beside it, as (3.54); bend: of the wheel's
+    profile.
+    """
     along, square = along_and_square(one, height, direction)
     value, slope, rail_bend = polynomials(rail, along, 2)
     unit = 1 / ca.sqrt(1 + slope**2)
@@ -72,9 +77,10 @@ def meet(one: Touch, on: Wheel, height: ca.SX, direction: ca.SX, bend: ca.SX, ra
 
 @lru_cache
 def patch_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
-    """A `TouchingPatch` of lateral position, height, yaw, roll and the nearest point of the table, (3.54), (3.83).
+    """Return the part for a `TouchingPatch`, from lateral position, height, yaw, roll and the table's nearest point.
 
-    Constants: direction cosines, the wheel, direction of the patch, pieces of both profiles with so many terms.
+    Equations (3.54), (3.83). Constants: direction cosines, the wheel, direction of the patch, and pieces of both
+    profiles with `wheel_terms` and `rail_terms` terms.
     """
     given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 10 + wheel_terms + rail_terms)
     lateral, height, yaw, roll, guess = ca.vertsplit(given)
@@ -108,18 +114,18 @@ class Line:
 
     @classmethod
     def of(cls, patch: Patch) -> Line:
-        """That of a patch."""
+        """Return that of a patch."""
         return cls(patch.direction, patch.radius, patch.square)
 
     @property
     def cosine_and_sine(self) -> tuple[float, float]:
-        """Of its slope (section 3.3.2)."""
+        """Cosine and sine of its slope (section 3.3.2)."""
         return float(ca.cos(self.direction)), float(ca.sin(self.direction))
 
 
 @dataclass(frozen=True)
 class Outline:
-    """A wheel's outline in the axes of a patch, from the rail's origin, as far as yaw and roll move it there.
+    """A wheel's outline in the axes of a patch, from the rail's origin, including its motion by yaw and roll.
 
     along, square [m]: of its y = 0; cosine, sine: of its roll.
     """
@@ -131,10 +137,11 @@ class Outline:
 
     @classmethod
     def of(cls, line: Line, placement: Placement, on: Wheel, height: ca.SX) -> Outline:
-        """Of a wheel that stands as `placement` says; height [m]: of the wheelset's centre over the rail.
+        """Return that of a wheel at a `placement`; height [m]: of the wheelset's centre over the rail.
 
-        A wheel that yaws touches ahead of or behind its axle where it is steep: with the slope tan(g) of the direction
-        by r tan(g) yaw, (3.54), which moves its outline outwards by r tan(g) yaw^2 and up by half of r tan(g)^2 yaw^2.
+        A wheel that yaws touches ahead of or behind its axle if it is steep. With the slope tan(g) of the direction,
+        this distance is r tan(g) yaw, (3.54). It moves the outline outwards by r tan(g) yaw^2 and up by half of r
+        tan(g)^2 yaw^2.
         """
         origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
         outward = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
@@ -150,7 +157,9 @@ class Outline:
         )
 
     def at(self, along: ca.SX, square: ca.SX | float) -> tuple[ca.SX, ca.SX]:
-        """Along and square coordinates from the rail's origin of a point that has these from its y = 0 [m], (3.77)."""
+        """Return along and square coordinates from the rail's origin of a point with these from its y = 0 [m],
+        (3.77).
+        """
         return self.along + self.cosine * along - self.sine * square, (
             self.square + self.sine * along + self.cosine * square
         )
@@ -160,7 +169,7 @@ class Outline:
 class Nearest:
     """The point of a patch that is nearest to its rail without yaw, (3.77), (3.78).
 
-    approach [m]: what it says of the approach, to some hundredths of a millimetre: enough to tell who touches.
+    approach [m]: estimated to some hundredths of a millimetre, enough to determine which patches touch.
     """
 
     position: ca.SX
@@ -178,7 +187,7 @@ def _hashable(breakpoints: np.ndarray, coefficients: np.ndarray) -> HashableTabl
 
 @dataclass(frozen=True)
 class PatchTables:
-    """What parts need of a `Patch` of a wheel: its line, and breakpoints and coefficients of four tables, as tuples.
+    """Data of a wheel's `Patch` for parts: its line, and breakpoints and coefficients of four tables, as tuples.
 
     nearest, along: those of the patch; wheel, rail: contours.
     """
@@ -192,15 +201,15 @@ class PatchTables:
 
     @classmethod
     def of(cls, patch: Patch, wheel: Profile) -> PatchTables:
-        """Those of a patch of a wheel with this profile."""
+        """Return those of a patch of a wheel with this profile."""
         tables = (patch.nearest, patch.along, wheel.pieces, patch.rail.pieces)
         return cls(patch.flange, Line.of(patch), *(_hashable(*one) for one in tables))
 
 
 def find_nearest(chain: Chain, patch: PatchTables, at: tuple[Placement, Wheel, ca.SX]) -> Nearest:
-    """Nearest point of a patch, pieces of both profiles there, and how they lie to each other, (3.77), (3.78).
+    """Return the nearest point of a patch, pieces of both profiles there, and their relative position, (3.77), (3.78).
 
-    at: where the wheelset stands, its wheel, and its height over the rail.
+    at: position of the wheelset, its wheel, and its height over the rail.
     """
     placement, on, height = at
     given = ca.vertcat(placement.lateral, height, placement.yaw, placement.roll)
@@ -214,7 +223,7 @@ def find_nearest(chain: Chain, patch: PatchTables, at: tuple[Placement, Wheel, c
 
 
 def _placed(given: ca.SX, constants: ca.SX) -> tuple[Chain, tuple[Placement, Wheel, ca.SX]]:
-    """A part's chain, and where its wheel stands by arguments (lateral, height, yaw, roll) and constants."""
+    """Return a chain, and a wheel's position from arguments (lateral, height, yaw, roll) and constants."""
     chain, cosines = Chain(), constants[:4]
     follow_cosines(chain, cosines, given[2:4])
     placement = Placement(given[2], given[3], cosines, given[0])
@@ -223,10 +232,10 @@ def _placed(given: ca.SX, constants: ca.SX) -> tuple[Chain, tuple[Placement, Whe
 
 @lru_cache
 def nearest_point(patch: PatchTables) -> Part:
-    """Position on the wheel's profile that is nearest to the rail, and pieces of both profiles there (3.77), (3.78).
+    """Return the part for the position on the wheel's profile nearest to the rail, and both profiles' pieces there.
 
-    Of lateral position, height, yaw and roll; constants: direction cosines and the wheel. Seen from the wheel, a roll
-    moves the rail's arc as its centre moves.
+    Equations (3.77), (3.78). Arguments: lateral position, height, yaw and roll; constants: direction cosines and the
+    wheel. In the wheel's axes, a roll moves the rail's arc as its centre moves.
     """
     given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 8)
     chain, at = _placed(given, constants)
@@ -247,9 +256,9 @@ def nearest_point(patch: PatchTables) -> Part:
 
 @lru_cache
 def beside_rail(line: Line, wheel_terms: int, rail_terms: int) -> Part:
-    """Where the nearest point lies on the rail's profile [m], and by how much it is pressed into it [m], (3.78).
+    """Return the part for the nearest point's position on the rail's profile [m] and its approach [m], (3.78).
 
-    Of what `nearest_point` is given and its position; constants: as there, and pieces of both profiles.
+    Arguments: those of `nearest_point` and its position. Constants: the same, and pieces of both profiles.
     """
     given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 8 + wheel_terms + rail_terms)
     chain, at = _placed(given, constants)
