@@ -1,4 +1,4 @@
-"""Creep of one patch in space: its ellipse, its friction and the creep law that was chosen."""
+"""Creep of one patch in 3D: its ellipse, its friction and the chosen creep law."""
 
 from functools import lru_cache
 
@@ -10,19 +10,19 @@ from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, Contac
 from rbd_model.contact.friction import Surface
 from rbd_model.contact.hertz import moving_ellipse
 
-#: Smallest sliding speed that is told from none [m/s]; the falling friction is smooth through zero on this scale.
+#: Smallest sliding speed that is distinguished from 0 [m/s]. The falling friction is smooth through zero on this scale.
 SLIDING_FLOOR = 1e-9
 
 
 def how_it_slides(
     sliding: ca.SX, own_rate: ca.SX, directions: tuple[ca.SX, ca.SX, ca.SX], forward: ca.SX, creepage_speed: ca.SX
 ) -> ca.SX:
-    """Along and across [m/s], spin [rad/s] and reciprocal of the speed [s/m], for creepages (3.89)-(3.91), (2.3).
+    """Return speeds along and across [m/s], spin [rad/s] and 1 / speed [s/m], for creepages (3.89)-(3.91), (2.3).
 
-    sliding [m/s], own_rate [rad/s]: of the wheel where it touches; directions: along the rail, sideways, normal.
-    Kalker's law is for axes that look ahead. Rolling backwards these are turned half round about the normal: the force
-    of spin turns with them, while that of sliding opposes the sliding either way. Over v_eps it changes from one to the
-    other: a jump at rest would have no solution.
+    sliding [m/s], own_rate [rad/s]: of the wheel at the contact; directions: along the rail, sideways, normal. Kalker's
+    law is for axes that point ahead. For backward rolling these are turned by 180 degrees about the normal. The force
+    of spin turns with them, while that of sliding opposes the sliding in both cases. The change between both is spread
+    over v_eps: with a jump at rest there would be no solution.
     """
     along, sideways, normal = directions
     slides = ca.dot(sliding, along), ca.dot(sliding, sideways)
@@ -33,11 +33,11 @@ def how_it_slides(
 
 @lru_cache
 def creep_of_wheel(creep_law: CreepLaw, place: str) -> Part:
-    """Creep forces of one patch [N] and the friction that is left, eqs (3.82)-(3.105) and the law of `Surface`.
+    """Return the part for creep forces of one patch [N] and the remaining friction, (3.82)-(3.105) and `Surface`.
 
-    Of what it slides along and across [m/s], its spin [rad/s], the reciprocal of its speed [s/m], both curvatures
-    [1/m], normal force [N] and friction without sliding; constants: shear modulus [Pa] and surface. place: a word
-    for the part's name, as each law in a system is a part of its own.
+    Arguments: sliding along and across [m/s], spin [rad/s], 1 / speed [s/m], both curvatures [1/m], normal force [N]
+    and friction without sliding. Constants: shear modulus [Pa] and surface. place: a word for the part's name, because
+    each law in a system is a part of its own.
     """
     given, constants = ca.SX.sym("given", 8), ca.SX.sym("constants", 6)
     slide_x, slide_y, spin, slowness, along_rail, across_rail, normal_force, friction = ca.vertsplit(given)

@@ -1,4 +1,4 @@
-"""How deep contact is modelled: a choice of its own beside the level of detail."""
+"""The choice of the contact model, independent of the level of detail."""
 
 from dataclasses import dataclass
 
@@ -6,28 +6,32 @@ from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 
-#: Depths by their number: what the parameter contact_model chooses.
+#: Contact models by their number, the value of the parameter contact_model.
 DEPTHS = {
     1: "one rigid contact a wheel, the flange a spring as printed (3.106)",
     2: "tread and flange as two elastic patches at their places",
     3: "as many patches of any shape as the profiles have, by strips",
 }
-#: Laws that a depth does not use.
+#: Creep laws that a contact model does not use.
 UNUSED: dict[int, tuple[str, ...]] = {1: ("flange_law",), 2: (), 3: ("creep_law", "flange_law")}
 
 
 @dataclass(frozen=True)
 class Contact:
-    """How wheels touch rails: `depth`, a key of DEPTHS, and the creep laws.
+    """The contact of wheels and rails: `depth`, a key of DEPTHS, and the creep laws.
 
-    Raises ValueError for another depth, and for a law that the depth would not use.
+    The `flange_law` is that of the patches of a flange at model 2; model 1 has no such patches. A flange spins, which
+    reduces the lateral force of Polach's law. With it the Y/Q at which a wheel climbs is 12 % above Nadal's limit, on
+    the unsafe side. With Shen, Hedrick and Elkins it is under 2 % (scenario flange-climb). The distance of each law
+    from exact theory on the Manchester contact benchmark is computed by contact-manchester: docs/limits.md, Creep laws.
+    FASTSIM, 5 x 5, is nearest at ten times the cost. On a tread, which spins without sliding much, Shen, Hedrick and
+    Elkins are no better than Polach (creep-laws). At model 3 neither law is used: each strip creeps by FASTSIM with
+    flexibilities of its own.
 
-    flange_law: of the patches of a flange at model 2; model 1 has none. A flange spins, which takes lateral force from
-    Polach's law: the Y/Q at which a wheel climbs comes out 12 % above Nadal's limit, on the unsafe side, with Shen,
-    Hedrick and Elkins under 2 % (scenario flange-climb). How far each is from exact theory on the Manchester contact
-    benchmark is measured by contact-manchester: docs/limits.md, Creep laws. FASTSIM, 5 x 5, is nearest at ten times the
-    cost. On a tread, which spins without sliding much, Shen, Hedrick and Elkins are no better than Polach (creep-laws).
-    Neither is used at model 3, where every strip creeps by FASTSIM with flexibilities of its own.
+    Raises
+    ------
+    ValueError
+        If `depth` is not a key of DEPTHS, or a law is given that the contact model does not use.
     """
 
     depth: int = 1
@@ -43,9 +47,9 @@ class Contact:
                 raise ValueError(f"Contact model {self.depth} does not use a {name}; leave it out, or take model 2.")
 
     def law_of(self, flange: bool) -> CreepLaw:
-        """The creep law of a patch of a flange or, otherwise, of a tread."""
+        """Return the creep law of a patch of a flange or, otherwise, of a tread."""
         return self.flange_law if flange else self.creep_law
 
 
-#: That of the thesis.
+#: The contact of the thesis.
 ONE_RIGID_CONTACT = Contact()

@@ -1,10 +1,10 @@
 """Undeformed distance of a wheel over its rail, strip by strip across the profile, and the areas in which they overlap.
 
-Seen from one wheel: x ahead, y outwards (to the field side), z up; the right wheel is the mirror image of a left one.
-Strips run along the rail. The wheel is a surface of revolution, so that along each strip there is one place where it
-is nearest to the rail, which is straight: where its normal stands across the rail (3.54), in closed form even with yaw.
-What is left is plane: the outline of the wheel as it is seen along the rail, over the profile of the rail. Vollebregt
-(2020), Detailed wheel/rail geometry processing using the planar contact approach, calls it the contact locus.
+Axes of one wheel: x ahead, y outwards (to the field side), z up; the right wheel is the mirror image of a left one.
+Strips run along the rail, which is straight. The wheel is a surface of revolution. Each strip therefore has one place
+nearest to the rail. Its normal is across the rail (3.54), in closed form even with yaw. The remaining problem is
+planar: the outline of the wheel in the view along the rail, over the profile of the rail. Vollebregt (2020), Detailed
+wheel/rail geometry processing using the planar contact approach, calls it the contact locus.
 """
 
 from __future__ import annotations
@@ -21,8 +21,10 @@ LEFT, RIGHT = 1, -1
 
 @dataclass(frozen=True)
 class Stand:
-    """Where a wheelset stands, seen from one wheel: its centre outwards of the track's and over the rails' origin [m],
-    roll (this wheel goes up) and yaw (this wheel goes back) [rad].
+    """Position of a wheelset in the axes of one wheel.
+
+    The centre is outwards of the track's and over the rails' origin [m]; roll (this wheel goes up) and yaw (this wheel
+    goes back) are in rad.
     """
 
     lateral: float
@@ -32,7 +34,7 @@ class Stand:
 
 
 def stand_of(side: int, lateral: float, height: float, roll: float, yaw: float) -> Stand:
-    """The stand in the track's axes of section 3.2 (ahead, left, up), seen from the LEFT or the RIGHT wheel."""
+    """Return the stand from the track's axes of section 3.2 (ahead, left, up), for the LEFT or the RIGHT wheel."""
     return Stand(side * lateral, height, side * roll, side * yaw)
 
 
@@ -40,10 +42,10 @@ def stand_of(side: int, lateral: float, height: float, roll: float, yaw: float) 
 class Strips:
     """Strips across the profiles; arrays of one length.
 
-    on_wheel, on_rail [m]: positions on both profiles. arm [m]: from the wheelset's centre to the nearest point, shape
-    (3, n). gap [m]: height of that point over the rail, infinite where there is no rail. angle [rad]: of the contact.
-    curvature: A of eq. (3.83), half of that of the wheel along the strip, across the contact [1/m]. stretch: breadth of
-    the wheel's contour over that of its position.
+    `on_wheel` and `on_rail` [m] are positions on both profiles. `arm` [m] goes from the wheelset's centre to the
+    nearest point, shape (3, n). `gap` [m] is the height of that point over the rail, infinite beside the rail. `angle`
+    [rad] is that of the contact. `curvature` [1/m] is A of eq. (3.83), half of that of the wheel along the strip,
+    across the contact. `stretch` is the breadth of the wheel's contour over that of its position.
     """
 
     on_wheel: np.ndarray
@@ -55,19 +57,19 @@ class Strips:
     stretch: np.ndarray
 
     def part(self, which: slice | np.ndarray) -> Strips:
-        """Some of the strips."""
+        """Return some of the strips."""
         return Strips(*(getattr(self, item.name)[..., which] for item in fields(self)))
 
     @property
     def distance(self) -> np.ndarray:
-        """Of wheel and rail along the normal [m], negative where they overlap."""
+        """Distance of wheel and rail along the normal [m], negative if they overlap."""
         return self.gap * np.cos(self.angle)
 
 
 def strips_at(pair: Pair, stand: Stand, on_wheel: np.ndarray) -> Strips:
-    """Wheel over rail at the positions on the wheel [m], eqs (3.54), (3.77).
+    """Return the strips of the wheel over the rail at the positions on the wheel [m], eqs (3.54), (3.77).
 
-    Meusnier's theorem gives the curvature along the strip: cos(angle) / r, as without yaw. What the yaw adds is of the
+    Meusnier's theorem gives the curvature along the strip: cos(angle) / r, as without yaw. The effect of yaw is of the
     order of yaw^2 times the curvature of the wheel's contour: 2 % in the flange root at 24 mrad.
     """
     contour, slope = pair.wheel.height(on_wheel), pair.wheel.height(on_wheel, 1)
@@ -103,14 +105,16 @@ def strips_at(pair: Pair, stand: Stand, on_wheel: np.ndarray) -> Strips:
     )
 
 
-#: Strips of the search over the whole wheel, and of a closer look at what it found.
+#: Strips of the search over the whole wheel, and of the refinement at each overlap.
 SEARCH, CLOSER = 200, 65
-#: What the search leaves out at the ends of the contour [m].
+#: Length at the ends of the contour that the search omits [m].
 MARGIN = 0.5e-3
 
 
 def areas(pair: Pair, stand: Stand) -> list[tuple[float, float]]:
-    """Where on the wheel it overlaps the rail [m], from the flange outwards: where the gap by (3.77) is negative."""
+    """Return the overlaps on the wheel [m], from the flange outwards: positions at which the gap by (3.77) is
+    negative.
+    """
     on_wheel, gap = _searched(pair, stand)
     found = []
     for first, last in _candidates(gap):
@@ -129,7 +133,9 @@ def _searched(pair: Pair, stand: Stand) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _candidates(gap: np.ndarray) -> list[tuple[int, int]]:
-    """First and last strip around each run of negative gaps, and around each minimum that may be negative between."""
+    """Return first and last strip around each run of negative gaps, and around each minimum that may be negative
+    between.
+    """
     inner = np.arange(1, gap.size - 1)
     lowest = (gap[inner] <= gap[inner - 1]) & (gap[inner] < gap[inner + 1])
     runs = np.flatnonzero(np.diff(np.concatenate([[False], gap[inner] < 0.0, [False]]).astype(int)))
@@ -138,7 +144,7 @@ def _candidates(gap: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _crossing(on_wheel: np.ndarray, gap: np.ndarray, i: int, step: int) -> float:
-    """Where the gap becomes 0 between the strip `i` and the next one, or there where the rail ends."""
+    """Return the position at which the gap becomes 0 between strip `i` and the next one, or at which the rail ends."""
     j = i + step
     if not 0 <= j < gap.size or not np.isfinite(gap[j]):
         return float(on_wheel[i])
@@ -146,9 +152,15 @@ def _crossing(on_wheel: np.ndarray, gap: np.ndarray, i: int, step: int) -> float
 
 
 def touching(pair: Pair, stand: Stand) -> tuple[float, float]:
-    """Height of the wheelset's centre at which this wheel begins to touch, and where on the wheel [m], eq. (3.77).
+    """Return the height of the wheelset's centre at first contact of this wheel, and the place on the wheel [m], eq.
+    (3.77).
 
-    The height of the stand is not used. Raises ValueError where the nearest place is an end of wheel or rail.
+    The height of the stand is not used.
+
+    Raises
+    ------
+    ValueError
+        If the nearest place is an end of wheel or rail.
     """
     lifted = replace(stand, height=2 * pair.radius)
     on_wheel, gap = _searched(pair, lifted)

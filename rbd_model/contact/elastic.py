@@ -8,9 +8,9 @@ import numpy as np
 
 from rbd_model.contact.hertz import POISSON_RATIO, curvature_ratio, elliptic_integrals, polynomial
 
-#: Range of ln(a/b) of the fit and its terms: a wheel's straight flange on a gauge corner of 13 mm comes to 3.
+#: Range of ln(a/b) of the fit and its terms. A wheel's straight flange on a gauge corner of 13 mm reaches 3.
 FIT_RANGE, FIT_POINTS, FIT_TERMS = 4.0, 400, 7
-#: Approach that is told from none [m]: below it the force is that of 0.1 uN, where a root has a slope.
+#: Approach that is distinguished from 0 [m]. Below it the force is that of 0.1 uN, so that the root has a slope.
 SMALLEST_APPROACH = 1e-12
 
 
@@ -24,10 +24,10 @@ class StiffnessFit:
 
 @lru_cache
 def stiffness_fit() -> StiffnessFit:
-    """Least squares through the exact force of Johnson (1985), section 4.2.
+    """Return the least-squares fit of the exact force of Johnson (1985), section 4.2.
 
-    delta = 3 N K / (2 pi a E*), a b^2 = 3 N E / (2 pi E* (A + B)), with a >= b, g = b/a, so that N is
-    (2 pi / 3) E* (delta / K)^1.5 (E / (g^2 (A + B)))^0.5; E* = G / (1 - nu) of two equal bodies.
+    delta = 3 N K / (2 pi a E*), a b^2 = 3 N E / (2 pi E* (A + B)), with a >= b, g = b/a. From these
+    N = (2 pi / 3) E* (delta / K)^1.5 (E / (g^2 (A + B)))^0.5. E* = G / (1 - nu) for two equal bodies.
     """
     g = ca.SX.sym("g")
     k, d = elliptic_integrals(g)
@@ -41,10 +41,10 @@ def stiffness_fit() -> StiffnessFit:
 
 
 def elastic_force(approach: ca.SX, along: ca.SX, across: ca.SX, shear_modulus: ca.SX) -> ca.SX:
-    """Normal force N [N] of Hertz' contact by its approach [m], K delta^1.5; none where the bodies are apart.
+    """Return the normal force N [N] of Hertz' contact by its approach [m], K delta^1.5; 0 if the bodies are apart.
 
     along, across: the curvatures A and B of (3.83) [1/m]; Johnson (1985), section 4.2. Beyond the fit's range of B/A
-    the ratio stays, so that a contact without curvature remains finite.
+    the ratio is constant, so that a contact without curvature remains finite.
     """
     fit = stiffness_fit()
     floor = along * np.exp(-fit.limit)
@@ -56,7 +56,7 @@ def elastic_force(approach: ca.SX, along: ca.SX, across: ca.SX, shear_modulus: c
 
 
 def damped(force: ca.SX, closing: ca.SX, damping: ca.SX) -> ca.SX:
-    """Force with what damps it, Hunt and Crossley (1975): N (1 + damping x closing), never a pull.
+    """Return the force with damping, Hunt and Crossley (1975): N (1 + damping x closing), never a pull.
 
     closing [m/s]: speed at which the bodies approach; damping [s/m].
     """

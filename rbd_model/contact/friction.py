@@ -1,4 +1,4 @@
-"""Friction of a wheel on a rail: how it falls with sliding speed, and how it changes over the rail's profile.
+"""Friction of a wheel on a rail: its fall with sliding speed, and its change over the rail's profile.
 
 mu = mu0 ((1 - A) exp(-B w) + A), with the sliding speed w [m/s], and the reduction factors k_A, k_S of Polach's creep
 law: O. Polach (2005), Creep forces in simulations of traction vehicles running on adhesion limit, Wear 258, 992-1000.
@@ -16,7 +16,7 @@ from rbd_model.contact.creep.law import Reduction
 
 @dataclass(frozen=True)
 class FallingFriction(ParameterSet):
-    """Fall of the friction coefficient with sliding speed, and what contamination leaves of the creep law's slope."""
+    """Fall of the friction coefficient with sliding speed, and reduction of the creep law's slope by contamination."""
 
     friction_ratio: float = quantity(
         "1", "Friction at infinite over that at no sliding speed (A); 1: friction does not fall", 0.0, 1.0
@@ -27,13 +27,13 @@ class FallingFriction(ParameterSet):
 
 
 def constant_friction() -> FallingFriction:
-    """Friction as in the thesis: it does not fall, and the creep law is that of Polach (1999)."""
+    """Return friction as in the thesis: it does not fall, and the creep law is that of Polach (1999)."""
     return FallingFriction(friction_ratio=1.0, friction_decay=0.0, adhesion_reduction=1.0, slip_reduction=1.0)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """The symbols of a rail's surface: A, B and 1 - A of its falling friction, and what it leaves of the gradient."""
+    """The symbols of a rail's surface: A, B and 1 - A of its falling friction, and its reduction of the gradient."""
 
     ratio: ca.SX
     decay: ca.SX
@@ -48,11 +48,11 @@ class Surface:
 
     @property
     def reduction(self) -> Reduction:
-        """What the surface leaves of the creep law's gradient."""
+        """Reduction of the creep law's gradient by the surface."""
         return Reduction(self.adhesion, self.slip)
 
     def remaining(self, sliding_speed: ca.SX) -> ca.SX:
-        """Share of mu0 that is left at a sliding speed w >= 0 [m/s]: (1 - A) exp(-B w) + A."""
+        """Return the remaining share of mu0 at a sliding speed w >= 0 [m/s]: (1 - A) exp(-B w) + A."""
         return self.fall * ca.exp(-self.decay * sliding_speed) + self.ratio
 
 
@@ -62,10 +62,11 @@ HEAD_ENDS, GAUGE_FACE_BEGINS = math.sin(math.radians(20.0)), math.sin(math.radia
 
 
 def friction_over_angle(sine: ca.SX, of_gauge_face: ca.SX) -> ca.SX:
-    """Factor on the friction where the rail stands at an angle, that of a gauge face beyond the gauge corner [1].
+    """Return the factor on the friction at a contact angle: that of a gauge face beyond the gauge corner [1].
 
-    sine: of the contact angle, positive on the gauge side. Practice keeps the top of rail at 0.3 to 0.4 and lubricates
-    the gauge face to as little as it can: J. Tuzik (2023), Railway Track and Structures, August; 0.15 to 0.2 is usual.
+    sine: of the contact angle, positive on the gauge side. In practice, the top of rail is kept at 0.3 to 0.4 and the
+    gauge face is lubricated as far as possible: J. Tuzik (2023), Railway Track and Structures, August; 0.15 to 0.2 is
+    usual.
     """
     share = (sine - HEAD_ENDS) / (GAUGE_FACE_BEGINS - HEAD_ENDS)
     share = ca.fmin(ca.fmax(share, 0), 1)

@@ -1,8 +1,8 @@
-"""The side of a contour that is turned to the middle of the track: a wheel's flange, a rail's gauge corner.
+"""The side of a contour towards the middle of the track: a wheel's flange, a rail's gauge corner.
 
-Instruments and programs differ in the direction of y. A wheel shows its side by its flange. A rail that is laid leans
-towards the middle of the track, by 1:20 or 1:40, and a worn rail has lost its gauge corner. Upright and unworn, a head
-is symmetric and has no side.
+Instruments and programs differ in the direction of y. A wheel's side is that of its flange. A rail as laid leans
+towards the middle of the track, by 1:20 or 1:40, and a worn rail has lost its gauge corner. An upright, unworn head is
+symmetric and has no side.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ Points = NDArray[np.float64]
 SIDES = ("y-", "y+")
 #: Depths below the top at which a head's middle is taken [m]: from the crown's arcs down to the gauge face.
 SHALLOWEST, DEEPEST, DEPTHS = 1.5e-3, 13.5e-3, 25
-#: Least depth of which both flanks must be there to tell a side [m].
+#: Least depth over which both flanks must exist to determine a side [m].
 LEAST_DEPTH = 4e-3
-#: Largest lean that is looked for, and the least that is one: rails lie at 1:20 to 1:60.
+#: Largest lean in the search, and the least that is treated as a lean: rails lie at 1:20 to 1:60.
 LARGEST_LEAN, LEAST_LEAN = 1 / 12, 1 / 150
-#: A rail that leans by as much as this in its file has been laid [1]; wear of an upright one looks like less.
+#: Lean from which a rail in a file is treated as laid [1]; wear of an upright rail has a smaller effect.
 LAID = 1 / 60
 #: Standard deviation of a symmetric head's middle over the depth [m], and how much less it must be if it leans.
 SYMMETRIC, CLEARLY = 0.15e-3, 3.0
-#: How far aside the crown of a worn head lies of its flanks' middle at least, for its side to be told [m], and the
-#: depths that are crown.
+#: Least distance of a worn head's crown from the middle of its flanks for its side to be determined [m], and the depth
+#: of the crown [m].
 WORN, CROWN = 1e-3, 4e-3
 #: Least height of a flange below most of the tread [m].
 LEAST_FLANGE = 10e-3
@@ -35,16 +35,19 @@ LEAST_FLANGE = 10e-3
 
 @dataclass(frozen=True)
 class GaugeSide:
-    """Which side of a file's y is turned to the middle of the track.
+    """The side of a file's y towards the middle of the track.
 
     Attributes
     ----------
     side : str
         "y-", "y+", or "" if the contour has none, as a symmetric, upright head.
+
     reason : str
-        How that is known.
+        Why this side was chosen.
+
     lean : float or None
-        Slope by which a head's axis leans towards `side`, below 0: away from it; None if its shape does not tell.
+        Slope by which a head's axis leans towards `side`, below 0: away from it; None if its shape does not determine
+        it.
     """
 
     side: str
@@ -58,7 +61,7 @@ class GaugeSide:
 def upright(points: Points, kind: str) -> Points:
     """Return rows (y, z) turned over if a rail's head or a wheel's tread lies below its flanks.
 
-    Most of a contour's breadth is head or tread: what reaches far from it is flank or flange.
+    Most of a contour's breadth is head or tread. Points far from it belong to a flank or flange.
     """
     y, z = points.T
     order = np.argsort((z[1:] + z[:-1]) / 2)
@@ -68,10 +71,9 @@ def upright(points: Points, kind: str) -> Points:
 
 
 def gauge_side(points: Points, kind: str) -> GaugeSide | None:
-    """Return the gauge side of an upright contour, rows (y, z) [m]; None if its shape does not tell.
+    """Return the gauge side of an upright contour, rows (y, z) [m]; None if its shape does not determine it.
 
     A rail is laid inclined towards the middle of the track (section 4.3).
-
     Parameters
     ----------
     points : array, shape (points, 2)
@@ -104,7 +106,7 @@ def _of_rail(points: Points) -> GaugeSide | None:
 
 
 def _axis(points: Points) -> tuple[float, float]:
-    """Return the angle by which a head's axis of symmetry leans to y+ [rad], and how far it is from symmetric [m]."""
+    """Return the lean of a head's axis of symmetry to y+ [rad], and its deviation from symmetry [m]."""
 
     def unequal(angle: float) -> float:
         middles = _middles(_turned(points, angle))

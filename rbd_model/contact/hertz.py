@@ -7,8 +7,8 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-#: Of all vehicles: a column of Kalker's table (`kalker.py`), assumed, as the thesis prints none. Steel has 0.28; what
-#: that changes is in docs/limits.md, Creep laws, and `OfSteel` (of_steel.py) has creep laws for it.
+#: Poisson's ratio of all vehicles: a column of Kalker's table (`kalker.py`), assumed, because the thesis gives none.
+#: Steel has 0.28. For the effect see docs/limits.md, Creep laws; `OfSteel` (of_steel.py) has creep laws for it.
 POISSON_RATIO = 0.25
 #: The arithmetic-geometric mean converges quadratically; 6 rounds reach round-off for axis ratios above 1e-3.
 MEAN_ROUNDS = 6
@@ -17,7 +17,7 @@ NEWTON_ROUNDS = 8
 
 @dataclass(frozen=True)
 class EllipseShape:
-    """What the curvatures decide: `axis_ratio` = a/b, and `longitudinal`, `lateral` = a, b over N^(1/3) [m/N^(1/3)]."""
+    """Ellipse by the curvatures: `axis_ratio` = a/b; `longitudinal`, `lateral` = a, b over N^(1/3) [m/N^(1/3)]."""
 
     axis_ratio: ca.SX
     longitudinal: ca.SX
@@ -25,10 +25,11 @@ class EllipseShape:
 
 
 def elliptic_integrals(minor_over_major: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Complete elliptic integrals K and D = (K - E)/e^2 of an ellipse with axis ratio g = sqrt(1 - e^2), eq. (3.88).
+    """Return the complete elliptic integrals K and D = (K - E)/e^2 of an ellipse, axis ratio g = sqrt(1 - e^2), eq.
+    (3.88).
 
-    By the arithmetic-geometric mean. D is formed without the difference K - E, so that a circle (e = 0) is no special
-    case.
+    They are computed by the arithmetic-geometric mean. D is formed without the difference K - E, so that a circle (e =
+    0) needs no separate case.
     """
     g = minor_over_major
     mean, geometric, difference = (1 + g) / 2, ca.sqrt(g), (1 - g) / 2
@@ -37,7 +38,7 @@ def elliptic_integrals(minor_over_major: ca.SX) -> tuple[ca.SX, ca.SX]:
     total, weight = share, ca.SX(1)
     for _ in range(MEAN_ROUNDS):
         next_mean = (mean + geometric) / 2
-        # c_(n+1) = c_n^2 / (4 a_(n+1)), written as a factor on the term before.
+        # c_(n+1) = c_n^2 / (4 a_(n+1)), written as a factor on the previous term.
         weight = 2 * weight
         factor = difference / (4 * next_mean)
         share = share * factor**2
@@ -50,7 +51,7 @@ def elliptic_integrals(minor_over_major: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def curvature_ratio(minor_over_major: ca.SX) -> ca.SX:
-    """Ratio of the relative curvatures, larger to smaller, that gives this ellipse: (K - D) / (g^2 D).
+    """Return the ratio of the relative curvatures, larger to smaller, of this ellipse: (K - D) / (g^2 D).
 
     Johnson (1985), Contact Mechanics, section 4.2, general profiles; 1 for a circle.
     """
@@ -59,7 +60,7 @@ def curvature_ratio(minor_over_major: ca.SX) -> ca.SX:
 
 
 def minor_over_major_axis(smaller: ca.SX, larger: ca.SX) -> ca.SX:
-    """Axis ratio g of the contact ellipse from the two relative curvatures, eqs (3.85)-(3.86), by Newton in ln g."""
+    """Return the axis ratio g of the ellipse from the relative curvatures, eqs (3.85)-(3.86), by Newton in ln g."""
     unknown = ca.SX.sym("log_axis_ratio")
     residual = ca.log(curvature_ratio(ca.exp(unknown)))
     function = ca.Function("residual", [unknown], [residual, ca.jacobian(residual, unknown)])
@@ -74,7 +75,7 @@ def minor_over_major_axis(smaller: ca.SX, larger: ca.SX) -> ca.SX:
 def ellipse_shape(
     wheel_radius: ca.SX, wheel_curvature: ca.SX, rail_radius: ca.SX, shear_modulus: ca.SX
 ) -> EllipseShape:
-    """Contact ellipse of a wheel on a straight rail, eqs (3.82)-(3.88).
+    """Return the contact ellipse of a wheel on a straight rail, eqs (3.82)-(3.88).
 
     wheel_radius [m] along the track, wheel_curvature [1/m] and rail_radius [m] across it; the rail is straight along
     the track. In (3.87), E is the complete elliptic integral, not Young's modulus.
@@ -96,8 +97,9 @@ def ellipse_shape(
 FIT_RANGE, FIT_POINTS = 2.35, 400
 #: Terms of the polynomials; they are within 1e-4 of the axis ratio and 2e-4 of the mean semi-axis.
 RATIO_TERMS, SIZE_TERMS = 4, 5
-#: Range of ln(a/b) of ellipses that are long along the rail, as those of a flange are, of 17 to 18: cubics go on behind
-#: the polynomials, with their value and slope, within 3e-4 of the axis ratio and 5e-4 of the mean semi-axis.
+#: Largest ln(a/b) of ellipses that are long along the rail; those of a flange have a/b of 17 to 18. Beyond the
+#: polynomials, cubics continue with their value and slope. They are within 3e-4 of the axis ratio and 5e-4 of the mean
+#: semi-axis.
 LONGEST = math.log(30.0)
 
 
@@ -105,7 +107,8 @@ LONGEST = math.log(30.0)
 class EllipseFit:
     """Polynomials in q = ln(B/A), |q| <= limit: ln(a/b) = q sum r_i q^2i, and ln(E / sqrt(g)) = sum s_i q^2i.
 
-    From the limit on, up to q = end, what `ratio_on` and `size_on` make of q - limit is added to the values there.
+    Beyond the limit, up to q = end, the cubics `ratio_on` and `size_on` of q - limit are added to the values at the
+    limit.
     """
 
     limit: float
@@ -118,7 +121,9 @@ class EllipseFit:
 
 @lru_cache
 def ellipse_fit() -> EllipseFit:
-    """Least squares through the exact a/b of (3.86) and E of (3.87), so that a moving contact needs no iteration."""
+    """Return least-squares fits of the exact a/b of (3.86) and E of (3.87), so that moving contacts need no
+    iteration.
+    """
     g = ca.SX.sym("g")
     k, d = elliptic_integrals(g)
     exact = ca.Function("exact", [g], [ca.log(curvature_ratio(g)), ca.log((k - (1 - g**2) * d) / ca.sqrt(g))])
@@ -130,16 +135,16 @@ def ellipse_fit() -> EllipseFit:
     limit = float(q[-1])
     longer = np.linspace(FIT_RANGE, LONGEST, FIT_POINTS)
     q, size = (np.array(column).ravel() for column in exact(np.exp(-longer)[None, :]))
-    # As polynomials of q itself.
+    # The same polynomials in powers of q itself.
     own = np.kron(ratio, [0.0, 1.0]), np.kron(sizes, [1.0, 0.0])
     on = [going_on(one, limit, q, y) for one, y in zip(own, (longer, size), strict=True)]
     return EllipseFit(limit, tuple(ratio.tolist()), tuple(sizes.tolist()), float(q[-1]), *on)
 
 
 def going_on(terms: np.ndarray, limit: float, x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
-    """Coefficients of a cubic of x - limit that goes on behind a polynomial, to be added to its value at the limit.
+    """Return coefficients of a cubic of x - limit that continues a polynomial, added to its value at the limit.
 
-    It takes on value and slope there, and for the rest is the least squares through y, such as E of (3.87).
+    It has the polynomial's value and slope there. Its other terms are the least-squares fit of y, such as E of (3.87).
     """
     inside, past = np.polynomial.Polynomial(terms), x - limit
     slope = float(inside.deriv()(limit))
@@ -148,7 +153,7 @@ def going_on(terms: np.ndarray, limit: float, x: np.ndarray, y: np.ndarray) -> t
 
 
 def polynomial(coefficients: tuple[float, ...], x: ca.SX) -> ca.SX:
-    """Sum of coefficients[i] x^i by Horner's rule."""
+    """Return the sum of coefficients[i] x^i by Horner's rule."""
     value = ca.SX(coefficients[-1])
     for coefficient in coefficients[-2::-1]:
         value = value * x + coefficient
@@ -156,11 +161,11 @@ def polynomial(coefficients: tuple[float, ...], x: ca.SX) -> ca.SX:
 
 
 def moving_ellipse(along: ca.SX, across: ca.SX, load: ca.SX, shear_modulus: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """ln(a/b) and semi-axis (a b)^(1/2) [m], eqs (3.82), (3.84), (3.87), of a contact that moves.
+    """Return ln(a/b) and semi-axis (a b)^(1/2) [m] of a contact that moves, eqs (3.82), (3.84), (3.87).
 
-    along, across: the curvatures A and B [1/m], which change; load [N]. Equal to `ellipse_shape` within the fit; where
-    the ellipse would be 30 times as long along the rail as across, or 10 times as broad as long, the ratio stays, so
-    that a contact that loses its curvature (`across` near 0, or below in a trial step) remains finite.
+    along, across: the curvatures A and B [1/m], which change; load [N]. The result equals that of `ellipse_shape`
+    within the fit. The ratio is limited to ellipses 30 times as long along the rail as across, and 10 times as broad as
+    long. Therefore a contact that loses its curvature (`across` near 0, or below in a trial step) remains finite.
     """
     fit = ellipse_fit()
     floor = along * np.exp(-fit.limit)

@@ -1,21 +1,21 @@
-"""How hard a wheel presses on its rail where they overlap: several patches of any shape, strip by strip.
+"""Normal force of a wheel on its rail where they overlap: several patches of any shape, strip by strip.
 
-Each strip across the overlap carries a load q for each metre of breadth, spread along it over the length 2 a as in
-Hertz, which is unknown as well: Knothe and Le The (1984), Computers & Structures 18(6). Boussinesq says how far it
-lowers both surfaces, there and under all other strips; where strips touch, the sum makes up for the overlap of the
-undeformed surfaces, elsewhere the load is 0. So nothing is said beforehand of shape, number or mutual influence of the
-patches. The lengths follow from the loads: in an ellipse of Hertz with curvature A along it
+Each strip across the overlap carries a load q per metre of breadth. As in Hertz, it is spread along the strip over the
+length 2 a, which is unknown too: Knothe and Le The (1984), Computers & Structures 18(6). By Boussinesq's solution it
+lowers both surfaces, there and below all other strips. For strips in contact the sum equals the overlap of the
+undeformed surfaces; elsewhere the load is 0. The method thus assumes neither shape nor number nor mutual influence of
+the patches. The lengths follow from the loads: in an ellipse of Hertz with curvature A along it
 
     p = kappa A a G / (1 - nu),    q = pi / 2 p a,
 
 with kappa a function of a/b alone (Johnson 1985, Contact Mechanics, section 4.2). Any patch takes the kappa of the
 ellipse with its load, its A and its largest q, whose breadth is b = 3/4 N / q. No constant is fitted, and the contour's
-curvature is not asked for.
+curvature is not needed.
 
-This is the exact theory but for the distribution along the strips. The virtual penetration of Kik and Piotrowski (1996)
-and the ellipses in each strip of Ayasse and Chollet (2005) or Sichani, Enblom and Berg (2014) are cheaper: there the
-loads follow from the overlap of the same strip in closed form. On S1002 and UIC60 near the centre, where a patch has a
-shoulder 8 mm long, closed forms were up to a third off in load and 2 mm in place.
+This is the exact theory except for the distribution along the strips. The virtual penetration of Kik and Piotrowski
+(1996) is cheaper. So are the ellipses in each strip of Ayasse and Chollet (2005) or Sichani, Enblom and Berg (2014).
+There the loads follow from the overlap of the same strip in closed form. On S1002 and UIC60 near the centre a patch has
+a shoulder 8 mm long. There closed forms had errors of up to a third in load and 2 mm in place.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from scipy.special import ellipe, ellipkm1
 from rbd_model.contact.distance import Stand, Strips, areas, strips_at
 from rbd_model.contact.geometry import Pair
 
-#: Stands for 0 where something divides by it.
+#: Replaces 0 in denominators.
 TINY = float(np.finfo(float).tiny)
 
 
@@ -51,8 +51,8 @@ class Steel:
 class ContactArea:
     """One area of contact: its strips, their breadth, half length [m] and largest pressure [Pa].
 
-    Strips at its ends may be idle, with half length and pressure 0. overlap [m4]: integral over each strip, seen from
-    above, of the square of the height by which the undeformed surfaces overlap.
+    Strips at its ends may be idle, with half length and pressure 0. overlap [m4]: integral over each strip, in plan
+    view, of the square of the height by which the undeformed surfaces overlap.
     """
 
     strips: Strips
@@ -62,7 +62,7 @@ class ContactArea:
     overlap: np.ndarray
 
     def of(self, which: np.ndarray) -> ContactArea:
-        """Some of its strips, where `which` is true."""
+        """Return some of its strips, where `which` is true."""
         rows = (self.breadth, self.half_length, self.pressure, self.overlap)
         return ContactArea(self.strips.part(which), *(row[which] for row in rows))
 
@@ -77,24 +77,24 @@ class ContactArea:
         return float(np.sum(self.loads))
 
     def centre(self, values: np.ndarray) -> float:
-        """Mean of something known strip by strip, weighted with the normal force."""
+        """Return the mean of a value by strips, weighted with the normal force."""
         return float(values @ self.loads / self.load)
 
 
 #: Strips across each area of overlap; about two thirds of them touch. With 64 no load changes by more than 1 %.
 STRIPS = 24
-#: How often lengths follow loads and loads lengths; more rounds change no load by more than 1.1 %.
+#: Number of rounds in which lengths follow loads and loads lengths; more rounds change no load by more than 1.1 %.
 ROUNDS = 2
-#: Share of the approach that gives a strip a length where Hertz has none, in case it is loaded after all.
+#: Share of the approach that gives a length to a strip without one by Hertz, in case it is loaded after all.
 IDLE = 0.1
-#: An overlap that is none [m].
+#: Overlap that is treated as 0 [m].
 ROUND_OFF = 1e-14
 #: Slenderest ellipse of the table, and its points.
 SLENDEREST, TABLE_POINTS = 1e-3, 400
 
 
 def patches(pair: Pair, stand: Stand, steel: Steel, apart: bool = False) -> list[ContactArea]:
-    """All contacts of a wheel, from the flange outwards; Knothe (1984), see the module.
+    """Return all contacts of a wheel, from the flange outwards; Knothe (1984), see the module.
 
     apart: as if each area of overlap were alone.
     """
@@ -107,7 +107,7 @@ def patches(pair: Pair, stand: Stand, steel: Steel, apart: bool = False) -> list
     breadth, area = step * strips.stretch, np.repeat(np.arange(len(found)), STRIPS)
     felt = area[:, None] == area if apart else np.ones((area.size, area.size), dtype=bool)
     away = np.hypot(*(strips.arm[i][:, None] - strips.arm[i] for i in (1, 2)))
-    # The mean of the logarithm over the breadth of a strip, felt in its middle.
+    # The mean of the logarithm over the breadth of a strip, in its middle.
     np.fill_diagonal(away, breadth / (2 * math.e))
 
     overlap = -strips.distance
@@ -138,9 +138,9 @@ def patches(pair: Pair, stand: Stand, steel: Steel, apart: bool = False) -> list
 
 
 def lowering_of(away: np.ndarray, half_length: np.ndarray) -> np.ndarray:
-    """How far 1 N on a strip lowers both surfaces beside it, times E* [1/m]; Johnson (1985), section 3.2.
+    """Return the lowering of both surfaces by 1 N on a strip beside it, times E* [1/m]; Johnson (1985), section 3.2.
 
-    The load is spread along the strip as half an ellipse; far away it acts like a point force, 1 / (pi r).
+    The load is spread along the strip as half an ellipse. At a large distance r it acts like a point force, 1 / (pi r).
     """
     ratio = (away / half_length) ** 2
     # With the complete elliptic integrals of m = 1 / (1 + ratio).
@@ -149,9 +149,10 @@ def lowering_of(away: np.ndarray, half_length: np.ndarray) -> np.ndarray:
 
 
 def line_loads(lowering: np.ndarray, overlap: np.ndarray, touch: np.ndarray) -> np.ndarray:
-    """Loads of the strips [N/m], none negative, that lower the surfaces by their overlap, Knothe (1984).
+    """Return the loads of the strips [N/m], all at least 0, that lower the surfaces by their overlap, Knothe (1984).
 
-    touch: where to begin. Strips that would pull let go, those that are left to overlap take part, until neither is.
+    touch: the initial set of strips in contact. Strips with a pull are removed, and strips with a remaining overlap are
+    added, until there are neither.
     """
     touch = touch.copy()
     for _ in range(2 * overlap.size):
@@ -170,7 +171,7 @@ def line_loads(lowering: np.ndarray, overlap: np.ndarray, touch: np.ndarray) -> 
 
 
 def kappa_of(line_load: np.ndarray, breadth: np.ndarray, curvature: np.ndarray, steel: Steel) -> float:
-    """kappa of the ellipse with the load, the curvature A and the largest q of a patch, Johnson (1985), section 4.2.
+    """Return kappa of the ellipse with the load, the curvature A and the largest q of a patch, Johnson (1985), 4.2.
 
     From N = 2/3 pi p a b and p = kappa A a E*: kappa (a/b)^2 = 3/2 N / (pi E* A b^3).
     """
@@ -183,16 +184,16 @@ def kappa_of(line_load: np.ndarray, breadth: np.ndarray, curvature: np.ndarray, 
 
 
 def length_alone(overlap: np.ndarray, breadth: np.ndarray, curvature: np.ndarray) -> np.ndarray:
-    """Half lengths [m] of an area's strips to begin with: Hertz's ellipse, Johnson (1985), section 4.2.
+    """Return the initial half lengths [m] of an area's strips: Hertz's ellipse, Johnson (1985), section 4.2.
 
-    With the approach d and the distance f = d - overlap it is a^2 = (d - beta f) / (alpha A), d = beta B b^2; B such
-    that d = B y^2 where the area ends.
+    With the approach d and the distance f = d - overlap, a^2 = (d - beta f) / (alpha A). Here d = beta B b^2, with the
+    B for which d = B y^2 at the ends of the area.
     """
     deepest, half = max(float(np.max(overlap)), ROUND_OFF), float(np.sum(breadth)) / 2
     along = float(np.mean(curvature))
     table = ellipses()
     ratio = math.log(deepest / (half**2 * along))
-    # As seen from across, alpha is what beta is from along.
+    # Alpha across corresponds to beta along.
     alpha, beta = (math.exp(np.interp(x, table.curvature_ratio, table.alpha)) for x in (ratio, -ratio))
     square = np.maximum(deepest - beta * (deepest - overlap), IDLE * deepest)
     return np.asarray(np.sqrt(square / (alpha * along)))
@@ -210,11 +211,11 @@ class Ellipses:
 
 @lru_cache
 def ellipses() -> Ellipses:
-    """All that Hertz's ellipse makes of its axis ratio, Johnson (1985), section 4.2.
+    """Return the quantities of Hertz's ellipse by its axis ratio, Johnson (1985), section 4.2.
 
-    With g = minor / major axis and K, E, D = (K - E) / (1 - g^2) complete elliptic integrals: along the major axis the
-    approach is K / D times curvature times semi-axis squared and the pressure 1 / (g D) times E* times both; along the
-    minor axis K / (K - D) and 1 / (K - D).
+    With g = minor / major axis, K, E and D = (K - E) / (1 - g^2) are complete elliptic integrals. Along the major axis
+    the approach is K / D times curvature times semi-axis squared. The pressure is 1 / (g D) times E* times both. Along
+    the minor axis the factors are K / (K - D) and 1 / (K - D).
     """
     g = np.exp(np.linspace(np.log(SLENDEREST), np.log(0.999), TABLE_POINTS))
     k, e = ellipkm1(g**2), ellipe(1 - g**2)
@@ -225,14 +226,14 @@ def ellipses() -> Ellipses:
 
 
 def _runs(touch: np.ndarray, area: np.ndarray) -> list[slice]:
-    """Strips beside each other that touch, of the same area."""
+    """Return runs of neighbouring strips of the same area that touch."""
     places = np.flatnonzero(touch)
     breaks = np.flatnonzero((np.diff(places) > 1) | (np.diff(area[places]) > 0)) + 1
     return [slice(int(run[0]), int(run[-1]) + 1) for run in np.split(places, breaks) if run.size]
 
 
 def _parts(runs: list[slice], area: np.ndarray) -> list[slice]:
-    """Each run with the idle strips of its area, shared with the neighbour in the middle between them."""
+    """Return each run with the idle strips of its area; neighbours share those between them at the middle."""
     parts = []
     for i, run in enumerate(runs):
         same = np.flatnonzero(area == area[run.start])

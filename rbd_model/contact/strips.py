@@ -1,9 +1,9 @@
 """A wheel on its rail by strips: several patches of any shape from the undeformed distance, each with its creep forces.
 
-Three parts that know little of each other: `distance` (where), `normal` (how hard), `strip_creep` (which creep forces).
-Reference and study tool in NumPy, with as many strips as one likes; the level `spatial` has it in C, with fewer, at
-contact model 3 (strips.c). There the height of the wheelset is a coordinate of the motion; only here, where a load is
-given, is it looked for.
+Three nearly independent parts: `distance` (position of the overlap), `normal` (normal forces), `strip_creep` (creep
+forces). This is a reference and study tool in NumPy with any number of strips. The level `spatial` has it in C, with
+fewer strips, at contact model 3 (strips.c). There the height of the wheelset is a coordinate of the motion. Only here
+it is searched for, for a given load.
 """
 
 from collections.abc import Callable
@@ -20,9 +20,9 @@ from rbd_model.contact.strip_creep import Creepages, creep_forces
 
 @dataclass(frozen=True)
 class WheelVelocity:
-    """Of a wheelset, in the axes of the stand: velocity of its centre [m/s], ahead above 0, and rotation [rad/s].
+    """Velocity of a wheelset's centre [m/s], ahead above 0, and its rotation [rad/s], in the axes of the stand.
 
-    Rotation about an axis counts as in right-handed axes of a left wheel; the right one is its mirror image.
+    The sign of the rotation is that of right-handed axes of a left wheel; the right wheel is its mirror image.
     """
 
     velocity: tuple[float, float, float]
@@ -30,21 +30,23 @@ class WheelVelocity:
 
 
 def motion_of(side: int, velocity: tuple[float, float, float], rotation: tuple[float, float, float]) -> WheelVelocity:
-    """The motion in the track's axes of section 3.2 (ahead, left, up), seen from the LEFT or the RIGHT wheel."""
+    """Return the motion from the track's axes of section 3.2 (ahead, left, up), for the LEFT or the RIGHT wheel."""
     return WheelVelocity(
         (velocity[0], side * velocity[1], velocity[2]), (side * rotation[0], rotation[1], side * rotation[2])
     )
 
 
 def rolling(stand: Stand, speed: float, pitch_rate: float) -> WheelVelocity:
-    """Straight ahead, turning about its axle alone, whose direction is that of section 3.2's yaw and roll."""
+    """Return straight motion with rotation about the axle alone, in the direction of section 3.2's yaw and roll."""
     sin_yaw, cos_yaw = np.sin(stand.yaw), np.cos(stand.yaw)
     axle = (-sin_yaw * np.cos(stand.roll), cos_yaw * np.cos(stand.roll), np.sin(stand.roll))
     return WheelVelocity((speed, 0.0, 0.0), (pitch_rate * axle[0], pitch_rate * axle[1], pitch_rate * axle[2]))
 
 
 def creepages_of(strips: Strips, motion: WheelVelocity) -> Creepages:
-    """Velocity of the wheel's surface over the speed, at each strip along its own tangent plane, eqs (2.3), (3.89)."""
+    """Return velocities of the wheel's surface over the speed, at each strip in its tangent plane, eqs (2.3),
+    (3.89).
+    """
     speed = motion.velocity[0]
     sliding = np.array(motion.velocity)[:, None] + np.cross(motion.rotation, strips.arm.T).T
     sine, cosine = np.sin(strips.angle), np.cos(strips.angle)
@@ -65,7 +67,7 @@ class Pressed:
 
     @property
     def force(self) -> np.ndarray:
-        """On the wheel, ahead, outwards and up [N]; each strip's in its own tangent plane."""
+        """Force on the wheel, ahead, outwards and up [N]; each strip's in its own tangent plane."""
         sine, cosine = np.sin(self.patch.strips.angle), np.cos(self.patch.strips.angle)
         (ahead, aside), loads = self.creep, self.patch.loads
         return np.array([np.sum(ahead), np.sum(cosine * aside - sine * loads), np.sum(sine * aside + cosine * loads)])
@@ -77,9 +79,9 @@ CreepagesOf = Callable[[Strips], Creepages]
 def pressed(
     pair: Pair, stand: Stand, steel: Steel, friction: float, creepages: CreepagesOf, apart: bool = False
 ) -> list[Pressed]:
-    """All patches of a wheel with their forces, Kalker (1982); none where it hangs over its rail.
+    """Return all patches of a wheel with their forces, Kalker (1982); none if the wheel is above its rail.
 
-    creepages: of given strips, such as `creepages_of` with a motion. apart: as `patches` has it.
+    creepages: function of given strips, such as `creepages_of` with a motion. apart: as in `patches`.
     """
     return [
         Pressed(patch, creep_forces(patch, creepages(patch.strips), steel, friction))
@@ -88,11 +90,11 @@ def pressed(
 
 
 def total(contacts: list[Pressed]) -> np.ndarray:
-    """Force on the wheel, ahead, outwards and up [N]: Newton's sum over the patches."""
+    """Return the force on the wheel, ahead, outwards and up [N]: Newton's sum over the patches."""
     return np.sum([contact.force for contact in contacts] or np.zeros((1, 3)), axis=0)
 
 
-#: Approach with which the search for a load begins, doubled until it is enough, and how well it is found [m].
+#: First approach in the search for a load, doubled until it is large enough, and tolerance of the search [m].
 FIRST_APPROACH, APPROACH_TOLERANCE = 20e-6, 1e-11
 
 
@@ -105,7 +107,9 @@ def under_load(
     load: float,
     apart: bool = False,
 ) -> tuple[Stand, list[Pressed]]:
-    """The stand's height, and the patches, at which the vertical force on the wheel is the load [N]: Newton's law."""
+    """Return the stand's height and the patches for a vertical force on the wheel equal to the load [N]: Newton's
+    law.
+    """
     top, _ = touching(pair, stand)
 
     def excess(approach: float) -> float:
@@ -132,7 +136,7 @@ class Place:
 
 
 def place_of(contacts: list[Pressed]) -> Place:
-    """Centre of the squared overlap of the undeformed surfaces, the contact's place in Vollebregt (2020)."""
+    """Return the centre of the squared overlap of the undeformed surfaces, the contact's place in Vollebregt (2020)."""
     weights = np.concatenate([contact.patch.overlap for contact in contacts])
     columns = [(s.on_rail, s.on_wheel, s.arm[0], s.angle) for s in (contact.patch.strips for contact in contacts)]
     return Place(*(float(np.average(np.concatenate(c), weights=weights)) for c in zip(*columns, strict=True)))

@@ -1,6 +1,6 @@
 """A wheel on its rail by strips as a part in C, for the level `spatial` at contact model 3.
 
-What the C of strips.c needs is written here: contours, segments, and polynomials through exact theory.
+This file writes the data of strips.c: contours, segments, and polynomials through exact theory.
 """
 
 import hashlib
@@ -20,24 +20,30 @@ from rbd_model.contact.patches import patches_of
 from rbd_model.contact.profiles import Profile
 from rbd_model.contact.strip_creep import coefficients
 
-#: Numbers that the part takes: a `PatchState` but for its nearest point; a `Wheel`, the `surroundings` of
-#: patched_wheelset.py but for the slip reduction, which FASTSIM has none of, Poisson's ratio and whether creepage is
-#: along the rail as it slopes (1 or 0). Results of a segment (`Press`) and of the wheel (place, angle, pressure); most
-#: segments. As in strips.c.
+#: Sizes of the part. Arguments: a `PatchState` without its nearest point. Constants: a `Wheel`; the `surroundings` of
+#: patched_wheelset.py without the slip reduction, which FASTSIM does not have; Poisson's ratio; 1 if creepage follows
+#: the slope of the rail, else 0. Results: of a segment (`Press`) and of the wheel (place, angle, pressure). The last is
+#: the largest number of segments. All are as in strips.c.
 ARGUMENTS, CONSTANTS, OF_SEGMENT, OF_WHEEL, MOST_SEGMENTS = 13, 14, 11, 3, 6
-#: Coefficients of a polynomial in strips.c, and a fit's largest distance from what it stands for.
+#: Coefficients of a polynomial in strips.c, and a fit's largest distance from the exact values.
 TERMS, ELLIPTIC_TERMS, FIT_ERROR = 12, 7, 2e-4
-#: The same for what Kalker's coefficients are of c, 0.47 to 1.41: that of spin on the widest ellipses is furthest off.
+#: The same for Kalker's coefficients by c, 0.47 to 1.41. That of spin on the widest ellipses has the largest error.
 KALKER_ERROR = 0.015
 #: Axis ratios of ellipses from 1/30 to 30, and complements of the modulus from far strips to near ones.
 LARGEST_LOGARITHM, LEAST_COMPLEMENT = math.log(30.0), 1e-9
 
 
 def wheel_on_strips(one: Side) -> Part:
-    """Part of a wheel on its rail: what each segment does, from the flange outwards, and where the wheel touches.
+    """Return the part of a wheel on its rail: the forces of each segment, from the flange outwards, and the contact's
+    place.
 
     Kalker (1982), Knothe and Le The (1984); see strips.c. Radius and distances are constants of the part: wheels that
-    differ in them alone share it. Raises ValueError for a contour that is cut more often than strips.c has room for.
+    differ only in them share it.
+
+    Raises
+    ------
+    ValueError
+        If the contour is cut into more segments than strips.c supports.
     """
     segments = segments_of(one)
     if len(segments) > MOST_SEGMENTS:
@@ -50,7 +56,7 @@ def wheel_on_strips(one: Side) -> Part:
 
 @lru_cache
 def part_of_contours(wheel: Profile, rail: Profile, segments: tuple[tuple[float, float], ...]) -> Part:
-    """The part of all wheels with these contours, Knothe and Le The (1984); named by them."""
+    """Return the part of all wheels with these contours, Knothe and Le The (1984); its name depends on them."""
     numbers = [np.ravel(segments), *wheel.pieces, *rail.pieces]
     content = np.concatenate([np.ravel(one) for one in numbers]).tobytes()
     name = f"wheel_on_strips_{hashlib.sha256(content).hexdigest()[:8]}"
@@ -71,21 +77,21 @@ static void {name}(const double *arguments, const double *constants, double *res
 
 
 def segments_of(one: Side) -> list[tuple[float, float]]:
-    """Ends of the parts of a wheel's contour between which contact jumps (section 9.4.1), from the flange outwards [m].
+    """Return the ends [m] of the parts of a wheel's contour between which contact jumps, from the flange outwards.
 
-    Each begins where the one before ends, so that strips of both leave no gap.
+    Section 9.4.1. Each begins at the end of the one before, so that strips of both leave no gap.
     """
     limits = [patch.limits for patch in reversed(patches_of(one))]
     return [(low, limits[i + 1][0] if i + 1 < len(limits) else high) for i, (low, high) in enumerate(limits)]
 
 
 def array_in_c(name: str, values: Iterable[float]) -> str:
-    """An array of numbers, each to its last digit."""
+    """Return an array of numbers in C, with all digits."""
     return f"static const double {name}[] = {{{', '.join(repr(float(value)) for value in values)}}};"
 
 
 def contour_in_c(name: str, profile: Profile) -> str:
-    """The coefficients of a contour. Raises ValueError where its pieces are not equal."""
+    """Return the coefficients of a contour in C. Raises ValueError if its pieces are not equal."""
     breakpoints, coefficients = profile.pieces
     if not np.allclose(np.diff(breakpoints), breakpoints[1] - breakpoints[0], rtol=1e-9):
         raise ValueError(f"Profile {profile.name}: give a spline with equal distances between its knots.")
@@ -93,22 +99,24 @@ def contour_in_c(name: str, profile: Profile) -> str:
 
 
 def contour_entry(name: str, profile: Profile) -> str:
-    """A `contour_of`."""
+    """Return a `contour_of` in C."""
     breakpoints, coefficients = profile.pieces
     width = (breakpoints[-1] - breakpoints[0]) / len(coefficients)
     return f"{{{float(breakpoints[0])!r}, {float(width)!r}, {len(coefficients)}, {name}}}"
 
 
 def fits_in_c() -> str:
-    """The `fits_of` of all wheels: polynomials through Hertz's ellipses (Johnson 1985), table E.3 of Kalker (1990) over
-    what strips make of its ellipses, and K - E.
+    """Return the `fits_of` of all wheels in C.
+
+    They are polynomials through Hertz's ellipses (Johnson 1985), through table E.3 of Kalker (1990) over the result of
+    strips for its ellipses, and through K - E.
     """
     table, kalker = ellipses(), coefficients()
     kept = np.abs(table.axis_ratio) <= LARGEST_LOGARITHM
     ratio, alpha, kappa = (row[kept] for row in (table.curvature_ratio, table.alpha, table.kappa))
     loads = kappa + 2 * table.axis_ratio[kept]
     fits = [fitted(ratio, alpha), fitted(loads, kappa)]
-    # Between the rows of Kalker's table too: a polynomial through the rows alone swings between them.
+    # Points between the rows of Kalker's table are used too: a polynomial through the rows alone oscillates.
     row = np.arange(kalker.logarithm.size)
     grip = np.exp(np.interp(np.linspace(row[0], row[-1], 20 * row.size), row, kalker.logarithm))
     fits += [fitted(1 / grip, ratio, KALKER_ERROR, terms=10) for ratio in kalker.of(grip)]
@@ -119,20 +127,20 @@ def fits_in_c() -> str:
 
 
 def fitted(x: np.ndarray, y: np.ndarray, error: float = FIT_ERROR, terms: int = TERMS) -> list[float]:
-    """Coefficients of a polynomial, lowest power first. Raises ValueError where it is further off than `error`."""
+    """Return coefficients of a polynomial, lowest power first. Raises ValueError if its error is above `error`."""
     polynomial = np.polynomial.Polynomial.fit(x, y, terms - 1).convert()
     return checked(list(polynomial.coef), float(np.max(np.abs(polynomial(x) - y))), error)
 
 
 def checked(coefficients: list[float], off: float, error: float, terms: int = TERMS) -> list[float]:
-    """The coefficients, filled up with zeros. Raises ValueError where the fit is further off than `error`."""
+    """Return the coefficients, filled up with zeros. Raises ValueError if the error of the fit is above `error`."""
     if not off <= error:
         raise ValueError(f"A polynomial for strips.c is {off:.1e} off; the limit is {error:.1e}: give it more terms.")
     return coefficients + [0.0] * (terms - len(coefficients))
 
 
 def elliptic_fit() -> list[list[float]]:
-    """P and Q of (K - E) / m = P(m1) + Q(m1) ln(1/m1), of the form of Abramowitz and Stegun (1964), 17.3.34."""
+    """Return P and Q of (K - E) / m = P(m1) + Q(m1) ln(1/m1), the form of Abramowitz and Stegun (1964), 17.3.34."""
     m1 = np.concatenate([np.geomspace(LEAST_COMPLEMENT, 0.1, 400), np.linspace(0.1, 0.999, 400)])
     exact = (ellipkm1(m1) - ellipe(1 - m1)) / (1 - m1)
     powers = m1[:, None] ** np.arange(ELLIPTIC_TERMS)

@@ -34,8 +34,8 @@ LEVELS = {
     3: "spatial (also lateral, yaw and roll motion, profiles of wheels and rails)",
 }
 
-#: Number of the system of a vehicle by level and contact model (which varies fastest). The second table continues with the
-#: systems on a line. NONE: no such system exists.
+#: Number of the system of a vehicle by level and contact model, which varies fastest. The second table continues with
+#: the systems on a line. NONE: no such system exists.
 CHOICE = (0, 0, 0, 1, 1, 1, 2, 3, 4)
 CHOICE_ON_LINE = (*CHOICE, 5, 5, 5, 6, 6, 6, NONE, 7, NONE)
 #: Meaning of the indices in these tables: whether on a line, level, contact model.
@@ -154,7 +154,8 @@ def coal_wagon_dynamics(places: Sequence[int] = EVERY) -> Model:
 
 
 #: Largest share of the adhesion used by the brakes of the chapter 5 bogie for which static loads give speed, distance
-#: and rotation to 0.2 %. Load transfer locks the trailing wheelset (scenario `levels`, friction 0.3).
+#: and rotation to 0.2 %. At 0.70 and above, load transfer locks the trailing wheelset (scenario `levels`, friction
+#: 0.3).
 STATIC_LOADS_UP_TO = 0.6
 #: Outputs of the point level that depend on load transfer: slip and axle load at any torque, lock and creep force near
 #: the adhesion limit.

@@ -1,1 +1,1 @@
-"""What a vehicle runs on: the axes of the track, the line, irregularities, friction along it."""
+"""The track below a vehicle: its axes, the line, irregularities, friction along it."""

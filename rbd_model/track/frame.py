@@ -1,9 +1,9 @@
 """The axes of the track at a place on the line, in which a body there is described: x along, y to the left, z up.
 
-They turn by the heading about the vertical, then by the gradient, then by the cant about the track itself:
-Rz(heading) Ry(-slope) Rx(cant), by section 3.2.1. On straight and level track they are the inertial axes of chapter 3.
-What the line is comes from its curvature, cant and gradient; its place in the plan and its height are integrals of
-these, so that nothing here is linearised.
+They turn by the heading about the vertical, then by the gradient, then by the cant about the track itself: Rz(heading)
+Ry(-slope) Rx(cant), by section 3.2.1. On straight and level track they are the inertial axes of chapter 3. The axes
+follow from the line's curvature, cant and gradient. Its place in the plan and its height are integrals of these, so
+that nothing here is linearised.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from rbd_model.track.line_table import along_line
 
 @dataclass(frozen=True)
 class Plan:
-    """Where the axes stand: heading, height of their origin [m], tilt, and whole metres and rest of the place.
+    """Position and direction of the axes: heading, height of their origin [m], tilt, whole metres and rest of the
+    place.
 
-    heading: its cosine and sine. tilt: the axes (columns) in those that are level and look along the heading. far,
-    near: shape (2,), ahead and aside in the plan [m]; differences of two places are exact far from the start.
+    heading: its cosine and sine. tilt: the axes (columns) in level axes along the heading. `far` and `near`, shape
+    (2,), are ahead and aside in the plan [m]. Differences of two places are exact far from the start.
     """
 
     heading: ca.SX
@@ -34,7 +35,7 @@ class Plan:
     distance: ca.SX  # along the line [m]
 
     def place(self, position: ca.SX) -> ca.SX:
-        """Where a position in the axes of the track is: ahead, aside and above the line's first row [m]."""
+        """Return the place of a position in the track's axes: ahead, aside and above the line's first row [m]."""
         level = self.tilt @ ca.vertcat(0, position[1:])
         (c, s), (x, y) = ca.vertsplit(self.heading), ca.vertsplit(level[:2])
         plan = (self.near + ca.vertcat(c * x - s * y, s * x + c * y)) + self.far
@@ -43,9 +44,9 @@ class Plan:
 
 @dataclass(frozen=True)
 class TrackFrame:
-    """Axes of the track: how they turn, and what is up in them.
+    """Axes of the track: their rotation, and the upward direction in them.
 
-    turning: their angular velocity for each m/s of way along the line, in themselves [rad/m]. up: unit vector.
+    turning: their angular velocity per m/s of speed along the line, in the axes themselves [rad/m]. up: unit vector.
     plan: None on straight track.
     """
 
@@ -54,24 +55,26 @@ class TrackFrame:
     plan: Plan | None = None
 
     def elevation(self, position: ca.SX) -> ca.SX:
-        """Height of a position in these axes [m], for the energy of section 2.4; along straight track it counts x."""
+        """Return the height of a position in these axes [m], for the energy of section 2.4; straight track includes
+        x.
+        """
         if self.plan is None:
             return ca.dot(self.up, position)
         return self.plan.height + ca.dot(self.up[1:], position[1:])
 
 
-#: Straight and level: the axes of section 3.2.1 that count as inertial.
+#: Straight and level: the axes of section 3.2.1 that are treated as inertial.
 LEVEL = TrackFrame(ca.SX.zeros(3), ca.SX([0, 0, 1]))
 
 
 def on_gradient(gradient: ca.SX) -> TrackFrame:
-    """Straight track (section 5.2) that rises by `gradient` for each metre along it: its sine."""
+    """Return straight track (section 5.2) that rises by `gradient` per metre along it: its sine."""
     return TrackFrame(ca.SX.zeros(3), ca.vertcat(gradient, 0, ca.sqrt(1 - gradient**2)))
 
 
 @dataclass(frozen=True)
 class Course:
-    """How a line goes on at a place: curvature [1/m], sines of gradient and cant, and their slopes along it [1/m]."""
+    """A line's data at a place: curvature [1/m], sines of gradient and cant, and their slopes along it [1/m]."""
 
     curvature: ca.SX
     gradient: ca.SX
@@ -91,7 +94,7 @@ class Course:
 
     @property
     def turning(self) -> ca.SX:
-        """As in TrackFrame, by section 3.2.2 for these angles."""
+        """Angular velocity as in TrackFrame, by section 3.2.2 for these angles."""
         rising, aside = self.steepening / self.level, self.curvature * self.level
         return ca.vertcat(
             self.twisting / self.upright + self.curvature * self.gradient,
@@ -101,7 +104,7 @@ class Course:
 
     @property
     def tilt(self) -> ca.SX:
-        """Axes of the track (columns) in those that are level and look along the heading: Ry(-slope) Rx(cant)."""
+        """Axes of the track (columns) in level axes along the heading: Ry(-slope) Rx(cant)."""
         level, sine, upright, cant = self.level, self.gradient, self.upright, self.cant
         return ca.vertcat(
             ca.horzcat(level, -sine * cant, -sine * upright),
@@ -111,9 +114,9 @@ class Course:
 
 
 def on_line(system: System, distance: ca.SX) -> TrackFrame:
-    """The axes at a distance [m] on the line that the instance runs on (section 3.2.1).
+    """Return the axes at a distance [m] on the line of the instance (section 3.2.1).
 
-    Cosine and sine of the heading are those of the way in the plan: no angle is ever turned into them.
+    Cosine and sine of the heading are slopes of the line in the plan, not functions of an angle.
     """
 
     def look_up(column: str, order: int = 0) -> list[ca.SX]:
@@ -130,7 +133,7 @@ def on_line(system: System, distance: ca.SX) -> TrackFrame:
 
 
 def on_profile(system: System, distance: ca.SX) -> TrackFrame:
-    """The axes in the vertical plane alone (section 5.2), as of a line rolled out straight."""
+    """Return the axes in the vertical plane alone (section 5.2), as of a line without curves."""
     height, sine, steepening = along_line(system, "rise", distance, 2)
     far, near = (ca.vertcat(along_line(system, f"level{which}", distance)[0], 0) for which in ("_far", ""))
     none = ca.SX(0)
@@ -139,7 +142,7 @@ def on_profile(system: System, distance: ca.SX) -> TrackFrame:
 
 
 def frame_of(system: System, course: Course, plan: Plan) -> TrackFrame:
-    """The axes where a line goes on like this, section 3.2.1."""
+    """Return the axes at a place of a line, section 3.2.1."""
     up = course.tilt[2, :].T
     narrowed = system.narrow(ca.vertcat(course.turning, up))
     return TrackFrame(narrowed[:3], narrowed[3:], plan)
@@ -147,7 +150,7 @@ def frame_of(system: System, course: Course, plan: Plan) -> TrackFrame:
 
 @dataclass(frozen=True)
 class Pose:
-    """Axes (columns) and place of the origin [m] of one track frame as seen from another, section 3.2.1."""
+    """Axes (columns) and place of the origin [m] of one track frame relative to another, section 3.2.1."""
 
     axes: ca.SX
     place: ca.SX
@@ -163,9 +166,11 @@ class Pose:
         return cls(ca.reshape(vector[:9], 3, 3), vector[9:])
 
     def slope(self, turning: ca.SX, turning_there: ca.SX) -> ca.SX:
-        """How its vector follows the distances along the line of the one and the other [1/m], by eq. (3.12).
+        """Return the derivative of its vector by the distances of the one and the other along the line [1/m], eq.
+        (3.12).
 
-        turning, turning_there: of the one's and the other's axes, as in TrackFrame. Origins move along x, 1 m a metre.
+        turning, turning_there: of the one's and the other's axes, as in TrackFrame. Origins move along x by 1 m per
+        metre.
         """
         here = ca.vertcat(ca.vec(ca.skew(turning) @ self.axes), ca.cross(turning, self.place) + ca.vertcat(1, 0, 0))
         there = ca.vertcat(ca.vec(self.axes @ ca.skew(turning_there)), self.axes[:, 0])
@@ -173,16 +178,18 @@ class Pose:
 
     @property
     def back(self) -> Pose:
-        """The other as seen from the one."""
+        """Return the pose of the one relative to the other."""
         return self if self is HERE else Pose(self.axes.T, -self.axes.T @ self.place)
 
 
-#: One frame, or all straight track.
+#: Pose of a frame relative to itself, and of all straight track.
 HERE = Pose(ca.SX.eye(3), ca.SX(3, 1))
 
 
 def relative(chain: Chain, at: TrackFrame, other: TrackFrame) -> Pose:
-    """`other` as seen from the axes `at`, eq. (3.1): heading and chord over the way between, from differences alone."""
+    """Return the pose of `other` in the axes `at`, eq. (3.1): heading and chord between them, from differences
+    alone.
+    """
     if at.plan is None or other.plan is None or at is other:
         return HERE
     (ahead, aside), (forwards, sideways) = ca.vertsplit(at.plan.heading), ca.vertsplit(other.plan.heading)

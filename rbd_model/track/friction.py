@@ -1,4 +1,4 @@
-"""Friction of the rail: how it falls with sliding speed, and how it changes along the track.
+"""Friction of the rail: its fall with sliding speed, and its change along the track.
 
 mu = mu0 ((1 - A) exp(-B w) + A), with the sliding speed w [m/s], and the reduction factors k_A, k_S of Polach's creep
 law: O. Polach (2005), Creep forces in simulations of traction vehicles running on adhesion limit, Wear 258, 992-1000.
@@ -35,7 +35,7 @@ class FrictionAlongTrack(ParameterSet):
 class RailCondition:
     """A rail with a name: mu0 of all wheelsets, and the law of its fall, Polach (2005).
 
-    source: of the numbers. verified: they were found in more than one source; otherwise check them before use.
+    source: of the numbers. verified: true if they were found in more than one source; otherwise check them before use.
     """
 
     friction: float
@@ -44,12 +44,12 @@ class RailCondition:
     source: str = "of one's own"
 
     def values(self, wheelsets: int = 2) -> dict[str, float]:
-        """Inputs and parameters by name."""
+        """Return inputs and parameters by name."""
         return {f"friction_{number}": self.friction for number in range(1, wheelsets + 1)} | self.law.values()
 
 
 def even_rail() -> FrictionAlongTrack:
-    """The same friction everywhere, as in section 4.4; the length of a patch of leaves and its blend are assumed."""
+    """Return constant friction, as in section 4.4; the length of a patch of leaves and its blend are assumed."""
     return FrictionAlongTrack(
         cleaned_friction=1.0,
         patch_friction=1.0,
@@ -90,11 +90,11 @@ def very_low() -> RailCondition:
 
 
 def _slippery(friction: float, decay: float, source: str) -> RailCondition:
-    """With the creep curve of a dry rail, k_A and k_S of Polach (2005)."""
+    """Return a rail with the creep curve of a dry rail, k_A and k_S of Polach (2005)."""
     return RailCondition(friction, FallingFriction(0.40, decay, 1.00, 0.40), False, source)
 
 
-#: The rails that have a name, wherever one reads it. What has another friction or another fall has no such name.
+#: The rails that have a name, for all uses. A rail with another friction or another fall must not use such a name.
 CONDITIONS = {
     "dry": dry,
     "wet": wet,
@@ -107,7 +107,7 @@ CONDITIONS = {
 
 @dataclass(frozen=True)
 class Rail:
-    """The symbols of the rail's friction while a System is being written; all but the parameters computed once."""
+    """The symbols of the rail's friction while a System is written; all except the parameters are computed once."""
 
     parameter: dict[str, ca.SX]
     surface: Surface
@@ -116,7 +116,9 @@ class Rail:
     per_blend: ca.SX
 
     def factor(self, number: int, distance: ca.SX) -> ca.SX:
-        """Factor on mu0 under a wheelset at a distance [m]: that of the patch within it, and of the cleaned rail."""
+        """Return the factor on mu0 at a wheelset's distance [m]: that of the patch within it, and of the cleaned
+        rail.
+        """
         inside = self.parameter["patch_length"] / 2 - ca.fabs(distance - self.patch_middle)
         share = inside * self.per_blend
         # From 0 to 1 and no further, in absolute values: they cost less than minimum and maximum.
@@ -128,9 +130,9 @@ class Rail:
 
 
 def add_rail(system: System, wheelsets: int) -> Rail:
-    """The rail under so many wheelsets: falling friction, Polach (2005), and what varies along it, section 2.5.2.
+    """Return the rail below this number of wheelsets: falling friction, Polach (2005), and its change along it, 2.5.2.
 
-    Each cleans it for the next; a wheelset that is alone finds no rail cleaned.
+    Each wheelset cleans the rail for the next one. A single wheelset runs on a rail that is not cleaned.
     """
     variables = [law.variable(name) for law in (constant_friction(), even_rail()) for name in law.values()]
     p = {v.name: system.parameter(v) for v in variables if v.name != "cleaned_friction" or wheelsets > 1}
@@ -146,13 +148,13 @@ def add_rail(system: System, wheelsets: int) -> Rail:
 
 
 def follow_patch(system: System, rail: Rail, distance: ca.SX, places: Sequence[ca.SX]) -> None:
-    """No step may pass over an end of the patch, nor over more than half of one: of section 2.5.2.
+    """Limit steps so that none passes an end of the patch of section 2.5.2, or more than half of the patch.
 
     distance: the state that carries all places along; places [m]: of the wheelsets.
     """
     p = rail.parameter
     end = ca.fmin(p["patch_blend"], p["patch_length"] / 2)
-    # From each wheelset to the nearer end of the patch; below 0 within it.
+    # Distances from each wheelset to the nearer end of the patch; below 0 within it.
     ways = [ca.fabs(ca.fabs(place - rail.patch_middle) - (p["patch_length"] - end) / 2) - end / 2 for place in places]
     largest = end / 2 + ca.fmax(ca.mmin(ca.vertcat(*ways)), 0)
     system.limit_change(ca.if_else(p["patch_friction"] == 1, ca.inf, largest), distance)

@@ -1,8 +1,8 @@
 """The straight track: lateral position and height of both rails along it, eqs (5.3), (5.4), and friction.
 
-Each wheelset meets the rails' section at its own distance, shifted by the irregularity there; the rails count as
-straight along the track in its neighbourhood. What that leaves out is of first order in the slope of the irregularity:
-a wheelset that follows a wave yaws against the axes of the track and not against the rails.
+Each wheelset meets the rails' section at its own distance, shifted by the irregularity there. Near the wheelset the
+rails are treated as straight along the track. This approximation has an error of first order in the slope of the
+irregularity: a wheelset that follows a wave yaws relative to the axes of the track, not to the rails.
 """
 
 from collections.abc import Callable
@@ -28,9 +28,9 @@ PLATEAU_POWER = 8
 class TrackParameters(ParameterSet):
     """Irregularities of the track; an amplitude of 0 is a perfect track.
 
-    Printed: the waves (5.3) begin at 5 m (sections 5.3.1, 5.3.2); wave numbers 0.045, 0.07 and 0.07 1/m.
-    Assumed: irregularity_blend, because a sine that begins with a corner would be an impact; cross_level_centre, far
-    enough from the start for the plateau, which has no ends; half of the cross level on each rail.
+    Reported: the waves (5.3) begin at 5 m (sections 5.3.1, 5.3.2); wave numbers 0.045, 0.07 and 0.07 1/m.
+    Assumed: irregularity_blend, because a sine that begins with a corner would be an impact. Also cross_level_centre,
+    far enough from the start for the plateau, which has no ends; and half of the cross level on each rail.
     """
 
     lateral_irregularity: float = quantity("m", "Lateral wave of the track, amplitude (Delta_ir)")
@@ -46,7 +46,7 @@ class TrackParameters(ParameterSet):
 
 
 def section_5_3() -> TrackParameters:
-    """A perfect track with the places and wave numbers of section 5.3."""
+    """Return a perfect track with the places and wave numbers of section 5.3."""
     return TrackParameters(
         lateral_irregularity=0.0,
         lateral_wave_number=0.045,
@@ -63,7 +63,7 @@ def section_5_3() -> TrackParameters:
 
 @dataclass(frozen=True)
 class TrackSupport(ParameterSet):
-    """What the rails below a wheelset in space rest on where a vehicle runs on a line, see `yielding_track`."""
+    """Support of the rails below a wheelset in 3D on a line, see `yielding_track`."""
 
     flexible_track: float = quantity(
         "1", "On a line, rails yield below each wheelset in space (1), or are rigid (0)", 0.0, 1.0, "integer"
@@ -76,12 +76,12 @@ class TrackSupport(ParameterSet):
 
 
 def ballasted_track() -> TrackSupport:
-    """Track on ballast below one wheelset.
+    """Return track on ballast below one wheelset.
 
-    Assumed: 43 MN/m and 240 kN.s/m, for each rail vertically and for both together sideways. A rail of 60 kg/m on the
-    pads, ballast and ground of Zhai, Wang and Lin (2004), Journal of Sound and Vibration 270, 673-683, is a beam on an
-    elastic foundation with 81 MN/m and, slowly, 45 kN.s/m; in its bend, which falls off over 0.87 m, moves as much as
-    79 kg at the wheel would. From there: 80 kg. What the other numbers would change: `flexible-track`.
+    Assumed: 43 MN/m and 240 kN.s/m, for each rail vertically and for both together sideways. They represent a rail of
+    60 kg/m on the pads, ballast and ground of Zhai, Wang and Lin (2004), J. Sound Vib. 270, 673-683. This is a beam on
+    an elastic foundation with 81 MN/m and, slowly, 45 kN.s/m. Its bend decays over 0.87 m, and its moving mass is
+    equivalent to 79 kg at the wheel; the set has 80 kg. The effect of the other values is in `flexible-track`.
     """
     return TrackSupport(
         flexible_track=1.0,
@@ -107,36 +107,36 @@ class Section:
     spread: ca.SX = field(default_factory=lambda: ca.SX(1, 2))  # of each rail, outwards, and its derivative
 
 
-#: Adds the track to a System (parameters or tables); returns its section for a wheelset's number at a distance, with so
-#: many derivatives.
+#: Adds the track to a System (parameters or tables). Returns its section as a function of a wheelset's number, a
+#: distance and the number of derivatives.
 Track = Callable[[System], Callable[[int, ca.SX, int], Section]]
 
 
 def blend(share: ca.SX) -> ca.SX:
-    """Step from 0 to 1 over 0 to 1 with two continuous derivatives, 10 s^3 - 15 s^4 + 6 s^5.
+    """Return a step from 0 to 1 over 0 to 1 with two continuous derivatives, 10 s^3 - 15 s^4 + 6 s^5.
 
-    Assumed, for the ends of the waves of sections 5.3.1 and 5.3.2, which are printed with corners.
+    Assumed, for the ends of the waves of sections 5.3.1 and 5.3.2, which have corners in the thesis.
     """
     s = ca.fmin(ca.fmax(share, 0), 1)
     return s**3 * (10 - 15 * s + 6 * s**2)
 
 
 def wave(distance: ca.SX, amplitude: ca.SX, wave_number: ca.SX, blend_length: ca.SX) -> ca.SX:
-    """One period of a sine from distance 0, eq. (5.3), zero before and after, blended in and out."""
+    """Return one period of a sine from distance 0, eq. (5.3), zero before and after, blended in and out."""
     window = blend(distance / blend_length) * blend((2 / wave_number - distance) / blend_length)
     return amplitude * ca.sin(ca.pi * wave_number * distance) * window
 
 
 def plateau(distance: ca.SX, amplitude: ca.SX, wave_number: ca.SX) -> ca.SX:
-    """A smooth plateau around distance 0, eq. (5.4)."""
+    """Return a smooth plateau around distance 0, eq. (5.4)."""
     return amplitude / ca.sqrt(1 + (wave_number * distance) ** PLATEAU_POWER)
 
 
 @lru_cache
 def irregular_rails(order: int) -> Part:
-    """The `rails` of a `Section`, column by column, by the waves (5.3) and the plateau (5.4), of the distance.
+    """Return the part for the `rails` of a `Section`, column by column, by the waves (5.3) and the plateau (5.4).
 
-    Constants: the parameters in the order of `TrackParameters`.
+    Argument: the distance. Constants: the parameters in the order of `TrackParameters`.
     """
     names = list(section_5_3().values())
     distance, constants = ca.SX.sym("distance"), ca.SX.sym("constants", len(names))
@@ -152,18 +152,18 @@ def irregular_rails(order: int) -> Part:
     return Part(f"irregular_rails_{order}", distance, constants, ca.densify(ca.vertcat(*columns)))
 
 
-#: Amplitudes, without all of which rails are straight.
+#: Amplitudes. If all of them are 0, rails are straight.
 AMPLITUDES = ("lateral_irregularity", "vertical_irregularity", "cross_level")
 
 
 def irregular_track(defaults: TrackParameters) -> Track:
-    """A track with the waves (5.3) and the plateau (5.4), all of them parameters."""
+    """Return a track with the waves (5.3) and the plateau (5.4), all of them parameters."""
 
     def add(system: System) -> Callable[[int, ca.SX, int], Section]:
         p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}
 
         def density() -> ca.SX:
-            """Wave number of the shortest wave or plateau that there is, and not of those without height."""
+            """Return the wave number of the shortest wave or plateau with a height above 0."""
             numbers = [
                 ca.if_else(p[kind] == 0, 0, p[f"{kind.removesuffix('_irregularity')}_wave_number"])
                 for kind in AMPLITUDES
@@ -181,7 +181,9 @@ def irregular_track(defaults: TrackParameters) -> Track:
 
 
 def with_line(track: Track) -> Track:
-    """The same track upon the line that an instance runs on: its widening, friction and irregularities come to it."""
+    """Return the same track on the line of an instance, with that line's widening, friction and irregularities
+    added.
+    """
 
     def add(system: System) -> Callable[[int, ca.SX, int], Section]:
         own = track(system)
@@ -205,10 +207,10 @@ def with_line(track: Track) -> Track:
 
 
 def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarray]:
-    """The track with (5.3), (5.4) in plain numbers: at a distance [m], shape (3, 3).
+    """Return the track with (5.3), (5.4) in plain numbers: a function of distance [m], shape (3, 3).
 
-    Rows: value and two derivatives. Columns: lateral position of both rails, height of the left and of the
-    right one [m].
+    Rows: value and two derivatives. Columns: lateral position of both rails, height of the left and of the right one
+    [m].
     """
     system = System("track", "its parameters become numbers")
     distance = ca.SX.sym("distance")
@@ -219,9 +221,9 @@ def derivatives_along(parameters: TrackParameters) -> Callable[[float], np.ndarr
     return lambda at: np.array(function(at))
 
 
-#: Points of a measured track that make up the shortest thing on it that steps resolve.
+#: Points of a measured track in the shortest feature that steps resolve.
 POINTS_FELT = 8
-#: Least distance of two of its points [m]; steps are as long as it takes to run over some of them.
+#: Least distance of two of its points [m]; steps are as long as the time for passing some of them.
 LEAST_DISTANCE = 1e-3
 #: Columns of a track file; lateral is of both rails, left and right are heights, friction a factor.
 COLUMNS = (
@@ -234,8 +236,8 @@ COLUMNS = (
 def track_from_file(path: Path) -> Track:
     """Return a measured track from a file of COLUMNS; the row of names may be missing.
 
-    Between points it is as a line file is between its rows (docs/line.md); the first and the last values hold beyond
-    the ends.
+    Between points it is interpolated as a line file is between its rows (docs/line.md). Beyond the ends the first and
+    last values apply.
 
     Raises
     ------
@@ -251,7 +253,7 @@ def track_from_file(path: Path) -> Track:
 def track_from_points(
     distance: np.ndarray, lateral: np.ndarray, left: np.ndarray, right: np.ndarray, friction: np.ndarray
 ) -> Track:
-    """A track through points, arrays of shape (n,) as in `track_from_file`."""
+    """Return a track through points, arrays of shape (n,) as in `track_from_file`."""
     names = ("left_lateral", "left_vertical", "right_vertical", "left_friction")
     line = Line.of_any_size({"distance": distance} | dict(zip(names, (lateral, left, right, friction), strict=True)))
     places = line.breaks()

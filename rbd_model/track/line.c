@@ -1,12 +1,13 @@
-/* A line as a table file: what follows from its rows, and polynomials between them. Columns and pieces are declared in
+/* A line as a table file: values that follow from its rows, and polynomials between them. Columns and pieces are
+ * declared in
  * line_table.py, which writes their places before this text: COLUMN_..., PIECE_... */
 
-/* Heading, rise and place of each row by integration; what lies on a part of the way between two is a polynomial. */
-enum { PLAN = 3 }; /* places ahead and aside, and the way seen from above; each is whole metres and a rest */
+/* Heading, rise and place of each row by integration; their values on a part between two rows are polynomials. */
+enum { PLAN = 3 }; /* places ahead and aside, and the distance in the plan; each is whole metres and a rest */
 static const int PLAN_NEAR[PLAN] = {COLUMN_AHEAD, COLUMN_ASIDE, COLUMN_LEVEL};
 static const int PLAN_FAR[PLAN] = {COLUMN_AHEAD_FAR, COLUMN_ASIDE_FAR, COLUMN_LEVEL_FAR};
 
-/* Rows so far apart that the plan between them is no polynomial are refused. */
+/* Refuses rows between which the plan is not a polynomial, because they are too far apart. */
 static bool check_row(const table_file *self, int row, char *problem, size_t size) {
     const double *at = self->column[COLUMN_DISTANCE], *curvature = self->column[COLUMN_CURVATURE];
     const double way = at[row] - at[row - 1];
@@ -18,7 +19,8 @@ static bool check_row(const table_file *self, int row, char *problem, size_t siz
     return false;
 }
 
-/* How places grow with the way, of which `level` is seen from above, at a heading; and what a turn adds to that. */
+/* Derivatives of places by distance at a heading, of which `level` is that in the plan; and the change of them by a
+ * turn. */
 static void directions(double angle, double along[PLAN], double across[PLAN]) {
     along[0] = across[1] = cos(angle);
     along[1] = sin(angle);
@@ -33,7 +35,7 @@ static void directions_of(const table_file *self, const table_part *part, double
     table_integral(self, COLUMN_GRADIENT, part, 0.0, rise);
 }
 
-/* What is added along a part whose heading and rise are given: Gauss's quadrature with five points. */
+/* Increments of the places along a part whose heading and rise are given: Gauss's quadrature with five points. */
 static void way(const table_part *part, const double *heading, const double *rise, double found[PLAN]) {
     static const double place[5] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
     static const double weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
@@ -48,8 +50,9 @@ static void way(const table_part *part, const double *heading, const double *ris
     }
 }
 
-/* The place at the beginning of a part, beside the whole metres of its row, and what is added along it. A part in the middle
- * begins behind the rounded corner at its row; the last one ends where the next row is. */
+/* The place at the beginning of a part, without the whole metres of its row, and the increment along the part. A part
+ * in the
+ * middle begins after the rounded corner at its row; the last one ends at the next row. */
 static double part_of_plan(const table_file *self, const table_part *part, int which, const double *heading, const double *rise,
                            double *gained) {
     const int row = part->row;
@@ -104,7 +107,7 @@ static void integrate_row(const table_file *self, int row) {
     }
 }
 
-/* Whether gradient or curvature has a corner at a row: there a step that passes over it meets another force. */
+/* True if gradient or curvature has a corner at a row: a step that passes over it meets another force. */
 static bool is_corner(const table_file *self, int row) {
     static const int which[] = {COLUMN_GRADIENT, COLUMN_CURVATURE};
     const double *at = self->column[COLUMN_DISTANCE];
@@ -118,7 +121,8 @@ static bool is_corner(const table_file *self, int row) {
     return false;
 }
 
-/* For each row the corner at or before it, the next one, and half of the shortest way between two corners about there. */
+/* For each row the corner at or before it, the next one, and half of the shortest distance between two corners near it.
+ * */
 static void find_corners(const table_file *self) {
     const double *at = self->column[COLUMN_DISTANCE];
     double *before = self->column[COLUMN_CORNER_BEFORE], *behind = self->column[COLUMN_CORNER_BEHIND];
@@ -194,7 +198,7 @@ static void piece_between(const table_file *self, int piece, const table_part *p
     case PIECE_HALF_STRETCH: c[0] = column[COLUMN_HALF_STRETCH][row]; break;
     case PIECE_LEFT_FRICTION: friction(self, COLUMN_LEFT_FRICTION, part, c); break;
     case PIECE_RIGHT_FRICTION: friction(self, COLUMN_RIGHT_FRICTION, part, c); break;
-    default: { /* what is left between two rounded corners is no shorter than they are */
+        default: { /* the length between two rounded corners is at least that of a corner */
         const double width = column[COLUMN_DISTANCE][row + 1] - column[COLUMN_DISTANCE][row];
         c[0] = RESOLVING_ROWS * fmax(part->to - part->from, fmin(width, ROUNDING));
     }

@@ -1,4 +1,4 @@
-"""Rows of a line that come as arrays are looked at by the rules of a line file, whose reader is readers/tables.py."""
+"""Check of a line's rows given as arrays, by the rules of a line file, whose reader is readers/tables.py."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The line as a table file: its columns with units and limits, and what models look up of it, declared once.
+"""The line as a table file: its columns with units and limits, and the values that models look up, declared once.
 
-Between rows all values are straight; corners at rows are rounded (fmu_src/runtime/table_pieces.c). What is integrated
-along the line is in line.c.
+Between rows all values are linear. Corners at rows are rounded (fmu_src/runtime/table_pieces.c). Integrals along the
+line are computed in line.c.
 """
 
 from collections.abc import Sequence
@@ -14,18 +14,19 @@ from readers.tables import Column
 
 #: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).
 GAUGE = 1.5
-#: Length on either side of a row over which a corner is rounded [m], so that an integrator finds slopes there; assumed
-#: (the stiffness of rails has about this effect).
+#: Length on either side of a row over which a corner is rounded [m], so that the values are smooth for an integrator;
+#: assumed (the stiffness of rails has about this effect).
 ROUNDING = 1.0
-#: Largest turn between two rows [rad], between which the plan is a polynomial; and how many rows make up the shortest
-#: thing on a line that steps resolve.
+#: Largest turn between two rows [rad], between which the plan is a polynomial; number of rows in the shortest feature
+#: of a line that steps resolve.
 LARGEST_TURN, RESOLVING_ROWS = 0.05, 8.0
-#: Change of gradient [1] or curvature [1/m] beside a straight line from which on a row is a corner: 1e-6 m/s2.
+#: Least change of gradient [1] or curvature [1/m] relative to a straight line that makes a row a corner: 1e-6 m/s2.
 LEAST_CORNER = 1e-7
-#: Share of the way to a corner that a step may take, as no step lets a speed grow by more than half (`follow_creep`).
+#: Largest share of the distance to a corner in one step, because no step lets a speed grow by more than half
+#: (`follow_creep`).
 SHARE_TO_CORNER = 0.8
-#: Limits: the tightest curve is that of a depot, 50 m; EN 13803 knows no cant above 0.18 m; the steepest railway on
-#: racks rises by 0.48.
+#: Limits: the tightest curve is that of a depot, 50 m; cant by EN 13803 is at most 0.18 m; the steepest rack railway
+#: rises by 0.48.
 COLUMNS = (
     Column("distance", "m", -1e7, 1e7, required=True),
     Column("curvature", "1/m", -0.02, 0.02, required=True),
@@ -39,7 +40,8 @@ COLUMNS = (
     Column("left_friction", "1", 0.0, 10.0),
     Column("right_friction", "1", 0.0, 10.0),
 )
-#: What is looked up; a place in the plan and the way seen from above are sums of whole metres (`_far`) and a rest.
+#: The values that models look up. A place in the plan, and the distance in the plan, are whole metres (`_far`) and a
+#: rest.
 PIECES = (
     Piece("heading", "rad", 4),  # to the left
     Piece("cant", "1", 5),  # sine of the track's roll: negative where the right rail is the higher one
@@ -92,15 +94,15 @@ LINE = TableFile(
 
 
 def along_line(system: System, name: str, distance: ca.SX, order: int = 0) -> list[ca.SX]:
-    """Value of one of PIECES at a distance [m] on an instance's line, and its derivatives up to `order`."""
+    """Return the value of one of PIECES at a distance [m] on an instance's line, and its derivatives up to `order`."""
     return system.from_file(LINE, name, distance, order)
 
 
 def follow_line(system: System, distance: ca.SX, places: Sequence[ca.SX]) -> None:
-    """Let no step pass over a corner of gradient or curvature, nor over more than half of what lies between two.
+    """Limit steps so that none passes a corner of gradient or curvature, or more than half of the distance between two.
 
-    Where a force is constant a step may be as long as it likes, and none of its stages would meet a hill of some metres
-    (section 2.3.1: gravity pulls along the gradient).
+    A step under a constant force may have any length, and none of its stages would meet a hill of some metres (section
+    2.3.1: gravity pulls along the gradient).
 
     Parameters
     ----------

@@ -1,11 +1,10 @@
 """RailAdhesion: friction that recovers with the energy of sliding, as an FMU between a bogie's outputs and its inputs.
 
-Sliding wheels burn off what lies on the rail: friction rises from that of the dirty rail towards that of a cleaned
-one, and the trailing wheelset finds what the leading one has left, when it gets there. Forwards that is wheelset 2, and
-backwards wheelset 1. The bogie knows nothing of it; its inputs friction_1 and friction_2 come from here where a scene
-asks for recovery.
+Sliding wheels remove contamination from the rail. Friction rises from that of the dirty rail towards that of a cleaned
+one. The trailing wheelset reaches the cleaned rail later. It is wheelset 2 forwards and wheelset 1 backwards. The bogie
+does not model recovery: its inputs friction_1 and friction_2 come from this model if a case includes it.
 
-The cleaning of the rail between the axles is remembered; beyond them the rail counts as dirty, also where the bogie has
+The cleaning of the rail between the axles is stored. Beyond them the rail is treated as dirty, even where the bogie has
 already been.
 """
 
@@ -17,18 +16,18 @@ from fmu_src.system import Model, ParameterSet, System, Variable, model_of, quan
 
 WORDS = {1: "leading", 2: "trailing"}
 DEFAULT_TOLERANCE = 1e-6
-#: Speed that keeps the energy per distance finite at rest, and over which the wheelsets change places [m/s].
+#: Speed that keeps the energy per distance finite at rest, and over which the leading wheelset changes [m/s].
 SLOWEST = 0.1
-#: Legendre polynomials for the cleaning along the wheel base. Eight bring what a wheelset of the default parameters
-#: leaves to the other within 2 % of the gain where it begins, and within 0.2 % half a metre later.
+#: Number of Legendre polynomials for the cleaning along the wheel base. With eight and the default parameters, the
+#: cleaning arrives at the other wheelset within 2 % of the gain at its beginning, and within 0.2 % half a metre later.
 MOMENTS = 8
-#: Published energies of cleaning scatter by an order of magnitude; the assumed one is put in its middle.
+#: Published energies of cleaning scatter by an order of magnitude. The assumed one is in the middle of this range.
 SCATTER = 10.0
 
 
 @dataclass(frozen=True)
 class RecoveryParameters(ParameterSet):
-    """How friction recovers; all assumed, published values scatter by an order of magnitude."""
+    """Parameters of the recovery; all are assumed, because published values scatter by an order of magnitude."""
 
     degraded_friction: float = quantity("1", "Friction coefficient of the contaminated rail", 0.0)
     recovered_friction: float = quantity("1", "Friction coefficient of the cleaned rail", 0.0)
@@ -39,7 +38,7 @@ class RecoveryParameters(ParameterSet):
 
 
 def assumed_recovery() -> RecoveryParameters:
-    """Assumed: a wet, dirty rail, cleaned by some kJ/m. Printed: wheel base (section 5.2)."""
+    """Return the assumed recovery of a wet, dirty rail, cleaned by some kJ/m. Reported: wheel base (section 5.2)."""
     return RecoveryParameters(
         degraded_friction=0.06,
         recovered_friction=0.15,
@@ -51,35 +50,36 @@ def assumed_recovery() -> RecoveryParameters:
 
 
 def easy_recovery() -> RecoveryParameters:
-    """Sliding wheels clean the rail (section 2.5.2), assumed: with the least energy of the scatter."""
+    """Return an assumed recovery by sliding wheels (section 2.5.2), with the least energy of the scatter."""
     middle = assumed_recovery()
     return replace(middle, recovery_energy=middle.recovery_energy / SCATTER**0.5)
 
 
 def hard_recovery() -> RecoveryParameters:
-    """Sliding wheels clean the rail (section 2.5.2), assumed: with the most energy of the scatter."""
+    """Return an assumed recovery by sliding wheels (section 2.5.2), with the largest energy of the scatter."""
     middle = assumed_recovery()
     return replace(middle, recovery_energy=middle.recovery_energy * SCATTER**0.5)
 
 
 def no_recovery() -> RecoveryParameters:
-    """A rail that stays dirty whatever slides on it, against section 2.5.2."""
+    """Return a rail that stays dirty under any sliding, in contrast to section 2.5.2."""
     dirty = assumed_recovery()
     return replace(dirty, recovered_friction=dirty.degraded_friction)
 
 
 def rail_between_axles(system: System, speed: ca.SX, cleaned: dict[int, ca.SX], wheel_base: ca.SX) -> dict[int, ca.SX]:
-    """Cleaning of the rail between the axles, z_t + V z_x = 0, as each wheelset sees it; `cleaned`: what each writes.
+    """Return the cleaning of the rail between the axles, z_t + V z_x = 0, at each wheelset; `cleaned`: their own
+    cleaning.
 
-    z is a sum of Legendre polynomials along the wheel base (discontinuous Galerkin, one element, upwind; Cockburn and
-    Shu (2001), Journal of Scientific Computing 16): whichever wheelset leads writes at its end, and at the other comes
-    out what was written a wheel base ago, but for Pade's approximation of that delay.
+    z is a sum of Legendre polynomials along the wheel base: discontinuous Galerkin, one element, upwind; Cockburn and
+    Shu (2001), J. Sci. Comput. 16. The leading wheelset writes at its end. At the other end the value written one wheel
+    base ago comes out, up to Pade's approximation of that delay.
     """
     moments = [system.state(f"between_{i}", "1", 0.0, 1.0) for i in range(MOMENTS)]
     ends = {1: ca.SX(sum((-1) ** i * moment for i, moment in enumerate(moments))), 2: ca.SX(sum(moments))}
     backwards = speed < 0
     written, found = (ca.if_else(backwards, values[2], values[1]) for values in (cleaned, {1: ends[2], 2: ends[1]}))
-    # Counted from the leading wheelset: backwards, the odd polynomials change their sign.
+    # Relative to the leading wheelset: backwards, the odd polynomials change their sign.
     signs = [ca.if_else(backwards, -1, 1) if i % 2 else ca.SX(1) for i in range(MOMENTS)]
     for i in range(MOMENTS):
         below = ca.SX(sum(signs[j] * moments[j] for j in range(i - 1, -1, -2)))
@@ -89,9 +89,10 @@ def rail_between_axles(system: System, speed: ca.SX, cleaned: dict[int, ca.SX], 
 
 
 def rail_adhesion_system(defaults: RecoveryParameters) -> System:
-    """Energy of sliding per distance, e = |F w| / V, cleans a share 1 - exp(-e / e_0), which the wheel follows.
+    """Return the system in which e = |F w| / V, the energy per distance, cleans a share 1 - exp(-e / e_0) of the rail.
 
-    Section 2.5.2 says that the leading wheelset cleans the rail for those that follow. Assumed: how energy does it.
+    The wheel follows this share. By section 2.5.2 the leading wheelset cleans the rail for those that follow. The law
+    of cleaning by energy is assumed.
     """
     system = System("RailAdhesion", "Wheel-rail friction that recovers with the energy of sliding")
     speed = system.input(Variable("speed", "input", "m/s", "Speed of the bogie; below 0 wheelset 2 leads"))
@@ -118,5 +119,5 @@ def rail_adhesion_system(defaults: RecoveryParameters) -> System:
 
 
 def rail_adhesion(defaults: RecoveryParameters | None = None) -> Model:
-    """The recovery of adhesion as an FMU."""
+    """Return the recovery of adhesion as an FMU."""
     return model_of(rail_adhesion_system(defaults or assumed_recovery()), DEFAULT_TOLERANCE)

@@ -1,11 +1,11 @@
 """Friction of a rail that sanders of the vehicle have sanded.
 
-A sander stands ahead of its wheelset. It gives a mass for each second, never more than so much for each metre: so one
-of fixed rate has no such limit, one of variable rate is held by it. Sand stays where it falls, and each wheelset behind
-finds all of it. With q of sand on each metre, friction is mu0 + (mu_s - mu0) (1 - exp(-q / Q)) where mu0 is below mu_s.
+A sander is ahead of its wheelset. It lays a mass per second, limited to a mass per metre. A sander of fixed rate has no
+such limit; the rate of a variable one is reduced by it. Sand stays where it falls, and each wheelset behind finds all
+of it. With q of sand per metre, friction is mu0 + (mu_s - mu0) (1 - exp(-q / Q)) if mu0 is below mu_s.
 
 The form is assumed. `sanded_friction` and `sand_scale` are fitted to two of five stopping distances of full-scale
-trials (scenarios/brakes/sanding.py): there is no other source in them.
+trials (scenarios/brakes/sanding.py). They have no other source.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ import casadi as ca
 
 from fmu_src.system import ParameterSet, System, Variable, quantity
 
-#: Below this speed a sander counts as moving with it [m/s]; over this length its sand begins [m].
+#: Least speed in the sand per metre of a sander [m/s]; length over which its sand begins [m].
 SLOWEST, BLEND = 0.1, 0.5
-#: No sander gives more [kg/s]: fixed ones give some 0.03, from memory.
+#: Largest rate of a sander [kg/s]: fixed ones give some 0.03, from memory.
 MOST_SAND = 1.0
 
 
 @dataclass(frozen=True)
 class SandParameters(ParameterSet):
-    """When all sanders of a vehicle work, and what their sand does."""
+    """When all sanders of a vehicle work, and the effect of their sand."""
 
     sand_start: float = quantity("s", "Time at which the sanders are asked for sand", 0.0)
     sand_delay: float = quantity("s", "Time from then until sand falls on the rail", 0.0)
@@ -35,25 +35,27 @@ class SandParameters(ParameterSet):
 
 
 def common_sand() -> SandParameters:
-    """Fitted: the last two (see above). Assumed: asked for as the brake is, and falls 1 s later; no limit."""
+    """Return the fitted set of sand: the last two (see above). Assumed: sanders start with the brake, 1 s delay, no
+    limit.
+    """
     return SandParameters(sand_start=1.0, sand_delay=1.0, sand_limit=1.0, sanded_friction=0.1162, sand_scale=7.53e-3)
 
 
 def sand_laid(rate: ca.SX, limit: ca.SX, speed: ca.SX) -> ca.SX:
-    """What a sander lays on each metre [kg/m] at its rate [kg/s]."""
+    """Return the mass that a sander lays on each metre [kg/m] at its rate [kg/s]."""
     return ca.fmin(rate / ca.fmax(speed, SLOWEST), limit)
 
 
 def friction_with_sand(friction: ca.SX, sand: ca.SX, sanded: ca.SX, scale: ca.SX) -> ca.SX:
-    """mu0 + (mu_s - mu0) (1 - exp(-q / Q)), for mu0 below mu_s: assumed, and fitted to trials of RSSB T1107."""
+    """Return mu0 + (mu_s - mu0) (1 - exp(-q / Q)), for mu0 below mu_s: assumed, and fitted to trials of RSSB T1107."""
     return friction + ca.fmax(sanded - friction, 0) * (1 - ca.exp(-sand / scale))
 
 
 def sanders(places: Sequence[float], defaults: SandParameters | None = None) -> System:
-    """A sander ahead of each wheelset, without sand unless its rate is set; places: of the wheelsets along [m].
+    """Return a sander ahead of each wheelset, without sand unless its rate is set; places: of the wheelsets along [m].
 
-    Speed and friction of the rail in, `sanded_friction_1` and so on out. The sand that a wheelset finds was laid at the
-    speed of now, though the sander passed there earlier: over 20 m, at 1 m/s2 and 10 m/s, 20 % too much.
+    Inputs are speed and friction of the rail, outputs `sanded_friction_1` and so on. The sand at a wheelset is computed
+    with the present speed, though the sander passed there earlier: over 20 m, at 1 m/s2 and 10 m/s, 20 % too much.
     """
     system, given = System("sanders", "Sanders ahead of the wheelsets"), defaults or common_sand()
     speed = system.input(Variable("speed", "input", "m/s", "Speed of the vehicle"))

@@ -1,8 +1,8 @@
-"""Kalker's exact theory of one Hertzian patch in steady rolling: slow; what the fast creep laws are held against.
+"""Kalker's exact theory of one Hertzian patch in steady rolling: slow; the reference for the fast creep laws.
 
 J. J. Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact, chapters 3 and 4. Both bodies are half spaces
-of one material, so that pressure and tangential stress do not act on each other. In units of the patch: a b = 1,
-G = 1, friction times load = 1.
+of one material, so that pressure and tangential stress do not act on each other. In units of the patch: a b = 1, G = 1,
+friction times load = 1.
 """
 
 import math
@@ -13,13 +13,15 @@ import numpy as np
 
 from rbd_model.contact.hertz import POISSON_RATIO
 
-#: Where slip is taken, ahead of a cell's middle and in its lengths: where it sticks, so that stress grows from nothing
-#: at the leading edge and does not alternate from cell to cell; where it slips, in the middle of the stress.
+#: Place at which slip is evaluated, ahead of a cell's middle, in lengths of the cell. In sticking cells it lies ahead,
+#: so that stress grows from 0 at the leading edge and does not alternate between cells. In slipping cells it is in the
+#: middle of the stress.
 AHEAD_STICKING, AHEAD_SLIPPING = 0.25, 0.0
-#: Newton's steps in all; those in which slipping cells may stick again; largest turn of a stress in one [rad].
+#: Newton's steps in all; number of these in which slipping cells may stick again; largest turn of a stress per step
+#: [rad].
 STEPS, STEPS_TO_STICK, LARGEST_TURN = 60, 12, 1.0
-#: Change of the forces that ends Newton's iteration, and how far above its bound a stress may be (share of it). The
-#: stresses do not end it: that of a cell next to a place without slip may turn on for long.
+#: Change of the forces that ends Newton's iteration; largest excess of a stress over its bound, as a share of it. The
+#: change of stresses is not a criterion: that of a cell next to a place without slip may turn for many steps.
 STILL, ABOVE = 1e-5, 1e-9
 
 
@@ -35,16 +37,17 @@ class Rectangles:
 
     @property
     def area(self) -> np.ndarray:
-        """Of each cell."""
+        """Area of each cell."""
         return (self.ahead - self.behind) * (self.left - self.right)
 
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """What a grid knows before creepages are given, n cells; see `half_space`.
+    """Data of a grid of n cells that do not depend on creepages; see `half_space`.
 
-    sticking, sliding: slopes of the displacement against the rolling, by the stresses (x of all cells, then y), shape
-    (2 n, 2 n), at the places of AHEAD_STICKING and AHEAD_SLIPPING; x: these places, y: of the cells.
+    `sticking` and `sliding` are slopes of the displacement against the rolling, by the stresses (x of all cells, then
+    y), shape (2 n, 2 n). They are at the places of AHEAD_STICKING and AHEAD_SLIPPING. `x` holds these places, `y` those
+    of the cells.
     """
 
     cells: Rectangles
@@ -56,7 +59,7 @@ class HalfSpace:
 
 @dataclass(frozen=True)
 class StickAndSlip:
-    """A solution: which cells stick, and the stresses (x of all cells, then y) on the wheel."""
+    """A solution: the sticking cells, and the stresses (x of all cells, then y) on the wheel."""
 
     sticks: np.ndarray
     stress: np.ndarray
@@ -64,10 +67,10 @@ class StickAndSlip:
 
 
 def cells(axis_ratio: float, counts: tuple[int, int]) -> Rectangles:
-    """Strips between equal angles across the patch, each cut at equal angles along it; counts: along, across.
+    """Return strips between equal angles across the patch, each cut at equal angles along it; counts: along, across.
 
-    After Kalker (1990), section 4.1, whose cells are equal. A strip is as long as its mean length; the friction of each
-    cell is the integral of Hertz's ellipsoid.
+    This follows Kalker (1990), section 4.1, whose cells are equal. A strip is as long as its mean length. The friction
+    of each cell is the integral of Hertz's ellipsoid.
     """
     a, b = math.sqrt(axis_ratio), 1 / math.sqrt(axis_ratio)
     along, across = (-np.cos(np.pi * np.arange(count + 1) / count) for count in counts)
@@ -80,12 +83,12 @@ def cells(axis_ratio: float, counts: tuple[int, int]) -> Rectangles:
 
 
 def half_circle(place: np.ndarray) -> np.ndarray:
-    """Area of half a unit disk from its middle to a place."""
+    """Return the area of half a unit disk from its middle to a place."""
     return np.asarray((place * np.sqrt(np.maximum(1 - place**2, 0)) + np.arcsin(place)) / 2)
 
 
 def displacement(x: np.ndarray, y: np.ndarray, grid: Rectangles, nu: float = POISSON_RATIO) -> np.ndarray:
-    """Displacement of wheel against rail at places (x, y), by the stresses, shape (2 places, 2 cells).
+    """Return the displacement of wheel against rail at places (x, y), by the stresses, shape (2 places, 2 cells).
 
     Boussinesq's and Cerruti's solution summed over each rectangle, Kalker (1990), section 3.1.1:
     u_x = 1/(pi G) int ((1 - nu)/R + nu x^2/R^3) p_x + nu x y/R^3 p_y.
@@ -102,14 +105,15 @@ def displacement(x: np.ndarray, y: np.ndarray, grid: Rectangles, nu: float = POI
 
 
 def log_term(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """x arsinh(y/|x|), the antiderivative of 1/R that Kalker (1990) writes as x ln(y + R); 0 at x = 0."""
+    """Return x arsinh(y/|x|), the antiderivative of 1/R that Kalker (1990) writes as x ln(y + R); 0 at x = 0."""
     size = np.abs(x)
     return np.where(size > 0, x * np.arcsinh(y / np.where(size > 0, size, 1.0)), 0.0)
 
 
 @lru_cache(maxsize=4)
 def half_space(axis_ratio: float, counts: tuple[int, int], nu: float = POISSON_RATIO) -> HalfSpace:
-    """Of an ellipse a/b = axis_ratio with so many cells along and across, Kalker (1990), section 4.1.
+    """Return the half space of an ellipse a/b = axis_ratio with `counts` cells along and across, Kalker (1990), section
+    4.1.
 
     nu: Poisson's ratio.
 
@@ -127,11 +131,16 @@ def half_space(axis_ratio: float, counts: tuple[int, int], nu: float = POISSON_R
 
 
 def exact(space: HalfSpace, creepages: np.ndarray, start: StickAndSlip | None = None) -> StickAndSlip:
-    """Steady rolling with creepages (xi_x, xi_y, spin) over mu N/(G a b), the spin also times (a b)^(1/2).
+    """Return steady rolling with creepages (xi_x, xi_y, spin) over mu N/(G a b), the spin also times (a b)^(1/2).
 
-    forces: (F_x, F_y) on the wheel over mu N. Kalker's algorithm TANG: cells stick until the stress would pass the
-    bound, and stick again where they would slip along their stress; with each change one step of Newton's method.
-    start: a solution nearby. Raises ArithmeticError where it does not come to an end.
+    forces: (F_x, F_y) on the wheel over mu N. Kalker's algorithm TANG: cells stick until the stress would exceed the
+    bound. They stick again if they would slip along their stress. Each change includes one step of Newton's method.
+    start: a solution nearby.
+
+    Raises
+    ------
+    ArithmeticError
+        If the iteration does not converge.
     """
     count = space.y.size
     sticks, stress = np.ones(count, bool), np.zeros(2 * count)
@@ -155,10 +164,10 @@ def exact(space: HalfSpace, creepages: np.ndarray, start: StickAndSlip | None = 
 def newton_step(
     space: HalfSpace, creepages: np.ndarray, sticks: np.ndarray, stress: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """New stresses, and the cells that slip along their stress instead of against it.
+    """Return new stresses, and the cells that slip along their stress instead of against it.
 
-    Unknown are both stresses of a sticking cell, whose slip is 0, and the angle of a slipping one, whose stress is the
-    bound and whose slip has no part across the stress; Kalker (1990), section 4.3.
+    Unknowns of a sticking cell are both stresses; its slip is 0. The unknown of a slipping cell is the angle of its
+    stress. The stress equals the bound, and the slip has no component across it; Kalker (1990), section 4.3.
     """
     count, (x, y, spin) = sticks.size, creepages
     stuck, loose = np.flatnonzero(sticks), np.flatnonzero(~sticks)
@@ -173,7 +182,7 @@ def newton_step(
     slip_x, slip_y = np.split(slip, 2)
 
     def turning(slopes: np.ndarray) -> np.ndarray:
-        """By the stresses of sticking cells and the angles of slipping ones."""
+        """Return derivatives by the stresses of sticking cells and the angles of slipping ones."""
         by_angle = slopes[:, loose + count] * (bound * cosine) - slopes[:, loose] * (bound * sine)
         return np.hstack([slopes[:, both_stuck], by_angle])
 

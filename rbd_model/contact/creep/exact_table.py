@@ -1,6 +1,6 @@
-"""The creep law of Kalker's exact theory: a table of it, made once by this file and shipped beside it.
+"""The creep law of Kalker's exact theory: a table, computed by this file and stored next to it.
 
-`python -m rbd_model.contact.creep.exact_table` makes it anew, in some ten minutes.
+`python -m rbd_model.contact.creep.exact_table` computes it again, in some ten minutes.
 """
 
 import math
@@ -17,31 +17,32 @@ from rbd_model.contact.creep.exact import HalfSpace, StickAndSlip, exact, half_s
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.tabulated import INFINITE, CreepTable, axes, continued, patch_at, tabulated
 
-#: The table that ships: forces at the places of `axes`.
+#: The stored table: forces at the places of `axes`.
 SHIPPED = Path(__file__).parent / "exact_table.npz"
-#: Cells along and across of ellipses with ln(a/b) up to a limit. Where a wide patch spins, slip turns about a place in
-#: it within a length a, which strips have to follow: with 24 forces at a/b = 1/15 are 3 % of mu N off, with 60 0.3.
-#: In a long one it does so within a length b, which cells along have to follow.
+#: Cells along and across of ellipses with ln(a/b) up to a limit. On a wide patch with spin, slip turns about a place in
+#: it within a length a, which strips must resolve. With 24 strips forces at a/b = 1/15 have errors of 3 % of mu N, with
+#: 60 of 0.3 %. On a long patch it turns within a length b, which cells along must resolve.
 CELLS = (
     *((-2.6, (8, 60)), (-1.9, (8, 40)), (-1.1, (9, 26)), (-0.4, (11, 18))),
     *((1.1, (14, 14)), (2.6, (20, 11)), (math.inf, (36, 8))),
 )
-#: Where the search for sticking cells goes round in circles, creepages that differ by so little are taken instead.
+#: Factors on the creepages, applied in turn if the search for sticking cells does not converge.
 NUDGES = (1.0, 1.002, 0.998, 1.005, 0.995)
 
 
 def exact_law(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Creep forces (F_x, F_y) [N] of exact theory, Kalker (1990), from the table that ships, Poisson's ratio 0.25.
+    """Return the creep forces (F_x, F_y) [N] of exact theory, Kalker (1990), from the stored table, Poisson's ratio
+    0.25.
 
-    Within 2 % of mu N at 99 % of states up to three times saturation; up to 5 % off beyond it, where spin rules
-    (docs/limits.md, Creep laws).
+    Errors are within 2 % of mu N at 99 % of states up to three times saturation. Beyond it they reach 5 % if spin
+    dominates (docs/limits.md, Creep laws).
     """
     return tabulated(shipped())(patch)
 
 
 @lru_cache
 def shipped() -> CreepTable:
-    """Return the table that ships, Kalker (1990). Raises RuntimeError where the file is damaged."""
+    """Return the stored table, Kalker (1990). Raises RuntimeError if the file is damaged."""
     try:
         with np.load(SHIPPED) as file:
             return CreepTable(file["forces"].astype(float))
@@ -50,7 +51,7 @@ def shipped() -> CreepTable:
 
 
 def made() -> CreepTable:
-    """The table of exact theory, Kalker (1990); its places with u < 0 or spin < 0 are mirror images of others."""
+    """Return the table of exact theory, Kalker (1990); places with u < 0 or spin < 0 are mirror images."""
     places = axes()
     forces = np.zeros((*(place.size for place in places), 2))
     for number in tqdm(range(1, places[3].size - 1), "ellipses", disable=None):
@@ -61,7 +62,9 @@ def made() -> CreepTable:
 
 
 def of_ellipse(places: list[np.ndarray], log_ratio: float) -> np.ndarray:
-    """Forces over mu N of one ellipse, Kalker (1990), shape (places ahead, aside, of spin, 2); none beyond the ends."""
+    """Return forces over mu N of one ellipse, Kalker (1990), shape (places ahead, aside, of spin, 2); 0 beyond the
+    ends.
+    """
     counts = next(counts for limit, counts in CELLS if log_ratio < limit)
     space = half_space(math.exp(log_ratio), counts)
     place = ca.SX.sym("place", 4)
@@ -82,7 +85,9 @@ def of_ellipse(places: list[np.ndarray], log_ratio: float) -> np.ndarray:
 
 
 def sliding_force(space: HalfSpace, creepages: np.ndarray) -> np.ndarray:
-    """Force over mu N of a patch that slides all over, Kalker (1990): everywhere the bound, against the rigid slip."""
+    """Return the force over mu N of a patch that slides everywhere, Kalker (1990): the bound, against the rigid
+    slip.
+    """
     x, y, spin = creepages
     slip = np.array([x - spin * space.y, y + spin * space.x[1]])
     friction = space.cells.bound * space.cells.area
@@ -90,9 +95,9 @@ def sliding_force(space: HalfSpace, creepages: np.ndarray) -> np.ndarray:
 
 
 def nearly_exact(space: HalfSpace, creepages: np.ndarray, start: StickAndSlip | None) -> StickAndSlip:
-    """Steady rolling, Kalker (1990), at these creepages, or at some nearby where these find no end; see NUDGES.
+    """Return steady rolling, Kalker (1990), at these creepages, or at nearby ones if the search fails; see NUDGES.
 
-    Raises ArithmeticError where none do.
+    Raises ArithmeticError if it fails for all of them.
     """
     for nudge in NUDGES:
         for begin in (start, None):

@@ -1,4 +1,4 @@
-"""FaStrip: strip theory where it sticks, the elliptic bound in FASTSIM's direction where it slips.
+"""FaStrip: strip theory in the area of adhesion, the elliptic bound in FASTSIM's direction in the area of slip.
 
 M. Sh. Sichani, R. Enblom, M. Berg (2016), An alternative to FASTSIM for tangential solution of the wheel-rail contact,
 Vehicle System Dynamics 54, 748-764.
@@ -13,22 +13,25 @@ from rbd_model.contact.creep.fastsim import STRESS_FLOOR, Rigid, cells, flexibil
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 from rbd_model.contact.creep.strip_theory import adhesion, adhesive_force, adhesive_slip, strips
 
-#: A strip's end, from which the area of slip is told: round-off in its smallest areas stays below 1e-7 of them.
+#: Smallest length of slip at a strip's end. Round-off in the smallest areas of slip stays below 1e-7 of them.
 SMALLEST_SLIP = 1e-9
 
 
 def segment(place: ca.SX | float) -> ca.SX:
-    """Area of half a unit circle behind a place from 1 (all of it, pi/2) to -1, the bound's sum in Sichani (2016)."""
+    """Return the area of half a unit circle behind a place from 1 (all, pi/2) to -1: the bound's sum, Sichani
+    (2016).
+    """
     return place * ca.sqrt(1 - place**2) / 2 + (ca.asin(place) + math.pi / 2) / 2
 
 
 def sliding_slip(patch: ContactPatch, limit: ca.SX) -> Rigid:
-    """Rigid slip that gives slip its direction: as FASTSIM's, Kalker (1982), but with flexibilities of spin of our own.
+    """Return the rigid slip that directs the slip: that of FASTSIM, Kalker (1982), with different flexibilities of
+    spin.
 
-    FASTSIM takes L_3 for both parts of spin. It belongs to c23, to which the longitudinal part does not add: that is a
-    creepage of the strip, with L_1. In the lateral part L_3 is right where all sticks; where all slips the stress lies
-    against the true slip, whose parts from spin and from creepage count alike, and it would be L_2. The geometric mean
-    of both stands here: at random states 99 % are within 10 % of mu N, with L_3 13, with L_2 18.
+    FASTSIM takes L_3 for both parts of spin. It belongs to c23, to which the longitudinal part does not contribute:
+    this part is a creepage of the strip, with L_1. In the lateral part L_3 is right if all sticks. If all slips, the
+    stress opposes the true slip, in which spin and creepage have equal weights. It would then be L_2. This law uses the
+    geometric mean of both: at random states 99 % are within 10 % of mu N, with L_3 13 %, with L_2 18 %.
     """
     first, second, third = flexibilities(patch)
     slip = rigid_slip(patch, 0.75 * limit)
@@ -36,18 +39,19 @@ def sliding_slip(patch: ContactPatch, limit: ca.SX) -> Rigid:
 
 
 def ellipse_over_parabola(offset: float, place: float) -> float:
-    """Hertz's bound, as in Sichani (2016), over that of `march`, at y/b = offset and x/a = place."""
+    """Return Hertz's bound, as in Sichani (2016), over that of `march`, at y/b = offset and x/a = place."""
     return 1 / math.sqrt(1 - offset**2 - place**2)
 
 
 def fastrip(count: int) -> CreepLaw:
-    """FaStrip with count strips of count cells, count even, Sichani, Enblom and Berg (2016).
+    """Return FaStrip with count strips of count cells, count even, Sichani, Enblom and Berg (2016).
 
-    Cells of slip that adhesion cuts count in part, so that the forces have no jumps. Differs from the source: Gauss's
-    strips, flexibilities of spin as in `sliding_slip`, and where spin is large. Strip theory divides by 1 - psi^2 and
-    has no adhesion beyond psi = 1, where all would slip. There the stress is that of the elliptic FASTSIM, which
-    sticks; before, it has a share of psi^8, so that strip theory keeps to itself where it holds: psi^2 does the same at
-    random states, a published row with psi = 0.95 was 6.7 % of mu N off with it and is 4.6. Of first order in 1/count.
+    Cells of slip that adhesion cuts are included in part, so that the forces have no jumps. Differences from the
+    source: Gauss's strips, flexibilities of spin as in `sliding_slip`, and large spin. Strip theory divides by 1 -
+    psi^2 and has no adhesion beyond psi = 1, so that all would slip. There this law uses the stress of the elliptic
+    FASTSIM, which sticks. Below, that stress has a weight of psi^8, so that strip theory dominates in its range of
+    validity. A weight of psi^2 gives the same errors at random states. For a published row with psi = 0.95 it has an
+    error of 6.7 % of mu N instead of 4.6 %. The order is first in 1/count.
     """
     lines, grid = strips(count), cells(count)
     ends = [float(segment(1 - 2 * number / count)) for number in range(count + 1)]

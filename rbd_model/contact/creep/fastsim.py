@@ -1,7 +1,7 @@
 """Kalker's FASTSIM (1982): a bed of springs, marched from the leading edge of each strip to its trailing edge.
 
 All lengths along a strip are over its half length, all stresses over the bound in the middle of the strip, so that the
-bound is the same for all strips. What is left of the patch stands in `Rigid`.
+bound is the same for all strips. `Rigid` holds the remaining data of the patch.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 
-#: Smallest stress, over the bound in the middle of the strip, that is told from none.
+#: Smallest stress that is distinguished from 0, over the bound in the middle of the strip.
 STRESS_FLOOR = 1e-12
 
 
@@ -24,10 +24,10 @@ STRESS_FLOOR = 1e-12
 class Cells:
     """n strips of n cells: equal angles across the ellipse (y = b sin), equal lengths along each strip.
 
-    offsets: y/b of the strips; half_lengths: over a; strip_weights, cell_weights: add up to the whole bound, 1.
-    centres: of the cells, from 1 at the leading edge to -1; steps: length and middle of the way over which the stress
-    of each has grown since the one before it. creepage_share, spin_share: what the sums make of the force of a stress
-    that is linear, or a parabola, along the strip. Friction adds up exactly.
+    `offsets` are y/b of the strips; `half_lengths` are over a. `strip_weights` and `cell_weights` add up to the whole
+    bound, 1. `centres` are those of the cells, from 1 at the leading edge to -1. `steps` are length and middle of the
+    distance over which the stress of each has grown since the one before it. `creepage_share` and `spin_share` are the
+    ratios of sum to exact force, for a stress that is linear, or a parabola, along the strip. Friction adds up exactly.
     """
 
     offsets: tuple[float, ...]
@@ -40,18 +40,19 @@ class Cells:
     spin_share: float
 
     def shared(self, rigid: Rigid) -> Rigid:
-        """A rigid slip by which the sums, not the integrals, have the linear limits of Kalker (1982)."""
+        """Return a rigid slip by which the sums, not the integrals, have the linear limits of Kalker (1982)."""
         creepage = self.creepage_share
         return Rigid(rigid.x / creepage, rigid.y / creepage, rigid.twist / creepage, rigid.spin / self.spin_share)
 
 
 @lru_cache
 def cells(count: int, whole: bool = False) -> Cells:
-    """The cells of Kalker (1982), with strips at equal angles. whole: the stress of a cell is that which has grown over
-    the whole of it, not up to its middle.
+    """Return the cells of Kalker (1982), with strips at equal angles.
 
-    Equal angles integrate the cos^4 of bound and spin exactly from 3 strips on; equal cells the parabola of both up to
-    the same factor, which is divided out.
+    whole: the stress of a cell has grown over the whole of it, not up to its middle.
+
+    Equal angles integrate the cos^4 of bound and spin exactly from 3 strips on. Equal cells integrate the parabola of
+    both up to the same factor, which is divided out.
     """
     angles = math.pi * ((np.arange(count) + 0.5) / count - 0.5)
     offsets, half_lengths = np.sin(angles), np.cos(angles)
@@ -60,7 +61,7 @@ def cells(count: int, whole: bool = False) -> Cells:
     begins = np.concatenate([[1.0], reached[:-1]])
     strip_weights, cell_weights = half_lengths**4, 1 - centres**2
     total = strip_weights.sum() * cell_weights.sum()
-    # A stress that grows from the leading edge with slope 1/R over R^2: in the sums, and in the integral 2/(2 pi/4).
+    # A stress that grows from the leading edge with slope 1/R, over R^2: in the sums, and in the integral 2/(2 pi/4).
     found = np.sum(half_lengths**3) * np.sum(1 - reached) / total
     return Cells(
         tuple(offsets.tolist()),
@@ -76,7 +77,7 @@ def cells(count: int, whole: bool = False) -> Cells:
 
 @dataclass(frozen=True)
 class Rigid:
-    """Rigid slip of a patch over what would reach the bound, Kalker (1982): a / (mu p_0 L) times creepages.
+    """Rigid slip of a patch over the slip at which the bound is reached, Kalker (1982): a / (mu p_0 L) times creepages.
 
     x, y: of xi_x, xi_y; twist, spin: of the longitudinal and lateral parts of spin, b xi_s and a xi_s, at the ends of
     the axes.
@@ -88,16 +89,16 @@ class Rigid:
     spin: ca.SX
 
     def along(self, offset: float) -> ca.SX:
-        """Longitudinal rigid slip of the strip at y/b = offset."""
+        """Return the longitudinal rigid slip of the strip at y/b = offset."""
         return self.x - offset * self.twist
 
     def times(self, factor: ca.SX) -> Rigid:
-        """All of them, more or fewer."""
+        """Return all of them times a factor."""
         return Rigid(factor * self.x, factor * self.y, factor * self.twist, factor * self.spin)
 
 
 def flexibilities(patch: ContactPatch) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """L_1, L_2, L_3 [m/Pa] from c11, c22, c23: Kalker (1982), so that FASTSIM has the limits of his theory."""
+    """Return L_1, L_2, L_3 [m/Pa] from c11, c22, c23: Kalker (1982), so that FASTSIM has the limits of his theory."""
     a, b = patch.semi_axes
     kalker, modulus = patch.kalker, patch.shear_modulus
     return (
@@ -108,7 +109,7 @@ def flexibilities(patch: ContactPatch) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 
 def rigid_slip(patch: ContactPatch, limit: ca.SX) -> Rigid:
-    """What decides of a patch, Kalker (1982), with the parabolic bound mu p_0 = 2 mu N / (pi a b).
+    """Return the rigid slip of a patch, Kalker (1982), with the parabolic bound mu p_0 = 2 mu N / (pi a b).
 
     limit [N]: mu N.
     """
@@ -121,12 +122,13 @@ def rigid_slip(patch: ContactPatch, limit: ca.SX) -> Rigid:
 
 
 def fastsim(count: int) -> CreepLaw:
-    """FASTSIM with count x count cells, Kalker (1982), A fast algorithm for the simplified theory of rolling contact.
+    """Return FASTSIM with count x count cells, Kalker (1982), A fast algorithm for the simplified theory of rolling
+    contact.
 
-    Three flexibilities, parabolic bound; implicit Euler: the stress that has grown over a whole cell is cut to the
-    bound in its middle. Differs from Kalker's program: strips at equal angles instead of equal widths, flexibilities
-    that make the sums, not the integrals, Kalker's. Of first order in 1/count. 10 to 20 cells are about as near to
-    exact theory as their limit is; fewer are far off with spin.
+    It has three flexibilities, a parabolic bound and implicit Euler: the stress that has grown over a whole cell is
+    limited by the bound in its middle. It differs from Kalker's program by strips at equal angles instead of equal
+    widths. Its flexibilities make the sums, not the integrals, Kalker's. The order is first in 1/count. The error of 10
+    to 20 cells against exact theory is about that of their limit. Fewer cells have large errors with spin.
     """
     grid = cells(count, whole=True)
 
@@ -138,12 +140,13 @@ def fastsim(count: int) -> CreepLaw:
     return law
 
 
-#: Stresses (p_x, p_y) in the cells of a strip, over the bound in its middle; of its y/b and its half length over a.
+#: Function of y/b of a strip and its half length over a: stresses (p_x, p_y) in its cells, over the bound in its
+#: middle.
 Marched = Callable[[float, float], list[tuple[ca.SX, ca.SX]]]
 
 
 def summed(grid: Cells, limit: ca.SX, marched: Marched) -> tuple[ca.SX, ca.SX]:
-    """Forces (F_x, F_y) [N] of the stresses of all strips, Kalker (1982)."""
+    """Return the forces (F_x, F_y) [N] of the stresses of all strips, Kalker (1982)."""
     x, y = ca.SX(0), ca.SX(0)
     for offset, half_length, weight in zip(grid.offsets, grid.half_lengths, grid.strip_weights, strict=True):
         stresses = marched(offset, half_length)
@@ -152,14 +155,16 @@ def summed(grid: Cells, limit: ca.SX, marched: Marched) -> tuple[ca.SX, ca.SX]:
     return -limit * x, -limit * y
 
 
-#: Share of the friction that is left in a cell; of its y/b and x/a.
+#: Function of y/b and x/a: remaining share of the friction in a cell.
 Left = Callable[[float, float], ca.SX | float]
 
 
 def march(
     grid: Cells, rigid: Rigid, offset: float, half_length: float, left: Left | None = None
 ) -> list[tuple[ca.SX, ca.SX]]:
-    """Stresses of one strip from its leading edge on: grown by the rigid slip, cut to the bound, Kalker (1982)."""
+    """Return stresses of one strip from its leading edge on: grown by the rigid slip, cut to the bound, Kalker
+    (1982).
+    """
     along, sideways = rigid.along(offset) / half_length, rigid.y / half_length
     x, y, stresses = ca.SX(0), ca.SX(0), []
     for centre, (step, middle) in zip(grid.centres, grid.steps, strict=True):

@@ -6,14 +6,14 @@ from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.shen_hedrick_elkins import FORCE_FLOOR, saturated_share
 from rbd_model.contact.hertz import POISSON_RATIO, elliptic_integrals
 
-#: Circles are taken as ellipses of this axis ratio, since the integral C below is 0/0 for them; C is wrong by as much.
+#: Axis ratio used for circles, because the integral C below is 0/0 for them; the error of C is as small.
 ROUNDEST = 1 - 1e-6
 
 
 def slopes(axis_ratio: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """pi/Phi and pi/Psi, which stand in place of Kalker's c11 and c22, Vermeulen and Johnson (1964).
+    """Return pi/Phi and pi/Psi, the counterparts of Kalker's c11 and c22, Vermeulen and Johnson (1964).
 
-    With the elliptic integrals B, C, D of e^2 = 1 - g^2, g = min(a/b, b/a). For a circle pi/Phi = 16/(4 - 3 nu) and
+    They use the elliptic integrals B, C, D of e^2 = 1 - g^2, g = min(a/b, b/a). For a circle pi/Phi = 16/(4 - 3 nu) and
     pi/Psi = 16/(4 - nu): 19 % and 16 % above Kalker's.
     """
     nu = POISSON_RATIO
@@ -27,10 +27,10 @@ def slopes(axis_ratio: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def johnson_vermeulen(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Creep forces (F_x, F_y) [N] without spin, Vermeulen and Johnson (1964).
+    """Return the creep forces (F_x, F_y) [N] without spin, Vermeulen and Johnson (1964).
 
-    Spin has no part in this law. Its ellipse of adhesion touches that of contact in one point, so that there is slip at
-    the leading edge, against the sliding: for small creepages it is stiffer than Kalker's theory.
+    The law does not include spin. Its ellipse of adhesion touches that of contact in one point, so that there is slip
+    at the leading edge, against the sliding. For small creepages it is stiffer than Kalker's theory.
     """
     x, y, _ = patch.creepages
     a, b = patch.semi_axes

@@ -76,7 +76,12 @@ def column(name: str, nu: float = POISSON_RATIO) -> tuple[float, ...]:
     """Return a column of Kalker (1990), table E.3, at a Poisson's ratio of 0 to 0.5.
 
     Between its three ratios 1/c is a parabola in nu, as in CONTACT (v25, m_hertz.f90, linrol): within 1 % of exact
-    theory at 0.28, as the table itself is at 0.25. Raises ValueError for another ratio.
+    theory at 0.28, as the table itself is at 0.25.
+
+    Raises
+    ------
+    ValueError
+        If the ratio is not from 0 to 0.5.
     """
     if not 0.0 <= nu <= 0.5:
         raise ValueError(f"Poisson's ratio must be 0 to 0.5; got {nu:g}. Steel has 0.28.")
@@ -87,7 +92,7 @@ def column(name: str, nu: float = POISSON_RATIO) -> tuple[float, ...]:
 
 
 def slender_coefficients(g: ca.SX, nu: float = POISSON_RATIO) -> tuple[Kalker, Kalker]:
-    """Limits for slender ellipses, g = min(a/b, b/a) -> 0: of those with a < b, and of those with a > b.
+    """Return the limits for slender ellipses, g = min(a/b, b/a) -> 0: of those with a < b, and of those with a > b.
 
     Kalker (1990), table E.3, its rows of g -> 0; nu: Poisson's ratio.
     """
@@ -107,12 +112,13 @@ def slender_coefficients(g: ca.SX, nu: float = POISSON_RATIO) -> tuple[Kalker, K
 
 
 def kalker_coefficients(axis_ratio: ca.SX, nu: float = POISSON_RATIO) -> Kalker:
-    """Coefficients of an ellipse of any axis ratio a/b > 0, equal to Kalker (1990), table E.3, at its points.
+    """Return coefficients of an ellipse of any axis ratio a/b > 0, equal to Kalker (1990), table E.3, at its points.
 
     nu: Poisson's ratio, see `column`.
 
-    Times a factor linear in g = min(a/b, b/a), which is 1 at g = 0, the limits for slender ellipses follow the table
-    between its points within 0.4 % (the coefficients themselves curve: 7 % at a/b = 7), and beyond it into the limits.
+    They are the limits for slender ellipses, times a factor linear in g = min(a/b, b/a), which is 1 at g = 0. Between
+    the table's points they have an error of up to 0.4 %. Linear interpolation of the coefficients themselves would have
+    7 % at a/b = 7. Beyond the table they continue into the limits.
     """
     g = ca.fmin(axis_ratio, 1 / axis_ratio)
     limits = slender_coefficients(g, nu)
@@ -126,7 +132,7 @@ def kalker_coefficients(axis_ratio: ca.SX, nu: float = POISSON_RATIO) -> Kalker:
 
 @lru_cache
 def _factors(name: str, nu: float) -> tuple[list[float], list[float]]:
-    """The table over the limits for slender ellipses at POINTS: of ellipses with a < b, and of those with a > b."""
+    """Return the table over the limits for slender ellipses at POINTS: of those with a < b, and of those with a > b."""
     at_points = [slender_coefficients(ca.SX(point), nu) for point in POINTS[1:]]
     values, sides = column(name, nu), []
     for side, part in enumerate((values[:10], values[:8:-1])):
@@ -137,20 +143,23 @@ def _factors(name: str, nu: float) -> tuple[list[float], list[float]]:
 
 #: Degree of the polynomials below; within 0.5 % of the table, which has three digits, and between its points.
 FIT_DEGREE = 5
-#: ln(a/b) where the table ends, and of the ellipses beyond it, up to `LONGEST`, that the cubics below are laid through.
+#: ln(a/b) at the end of the table, and of ellipses beyond it, up to `LONGEST`, through which the cubics below are
+#: fitted.
 TABLE_END = math.log(10.0)
 _LONGER = np.linspace(TABLE_END, LONGEST, 100)
 
 
 @lru_cache
 def _beyond_the_table(nu: float) -> list[Kalker]:
-    """Coefficients of ellipses that are longer than the table's, numbers."""
+    """Return the coefficients of ellipses that are longer than the table's, as numbers."""
     return [kalker_coefficients(ca.SX(ratio), nu) for ratio in np.exp(_LONGER)]
 
 
 @lru_cache
 def _fit(name: str, nu: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Of the logarithm of a coefficient: polynomial of ln(a/b), and what goes on behind the end of the table."""
+    """Return fits of a coefficient's logarithm: a polynomial of ln(a/b), and its continuation beyond the table's
+    end.
+    """
     ratios = np.array([*range(1, 11), *(100 / i for i in range(9, 0, -1))]) / 10
     terms = np.polynomial.polynomial.polyfit(np.log(ratios), np.log(column(name, nu)), FIT_DEGREE)
     values = [float(getattr(one, name)) for one in _beyond_the_table(nu)]
@@ -158,10 +167,11 @@ def _fit(name: str, nu: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 
 def smooth_kalker_coefficients(logarithm: ca.SX, nu: float = POISSON_RATIO) -> Kalker:
-    """As `kalker_coefficients`, by ln(a/b) from 1/10 to 30, without corners, for a contact that moves.
+    """Return coefficients as `kalker_coefficients`, by ln(a/b) from 1/10 to 30, without corners, for a moving contact.
 
-    To 10 Kalker (1990), table E.3; beyond it cubics, within 0.1 % of what goes over from the table into his limits for
-    slender ellipses, and 1.6 % of his exact theory (`exact`), which at the table's own end is 1.1 % off.
+    Up to 10 they are those of Kalker (1990), table E.3. Beyond it they are cubics, within 0.1 % of the transition from
+    the table to his limits for slender ellipses. They are within 1.6 % of his exact theory (`exact`), from which the
+    table itself differs by 1.1 % at its end.
     """
     inside = ca.fmin(logarithm, TABLE_END)
     fits = [_fit(name, nu) for name in ("c11", "c22", "c23")]

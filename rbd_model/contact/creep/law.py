@@ -1,6 +1,7 @@
-"""What a creep law is: a function from a `ContactPatch` to the creep forces (F_x, F_y) on the wheel.
+"""Definition of a creep law: a function from a `ContactPatch` to the creep forces (F_x, F_y) on the wheel.
 
-Each law is one file beside this one; a user's own is one function, given to a level by `Contact`, for tread or flange.
+Each law is one file of this folder. A law of the user is one function, given to a level by `Contact`, for tread or
+flange.
 """
 
 from collections.abc import Callable
@@ -13,33 +14,36 @@ from rbd_model.contact.creep.kalker import Kalker
 
 
 def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) -> ca.SX:
-    """Longitudinal creepage (xi_x), eq. (2.3): sliding speed over forward speed.
+    """Return the longitudinal creepage (xi_x), eq. (2.3): sliding speed over forward speed.
 
-    Differs from the thesis: sqrt(V^2 + v_eps^2) instead of V, which is 0 at rest.
+    This differs from the thesis: sqrt(V^2 + v_eps^2) instead of V, which is 0 at rest.
     """
     return sliding_speed / ca.sqrt(forward_speed**2 + creepage_speed**2)
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """What a contaminated surface leaves of the gradient, Polach (2005): in the areas of adhesion (k_A), slip (k_S)."""
+    """Reduction factors of the gradient by contamination, Polach (2005): in the areas of adhesion (k_A) and slip
+    (k_S).
+    """
 
     adhesion: ca.SX | float = 1.0
     slip: ca.SX | float = 1.0
 
 
-#: Clean surfaces, the law of 1999.
+#: Factors of clean surfaces, as in the law of 1999.
 CLEAN = Reduction()
 
 
 @dataclass(frozen=True)
 class ContactPatch:
-    """What a creep law is told of a patch: an ellipse that rolls and slides, eqs (3.87), (3.89)-(3.91).
+    """Arguments of a creep law: an elliptical patch that rolls and slides, eqs (3.87), (3.89)-(3.91).
 
-    creepages: longitudinal, lateral [1] and spin [1/m], of the wheel against the rail; axes look ahead, to the left and
-    into the wheel. load [N]; friction: coefficient at the sliding speed of the whole patch; semi_axes [m]: along and
-    across; shear_modulus [Pa]. friction_at: coefficient by sliding speed [m/s], and rolling_speed [m/s], for laws in
-    which it differs within the patch; without them it is the same everywhere. chain: to call parts by, such as a table.
+    `creepages` are longitudinal, lateral [1] and spin [1/m], of the wheel against the rail. Axes point ahead, to the
+    left and into the wheel. `load` is in N. `friction` is the coefficient at the sliding speed of the whole patch.
+    `semi_axes` [m] are along and across. `shear_modulus` is in Pa. `friction_at` is the coefficient by sliding speed
+    [m/s], for laws with different friction within the patch, with `rolling_speed` [m/s]. Without them it is the same
+    everywhere. `chain` calls parts, such as a table.
     """
 
     creepages: tuple[ca.SX, ca.SX, ca.SX]
@@ -54,16 +58,16 @@ class ContactPatch:
     chain: Chain = field(default_factory=Chain)
 
 
-#: Creep forces (F_x, F_y) [N] on the wheel of a patch; for small creepages F_x = -G a b c11 xi_x and
-#: F_y = -G a b c22 xi_y - G (a b)^1.5 c23 xi_s (Kalker), for large ones of the size of friction times load.
+#: Creep forces (F_x, F_y) [N] on the wheel of a patch. For small creepages they are those of Kalker, F_x = -G a b c11
+#: xi_x and F_y = -G a b c22 xi_y - G (a b)^1.5 c23 xi_s. For large ones their size is friction times load.
 CreepLaw = Callable[[ContactPatch], tuple[ca.SX, ca.SX]]
 
 
-#: Used where a trial step would ask for the contact of a wheel that carries nothing; a run ends before (wheel lift).
+#: Load for trial steps that would compute the contact of an unloaded wheel [N]; a run ends before (wheel lift).
 SMALLEST_LOAD = 1.0
 SMALLEST_FRICTION = 1e-9
 
 
 def at_least(value: ca.SX, least: float) -> ca.SX:
-    """The larger of both; as a comparison, which costs less in C than fmax."""
+    """Return the larger of both; as a comparison, which costs less in C than fmax."""
     return ca.if_else(value > least, value, least)

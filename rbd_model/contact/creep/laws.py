@@ -1,7 +1,7 @@
-"""The creep laws by name: what `Vehicle.creep_law` chooses from.
+"""The creep laws by name: the choices of `Vehicle.creep_law`.
 
-A new law is a file beside this one, a function from a `ContactPatch` to (F_x, F_y) as `law.py` states it, and one line
-in LAWS. A law of a script of one's own is that line alone, before the vehicle is made: LAWS["mine"] = mine.
+A new law is a file of this folder, a function from a `ContactPatch` to (F_x, F_y) as defined in `law.py`, and one line
+in LAWS. A law in your own script needs this line alone, before the vehicle is made: LAWS["mine"] = mine.
 """
 
 from rbd_model.contact.creep.exact_table import exact_law
@@ -15,9 +15,9 @@ from rbd_model.contact.creep.polach_2005 import polach_2005
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.creep.strip_theory import strip_theory
 
-#: That of the thesis, where nothing else is chosen.
+#: The law of the thesis, used by default.
 DEFAULT_LAW = "polach"
-#: Error and cost of each: scenario `creep-laws`. FASTSIM, FaStrip and strips with the grid that errs less than 5 % of
+#: Error and cost of each: scenario `creep-laws`. FASTSIM, FaStrip and strips have the grid with an error below 5 % of
 #: mu N there.
 LAWS: dict[str, CreepLaw] = {
     DEFAULT_LAW: polach,

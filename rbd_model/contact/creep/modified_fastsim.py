@@ -11,17 +11,18 @@ import casadi as ca
 from rbd_model.contact.creep.fastsim import cells, march, rigid_slip, summed
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 
-#: Smallest creepage that is told from none.
+#: Smallest creepage that is distinguished from 0.
 CREEPAGE_FLOOR = 1e-12
 
 
 @dataclass(frozen=True)
 class SlopeReduction:
-    """What is left of Kalker's slopes: k = k_0 (alpha + (1 - alpha) / (1 + beta epsilon)).
+    """Reduction of Kalker's slopes: k = k_0 (alpha + (1 - alpha) / (1 + beta epsilon)).
 
-    Spiryagin, Polach and Cole (2013): epsilon is Polach's gradient of the stress in the area of adhesion, with slopes
-    that k_0 has reduced; initial: k_0, without slip; final: alpha, of k_0, where all slips; decay: beta. That k_0 is in
-    epsilon was found from a curve computed with CONTACT's modified FASTSIM: without it forces are 16 % of mu N off.
+    Spiryagin, Polach and Cole (2013). Here epsilon is Polach's gradient of the stress in the area of adhesion, with
+    slopes reduced by k_0. `initial` is k_0, without slip; `final` is alpha, a share of k_0, if all slips; `decay` is
+    beta. That epsilon includes k_0 was found from a curve computed with CONTACT's modified FASTSIM. Without it forces
+    have errors of 16 % of mu N.
     """
 
     initial: ca.SX | float
@@ -29,7 +30,7 @@ class SlopeReduction:
     decay: ca.SX | float
 
     def at(self, patch: ContactPatch, friction: ca.SX) -> ca.SX:
-        """Share of the slopes at the creepages of a patch; spin has no part in epsilon."""
+        """Return the share of the slopes at the creepages of a patch; epsilon does not include spin."""
         x, y, _ = patch.creepages
         a, b = patch.semi_axes
         slopes = (patch.kalker.c11 * x) ** 2 + (patch.kalker.c22 * y) ** 2 + CREEPAGE_FLOOR**2
@@ -39,11 +40,11 @@ class SlopeReduction:
 
 
 def modified_fastsim(count: int, reduction: SlopeReduction) -> CreepLaw:
-    """FASTSIM with count x count cells, Spiryagin, Polach and Cole (2013).
+    """Return FASTSIM with count x count cells, Spiryagin, Polach and Cole (2013).
 
-    The coefficient of friction is the patch's `friction_at`, of the speed of rigid sliding in each cell; without one it
-    is the patch's everywhere. Differs from the source: three flexibilities instead of one, stress at the centres of the
-    cells.
+    The coefficient of friction is the patch's `friction_at` at the speed of rigid sliding in each cell; without one it
+    is the patch's everywhere. Differences from the source: three flexibilities instead of one, stress at the centres of
+    the cells.
     """
     grid = cells(count)
 
@@ -64,7 +65,7 @@ def modified_fastsim(count: int, reduction: SlopeReduction) -> CreepLaw:
 
 
 def sliding_speed(patch: ContactPatch, offset: float, place: float) -> ca.SX:
-    """Speed of rigid sliding [m/s] at y/b = offset and x/a = place, Kalker (1982)."""
+    """Return the speed of rigid sliding [m/s] at y/b = offset and x/a = place, Kalker (1982)."""
     x, y, spin = patch.creepages
     a, b = patch.semi_axes
     along, sideways = x - offset * b * spin, y + place * a * spin

@@ -1,4 +1,4 @@
-"""Creep laws for another Poisson's ratio than that of all vehicles here."""
+"""Creep laws for a Poisson's ratio other than that of all vehicles here."""
 
 from dataclasses import dataclass, replace
 
@@ -8,7 +8,7 @@ from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 from rbd_model.contact.hertz import POISSON_RATIO
 
-#: Of steel, as the Manchester contact benchmark and most programs have it.
+#: Poisson's ratio of steel, as in the Manchester contact benchmark and most programs.
 STEEL = 0.28
 
 

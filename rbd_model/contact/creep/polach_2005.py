@@ -7,15 +7,16 @@ import casadi as ca
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
 
-#: Smallest sliding, over the speed of rolling, that is told from none.
+#: Smallest sliding, over the speed of rolling, that is distinguished from 0.
 SLIDING_FLOOR = 1e-12
 
 
 def polach_2005(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Creep forces (F_x, F_y) [N], Polach (2005), Creep forces in simulations of traction vehicles, Wear 258.
+    """Return the creep forces (F_x, F_y) [N], Polach (2005), Creep forces in simulations of traction vehicles, Wear
+    258.
 
-    The law of 1999 with the patch's reduction (k_A, k_S), and the friction `friction_at` the sliding speed of the whole
-    patch, without spin. The same friction is found by a wheelset that hands over its own, as in `creep_of_wheel`.
+    This is the law of 1999 with the patch's reduction (k_A, k_S), and the friction `friction_at` the sliding speed of
+    the whole patch, without spin. A wheelset that passes its own friction, as in `creep_of_wheel`, has the same value.
     """
     if patch.friction_at is None:
         return polach(patch)

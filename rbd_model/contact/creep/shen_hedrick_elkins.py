@@ -5,12 +5,12 @@ import casadi as ca
 from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.creep.law import ContactPatch
 
-#: Smallest force, in shares of friction times load, that is told from none.
+#: Smallest force that is distinguished from 0, as a share of friction times load.
 FORCE_FLOOR = 1e-12
 
 
 def saturated_share(size: ca.SX) -> ca.SX:
-    """Saturated over linear force, where the latter is `size` times mu N: 1 - s/3 + s^2/27 up to 3, then 1/s.
+    """Return saturated over linear force, for a linear force of `size` times mu N: 1 - s/3 + s^2/27 up to 3, then 1/s.
 
     Vermeulen and Johnson (1964): the cubic is 1 - (1 - s/3)^3 over s.
     """
@@ -19,11 +19,12 @@ def saturated_share(size: ca.SX) -> ca.SX:
 
 
 def shen_hedrick_elkins(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Creep forces (F_x, F_y) [N], Shen, Hedrick and Elkins (1983), A comparison of alternative creep force models.
+    """Return the creep forces (F_x, F_y) [N], Shen, Hedrick and Elkins (1983), A comparison of alternative creep force
+    models.
 
-    Kalker's linear forces with spin, both times the same factor, so that their sum saturates as in Johnson's and
-    Vermeulen's law. For small spin, its authors say: the moment of spin does not take part in the saturation, and pure
-    spin saturates at the whole of mu N, which no contact reaches.
+    They are Kalker's linear forces with spin, both times the same factor, so that their sum saturates as in Johnson's
+    and Vermeulen's law. The authors limit it to small spin: the moment of spin does not take part in the saturation,
+    and pure spin saturates at the whole of mu N, which no contact reaches.
     """
     x, y = kalker_linear(patch)
     limit = patch.friction * patch.load

@@ -1,7 +1,8 @@
 """Strips of Kalker's strip theory (1967) with an elliptic bound, and slip that turns along each strip.
 
-Between FaStrip and the exact theory: an area of adhesion by strip theory at the leading edge, scaled to Kalker's
-coefficients as in FaStrip; behind it the elliptic bound, in a direction that obeys FASTSIM's equation from there on.
+This law is between FaStrip and the exact theory. At the leading edge it has an area of adhesion by strip theory, scaled
+to Kalker's coefficients as in FaStrip. The elliptic bound follows behind it, in a direction that obeys FASTSIM's
+equation.
 """
 
 import math
@@ -15,15 +16,15 @@ import numpy as np
 from rbd_model.contact.creep.fastsim import Rigid, flexibilities, rigid_slip
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 
-#: Smallest length over a, and stress over the largest, that is told from none.
+#: Smallest length, over a, and smallest stress, over the largest, that are distinguished from 0.
 FLOOR = 1e-12
 
 
 @dataclass(frozen=True)
 class GaussStrips:
-    """Strips at Gauss's points: y/b, half lengths over a, weights; creepage_share: found over exact sum of lengths.
+    """Strips at Gauss's points: y/b, half lengths over a, weights; creepage_share: computed over exact sum of lengths.
 
-    An even number: in the middle one the direction of pure spin would be undefined.
+    Their number is even: in the middle strip of an odd number the direction of pure spin would be undefined.
     """
 
     offsets: tuple[float, ...]
@@ -34,10 +35,14 @@ class GaussStrips:
 
 @lru_cache
 def strips(count: int) -> GaussStrips:
-    """Gauss's points; friction and the force of spin add up exactly, that of creepage but for `creepage_share`.
+    """Return Gauss's points. Friction and the force of spin add up exactly, that of creepage up to `creepage_share`.
 
-    Bound and stress of spin go with the square of a strip's length, that of creepage with its length: Kalker (1967).
-    Raises ValueError.
+    Bound and stress of spin vary with the square of a strip's length, that of creepage with its length: Kalker (1967).
+
+    Raises
+    ------
+    ValueError
+        If `count` is odd or below 2.
     """
     if count < 2 or count % 2:
         raise ValueError(f"The number of strips is {count}; it must be even, so that no strip lies in the middle.")
@@ -48,11 +53,11 @@ def strips(count: int) -> GaussStrips:
 
 
 def adhesive_slip(patch: ContactPatch, limit: ca.SX, creepage_share: float) -> Rigid:
-    """Creepages of strip theory times 4 (1 - nu) c11/pi^2, 4 c22/pi^2 and 3 c23/pi sqrt(b/a), Sichani (2016).
+    """Return creepages of strip theory times 4 (1 - nu) c11/pi^2, 4 c22/pi^2 and 3 c23/pi sqrt(b/a), Sichani (2016).
 
-    So that small creepages give Kalker's forces. The first are half lengths of slip over a, the last is Kalker's psi;
-    p_0 is that of Hertz, 3 N / (2 pi a b). The longitudinal part of spin, -xi_s y, is a creepage of the strip, with c11
-    as any other: c23 is about the lateral part.
+    With these factors small creepages give Kalker's forces. The first two are half lengths of slip over a, the last is
+    Kalker's psi; p_0 is that of Hertz, 3 N / (2 pi a b). The longitudinal part of spin, -xi_s y, is a creepage of the
+    strip, with c11 as any other: c23 applies to the lateral part.
     """
     x, y, spin = patch.creepages
     a, b = patch.semi_axes
@@ -67,8 +72,8 @@ def adhesive_slip(patch: ContactPatch, limit: ca.SX, creepage_share: float) -> R
 class Adhesion:
     """Area of adhesion at the leading edge of a strip, whose rigid slip is (x, y) and, of Kalker's psi, spin.
 
-    slip: half the length of the slip behind it over a, at most the strip's half length, where nothing sticks; root: the
-    same by strip theory, also beyond psi = 1, where less sticks.
+    slip: half the length of the slip area behind it over a, at most the strip's half length, at which nothing sticks.
+    root: the same by strip theory, also beyond psi = 1, at which less sticks.
     """
 
     slip: ca.SX
@@ -79,18 +84,19 @@ class Adhesion:
 
     @property
     def direction(self) -> tuple[ca.SX, ca.SX]:
-        """Of the stress where slip begins, Kalker (1967): that of (x, y + psi d)."""
+        """Direction of the stress at the start of the slip area, Kalker (1967): that of (x, y + psi d)."""
         with_spin = self.y + self.spin * self.slip
         per_size = 1 / ca.sqrt(self.x**2 + with_spin**2 + FLOOR**2)
         return per_size * self.x, per_size * with_spin
 
 
 def adhesion(x: ca.SX, y: ca.SX, spin: ca.SX, half_length: float) -> Adhesion:
-    """Where a strip sticks: x^2 + (y + psi d)^2 = d^2 for half the length d of its slip, Kalker (1967).
+    """Return the area of adhesion: x^2 + (y + psi d)^2 = d^2 for half the length d of its slip, Kalker (1967).
 
-    Each root in the form without a difference. Differs from the source, which ends at psi = 1: beyond, the root that
-    remains goes on, and the length of adhesion, over the strip's, is at most (2 k.k'/k'^2)^2 with the factors k and k'
-    of both ellipses, where the stress at the leading edge would leave the bound; 0 where there is no root.
+    Each root is in the form without a difference. The source ends at psi = 1. This function continues with the
+    remaining root beyond it. The length of adhesion, over the strip's, is then at most (2 k.k'/k'^2)^2 with the factors
+    k and k' of both ellipses. At this limit the stress at the leading edge would exceed the bound. The length is 0 if
+    no root exists.
     """
     root = ca.sqrt(ca.fmax(y**2 + (1 - spin**2) * x**2, 0) + FLOOR**2)
     product = y * spin
@@ -104,9 +110,9 @@ def adhesion(x: ca.SX, y: ca.SX, spin: ca.SX, half_length: float) -> Adhesion:
 
 
 def adhesive_force(area: Adhesion, half_length: float, slipping: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Force of a strip's area of adhesion over mu p_0 a b: two ellipses, one upon the other, Kalker (1967).
+    """Return the force of a strip's area of adhesion over mu p_0 a b: two superposed ellipses, Kalker (1967).
 
-    slipping: the sum of the bound over the area of slip. Written so that nothing cancels where slip vanishes.
+    slipping: the sum of the bound over the area of slip. The form avoids cancellation for a vanishing area of slip.
     """
     from_creepage = (ca.pi / 2 * area.slip * (2 * half_length - area.slip) - slipping) / area.root
     from_spin = area.spin * (math.pi / 2 * half_length**2 - slipping)
@@ -114,13 +120,13 @@ def adhesive_force(area: Adhesion, half_length: float, slipping: ca.SX) -> tuple
 
 
 def strip_theory(count: int) -> CreepLaw:
-    """Strip theory that slips in a turning direction, with count strips of count steps, count even.
+    """Return strip theory that slips in a turning direction, with count strips of count steps, count even.
 
-    After Kalker (1967), A strip theory for rolling with slip and spin, and Sichani, Enblom and Berg (2016). Differs
-    from their FaStrip: the direction of slip starts from that of the stress at the end of adhesion instead of the
-    leading edge of FASTSIM, and L_1 is that of all longitudinal slip, that of spin too. No constant is fitted; but L_1
-    was preferred to Kalker's L_3 there with exact forces in sight: of 45 cases one is 6 % of mu N off with L_3, all
-    are within 5 with L_1. Of second order in 1/count.
+    This follows Kalker (1967), A strip theory for rolling with slip and spin, and Sichani, Enblom and Berg (2016). It
+    differs from their FaStrip in the direction of slip, which starts from that of the stress at the end of adhesion
+    instead of the leading edge of FASTSIM. Also, L_1 is that of all longitudinal slip, including that of spin. No
+    constant is fitted, but L_1 was preferred to Kalker's L_3 there by comparison with exact forces. With L_3 one of 45
+    cases has an error of 6 % of mu N; with L_1 all are within 5 %. The order is second in 1/count.
     """
     grid = strips(count)
 
@@ -145,9 +151,10 @@ def strip_theory(count: int) -> CreepLaw:
 def turning_slip(
     area: Adhesion, sliding: Rigid, offset: float, half_length: float, count: int
 ) -> Iterator[tuple[ca.SX, ca.SX, ca.SX]]:
-    """Bound times length [over p_0 a], and direction (x, y), of each step over the area of slip, from adhesion back.
+    """Yield bound times length [over p_0 a], and direction (x, y), of each step over the area of slip, from adhesion
+    back.
 
-    Kalker (1982), for x = d cos(angle) - (half_length - d) and equal angles, whose sum of the bound is exact where all
+    Kalker (1982), for x = d cos(angle) - (half_length - d) and equal angles. The sum of the bound is exact if all
     slips.
     """
     along = sliding.along(offset)
@@ -169,10 +176,10 @@ def turning_slip(
 
 
 def turned(direction: tuple[ca.SX, ca.SX], slip: tuple[ca.SX, ca.SX], reach: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Direction of the stress after a way at its bound under a rigid slip: it turns towards the slip.
+    """Return the direction of the stress after a distance at its bound under a rigid slip: it turns towards the slip.
 
-    FASTSIM's equation, Kalker (1982), for a stress of given size leaves of the half angle's tangent between
-    both its e^(-|slip| reach)-th part; e^-r is written as 1/(1 + r + r^2/2 + r^3/6), which no length of the way upsets.
+    FASTSIM's equation, Kalker (1982), for a stress of given size reduces the tangent of the half angle between both to
+    its e^(-|slip| reach)-th part. Here e^-r is written as 1/(1 + r + r^2/2 + r^3/6), which is stable for any distance.
     """
     size = ca.sqrt(slip[0] ** 2 + slip[1] ** 2 + FLOOR**2)
     along, sideways = slip[0] / size, slip[1] / size

@@ -1,7 +1,7 @@
 /* A table over four coordinates by quadratic splines along each: continuous, with continuous derivatives.
  *
- * Coefficients lie at equal distances, the last coordinate running first, two of them (ahead, sideways) at each place;
- * along every coordinate one lies before the first place and one behind the last. */
+  * Coefficients lie at equal distances; the last coordinate varies fastest. Each place has two (ahead, sideways).
+  * Along every coordinate one lies before the first place and one after the last. */
 #include <math.h>
 
 enum { COORDINATES = 4, POINTS = 3, OF_TABLE = 2 };
@@ -12,7 +12,7 @@ typedef struct {
     const float *coefficient;
 } four_way_table;
 
-/* Weights of the three coefficients about a place, and their slopes; the first of them. The ends go on as they are. */
+/* Weights of the three coefficients about a place, and their slopes; the first of them. Constant beyond the ends. */
 static int points_about(double place, int intervals, double *weight, double *slope) {
     const double inside = fmin(fmax(place, 0.0), (double)intervals), moving = place == inside ? 1.0 : 0.0;
     const int first = (int)(inside + 0.5);
@@ -32,7 +32,7 @@ static void along_row(const float *row, const double *weight, double *sum) {
     sum[1] = weight[0] * row[1] + weight[1] * row[3] + weight[2] * row[5];
 }
 
-/* Values at the coordinates `at`, and where asked for their derivatives, coordinate by coordinate. */
+/* Values at the coordinates `at` and, if `slope` is not NULL, their derivatives, coordinate by coordinate. */
 static void look_up(const four_way_table *table, const double *at, double *result, double *slope) {
     double weight[COORDINATES][POINTS], change[COORDINATES][POINTS], found[1 + COORDINATES][OF_TABLE] = {{0.0}};
     int stride[COORDINATES], step = OF_TABLE;

@@ -1,7 +1,7 @@
-"""A table of another creep law, or of exact theory: what took microseconds costs a look-up among its values.
+"""A table of another creep law, or of exact theory: a law that takes microseconds is replaced by interpolation.
 
-By similarity the forces of an elliptical patch over mu N follow from four numbers alone, Kalker (1990):
-those of `Measures`, with a/b for one of the two of spin.
+By similarity the forces of an elliptical patch over mu N follow from four numbers alone, Kalker (1990): those of
+`Measures`, with a/b for one of the two of spin.
 """
 
 import hashlib
@@ -21,10 +21,10 @@ from readers.tables import Column, TableError, read_table
 #: Intervals along each coordinate of `place_in_table`, its first values and its last; a/b from 1 : 20 to 20 : 1.
 INTERVALS = (12, 24, 14, 8)
 FIRST, LAST = (0.0, -1.0, 0.0, -math.log(20.0)), (1.0, 1.0, 1.0, math.log(20.0))
-#: Spin in the middle of the table, that from which creepage has to be larger to make the patch slide, both as in
-#: `Measures`, chosen so that tables err least between their places; and what stands for infinite ones.
+#: Spin in the middle of the table, and spin from which creepage must be larger to make the patch slide. Both are as in
+#: `Measures`, chosen for the smallest error between the table's places. The third is the place of infinite values.
 MIDDLE_SPIN, SLIDING_SPIN, INFINITE = 4.0, 1.0, 1 - 1e-6
-#: How far a row of a file may be from its place, in intervals: the digits of a number that is written.
+#: Largest distance of a row of a file from its place, in intervals, because written numbers are rounded.
 OFF_PLACE = 1e-4
 COLUMNS = ("longitudinal", "lateral", "spin", "log_axis_ratio", "force_longitudinal", "force_lateral")
 
@@ -33,7 +33,10 @@ COLUMNS = ("longitudinal", "lateral", "spin", "log_axis_ratio", "force_longitudi
 class CreepTable:
     """Forces over mu N at all places of the table, shape (15, 27, 17, 11, 2): see INTERVALS; one row beyond each end.
 
-    Raises ValueError for another shape and where one is no number.
+    Raises
+    ------
+    ValueError
+        If the shape is another one, or a force is not a number.
     """
 
     forces: np.ndarray
@@ -46,8 +49,10 @@ class CreepTable:
 
 @dataclass(frozen=True)
 class Measures:
-    """What the creepages of a patch ask for: linear forces over mu N, from longitudinal creepage (u), lateral (v), and
-    from creepages as large as those that spin makes at the ends of the semi-axes, ahead (w_x) and to the side (w_y).
+    """Linear forces over mu N of a patch, from longitudinal creepage (u) and lateral creepage (v).
+
+    `w_x` (ahead) and `w_y` (to the side) are the linear forces from creepages as large as those of the spin at the ends
+    of the semi-axes.
     """
 
     u: ca.SX
@@ -57,12 +62,12 @@ class Measures:
 
     @property
     def spin(self) -> ca.SX:
-        """Of both together."""
+        """The norm of both forces from spin."""
         return ca.sqrt(self.w_x**2 + self.w_y**2)
 
 
 def measures(patch: ContactPatch) -> Measures:
-    """Of a patch, Kalker (1990); less where a contaminated surface is less steep."""
+    """Return the measures of a patch, Kalker (1990). They are smaller if contamination reduces the slope of its law."""
     (a, b), (x, y, spin), kalker = patch.semi_axes, patch.creepages, patch.kalker
     strain = patch.reduction.adhesion * patch.shear_modulus * a * b / (patch.friction * patch.load)
     ahead, aside = strain * kalker.c11, strain * kalker.c22
@@ -70,8 +75,9 @@ def measures(patch: ContactPatch) -> Measures:
 
 
 def place_in_table(found: Measures) -> ca.SX:
-    """Coordinates of a patch with u, w >= 0: from no creepage to infinite ones, and where spin is large by the ratio to
-    it, which is what counts then; Kalker (1990).
+    """Return the coordinates of a patch with u, w >= 0: from no creepage to infinite ones, Kalker (1990).
+
+    If spin is large, they depend on the ratio of creepage to spin, which then determines the forces.
     """
     ahead, aside = found.u / larger_by(found.w_x), found.v / larger_by(found.w_y)
     size = ca.sqrt(1 + ahead**2 + aside**2)
@@ -79,17 +85,21 @@ def place_in_table(found: Measures) -> ca.SX:
 
 
 def larger_by(spin: ca.SX) -> ca.SX:
-    """By how much more creepage it takes to slide against spin: our own form, in proportion where spin is large."""
+    """Return the additional creepage at which a patch with this spin slides: our own form, proportional to large
+    spin.
+    """
     return ca.sqrt(1 + (spin / SLIDING_SPIN) ** 2)
 
 
 def patch_at(place: ca.SX) -> ContactPatch:
-    """A patch with unit load, friction and size at a place of the table; forces of it are over mu N, Kalker (1990)."""
+    """Return a patch with unit load, friction and size at a place of the table; its forces are over mu N, Kalker
+    (1990).
+    """
     stretch, kalker = ca.exp(place[3] / 2), kalker_coefficients(ca.exp(place[3]))
     axes = (stretch, 1 / stretch)
     whole = MIDDLE_SPIN * place[2] / (1 - ca.fabs(place[2]))
     spin = whole / ca.sqrt((kalker.c11 * axes[1]) ** 2 + (kalker.c22 * axes[0]) ** 2)
-    # Creepages lie within a circle, at whose edge they are infinite; beyond it nothing changes any more.
+    # Creepages lie within a circle, at whose edge they are infinite. Beyond it the forces are constant.
     size = ca.sqrt(place[0] ** 2 + place[1] ** 2)
     within = INFINITE / ca.fmax(size, INFINITE)
     u, v = (within * place[i] / ca.sqrt(1 - (within * size) ** 2) for i in (0, 1))
@@ -99,7 +109,7 @@ def patch_at(place: ca.SX) -> ContactPatch:
 
 
 def axes() -> list[np.ndarray]:
-    """The coordinates of the table's places, one beyond each end."""
+    """Return the coordinates of the table's places, one beyond each end."""
     return [
         first + (last - first) / count * np.arange(-1, count + 2)
         for first, last, count in zip(FIRST, LAST, INTERVALS, strict=True)
@@ -107,7 +117,7 @@ def axes() -> list[np.ndarray]:
 
 
 def table_of(law: CreepLaw) -> CreepTable:
-    """The table of a law, Kalker (1990)."""
+    """Return the table of a law, Kalker (1990)."""
     places = axes()
     inside = [*(np.clip(place, -INFINITE, INFINITE) for place in places[:3]), np.clip(places[3], FIRST[3], LAST[3])]
     grid = np.stack([one.ravel() for one in np.meshgrid(*inside, indexing="ij")])
@@ -118,8 +128,9 @@ def table_of(law: CreepLaw) -> CreepTable:
 
 
 def continued(forces: np.ndarray) -> CreepTable:
-    """The table of forces whose outermost rows are open: beyond an end as a straight line goes on; where the creepage
-    ahead or the spin is 0 they are known, since the patch is mirrored there, Kalker (1990).
+    """Return the table of forces whose outermost rows are undefined: linear extrapolation beyond an end.
+
+    At zero creepage ahead or zero spin these rows are known, because the patch is mirrored there, Kalker (1990).
     """
     for axis, first in enumerate(FIRST):
         along = np.moveaxis(forces, axis, 0)
@@ -130,12 +141,14 @@ def continued(forces: np.ndarray) -> CreepTable:
 
 
 def coefficients(table: CreepTable) -> np.ndarray:
-    """Of the quadratic splines through the forces, one coordinate after the other, de Boor (1978), chapter XIII."""
+    """Return the coefficients of quadratic splines through the forces, along each coordinate, de Boor (1978), ch.
+    XIII.
+    """
     found = table.forces
     for axis in range(len(INTERVALS)):
         count = found.shape[axis]
         bands = np.array([[0.125] * count, [0.75] * count, [0.125] * count])
-        # The outermost, which lie beyond the table, are the forces there.
+        # The outermost coefficients, beyond the table, equal the forces there.
         bands[1, [0, -1]], bands[0, 1], bands[2, -2] = 1.0, 0.0, 0.0
         along = np.moveaxis(found, axis, 0)
         solved = solve_banded((1, 1), bands, along.reshape(count, -1)).reshape(along.shape)
@@ -144,10 +157,10 @@ def coefficients(table: CreepTable) -> np.ndarray:
 
 
 def tabulated(table: CreepTable) -> CreepLaw:
-    """The law of a table, Kalker (1990): splines through its forces, with exact derivatives.
+    """Return the law of a table, Kalker (1990): splines through its forces, with exact derivatives.
 
-    The mirror images of a patch, ahead and behind, left and right, do what it does. What a contaminated surface leaves
-    of the gradient in the area of slip is not known to it.
+    A patch and its mirror images, ahead and behind, left and right, have the same forces. The law does not include the
+    reduction of the gradient in the area of slip by contamination.
     """
     part = part_of(table)
 
@@ -162,7 +175,7 @@ def tabulated(table: CreepTable) -> CreepLaw:
 
 
 def part_of(table: CreepTable) -> Part:
-    """Forces over mu N at a place of the table as a part in C; see table.c."""
+    """Return a part in C for the forces over mu N at a place of the table; see table.c."""
     values = coefficients(table).astype(np.float32)
     name = f"creep_table_{hashlib.sha256(values.tobytes()).hexdigest()[:8]}"
     widths = [(last - first) / count for first, last, count in zip(FIRST, LAST, INTERVALS, strict=True)]
@@ -185,8 +198,8 @@ def read_creep_table(path: Path) -> CreepTable:
     Raises
     ------
     FileError
-        If the file cannot be read as it is meant, a row is at no place of the table, at that of another row, or places
-        are missing.
+        If the file cannot be read as it is meant, places are missing, or a row is not at a place of the table or is at
+        that of another row.
     """
     read = read_table(path, [Column(name, required=True) for name in COLUMNS])
     rows = np.column_stack([read.numbers[name] for name in COLUMNS])
@@ -217,7 +230,9 @@ def read_creep_table(path: Path) -> CreepTable:
 
 
 def write_table(table: CreepTable, path: Path) -> None:
-    """The table as a CSV file of COLUMNS, for `read_creep_table`: to be filled by another program, CONTACT for one."""
+    """Write the table as a CSV file of COLUMNS for `read_creep_table`; another program, such as CONTACT, may fill
+    it.
+    """
     grid = np.stack([one.ravel() for one in np.meshgrid(*axes(), indexing="ij")], axis=1)
     np.savetxt(
         path,
