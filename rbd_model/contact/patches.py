@@ -162,8 +162,8 @@ def check_ellipses(one: Side) -> None:
 def join_shortest(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
     """Join the part that travels least to the shorter of its neighbours. Tread and flange are joined last.
 
-    This is a decision of this project, for contours on which a jump is shorter than the contact is wide (section
-    9.4.1).
+    This is a decision of this project, for contours on which a jump is shorter than the contact is wide
+    (section 9.4.1).
     """
     at = int(np.argmin([part.travel for part in parts]))
     beside = [place for place in (at - 1, at + 1) if 0 <= place < len(parts)]
@@ -308,8 +308,8 @@ def in_direction(y: np.ndarray, z: np.ndarray, direction: float) -> tuple[np.nda
 
 
 def turned(rail: Profile, direction: float) -> Profile:
-    """Return the contour of a rail in axes along `direction` [rad], up to where it becomes too steep (section
-    3.3.2).
+    """Return the contour of a rail in axes along `direction` [rad], up to where it becomes too steep
+    (section 3.3.2).
     """
     if direction == 0.0:
         return rail

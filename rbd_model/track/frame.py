@@ -166,8 +166,8 @@ class Pose:
         return cls(ca.reshape(vector[:9], 3, 3), vector[9:])
 
     def slope(self, turning: ca.SX, turning_there: ca.SX) -> ca.SX:
-        """Return the derivative of its vector by the distances of the one and the other along the line [1/m], eq.
-        (3.12).
+        """Return the derivative of its vector by the distances of the one and the other along the line [1/m],
+        eq. (3.12).
 
         turning, turning_there: of the one's and the other's axes, as in TrackFrame. Origins move along x by 1 m per
         metre.

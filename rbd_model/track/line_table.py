@@ -101,8 +101,8 @@ def along_line(system: System, name: str, distance: ca.SX, order: int = 0) -> li
 def follow_line(system: System, distance: ca.SX, places: Sequence[ca.SX]) -> None:
     """Limit steps so that none passes a corner of gradient or curvature, or more than half of the distance between two.
 
-    A step under a constant force may have any length, and none of its stages would meet a hill of some metres (section
-    2.3.1: gravity pulls along the gradient).
+    A step under a constant force may have any length, and none of its stages would meet a hill of some metres
+    (section 2.3.1: gravity pulls along the gradient).
 
     Parameters
     ----------

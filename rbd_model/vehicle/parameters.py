@@ -166,12 +166,12 @@ def tables_5_1_and_5_2() -> BogieParameters:
     """Return the simplified two-axle bogie of chapter 5, axle load about 300 kN.
 
     Reported: Table 5.1 (springs and dampers, of each element). Table 5.2 (masses and inertias). Wheel base 1.675 m
-    (section 5.2, where "mm" is a misprint for m). Wheel radius 0.425 m (section 4.5). Flange_clearance 9.5 mm (section
-    4.3).
+    (section 5.2, where "mm" is a misprint for m). Wheel radius 0.425 m (section 4.5). Flange_clearance 9.5 mm
+    (section 4.3).
     Fitted, all under the thesis's reading (AS_PRINTED): frame_height. Section 5.4.2 says only that the axles lie below
     the centre of mass; 0.8 m locks the leading wheelset half a second after 60 kN.m are applied (Fig. 5.44). Both half
-    spacings 0.7 m, to the derailments of chapter 9. Flange_stiffness 1e8 N/m, to lateral peaks of 9.5 to 10 mm (section
-    5.3.1).
+    spacings 0.7 m, to the derailments of chapter 9. Flange_stiffness 1e8 N/m, to lateral peaks of 9.5 to 10 mm
+    (section 5.3.1).
     Switches: torque_reaction, flange_at_rail, yaw_torque_rotates, constant_speed and wheel_lift_ends are on, on, off,
     off and on, the physical readings. AS_PRINTED has the thesis's of the first two. Also, running_safety_warnings is
     off. Both rails have the friction of the inputs, as in section 4.4.
@@ -250,7 +250,7 @@ def tables_8_1_and_8_2() -> BogieParameters:
 
 
 def manchester_vehicle_1() -> VehicleParameters:
-    """Return vehicle 1 of the Manchester benchmarks, a passenger coach (Iwnicki 1998).
+    """Return vehicle 1 of the Manchester benchmarks, a passenger coach, Iwnicki (1998).
 
     S. Iwnicki (1998), Vehicle System Dynamics 30, 295-313, as transcribed in public code that cites it: masses,
     inertias, spacings, wheel radius, heights of the centres (1.8 and 0.6 m above the rail), springs, dampers, anti-roll
@@ -307,7 +307,7 @@ def manchester_vehicle_1() -> VehicleParameters:
 
 
 def coach_with_traction_rods() -> VehicleParameters:
-    """Return the passenger coach: vehicle 1 of the Manchester benchmarks (Iwnicki 1998), with a traction rod in each
+    """Return the passenger coach: vehicle 1 of the Manchester benchmarks Iwnicki (1998), with a traction rod in each
     bogie.
 
     Reported: all values of `manchester_vehicle_1`, whose body has no damping along the track.

@@ -18,8 +18,8 @@ SMALLEST_SLIP = 1e-9
 
 
 def segment(place: ca.SX | float) -> ca.SX:
-    """Return the area of half a unit circle behind a place from 1 (all, pi/2) to -1: the bound's sum, Sichani
-    (2016).
+    """Return the area of half a unit circle behind a place from 1 (all, pi/2) to -1: the bound's sum,
+    Sichani (2016).
     """
     return place * ca.sqrt(1 - place**2) / 2 + (ca.asin(place) + math.pi / 2) / 2
 

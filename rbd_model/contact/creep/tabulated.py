@@ -92,8 +92,8 @@ def larger_by(spin: ca.SX) -> ca.SX:
 
 
 def patch_at(place: ca.SX) -> ContactPatch:
-    """Return a patch with unit load, friction and size at a place of the table; its forces are over mu N, Kalker
-    (1990).
+    """Return a patch with unit load, friction and size at a place of the table; its forces are over mu N,
+    Kalker (1990).
     """
     stretch, kalker = ca.exp(place[3] / 2), kalker_coefficients(ca.exp(place[3]))
     axes = (stretch, 1 / stretch)
