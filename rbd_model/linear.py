@@ -1,7 +1,7 @@
 """Linear analysis about a steady run: eigenvalues, frequencies and damping, critical speed.
 
 The Jacobian is that of the simulation, exact and of the same equations. Algebraic states are eliminated by the implicit
-function theorem; what a steady run leaves free (distance, rotation) or holds (speed) is left out.
+function theorem. States that a steady run leaves free (distance, rotation) or holds (speed) are omitted.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from fmu_src.system import System
 
-#: Angular frequency above which an eigenvalue counts as an oscillation [rad/s].
+#: Angular frequency above which an eigenvalue is treated as an oscillation [rad/s].
 SLOWEST = 1e-3
 
 
@@ -25,29 +25,29 @@ class Mode:
 
     @property
     def frequency(self) -> float:
-        """Hz."""
+        """Frequency [Hz]."""
         return float(self.eigenvalue.imag / (2 * np.pi))
 
     @property
     def growth(self) -> float:
-        """Rate of growth [1/s]; negative when it decays."""
+        """Rate of growth [1/s]; negative if the mode decays."""
         return float(self.eigenvalue.real)
 
     @property
     def damping_ratio(self) -> float:
-        """Share of critical damping; negative when it grows."""
+        """Share of critical damping; negative if the mode grows."""
         return float(-self.eigenvalue.real / abs(self.eigenvalue))
 
 
 def steady(system: System) -> set[str]:
-    """States that say where a vehicle is and how fast it goes, not how it moves about its steady run (section 4.4)."""
+    """Return states of a vehicle's place and speed, which are not part of motion about its steady run (section 4.4)."""
     counted = next(name.removesuffix("distance") for name in system.states if name.endswith("distance"))
     turned = {name for name in system.states if name.startswith("rotation_")}
     return {f"{counted}distance", f"{counted}speed", *turned}
 
 
 def reduced_jacobian(system: System, jacobian: np.ndarray) -> tuple[list[str], np.ndarray]:
-    """Names of the remaining states and f_x - f_z g_z^-1 g_x, by the implicit function theorem.
+    """Return names of the remaining states and f_x - f_z g_z^-1 g_x, by the implicit function theorem.
 
     jacobian: shape (states, states), of all states.
     """
@@ -62,7 +62,7 @@ def reduced_jacobian(system: System, jacobian: np.ndarray) -> tuple[list[str], n
 
 
 def oscillations(system: System, jacobian: np.ndarray) -> list[Mode]:
-    """Modes with a frequency above zero, the least damped first; section 4.4 has theirs from simulated motions."""
+    """Return modes with a frequency above zero, the least damped first; section 4.4 has them from simulated motions."""
     names, matrix = reduced_jacobian(system, jacobian)
     values, vectors = np.linalg.eig(matrix)
     found = []
@@ -74,9 +74,19 @@ def oscillations(system: System, jacobian: np.ndarray) -> list[Mode]:
 
 
 def critical_speed(growth: Callable[[float], float], low: float, high: float) -> float:
-    """Speed [m/s] between `low` and `high` at which `growth(speed)` [1/s] turns positive, to 1e-6 m/s; section 4.4.
+    """Return the speed [m/s] at which `growth(speed)` [1/s] becomes positive, to 1e-6 m/s; section 4.4.
 
-    Raises ValueError when it does not change its sign in between.
+    Parameters
+    ----------
+    growth : callable
+        Rate of growth [1/s] by speed [m/s].
+    low, high : float
+        Limits of the search [m/s].
+
+    Raises
+    ------
+    ValueError
+        If the growth does not change its sign between the limits.
     """
     if growth(low) * growth(high) > 0.0:
         raise ValueError(f"The motion is as stable at {low} m/s as at {high} m/s; search for it in another range.")

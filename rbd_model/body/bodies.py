@@ -16,9 +16,9 @@ from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
 @dataclass(frozen=True)
 class Turning:
-    """Angular velocity of a body of which angles may be held, in its own axes: `rate` is linear in `free`.
+    """Angular velocity of a body whose angles may be held, in its own axes: `rate` is linear in `free`.
 
-    slope: for each of the three components how it follows those that are states; slope_rate: its change.
+    slope: derivative of each of the three components by those that are states; slope_rate: its change.
     """
 
     free: dict[str, int]  # angles that are not held, each with the component of the rate that is its state
@@ -31,7 +31,7 @@ class Turning:
 class Shift:
     """A longitudinal displacement from the place in the vehicle, section 5.2.
 
-    States: place [m]; lead [m/s]: by how much it is faster than the first body. speed [m/s]: in all.
+    States: place [m]; lead [m/s]: speed relative to the first body. speed [m/s]: total.
     """
 
     place: ca.SX
@@ -55,10 +55,10 @@ class MovingBody:
 
 
 def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = frozenset()) -> MovingBody:
-    """Declares the states of a body (sections 4.2, 5.2); `held` adds to what its description holds.
+    """Declare the states of a body (sections 4.2, 5.2); `held` is added to the motions that its description holds.
 
-    The first body of a vehicle counts the distance; the longitudinal displacement of the others is counted from their
-    place in the vehicle that it carries along, as is every position. Angular velocities are in the axes of the body.
+    The distance of a vehicle is that of its first body. Displacements of the others along the track are relative to
+    their place in the vehicle that moves along, as are all positions. Angular velocities are in the axes of the body.
     """
     held = held | data.held
     system = assembly.system
@@ -99,7 +99,7 @@ def place_body(assembly: Assembly, data: RigidBody, held: frozenset[Motion] = fr
 
 
 def place_bodies(assembly: Assembly, held: frozenset[Motion] = frozenset()) -> tuple[Assembly, list[MovingBody]]:
-    """All bodies of a vehicle, see `place_body`; the assembly then knows the way of the first, eq. (3.12)."""
+    """Return all bodies of a vehicle, see `place_body`, and the assembly with the travel of the first, eq. (3.12)."""
     first, *others = assembly.vehicle.bodies
     leading = place_body(assembly, first, held)
     assembly = replace(assembly, first_stretch=leading.body.stretch)
@@ -107,12 +107,16 @@ def place_bodies(assembly: Assembly, held: frozenset[Motion] = frozenset()) -> t
 
 
 def carry_along(data: RigidBody, body: Body, turning: Turning, held: frozenset[Motion]) -> Body:
-    """A body whose held motions follow the axes of the track, which turn along the line, eq. (3.12).
+    """Return a body whose held motions follow the axes of the track, which turn along the line, eq. (3.12).
 
-    What holds them does the work of that, above all of turning it: its energy is not kept where the track turns.
+    The constraint of held motions does work, above all to turn the body: its energy is not constant where the track
+    turns.
 
-    Raises ValueError where it may turn about some of its axes out of the vertical plane only: what holds the others
-    there would have to know how the line's turning changes.
+    Raises
+    ------
+    ValueError
+        If it may turn about only some of its axes out of the vertical plane. The constraint of the others would need
+        the rate of the line's turning.
     """
     if turning.free.keys() not in (set(), {"pitch"}, set(ANGLES)):
         raise ValueError(f"{data.name} holds {', '.join(held & set(ANGLES))}; on a line hold all angles or none.")
@@ -124,9 +128,9 @@ def carry_along(data: RigidBody, body: Body, turning: Turning, held: frozenset[M
 
 
 def start_along(assembly: Assembly, body: Body, states: Sequence[ca.SX | None]) -> None:
-    """Start values with which a body goes along a line that turns at once: eq. (3.12) without motion against the track.
+    """Set start values for a body on a line that turns at once: eq. (3.12) without motion relative to the track.
 
-    states: of its velocity across and upwards and of its angular velocity, those that there are.
+    states: existing states of its velocity across and upwards and of its angular velocity.
     """
     spin = assembly.initial_speed / body.stretch * body.track.turning
     carried = ca.cross(spin, ca.vertcat(0, body.position[1:]))
@@ -137,7 +141,7 @@ def start_along(assembly: Assembly, body: Body, states: Sequence[ca.SX | None]) 
 
 
 def at_start(system: System, expression: ca.SX) -> ca.SX:
-    """An expression at the start (section 5.2), where all states that are declared have their start values."""
+    """Return an expression at the start (section 5.2): all declared states have their start values."""
     plain = system.expand(expression)
     within = symbols_in(plain)
     known = [state for state in system.states.values() if state.symbol.element_hash() in within]
@@ -145,16 +149,16 @@ def at_start(system: System, expression: ca.SX) -> ca.SX:
 
 
 def add_shift(assembly: Assembly, name: str, speed_name: str = "") -> Shift:
-    """Declares a longitudinal displacement from the place in the vehicle, section 5.2."""
+    """Declare a longitudinal displacement from the place in the vehicle, section 5.2."""
     place = assembly.system.state(name, "m", 0.0, NOMINAL_TRAVEL)
     lead = assembly.system.state(speed_name or f"{name}_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     return Shift(place, lead, assembly.speed + lead)
 
 
 def move_along(assembly: Assembly, body: Body, shift: Shift | None) -> None:
-    """How the place of a body on the line changes, eq. (3.12): the first one's distance, a displacement of the others.
+    """Set the rate of a body's place on the line, eq. (3.12): the distance of the first, a displacement of the others.
 
-    Where the line is curved, bodies beside its centre go at another speed along it than through space.
+    On a curved line, the speed along it of bodies beside its centre differs from their speed in 3D.
     """
     if shift is None:
         assembly.system.derivative(assembly.distance, body.travel)
@@ -165,21 +169,22 @@ def move_along(assembly: Assembly, body: Body, shift: Shift | None) -> None:
 
 
 def angle_rates(angles: ca.SX, own_rate: ca.SX) -> Sequence[ca.SX]:
-    """Rates of roll, pitch and yaw from the angular velocity in the own axes, section 3.2.2."""
+    """Return rates of roll, pitch and yaw from the angular velocity in the own axes, section 3.2.2."""
     rate = pitch_rotation(angles[1]) @ own_rate  # in the yaw-roll axes
     tangent = ca.sin(angles[0]) / ca.cos(angles[0])
     return rate[0], rate[1] - axes_rate(tangent, rate)[1], rate[2] / ca.cos(angles[0])
 
 
 def turn(angles: ca.SX, rates: dict[str, ca.SX]) -> Turning:
-    """Angular velocity in the own axes from the rates that are states, by section 3.2.2 solved for the held angle.
+    """Return the angular velocity in the own axes from the rates that are states: section 3.2.2 for the held angle.
 
-    With one angle held at 0 the body still turns about that own axis as far as the other two lean; what holds it has no
-    moment about their axes, so that it does no work. Held pitch: by tan(roll) of the rate about the third axis.
+    With one angle held at 0 the body still turns about that own axis, because of the lean by the other two. The holding
+    moment has no component about their axes, so that it does no work. Held pitch: by tan(roll) of the rate about the
+    third axis.
     """
     free = {angle: component for component, angle in enumerate(ANGLES) if angle in rates}
     rate = ca.vertcat(*[rates.get(angle, ca.SX(0)) for angle in ANGLES])
-    # The component of the held angle, the one that it follows, and by which angle's tangent.
+    # The component of the held angle, the one that it follows, and the angle whose tangent is the factor.
     leaning: dict[tuple[str, ...], tuple[int, int, int, int]] = {
         ("roll", "yaw"): (1, 2, 0, 1),
         ("pitch", "yaw"): (0, 2, 1, -1),
@@ -195,7 +200,9 @@ def turn(angles: ca.SX, rates: dict[str, ca.SX]) -> Turning:
 
 
 def move_body(assembly: Assembly, moving: MovingBody, load: Load, first_acceleration: ca.SX) -> None:
-    """Newton's and Euler's equations of a body: (3.73) in its own axes; first_acceleration [m/s2]: of the first one."""
+    """Add Newton's and Euler's equations of a body: (3.73) in its own axes; first_acceleration [m/s2]: of the first
+    one.
+    """
     system, data, body = assembly.system, moving.data, moving.body
     lightness, falling = 1 / assembly.value(data.mass), body.falling(assembly.parameter["gravity"])
     if moving.shift is None:
@@ -212,7 +219,7 @@ def move_body(assembly: Assembly, moving: MovingBody, load: Load, first_accelera
 
 
 def turning_accelerations(turning: Turning, inertia: ca.SX, moment: ca.SX) -> dict[str, ca.SX]:
-    """Rates of the free components of an angular velocity, Euler's equations; moment [N.m]: less the gyroscopic one.
+    """Return rates of the free angular velocity components, Euler's equations; moment [N.m]: less the gyroscopic one.
 
     A held angle's own axis adds its moment and its inertia to the component that it follows (section 4.2).
     """

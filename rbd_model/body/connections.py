@@ -1,10 +1,10 @@
-"""What acts between bodies: springs, dampers, stops, torsion and dry friction, in axes that the lower end carries.
+"""Forces between bodies: springs, dampers, stops, torsion and dry friction, in axes that the lower end carries.
 
-A law sees nothing but how the upper end stands and moves against these axes. So turning or shifting both ends together
-changes nothing, and what they do to each other adds up to no force and no moment (Noether (1918)).
-Differs from the thesis, which prints (3.37) for an element along the line between its two points and lists stiffnesses
-in three directions, Tables 4.1 and 5.1, without saying whose: the bogie frame carries those of a body above it, an axle
-box, which yaws and rolls with its wheelset and pitches with the frame, those of a frame.
+A law depends only on the position and motion of the upper end relative to these axes. Turning or shifting both ends
+together thus has no effect, and their mutual forces add up to no force and no moment (Noether (1918)).
+This differs from the thesis, which gives (3.37) for an element along the line between its two points. It lists
+stiffnesses in three directions, Tables 4.1 and 5.1, but not their axes. Here the bogie frame carries those of a body
+above it. An axle box, which yaws and rolls with its wheelset and pitches with the frame, carries those of a frame.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from rbd_model.vehicle.description import (
 )
 from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
-#: Travel beyond the last point of a bump stop up to which its last slope goes on [m]; no vehicle gets there.
+#: Travel beyond the last point of a bump stop over which its last slope continues [m]; no vehicle reaches its end.
 BEYOND = 1.0
 
 
 @dataclass(frozen=True)
 class Load:
-    """On a body: force [N] in the axes of the track where it is, moment about its centre [N.m] in its own axes."""
+    """Load on a body: force [N] in the axes of the track there, moment about its centre [N.m] in its own axes."""
 
     force: ca.SX
     moment: ca.SX
@@ -55,7 +55,7 @@ NO_LOAD = Load(ca.SX.zeros(3), ca.SX.zeros(3))
 
 @dataclass(frozen=True)
 class Effect:
-    """Of connections of one pair: force on the lower end [N] in its axes, which pulls the upper one the other way.
+    """Effect of connections of one pair: force on the lower end [N] in its axes; the upper end has the opposite one.
 
     raised, lowered: moments on the (upper, lower) end about its own centre, in its own axes [N.m]; energy stored [J]
     and power lost [W].
@@ -72,20 +72,20 @@ class Effect:
 
     @classmethod
     def of(cls, relation: Relation, stretch: Stretch, pull: ca.SX, potential: ca.SX, power: ca.SX) -> Effect:
-        """Of a force between two points, eqs (3.41), (3.42): on both ends it acts in one line."""
+        """Return the effect of a force between two points, eqs (3.41), (3.42): it acts in one line on both ends."""
         raised = ca.cross(relation.axes.T @ pull, stretch.upper)
         return cls(pull, raised, ca.cross(stretch.lower + stretch.way, pull), potential, power)
 
 
 def sum_of(effects: Sequence[Effect]) -> Effect:
-    """Of at least one, eqs (3.35), (3.36)."""
+    """Return the sum of at least one effect, eqs (3.35), (3.36)."""
     return reduce(operator.add, effects)
 
 
 def connect(assembly: Assembly, connection: SuspensionElement, relation: Relation) -> Effect:
-    """Effect of a connection, of both its sides if it has two; the laws are in the functions of the same names.
+    """Return the effect of a connection, of both its sides if it has two; the laws are in functions of the same names.
 
-    Each is (3.38) along one direction, or a law of its own in place of a spring and a damper.
+    Each is (3.38) along one direction, or a law of its own instead of a spring and a damper.
     """
     if isinstance(connection, STATELESS):
         return connect_stateless(assembly, connection, relation)
@@ -104,7 +104,7 @@ STATELESS = (Springs, Torsion, BumpStop)
 
 
 def connect_stateless(sizes: Sizes, connection: SuspensionElement, relation: Relation) -> Effect:
-    """Effect of one of STATELESS, (3.38)."""
+    """Return the effect of one of STATELESS, (3.38)."""
     if isinstance(connection, Torsion):
         return torsion(sizes, connection, relation)
     if isinstance(connection, Springs):
@@ -114,10 +114,10 @@ def connect_stateless(sizes: Sizes, connection: SuspensionElement, relation: Rel
 
 
 def springs(sizes: Sizes, connection: Springs, relation: Relation) -> Effect:
-    """Springs and dampers in parallel, eqs (3.38), (3.41), (3.42), with a stiffness and a damping in each direction.
+    """Return springs and dampers in parallel, eqs (3.38), (3.41), (3.42), with stiffness and damping in each direction.
 
-    The preload is a constant force that holds the upper body up; without it nothing of a direction that has none acts.
-    Of two, the mean of both pushes, and half of their difference turns: what is linear needs no more.
+    The preload is a constant force that supports the upper body. A direction without preload, stiffness and damping is
+    omitted. Of two sides, the mean of both pushes, and half of their difference turns: this is exact for linear laws.
     """
     stiffness, damping = (
         ca.vertcat(*[ca.SX(sizes.value(size)) for size in three])
@@ -142,15 +142,16 @@ def springs(sizes: Sizes, connection: Springs, relation: Relation) -> Effect:
 
 
 def along(direction: str, value: ca.SX) -> ca.SX:
-    """A vector of this size along one of DIRECTIONS, the axes of section 3.2.1."""
+    """Return a vector of this size along one of DIRECTIONS, the axes of section 3.2.1."""
     return ca.vertcat(*[value if name == direction else 0 for name in DIRECTIONS])
 
 
 def torsion(sizes: Sizes, connection: Torsion, relation: Relation) -> Effect:
-    """A torque proportional to an angle between both ends and to its rate: Hooke's law for (3.42).
+    """Return a torque proportional to an angle between both ends and to its rate: Hooke's law for (3.42).
 
-    The angle is that of Rz(yaw) Rx(roll) Ry(pitch), by which the upper end is turned against the lower one's axes; the
-    torque is about the vector with which its spin makes the rate of that angle, so that it does the work of the spring.
+    The angle is that of Rz(yaw) Rx(roll) Ry(pitch), by which the upper end is turned relative to the lower one's axes.
+    The torque is about the vector whose product with the spin is the rate of that angle, so that it does the work of
+    the spring.
     """
     angle = ANGLES.index(connection.angle)
     way, axis = relation.angle(angle), axis_of(relation.axes, angle)
@@ -162,7 +163,7 @@ def torsion(sizes: Sizes, connection: Torsion, relation: Relation) -> Effect:
 
 
 def bump_stop(sizes: Sizes, connection: BumpStop, relation: Relation, place: Place) -> Effect:
-    """A force by straight lines over the travel, odd, with its potential, in place of the spring of (3.38)."""
+    """Return a force by straight lines over the travel, odd, with its potential, instead of the spring of (3.38)."""
     travel, force = np.array(connection.travel), np.array(connection.force)
     slope = (force[-1] - force[-2]) / (travel[-1] - travel[-2])
     travel, force = np.append(travel, travel[-1] + BEYOND), np.append(force, force[-1] + slope * BEYOND)
@@ -180,9 +181,9 @@ def bump_stop(sizes: Sizes, connection: BumpStop, relation: Relation, place: Pla
 def series_damper(
     assembly: Assembly, connection: SeriesDamper, side: str, relation: Relation, stretch: Stretch
 ) -> Effect:
-    """Spring and damper behind one another (Maxwell (1867)), in place of those side by side of (3.38).
+    """Return a spring and a damper in series (Maxwell (1867)), instead of the parallel ones of (3.38).
 
-    Both have the same force; the way of the damper is a state.
+    Both have the same force; the travel of the damper is a state.
     """
     which = DIRECTIONS.index(connection.direction)
     damper = assembly.system.state(f"{side}_travel", "m", 0.0, NOMINAL_TRAVEL)
@@ -197,9 +198,9 @@ def series_damper(
 def friction_slider(
     assembly: Assembly, connection: FrictionSlider, side: str, relation: Relation, stretch: Stretch
 ) -> Effect:
-    """Dry friction on a slider behind a spring and a damper: it holds as a locked wheelset does, third line of (2.8).
+    """Return dry friction on a slider in series with a spring and damper: it holds as in the third line of (2.8).
 
-    The slider is fixed to the upper end by its spring and rubs on the lower one; its mass counts in no body.
+    The slider is fixed to the upper end by its spring and rubs on the lower one; its mass is not part of a body.
     """
     system, which = assembly.system, DIRECTIONS.index(connection.direction)
     stiffness, damping = assembly.value(connection.stiffness), assembly.value(connection.damping)

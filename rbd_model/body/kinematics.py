@@ -1,7 +1,7 @@
-"""Rotations and rigid bodies in space. x forward, y left, z up; a body is turned by Rz(yaw) Rx(roll) Ry(pitch).
+"""Rotations and rigid bodies in 3D. x forward, y left, z up; a body is turned by Rz(yaw) Rx(roll) Ry(pitch).
 
-Differs from the thesis, which uses four Euler parameters (3.5): with the pitch last, a wheelset may turn without bound
-and its rotation never enters the geometry of the contact.
+This differs from the thesis, which uses four Euler parameters (3.5). With the pitch last, a wheelset may turn without
+limit and its rotation does not enter the geometry of the contact.
 """
 
 from __future__ import annotations
@@ -14,17 +14,19 @@ from rbd_model.track.frame import HERE, LEVEL, Pose, TrackFrame
 
 
 def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
-    """Rotation matrix Rz(yaw) Rx(roll), section 3.2.1: from axes that yaw and roll with a body to the track's."""
+    """Return the rotation matrix Rz(yaw) Rx(roll), section 3.2.1: from axes that yaw and roll with a body to the
+    track's.
+    """
     return turned_by(direction_cosines(yaw, roll))
 
 
 def direction_cosines(yaw: ca.SX, roll: ca.SX) -> ca.SX:
-    """Cosine and sine of yaw, cosine and sine of roll, of which the matrix of section 3.2.1 consists."""
+    """Return cosine and sine of yaw, cosine and sine of roll, the entries of the matrix of section 3.2.1."""
     return ca.vertcat(ca.cos(yaw), ca.sin(yaw), ca.cos(roll), ca.sin(roll))
 
 
 def turned_by(cosines: ca.SX) -> ca.SX:
-    """Rz(yaw) Rx(roll) of their `direction_cosines`, section 3.2.1."""
+    """Return Rz(yaw) Rx(roll) of their `direction_cosines`, section 3.2.1."""
     c, s = cosines[0], cosines[1]
     about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
     c, s = cosines[2], cosines[3]
@@ -32,41 +34,41 @@ def turned_by(cosines: ca.SX) -> ca.SX:
 
 
 def pitch_rotation(pitch: ca.SX) -> ca.SX:
-    """Rotation matrix Ry(pitch), section 3.2.1."""
+    """Return the rotation matrix Ry(pitch), section 3.2.1."""
     return about_y(ca.vertcat(ca.cos(pitch), ca.sin(pitch)))
 
 
 def about_y(turn: ca.SX) -> ca.SX:
-    """Rotation matrix Ry, section 3.2.1, of cosine and sine of its angle."""
+    """Return the rotation matrix Ry, section 3.2.1, of cosine and sine of its angle."""
     c, s = ca.vertsplit(turn)
     return ca.vertcat(ca.horzcat(c, 0, s), ca.horzcat(0, 1, 0), ca.horzcat(-s, 0, c))
 
 
 def turned_about_axes(roll: ca.SX, pitch: ca.SX, yaw: ca.SX) -> ca.SX:
-    """Rz(yaw) Rx(roll) Ry(pitch), section 3.2.1, of cosine and sine of each."""
+    """Return Rz(yaw) Rx(roll) Ry(pitch), section 3.2.1, of cosine and sine of each."""
     return turned_by(ca.vertcat(yaw, roll)) @ about_y(pitch)
 
 
 def axes_rate(tangent: ca.SX, rate: ca.SX) -> ca.SX:
-    """Angular velocity of the yaw-roll axes themselves, in these axes, of a body that turns with `rate` in them.
+    """Return the angular velocity of the yaw-roll axes, in these axes, for a body that turns with `rate` in them.
 
-    As section 3.2.2, for these angles; tangent: of the roll. The body's pitch adds to the second component only, so the
-    first and the third are those of the body.
+    This is section 3.2.2 for these angles; tangent: of the roll. The body's pitch adds to the second component only, so
+    the first and the third are those of the body.
     """
     return ca.vertcat(rate[0], rate[2] * tangent, rate[2])
 
 
 def angle_of(axes: ca.SX, angle: int) -> ca.SX:
-    """Roll, pitch or yaw, 0 to 2, of axes that are turned by Rz(yaw) Rx(roll) Ry(pitch), section 3.2.1."""
+    """Return roll, pitch or yaw, 0 to 2, of axes that are turned by Rz(yaw) Rx(roll) Ry(pitch), section 3.2.1."""
     if angle == 0:
         return ca.asin(axes[2, 1])
     return ca.atan2(-axes[2, 0], axes[2, 2]) if angle == 1 else ca.atan2(-axes[0, 1], axes[1, 1])
 
 
 def axis_of(axes: ca.SX, angle: int) -> ca.SX:
-    """Vector whose product with their angular velocity is the rate of that angle of such axes.
+    """Return the vector whose product with the axes' angular velocity is the rate of that angle.
 
-    The inverse of section 3.2.2 for Rz(yaw) Rx(roll) Ry(pitch), row by row.
+    It is the inverse of section 3.2.2 for Rz(yaw) Rx(roll) Ry(pitch), row by row.
     """
     level = 1 - axes[2, 1] ** 2
     if angle == 0:
@@ -79,9 +81,9 @@ def axis_of(axes: ca.SX, angle: int) -> ca.SX:
 class Body:
     """A rigid body: position and velocity of its centre in the axes of the track, its own axes (columns), own rate.
 
-    `position` may be counted from any point that moves along the track. `own_rate` is the angular velocity in the own
-    axes, which is how the equations of motion know it. angles: roll, pitch and yaw, those of a wheelset without pitch.
-    track: the axes of the track where the body is; velocities are inertial, given in these axes.
+    `position` may be relative to any point that moves along the track. `own_rate` is the angular velocity in the own
+    axes, as in the equations of motion. `angles` are roll, pitch and yaw, those of a wheelset without pitch. `track`
+    holds the axes of the track at the body; velocities are inertial, in these axes.
     """
 
     position: ca.SX
@@ -93,12 +95,12 @@ class Body:
 
     @property
     def stretch(self) -> ca.SX:
-        """Way of the body for each metre along the line [1]: in a curve it is longer outside of it, eq. (3.12)."""
+        """Travel of the body per metre along the line [1]: larger outside of a curve's centre line, eq. (3.12)."""
         return 1 + ca.cross(self.track.turning, ca.vertcat(0, self.position[1:]))[0]
 
     @property
     def travel(self) -> ca.SX:
-        """How fast its place on the line changes [m/s]."""
+        """Rate of its place on the line [m/s]."""
         return self.velocity[0] / self.stretch
 
     @property
@@ -117,18 +119,21 @@ class Body:
         return self.own_rate - self.axes.T @ self.spin
 
     def falling(self, gravity: ca.SX) -> ca.SX:
-        """Change of the velocity's components in these axes without any force [m/s2]: as they turn, and by weight."""
+        """Return the change of velocity in these axes without force [m/s2]: by the axes' rotation, and by weight."""
         return -gravity * self.track.up - ca.cross(self.spin, self.velocity)
 
     @property
     def place(self) -> ca.SX:
-        """Its centre, counted from the origin of the track's axes here [m]; straight track has one for all bodies."""
+        """Its centre relative to the origin of the track's axes here [m]; straight track has one origin for all
+        bodies.
+        """
         return self.position if self.track.plan is None else ca.vertcat(0, self.position[1:])
 
     def seen(self, pose: Pose) -> Body:
-        """The same in other axes of the track, its inertial velocities too, eq. (3.1), its place from their origin.
+        """Return the same in other axes of the track, including inertial velocities, eq. (3.1), its place from their
+        origin.
 
-        pose: of the track here as seen from there.
+        pose: of the track here relative to those axes.
         """
         if pose is HERE:
             return replace(self, position=self.place)
@@ -142,5 +147,7 @@ class Body:
         return self.axes @ self.own_rate
 
     def arm(self, place: ca.SX) -> ca.SX:
-        """From the centre to the place that has the coordinates `place` in the body's axes: A u of eq. (3.1)."""
+        """Return the vector from the centre to the place with coordinates `place` in the body's axes: A u of
+        eq. (3.1).
+        """
         return self.axes @ place

@@ -1,4 +1,4 @@
-"""What acts on bodies and wheelsets while it is added up, and how they see each other."""
+"""Loads on bodies and wheelsets while they are added up, and the relative positions of bodies."""
 
 from collections import defaultdict
 from dataclasses import dataclass, field, replace
@@ -15,7 +15,7 @@ from rbd_model.vehicle.description import Wheelset, wheelset_name
 
 @dataclass
 class Loads:
-    """What acts on each body while it is added up, and what connections store [J] and lose [W].
+    """Loads on each body while they are added up, and energies of connections: stored [J] and dissipated [W].
 
     boxes, axles: those of each wheelset by the body that it pitches with, in the axes of that body.
     """
@@ -35,23 +35,23 @@ class Loads:
         return {name: end.body for name, end in self.ends.items()}
 
     def on(self, name: str) -> Load:
-        """What all of them do to one body, eqs (3.35), (3.36)."""
+        """Return the sum of all loads on one body, eqs (3.35), (3.36)."""
         total = sum(self.of[name], NO_LOAD)
         return replace(total, force=self.chain.narrow(total.force))
 
     def pose(self, seat: str, name: str) -> Pose:
-        """The track where a body is as seen from where `seat` is, section 3.2.1."""
+        """Return the track's pose at a body relative to that at `seat`, section 3.2.1."""
         if (seat, name) not in self.poses:
             pose = relative(self.chain, self.ends[seat].body.track, self.ends[name].body.track)
             self.poses |= {(seat, name): pose, (name, seat): pose.back}
         return self.poses[seat, name]
 
     def seen(self, seat: str, name: str) -> Body:
-        """A body in the axes of the track where `seat` is, eq. (3.1)."""
+        """Return a body in the axes of the track at `seat`, eq. (3.1)."""
         return self.ends[name].body.seen(self.pose(seat, name))
 
     def box(self, seat: str, wheelset: str) -> Box:
-        """The axle boxes of a wheelset that pitch with the body `seat`."""
+        """Return the axle boxes of a wheelset that pitch with the body `seat`."""
         if (seat, wheelset) not in self.boxes:
             body, wheels = self.ends[seat].body, self.seen(seat, wheelset)
             rate = wheels.axes[:, 0] * wheels.own_rate[0] + wheels.axes[:, 2] * wheels.own_rate[2]
@@ -60,12 +60,12 @@ class Loads:
         return self.boxes[seat, wheelset]
 
     def axle(self, number: int, wheelset: Wheelset) -> ca.SX:
-        """Unit vector along an axle in the axes of the body on which its torque reacts (section 9.2)."""
+        """Return the unit vector along an axle in the axes of the body on which its torque reacts (section 9.2)."""
         pair = wheelset.reacts_on, wheelset_name(number)
         return self.axles[pair] if pair in self.axles else self.box(*pair).axle
 
     def relation(self, upper: str, lower: str) -> Relation:
-        """How two ends stand and move against each other, eqs (3.1), (3.12)."""
+        """Return the relative position and motion of two ends, eqs (3.1), (3.12)."""
         if self.ends[upper].boxed:
             return self.relation_of_box(upper, lower)
         centres = self.ends[upper].centre, self.ends[lower].centre
@@ -84,7 +84,7 @@ class Loads:
         return Relation(axes, apart, velocity, spin, centres, pitch if in_plane else None)
 
     def relation_of_box(self, upper: str, lower: str) -> Relation:
-        """The same of axle boxes that are the upper end."""
+        """Return the same for axle boxes that are the upper end."""
         body, beside, box = self.ends[lower].body, self.seen(lower, upper), self.box(lower, upper)
         apart = body.axes.T @ (beside.position - body.place)
         velocity = body.axes.T @ (beside.velocity - body.velocity) - ca.cross(body.own_rate + box.spin, apart)
@@ -92,7 +92,7 @@ class Loads:
         return Relation(box.axes.T, apart, velocity, spin, (self.ends[upper].centre, self.ends[lower].centre))
 
     def push(self, upper: str, lower: str, relation: Relation, effect: Effect) -> None:
-        """Adds what connections do to both ends, eqs (3.35), (3.36): together no force and no moment."""
+        """Add the effect of connections on both ends, eqs (3.35), (3.36): together no force and no moment."""
         self.stored, self.lost = self.stored + effect.potential, self.lost + effect.power
         moments = {upper: effect.raised, lower: effect.lowered}
         seat, other = (lower, upper) if self.ends[upper].boxed else (upper, lower)
@@ -108,7 +108,7 @@ class Loads:
         self.of[other].append(Load(-self.pose(seat, other).axes.T @ force, moments[other]))
 
     def turned_to(self, seat: str, wheelset: str) -> ca.SX:
-        """From the axes of boxes that pitch with `seat` to those of their wheelset, about the axle (section 3.2.1)."""
+        """Return the rotation from axes of boxes that pitch with `seat` to those of their wheelset (section 3.2.1)."""
         axes = self.seen(seat, wheelset).axes
         upright, leaning = (ca.dot(axes[:, i], self.ends[seat].body.axes[:, 2]) for i in (2, 0))
         c, s = (one / self.box(seat, wheelset).axes[2, 2] for one in (upright, leaning))

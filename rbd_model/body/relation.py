@@ -1,4 +1,4 @@
-"""How two bodies that connections join stand and move against each other, and the axle boxes that hold a wheelset."""
+"""The relative position and motion of two bodies joined by connections, and the axle boxes that hold a wheelset."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rbd_model.vehicle.description import Place
 class End:
     """One end of connections: the body's name, its symbols, and the place of its centre in the vehicle at rest [m].
 
-    boxed: a wheelset, which connections hold by its axle boxes.
+    boxed: true for a wheelset, which connections hold by its axle boxes.
     """
 
     name: str
@@ -30,7 +30,8 @@ class End:
 class Box:
     """The axle boxes of a wheelset, whose pitch follows a body: y along the axle, x square to it and to the body's z.
 
-    All in the body's axes. axle: unit vector; axes: the box's, its rows; spin [rad/s]: of the box against the body.
+    All are in the body's axes. axle: unit vector; axes: the box's, its rows; spin [rad/s]: of the box relative to the
+    body.
     """
 
     axle: ca.SX
@@ -39,9 +40,9 @@ class Box:
 
     @classmethod
     def of(cls, chain: Chain, axle: ca.SX, rate: ca.SX) -> Box:
-        """rate [rad/s]: of the wheelset against the body, of which what is about the axle does not count.
+        """rate [rad/s]: of the wheelset relative to the body; its component about the axle is not used.
 
-        The box turns about its own x and the body's z axis alone.
+        The box turns only about its own x and the body's z axis.
         """
         ahead = ca.vertcat(axle[1], -axle[0], 0) / ca.sqrt(1 - axle[2] ** 2)
         upright = ca.cross(ahead, axle)
@@ -49,21 +50,21 @@ class Box:
         return cls(axle, ca.vertcat(ahead.T, axle.T, upright.T), rolling * ahead + ca.vertcat(0, 0, yawing))
 
     def passed_on(self, moment: ca.SX) -> ca.SX:
-        """What the body takes of a moment on the boxes [N.m], both in the box's axes: the wheelset turns freely.
+        """Return the body's share of a moment on the boxes [N.m], both in the box's axes: the wheelset turns freely.
 
-        It is square to both axes about which the box turns against the body, where nothing but the body holds it.
+        It is square to both axes about which the box turns relative to the body, because only the body holds it there.
         """
         return moment[1] * ca.vertcat(0, 1, -self.axle[2] / self.axes[2, 2])
 
 
 @dataclass(frozen=True)
 class Relation:
-    """How the axes of the lower end, which give directions, stand and move against the upper end, in the upper's axes.
+    """Position and motion of the lower end's axes, which define directions, relative to the upper end, in its axes.
 
-    axes: the lower's, its rows; apart [m]: of the upper centre from the lower one; velocity [m/s]: how that changes as
-    seen from the upper end; spin [rad/s]: of the lower's axes; centres [m]: of the (upper, lower) end in the vehicle at
-    rest; pitch [rad]: of the upper end against the lower one where both do nothing but pitch. found: stretches by their
-    place.
+    `axes` are the lower's, its rows. `apart` [m] is the vector from the lower centre to the upper one. `velocity` [m/s]
+    is its rate relative to the upper end. `spin` [rad/s] is that of the lower's axes. `centres` [m] are those of the
+    (upper, lower) end in the vehicle at rest. `pitch` [rad] is that of the upper end relative to the lower one, if both
+    can only pitch. `found` holds stretches by their place.
     """
 
     axes: ca.SX
@@ -75,11 +76,11 @@ class Relation:
     found: dict[Place, Stretch] = field(default_factory=dict)
 
     def angle(self, angle: int) -> ca.SX:
-        """Roll, pitch or yaw, 0 to 2, by which the upper end is turned against the lower one's axes [rad]."""
+        """Return roll, pitch or yaw, 0 to 2, of the upper end relative to the lower one's axes [rad]."""
         return self.pitch if angle == 1 and self.pitch is not None else angle_of(self.axes, angle)
 
     def stretch(self, sizes: Sizes, place: Place) -> Stretch:
-        """Between the points of both ends that are at one place of the vehicle at rest, eqs (3.1), (3.12)."""
+        """Return the stretch between the points of both ends at one place of the vehicle at rest, eqs (3.1), (3.12)."""
         if place not in self.found:
             at = ca.vertcat(*[ca.SX(sizes.value(size)) for size in place])
             upper, lower = (at - centre for centre in self.centres)
@@ -90,15 +91,15 @@ class Relation:
         return self.found[place]
 
     def spread(self, place: ca.SX) -> Stretch:
-        """Half of what two points have more than each other, `place` [m] and its opposite added to both."""
+        """Return half of the difference between the stretches of two points, at `place` [m] and opposite to it."""
         return Stretch(place, place, self.axes @ place - place, self.axes @ ca.cross(place, self.spin))
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """Upper end less lower end of a single connection, in the axes of the lower one: way [m] and rate [m/s].
+    """Upper end less lower end of a single connection, in the axes of the lower one; `way` is in m, `rate` in m/s.
 
-    upper, lower [m]: the points that it is between, from the centre of each end in its own axes.
+    upper, lower [m]: its points, from the centre of each end in its own axes.
     """
 
     upper: ca.SX
@@ -108,7 +109,7 @@ class Stretch:
 
 
 def narrow(chain: Chain, *values: ca.SX) -> list[ca.SX]:
-    """The values, as something by which what comes behind is differentiated."""
+    """Return the values as shared intermediate variables of the chain rule."""
     every = chain.narrow(ca.vertcat(*[ca.vec(value) for value in values]))
     ends = np.cumsum([0, *(value.numel() for value in values)]).tolist()
     return [ca.reshape(one, value.shape) for one, value in zip(ca.vertsplit(every, ends), values, strict=True)]

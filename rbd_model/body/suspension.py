@@ -1,4 +1,4 @@
-"""All connections of a vehicle; those of two bodies are a part, which pairs that are alike call side by side."""
+"""All connections of a vehicle; those of two bodies are a part, which equal pairs call together."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,9 +18,9 @@ from rbd_model.vehicle.description import RigidBody, Size, SuspensionElement, Wh
 
 @dataclass
 class Taken:
-    """What a part takes while its equations are written, values at its place with their symbols in the part.
+    """Inputs of a part while its equations are written: values at its place with their symbols in the part.
 
-    given: by which it is differentiated; fixed: sizes of the vehicle among them. What is a number stays one.
+    given: those by which it is differentiated; fixed: others, such as sizes of the vehicle. Numbers remain numbers.
     """
 
     assembly: Assembly
@@ -29,33 +29,33 @@ class Taken:
     fixed: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
 
     def arguments(self, values: ca.SX) -> ca.SX:
-        """Symbols of values by which the part is differentiated."""
+        """Return symbols of values by which the part is differentiated."""
         return ca.vertcat(*[one if one.is_constant() else _added(one, self.given) for one in entries(values)])
 
     def constants(self, values: ca.SX) -> ca.SX:
-        """Symbols of values by which it is not, or not at once: see `follow`."""
+        """Return symbols of values by which it is not differentiated, or only through `follow`."""
         return ca.vertcat(*[one if one.is_constant() else _added(one, self.fixed) for one in entries(values)])
 
     def follow(self, symbols: ca.SX, given: ca.SX, slope: ca.SX) -> None:
-        """Says how constants follow arguments, slope: shape (symbols, given); numbers stay what they are."""
+        """Declare derivatives of constants by arguments, slope: shape (symbols, given); numbers remain numbers."""
         changing = [n for n, one in enumerate(entries(symbols)) if not one.is_constant()]
         self.chain.follow(symbols[changing], given, ca.densify(slope[changing, :]))
 
     def value(self, size: Size) -> ca.SX:
-        """A size of the vehicle's description."""
+        """Return a size of the vehicle's description."""
         return self.constants(ca.SX(self.assembly.value(size)))
 
     def preload(self, side: str) -> ca.SX:
-        """Static vertical force of a single spring [N]."""
+        """Return the static vertical force of a single spring [N]."""
         return self.constants(self.assembly.preload(side))
 
     def both(self, which: int) -> tuple[ca.SX, ca.SX]:
-        """All that is given and all that is fixed: the values (0) or their symbols (1)."""
+        """Return all given and all fixed inputs: the values (0) or their symbols (1)."""
         given, fixed = (ca.vertcat(*[pair[which] for pair in pairs]) for pairs in (self.given, self.fixed))
         return given, fixed
 
     def turned(self, angles: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Roll, pitch and yaw as arguments, and the axes that they turn; sines and cosines are computed once."""
+        """Return roll, pitch and yaw as arguments, and the axes that they turn; sines and cosines are computed once."""
         own, turns = self.arguments(angles), []
         for value, symbol in zip(entries(angles), entries(own), strict=True):
             turn = self.constants(ca.vertcat(ca.cos(value), ca.sin(value)))
@@ -66,11 +66,11 @@ class Taken:
 
 
 def entries(values: ca.SX) -> list[ca.SX]:
-    """The numbers of a vector or matrix, column by column."""
+    """Return the numbers of a vector or matrix, column by column."""
     return ca.vertsplit(ca.vec(ca.densify(values)))
 
 
-#: How deep two expressions are compared: sizes are sums of a few parameters.
+#: Depth to which two expressions are compared: sizes are sums of a few parameters.
 DEPTH = 4
 
 
@@ -83,7 +83,7 @@ def _added(value: ca.SX, known: list[tuple[ca.SX, ca.SX]]) -> ca.SX:
 
 
 def hold(loads: Loads, assembly: Assembly, upper: str, lower: str, connections: Sequence[SuspensionElement]) -> None:
-    """Adds what connections of two bodies do, (3.35), (3.36), by a part that all pairs alike share."""
+    """Add the effect of connections of two bodies, (3.35), (3.36), by a part that all equal pairs share."""
     taken, pose, boxed = Taken(assembly), loads.pose(upper, lower), loads.ends[lower].boxed
     inside = Loads(taken.chain, ends_in_part(taken, loads, upper, lower), poses_in_part(taken, loads, upper, lower))
     relation = inside.relation(upper, lower)
@@ -103,9 +103,9 @@ def hold(loads: Loads, assembly: Assembly, upper: str, lower: str, connections: 
 
 
 def call(system: Chain, taken: Taken, results: ca.SX) -> list[ca.SX]:
-    """Vectors of three as a part leaves them, called where its symbols stand for what is taken; numbers stay numbers.
+    """Return vectors of three as results of a part, called with the values of its symbols; numbers remain numbers.
 
-    The part has a name that its equations give it, so that all calls alike share one.
+    The part's name depends on its equations, so that all equal calls share one.
     """
     found = ca.densify(results)
     varying = [n for n, one in enumerate(entries(found)) if not one.is_constant()]
@@ -117,7 +117,7 @@ def call(system: Chain, taken: Taken, results: ca.SX) -> list[ca.SX]:
 
 
 def _all_of_it(taken: Taken, results: ca.SX) -> ca.Function:
-    """What decides on results and on their slopes, which take ten times as long to write out."""
+    """Return a function that determines results and their slopes; to write those out takes ten times as long."""
     following = [each for one in taken.chain.following for each in (one.given, one.symbols, one.slope)]
     return ca.Function(
         "all_of_it", taken.both(1), [ca.densify(taken.chain.expand(one)) for one in (results, *following)]
@@ -125,14 +125,16 @@ def _all_of_it(taken: Taken, results: ca.SX) -> ca.Function:
 
 
 def in_part(loads: Loads, upper: str, lower: str, connections: Sequence[SuspensionElement]) -> bool:
-    """Whether a pair's connections are a part: in the plane of straight track, section 5.2, a wheelset has few."""
+    """Return true if a pair's connections are a part: at the planar level, section 5.2, a wheelset has few."""
     below = loads.ends[lower]
     simple = below.boxed and below.body.angles.is_constant() and loads.pose(upper, lower) is HERE
     return not (loads.ends[upper].boxed or simple) and all(isinstance(one, STATELESS) for one in connections)
 
 
 def ends_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[str, End]:
-    """Both in the symbols of their part, eq. (3.1); where one track has both, by the differences of their places."""
+    """Return both ends in the symbols of their part, eq. (3.1); on one track frame by the difference of their
+    places.
+    """
     bodies = [loads.ends[name].body for name in (upper, lower)]
     places = [ca.vertcat(body.place, body.velocity) for body in bodies]
     if loads.pose(upper, lower) is HERE:
@@ -151,7 +153,9 @@ def ends_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[str
 
 
 def poses_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[tuple[str, str], Pose]:
-    """How they see each other's track in the symbols of their part, which follow both places on the line, (3.12)."""
+    """Return relative poses of their track frames in the part's symbols, which follow both places on the line,
+    (3.12).
+    """
     pose = loads.pose(upper, lower)
     if pose is HERE:
         return {(upper, lower): HERE, (lower, upper): HERE}
@@ -164,13 +168,13 @@ def poses_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[tu
 
 
 def end_of(assembly: Assembly, name: str, data: RigidBody | Wheelset, body: Body) -> End:
-    """A body or wheelset as an end of connections, with the place of its centre at rest, eq. (3.1)."""
+    """Return a body or wheelset as an end of connections, with the place of its centre at rest, eq. (3.1)."""
     height = assembly.value(data.height) if isinstance(data, RigidBody) else 0
     return End(name, body, ca.vertcat(assembly.value(data.along), 0, height), isinstance(data, Wheelset))
 
 
 def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[int, Body]) -> Loads:
-    """Loads of all connections and of the forces from outside; axles: the wheelsets by number, eqs (3.35), (3.36)."""
+    """Return loads of all connections and external forces, (3.35), (3.36); axles: the wheelsets by number."""
     vehicle = assembly.vehicle
     ends = {moving.data.name: end_of(assembly, moving.data.name, moving.data, moving.body) for moving in bodies}
     for number, wheelset in vehicle.numbered:
@@ -194,7 +198,8 @@ def loads_of(assembly: Assembly, bodies: Sequence[MovingBody], axles: Mapping[in
 
 
 def direction_at(ahead: ca.SX, direction: str, track: TrackFrame) -> ca.SX:
-    """Direction of the track so far ahead of a body [m] in the axes where the body is, t + s (omega x t), eq. (3.12).
+    """Return the track's direction at a distance ahead of a body [m], in the axes at the body, t + s (omega x t),
+    (3.12).
 
     A train's couplers pull along the track where they meet: in a curve, aside.
     """

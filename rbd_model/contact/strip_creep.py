@@ -64,7 +64,7 @@ class Creepages:
 def stretches(away: np.ndarray, breadth: np.ndarray, half_length: np.ndarray) -> np.ndarray:
     """Return the stretch of both surfaces in the middles of strips (rows) by t = 1 on each (columns) [1].
 
-    Poisson's ratio is 0. By Johnson (1985), section 3.6, a tangential force moves the surface there as a normal one
+    Poisson's ratio is 0. In Johnson (1985), section 3.6, a tangential force moves the surface there as a normal one
     does. Carter's stress therefore stretches it by the second derivative of the displacement below half an ellipse.
     away: distances between middles [m], 0 on the diagonal.
     """

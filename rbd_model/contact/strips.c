@@ -1,13 +1,12 @@
 /* A wheel on its rail by strips, contact model 3: several patches of any shape, with creep forces strip by strip.
  *
- * The method is that of distance.py, normal.py and strip_creep.py beside this file, which say where each formula comes
- * from, and are finer and slower. Here every segment of the wheel's contour, between places where contact of rigid
- * bodies would jump, has STRIPS strips from the first to the last place where it overlaps its rail. Strips of different
- * segments feel each other, as they are pressed and as they creep. What the reference does patch by patch, the ellipse's
- * factor kappa, is done for each segment with all strips that join it without a gap, so that the forces do not jump
- * where patches meet or part.
+ * The method is that of distance.py, normal.py and strip_creep.py in this folder, which cite the source of each formula and
+ * are finer and slower. Here the wheel's contour is divided into segments, at places where contact of rigid bodies would
+ * jump. Each has STRIPS strips from the first to the last place where it overlaps its rail. Strips of different segments
+ * interact in pressure and in creep. The reference computes the ellipse's factor kappa patch by patch. Here it is computed
+ * for each segment with all strips that join it without a gap, so that the forces do not jump where patches meet or part.
  *
- * Seen from one wheel: x ahead, y outwards, z up; the right wheel is the mirror image of a left one. */
+ * Axes of one wheel: x ahead, y outwards, z up; the right wheel is the mirror image of a left one. */
 #include <math.h>
 #include <string.h>
 
@@ -35,20 +34,20 @@ typedef struct {
     const double *segment;
 } wheel_on_rail;
 
-/* Polynomials: of ln(B/A) for ln(alpha), of ln(kappa (a/b)^2) for ln(kappa), of 1/c for Kalker's coefficients over c
- * (strip_creep.py), of m1 for (K - E) / m = P(m1) + Q(m1) ln(1/m1), and the limits of the first three arguments. */
+/* Polynomials of ln(B/A) for ln(alpha), of ln(kappa (a/b)^2) for ln(kappa), and of 1/c for Kalker's coefficients over c
+ * (strip_creep.py). Also of m1 for (K - E) / m = P(m1) + Q(m1) ln(1/m1). The limits are those of the first three arguments. */
 typedef struct {
     double alpha[TERMS], kappa[TERMS], ahead[TERMS], aside[TERMS], spin[TERMS], plain[ELLIPTIC], logarithmic[ELLIPTIC];
     double curvatures[2], loads[2], grips[2];
 } fits_of;
 
-/* Where the wheelset stands, seen from this wheel, and how it moves, in the axes of the track. */
+/* Position of the wheelset in the axes of this wheel, and its motion in the axes of the track. */
 typedef struct {
     double axes[3][3], lateral, height, level, outwards, radius, wheel_half, rail_half;
 } stand_of;
 
-/* axle: its direction, outwards and upwards; slope: of the rail, the same; creeps_on_slope: 1 where creepage is along
- * the rail as it slopes, else 0. */
+/* axle: its direction, outwards and upwards; slope: of the rail, the same; creeps_on_slope: 1 if creepage follows the slope
+ * of the rail, else 0. */
 typedef struct {
     double velocity[3], rate[3], axle[2], slope[2], friction, creeps_on_slope;
 } motion_of;
@@ -85,7 +84,7 @@ static double series(const double *coefficient, double x) {
 
 static double within(double x, const double *limits) { return fmin(fmax(x, limits[0]), limits[1]); }
 
-/* Height of a contour and, where asked for, its slope; 0 outside, where there is none. */
+/* Height of a contour and, if `slope` is not NULL, its slope; returns 0 outside of the contour. */
 static int height_of(const contour_of *contour, double y, double *height, double *slope) {
     const double place = (y - contour->first) / contour->width;
     if (!(place >= 0.0 && place <= contour->pieces)) return 0;
@@ -213,8 +212,8 @@ static void move_overlap(const wheel_on_rail *pair, const stand_of *stand, const
     for (int i = 0; i < 2 && overlaps; ++i) ends[i] = moved_end(pair, stand, segment, ends[i]);
 }
 
-/* Strips of all segments that overlap, normal.py; `nearest` of those that do not is negative. anew: the overlaps are looked
- * for; otherwise `found` has them for a place beside this one. */
+/* Strips of all segments that overlap, normal.py; `nearest` of those that do not is negative. The overlaps are searched for
+ * if `anew` is not 0; otherwise `found` has them for a neighbouring place. */
 static void lay_strips(const wheel_on_rail *pair, const stand_of *stand, pressed_of *found, int anew) {
     found->count = 0;
     for (int segment = 0; segment < pair->segments; ++segment) {
@@ -293,7 +292,7 @@ static void factorise(int count, double matrix[MOST][MOST]) {
     }
 }
 
-/* Solves, in place, with what `factorise` made. */
+/* Solves in place with the factors of `factorise`. */
 static void solve(int count, double factors[MOST][MOST], double *value) {
     for (int row = 1; row < count; ++row)
         for (int column = 0; column < row; ++column) value[row] -= factors[row][column] * value[column];
@@ -437,7 +436,7 @@ static void stiffen(const fits_of *fits, pressed_of *found) {
     }
 }
 
-/* Where the wheel touches and how hard, and how its strips answer to creepage. */
+/* Contact and pressure of the wheel, and the response of its strips to creepage. */
 static void press(const wheel_on_rail *pair, const fits_of *fits, const stand_of *stand, double plane_modulus,
                   pressed_of *found, int anew) {
     int touch[MOST];
@@ -604,7 +603,7 @@ static void move_how(const double *argument, double side, const stand_of *stand,
     motion->friction = argument[12];
 }
 
-/* Where the wheel touches: `found` has it, or has it beside this place, or it is found anew. */
+/* Contact of the wheel: `found` has it, or has it for a neighbouring place, or it is searched for again. */
 typedef enum { TOUCHES_THERE, TOUCHES_BESIDE, TOUCHES_ANEW } touches;
 
 /* All results for arguments and constants. */

@@ -1,4 +1,4 @@
-"""What the levels with bodies share: how bodies move, their outputs and energies."""
+"""Common parts of the levels with bodies: motion of bodies, their outputs and energies."""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,9 +15,9 @@ from rbd_model.wheelset.rotation import RollingWheelset, add_wheelset_outputs
 
 
 def react(assembly: Assembly, wheelsets: Sequence[RollingWheelset], loads: Loads) -> None:
-    """Adds the share of brake and traction torque that reacts on the body that they hang in, about the axle.
+    """Add the share of brake and traction torque that reacts on the body of brake and motor, about the axle.
 
-    Differs from the thesis, which leaves it out (section 9.2): brakes and motors hang in the frame.
+    This differs from the thesis, which omits it (section 9.2): brakes and motors are mounted in the frame.
     """
     for wheelset in wheelsets:
         torque = wheelset.rotation.brake_torque - wheelset.rotation.traction_torque
@@ -28,10 +28,10 @@ def react(assembly: Assembly, wheelsets: Sequence[RollingWheelset], loads: Loads
 def pull_first_body(
     assembly: Assembly, resistance: Resistance, pulled: ca.SX, falling: ca.SX, share: ca.SX | float = 1.0
 ) -> ca.SX:
-    """Acceleration of the vehicle's first body along the track [m/s2], (3.73), which running resistance holds back.
+    """Return the acceleration of the vehicle's first body along the track [m/s2], (3.73), with running resistance.
 
-    pulled [N], falling [m/s2]: by its connections and by gravity. share: 0 where the speed is held (sections 4.2, 5.2).
-    Declare it before what holds wheelsets, whose velocities count from this body's.
+    pulled [N], falling [m/s2]: by its connections and by gravity. share: 0 if the speed is constant (sections 4.2,
+    5.2). Call this before the functions that hold wheelsets: their velocities are relative to this body's.
     """
     first = assembly.vehicle.bodies[0]
     mass = assembly.value(first.mass)
@@ -41,7 +41,7 @@ def pull_first_body(
 
 
 def move_bodies(assembly: Assembly, bodies: Sequence[MovingBody], loads: Loads, first_acceleration: ca.SX) -> None:
-    """Newton's and Euler's equations of all bodies, (3.73); first_acceleration [m/s2]: of the first, along x."""
+    """Add Newton's and Euler's equations of all bodies, (3.73); first_acceleration [m/s2]: of the first, along x."""
     for moving in bodies:
         move_body(assembly, moving, loads.on(moving.data.name), first_acceleration)
 
@@ -52,9 +52,10 @@ def add_common_outputs(
     wheelsets: Sequence[RollingWheelset],
     accelerations: Sequence[ca.SX],
 ) -> None:
-    """Outputs of every level above the static one. Speed, distance and acceleration are means of the axles, where the
-    experiment's instruments sat (section 6.3.4): at rest on locked wheels it is at rest, while what is above still
-    rocks. accelerations [m/s2]: of the axles.
+    """Add the outputs of every level above the static one; accelerations [m/s2]: of the axles.
+
+    Speed, distance and acceleration are means of the axles, the place of the experiment's instruments (section 6.3.4).
+    They are 0 for a vehicle at rest on locked wheels, while its bodies still oscillate.
     """
     system, outputs, count = assembly.system, assembly.outputs, len(wheelsets)
     speed = ca.SX(sum(wheelset.forward for wheelset in wheelsets)) / count
@@ -80,9 +81,9 @@ def observe_energy(
     loads: Loads,
     further: Mapping[str, ca.SX],
 ) -> None:
-    """Energies [J] and powers lost [W] (section 2.4); their sum stays while nothing drives: constraints do no work.
+    """Observe energies [J] and dissipated powers [W] (section 2.4); their sum is constant without drives.
 
-    further: what a level adds to them, the energies of its wheelsets among it.
+    Constraints do no work. further: additional energies and powers of a level, including those of its wheelsets.
     """
     gravity, reaction = assembly.parameter["gravity"], assembly.parameter["torque_reaction"]
     carriers = {moving.data.name: moving for moving in bodies}
@@ -106,11 +107,13 @@ def observe_energy(
 
 
 def elevation(assembly: Assembly, body: Body) -> ca.SX:
-    """Height of a body [m], for its energy (section 2.4); straight track on a gradient rises along the distance."""
+    """Return the height of a body [m], for its energy (section 2.4); straight track on a gradient rises with
+    distance.
+    """
     return body.track.elevation(body.position + ca.vertcat(assembly.distance, 0, 0))
 
 
 def kinetic_energy(assembly: Assembly, data: RigidBody | Wheelset, body: Body) -> ca.SX:
-    """Of a rigid body that moves and turns [J], section 2.4."""
+    """Return the kinetic energy of a rigid body that moves and turns [J], section 2.4."""
     inertia = ca.vertcat(*[assembly.value(size) for size in data.inertia])
     return (assembly.value(data.mass) * ca.sumsqr(body.velocity) + ca.dot(inertia, body.own_rate**2)) / 2

@@ -1,4 +1,4 @@
-"""Where a run in space ends, and what is said of wheels that climb or lift (section 9.4.1)."""
+"""End conditions of a spatial run, and warnings of wheels that climb or lift (section 9.4.1)."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ from rbd_model.wheelset.touch import SIDES
 
 
 def watch_rigid(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
-    """Ends and warnings of rigid contacts (section 9.4.1), and an observable of how well their constraints hold."""
+    """Add ends and warnings of rigid contacts (section 9.4.1), and an observable of the error of their constraints."""
     system = assembly.system
     gaps = [wheelset.rolled.gap for wheelset in wheelsets]
     system.observe("largest_gap", "m", ca.mmax(ca.fabs(ca.vertcat(*gaps))))
@@ -23,7 +23,7 @@ def watch_rigid(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
 
 
 def add_ends(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
-    """Where the model ends: a tread contact reaches its fold (section 9.4.1) or an end, or a wheel carries nothing."""
+    """Add the ends of the model: a tread contact reaches its fold (section 9.4.1) or an end, or a wheel is unloaded."""
     system = assembly.system
     for wheelset in wheelsets:
         share = assembly.resting_on(wheelset.number) / 2
@@ -44,9 +44,9 @@ def add_ends(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
 
 
 def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> None:
-    """Limit of Y/Q after Nadal (1896) for a wheel whose flange touches, with the friction of the gauge face.
+    """Add the limit of Y/Q after Nadal (1896) for a wheel whose flange touches, with the friction of the gauge face.
 
-    As a margin of forces, which needs no load to divide by.
+    It is a margin of forces, so that no division by a load is needed.
     """
     of_face = assembly.parameter["gauge_face_friction"]
     for wheelset in wheelsets:
@@ -55,7 +55,7 @@ def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> 
             rolled = wheelset.rolled
             limit = nadal_limit(angle, of_face * rolled.frictions[index])
             margin = limit * rolled.loads[index] - rolled.thrusts[index] - push
-            # The creep forces in it cost as much as half of a right-hand side: only where the flange touches.
+            # The creep forces in it cost as much as half of a right-hand side: computed only while the flange touches.
             assembly.system.warn_when_negative(
                 ca.if_else(push > 0, margin / share, 1),
                 f"Flange climb: Y/Q of the {side} wheel of wheelset {wheelset.number} rose above Nadal's limit for its "
@@ -64,17 +64,18 @@ def warn_of_climbing(assembly: Assembly, wheelsets: Sequence[RigidWheelset]) -> 
             )
 
 
-#: Rise of a wheel that is told of as it climbs or as its vehicle tips over [m]: more than a flange's root gives, less
-#: than the end of its steep face.
+#: Rise of a wheel at which it is reported as climbing, or its vehicle as tipping over [m]. It is more than a flange's
+#: root gives, less than the end of its steep face.
 CLIMBED = 5e-3
-#: Approach by which margins of patches are counted [m]: that of a loaded tread.
+#: Scale of the approach in margins of patches [m]: that of a loaded tread.
 COUNTED = 1e-4
 
 
 def wheel_rise(assembly: Assembly, wheelset: WheelsetOnRails, index: int) -> ca.SX:
-    """How much higher over its rail the left (0) or right wheel (1) stands than on its tread at rest [m], (3.1).
+    """Return the rise of the left (0) or right wheel (1) over its height on its tread at rest [m], (3.1).
 
-    Told by where the nominal radius has its lowest point: how far the wheel has climbed or lifted (section 9.4.1).
+    It is measured at the lowest point of the nominal radius and shows how far the wheel has climbed or lifted
+    (section 9.4.1).
     """
     outwards = list(SIDES)[index] * wheelset.data.pair.both[index].wheel_half_distance
     up = wheelset.body.axes[2, :]
@@ -83,11 +84,11 @@ def wheel_rise(assembly: Assembly, wheelset: WheelsetOnRails, index: int) -> ca.
 
 
 def watch_patches(assembly: Assembly, wheelsets: Sequence[ElasticWheelset]) -> None:
-    """A wheel that runs off its profile ends the run; one that climbs or lifts goes on, and is told of (section 9.4.1).
+    """End a run if a wheel runs off its profile, and warn of a wheel that climbs or lifts (section 9.4.1).
 
-    It climbs while the steepest part of its flange bears on the rail and nothing else does, which is told as it begins
-    and again at a height; and is lifted while nothing bears. The root of a flange that parts from it, as that of S1002,
-    still runs on the gauge corner.
+    A wheel climbs while the steepest part of its flange bears on the rail and nothing else does. This is reported at
+    its beginning and again at a height. A wheel is lifted while nothing bears. A wheel still runs on the gauge corner
+    if it touches at a root that is a patch apart from the flange, as that of S1002.
     """
     system = assembly.system
     for index in range(len(SIDES)):
@@ -108,10 +109,10 @@ def watch_patches(assembly: Assembly, wheelsets: Sequence[ElasticWheelset]) -> N
 
 
 def end_on_patches(assembly: Assembly, wheelset: ElasticWheelset, index: int) -> None:
-    """Where the profiles of the left (0) or right wheel (1) and its rail end (section 9.4.1).
+    """Add the ends of the profiles of the left (0) or right wheel (1) and its rail (section 9.4.1).
 
-    The tip of a flange comes up to the rail's head in two ways: towards that rail, where the wheel has climbed, or away
-    from it, where it hangs in the air because its wheelset tips over the other wheel.
+    The tip of a flange reaches the height of the rail's head in two ways. It moves towards that rail if the wheel has
+    climbed. It moves away from it if the wheel hangs in the air, because its wheelset tips over the other wheel.
     """
     side, other = list(SIDES.values())[index], list(SIDES.values())[1 - index]
     name, kept = f"the {side} wheel of wheelset {wheelset.number}", "at %s s; results up to there are kept."
@@ -128,9 +129,9 @@ def end_on_patches(assembly: Assembly, wheelset: ElasticWheelset, index: int) ->
 
 
 def warn_of_tipping(assembly: Assembly, wheelsets: Sequence[ElasticWheelset], index: int) -> None:
-    """Says when all left (0) or right wheels (1) are CLIMBED above their rails and none bears: the vehicle tips over.
+    """Warn when all left (0) or right wheels (1) are CLIMBED above their rails without contact: the vehicle tips over.
 
-    Statics, as in EN 14067-6 (2018): it does where the resultant of weight and lateral forces passes outside of the
+    Statics, as in EN 14067-6 (2018): this happens if the resultant of weight and lateral forces passes outside of the
     other wheels, and the wheels on this side are unloaded.
     """
     side, other = list(SIDES.values())[index], list(SIDES.values())[1 - index]
@@ -145,15 +146,16 @@ def warn_of_tipping(assembly: Assembly, wheelsets: Sequence[ElasticWheelset], in
     assembly.system.warn_when_negative(ca.mmax(ca.vertcat(*rooms)) / COUNTED, sentence)
 
 
-#: EN 14363:2016, running safety: limit of Y/Q of a guiding wheel, and of the sum of both Y by the static load of the
-#: axle P0: 10 kN and a third of it, for a vehicle in its ordinary state.
+#: EN 14363:2016, running safety: limit of Y/Q of a guiding wheel. Limit of the sum of both Y by the static load P0 of
+#: the axle: 10 kN and a third of P0, for a vehicle in its ordinary state.
 QUOTIENT_LIMIT, GUIDING_LIMIT, GUIDING_SHARE = 0.8, 10e3, 1 / 3
 
 
 def warn_of_limits(assembly: Assembly, wheelsets: Sequence[WheelsetOnRails]) -> None:
-    """Limits of EN 14363 (2016) as warnings, where running_safety_warnings asks for them.
+    """Add limits of EN 14363 (2016) as warnings if running_safety_warnings is 1.
 
-    Of instantaneous values: the standard takes them over 2 m of track and in percentiles, which are milder.
+    The limits apply to instantaneous values. The standard uses means over 2 m of track and percentiles, which are less
+    strict.
     """
     system, asked = assembly.system, assembly.parameter["running_safety_warnings"] - 0.5
     for wheelset in wheelsets:

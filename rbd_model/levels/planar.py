@@ -32,9 +32,9 @@ OUT_OF_PLANE: frozenset[Motion] = frozenset({"lateral", "roll", "yaw"})
 
 
 def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
-    """A vehicle in its vertical plane (section 5.2), by Newton's and Euler's equations; see the module's text.
+    """Return a vehicle in its vertical plane (section 5.2), by Newton's and Euler's equations; see the module's text.
 
-    on_line: with the gradients and vertical curves of the line that an instance runs on.
+    on_line: with the gradients and vertical curves of the line of the instance.
     """
     first = vehicle.bodies[0]
     assembly = assemble("planar", "Bounce, pitch, load transfer, suspension", vehicle, f"{first.name}_", on_line)
@@ -83,9 +83,9 @@ def planar_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
 def roll_under_load(
     assembly: Assembly, number: int, axle: Body, shift: Shift, pull: ca.SX
 ) -> tuple[RollingWheelset, ca.SX]:
-    """A wheelset under what its suspension carries, eq. (2.8), and its acceleration along the track [m/s2].
+    """Return a wheelset below its suspension, eq. (2.8), and its acceleration along the track [m/s2].
 
-    pull [N]: of its suspension on it.
+    pull [N]: force of its suspension on it.
     """
     data = assembly.vehicle.wheelsets[number - 1]
     mass, falling = assembly.value(data.mass), axle.falling(assembly.parameter["gravity"])
@@ -103,7 +103,7 @@ def roll_under_load(
 
 
 def place_axle(assembly: Assembly, number: int) -> tuple[Body, Shift]:
-    """A wheelset that moves along the track only, as a body that connections pull at; section 5.2."""
+    """Return a wheelset that moves along the track only, as an end of connections; section 5.2."""
     shift = add_axle_shift(assembly, number)
     along = assembly.value(assembly.vehicle.wheelsets[number - 1].along) + shift.place
     none = ca.SX.zeros(3)
@@ -115,9 +115,10 @@ def place_axle(assembly: Assembly, number: int) -> tuple[Body, Shift]:
 
 
 def put_in_plane(assembly: Assembly) -> Assembly:
-    """With the axes of the track in its vertical plane: on the input gradient, or with the profile of the line.
+    """Return the assembly with the track's axes in its vertical plane: on the input gradient, or the line's profile.
 
-    On a line places count from the rails, as they do in space; an input gradient turns gravity alone (section 5.2).
+    On a line, heights are relative to the rails, as in the 3D model. An input gradient turns gravity alone
+    (section 5.2).
     """
     if not assembly.on_line:
         everywhere = on_gradient(assembly.input["gradient"])

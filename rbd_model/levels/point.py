@@ -2,8 +2,8 @@
 
 m dV/dt = -F_x,   F_z = m g,   J dw/dt = F_x r_w - T_B
 
-Good far from the adhesion limit; it does not know that braking moves load to the leading wheelsets, and so misses or
-misjudges a lock-up near the limit.
+This level is valid far from the adhesion limit. It does not model the load transfer to the leading wheelsets during
+braking. It may therefore miss a lock-up near the limit, or compute it wrongly.
 """
 
 from collections.abc import Sequence
@@ -31,9 +31,10 @@ from rbd_model.wheelset.rotation import (
 
 
 def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
-    """A vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset; masses add up.
+    """Return a vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset; masses add
+    up.
 
-    on_line: with gradient and curvature of the line that an instance runs on, in place of those inputs.
+    on_line: with gradient and curvature of the line of the instance, instead of those inputs.
     """
     assembly = assemble("point", "Speed and wheel speeds, static loads", vehicle, "", on_line)
     system, distance, speed = assembly.system, assembly.distance, assembly.speed
@@ -72,7 +73,9 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
 
 
 def mean_gradient(assembly: Assembly) -> ca.SX:
-    """Of the line under all masses, weighted with them: gravity pulls at each in its own place (section 2.3.1)."""
+    """Return the mean gradient of the line below all masses, weighted with them, for the force of gravity
+    (section 2.3.1).
+    """
     pull = ca.SX(0)
     for part in assembly.vehicle.parts:
         distance = assembly.distance + assembly.value(part.along)
@@ -83,10 +86,11 @@ def mean_gradient(assembly: Assembly) -> ca.SX:
 def stand_on_locked_wheels(
     assembly: Assembly, creeping: Sequence[Creeping], outside: ca.SX, pulled: ca.SX, resistance: Resistance
 ) -> tuple[list[Hold], list[ca.SX]]:
-    """What may hold each wheelset, third line of (2.8), and with what its rails hold a vehicle that stands [N].
+    """Return the holds of each wheelset, third line of (2.8), and the holding forces of its rails on a standing vehicle
+    [N].
 
-    outside, pulled [N]: along the track, without and with creep. Those hold that are locked, each by its `Grip`; with
-    them running resistance does, all in proportion to the most that they hold.
+    outside, pulled [N]: forces along the track, without and with creep. Locked wheelsets hold, each by its `Grip`.
+    Running resistance holds with them. All forces are in proportion to their maximum.
     """
     moving = assembly.system.direction("moving")
     speed = assembly.speed
@@ -103,9 +107,9 @@ def stand_on_locked_wheels(
 
 
 def static_load(assembly: Assembly, number: int) -> tuple[CentredLoad, ca.SX]:
-    """Of a wheelset at its place in the vehicle, second line of eq. (2.8): the load that it has on level track [N].
+    """Return the static load of a wheelset on level track [N], second line of eq. (2.8), and that of each wheel.
 
-    On a gradient that is too much by its cosine, 8e-4 at 40 per mille, which level 2 knows.
+    On a gradient it is too large by the gradient's cosine, 8e-4 at 40 per mille; level 2 includes this effect.
     """
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     weight = assembly.value(data.mass) * assembly.parameter["gravity"] + assembly.resting_on(number)

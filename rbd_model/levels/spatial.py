@@ -1,9 +1,10 @@
-"""Level 3, `spatial`: wheelsets and bodies in space; the bogie of chapter 5 has 14 degrees of freedom there.
+"""Level 3, `spatial`: wheelsets and bodies in 3D; the bogie of chapter 5 has 14 degrees of freedom there.
 
-Roll, contact positions and normal forces are algebraic states: what the thesis adds to the equations of motion with
-Lagrange multipliers (3.75) are residuals here, which the integration method solves within its steps.
+Roll, contact positions and normal forces are algebraic states. The thesis adds them to the equations of motion with
+Lagrange multipliers (3.75). Here they are residuals, which the integration method solves within its steps.
 
-Positions along the track are counted from the vehicle's place; `shift` is that of a body or an axle from its own there.
+Positions along the track are relative to the vehicle's place; `shift` is that of a body or an axle from its own place
+there.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -44,7 +45,7 @@ from rbd_model.wheelset.touch import SIDES
 
 @dataclass(frozen=True)
 class Depth:
-    """What a contact model brings: a wheelset on its rails, its equations of motion, and where they end."""
+    """Functions of a contact model: for a wheelset on its rails, its equations of motion, and its end conditions."""
 
     name: str
     place: Callable[..., WheelsetOnRails]
@@ -52,7 +53,7 @@ class Depth:
     watch: Callable[..., None]
 
 
-#: By their number.
+#: Contact models by their number.
 DEPTHS = {
     1: Depth("spatial", place_rigid, move_rigid, watch_rigid),
     2: Depth("spatial_patches", place_elastic, move_elastic, watch_patches),
@@ -63,9 +64,9 @@ DEPTHS = {
 def spatial_vehicle(
     vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID_CONTACT, on_line: bool = False
 ) -> System:
-    """A vehicle in space on a track: the bogie of chapter 5, the wheelset in a frame of chapter 4, a wagon.
+    """Return a vehicle in 3D on a track: the bogie of chapter 5, the wheelset in a frame of chapter 4, a wagon.
 
-    on_line: the track follows the line that an instance runs on.
+    on_line: the track follows the line of the instance.
     """
     depth = DEPTHS[contact.depth]
     first = vehicle.bodies[0]
@@ -83,7 +84,7 @@ def spatial_vehicle(
     follow_patch(system, assembly.rail, assembly.distance, places)
     loads = loads_of(assembly, bodies, {wheelset.number: wheelset.body for wheelset in wheelsets})
 
-    # None at constant speed (sections 4.2, 5.2), where something pulls as much as needed.
+    # 0 at constant speed (sections 4.2, 5.2), which an external force maintains.
     share = 1 - p["constant_speed"]
     falling, resistance = bodies[0].body.falling(p["gravity"])[0], add_davis(assembly, assembly.speed)
     first_acceleration = pull_first_body(assembly, resistance, loads.on(first.name).force[0], falling, share)
@@ -109,7 +110,7 @@ def spatial_vehicle(
 
 
 def observe_places(assembly: Assembly, bodies: Mapping[str, Body]) -> None:
-    """Where bodies are in space, counted from the line's first row along its first heading, eq. (3.1)."""
+    """Observe positions of bodies in 3D, from the line's first row along its first heading, eq. (3.1)."""
     for name, body in bodies.items():
         plan = body.track.plan
         assert plan is not None
@@ -122,7 +123,7 @@ def observe_places(assembly: Assembly, bodies: Mapping[str, Body]) -> None:
 
 
 def rolling_of(wheelset: WheelsetOnRails, motion: WheelsetMotion) -> RollingWheelset:
-    """A wheelset in space as every level has it: sums of its two wheels, (3.35)."""
+    """Return the common data of all levels for a wheelset in 3D: sums of its two wheels, (3.35)."""
     along, load, power = (ca.sum1(both) for both in (wheelset.creep_along, wheelset.loads, wheelset.creep_powers))
     shift = wheelset.on.shift
     return RollingWheelset(
@@ -138,7 +139,7 @@ def rolling_of(wheelset: WheelsetOnRails, motion: WheelsetMotion) -> RollingWhee
 
 
 def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetOnRails]) -> None:
-    """Outputs that only this level has; the derailment quotient is that of section 9.4.1."""
+    """Add the outputs that only this level has; the derailment quotient is that of section 9.4.1."""
     system = assembly.system
     rows: dict[str, ca.SX] = {"derailed": ca.SX(0)}
     for wheelset in wheelsets:
@@ -161,7 +162,9 @@ def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetOnRails]) -> Non
 def own_energies(
     assembly: Assembly, wheelsets: Sequence[WheelsetOnRails], motions: Sequence[WheelsetMotion]
 ) -> dict[str, ca.SX]:
-    """Energies of the wheelsets and the rails below them [J] and power of the yaw torques [W], for section 2.4."""
+    """Return energies of the wheelsets and the rails below them [J] and power of the yaw torques [W], for
+    section 2.4.
+    """
     kinetic, potential, brake, damping = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(0)
     for wheelset, motion in zip(wheelsets, motions, strict=True):
         kinetic += kinetic_energy(assembly, wheelset.data, wheelset.body) + wheelset.kinetic_of_track

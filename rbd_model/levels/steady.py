@@ -1,7 +1,7 @@
-"""The start on a line: the steady state of rolling freely where a vehicle stands, by curvature, cant, gradient, speed.
+"""The start on a line: the steady state of free rolling at the vehicle's place, by curvature, cant, gradient, speed.
 
-On straight and level track a vehicle stands at rest in its start values. In a curve its bodies lie beside the track
-that carries them, by 15 cm for 19 m between bogies at R 300 m, wheelsets run at a flange and springs are bent.
+On straight and level track the start values are a state of rest. In a curve its bodies are displaced from the track, by
+15 cm for 19 m between bogies at R 300 m. Wheelsets run at a flange, and springs are deflected.
 """
 
 from collections.abc import Iterable
@@ -14,8 +14,8 @@ from rbd_model.vehicle import variables
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.wheelset.rotation import RollingWheelset
 
-#: Turning [rad/m] and lean [1] of the track up to which it counts as straight and level: at R 10 000 km and 50 m/s
-#: 0.25 mm/s2 push outwards, and a body of 19 m between its bogies lies 5 um beside the track.
+#: Turning [rad/m] and lean [1] of the track up to which it is treated as straight and level. At R 10 000 km and 50 m/s,
+#: 0.25 mm/s2 push outwards, and a body of 19 m between its bogies is displaced by 5 um.
 STRAIGHT = 1e-7
 NO_STEADY_STATE = (
     "The vehicle has no steady state of rolling freely where it starts on its line at %s s: with these parameters it "
@@ -27,10 +27,10 @@ NO_STEADY_STATE = (
 def start_steady(
     assembly: Assembly, bodies: Iterable[Body], wheelsets: Iterable[RollingWheelset], last: Iterable[str] = ()
 ) -> None:
-    """Lets a vehicle start in a steady state where its bodies' track turns or leans, by (3.73) without accelerations.
+    """Let a vehicle start in a steady state, by (3.73) without accelerations, if its bodies' track turns or leans.
 
-    But for that along the track, which all parts share, and which turns its wheelsets as fast as they roll. last: names
-    of the states that settle behind those of the bodies above them.
+    The acceleration along the track remains. All parts share it, and the wheelsets turn as fast as they roll. last:
+    names of the states that are solved after those of the bodies above them.
     """
     system, vehicle = assembly.system, assembly.vehicle
     leans = [ca.vertcat(body.track.turning, body.track.up[:2]) for body in bodies]

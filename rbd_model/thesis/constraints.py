@@ -31,11 +31,10 @@ def residual(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface) ->
 
 
 def sub_jacobian(i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface) -> SubJacobian:
-    """C_q and C_s, eqs (3.61)-(3.65), as derived in Appendix I.
+    """Return C_q and C_s, eqs (3.61)-(3.65), as derived in Appendix I.
 
-    v^T w~ is written as (v x w)^T.
-    Differs from the thesis: (3.64), (3.65) have A^jT A^j where A^iT A^j belongs, as Appendix I has it; and the rail
-    moves with the distance of the wheelset, see `RailSurface`.
+    v^T w~ is written as (v x w)^T. Differences from the thesis: (3.64), (3.65) have A^jT A^j where A^iT A^j belongs, as
+    in Appendix I; and the rail moves with the distance of the wheelset, see `RailSurface`.
     """
     of_wheel, of_rail = np.zeros((EQUATIONS, 7)), np.zeros((EQUATIONS, 7))
     wheel_s, rail_s = np.empty((EQUATIONS, 2)), np.empty((EQUATIONS, 2))
@@ -66,9 +65,9 @@ def _skew_times(v: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 def quadratic_terms(
     i: BodyMotion, j: BodyMotion, wheel: Surface, rail: RailSurface, rates: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """Q_d (5,): what is left of the second derivative of C without accelerations, eqs (3.69)-(3.72).
+    """Return Q_d (5,): the second derivative of C without accelerations, eqs (3.69)-(3.72).
 
-    rates: of the surface parameters of wheel and rail. Contains third derivatives of the wheel's profile.
+    rates: of the surface parameters of wheel and rail. It includes third derivatives of the wheel's profile.
     """
     (of_wheel, of_rail), speed = rates, float(i.velocity[0])
     relative = wheel.tangents @ of_wheel, rail.tangents @ of_rail + rail.drift * speed
@@ -92,7 +91,7 @@ def _twice(derivative: np.ndarray, rates: np.ndarray) -> np.ndarray:
 
 
 def _first(body: BodyMotion, vector: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Rate of A v when v changes in body axes at `rate`."""
+    """Return the rate of A v for a v that changes in body axes at `rate`."""
     return body.axes @ (cross(body.omega, vector) + rate)
 
 

@@ -22,16 +22,16 @@ class Ellipse:
     kalker: tuple[float, float, float]
 
 
-#: From the curvatures A, B (3.83) [1/m], the normal force [N] and the shear modulus [Pa].
+#: Function of the curvatures A, B (3.83) [1/m], the normal force [N] and the shear modulus [Pa].
 EllipseLaw = Callable[[float, float, float, float], Ellipse]
 
 
 def hertz_ellipse(a: float, b: float, normal_force: float, shear_modulus: float) -> Ellipse:
-    """Exact ellipse, eqs (3.82)-(3.88), with Kalker's coefficients between the entries of his table as everywhere.
+    """Return the exact ellipse, eqs (3.82)-(3.88), with Kalker's coefficients interpolated in his table.
 
-    a, b: A and B. Differs from the thesis, which refers to de Pater for the ratio of the semi-axes: it follows from
-    B / A = (E / g^2 - K) / (K - E), Johnson (1985), section 4.2. The angle (3.85) carries the same information and is
-    not needed.
+    a, b: A and B. This differs from the thesis, which refers to de Pater for the ratio of the semi-axes. Here it
+    follows from B / A = (E / g^2 - K) / (K - E), Johnson (1985), section 4.2. The angle (3.85) carries the same
+    information and is not needed.
     """
     ratio = max(a, b) / min(a, b)
 
@@ -61,11 +61,12 @@ def kalker_function() -> ca.Function:
 def polach(
     creepages: tuple[float, float, float], load: float, friction: float, ellipse: Ellipse, shear_modulus: float
 ) -> tuple[float, float]:
-    """Creep forces (F_x, F_y) [N] of Polach's method, eqs (3.89)-(3.105); creepages: along, lateral [1], spin [1/m].
+    """Return creep forces (F_x, F_y) [N] of Polach's method, eqs (3.89)-(3.105); creepages: along, lateral [1], spin
+    [1/m].
 
     The stresses (3.89), (3.95), (3.96) and the form (3.90), (3.91) are steps of the derivation of (3.94), (3.97).
-    Differs from the thesis: see `spin_force`; the last factor of (3.94), printed as nu, is the creepage; and (3.98)
-    divides by the total creepage.
+    Differences from the thesis: see `spin_force`; the last factor of (3.94) is nu there and should be the creepage; and
+    (3.98) divides by the total creepage.
     """
     x, y, spin = creepages
     a, b = ellipse.along, ellipse.across
@@ -85,10 +86,11 @@ def polach(
 def spin_force(
     y_corrected: float, corrected: float, spin: float, limit: float, ellipse: Ellipse, shear_modulus: float
 ) -> float:
-    """Lateral force from spin [N], eqs (3.100)-(3.103); limit: friction times load [N].
+    """Return the lateral force from spin [N], eqs (3.100)-(3.103); limit: friction times load [N].
 
-    Differs from the thesis: the other sign, which right-handed axes ask for (in pure spin it must be Kalker's
-    -G (ab)^1.5 c_23 spin), and the creepage with spin (3.104) in the denominator, or pure spin would be singular.
+    Differences from the thesis: the force has the opposite sign, as required by right-handed axes (in pure spin it must
+    be Kalker's -G (ab)^1.5 c_23 spin). The denominator is the creepage with spin (3.104), because pure spin would
+    otherwise be singular.
     """
     a, b = ellipse.along, ellipse.across
     shape = 1 + 6.3 * (1 - math.exp(-a / b))
@@ -99,9 +101,9 @@ def spin_force(
 
 
 def flange_force(shift: float, clearance: float, stiffness: float) -> float:
-    """Lateral force [N] of the rails on the flanges, eq. (3.106).
+    """Return the lateral force [N] of the rails on the flanges, eq. (3.106).
 
-    Differs from the thesis, which prints its size: it points back to the centre.
+    This differs from the thesis, which gives its size: it is directed to the centre.
     """
     if shift > clearance:
         return -(shift - clearance) * stiffness

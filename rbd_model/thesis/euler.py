@@ -18,7 +18,7 @@ def rotation_matrix(theta: np.ndarray) -> np.ndarray:
 
 
 def norm_error(theta: np.ndarray) -> float:
-    """What the constraint on the Euler parameters asks to be zero, eq. (3.6)."""
+    """Return the error of the constraint on the Euler parameters, eq. (3.6)."""
     return float(theta @ theta) - 1.0
 
 
@@ -84,8 +84,8 @@ def mass_matrix(mass: float, inertia: np.ndarray, theta: np.ndarray) -> np.ndarr
 
 
 def quadratic_velocity(inertia: np.ndarray, theta_rate: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """Q_v (7,), the gyroscopic part of the generalised forces, eq. (3.74).
+    """Return Q_v (7,), the gyroscopic part of the generalised forces, eq. (3.74).
 
-    Differs from the thesis: -2 (dG/dt)^T I omega; the dot over G is missing in print, and without it the units differ.
+    This differs from the thesis: -2 (dG/dt)^T I omega. There the dot over G is missing, with which the units agree.
     """
     return np.concatenate([np.zeros(3), -2.0 * g_bar(theta_rate).T @ (inertia * omega)])

@@ -11,7 +11,7 @@ from rbd_model.thesis.euler import cross, g_bar, rotation_matrix
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """Where a body is and how it moves: R (3.3), A, G bar, and velocities; omega in body axes."""
+    """Position and motion of a body: R (3.3), A, G bar, and velocities; omega in body axes."""
 
     position: np.ndarray
     theta: np.ndarray
@@ -23,7 +23,7 @@ class BodyMotion:
 
     @staticmethod
     def of(q: np.ndarray, q_rate: np.ndarray) -> BodyMotion:
-        """From the seven generalised coordinates of the body and their rates."""
+        """Return the motion for the seven generalised coordinates of the body and their rates."""
         g = g_bar(q[3:])
         return BodyMotion(q[:3], q[3:], rotation_matrix(q[3:]), g, q_rate[:3], q_rate[3:], g @ q_rate[3:])
 
@@ -90,12 +90,12 @@ def axle_box(
     place_in_frame: np.ndarray,
     law: tuple[np.ndarray, np.ndarray, float],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Generalised forces on wheelset and frame of one suspension element of Tables 4.1 and 5.1, by (3.33), (3.34).
+    """Return generalised forces on wheelset and frame of one suspension element of Tables 4.1 and 5.1, (3.33), (3.34).
 
-    law: stiffness (3,) [N/m] and damping (3,) [N.s/m] along the axes of the box, and the static load [N] it carries.
-    The box has its y axis along the axle and its x axis square to the frame's z axis too; place: in its axes.
-    Differs from the thesis, which draws three elements (3.37) at right angles and prints no length of them: this is
-    what they become when they are long and turn with the box.
+    law: stiffness (3,) [N/m] and damping (3,) [N.s/m] along the axes of the box, and its static load [N]. The y axis of
+    the box is along the axle; its x axis is square to the axle and to the frame's z axis. place: in its axes. This
+    differs from the thesis, which draws three elements (3.37) at right angles and gives no length of them. The law here
+    is the limit of long elements that turn with the box.
     """
     stiffness, damping, load = law
     axle, upright = wheelset.axes[:, 1], frame.axes[:, 2]

@@ -14,7 +14,7 @@ from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives
 
 @dataclass(frozen=True)
 class Wheelset:
-    """Where a wheelset is driven to: distance, lateral [m], yaw, pitch [rad]; and its velocities [m/s, rad/s].
+    """Position to which a wheelset is driven: distance, lateral [m], yaw, pitch [rad]; and its velocities [m/s, rad/s].
 
     Those of yaw and pitch are about the third and second of the axes that yaw and roll with it.
     """
@@ -31,8 +31,9 @@ class Wheelset:
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a body above the wheelsets is driven to: its seven coordinates, velocity [m/s] and angular velocity in its
-    axes [rad/s].
+    """Position to which a body above the wheelsets is driven.
+
+    Its seven coordinates, velocity [m/s] and angular velocity in its axes [rad/s].
     """
 
     coordinates: np.ndarray
@@ -54,7 +55,7 @@ def over_track(distance: float, height: float) -> np.ndarray:
 
 
 def centred(mechanism: Mechanism) -> np.ndarray:
-    """(q, s), the unknowns (3.80), of everything at its place, but for what the profiles leave to Newton-Raphson."""
+    """Return (q, s), the unknowns (3.80), of all parts at their places, as a start of the Newton-Raphson iteration."""
     near = np.zeros(mechanism.unknowns)
     for number in range(mechanism.bodies):
         near[mechanism.body(number)][3] = 1.0
@@ -77,9 +78,14 @@ def rolling(mechanism: Mechanism, speed: float) -> State:
 
 
 def drive_to(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame], near: np.ndarray) -> State:
-    """The state with these driving constraints beside the system's own, eq. (3.79); near: (q, s) to begin with.
+    """Return the state with these driving constraints in addition to the system's, eq. (3.79); near: first (q, s).
 
-    The speed must be free. Raises NoSolutionError where no contact exists: the Newton-Raphson iteration diverges.
+    The speed must be free.
+
+    Raises
+    ------
+    NoSolutionError
+        If no contact exists: the Newton-Raphson iteration diverges.
     """
     found, cut = near.copy(), mechanism.q_count
     for _ in range(MAXIMUM_ROUNDS):
@@ -106,7 +112,7 @@ def drive_to(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequen
 def driving_constraints(
     mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame], coordinates: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Errors and Jacobian of what is driven (section 3.3.3): place, lateral, yaw, pitch of each wheelset, the frame."""
+    """Return errors and Jacobian of the drives (section 3.3.3): place, lateral, yaw, pitch of wheelsets, the frame."""
     errors, rows = [], []
 
     def hold(column: int, value: float) -> None:
@@ -161,7 +167,7 @@ def square_of_rates(
 
 
 def driven_rates(mechanism: Mechanism, wheelsets: Sequence[Wheelset], frames: Sequence[Frame]) -> np.ndarray:
-    """Right-hand side for the rates: zeros of the constraints (3.67), then what is driven."""
+    """Return the right-hand side for the rates: zeros of the constraints (3.67), then the driven rates."""
     values = [0.0] * mechanism.equations
     for wheelset in wheelsets:
         values += [wheelset.speed, wheelset.lateral_speed, wheelset.yaw_rate, wheelset.pitch_rate]

@@ -1,8 +1,8 @@
-"""What the systems of sections 4.2 and 5.2 consist of, and the complete vehicle that chapter 10 recommends, in numbers.
+"""The systems of sections 4.2 and 5.2, and the complete vehicle that chapter 10 recommends, in numbers.
 
-Bodies above the wheelsets, and the suspension elements between them and down to the wheelsets: the formulation of
-chapter 3 knows nothing else of a vehicle. Written by hand beside `rbd_model/vehicle/ready.py`, as the oracle shares no
-equation and no description with the fast model.
+They are bodies above the wheelsets, and the suspension elements between them and down to the wheelsets. The formulation
+of chapter 3 needs no other data of a vehicle. This file is independent of `rbd_model/vehicle/ready.py`, because the
+reference shares no equation and no description with the fast model.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Upper:
 
     @property
     def centre(self) -> np.ndarray:
-        """Place of the centre at rest, shape (3,) [m], from which (3.1) counts places."""
+        """Place of the centre at rest, shape (3,) [m], from which places are measured (3.1)."""
         return np.array([self.along, 0.0, self.height])
 
 
@@ -34,7 +34,7 @@ class Upper:
 class Element:
     """A suspension element of (3.33), (3.34) from an upper body to another or, `on_wheelset`, to a wheelset, by number.
 
-    place (3,) [m]: of both ends at rest; stiffness, damping (3,); load [N]: what it carries at rest.
+    place (3,) [m]: of both ends at rest; stiffness, damping (3,); load [N]: its load at rest.
     """
 
     upper: int

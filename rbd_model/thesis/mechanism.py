@@ -16,7 +16,7 @@ from rbd_model.thesis.layout import bogie_layout, inertia, vehicle_layout
 from rbd_model.thesis.surfaces import RailSurface, Surface, rail_surface, wheel_surface
 from rbd_model.vehicle.parameters import AS_PRINTED, BogieParameters, VehicleParameters
 
-#: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, what is above; contacts: right, then left, of
+#: Bodies in the order of (4.1), (5.1): right rail, left rail, wheelsets, bodies above. Contacts: right, then left, of
 #: each wheelset.
 RIGHT_RAIL, LEFT_RAIL, FIRST_WHEELSET = range(3)
 SIDES = (-1, 1)
@@ -35,7 +35,7 @@ def perfect_track(distance: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Inputs:
-    """What drives the system, one value for each wheelset; a brake torque is a capacity [N.m]."""
+    """Inputs of the system, one value for each wheelset; a brake torque is a capacity [N.m]."""
 
     brake_torque: Sequence[float] = (0.0, 0.0)
     traction_torque: Sequence[float] = (0.0, 0.0)
@@ -89,8 +89,13 @@ class Touch:
 class Mechanism:
     """One wheelset in a frame (wheelsets = 1, chapter 4), the two-axle bogie (2, chapter 5), or the vehicle (4).
 
-    speed [m/s]: held by a constraint when given, as for the comparison with VAMPIRE. Raises ValueError for what chapter
-    3 does not have: torques that react on the frame (3.36), a flange's force at the rail (3.106), two half spacings.
+    speed [m/s]: if given, held by a constraint, as for the comparison with VAMPIRE.
+
+    Raises
+    ------
+    ValueError
+        If the parameters need features that chapter 3 does not have: torques that react on the frame (3.36), a flange's
+        force at the rail (3.106), two half spacings.
     """
 
     def __init__(
@@ -139,19 +144,19 @@ class Mechanism:
     # -- coordinates ---------------------------------------------------------------------------------------------
 
     def body(self, number: int) -> slice:
-        """Where a body's coordinates stand in q, eqs (4.1), (5.1)."""
+        """Return the indices of a body's coordinates in q, eqs (4.1), (5.1)."""
         return slice(COORDINATES * number, COORDINATES * (number + 1))
 
     def rail_parameters(self, contact: int) -> slice:
-        """Where a contact's parameters on the rail stand in s, eqs (4.2), (5.2)."""
+        """Return the indices of a contact's parameters on the rail in s, eqs (4.2), (5.2)."""
         return slice(PARAMETERS * contact, PARAMETERS * (contact + 1))
 
     def wheel_parameters(self, contact: int) -> slice:
-        """Where a contact's parameters on the wheel stand in s, eqs (4.2), (5.2)."""
+        """Return the indices of a contact's parameters on the wheel in s, eqs (4.2), (5.2)."""
         return self.rail_parameters(self.contacts + contact)
 
     def shift_of(self, side: int, distance: float) -> np.ndarray:
-        """Of one rail, to the left and upwards (5.3), (5.4): shape (3, 2) [m]."""
+        """Return the shift of one rail, to the left and upwards (5.3), (5.4): shape (3, 2) [m]."""
         return self.irregularity(distance)[:, [0, 2 if side < 0 else 1]]
 
     def motions(self, q: np.ndarray, q_rate: np.ndarray) -> list[BodyMotion]:
@@ -280,12 +285,12 @@ class Mechanism:
             q[self.body(above)] += reaction
 
     def torques(self, number: int, state: State, inputs: Inputs, body: BodyMotion) -> np.ndarray:
-        """Brake, traction, rolling resistance and yaw torque on a wheelset, eq. (3.36).
+        """Return brake, traction, rolling resistance and yaw torque on a wheelset, eq. (3.36).
 
-        Differs from the thesis: the yaw torque of chapter 9 acts about the axis at right angles to the axle in the
-        plane through it that is upright on the track, as shoe forces at the height of the axle do; with
-        yaw_torque_rotates about the third axis of the body, which turns with the wheel: so G bar in place of G in
-        (3.36).
+        This differs from the thesis. The yaw torque of chapter 9 acts about the axis at right angles to the axle, in
+        the upright longitudinal section of the track through it. Shoe forces at the height of the axle have this
+        effect. With yaw_torque_rotates it acts about the third axis of the body, which turns with the wheel: G bar
+        instead of G in (3.36).
         """
         capacity = inputs.brake_torque[number] + self.parameters.rolling_resistance_torque
         axle = inputs.traction_torque[number] - state.direction[number] * capacity
@@ -300,9 +305,9 @@ class Mechanism:
         return of_body_moment(body, moment)
 
     def creepages(self, touch: Touch) -> tuple[float, float, float, np.ndarray, np.ndarray]:
-        """Longitudinal, lateral and spin creepage, and the directions of the first two, in inertial axes.
+        """Return longitudinal, lateral and spin creepage, and the directions of the first two, in inertial axes.
 
-        Differs from the thesis: divided by sqrt(V^2 + v_eps^2), as V is 0 at rest.
+        This differs from the thesis: they are divided by sqrt(V^2 + v_eps^2), because V is 0 at rest.
         """
         body = touch.wheel_body
         along = touch.rail_body.axes @ touch.rail.tangents[:, 0]
@@ -327,10 +332,10 @@ class Mechanism:
     # -- the augmented equations ---------------------------------------------------------------------------------
 
     def solve(self, state: State, inputs: Inputs, jacobian: np.ndarray) -> Answer:
-        """Accelerations and multipliers from (3.75); jacobian: (C_q C_s) at the state.
+        """Return accelerations and multipliers from (3.75); jacobian: (C_q C_s) at the state.
 
-        The creep forces depend on the normal forces, which are multipliers (3.81): both are iterated to round-off.
-        Differs from the thesis, which does not say from which instant it takes them.
+        The creep forces depend on the normal forces, which are multipliers (3.81): both are iterated to round-off. The
+        thesis does not give the instant at which it takes them.
         """
         motions = self.motions(state.q, state.q_rate)
         touches = self.touches(motions, state.s)
@@ -365,7 +370,7 @@ class Mechanism:
     def mass_matrix(
         self, motions: Sequence[BodyMotion], masses: Sequence[float], inertias: Sequence[np.ndarray]
     ) -> np.ndarray:
-        """M of (3.73). The rails stand on the ground: any mass serves, here 1 kg and 1 kg.m2."""
+        """Return M of (3.73). The rails stand on the ground: their mass has no effect, here 1 kg and 1 kg.m2."""
         matrix = np.zeros((self.q_count, self.q_count))
         every = [1.0, 1.0, *masses], [np.ones(3), np.ones(3), *inertias]
         for number, (body, mass, moments) in enumerate(zip(motions, *every, strict=True)):
@@ -376,7 +381,7 @@ class Mechanism:
     def _balance(
         self, touches: Sequence[Touch], creep: Sequence[tuple], inputs: Inputs, solution: np.ndarray, locked: list[int]
     ) -> Answer:
-        """Finds the creep forces that belong to the normal forces; solution: of the loads, and of unit creep forces."""
+        """Return the creep forces that match the normal forces; solution: of the loads, and of unit creep forces."""
         first = self.unknowns + self.bodies
         # The multipliers of a contact's point are the force of the wheel on the rail, eq. (3.81).
         starts = range(first, first + EQUATIONS * self.contacts, EQUATIONS)

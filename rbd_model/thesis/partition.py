@@ -47,11 +47,15 @@ def choose(jacobian: np.ndarray) -> Partition:
 def close_positions(
     mechanism: Mechanism, time: float, coordinates: np.ndarray, partition: Partition
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Solves C = 0 for the dependent coordinates, eqs (3.119)-(3.124); returns (q, s) and the Jacobian there.
+    """Return (q, s) with C = 0 solved for the dependent coordinates, eqs (3.119)-(3.124), and the Jacobian there.
 
-    coordinates: (q, s), shape (unknowns,), the independent ones right and the others near.
-    Differs from the thesis: (3.122) has the minus sign on the wrong side; the Newton differences are
-    -(C_qd C_sd)^-1 C. Raises NoSolutionError.
+    coordinates: (q, s), shape (unknowns,), with exact independent and approximate dependent ones. This differs from the
+    thesis: (3.122) has the minus sign on the wrong side; the Newton differences are -(C_qd C_sd)^-1 C.
+
+    Raises
+    ------
+    NoSolutionError
+        If the constraints have no solution near the coordinates.
     """
     found = coordinates.copy()
     for _ in range(MAXIMUM_ROUNDS):
@@ -75,10 +79,11 @@ def close_positions(
 
 
 def close_velocities(mechanism: Mechanism, rates: np.ndarray, jacobian: np.ndarray, partition: Partition) -> np.ndarray:
-    """Dependent rates from the independent ones, eqs (3.67), (3.109)-(3.116); rates: of (q, s), shape (unknowns,).
+    """Return dependent rates from the independent ones, eqs (3.67), (3.109)-(3.116); rates: of (q, s), shape
+    (unknowns,).
 
-    Differs from the thesis: C_di is printed without the minus sign in (3.112), (3.114), and the C_t term of (3.116) as
-    well.
+    This differs from the thesis: the minus sign of C_di is missing in (3.112), (3.114), and that of the C_t term of
+    (3.116) as well.
     """
     closed = rates.copy()
     driven = jacobian[:, partition.independent] @ rates[partition.independent] + mechanism.time_derivative
@@ -88,9 +93,9 @@ def close_velocities(mechanism: Mechanism, rates: np.ndarray, jacobian: np.ndarr
 
 
 def closed_state(mechanism: Mechanism, near: State, partition: Partition) -> tuple[State, np.ndarray]:
-    """The state that meets all constraints with the independent coordinates and rates of `near`, section 3.4.
+    """Return the state with all constraints met and the independent coordinates and rates of `near`, section 3.4.
 
-    And the Jacobian, shape (equations, unknowns). Raises NoSolutionError.
+    The second result is the Jacobian, shape (equations, unknowns). Raises NoSolutionError.
     """
     cut = mechanism.q_count
     coordinates, jacobian = close_positions(mechanism, near.time, np.concatenate([near.q, near.s]), partition)

@@ -1,4 +1,4 @@
-"""The main loop of the program, Fig. 3.11: Runge-Kutta in independent coordinates, chosen anew as the wheels turn."""
+"""The main loop of the program, Fig. 3.11: Runge-Kutta in independent coordinates, chosen again as the wheels turn."""
 
 from collections.abc import Callable, Iterator
 
@@ -10,22 +10,27 @@ from rbd_model.thesis.partition import Partition, choose, closed_state
 
 #: Stages of the classical Runge-Kutta method: place in the step and weight.
 STAGES = ((0.0, 1 / 6), (0.5, 1 / 3), (0.5, 1 / 3), (1.0, 1 / 6))
-#: Angular velocity below which a braked wheelset counts as stopped [rad/s], and rounds that look for that instant.
+#: Angular velocity below which a braked wheelset is treated as stopped [rad/s]; iterations that locate this instant.
 STOPPED, LOCATING_ROUNDS = 1e-6, 30
 
 Drive = Callable[[float], Inputs]
 
 
 def accelerations(mechanism: Mechanism, state: State, inputs: Inputs, partition: Partition) -> tuple[State, Answer]:
-    """From independent coordinates to all accelerations, eq. (3.118): one turn of the flow chart."""
+    """Return all accelerations from independent coordinates, eq. (3.118): one turn of the flow chart."""
     closed, jacobian = closed_state(mechanism, state, partition)
     return closed, mechanism.solve(closed, inputs, jacobian)
 
 
 def step(mechanism: Mechanism, state: State, size: float, drive: Drive, partition: Partition | None = None) -> State:
-    """One step [s] of the classical Runge-Kutta method in the independent coordinates, eqs (3.117), (3.118).
+    """Return the state after one step [s] of Runge-Kutta in the independent coordinates, eqs (3.117), (3.118).
 
-    partition: chosen anew at the start of the step unless given. Raises NoSolutionError where contact is lost.
+    partition: by default chosen at the start of the step.
+
+    Raises
+    ------
+    NoSolutionError
+        If contact is lost.
     """
     if partition is None:
         partition = choose(mechanism.constraints(state.time, state.q, state.s)[1])
@@ -54,7 +59,7 @@ def moved(state: State, size: float, rates: np.ndarray, accelerations: np.ndarra
 
 
 def run(mechanism: Mechanism, state: State, duration: float, size: float, drive: Drive) -> Iterator[State]:
-    """The loop of Fig. 3.11: yields the state after each step; brakes that stop their wheels cut a step in two."""
+    """Yield the state after each step of the loop of Fig. 3.11; brakes that stop their wheels cut a step in two."""
     count = round(duration / size)
     begin = state.time
     for number in range(1, count + 1):

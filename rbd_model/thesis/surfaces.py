@@ -54,9 +54,10 @@ class Surface:
 class RailSurface:
     """A rail, in axes of its body, at the surface parameters s_1, s_2 [m], (3.48)-(3.51), with its normal (3.53).
 
-    point (3,), tangents (3, 2), second (3, 2, 2) as in Surface; normal (3,) of any length, normal_slope (3, 2),
-    normal_bend (3, 2, 2): the same of it. drift, drift_rate (3,): first and second derivative of `point` by the
-    distance of the wheelset on it, which is the x of its position R of (3.1). side: 1 left, -1 right.
+    point (3,), tangents (3, 2), second (3, 2, 2) are as in Surface. The normal (3,) has any length; normal_slope (3, 2)
+    and normal_bend (3, 2, 2) are its derivatives. Drift and drift_rate (3,) are the first and second derivative of
+    `point` by the distance of the wheelset on it. This is the x of its position R of (3.1). The side is 1 left, -1
+    right.
     """
 
     point: np.ndarray
@@ -76,7 +77,9 @@ class RailSurface:
 
     @property
     def curvature(self) -> float:
-        """1/rho_y of (3.83) across the rail [1/m], positive for the crown of a rail; along it a prism has none."""
+        """1/rho_y of (3.83) across the rail [1/m], positive for the crown of a rail; along it a prism has no
+        curvature.
+        """
         across = self.tangents[:, 1]
         return -float(self.upwards @ self.second[:, 1, 1] / (across @ across))
 
@@ -84,10 +87,10 @@ class RailSurface:
 def wheel_surface(
     profile: Profile, radius: float, half_distance: float, side: int, s: np.ndarray
 ) -> tuple[Surface, np.ndarray]:
-    """Surface of revolution, eq. (3.77), at s = (angle [rad], position on the profile [m]); and r, r', r'', r'''.
+    """Return the surface of revolution, eq. (3.77), at s = (angle [rad], profile position [m]); and r, r', r'', r'''.
 
-    side: 1 left, -1 right. The second parameter counts towards the field side, so that both wheels share one profile:
-    y = side (half_distance + s_2), r = radius - z(s_2).
+    side: 1 left, -1 right. The second parameter increases towards the field side, so that both wheels share one
+    profile: y = side (half_distance + s_2), r = radius - z(s_2).
     """
     z = profile_derivatives(profile, s[1])
     r = np.array([radius, 0.0, 0.0, 0.0]) - z
@@ -114,11 +117,11 @@ def wheel_surface(
 def rail_surface(
     profile: Profile, half_distance: float, side: int, s: np.ndarray, irregularity: np.ndarray
 ) -> RailSurface:
-    """A prism along straight track, eq. (3.78), at s = (distance [m], position on the profile [m]).
+    """Return a prism along straight track, eq. (3.78), at s = (distance [m], position on the profile [m]).
 
-    irregularity (3, 2): lateral and vertical shift of the rail at the wheelset's distance, and their first and
-    second derivatives. Differs from the thesis, which does not say how its irregularities (5.3), (5.4) enter: each
-    wheelset meets rails that are shifted by the irregularity at its own distance, which is its x.
+    irregularity (3, 2): lateral and vertical shift of the rail at the wheelset's distance, and their first and second
+    derivatives. The thesis does not define how its irregularities (5.3), (5.4) enter. Here each wheelset meets rails
+    with the irregularity at its own distance, its x.
     """
     z = profile_derivatives(profile, s[1])
     shift = irregularity[0]

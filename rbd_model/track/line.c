@@ -1,6 +1,5 @@
-/* A line as a table file: values that follow from its rows, and polynomials between them. Columns and pieces are
- * declared in
- * line_table.py, which writes their places before this text: COLUMN_..., PIECE_... */
+/* A line as a table file: values that follow from its rows, and polynomials between them. Columns and pieces are declared
+ * in line_table.py, which writes their places before this text: COLUMN_..., PIECE_... */
 
 /* Heading, rise and place of each row by integration; their values on a part between two rows are polynomials. */
 enum { PLAN = 3 }; /* places ahead and aside, and the distance in the plan; each is whole metres and a rest */
@@ -19,8 +18,7 @@ static bool check_row(const table_file *self, int row, char *problem, size_t siz
     return false;
 }
 
-/* Derivatives of places by distance at a heading, of which `level` is that in the plan; and the change of them by a
- * turn. */
+/* Derivatives of places by distance at a heading, of which `level` is that in the plan; and the change of them by a turn. */
 static void directions(double angle, double along[PLAN], double across[PLAN]) {
     along[0] = across[1] = cos(angle);
     along[1] = sin(angle);
@@ -50,9 +48,8 @@ static void way(const table_part *part, const double *heading, const double *ris
     }
 }
 
-/* The place at the beginning of a part, without the whole metres of its row, and the increment along the part. A part
- * in the
- * middle begins after the rounded corner at its row; the last one ends at the next row. */
+/* The place at the beginning of a part, without the whole metres of its row, and the increment along the part. A part in
+ * the middle begins after the rounded corner at its row; the last one ends at the next row. */
 static double part_of_plan(const table_file *self, const table_part *part, int which, const double *heading, const double *rise,
                            double *gained) {
     const int row = part->row;
@@ -121,8 +118,7 @@ static bool is_corner(const table_file *self, int row) {
     return false;
 }
 
-/* For each row the corner at or before it, the next one, and half of the shortest distance between two corners near it.
- * */
+/* For each row the corner at or before it, the next one, and half of the shortest distance between corners near it. */
 static void find_corners(const table_file *self) {
     const double *at = self->column[COLUMN_DISTANCE];
     double *before = self->column[COLUMN_CORNER_BEFORE], *behind = self->column[COLUMN_CORNER_BEHIND];
@@ -198,7 +194,7 @@ static void piece_between(const table_file *self, int piece, const table_part *p
     case PIECE_HALF_STRETCH: c[0] = column[COLUMN_HALF_STRETCH][row]; break;
     case PIECE_LEFT_FRICTION: friction(self, COLUMN_LEFT_FRICTION, part, c); break;
     case PIECE_RIGHT_FRICTION: friction(self, COLUMN_RIGHT_FRICTION, part, c); break;
-        default: { /* the length between two rounded corners is at least that of a corner */
+    default: { /* the length between two rounded corners is at least that of a corner */
         const double width = column[COLUMN_DISTANCE][row + 1] - column[COLUMN_DISTANCE][row];
         c[0] = RESOLVING_ROWS * fmax(part->to - part->from, fmin(width, ROUNDING));
     }

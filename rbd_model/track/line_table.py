@@ -50,7 +50,7 @@ PIECES = (
     Piece("ahead_far", "m", 0),
     Piece("aside", "m", 5, goes_on=True),  # to the left of it
     Piece("aside_far", "m", 0),
-    Piece("level", "m", 5, goes_on=True),  # the way seen from above
+    Piece("level", "m", 5, goes_on=True),  # the distance in the plan
     Piece("level_far", "m", 0),
     Piece("lateral", "m", 5),  # of both rails, the mean
     Piece("spread", "m", 5),  # of each rail, outwards

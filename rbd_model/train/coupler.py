@@ -1,9 +1,9 @@
 """Couplers between vehicles: curves of loading and unloading, with dry friction between them that sticks.
 
-On its way a coupler's force rises along the curve of loading and falls along that of unloading; in between the friction
-holds and the coupler is as stiff as its locked steel. That is a play operator with bounds that hang on the way
-(Q. Wu, M. Spiryagin, C. Cole: Longitudinal train dynamics: an overview, Vehicle System Dynamics 54 (2016), on
-draft gear models): it has no speed in it, so that a coupler at rest keeps what force it has.
+While it moves, a coupler's force rises along the curve of loading and falls along that of unloading. Between them
+friction holds, and the coupler has the stiffness of its locked steel. This is a play operator with bounds that depend
+on the travel (Q. Wu, M. Spiryagin, C. Cole: Longitudinal train dynamics: an overview, Vehicle System Dynamics
+54 (2016), on draft gear models). It does not depend on speed: a coupler at rest keeps its force.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ import casadi as ca
 from fmu_src.chain import function_of
 from fmu_src.system import Field
 
-#: Points of a curve at most, with the one that a preload adds.
+#: Largest number of points of a curve, including the one that a preload adds.
 POINTS = 6
-#: Curves in the order in which C takes them.
+#: Curves in the order of the C code.
 CURVES = ("tension_loading", "tension_unloading", "compression_loading", "compression_unloading")
 _TEXT = "a number of a coupler"
-#: Constants of a coupler: locked stiffness, whether it is coupled, and of each curve ways and changes of slope there.
+#: Constants of a coupler: locked stiffness, whether it is coupled, and for each curve travels and changes of slope
+#: there.
 COUPLER = (
     Field("locked", "N/m", -1e15, 1e15, _TEXT),
     Field("coupling_closed", "1", -1e15, 1e15, _TEXT),
@@ -37,9 +38,9 @@ COUPLER = (
 
 @dataclass(frozen=True)
 class Curve:
-    """Force [N] over way [m], straight between the points; behind the last one see `Coupler`.
+    """Force [N] over the travel, linear between the points; beyond the last one see `Coupler`.
 
-    The first point lies at way 0; a force there is a preload.
+    `ways` are in m. The first point has travel 0; a force there is a preload.
     """
 
     ways: tuple[float, ...]
@@ -57,9 +58,9 @@ class Curve:
             raise ValueError(f"Set the preload of a coupler's curve to at least 0 N: it was {self.forces[0]:g} N.")
 
     def bends(self, locked: float, stroke: float) -> list[tuple[float, float]]:
-        """Return ways [m] and changes of slope [N/m] there.
+        """Return pairs of travel [m] and change of slope [N/m] there.
 
-        A preload is reached at the locked stiffness [N/m]. The last piece goes on to the stroke [m], where that
+        A preload is reached at the locked stiffness [N/m]. The last piece continues to the stroke [m], where that
         stiffness begins.
         """
         points = list(zip(self.ways, self.forces, strict=True))
@@ -82,12 +83,16 @@ class Curve:
 
 @dataclass(frozen=True)
 class Coupler:
-    """Both directions of a coupling between two vehicles, and its locked stiffness [N/m]; ways are of the coupling.
+    """Both directions of a coupling between two vehicles, and its locked stiffness [N/m]; travels are of the coupling.
 
-    Each direction has a curve of loading and one of unloading. Both meet steel at one way, the stroke: the later of
-    their last points. Up to there the other curve goes on along its last piece. Steel has no friction, so that
-    unloading lies below loading everywhere, and a closed cycle loses energy (Wu, Spiryagin and Cole (2016)). Raises
-    ValueError if it lies above.
+    Each direction has a curve of loading and one of unloading. Both meet steel at one travel, the stroke: the larger of
+    their last points. Up to there the other curve continues along its last piece. Steel has no friction. Unloading
+    therefore lies below loading everywhere, and a closed cycle loses energy (Wu, Spiryagin and Cole (2016)).
+
+    Raises
+    ------
+    ValueError
+        If unloading lies above loading.
     """
 
     name: str
@@ -129,11 +134,11 @@ def _scaled(curve: Curve, share: float) -> Curve:
 
 
 def screw_coupler() -> Coupler:
-    """Screw coupler with side buffers of 105 mm (UIC 526-1), two beside and two behind each other.
+    """Return a screw coupler with side buffers of 105 mm (UIC 526-1), two in parallel and two in series.
 
     Assumed: the middle of the forces that are known of buffers of categories A and B, 30 kN at rest, 80 at 25 mm, 250
-    at 60, 675 at 105; that friction takes half of the energy (at least 0.42 is asked for); draw gear of 20 kN at rest
-    and 400 kN at 60 mm; 50 MN/m where the friction holds.
+    at 60, 675 at 105. Friction takes half of the energy (required: at least 0.42). The draw gear has 20 kN at rest and
+    400 kN at 60 mm. The stiffness is 50 MN/m while the friction holds.
     """
     compression = Curve((0.0, 0.05, 0.12, 0.21), (60e3, 160e3, 500e3, 1350e3))
     tension = Curve((0.0, 0.12), (20e3, 400e3))
@@ -141,12 +146,12 @@ def screw_coupler() -> Coupler:
 
 
 def draft_gear() -> Coupler:
-    """Automatic coupler with friction draft gear and slack (kind: Wu, Spiryagin and Cole (2016)).
+    """Return an automatic coupler with friction draft gear and slack (kind: Wu, Spiryagin and Cole (2016)).
 
-    Curves of a freight car that GE Research published in code.
+    The curves are those of a freight car that GE Research published in code.
 
-    Loading 0 N up to 11.9 mm, 120 kN at 18.8, 681 at 49.5, 1352 at 125.5; unloading 120 kN at 18.8, 284 at 119.4; 198
-    MN/m where the friction holds.
+    Loading 0 N up to 11.9 mm, 120 kN at 18.8, 681 at 49.5, 1352 at 125.5. Unloading 120 kN at 18.8, 284 at 119.4. The
+    stiffness is 198 MN/m while the friction holds.
     """
     loading = Curve((0.0, 11.9e-3, 18.8e-3, 49.5e-3, 125.5e-3), (0.0, 0.0, 120e3, 681e3, 1352e3))
     unloading = Curve((0.0, 11.9e-3, 18.8e-3, 119.4e-3), (0.0, 0.0, 120e3, 284e3))
@@ -154,12 +159,12 @@ def draft_gear() -> Coupler:
 
 
 def rigid(stiffness: float = 1e9) -> Coupler:
-    """A bar: one stiffness [N/m] both ways, no friction (Hooke (1678))."""
+    """Return a bar: one stiffness [N/m] in tension and compression, no friction (Hooke (1678))."""
     bar = Curve((0.0, 1.0), (0.0, stiffness))
     return Coupler("rigid", stiffness, (bar, bar), (bar, bar))
 
 
-#: By the name that consists use.
+#: Couplers by their names in consists.
 COUPLERS = {"screw": screw_coupler, "draft-gear": draft_gear, "rigid": rigid}
 
 
@@ -169,10 +174,11 @@ def _curve(way: ca.SX, bends: ca.SX) -> ca.SX:
 
 
 def coupling() -> ca.Function:
-    """Of the places of two vehicles, where the locked force is zero, and the constants: force [N] and that place again.
+    """Return the function for a coupler's force [N] and new unloaded place.
 
-    Tension is above 0. Play operator with bounds: F = min(max(K (s - z), lower(s)), upper(s)), z = s - F / K
-    (Wu, Spiryagin and Cole (2016)).
+    Arguments: the places of two vehicles, the place at which the locked force is zero, and the constants. Tension is
+    above 0. Play operator with bounds: F = min(max(K (s - z), lower(s)), upper(s)), z = s - F / K (Wu, Spiryagin and
+    Cole (2016)).
     """
     ahead, behind, rest = (ca.SX.sym(name) for name in ("ahead", "behind", "rest"))
     given = ca.SX.sym("given", len(COUPLER))
@@ -187,7 +193,8 @@ def coupling() -> ca.Function:
 
 
 def fastest(couplers: Sequence[Coupler], masses: Sequence[float]) -> float:
-    """Largest angular frequency [1/s] of a chain, not above this, all couplers locked: circles of Gershgorin (1931).
+    """Return an upper bound of the angular frequency [1/s] of a chain with all couplers locked: Gershgorin (1931)
+    circles.
 
     An explicit step is stable up to 2 over it, as central differences are (Hairer, Lubich and Wanner, Geometric
     Numerical Integration, section I.1).

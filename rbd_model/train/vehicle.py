@@ -1,7 +1,7 @@
 """A vehicle of a train as two masses, its own and that of its wheels at the rim, which roll or slide.
 
-Brakes and resistance are capacities: they take what motion there is, and hold a vehicle that stands (Coulomb's law, as
-J. J. Moreau's time stepping has it: Unilateral contact and dry friction in finite freedom dynamics (1988)).
+Brakes and resistance are capacities: they oppose any motion, and hold a vehicle that stands (Coulomb's law, as in J. J.
+Moreau's time stepping: Unilateral contact and dry friction in finite freedom dynamics (1988)).
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from fmu_src.system import Field
 #: Standard gravity [m/s2] (ISO 80000-3).
 GRAVITY = 9.80665
 _SHAPE = "friction or resistance of a vehicle"
-#: Constants of a vehicle's motion: mass and rotating mass at the rim; weight on its braked wheels; share of friction
-#: that is left at high speed of sliding, and its fall (Polach (2005)); resistance a + b v + c v^2.
+#: Constants of a vehicle's motion: mass and rotating mass at the rim; weight on its braked wheels. Remaining share of
+#: friction at high speed of sliding, and its fall (Polach (2005)); resistance a + b v + c v^2.
 MOTION = (
     Field("mass", "kg", 1e-3, 1e9, "the mass of a vehicle"),
     Field("rotating_mass", "kg", 0.0, 1e10, "the rotating mass or the weight of a vehicle"),
@@ -26,15 +26,15 @@ MOTION = (
     Field("linear", "N.s/m", -1e9, 1e9, _SHAPE),
     Field("square", "N.s2/m2", -1e9, 1e9, _SHAPE),
 )
-#: What acts on a vehicle in a step: forces of gravity and of motors, capacity of its brake [N], friction of its rail
-#: [1], resistance of a curve [N].
+#: Forces on a vehicle in a step: of gravity and of motors, capacity of its brake [N], friction of its rail [1],
+#: resistance of a curve [N].
 ACTING = ("slope", "pull", "brake", "friction", "curve")
-#: Below which no force divides anything [N].
+#: Least force in a denominator [N].
 LEAST_FORCE = 1e-9
 
 
 def _slowed(speed: ca.SX, most: ca.SX) -> ca.SX:
-    """A speed behind dry friction that may take so much of it."""
+    """Return a speed after dry friction that reduces it by at most `most`."""
     left = ca.fmax(ca.fabs(speed) - most, 0)
     return ca.if_else(speed > 0, left, -left)
 
@@ -49,17 +49,17 @@ def _given() -> tuple[list[ca.SX], dict[str, ca.SX]]:
 
 
 def _resistance(p: dict[str, ca.SX]) -> ca.SX:
-    """Of rolling and air [N], a + b v + c v^2, W. J. Davis (1926)."""
+    """Return the resistance of rolling and air [N], a + b v + c v^2, W. J. Davis (1926)."""
     fast = ca.fabs(p["speed"])
     return p["constant"] + p["curve"] + fast * (p["linear"] + fast * p["square"])
 
 
 def rolling() -> ca.Function:
-    """Of a vehicle whose wheels roll: its speed behind a step; by how much its rail is asked too much [N]; what it is
-    asked.
+    """Return the function for a vehicle on rolling wheels: speed after a step, excess force and force on the rail [N].
 
-    (m + m_r) dv = h (F_ahead - F_behind + slope + pull), less what brakes and resistance take (Moreau (1988)). The rail
-    is asked for pull, brake and m_r dv / h, and gives mu N; a wheel that slides asks too much by 1 N.
+    (m + m_r) dv = h (F_ahead - F_behind + slope + pull), less the forces of brakes and resistance (Moreau (1988)). The
+    rail must transmit pull, brake and m_r dv / h, and can transmit mu N. The excess is the difference; for a sliding
+    wheel it is at least 1 N.
     """
     symbols, p = _given()
     whole, resistance, step = p["mass"] + p["rotating_mass"], _resistance(p), p["step"]
@@ -73,10 +73,10 @@ def rolling() -> ca.Function:
 
 
 def sliding() -> ca.Function:
-    """Of a vehicle whose wheels slide: its speed and theirs at the rim behind a step, and what the rail gives [N].
+    """Return the function for a vehicle on sliding wheels: its speed, theirs at the rim after a step, rail force [N].
 
-    m dv = h (F + H), m_r dw = h (pull - H), H = +-mu N against the sliding, mu as Polach (2005) has it; wheels and
-    vehicle whose speeds meet go on together with their momentum (Moreau (1988)).
+    m dv = h (F + H), m_r dw = h (pull - H), H = +-mu N against the sliding, mu by Polach (2005). If the speeds of
+    wheels and vehicle meet, both continue together with their momentum (Moreau (1988)).
     """
     symbols, p = _given()
     asked = function_of("rolling", symbols, rolling()(*symbols)[2])(*symbols)

@@ -1,1 +1,1 @@
-"""Vehicles as data: their description, the ready ones, parameters with their sources, what rests on what."""
+"""Vehicles as data: their description, the built-in ones, parameters with their sources, static loads."""

@@ -1,4 +1,4 @@
-"""What every level of detail starts with: a System of a vehicle, whose symbols are declared when first asked for."""
+"""The start of every level of detail: a System of a vehicle, whose symbols are declared at their first use."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ INITIAL_SPEED = 25.0
 
 
 class Declared(dict[str, ca.SX]):
-    """Symbols by name; one that is not there yet is declared."""
+    """Symbols by name; a missing one is declared at its first use."""
 
     def __init__(self, declare: Callable[[str], ca.SX]) -> None:
         super().__init__()
@@ -34,22 +34,22 @@ class Declared(dict[str, ca.SX]):
 
 
 class Sizes(Protocol):
-    """What laws of connections ask for: sizes and preloads, and the chain that their links go into."""
+    """Data for the laws of connections: sizes and preloads, and the chain for their links."""
 
     @property
     def chain(self) -> Chain:
-        """Where equations have their parts and waists."""
+        """The chain that holds parts and shared intermediate variables of the equations."""
 
     def value(self, size: Size) -> ca.SX:
-        """A size of the vehicle's description."""
+        """Return a size of the vehicle's description."""
 
     def preload(self, side: str) -> ca.SX:
-        """Static vertical force of a single spring [N]."""
+        """Return the static vertical force of a single spring [N]."""
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """The symbols of a vehicle while a level of detail writes its System; what a level adds makes a new one."""
+    """The symbols of a vehicle while a level of detail writes its System. Additions of a level make a new object."""
 
     system: System
     vehicle: Vehicle
@@ -60,22 +60,22 @@ class Assembly:
     drive_inertia: ca.SX
     rail: Rail
     at_rest: Statics
-    #: States: distance [m] and speed [m/s] of the first body, from which all other places along the track are counted.
+    #: States: distance [m] and speed [m/s] of the first body, to which all other places along the track are relative.
     distance: ca.SX
     speed: ca.SX
-    #: Whether the line comes from a file.
+    #: True if the line comes from a file.
     on_line: bool = False
-    #: How wheels touch rails in space.
+    #: Contact of wheels and rails at level 3.
     contact: Contact = ONE_RIGID_CONTACT
-    #: Height of the wheelset axes in which positions are counted [m].
+    #: Height of the wheelset axes in the coordinates of positions [m].
     axle_height: ca.SX = field(default_factory=lambda: ca.SX(0))
-    #: The axes of the track where a body is, by its distance [m].
+    #: The axes of the track at a body, by its distance [m].
     frame_at: Callable[[ca.SX], TrackFrame] = lambda distance: LEVEL
-    #: Way of the first body for each metre along the line [1].
+    #: Travel of the first body per metre along the line [1].
     first_stretch: ca.SX = field(default_factory=lambda: ca.SX(1))
 
     def track_at(self, place: ca.SX) -> TrackFrame:
-        """The axes of the track of a body at its place, counted from the vehicle's [m]; section 3.2.1."""
+        """Return the axes of the track at a body's place, relative to the vehicle's [m]; section 3.2.1."""
         return self.frame_at(self.distance + place)
 
     @property
@@ -84,41 +84,41 @@ class Assembly:
         return self.system
 
     def value(self, size: Size) -> ca.SX:
-        """A size of the vehicle's description."""
+        """Return a size of the vehicle's description."""
         return size_of(size, self.parameter)
 
     @property
     def total_mass(self) -> ca.SX:
-        """Of all bodies and wheelsets [kg], computed once."""
+        """Mass of all bodies and wheelsets [kg], computed once."""
         if "total_mass" not in self.system.derived_symbols:
             sizes = [part.mass for part in self.vehicle.parts]
             self.system.derived("total_mass", ca.SX(sum(self.value(size) for size in sizes)))
         return self.system.derived_symbols["total_mass"]
 
     def preload(self, side: str) -> ca.SX:
-        """Static vertical force of a single spring [N], computed once."""
+        """Return the static vertical force of a single spring [N], computed once."""
         name = f"{side}_preload"
         if name not in self.system.derived_symbols:
             self.system.derived(name, self.at_rest.preload[side])
         return self.system.derived_symbols[name]
 
     def resting_on(self, number: int) -> ca.SX:
-        """Static load that a wheelset carries without its own weight [N], computed once."""
+        """Return the static load of a wheelset without its own weight [N], computed once."""
         name = f"carried_{number}"
         if name not in self.system.derived_symbols:
             self.system.derived(name, self.at_rest.on_wheelset[wheelset_name(number)])
         return self.system.derived_symbols[name]
 
     def radius(self, wheelset: Wheelset) -> ca.SX:
-        """Nominal rolling radius of a wheelset [m]."""
+        """Return the nominal rolling radius of a wheelset [m]."""
         return self.value(wheelset.mean_radius)
 
 
 def assemble(level: str, description: str, vehicle: Vehicle, moving: str, on_line: bool) -> Assembly:
-    """A System with the parameters of the rail's friction and the states of what moves along the track.
+    """Return a System with the parameters of the rail's friction and the states of motion along the track.
 
-    All other parameters and inputs come as they are needed. moving: what begins the names of these states. on_line:
-    with the line that an instance runs on.
+    Other parameters and inputs are declared at their first use. moving: prefix of the names of these states. on_line:
+    with the line of the instance.
     """
     system = System(f"{level}_on_line" if on_line else level, description)
     initial = system.parameter(variables.initial_speed(INITIAL_SPEED))

@@ -1,4 +1,4 @@
-"""The ready vehicles as descriptions; their numbers are in `parameters.py`, with table or source."""
+"""The built-in vehicles as descriptions; their numbers are in `parameters.py`, with table or source."""
 
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
 from rbd_model.vehicle.description import (
@@ -28,15 +28,15 @@ HALF_BASE = Sum((("wheel_base", 0.5),))
 
 
 def sprung_mass(name: str, text: str, along: Size = 0.0, **more: object) -> RigidBody:
-    """A frame on axle boxes, section 5.2: the mass and inertias of `frame_...`, at frame_height."""
+    """Return a frame on axle boxes, section 5.2: the mass and inertias of `frame_...`, at frame_height."""
     inertia = ("frame_roll_inertia", "frame_pitch_inertia", "frame_yaw_inertia")
     return RigidBody(name, text, "frame_mass", inertia, along, "frame_height", **more)  # type: ignore[arg-type]
 
 
 def axle_box_springs(frame: str, number: int, along: Size) -> tuple[SuspensionElement, ...]:
-    """The elements of one wheelset, left and right, section 3.3.4: in level directions and, at its place, vertical.
+    """Return the elements of one wheelset, left and right, section 3.3.4: level ones and, at its place, vertical ones.
 
-    The vertical springs, which resist roll, may stand further apart than the level ones, which resist yaw.
+    The vertical springs, which resist roll, may be further apart than the level ones, which resist yaw.
     """
     ends, across = (frame, wheelset_name(number)), ("longitudinal_half_spacing", "vertical_half_spacing")
     stiffness = "longitudinal_stiffness", "lateral_stiffness", "vertical_stiffness"
@@ -52,7 +52,9 @@ DRAWBAR = Pull("drawbar_force", "Forward force on the sprung mass, at its centre
 
 
 def two_axle_bogie(parameters: BogieParameters | None = None) -> Vehicle:
-    """The simplified bogie of section 5.2, Fig. 5.1: one sprung mass on two wheelsets; by default that of chapter 5."""
+    """Return the simplified bogie of section 5.2, Fig. 5.1: one sprung mass on two wheelsets; by default chapter
+    5's.
+    """
     places = {1: HALF_BASE, 2: -HALF_BASE}
     return Vehicle(
         "BogieDynamics",
@@ -65,7 +67,7 @@ def two_axle_bogie(parameters: BogieParameters | None = None) -> Vehicle:
 
 
 def wheelset_under_frame(parameters: BogieParameters | None = None) -> Vehicle:
-    """The wheelset under a frame of section 4.2, Fig. 4.1, whose pitch is held."""
+    """Return the wheelset under a frame of section 4.2, Fig. 4.1, whose pitch is held."""
     return Vehicle(
         "WheelsetDynamics",
         parameters or tables_4_1_and_4_2(),
@@ -82,9 +84,9 @@ MANCHESTER_FORCE = (0.0, 600.0, 1760.0, 3730.0, 6870.0, 11580.0, 17170.0, 29200.
 
 
 def secondary(bogie: str, along: Size) -> tuple[SuspensionElement, ...]:
-    """Between body and one bogie's frame: springs left and right, their bending, an anti-roll bar (Iwnicki (1998)).
+    """Return connections of body and one bogie's frame: springs, their bending, an anti-roll bar (Iwnicki (1998)).
 
-    In the middle a traction rod between rubber bushes: a spring and a damper along the track, which carry no weight.
+    In the middle is a traction rod between rubber bushes: a spring and a damper along the track without static load.
     """
     frame, place = f"{bogie}_frame", (along, "secondary_half_spacing", "secondary_height")
     stiffness = tuple(f"secondary_{direction}_stiffness" for direction in DIRECTIONS)
@@ -101,7 +103,7 @@ def secondary(bogie: str, along: Size) -> tuple[SuspensionElement, ...]:
 
 
 def four_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stops: bool) -> Vehicle:
-    """A car body on two bogies, wheelset 1 leading; stops: with the lateral bump stops of Iwnicki (1998)."""
+    """Return a car body on two bogies, wheelset 1 leading; stops: with the lateral bump stops of Iwnicki (1998)."""
     pivots = {"front": Sum((("pivot_distance", 0.5),)), "rear": Sum((("pivot_distance", -0.5),))}
     inertia = ("body_roll_inertia", "body_pitch_inertia", "body_yaw_inertia")
     bodies = [RigidBody("body", "car body", "body_mass", inertia, 0.0, "body_height")]
@@ -132,10 +134,12 @@ def four_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stop
 
 
 def passenger_coach(parameters: VehicleParameters | None = None) -> Vehicle:
-    """Vehicle 1 of the Manchester benchmarks, Iwnicki (1998), on synthetic profiles; by default with traction rods."""
+    """Return vehicle 1 of the Manchester benchmarks, Iwnicki (1998), synthetic profiles; by default with traction
+    rods.
+    """
     return four_axle_vehicle("VehicleDynamics", parameters or coach_with_traction_rods(), synthetic_pair(), stops=True)
 
 
 def loaded_coal_wagon() -> Vehicle:
-    """Two bogies of chapter 5 under a body, chapter 10; assumed where the thesis prints nothing."""
+    """Return two bogies of chapter 5 under a body, chapter 10; values that the thesis does not give are assumed."""
     return four_axle_vehicle("CoalWagonDynamics", coal_wagon(), thesis_pair(), stops=False)

@@ -1,4 +1,4 @@
-"""The vehicle at rest: what each spring carries before anything moves, and the static load of each wheelset."""
+"""The vehicle at rest: the static load of each spring and of each wheelset."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,17 +10,17 @@ from rbd_model.vehicle.description import Place, RigidBody, Size, Vehicle, wheel
 
 @dataclass(frozen=True)
 class Statics:
-    """Preloads of the single springs by name, and what rests on each wheelset without its own weight [N]."""
+    """Preloads of the single springs by name, and the load on each wheelset without its own weight [N]."""
 
     preload: dict[str, ca.SX]
     on_wheelset: dict[str, ca.SX]
 
 
 def statics(vehicle: Vehicle, value: Callable[[Size], ca.SX], gravity: ca.SX) -> Statics:
-    """Preloads by Newton's first law, from the top down: each body stands level on its springs.
+    """Return preloads by Newton's first law, from the top down: each body is level on its springs.
 
-    A body on more springs than it has motions shares its weight as it would sink and lean on them, by their
-    stiffnesses; motions that are held share nothing.
+    A body on more springs than it has motions shares its weight by the stiffnesses, as it would sink and lean on them.
+    Held motions share nothing.
     """
     preload: dict[str, ca.SX] = {}
     weights: dict[str, list[tuple[ca.SX, Place]]] = {}
@@ -47,11 +47,11 @@ def statics(vehicle: Vehicle, value: Callable[[Size], ca.SX], gravity: ca.SX) ->
 def share_of_supports(
     body: RigidBody, vehicle: Vehicle, value: Callable[[Size], ca.SX], load: list[tuple[ca.SX, Place]]
 ) -> dict[str, ca.SX]:
-    """Force of each spring under a body that carries `load`, forces at places, by Newton's first law."""
+    """Return the force of each spring under a body that carries `load`, forces at places, by Newton's first law."""
     along = value(body.along)
 
     def row(place: Place) -> ca.SX:
-        """How far a place sinks with the motions (bounce, roll, pitch) of the body."""
+        """Return the lowering of a place by the motions (bounce, roll, pitch) of the body."""
         kept = {"bounce": ca.SX(1), "roll": value(place[1]), "pitch": -(value(place[0]) - along)}
         return ca.vertcat(*[ca.SX(entry) for motion, entry in kept.items() if motion not in body.held])
 

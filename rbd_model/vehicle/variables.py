@@ -1,4 +1,4 @@
-"""Inputs and outputs of a vehicle, the same at every level of detail. Wheelsets count from 1, the leading one."""
+"""Inputs and outputs of a vehicle, the same at every level of detail. Wheelset 1 is the leading one."""
 
 import math
 from itertools import product
@@ -7,9 +7,9 @@ from fmu_src.system import Variable
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import RigidBody, Vehicle
 
-#: What wheelsets are called, by how many there are.
+#: Names of wheelsets in descriptions, by the number of wheelsets.
 WORDS = {1: ("leading",), 2: ("leading", "trailing"), 3: ("leading", "middle", "trailing")}
-#: Above this the contact laws mean nothing; dry steel on steel stays below 0.8.
+#: Largest friction for which the contact laws are meaningful; dry steel on steel stays below 0.8.
 HIGHEST_FRICTION = 2.0
 
 
@@ -19,13 +19,13 @@ def _input(name: str, unit: str, description: str, start: float = 0.0, minimum: 
 
 
 def words(vehicle: Vehicle) -> dict[int, str]:
-    """What each wheelset is called, by its number."""
+    """Return the name of each wheelset in descriptions, by its number."""
     count = len(vehicle.wheelsets)
     return dict(enumerate(WORDS.get(count, tuple(f"{number}." for number in range(1, count + 1))), 1))
 
 
 def inputs(vehicle: Vehicle) -> dict[str, Variable]:
-    """All inputs by name."""
+    """Return all inputs by name."""
     wheelsets, rows = words(vehicle), []
     for number, place in wheelsets.items():
         rows.append(
@@ -51,7 +51,9 @@ def inputs(vehicle: Vehicle) -> dict[str, Variable]:
 
 
 def line_inputs() -> list[Variable]:
-    """What a host tells of the line that knows it itself; a line's file takes their place. Not at the spatial level."""
+    """Return inputs for a line that the host computes. A line's file replaces them. The spatial level has none of
+    them.
+    """
     rise = "Rise of the line for each metre along it (sine of its slope), at levels 1 and 2 without line_file"
     curve = "Curvature of the line for curve_resistance, at levels 1 and 2 without line_file"
     texts = {"gradient": rise, "curvature": curve}
@@ -79,7 +81,7 @@ def _out_of_plane(body: RigidBody) -> list[Variable]:
 
 
 def outputs(vehicle: Vehicle) -> dict[str, Variable]:
-    """All outputs by name. Those of the second group are 0 below the spatial level.
+    """Return all outputs by name. Those of the second group are 0 below the spatial level.
 
     A new one is a row here, and an expression at each level that has it: `CONTRIBUTING.md`.
     """
@@ -141,19 +143,19 @@ def outputs(vehicle: Vehicle) -> dict[str, Variable]:
     return {row.name: row for row in rows}
 
 
-#: Speed at the start at most, either way [m/s]. The record on rails is 574.8 km/h, 159.7 m/s (SNCF, 3 April 2007); what
-#: is faster here is a speed in km/h.
+#: Largest speed at the start, forwards or backwards [m/s]. The record on rails is 574.8 km/h, 159.7 m/s (SNCF, 3 April
+#: 2007). A larger value here is a speed in km/h.
 FASTEST = 150.0
 
 
 def initial_speed(start: float) -> Variable:
-    """Parameter: speed at the start, with the wheels rolling freely."""
+    """Return the parameter for the speed at the start, with the wheels rolling freely."""
     text = "Speed at the start, wheels rolling"
     return Variable("initial_speed", "parameter", "m/s", text, start, -FASTEST, FASTEST, display_unit="km/h")
 
 
 def drive_inertia() -> Variable:
-    """Parameter: the rotating mass of a drive."""
+    """Return the parameter for the rotating mass of a drive."""
     text = "Moment of inertia of a drive that turns with each wheelset, brought to its axle"
     return Variable("drive_inertia", "parameter", "kg.m2", text, 0.0, 0.0)
 
@@ -163,7 +165,9 @@ LARGEST_LATERAL, LARGEST_YAW = 0.010, 0.05
 
 
 def initial_offsets() -> tuple[Variable, Variable]:
-    """Parameters of the spatial level: where it starts beside the track's centre, with no speed but along it."""
+    """Return the parameters of the spatial level for the lateral position and yaw at the start, without lateral
+    speed.
+    """
     lateral = "Lateral displacement at the start, wheelsets and sprung mass; beyond flange_clearance a flange presses"
     return (
         Variable("initial_lateral", "parameter", "m", lateral, 0.0, -LARGEST_LATERAL, LARGEST_LATERAL),

@@ -1,1 +1,1 @@
-"""Wheelsets on their rails: what all depths of contact share, and a file for each depth."""
+"""Wheelsets on their rails: common parts of all contact models, and a file for each model."""

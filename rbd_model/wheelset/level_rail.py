@@ -1,4 +1,4 @@
-"""A wheelset that rolls, skids or is locked on a level rail, its wheels centred: what levels 1 and 2 share."""
+"""A wheelset that rolls, skids or is locked on a level rail, its wheels centred: common parts of levels 1 and 2."""
 
 import math
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
 from rbd_model.wheelset.rotation import Hold, RollingWheelset, add_rotation, add_rotation_states, rail_friction
 
-#: Longer over shorter semi-axis of a contact that a run may start with; where Kalker's table ends.
+#: Largest ratio of the semi-axes of a contact at the start of a run, the end of Kalker's table.
 MOST_SLENDER = 10.0
 
 
@@ -35,10 +35,10 @@ class CentredLoad:
 
 
 def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:
-    """Factor of (3.94), with the ellipse of `ellipse_shape`: constant from the curvatures, computed once at the start.
+    """Return the factor of (3.94), with the ellipse of `ellipse_shape`, computed from the curvatures at the start.
 
-    Not a number, so that a run is refused at its start, for an ellipse more slender than 1 : 10: on half-spaces, as
-    Hertz and Kalker have them, no wheel touches a rail like that.
+    It is not a number for an ellipse more slender than 1 : 10, so that a run is refused at its start. On half-spaces,
+    as in Hertz and Kalker, no wheel has such a contact.
     """
     p, radius = assembly.parameter, wheelset.mean_radius
     same = next(number for number, other in assembly.vehicle.numbered if other.mean_radius == radius)
@@ -53,7 +53,7 @@ def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:
 
 
 def centred_load(load: ca.SX) -> CentredLoad:
-    """Of an axle that carries `load` [N], kept above zero for the creep law; growth as in (3.87)."""
+    """Return the load of an axle that carries `load` [N], kept above zero for the creep law; growth as in (3.87)."""
     wheel = at_least(load / 2, SMALLEST_LOAD)
     return CentredLoad(wheel, wheel ** (1 / 3))
 
@@ -61,10 +61,14 @@ def centred_load(load: ca.SX) -> CentredLoad:
 def creep_force_of_wheelset(
     assembly: Assembly, friction: ca.SX, contact: CentredContact, load: CentredLoad, sliding: ca.SX, forward: ca.SX
 ) -> ca.SX:
-    """Longitudinal force of both rails on a wheelset that slides at `sliding` [m/s], (3.94), (3.97); friction: mu0."""
-    # The corner of the absolute value is not felt: without sliding the force does not depend on friction.
+    """Return the longitudinal force of both rails on a wheelset, (3.94), (3.97).
+
+    sliding [m/s]: its sliding speed; friction: mu0.
+    """
+    # The corner of the absolute value has no effect: without sliding the force does not depend on friction.
     friction = at_least(friction * assembly.rail.surface.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
-    # Eq. (3.94) with the creepage over sqrt(V^2 + v_eps^2). All divisors in one: they are what this costs.
+    # Eq. (3.94) with the creepage over sqrt(V^2 + v_eps^2). All divisors are in one, because they take most of the
+    # time.
     divisor = friction * load.growth * ca.sqrt(forward**2 + assembly.parameter["creepage_speed"] ** 2)
     return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, assembly.rail.surface.reduction)
 
@@ -72,7 +76,7 @@ def creep_force_of_wheelset(
 def creep_force_by_law(
     assembly: Assembly, wheelset: Wheelset, friction: ca.SX, load: CentredLoad, sliding: ca.SX, forward: ca.SX
 ) -> ca.SX:
-    """The same by the vehicle's creep law, with curvatures (3.83) and the ellipse of `moving_ellipse`."""
+    """Return the same by the vehicle's creep law, with curvatures (3.83) and the ellipse of `moving_ellipse`."""
     p = assembly.parameter
     slowness = 1 / ca.sqrt(forward**2 + p["creepage_speed"] ** 2)
     curvatures = (
@@ -88,7 +92,7 @@ def creep_force_by_law(
 class Creeping:
     """A wheelset that creeps on a level rail, eq. (2.8).
 
-    rotated: angle that it has turned by; sliding [m/s]; force [N]: of both rails; static [N]: the most that they hold.
+    rotated: its angle of rotation; sliding [m/s]; force [N]: of both rails; static [N]: the largest holding force.
     """
 
     number: int
@@ -102,7 +106,7 @@ class Creeping:
 def creep_on_level_rail(
     assembly: Assembly, number: int, distance: ca.SX, forward: ca.SX, load: CentredLoad, axle_load: ca.SX
 ) -> Creeping:
-    """A wheelset on a level rail, eq. (2.8); it declares the states of its rotation.
+    """Return a wheelset on a level rail, eq. (2.8), with the states of its rotation.
 
     distance [m], forward [m/s]: of its axle; load: of each wheel; axle_load [N]: of both.
     """
@@ -127,10 +131,10 @@ def roll_on_level_rail(
     axle_load: ca.SX,
     held: ca.SX,
 ) -> RollingWheelset:
-    """Its rotation, third line of eq. (2.8).
+    """Add the rotation of a wheelset, third line of eq. (2.8).
 
-    axle: displacement from its place in the vehicle [m] and speed [m/s]; held [N]: with what the rails hold an axle
-    that stands, else 0.
+    axle: displacement from its place in the vehicle [m] and speed [m/s]; held [N]: force of the rails that holds a
+    standing axle, else 0.
     """
     number, data = creeping.number, assembly.vehicle.wheelsets[creeping.number - 1]
     turned, radius = (creeping.rotated, creeping.angular_velocity), assembly.radius(data)

@@ -1,6 +1,6 @@
 """The contact of the thesis, model 1: a wheelset with one rigid contact a wheel, at its place in a vehicle.
 
-Straight track alone. What the rails do to the wheelset is the part of `rigid_part`.
+It applies to straight track only. The effect of the rails on the wheelset is the part of `rigid_part`.
 """
 
 from collections.abc import Callable, Sequence
@@ -38,8 +38,8 @@ from rbd_model.wheelset.touch import SIDES, Pieces
 #: Scales of the error control: with tolerance 1e-7, 0.1 nm at the contact, 0.1 nrad of roll and 0.01 N.
 NOMINAL_CONTACT = 1e-3
 NOMINAL_NORMAL_FORCE = 1e5
-#: Share of the rail head's curvature that is left when a tread contact counts as lost. The fold is where nothing is
-#: left; there the contact moves infinitely fast.
+#: Remaining share of the rail head's curvature at which a tread contact is treated as lost. At the fold no share
+#: remains, and the contact moves infinitely fast.
 FOLD_MARGIN = 0.02
 
 
@@ -54,10 +54,14 @@ class RigidWheelset(WheelsetOnRails):
 
 
 def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX, int], Section]) -> RigidWheelset:
-    """Declares the states of a wheelset and lets it meet its rails, by (3.54), (3.57) and (3.67).
+    """Declare the states of a wheelset and compute its contact with the rails, by (3.54), (3.57) and (3.67).
 
-    section: the track by wheelset and distance. The static load is the guess for the normal forces. Raises ValueError
-    on a line, which the contact of the thesis does not know.
+    section: the track by wheelset and distance. The static load is the guess for the normal forces.
+
+    Raises
+    ------
+    ValueError
+        If the vehicle runs on a line, which the contact of the thesis does not model.
     """
     if assembly.on_line:
         raise ValueError("Contact model 1 runs on straight track alone, as in the thesis; take model 2 on a line.")
@@ -125,7 +129,7 @@ def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX, 
 def ends_alone(
     assembly: Assembly, data: Wheelset, state: RollingState, fixed: RollingConstants, pieces: Sequence[Pieces]
 ) -> list[ca.SX]:
-    """The `margins` of both wheels (section 9.4.1), told without what it costs to find their forces."""
+    """Return the `margins` of both wheels (section 9.4.1), without the computation of their forces."""
     found = []
     for index, piece in enumerate(pieces):
         part = end_of_contact(piece.wheel.numel(), piece.rail.numel())
@@ -136,15 +140,15 @@ def ends_alone(
     return found
 
 
-#: Contacts of centred wheels this near to y = 0 of the profile begin there [m]; others where they are.
+#: Contacts of centred wheels this near to y = 0 of the profile start there [m]; others start at their place.
 NEARLY_NOMINAL = 0.1e-3
-#: Shift up to which the contact of a centred wheelset must go on without a jump at model 1, steps to there, and the
-#: distance from the contact that is followed to the one that touches first, from which it is a jump [m].
+#: Conditions of model 1 [m]: shift up to which the contact of a centred wheelset must move without a jump; step of the
+#: shift. The third is the least distance of a jump, from the followed contact to the one that touches first.
 WITHOUT_JUMP, JUMP_STEP, LONG_JUMP = 3e-3, 20e-6, 1e-3
 
 
 def add_contact_positions(assembly: Assembly, number: int) -> ca.SX:
-    """Algebraic states: where the (left, right) wheel of a wheelset is touched (3.54) [m]."""
+    """Return algebraic states: contact positions on the (left, right) wheel of a wheelset (3.54) [m]."""
     centred, starts = contact_at(assembly.vehicle.wheelsets[number - 1].equal_sides, 0.0).position, []
     for (side, word), place in zip(SIDES.items(), centred, strict=True):
         start = -side * assembly.parameter["initial_lateral"]
@@ -155,9 +159,12 @@ def add_contact_positions(assembly: Assembly, number: int) -> ca.SX:
 
 @lru_cache
 def check_one_contact(pair: Sides) -> None:
-    """Check that one contact follows a wheel, which is all that model 1 has (section 9.4.1).
+    """Check that one moving contact describes a wheel, because model 1 has only one (section 9.4.1).
 
-    Raises ValueError if the contact jumps before the wheelset has shifted by WITHOUT_JUMP.
+    Raises
+    ------
+    ValueError
+        If the contact jumps before the wheelset has shifted by WITHOUT_JUMP.
     """
     last, one = last_tread_contact(pair, WITHOUT_JUMP + JUMP_STEP, JUMP_STEP), pair.left
     elsewhere = abs(contact_at(pair, last.shift).position[0] - last.position[0]) > LONG_JUMP
@@ -171,7 +178,7 @@ def check_one_contact(pair: Sides) -> None:
 
 
 def add_normal_forces(assembly: Assembly, number: int) -> ca.SX:
-    """Algebraic states: normal forces (3.75) of the (left, right) wheel [N]; the static load is a guess."""
+    """Return algebraic states: normal forces (3.75) of the (left, right) wheel [N]; the static load is a guess."""
     weight = assembly.value(assembly.vehicle.wheelsets[number - 1].mass) * assembly.parameter["gravity"]
     static_load = assembly.resting_on(number) / 2 + weight / 2
     names = [f"normal_{number}_{word}" for word in SIDES.values()]
@@ -179,7 +186,9 @@ def add_normal_forces(assembly: Assembly, number: int) -> ca.SX:
 
 
 def rolling_constants(assembly: Assembly, data: Wheelset) -> RollingConstants:
-    """What the part of a wheelset takes from its description and the parameters; the flange's place: (3.106)."""
+    """Return the constants of a wheelset's part from its description and the parameters; the flange's place:
+    (3.106).
+    """
     p, flange = assembly.parameter, flange_of(data.equal_sides)
     arm = p["flange_at_rail"] * (assembly.radius(data) + flange.depth)
     return RollingConstants(
@@ -197,12 +206,12 @@ def rolling_constants(assembly: Assembly, data: Wheelset) -> RollingConstants:
     )
 
 
-#: What a wheel has done whose contact ends (section 9.4.1), in the order of its `margins`.
+#: Ends of a wheel's contact in words (section 9.4.1), in the order of its `margins`.
 ENDINGS = ("lost its tread contact", "ran off the end of its tread or of the rail's head")
 
 
 def margins(assembly: Assembly, data: Wheelset, bend: ca.SX, position: ca.SX, on_rail: ca.SX) -> ca.SX:
-    """What is left of a wheel's contact until it ends as ENDINGS say (section 9.4.1); negative where it has.
+    """Return the remaining margins of a wheel's contact for each of ENDINGS (section 9.4.1), negative beyond its end.
 
     bend [1/m]: of the contact, see `WheelContact`; position, on_rail [m]: its places on both profiles.
     """
@@ -212,7 +221,7 @@ def margins(assembly: Assembly, data: Wheelset, bend: ca.SX, position: ca.SX, on
 
 
 def look_up_pieces(assembly: Assembly, number: int, state: RollingState, fixed: RollingConstants) -> list[Pieces]:
-    """Pieces of the profiles at both contacts of a wheelset, (3.77), (3.78)."""
+    """Return pieces of the profiles at both contacts of a wheelset, (3.77), (3.78)."""
     system, pair, placement = assembly.system, assembly.vehicle.wheelsets[number - 1].equal_sides, state.placement
     return [
         look_up_profiles(system, f"{number}_{word}", pair, placement, fixed.wheel(index), state.positions[index])
@@ -223,9 +232,9 @@ def look_up_pieces(assembly: Assembly, number: int, state: RollingState, fixed: 
 def move_rigid(
     assembly: Assembly, wheelset: RigidWheelset, suspension: Load, first_acceleration: ca.SX
 ) -> WheelsetMotion:
-    """Equations of motion of a wheelset, as (3.73), and the accelerations of its constraints, (3.71).
+    """Add equations of motion of a wheelset, as (3.73), and the accelerations of its constraints, (3.71).
 
-    To what the rails do comes what the suspension does. first_acceleration [m/s2]: of the vehicle's first body along
+    The suspension's effect is added to that of the rails. first_acceleration [m/s2]: of the vehicle's first body along
     the track.
     """
     rolled, mass = wheelset.rolled, assembly.value(wheelset.data.mass)

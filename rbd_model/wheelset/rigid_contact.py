@@ -1,11 +1,12 @@
-"""One wheel on its rail in space: where they touch, and how the wheel slides there.
+"""One wheel on its rail in 3D: its contact point and its sliding there.
 
-The wheel is a surface of revolution with the radius r(s) = r0 - w(s), the rail a prism with the height rho(u); s and u
-are positions across the profiles, positive to the field side. `side` is 1 for the left wheel and -1 for the right one.
+The wheel is a surface of revolution with the radius r(s) = r0 - w(s), the rail a prism with the height rho(u).
+Positions across the profiles, s and u, are positive to the field side. `side` is 1 for the left wheel and -1 for the
+right one.
 
-Contact asks for a common normal and no gap, eqs (3.54), (3.57). In the axes that yaw and roll with the wheelset the
-wheel's normal at (s, theta) is (-sin theta, -side w', cos theta) / sqrt(1 + w'^2). That it stands across the rail gives
-theta in closed form; that the rail's slope is the same is one equation for s; and the height follows from no gap.
+A contact has a common normal and no gap, eqs (3.54), (3.57). In the axes that yaw and roll with the wheelset the
+wheel's normal at (s, theta) is (-sin theta, -side w', cos theta) / sqrt(1 + w'^2). Its direction across the rail gives
+theta in closed form. The equal slope of the rail is one equation for s. The height follows from no gap.
 """
 
 from dataclasses import dataclass, replace
@@ -23,7 +24,7 @@ from rbd_model.wheelset.touch import Pieces, Placement, Wheel, follow_cosines, t
 
 @dataclass(frozen=True)
 class WheelContact:
-    """Geometry of one contact; vectors in the wheelset's yaw-roll axes, but for `across`."""
+    """Geometry of one contact; vectors in the wheelset's yaw-roll axes, except for `across`."""
 
     side: ca.SX
     arm: ca.SX  # from the wheelset's centre to the contact point [m] (P)
@@ -46,21 +47,22 @@ class WheelContact:
 
     @property
     def bend(self) -> ca.SX:
-        """How the slope error changes with the position s [1/m]; 0 at the fold."""
+        """Derivative of the slope error by the position s [1/m]; 0 at the fold."""
         return self.slopes[4, 3]
 
     def rate(self, placement_rate: ca.SX) -> ca.SX:
-        """Rates of (across, lever) while lateral position, yaw and roll change; the contact moves as (3.57) asks."""
+        """Return rates of (across, lever) while lateral position, yaw and roll change; the contact moves by (3.57)."""
         travel = -(self.slopes[4, :3] @ placement_rate) / self.bend
         return self.slopes[:4, :] @ ca.vertcat(placement_rate, travel)
 
 
 @lru_cache
 def contact_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
-    """Geometry of one contact, eqs (3.54), (3.57), (3.83), of lateral position, yaw, roll and position on the wheel.
+    """Return the part for the geometry of one contact, eqs (3.54), (3.57), (3.83).
 
-    Constants: direction cosines, the wheel, pieces of both profiles with so many terms. Results: arm, normal, across,
-    lever, slope error, height, both curvatures, position on the rail, and `slopes` of a WheelContact.
+    Arguments: lateral position, yaw, roll and position on the wheel. Constants: direction cosines, the wheel, pieces of
+    both profiles with `wheel_terms` and `rail_terms` terms. Results: arm, normal, across, lever, slope error, height,
+    both curvatures, position on the rail, and `slopes` of a WheelContact.
     """
     given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 8 + wheel_terms + rail_terms)
     lateral, yaw, roll, position = ca.vertsplit(given)
@@ -82,7 +84,9 @@ def contact_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
 
 @lru_cache
 def end_of_contact(wheel_terms: int, rail_terms: int) -> Part:
-    """What of `contact_of_wheel` tells where a contact ends: its bend (3.57) and its place on the rail [m]."""
+    """Return the part with those results of `contact_of_wheel` that determine its end: its bend (3.57) and rail place
+    [m].
+    """
     whole = contact_of_wheel(wheel_terms, rail_terms)
     return replace(whole, name=f"end_of_{whole.name}", results=whole.results[[BEND, ON_RAIL]])
 
@@ -92,20 +96,22 @@ ON_RAIL, SLOPES, BEND = 14, 15, 34
 
 
 def look_up_profiles(system: System, name: str, pair: Pair, placement: Placement, on: Wheel, position: ca.SX) -> Pieces:
-    """Pieces of both profiles at the position s on the wheel (3.77), (3.78); adds their tables, named after `name`."""
+    """Return pieces of both profiles at the position s on the wheel (3.77), (3.78); adds their tables, named `name`."""
     wheel = system.look_up(f"wheel_{name}", *pair.wheel.pieces, position)
     on_rail = touch(placement, on, position, wheel).on_rail
     return Pieces(wheel, system.look_up(f"rail_{name}", *pair.rail.pieces, on_rail))
 
 
 def given_to_contact(placement: Placement, on: Wheel, position: ca.SX, pieces: Pieces) -> tuple[ca.SX, ca.SX]:
-    """Arguments and constants of `contact_of_wheel` at the position s on the profile, (3.77)."""
+    """Return arguments and constants of `contact_of_wheel` at the position s on the profile, (3.77)."""
     given = ca.vertcat(placement.lateral, placement.yaw, placement.roll, position)
     return given, ca.vertcat(placement.cosines, on.vector, pieces.vector)
 
 
 def wheel_contact(chain: Chain, placement: Placement, on: Wheel, position: ca.SX, pieces: Pieces) -> WheelContact:
-    """Contact of a wheel (3.77) at the position s on its profile with a rail (3.78): eqs (3.54), (3.57), (3.83)."""
+    """Return the contact of a wheel (3.77) at the position s on its profile with a rail (3.78): (3.54), (3.57),
+    (3.83).
+    """
     part = contact_of_wheel(pieces.wheel.numel(), pieces.rail.numel())
     found = chain.call(part, *given_to_contact(placement, on, position, pieces))
     return WheelContact(
@@ -125,6 +131,8 @@ def wheel_contact(chain: Chain, placement: Placement, on: Wheel, position: ca.SX
 
 
 def inside(pair: Pair, position: ca.SX, on_rail: ca.SX) -> ca.SX:
-    """Distance of a contact from the nearest end of either profile (section 9.4.1) [m], negative beyond it."""
+    """Return the distance of a contact from the nearest end of either profile (section 9.4.1) [m], negative beyond
+    it.
+    """
     (low, high), (first, last) = pair.wheel.limits, pair.rail.limits
     return ca.fmin(ca.fmin(position - low, high - position), ca.fmin(on_rail - first, last - on_rail))

@@ -1,10 +1,10 @@
-"""The contact of the thesis, model 1: what two rails do to a wheelset on straight track.
+"""The contact of the thesis, model 1: the effect of two rails on a wheelset on straight track.
 
-Constraints, creep, flange, and its equations of motion without suspension.
+This includes constraints, creep, flange, and the wheelset's equations of motion without suspension.
 
-Six velocities (v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in those that yaw and roll with the
-wheelset) are bound by two contacts. v_z and omega_x follow from the constraints at the level of velocities (3.67), the
-normal forces from those of accelerations (3.71); roll and contact positions from the constraints themselves.
+Two contacts constrain six velocities: v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in those that
+yaw and roll with the wheelset. v_z and omega_x follow from the constraints at the level of velocities (3.67). The
+normal forces follow from those of accelerations (3.71), roll and contact positions from the constraints themselves.
 
 All this is one part: generated once, called for each wheelset.
 """
@@ -26,7 +26,7 @@ from rbd_model.wheelset.touch import SIDES, Pieces, Placement, Wheel
 
 @dataclass(frozen=True)
 class RollingState(Bundle):
-    """How a wheelset stands and moves on its rails, with what of these it feels there; pairs are (left, right)."""
+    """Position and motion of a wheelset on its rails, and the rails' data there; pairs are (left, right)."""
 
     forward: ca.SX = rows(1)  # v_x [m/s]
     sideways: ca.SX = rows(1)  # v_y [m/s]
@@ -44,13 +44,13 @@ class RollingState(Bundle):
 
     @property
     def placement(self) -> Placement:
-        """Where the wheelset stands."""
+        """Position and angles of the wheelset."""
         return Placement(self.yaw, self.roll, direction_cosines(self.yaw, self.roll), self.offset)
 
 
 @dataclass(frozen=True)
 class RollingConstants(Bundle):
-    """What does not change while a wheelset rolls."""
+    """Data that are constant while a wheelset rolls."""
 
     mass: ca.SX = rows(1)  # [kg]
     inertia: ca.SX = rows(3)  # [kg.m2]
@@ -72,7 +72,7 @@ class RollingConstants(Bundle):
 
 @dataclass(frozen=True)
 class RolledMotion(Bundle):
-    """What the rails make of a wheelset, which its suspension adds to."""
+    """Effect of the rails on a wheelset, without its suspension."""
 
     height: ca.SX = rows(1)  # of its centre [m]
     rise: ca.SX = rows(1)  # v_z [m/s]
@@ -131,7 +131,7 @@ class FlangePush:
 
     @property
     def force(self) -> ca.SX:
-        """On the wheelset, to the left [N]."""
+        """Force on the wheelset, to the left [N]."""
         return self.push[1] - self.push[0]
 
 
@@ -151,7 +151,7 @@ class OnRails:
 def meet_rails(
     chain: Chain, state: RollingState, fixed: RollingConstants, pieces: Sequence[Pieces], creep_law: CreepLaw
 ) -> OnRails:
-    """Contacts of a wheelset and what acts there, by (3.54), (3.57), (3.67) and (3.82)-(3.106)."""
+    """Return the contacts of a wheelset and the forces there, by (3.54), (3.57), (3.67) and (3.82)-(3.106)."""
     placement = state.placement
     contacts = [
         wheel_contact(chain, placement, fixed.wheel(index), state.positions[index], piece)
@@ -178,7 +178,7 @@ def meet_rails(
 
 
 def constraint_row(contact: WheelContact, drift: ca.SX) -> ca.SX:
-    """A contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.67).
+    """Return the row of a contact's motion along its normal, linear in (v_x, v_y, v_z, omega_x, omega_z), eq. (3.67).
 
     drift: slopes of the rail's section, sideways and upwards, as the wheelset moves along.
     """
@@ -186,7 +186,7 @@ def constraint_row(contact: WheelContact, drift: ca.SX) -> ca.SX:
 
 
 def dependent_velocities(row: Sequence[ca.SX], forward: ca.SX, sideways: ca.SX, yaw_rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """v_z [m/s] and omega_x [rad/s] from the two constraints: (3.115) solved for the dependent velocities."""
+    """Return v_z [m/s] and omega_x [rad/s] from the two constraints: (3.115) solved for the dependent velocities."""
     left, right = (one[0] * forward + one[1] * sideways + one[4] * yaw_rate for one in row)
     inverse = 1 / (row[0][2] * row[1][3] - row[1][2] * row[0][3])
     rise = inverse * (row[0][3] * right - row[1][3] * left)
@@ -194,7 +194,9 @@ def dependent_velocities(row: Sequence[ca.SX], forward: ca.SX, sideways: ca.SX, 
 
 
 def rail_slopes(slopes: ca.SX, index: int) -> ca.SX:
-    """Slopes of the left (0) or right rail (1) along the track, sideways and upwards (section 5.3); or its bends."""
+    """Return slopes of the left (0) or right rail (1) along the track, sideways and upwards (section 5.3); or its
+    bends.
+    """
     return ca.vertcat(slopes[0], slopes[1 + index])
 
 
@@ -208,9 +210,10 @@ def roll_wheel(
     moving: tuple[ca.SX, ca.SX],
     creep_law: CreepLaw,
 ) -> RollingWheel:
-    """The left (0) or the right wheel with its creep, eqs (3.89)-(3.105); `constraint`: its row and the rate of that.
+    """Return the left (0) or the right wheel with its creep, eqs (3.89)-(3.105); `constraint`: its row and its row's
+    rate.
 
-    moving: velocity where it touches [m/s] and angular velocity [rad/s], in the wheelset's own axes.
+    moving: velocity at the contact [m/s] and angular velocity [rad/s], in the wheelset's own axes.
     """
     sliding, own_rate = moving
     directions = contact.along, contact.sideways, contact.normal
@@ -225,14 +228,14 @@ def roll_wheel(
 
 
 def push_flanges(fixed: RollingConstants, offset: ca.SX, cosines: ca.SX) -> FlangePush:
-    """Lateral push of the rails on the flanges, eq. (3.106), where they touch or, as printed, at the wheelset's centre.
+    """Return the lateral push of the rails on the flanges, eq. (3.106), at the gauge face or at the wheelset's centre.
 
-    offset [m]: of the wheelset's centre from that of the track; cosines: the wheelset's `direction_cosines`.
-    Differs from the thesis with flange_at_rail 1: the force acts at the gauge face, a wheel radius and the flange's
-    depth below the axle, so that it presses the flanging wheel down and lifts the other one, each by force x arm over
-    the distance of the contacts; and what meets the rail is the displacement down there, to which the roll adds, so
-    that the spring gives back what it took. The clearance stays the displacement of a centre on level track. The
-    vertical part of a flange's force is missing here as it is in (3.106).
+    offset [m]: of the wheelset's centre from that of the track; cosines: the wheelset's `direction_cosines`. The centre
+    is the thesis's point of action. The other, flange_at_rail 1, differs from it: the force acts at the gauge face, a
+    wheel radius and the flange's depth below the axle. It presses the flanging wheel down and lifts the other one, each
+    by force x arm over the distance of the contacts. The displacement at the rail is then that at the gauge face,
+    including roll, so that the spring returns its energy. The clearance remains the displacement of a centre on level
+    track. The vertical part of a flange's force is not included, as in (3.106).
     """
     displacement = offset + fixed.flange_arm * cosines[3]
     left = ca.fmax(displacement - fixed.flange_clearance, 0)
@@ -244,9 +247,11 @@ def push_flanges(fixed: RollingConstants, offset: ca.SX, cosines: ca.SX) -> Flan
 
 @lru_cache
 def rolling_wheelset(wheel_terms: int, rail_terms: int, creep_law: CreepLaw) -> Part:
-    """A `RolledMotion` of a `RollingState`, (3.67), (3.71), (3.73): all that is between two rails and a suspension.
+    """Return the part for a `RolledMotion` of a `RollingState`, (3.67), (3.71), (3.73): from two rails to the
+    suspension.
 
-    Constants: `RollingConstants`, then the pieces of both profiles with so many terms, left wheel first.
+    Constants: `RollingConstants`, then the pieces of both profiles with `wheel_terms` and `rail_terms` terms, left
+    wheel first.
     """
     state, fixed, chain = RollingState.symbols("state"), RollingConstants.symbols("constants"), Chain()
     pieces = [Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms)) for _ in SIDES]
@@ -256,9 +261,9 @@ def rolling_wheelset(wheel_terms: int, rail_terms: int, creep_law: CreepLaw) -> 
 
 
 def roll_freely(chain: Chain, wheelset: OnRails, fixed: RollingConstants) -> RolledMotion:
-    """Newton's and Euler's equations of a wheelset on its rails, as (3.73), and how its wheels part from them, (3.71).
+    """Return Newton's and Euler's equations of a wheelset on its rails, as (3.73), and its parting from them, (3.71).
 
-    Differs from the thesis, which has Euler parameters: about axes that yaw and roll with the wheelset, in which its
+    This differs from the thesis, which has Euler parameters. The axes here yaw and roll with the wheelset, so that its
     inertia is constant.
     """
     rate = wheelset.own_rate
@@ -304,7 +309,7 @@ def roll_freely(chain: Chain, wheelset: OnRails, fixed: RollingConstants) -> Rol
 
 
 def nadal_limit(angle: float, friction: ca.SX) -> ca.SX:
-    """Largest Y/Q of a wheel that does not climb on a flange with this angle [rad].
+    """Return the largest Y/Q at which a wheel does not climb on a flange with this angle [rad].
 
     Nadal (1896), Annales des Mines 10: a flange that slides down carries Y and Q at its angle less that of friction.
     """

@@ -81,9 +81,9 @@ def follow_creep(assembly: Assembly, speed: ca.SX, *states: ca.SX) -> None:
 class RollingWheelset:
     """A wheelset that rolls, skids or is locked, as at every level of detail.
 
-    number: from 1. displacement [m]: of its axle from its place in the vehicle. forward [m/s]: speed of the axle.
-    creep_force, load [N]: forces of both rails on it, along the track and upwards. creep_power [W]: power dissipated at
-    both rails.
+    `number` is from 1. `displacement` [m] is that of its axle from its place in the vehicle. `forward` [m/s] is the
+    speed of the axle. `creep_force` and `load` [N] are forces of both rails on it, along the track and upwards.
+    `creep_power` [W] is the power dissipated at both rails.
     """
 
     number: int

@@ -1,10 +1,11 @@
-"""Where a wheel touches a rail, as a point of its profile has it: what all depths of contact share.
+"""The contact of a wheel with a rail by a point of its profile, common to all contact models.
 
-The wheel is a surface of revolution with the radius r(s) = r0 - w(s), the rail a prism with the height rho(u); s and u
-are positions across the profiles, positive to the field side. `side` is 1 for the left wheel and -1 for the right one.
+The wheel is a surface of revolution with the radius r(s) = r0 - w(s), the rail a prism with the height rho(u).
+Positions across the profiles, s and u, are positive to the field side. `side` is 1 for the left wheel and -1 for the
+right one.
 
 In the axes that yaw and roll with the wheelset the wheel's normal at (s, theta) is (-sin theta, -side w', cos theta) /
-sqrt(1 + w'^2). That it stands across the rail gives theta in closed form, from eq. (3.54).
+sqrt(1 + w'^2). Its direction across the rail gives theta in closed form, from eq. (3.54).
 """
 
 from dataclasses import dataclass
@@ -22,7 +23,7 @@ SIDES = {LEFT: "left", RIGHT: "right"}
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a wheelset stands: yaw and roll [rad], their `direction_cosines`, lateral position over the rails [m]."""
+    """Position of a wheelset: yaw and roll [rad], their `direction_cosines`, lateral position over the rails [m]."""
 
     yaw: ca.SX
     roll: ca.SX
@@ -41,13 +42,13 @@ class Wheel:
 
     @property
     def vector(self) -> ca.SX:
-        """All of it, shape (4, 1)."""
+        """All of its values, shape (4, 1)."""
         return ca.vertcat(self.side, self.radius, self.wheel_half_distance, self.rail_half_distance)
 
 
 @dataclass(frozen=True)
 class Touch:
-    """A wheel and a rail in the terms of the part: where they are, and where the contact lies on the rail."""
+    """A wheel and a rail in the terms of the part: their positions, and that of the contact on the rail."""
 
     arm: ca.SX
     normal: ca.SX
@@ -60,14 +61,14 @@ class Touch:
 
 
 def touch(placement: Placement, on: Wheel, position: ca.SX, piece: ca.SX) -> Touch:
-    """Contact point of a wheel (3.77) at the position s: the normal stands across the rail, from (3.54).
+    """Return the contact point of a wheel (3.77) at the position s: the normal is across the rail, from (3.54).
 
     piece: of the wheel's profile at s.
     """
     profile, slope = polynomials(piece, position, 1)
     axes, radius = turned_by(placement.cosines), on.radius - profile
     along = axes[0, :].T
-    # -sin(theta) t1 - side w' t2 + cos(theta) t3 = 0: the normal stands across the rail, whose direction is t.
+    # -sin(theta) t1 - side w' t2 + cos(theta) t3 = 0: the normal is across the rail, whose direction is t.
     level = 1 / ca.sqrt(along[0] ** 2 + along[2] ** 2)
     lead = -on.side * slope * along[1] * level
     rest = ca.sqrt(1 - lead**2)
@@ -81,14 +82,14 @@ def touch(placement: Placement, on: Wheel, position: ca.SX, piece: ca.SX) -> Tou
 
 
 def follow_cosines(chain: Chain, cosines: ca.SX, turned: ca.SX) -> None:
-    """Tells a part how the `direction_cosines` (section 3.2.1) that it is given follow yaw and roll, its arguments."""
+    """Declare derivatives of a part's `direction_cosines` (section 3.2.1) by yaw and roll, its arguments."""
     change = ca.vertcat(-cosines[1], cosines[0], -cosines[3], cosines[2])
     chain.follow(cosines, turned, ca.horzcat(ca.vertcat(change[:2], 0, 0), ca.vertcat(0, 0, change[2:])))
 
 
 @dataclass(frozen=True)
 class Pieces:
-    """The pieces of both profiles where a wheel touches its rail."""
+    """The pieces of both profiles at the contact of a wheel with its rail."""
 
     wheel: ca.SX
     rail: ca.SX

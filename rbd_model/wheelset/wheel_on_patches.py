@@ -1,4 +1,4 @@
-"""A wheel on the patches of its profile, as one part: where they are nearest to its rail, and what they do together."""
+"""A wheel on the patches of its profile, as one part: their nearest points to the rail, and their total effect."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press,
 from rbd_model.wheelset.touch import Placement, Wheel, follow_cosines
 from rbd_model.wheelset.touching_patch import Nearest, PatchTables, find_nearest
 
-#: How far a patch may be from its rail and still be looked at [m]: more than its nearest point without yaw errs by.
+#: Largest distance from the rail at which a patch is evaluated [m]: above the error of its nearest point without yaw.
 NEAR = 0.5e-3
 
 
 @dataclass(frozen=True)
 class WheelPress(Bundle):
-    """What all patches of a wheel do to its wheelset, sums of a `Press`."""
+    """Effect of all patches of a wheel on its wheelset, sums of a `Press`."""
 
     force: ca.SX = rows(3)  # in the axes of the track [N]
     moment: ca.SX = rows(3)  # in the wheelset's own [N.m]
@@ -33,7 +33,7 @@ class WheelPress(Bundle):
 
     @classmethod
     def of_patches(cls, patches: Sequence[Press], flanges: Sequence[bool]) -> WheelPress:
-        """flanges: which of the patches belong to the flange."""
+        """flanges: true for the patches of the flange."""
         flange = [one.force[1] for one, is_flange in zip(patches, flanges, strict=True) if is_flange]
 
         def total(name: str) -> ca.SX:
@@ -45,7 +45,7 @@ class WheelPress(Bundle):
 
 @dataclass(frozen=True)
 class Feeling:
-    """What a wheel feels of its rail, and what it is given and not differentiated by; without any one patch.
+    """Arguments of a wheel on its rail, and its inputs that are not differentiated; without data of single patches.
 
     `state` has its nearest point at 0, `fixed` its direction too.
     """
@@ -65,14 +65,14 @@ class Feeling:
         return ca.vertcat(self.state.vector[:-1], *track)
 
     def nearest(self, chain: Chain, patch: PatchTables) -> Nearest:
-        """Where a patch is nearest to the rail."""
+        """Return the point of a patch that is nearest to the rail."""
         state, wheel = self.state, Wheel(*ca.vertsplit(self.fixed.wheel))
         return find_nearest(
             chain, patch, (Placement(state.yaw, state.roll, self.fixed.cosines, state.offset), wheel, state.height)
         )
 
     def press(self, chain: Chain, near: Nearest, patch: PatchTables, law: CreepLaw, when: ca.SX | float) -> Press:
-        """What it does; when: above 0 where it may touch."""
+        """Return the forces of a patch; when: above 0 if it may touch."""
         terms = near.pieces.wheel.numel(), near.pieces.rail.numel()
         part = pressing_patch(*terms, patch.flange, law, self.track is not None)
         fixed = replace(self.fixed, direction=ca.SX(patch.line.cosine_and_sine))
@@ -81,7 +81,7 @@ class Feeling:
         return Press.of(chain.call(part, given, ca.vertcat(fixed.vector, near.pieces.vector), when))
 
     def each(self, chain: Chain, patches: Sequence[PatchTables], laws: Sequence[CreepLaw]) -> list[Press]:
-        """What each patch does. The first, a tread, bears nearly always; the others seldom."""
+        """Return the forces of each patch. The first, a tread, nearly always touches; the others seldom."""
         pressed = []
         for number, (patch, law) in enumerate(zip(patches, laws, strict=True)):
             near = self.nearest(chain, patch)
@@ -91,7 +91,7 @@ class Feeling:
 
 @lru_cache
 def wheel_on_patches(patches: tuple[PatchTables, ...], laws: tuple[CreepLaw, ...], on_line: bool) -> Part:
-    """A `WheelPress` of a wheel, (3.77)-(3.105), of what `Feeling.given` says; laws: of creep, for each patch."""
+    """Return the part for a `WheelPress`, (3.77)-(3.105), from `Feeling.given`; laws: of creep, for each patch."""
     state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
     state, fixed = replace(state, nearest=ca.SX(0)), replace(fixed, direction=ca.SX.zeros(2))
     feeling = Feeling(state, fixed, TurningTrack.symbols("track") if on_line else None)

@@ -1,10 +1,11 @@
-"""The track below a wheelset, which yields to it: both rails move sideways as one, and each of them up and down.
+"""Flexible track below a wheelset: both rails move sideways as one, and each of them up and down.
 
-Springs, dampers and the mass of the rails carry these motions and go along with the wheelset: what yields under one is
-not felt by the next. Heights of both rails that differ are the roll of the track. Without a line rails are rigid.
+Springs, dampers and the mass of the rails carry these motions and move along with the wheelset. The deflection below
+one wheelset has no effect on the next. Different heights of both rails are the roll of the track. Without a line rails
+are rigid.
 
-Rails without mass would have their speed from an equation without derivatives, as forces hang on it by creep and the
-contacts' damping. That has no solution where the force of a contact jumps; with mass there are no more unknowns.
+Rails without mass would have their speed from an equation without derivatives, because forces depend on it by creep and
+the contacts' damping. That has no solution if the force of a contact jumps; with mass there are no more unknowns.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.scales import NOMINAL_TRAVEL_SPEED
 from rbd_model.wheelset.touch import SIDES
 
-#: Scale of the error control: with tolerance 1e-6, 1 nm of a rail that gives way by 1 mm [m].
+#: Scale of the error control: with tolerance 1e-6, 1 nm of a rail that is deflected by 1 mm [m].
 NOMINAL_GIVE = 1e-3
 
 
 @dataclass(frozen=True)
 class Give:
-    """How far and how fast rails give way below a wheelset; rows: both to the left, the left one up, the right one up.
+    """Deflection of rails below a wheelset and its speed; rows: both to the left, the left one up, the right one up.
 
-    Heights are counted from where the rails lie under the static load, as those of the bodies that they carry are.
-    mass, stiffness, damping: of each row; static [N]: what pushes at rest.
+    Heights are relative to those under the static load, as for the bodies that the rails carry. mass, stiffness,
+    damping: of each row; static [N]: force at rest.
     """
 
     moved: ca.SX  # [m]
@@ -38,7 +39,7 @@ class Give:
 
     @classmethod
     def rigid(cls) -> Give:
-        """Rails that do not move."""
+        """Return rails that do not move."""
         return cls(*(ca.SX(3, 1) for _ in range(6)))
 
     @property
@@ -48,22 +49,22 @@ class Give:
 
     @property
     def stored(self) -> ca.SX:
-        """Energy in the springs, from where the rails lie under the static load [J]."""
+        """Energy in the springs, relative to the state under the static load [J]."""
         return ca.dot(self.stiffness, self.moved**2) / 2 + ca.dot(self.static, self.moved)
 
     @property
     def damping_power(self) -> ca.SX:
-        """What the dampers take [W]."""
+        """Power dissipated in the dampers [W]."""
         return ca.dot(self.damping, self.speed**2)
 
 
 def rows_of(number: int) -> list[str]:
-    """Names of the rows of a wheelset's `Give`."""
+    """Return names of the rows of a wheelset's `Give`."""
     return [f"track_{number}", *(f"track_{number}_{word}" for word in SIDES.values())]
 
 
 def add_give(assembly: Assembly, number: int) -> Give:
-    """Declares how the rails below a wheelset move; they start where the static load has pressed them."""
+    """Declare the motion of the rails below a wheelset; they start at their deflection under the static load."""
     system, p = assembly.system, assembly.parameter
     moved = [system.state(name, "m", 0.0, NOMINAL_GIVE) for name in rows_of(number)]
     speed = [system.state(f"{name}_speed", "m/s", 0.0, NOMINAL_TRAVEL_SPEED) for name in rows_of(number)]
@@ -80,7 +81,7 @@ def add_give(assembly: Assembly, number: int) -> Give:
 
 
 def press_rails(assembly: Assembly, give: Give, sideways: ca.SX, loads: ca.SX) -> None:
-    """Rails that are pushed against their springs and dampers: Newton's second law, as (3.73).
+    """Add the motion of the rails against their springs and dampers: Newton's second law, as (3.73).
 
     sideways [N]: of both wheels on the rails, to the left; loads [N]: of each wheel, downwards.
     """

@@ -1,7 +1,7 @@
 /* A table over four coordinates by quadratic splines along each: continuous, with continuous derivatives.
  *
-  * Coefficients lie at equal distances; the last coordinate varies fastest. Each place has two (ahead, sideways).
-  * Along every coordinate one lies before the first place and one after the last. */
+ * Coefficients lie at equal distances; the last coordinate varies fastest. Each place has two (ahead, sideways). Along every
+ * coordinate one lies before the first place and one after the last. */
 #include <math.h>
 
 enum { COORDINATES = 4, POINTS = 3, OF_TABLE = 2 };
