@@ -12,17 +12,17 @@
 /* Bytes of a file at most. */
 enum { LARGEST = 1 << 27 };
 
-/* Where a run is. Without gaps: equal states have equal bytes. */
+/* State of a run. It has no padding, so that equal states have equal bytes. */
 typedef struct {
     double time;
-    long long int settled, ended; /* whether outputs are those of what was set; whether no step follows */
+    long long int settled, ended; /* whether outputs match the inputs; whether no step follows */
 } run;
 
 struct fmu_object {
     arrays_object *own;
     run now;
     double stop; /* infinite: the host named none */
-    kernel_sentence said; /* null: nothing that was not heard */
+    kernel_sentence said; /* NULL: all messages were delivered */
     char sentence[MESSAGE_SIZE];
 };
 

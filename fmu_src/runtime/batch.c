@@ -1,11 +1,11 @@
-/* The control of runs in lanes: see batch.h. What is computed together is in batch_lanes.c. */
+/* Control of runs in lanes, see batch.h. Computations in all lanes are in batch_lanes.c. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "batch_lanes.h"
 
-/* CONTROLLED: instances whose steps alternate with what stands between them, whole groups; few enough for a core's cache. */
+/* CONTROLLED: instances whose steps alternate with the calls between steps, in whole groups; few enough for a core's cache. */
 enum { W = BATCH_LANES, CONTROLLED = 8 * W };
 
 batch *batch_create(const batch *beside) {
@@ -52,7 +52,7 @@ static void spread(double *numbers, int l, const double *source, int count) {
     for (int i = 0; i < count; ++i) numbers[i * W + l] = source[i];
 }
 
-/* What does not change in a kernel_step; constants, which do not change in a run, where others stand there. */
+/* Copy what is constant in a kernel_step into a lane; the constants of a run only if those of another instance are there. */
 static void take_in(batch *self, int l, const kernel *own) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
@@ -67,7 +67,7 @@ static void take_in(batch *self, int l, const kernel *own) {
     n->allowed[l] = 1.0 / own->run.value[MODEL.tolerance];
 }
 
-/* Where each lane stands; what is not active stands where another does. */
+/* Copy the place of each lane; an inactive lane copies that of the first active one. */
 static void take_in_places(batch *self) {
     const int first = first_active(self);
     lane_numbers *n = &self->numbers;
@@ -93,7 +93,7 @@ static void set_known(known_place *known, int l, const known_place *all, double 
     known->lane = l;
 }
 
-/* Whether a lane's instance is in this state, with the modes that the lane has. */
+/* Return whether a lane's instance is in this state, with the modes of the lane. */
 static bool stands_at(const batch *self, int l, const double *state) {
     const kernel *own = self->lane[l].self;
     for (int i = 0; i < self->system->states; ++i)
@@ -103,14 +103,15 @@ static bool stands_at(const batch *self, int l, const double *state) {
     return true;
 }
 
-/* Whether the steps of an instance are those that lanes make: with an exact Jacobian, and no algebraic states. */
+/* Return whether an instance makes the same steps as the lanes: with an exact Jacobian and without algebraic states. */
 static bool goes_in_lanes(const kernel *own) {
     if (own->system->algebraics) return false;
     return own->work.method == METHOD_EXACT ||
            (own->work.method == METHOD_REUSED && own->run.value[MODEL.integration_step] > 0.0);
 }
 
-/* Begins a step in a lane, which asks for a trial or is done then; all: what is known there, null: nothing. */
+/* Begin a step in a lane, which then requests a trial or is done. all: results known at the place of each lane; NULL:
+ * nothing. */
 static void begin_in_lane(batch *self, int l, const known_place *all) {
     lane *one = &self->lane[l];
     const double offset = one->run.offset;
@@ -124,7 +125,7 @@ static void begin_in_lane(batch *self, int l, const known_place *all) {
     know(self, l, NULL, NULL);
 }
 
-/* Begins the steps of lanes that ended one. */
+/* Begin the steps of lanes that ended one. */
 static void begin_steps(batch *self) {
     bool begin_runs = false, together = false;
     for (int l = 0; l < W; ++l) {
@@ -193,7 +194,7 @@ static void try_steps(batch *self) {
     }
 }
 
-/* Ends the kernel_steps that are done, with what is known at their end. */
+/* End the kernel_steps that are done, with the results known at their end. */
 static kernel_status end_step(batch *self, int l) {
     lane *one = &self->lane[l];
     const kernel_status status = step_end(one->self, one->noted, one->size, one->run.offset, one->run.status);
@@ -228,7 +229,7 @@ static kernel_status begin_step(batch *self, int l, kernel *own, double size) {
 
 /* ---- runs ----------------------------------------------------------------------------------------------------- */
 
-/* What a run said, a failed one its last sentence alone; null: nothing, or there is no memory. */
+/* Return the messages of a run, of a failed one only the last; NULL if there is no message or no memory. */
 static char *words_of(kernel *own, kernel_status status) {
     kernel_sentence heard = {status, own->journal.message};
     size_t length = 0;
@@ -322,7 +323,7 @@ bool batch_run(batch *self, const batch_runs *runs) {
 
 /* ---- steps of instances --------------------------------------------------------------------------------------- */
 
-/* Reads the outputs, from the lanes where they are known there. */
+/* Read the outputs, from the lanes where they are known there. */
 static void leave_step(batch *self, const batch_steps *steps, int l, kernel_status status) {
     const lane *one = &self->lane[l];
     kernel *own = one->self;

@@ -1,6 +1,6 @@
-/* Many runs of one model at once: LANES instances make their trial steps together, each with its own time, step, modes and
- * events; one that is done makes room for the next. Whatever a lane cannot do together it does alone, with the same bits.
- * Only the library for studies holds it. */
+/* Many runs of one model at once. LANES instances make their trial steps together, each with its own time, step, modes and
+ * events; when one is done, the next takes its lane. A lane makes all other steps alone, with bit-identical results. Only the
+ * library for studies contains this. */
 #ifndef BATCH_H
 #define BATCH_H
 
@@ -20,21 +20,21 @@ typedef struct {
 
 typedef struct batch batch;
 
-/* What each of `count` runs begins with and leaves. Arrays are by rows, a row for each run. A failed run leaves NaN. */
+/* Input and results of `count` runs. Arrays are by rows, a row for each run. A failed run leaves NaN. */
 typedef struct {
     long long int count;
-    long long int *next; /* the first run that nobody has taken yet: threads share it */
+    long long int *next; /* the first run that no thread has taken yet; shared by the threads */
     int variables, outputs;
     const int *variable, *output;
     const double *value; /* count x variables: start values */
     int file;            /* the variable that names the file of all runs */
-    const char *path;    /* null: there is none */
+    const char *path;    /* NULL: no file */
     double start, stop;  /* [s] */
     double *result;      /* count x outputs: where a run ends */
     double *end;         /* count: when [s] */
     int *status;         /* count: a kernel_status; KERNEL_DISCARD: the run ended by itself */
-    char **said;         /* count, or null: what it said from its initialisation on; batch_free_said frees each */
-    bool says_all;       /* or only failed runs say why */
+    char **said;         /* count, or NULL: messages from the initialisation on; batch_free_said frees each */
+    bool says_all;       /* false: only failed runs report their messages */
 } batch_runs;
 
 /* A step of each of `count` instances. */
@@ -49,28 +49,28 @@ typedef struct {
     int *status;         /* count: a kernel_status */
 } batch_steps;
 
-/* What stands between steps of the instances from the first on: reads what they show and sets what they are told, rows of
- * outputs and of inputs; whether any goes on. */
+/* Called between steps for `count` instances from `first` on. Reads rows of outputs and writes rows of inputs. Returns false if
+ * none of these instances continues. */
 typedef bool (*batch_between)(void *context, long long int first, long long int count, const int *status, const double *result,
                               double *value);
 
-/* One for each thread; or further ones beside it, for other instances: those compute in the room of the first, which outlives
- * them, so that it stays in a core's cache. null: there is no memory. */
+/* Create a batch, one for each thread. With `beside` it creates a further batch for other instances, which computes in the
+ * memory of `beside`: that memory stays in a core's cache. `beside` must outlive it. Returns NULL if out of memory. */
 KERNEL_EXPORT batch *batch_create(const batch *beside);
 KERNEL_EXPORT void batch_free(batch *self);
 KERNEL_EXPORT int batch_lanes(void);
-/* Whether there is memory for it. */
+/* Return false if out of memory. */
 KERNEL_EXPORT bool batch_run(batch *self, const batch_runs *runs);
 KERNEL_EXPORT void batch_free_said(char *said);
 /* group: a batch for each BATCH_LANES instances, the same at every step. */
 KERNEL_EXPORT void batch_step(batch *const *group, const batch_steps *steps);
-/* So many steps of all instances, a few at a time, each behind a call of `between`; ends where none of these goes on. first:
- * the number of the first instance for `between`. */
+/* Make `count` steps of all instances, a few instances at a time, each step after a call of `between`. Ends early if none of
+ * these continues. first: number of the first instance for `between`. */
 KERNEL_EXPORT void batch_control(batch *const *group, const batch_steps *steps, long long int count, batch_between between,
                                  void *context, long long int first);
-/* The outputs of all instances where they stand, into the same arrays as those of a step. */
+/* Write the present outputs of all instances into the arrays for those of a step. */
 KERNEL_EXPORT void batch_look(const batch_steps *steps);
-/* Before the next step of a group some of whose instances have begun anew. */
+/* Must be called before the next step of a group in which instances have begun a new run. */
 KERNEL_EXPORT void batch_forget(batch *self);
 
 #endif

@@ -1,4 +1,4 @@
-/* What the lanes of a batch compute together: linearisation, factors, stages, margins. */
+/* Computations in all lanes of a batch: linearisation, factors, stages, margins. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static double *carve_lanes(double *room, size_t *used, int count) {
     return start;
 }
 
-/* What stays from step to step. */
+/* Lay out the numbers that are kept from step to step. */
 static size_t lay_out_constants(batch *self, double *room) {
     size_t used = 0;
     self->numbers.parameter = carve_lanes(room, &used, self->system->parameters);
@@ -27,7 +27,7 @@ static size_t lay_out_constants(batch *self, double *room) {
     return used;
 }
 
-/* What a step is computed in. */
+/* Lay out the work arrays of a step. */
 static size_t lay_out_work(batch *self, double *room) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
@@ -55,7 +55,7 @@ static size_t lay_out_work(batch *self, double *room) {
     return used;
 }
 
-/* Room for so many numbers behind `own`, which is freed; null: there is no memory. */
+/* Return aligned memory for `count` numbers within the block `own`, which the caller frees; NULL if out of memory. */
 static double *aligned_room(size_t count, double **own) {
     const size_t line = ALIGNMENT / sizeof(double);
     *own = (double *)calloc(count + line, sizeof(double));
@@ -77,7 +77,7 @@ bool batch_lay_out(batch *self, const batch *beside) {
     return true;
 }
 
-/* Inputs and pieces of the table file at `share` of the wanted steps; then functions may be asked there. */
+/* Compute inputs and pieces of the table file at `share` of the wanted steps; functions may be called there afterwards. */
 static void locate(batch *self, double share) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
@@ -94,7 +94,7 @@ static void call(batch *self, lanes_function function, const double *state, doub
     function(argument, result);
 }
 
-/* Looks up the table file, each lane in its own; between functions of many lanes. */
+/* Look up the table file, each lane in its own; between functions of many lanes. */
 static void look_up(batch *self, const double *state) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
@@ -139,7 +139,7 @@ static void begin_known(batch *self, known_place *known, known_function *functio
     known->mode = self->numbers.mode;
 }
 
-/* Whether a drive is asked for in some lane, as in find_drive_and_capacity of modes.c. */
+/* Return whether some lane requires a drive, see find_drive_and_capacity in modes.c. */
 static bool asks_for_drive(const batch *self, const double *state, const double *capacity) {
     const system_description *system = self->system;
     for (int i = 0; i < system->frictions; ++i)
@@ -186,7 +186,7 @@ const known_place *batch_start(batch *self, bool modes) {
     return &self->start;
 }
 
-/* Factors of 1 / (gamma h) - J; `regular` says where they serve. */
+/* Compute factors of 1 / (gamma h) - J; `regular` marks the lanes in which they are usable. */
 static void factorise(batch *self) {
     const system_description *system = self->system;
     lane_numbers *n = &self->numbers;
@@ -213,7 +213,7 @@ static void solve_stage(void *of, double *k) {
     self->of->substitute(self->numbers.entry, k);
 }
 
-/* As at the end of rosenbrock_step. */
+/* Compute the error as at the end of rosenbrock_step. */
 static void find_error(batch *self) {
     const system_description *system = self->system;
     const lane_numbers *n = &self->numbers;
@@ -229,7 +229,7 @@ static void find_error(batch *self) {
     real_store(n->error, real_sqrt(sum / (double)system->states));
 }
 
-/* Whether a lane ends its kernel_step there, if the trial is taken. */
+/* Return whether a lane ends its kernel_step there, if the trial is accepted. */
 static bool ends(const batch *self) {
     for (int l = 0; l < LANES; ++l) {
         const lane *one = &self->lane[l];

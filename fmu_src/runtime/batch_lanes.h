@@ -15,14 +15,14 @@ typedef struct {
 } lane_numbers;
 
 typedef struct {
-    kernel *self; /* null: there is none */
+    kernel *self; /* NULL: empty */
     stepper run;
     unsigned long long noted;
     long long int row;
     double size;
     bool begins; /* a kernel_step */
-    bool linearised, together; /* whether the lanes have its Jacobian; whether its trial is made with those of others */
-    const kernel *constants_of; /* whose constants stand in the lane */
+    bool linearised, together; /* whether the lanes have its Jacobian; whether it shares their trial */
+    const kernel *constants_of; /* owner of the constants in the lane */
     known_place start, end;
 } lane;
 
@@ -44,9 +44,9 @@ struct batch {
 extern const batch_functions BATCH;
 
 RUNTIME_LOCAL bool batch_lay_out(batch *self, const batch *beside);
-/* Where each lane stands: modes, where they are asked for, the Jacobian, and what may change. */
+/* Evaluate each lane at its present place: modes if `modes`, the Jacobian, and the largest changes. */
 RUNTIME_LOCAL const known_place *batch_start(batch *self, bool modes);
-/* A trial of each lane with the size that it wants, and what is asked at its end. */
+/* Make a trial of each lane with its wanted size and evaluates functions at its end. */
 RUNTIME_LOCAL const known_place *batch_try(batch *self);
 
 #endif

@@ -1,5 +1,5 @@
-/* Numbers as files write them, with a point or a comma, whatever the language of the host: correctly rounded, as Python's
- * float reads them. */
+/* Read numbers as files write them, with a point or a comma, in any locale of the host. Correctly rounded, as Python's
+ * float. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static const char *read_sign(const char *text, bool *negative) {
     return text + 3;
 }
 
-/* Reads digits on one side of the mark; behind them. */
+/* Read digits on one side of the mark; behind them. */
 static const char *digits_of_part(const char *text, decimal *found) {
     unsigned long long whole = found->whole;
     int count = found->count;
@@ -87,7 +87,7 @@ static bool quotient(const decimal *found, double *size) {
     return first + (second - error) == first + (second + error);
 }
 
-/* By the library of C, which needs no decimal mark where all digits stand before it. */
+/* Convert with the C library; all digits are before the decimal mark, so the locale does not matter. */
 static double by_library(const decimal *found) {
     char text[MOST_DIGITS + 16];
     int used = 0, left = found->count;
@@ -101,7 +101,7 @@ static double by_library(const decimal *found) {
         more |= left && used == MOST_DIGITS && *c != '0';
     }
     if (!used) return 0.0;
-    if (more && text[used - 1] == '0') text[used - 1] = '1'; /* it is more than what stands here */
+    if (more && text[used - 1] == '0') text[used - 1] = '1'; /* the number is larger than its first digits */
     snprintf(text + used, sizeof text - (size_t)used, "e%d", found->exponent + left);
     return strtod(text, NULL);
 }

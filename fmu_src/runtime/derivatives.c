@@ -46,8 +46,8 @@ static const double *prepare_derivatives(kernel *self) {
     return place;
 }
 
-/* Derivatives of all slopes along the seed, in reading.slope_change: by states from the Jacobian, by inputs from what the
- * derivative by time becomes where they change with it. */
+/* Compute derivatives of all slopes along the seed, in reading.slope_change: by states from the Jacobian, by inputs from the
+ * change of the time derivative when their rates change by the seed. */
 static void differentiate_slopes(kernel *self, const double *place) {
     const int n = self->system->states;
     for (int i = 0; i < n; ++i) self->reading.slope_change[i] = -self->work.time_slope[i];
@@ -57,7 +57,7 @@ static void differentiate_slopes(kernel *self, const double *place) {
     linear_add_product(self, self->given.seed + 1, self->reading.slope_change);
 }
 
-/* Of a slope of model exchange; 0 where the system does not have that state. */
+/* Return the derivative of one slope of model exchange; 0 if the system does not have that state. */
 static kernel_status pick_slope(kernel *self, int number, double *result) {
     const int state = exchange_state(self, number);
     char when[TIME_TEXT];
@@ -67,7 +67,7 @@ static kernel_status pick_slope(kernel *self, int number, double *result) {
                        MODEL.variable[self->system->state_variable[state]].name, time_text(self->run.now->time, 9, when));
 }
 
-/* Copies the derivatives of some outputs; those that the system does not have are constant. */
+/* Copy the derivatives of some outputs; those that the system does not have are constant. */
 static kernel_status pick_derivatives(kernel *self, int count, const int *variable, double *result) {
     for (int i = 0; i < count; ++i) {
         const kernel_status status = kernel_check_reference(self, variable[i]);

@@ -14,8 +14,8 @@
 
 enum { TIME_TEXT = 48, DURATION_PROBLEM = 240 };
 
-/* A time in seconds for a sentence, with so many digits, and more where it has more than three before the point: of Unix time,
- * which has ten there, three (of 6) or six (of 9) remain behind it. */
+/* Write a time [s] for a message with `digits` digits. Times with more than three digits before the point get more: Unix time
+ * has ten there, and three (of 6) or six (of 9) remain after the point. */
 static inline const char *time_text(double time, int digits, char text[TIME_TEXT]) {
     const int before = fabs(time) >= 1e3 && fabs(time) < 1e18 ? 1 + (int)log10(fabs(time)) : 3;
     const int all = before + digits - 3;
@@ -29,7 +29,7 @@ static inline double time_slack(double time, double size) {
     return fmax(1e-3 * size, fmin(0.5 * size, 2.0 * DBL_EPSILON * fabs(time)));
 }
 
-/* Whether no run can begin and end there; then a sentence says why. stop: null where the host named none. */
+/* Return whether a run cannot have this start and stop; `problem` then holds a message. stop: NULL if the host gave none. */
 static inline bool plan_is_wrong(double start, const double *stop, char problem[DURATION_PROBLEM]) {
     char begin[TIME_TEXT], end[TIME_TEXT];
     if (!isfinite(start)) {
@@ -43,7 +43,7 @@ static inline bool plan_is_wrong(double start, const double *stop, char problem[
     return true;
 }
 
-/* Whether no step can be of this size. */
+/* Return whether a step cannot have this size. */
 static inline bool size_is_wrong(double size, char problem[DURATION_PROBLEM]) {
     if (size > 0.0 && size <= LONGEST_STEP) return false;
     if (size > 0.0 && isfinite(size))
@@ -53,7 +53,7 @@ static inline bool size_is_wrong(double size, char problem[DURATION_PROBLEM]) {
     return true;
 }
 
-/* Whether no step can begin at `time`, where the one before ended `now` and the run is to stop. */
+/* Return whether a step cannot begin at `time`, if the one before ended at `now` and the run is to stop at `stop`. */
 static inline bool time_is_wrong(double time, double size, double now, double stop, char problem[DURATION_PROBLEM]) {
     const double end = time + size, surely = 1e-3 * size; /* asked at every step of a host */
     if (fabs(time - now) <= surely && end > time && end <= stop + surely) return false;

@@ -9,7 +9,7 @@ static bool is_same(const double *numbers, const double *known, int lanes, int c
     return true;
 }
 
-/* Whether a function's results are known there; then it has them. */
+/* Return whether a function's results are known there; then copies them to `result`. */
 static bool is_known(const kernel *self, const known_place *at, generated_function function, double offset, const double *state,
                      double **result) {
     const known_function *found = NULL;
@@ -41,8 +41,8 @@ void kernel_call(kernel *self, generated_function function, double offset, const
     function(argument, result, NULL, NULL, self->lanes);
 }
 
-/* Looks up what is asked of the table file from `first` on that is of its rank, whose places are in table_at. Most have not
- * left the rows between which they were. Returns the first of the next rank. */
+/* Look up the pieces of the table file of one rank, from `first` on, at the places in table_at. Most places are between the
+ * same rows as before. Returns the index of the first of the next rank. */
 static int look_up_rank(kernel *self, int first) {
     const system_description *system = self->system;
     int i = first;

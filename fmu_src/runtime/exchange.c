@@ -1,15 +1,15 @@
-/* Model exchange: the equations for an integrator of the host, which sets time, states and inputs and reads slopes and
- * event indicators. Where one of these has crossed zero, modes are found as they are within a step of our own.
+/* Model exchange: the equations for an integrator of the host, which sets time, states and inputs and reads slopes and event
+ * indicators. At a zero crossing of an indicator, modes are found as within a co-simulation step.
  *
- * A host knows the number of states beforehand: it is that of the system which the start values choose, and systems with
- * other states are refused. None of them has algebraic states. */
+ * A host knows the number of states beforehand: it is that of the system which the start values choose, and systems with other
+ * states are refused. None of them has algebraic states. */
 #include <math.h>
 #include <string.h>
 
 #include "method.h"
 
-/* An event indicator is the margin of a switch, scaled, and this much more: where it crosses zero the margin is negative
- * beyond the round-off of whoever locates that, and where a run goes on behind an event no indicator is zero. */
+/* An event indicator is the scaled margin of a switch plus this constant. At its zero crossing the margin is negative by more
+ * than the host's round-off in locating it. After an event no indicator is zero. */
 static const double HYSTERESIS = 1e-9;
 
 int kernel_exchange_states(void) { return MODEL.exchanged < 0 ? 0 : MODEL.system[MODEL.exchanged].states; }
@@ -19,7 +19,7 @@ int kernel_exchange_indicators(void) {
     return MODEL.system[MODEL.exchanged].frictions + MODEL.system[MODEL.exchanged].ends;
 }
 
-/* The first of what chooses the system that is not at its start value. */
+/* Return the name of the first selector that is not at its start value, or that of the table file. */
 static const char *name_of_choice(const kernel *self) {
     for (int i = 0; i < MODEL.selectors; ++i) {
         const variable_description *selector = &MODEL.variable[MODEL.selector[i]];
@@ -45,14 +45,14 @@ static kernel_status prepare(kernel *self) {
     return KERNEL_OK;
 }
 
-/* Place of the first of some numbers that is not finite; -1: there is none. */
+/* Return the index of the first number that is not finite; -1 if all are. */
 static int first_not_finite(const double *number, int count) {
     for (int i = 0; i < count; ++i)
         if (!isfinite(number[i])) return i;
     return -1;
 }
 
-/* What an integrator tries may be no motion: it is told to shorten its step. */
+/* An integrator may try a state without a finite motion: return a discard, which requests a shorter step. */
 static kernel_status discard(kernel *self, const char *what) {
     char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_DISCARD, "%s at t = %s s is not a finite number; shorten the step.", what,
@@ -161,7 +161,7 @@ kernel_status kernel_get_exchanged(kernel *self, int number, double *value) {
     return status;
 }
 
-/* Whether some of what a rollback restores is other than in the backup. */
+/* Return whether part of a state that a rollback restores differs from the backup. */
 static bool differs(const kernel *self, const double *vector, int count) {
     return memcmp(self->backup + (vector - self->run.block), vector, (size_t)count * sizeof(double)) != 0;
 }
@@ -193,7 +193,7 @@ kernel_status kernel_complete_step(kernel *self, bool *crossed) {
     if (status != KERNEL_OK) return status;
     *crossed = false;
     for (int i = 0; i < kernel_exchange_indicators(); ++i) *crossed |= self->modes.margin[i] < 0.0;
-    /* An output that hangs on what counts is discrete: it changes at events alone. */
+    /* An output that depends on a friction's reports is discrete: it changes only at events. */
     if (self->run.now->watched) *crossed |= told_follow(self, 0.0);
     const bool warned = modes_warn(self, 0.0);
     return explicit_host_guard(self) != KERNEL_OK || warned ? KERNEL_WARNING : KERNEL_OK;

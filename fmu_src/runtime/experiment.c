@@ -1,4 +1,4 @@
-/* What the host says about a run: its tolerance and its end. */
+/* The host's settings of a run: tolerance and stop time. */
 #include <math.h>
 
 #include "instance.h"
@@ -20,7 +20,7 @@ kernel_status kernel_plan(kernel *self, const double *tolerance, double start, c
 kernel_status kernel_discard(kernel *self, unsigned long long noted, double reached) {
     char begin[TIME_TEXT], end[TIME_TEXT];
     time_text(self->given.step_origin, 6, begin), time_text(self->given.step_origin + reached, 6, end);
-    kernel_take_back(self, noted); /* what was to be told of this step did not happen */
+    kernel_take_back(self, noted); /* messages of this step, which is taken back */
     (void)kernel_say_when(self, KERNEL_DISCARD, self->system->sentence[self->run.now->ended - 1], end);
     return kernel_fail(self, KERNEL_DISCARD,
                        "The step from t = %s s was discarded, for the run ends within it and no early return is allowed; "

@@ -6,14 +6,14 @@
 
 #include "method.h"
 
-/* Steps in a row that tell Euler's method, and those between two looks; doublings of a step over which growth is looked at,
- * and how much finer the motion is with which it is compared. */
+/* Steps in a row that identify Euler's method; steps between two checks; doublings of a step over which growth is computed;
+ * refinement (power of 2) of the motion used for comparison. */
 enum { STEPS_TO_TELL = 2, LOOK_EVERY = 64, DOUBLINGS = 10, FINER = 4 };
-/* How many times as much a disturbance grows as in the finer motion, from where on it is no error but a lie; and a number
- * behind which nobody need look. */
+/* Growth of a disturbance, relative to that of the finer motion, above which the solution is unstable; growth above which
+ * squaring ends. */
 static const double UNSTABLE = 1e3, ENDLESS = 1e100;
-/* What a step may miss, of its way; and how much of a nominal value a change of slope must move within a step, so that no
- * implicit method takes the same step. */
+/* Largest deviation from Euler's step, relative to its size. Smallest change of a slope within a step, relative to the nominal
+ * value, at which no implicit method takes the same step. */
 static const double MISSED = 1e-12, SEEN = 1e-9;
 
 void explicit_host_begin(kernel *self) {
@@ -32,7 +32,7 @@ void explicit_host_read(kernel *self) {
     self->host.slope_known = true;
 }
 
-/* Whether the step that ends here was one of Euler's, and one that no implicit method would take. */
+/* Return whether the step that ends here was one of Euler's method and not also one of an implicit method. */
 static bool is_step_of_euler(const kernel *self, double size) {
     bool changed = false;
     if (!self->host.slope_known || !(size > 0.0)) return false;
@@ -45,7 +45,7 @@ static bool is_step_of_euler(const kernel *self, double size) {
 }
 
 /* Largest growth of a disturbance, each state in its nominal value, over 2^DOUBLINGS steps of Euler's method, each in 2^finer
- * parts: (I + h J) squared so often. */
+ * parts: (I + h J) squared as many times. */
 static double growth_over_steps(kernel *self, double size, int finer) {
     const int n = self->system->states;
     double *matrix = self->host.growth, *square = self->host.square, largest = 1.0;

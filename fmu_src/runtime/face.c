@@ -1,4 +1,5 @@
-/* What the faces of both standards share: the order of calls, the log, references, saved states. The object has the numbers. */
+/* Shared part of the FMI 2.0 and FMI 3.0 interfaces: order of calls, log, references, saved states. The object holds the
+ * values. */
 #include "face.h"
 #include "readable.h"
 #include "sealed.h"
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* By status. */
+/* Log categories, indexed by status. */
 static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 enum { CATEGORIES = 4, EVERYTHING = 15 };
 
@@ -19,7 +20,7 @@ static void say(const component *self, kernel_status status, const char *sentenc
         self->standard->tell(self, status, CATEGORY[category], sentence);
 }
 
-/* The object writes no sentence that is not passed on. */
+/* Set the statuses whose messages the object writes: those that are passed on. */
 static void listen(const component *self) {
     if (OBJECT.listen) OBJECT.listen(self->object, self->logger ? self->logged | self->standard->told : 0);
 }
@@ -32,7 +33,7 @@ kernel_status face_error(const component *self, const char *sentence) {
 static kernel_status larger(kernel_status one, kernel_status other) { return one > other ? one : other; }
 
 static void pass_on_one(component *self, const kernel_sentence *heard, kernel_status least) {
-    char sentence[MESSAGE_SIZE]; /* of our own: a logger may call the instance, which then says more */
+    char sentence[MESSAGE_SIZE]; /* a copy: a logger may call the instance, which then writes more */
     strcpy(sentence, heard->text);
     say(self, larger(heard->status, least), sentence);
 }
@@ -167,7 +168,7 @@ kernel_status face_plan(component *self, const double *tolerance, double start, 
     return face_report(self, status);
 }
 
-/* What is asked for during initialisation belongs to the values set so far. */
+/* A value that is read during initialisation must follow from the values set so far. */
 static kernel_status initialise_if_asked(component *self) {
     if (self->now != INITIALISING || OBJECT.initialised(self->object)) return KERNEL_OK;
     return face_report(self, OBJECT.initialise(self->object, self->start_time));
@@ -186,7 +187,7 @@ kernel_status face_enter(component *self, phase next) {
 
 /* ---- variables: every value is a double in the object; the type is only checked here ---- */
 
-/* What a value reference is of. */
+/* Variable and elements of a value reference. */
 typedef struct {
     const variable_description *about; /* null: the time */
     unsigned variable;
@@ -224,7 +225,7 @@ static bool sizes_differ(const component *self, size_t due, size_t size) {
     return true;
 }
 
-/* Whether a reference is one of a kind, whose values follow `behind` others among `size`; what is wrong is said. */
+/* Return whether a reference is of a kind and its values, after `behind` others, fit into `size`; log an error if not. */
 static bool find_within(const component *self, unsigned reference, int kind, bool reading, size_t behind, size_t size,
                         place *found) {
     if (!find_place(self, reference, kind, reading, found)) return false;
@@ -265,7 +266,7 @@ kernel_status face_get(component *self, int kind, const unsigned *reference, siz
 
 typedef kernel_status setting(fmu_object *object, unsigned variable, size_t first, size_t count, const double *value);
 
-/* Checks or sets elements. */
+/* Check or sets elements. */
 static kernel_status at_each(component *self, setting *act, const place *at, const void *values, size_t behind,
                              face_take *take) {
     if (!take) return act(self->object, at->variable, at->first, at->count, (const double *)values + behind);
@@ -283,7 +284,7 @@ static bool refuse_fixed(const component *self, const char *name, const char *wh
     return face_error(self, sentence) != KERNEL_OK;
 }
 
-/* Whether a variable cannot be set now, which is said. */
+/* Return whether a variable cannot be set now; log the reason. */
 static bool is_fixed(const component *self, const variable_description *about) {
     const char *fixed = why_fixed(about, (self->now & RUNNING) != 0);
     if (fixed) return refuse_fixed(self, about->name, fixed);
@@ -291,7 +292,7 @@ static bool is_fixed(const component *self, const variable_description *about) {
            face_error(self, "Inputs that are no real numbers change at events; enter event mode first.");
 }
 
-/* Whether all can be set, before any is. */
+/* Return whether all variables can be set, before any is set. */
 static bool all_settable(component *self, int kind, const unsigned *reference, size_t count, const void *values, size_t size,
                          face_take *take) {
     size_t behind = 0;
@@ -318,7 +319,7 @@ kernel_status face_set(component *self, int kind, const unsigned *reference, siz
     return face_report(self, worst);
 }
 
-/* Texts are scalars. */
+/* String variables are scalars. */
 static bool are_texts(const component *self, const unsigned *reference, size_t count, const void *text, size_t size) {
     place at;
     if (sizes_differ(self, count, size) || face_missing(self, count, reference, text)) return false;
@@ -398,13 +399,14 @@ static unsigned long long model_of(const component *self) {
     return OBJECT.mark ? seal_hash(model, &mark, sizeof mark) : model;
 }
 
-/* Whether a state is a whole one of this object; else it is said. */
+/* Return whether a state is a complete one of this object; log an error if not. */
 static bool is_ours(const component *self, const void *state, size_t size) {
     char problem[SEALED_PROBLEM];
     return seal_holds(state, size, model_of(self), block_size(self), problem) || !face_error(self, problem);
 }
 
-/* Room for a state: what is there already, if it is one of this object; null: there is none, which is said. */
+/* Return memory for a state: the existing one if it is of this object, or a new one. NULL, with a logged error, if that
+ * fails. */
 static void *room_for_state(const component *self, void **state) {
     if (face_missing(self, 1, state, state)) return NULL;
     if (*state && !seal_is_of(*state, model_of(self), block_size(self))) {

@@ -1,4 +1,4 @@
-/* What the faces of FMI 2.0 and 3.0 share around an object (object.h). */
+/* Shared part of the FMI 2.0 and FMI 3.0 interfaces around an object (object.h). */
 #ifndef FACE_H
 #define FACE_H
 
@@ -23,20 +23,20 @@ typedef enum {
 typedef struct component component;
 /* How a standard names a folder: resources_of_uri, resources_of_path. */
 typedef bool face_place(const char *given, char *path, char problem[RESOURCES_PROBLEM]);
-/* What FMI 2.0 and 3.0 do not have in common. */
+/* Differences between FMI 2.0 and FMI 3.0. */
 typedef struct {
     const char *name;   /* "FMI 2.0, section 4.2.4" */
-    unsigned told;      /* a bit for each category that a host hears whether it wants to or not */
+    unsigned told;      /* a bit for each category that is always logged */
     bool by_elements;   /* whether a value reference is that of one element, and the time has none */
     face_place *place;
-    /* Hands a sentence to the host's logger. */
+    /* Hand a message to the host's logger. */
     void (*tell)(const component *self, kernel_status status, const char *category, const char *sentence);
 } face_standard;
 
 struct component {
     fmu_object *object;
     phase now;
-    unsigned logged;           /* one bit for each category that the host wants to hear */
+    unsigned logged;           /* one bit for each category that the host logs */
     kernel_status last_step;   /* what fmi2GetStatus answers: the status of the last step */
     bool exchange;             /* model exchange, not co-simulation */
     bool events;               /* co-simulation whose host asked for event mode */
@@ -57,19 +57,19 @@ RUNTIME_LOCAL component *face_instantiate(const component *log, const char *name
 RUNTIME_LOCAL void face_free(component *self);
 RUNTIME_LOCAL kernel_status face_log(component *self, int logging, size_t count, const char *const categories[]);
 RUNTIME_LOCAL kernel_status face_error(const component *self, const char *sentence);
-/* Of a function of the standard that the object does not have. */
+/* Log that the object does not have a function of the standard. */
 RUNTIME_LOCAL kernel_status face_absent(const component *self, const char *function);
-/* Passes the object's sentences on to the host and returns `status` unchanged. */
+/* Pass the object's messages on to the host and returns `status` unchanged. */
 RUNTIME_LOCAL kernel_status face_report(component *self, kernel_status status);
-/* Passes them on as errors, and returns one. */
+/* Pass them on as errors, and returns one. */
 RUNTIME_LOCAL kernel_status face_refuse(component *self);
 RUNTIME_LOCAL bool face_legal(const component *self, int phases, const char *function);
-/* Whether the instance is of the other interface than the call, which is then said. */
+/* Return whether the instance is of the other interface than the call; log an error if so. */
 RUNTIME_LOCAL bool face_is_cosimulation(const component *self);
 RUNTIME_LOCAL bool face_is_exchange(const component *self);
-/* Whether one of two arrays of `count` values is missing, which is then said. */
+/* Return whether one of two arrays of `count` values is missing; log an error if so. */
 RUNTIME_LOCAL bool face_missing(const component *self, size_t count, const void *one, const void *other);
-/* What the host says before initialisation; null: it says nothing. */
+/* Pass on the host's settings before initialisation; NULL: not set. */
 RUNTIME_LOCAL kernel_status face_plan(component *self, const double *tolerance, double start, const double *stop);
 RUNTIME_LOCAL kernel_status face_initialise(component *self);
 RUNTIME_LOCAL kernel_status face_enter(component *self, phase next);

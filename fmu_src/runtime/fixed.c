@@ -1,14 +1,13 @@
-/* Steps of integration_step seconds with the implicit methods, right or wrong: what is wrong is said.
+/* Steps of integration_step seconds with the implicit methods. Their error is not controlled; a warning reports a large one.
  *
- * Each costs the same, whatever happens in it: a Jacobian, a correction of the algebraic states, the stages of the method and
- * a round of modes. No step is repeated, shortened or divided. What switches within a step switches at its end, so that an
- * event is up to a step late. */
+ * Each step costs the same: a Jacobian, a correction of the algebraic states, the stages of the method and a round of modes. No
+ * step is repeated, shortened or divided. A switch within a step takes effect at its end, so an event is up to a step late. */
 #include <math.h>
 #include <string.h>
 
 #include "stepper.h"
 
-/* Says when the local error exceeds the tolerance, and again when it is ten times what was said. */
+/* Warn when the local error exceeds the tolerance, and again when it is ten times the one last reported. */
 static kernel_status guard_error(kernel *self, double time, double size, double error) {
     if (!(error > 1.0) || error < 10.0 * self->run.now->guard_said) return KERNEL_OK;
     self->run.now->guard_said = error;

@@ -1,4 +1,4 @@
-/* The face of FMI 2.0: co-simulation and model exchange. */
+/* The FMI 2.0 interface: co-simulation and model exchange. */
 #include <string.h>
 
 #include "face.h"
@@ -6,7 +6,7 @@
 
 #define STATUS fmi2Status
 
-/* The sentence is the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
+/* The message is passed as the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
 static void tell_host(const component *self, kernel_status status, const char *category, const char *sentence) {
     char text[2 * MESSAGE_SIZE]; /* even of nothing but % */
     size_t length = 0;
@@ -167,7 +167,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     return (fmi2Status)(self->last_step = face_refuse(self));
 }
 
-/* Only a step that goes on in the background, which none does here, could be cancelled or asked about in advance. */
+/* Only a pending step could be cancelled or queried in advance; steps here are never pending. */
 enum { INITIALISED = STEPPING | STOPPED | TERMINATED };
 
 fmi2Status fmi2CancelStep(fmi2Component c) {

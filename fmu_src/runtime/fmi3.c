@@ -1,9 +1,9 @@
-/* The face of FMI 3.0 over any object (object.h): co-simulation and model exchange. The time has a value reference of its own.
+/* The FMI 3.0 interface of any object (object.h): co-simulation and model exchange. The time has its own value reference.
  *
- * In co-simulation an object that can stop at events ends a step early at its events, such as a wheelset that locks, and
- * where its run ends, if the host has set earlyReturnAllowed. Else it discards a step within which its run ends, and stays
- * where it was. A step of any other object goes to its end, also the last one. With eventModeUsed, eventHandlingNeeded
- * reports such an event; the step has handled it, so that fmi3UpdateDiscreteStates changes nothing. */
+ * In co-simulation an object that can stop at events ends a step early at its events, such as a wheelset that locks, and where
+ * its run ends, if the host has set earlyReturnAllowed. Else it discards a step within which its run ends, and stays where it
+ * was. A step of any other object goes to its end, also the last one. With eventModeUsed, eventHandlingNeeded reports such an
+ * event; the step has handled it, so that fmi3UpdateDiscreteStates changes nothing. */
 #include <string.h>
 
 #include "face.h"
@@ -26,7 +26,7 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, siz
     return (fmi3Status)face_log(self, loggingOn, nCategories, categories);
 }
 
-/* What an instance is told at its birth. */
+/* Return the log settings of an instance at its instantiation. */
 static component log_of(fmi3InstanceEnvironment environment, fmi3LogMessageCallback logMessage) {
     component log;
     memset(&log, 0, sizeof log);
@@ -122,7 +122,7 @@ DEFINE_VARIABLES(Float64, fmi3Float64, KIND_REAL, NULL, NULL)
 DEFINE_VARIABLES(Int32, fmi3Int32, KIND_INTEGER, put_int, take_int)
 DEFINE_VARIABLES(Boolean, fmi3Boolean, KIND_BOOLEAN, put_truth, take_truth)
 
-/* Of a type that no variable has: to read or set none of them is no error. */
+/* Functions of a type without variables: reading or setting zero variables is allowed. */
 #define DEFINE_NONE(name, type)                                                                                                \
     fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,       \
                              type values[], size_t nValues) {                                                                  \
@@ -223,7 +223,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         return (fmi3Status)face_error(self, "The run has ended, as terminateSimulation said; reset it to start again.");
     kernel_status status = face_report(self, OBJECT.step(self->object, currentCommunicationPoint, communicationStepSize));
     const bool ended = OBJECT.ended(self->object);
-    if (ended) self->now = STOPPED, status = KERNEL_OK; /* to reach the end of the run is no failure */
+    if (ended) self->now = STOPPED, status = KERNEL_OK; /* the end of the run is a normal result */
     if (status > KERNEL_WARNING) return (fmi3Status)status;
     *terminateSimulation = ended;
     *lastSuccessfulTime = OBJECT.time(self->object);
@@ -266,7 +266,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
         face_missing(self, 1, nextEventTimeDefined, nextEventTime))
         return fmi3Error;
     bool ended = false, jumped = false;
-    /* Steps of our own have found modes already, and find them anew after inputs have jumped. */
+    /* Co-simulation steps have found modes already; they find modes again after inputs have jumped. */
     const kernel_status status = self->exchange ? face_find_modes(self, &ended, &jumped) : KERNEL_OK;
     *discreteStatesNeedUpdate = *nominalsOfContinuousStatesChanged = *nextEventTimeDefined = fmi3False;
     *nextEventTime = 0.0;
@@ -334,7 +334,7 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *number)
         REQUIRE(instance, ALWAYS, #function);                                                                                  \
         return (fmi3Status)face_absent(self, #function);                                                                       \
     }
-/* To read or set none of them is no error. */
+/* Reading or setting zero variables is allowed. */
 #define DEFINE_EMPTY(function, ...)                                                                                            \
     fmi3Status function(fmi3Instance instance, const fmi3ValueReference a[], size_t references, __VA_ARGS__) {                 \
         REQUIRE(instance, ALWAYS, #function);                                                                                  \

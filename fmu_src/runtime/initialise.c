@@ -1,4 +1,4 @@
-/* From parameters to a consistent start. */
+/* Initialisation: computes a consistent start from the parameters. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -20,7 +20,8 @@ void kernel_enter_system(kernel *self) {
     for (int i = 0; i < 2 * system->tables; ++i) self->given.held[i] = NAN; /* nothing is held anywhere */
 }
 
-/* The place of the chosen system in the model, where one selector (-1: none) has another value; below 0: there is none. */
+/* Return the index of the chosen system in the model, with another value of one selector (-1: none); below 0 if it does not
+ * exist. */
 static int chosen_system(const kernel *self, int selector, int value, bool on_table) {
     int combination = 0, combinations = 1;
     for (int i = 0; i < MODEL.selectors; ++i) {
@@ -40,7 +41,7 @@ static void add_text(char text[MESSAGE_SIZE], const char *format, ...) {
     va_end(arguments);
 }
 
-/* Adds what one selector could be set to, the others as they are. */
+/* Add what one selector could be set to, the others as they are. */
 static void add_remedy(const kernel *self, int selector, char remedies[MESSAGE_SIZE]) {
     const variable_description *variable = &MODEL.variable[MODEL.selector[selector]];
     bool named = false;
@@ -52,7 +53,7 @@ static void add_remedy(const kernel *self, int selector, char remedies[MESSAGE_S
     }
 }
 
-/* Says that the model has no system for what was chosen, and what else would have one. */
+/* Report that the model has no system for these choices, and list choices that have one. */
 static kernel_status refuse_choice(kernel *self) {
     const table_file_description *file = MODEL.table_file;
     char chosen[MESSAGE_SIZE] = "", remedies[MESSAGE_SIZE] = "";
@@ -69,7 +70,7 @@ static kernel_status refuse_choice(kernel *self) {
                        *remedies ? remedies : "Change more than one of these");
 }
 
-/* Whether parameters are what they must be together; a status, with the sentence. */
+/* Return an error with a message if parameters break a relation between them. */
 static kernel_status check_relations(kernel *self) {
     for (int i = 0; i < MODEL.relations; ++i) {
         const relation_description *relation = &MODEL.relation[i];
@@ -143,7 +144,7 @@ kernel_status kernel_initialise(kernel *self, double time) {
     return kernel_warn_of_idle_parameters(self) != KERNEL_OK ? KERNEL_WARNING : status;
 }
 
-/* Opens the parameters again, all values kept; initialise afterwards. */
+/* Open the parameters again, all values kept; initialise afterwards. */
 void kernel_reopen(kernel *self) {
     self->system = NULL;
     self->run.now->system = -1;

@@ -6,7 +6,7 @@
 #include "instance.h"
 #include "lanes_widest.h"
 
-/* The largest of each number over the systems, so that the room serves whichever is chosen. */
+/* The largest of each number over the systems, so that the memory suffices for each of them. */
 static dimensions largest_dimensions(void) {
     dimensions most;
     memset(&most, 0, sizeof most);
@@ -39,7 +39,7 @@ static double *carve(double *block, size_t *used, int count) {
     return start;
 }
 
-/* Lays the state of the run out in its block, or only counts the doubles where there is none yet. */
+/* Lay the state of the run out in its block; without a block only count the doubles. */
 static size_t lay_out_run(run_state *run, const dimensions *room, double *block) {
     size_t used = 0;
     run->now = (run_record *)carve(block, &used, (int)((sizeof(run_record) + sizeof(double) - 1) / sizeof(double)));

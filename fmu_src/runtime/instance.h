@@ -29,16 +29,16 @@ typedef struct {
     int limits, conditions;
 } dimensions;
 
-/* What the host asked for. */
+/* Settings of the host. */
 typedef struct {
     bool stops_at_events, whole_steps;
-    unsigned unheard; /* a bit for each status whose sentences nobody hears: they are not written */
+    unsigned unheard; /* a bit for each status whose messages are not written */
     double stop_time; /* infinite: the host named none */
 } host_wishes;
 
 struct kernel {
     const system_description *system; /* the chosen one; null before initialisation */
-    int lanes;                        /* how many of what repeats generated functions compute at once */
+    int lanes;                        /* how many copies of a repeated component generated functions compute at once */
     table_file *table;                /* null: none */
     char *table_path;
     dimensions room;
@@ -62,16 +62,16 @@ struct kernel {
     int *pivots;
 };
 
-/* Sentences: into the journal; and kernel_message as well, for a status, which is returned. */
+/* Write a message to the log; kernel_fail also to kernel_message, and it returns the status. */
 RUNTIME_LOCAL void kernel_note(kernel *self, kernel_status status, const char *format, ...) LIKE_PRINTF(3);
 RUNTIME_LOCAL kernel_status kernel_fail(kernel *self, kernel_status status, const char *format, ...) LIKE_PRINTF(3);
-/* Whether anybody hears sentences of this status: writing one costs more than a step at the point level. */
+/* Return whether messages of this status are read: writing one costs more than a step at the point level. */
 RUNTIME_LOCAL bool kernel_is_heard(const kernel *self, kernel_status status);
-/* As kernel_fail, with a model's sentence: no format, but with a time in place of its first %s. */
+/* As kernel_fail, with a model's message: it is not a format, but its first %s is replaced by a time. */
 RUNTIME_LOCAL kernel_status kernel_say_when(kernel *self, kernel_status status, const char *sentence, const char *when);
 /* Forgets what was noted since there were `noted` records. */
 RUNTIME_LOCAL void kernel_take_back(kernel *self, unsigned long long noted);
-/* Variables: a status, with the sentence. */
+/* Checks of variables return a status, with a message. */
 RUNTIME_LOCAL kernel_status kernel_check_reference(kernel *self, int variable);
 RUNTIME_LOCAL const char *kernel_name_of_table_file(void);
 RUNTIME_LOCAL kernel_status kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
@@ -80,7 +80,7 @@ RUNTIME_LOCAL kernel_status kernel_warn_of_idle_parameters(kernel *self);
 /* Says that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
 RUNTIME_LOCAL kernel_status kernel_discard(kernel *self, unsigned long long noted, double reached);
 RUNTIME_LOCAL void kernel_leave_table(kernel *self);
-/* Sets what follows from the chosen system and the parameters and is not restored with them. */
+/* Set what follows from the chosen system and the parameters and is not restored with them. */
 RUNTIME_LOCAL void kernel_enter_system(kernel *self);
 RUNTIME_LOCAL void kernel_gather_inputs(kernel *self);
 RUNTIME_LOCAL void kernel_compute_outputs(kernel *self, double offset, const double *state);

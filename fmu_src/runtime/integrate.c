@@ -8,8 +8,8 @@
 #include "stepper.h"
 
 static const int MAXIMUM_SWITCHES = 1000;            /* beyond the steps that end without one; more is chatter */
-/* A step that the host cuts below this share of what the accuracy allows is taken with a kept Jacobian, which serves as
- * long as the error of the step that took it would have allowed. */
+/* If the host cuts a step below this share of the size that the accuracy allows, it is taken with a kept Jacobian. That
+ * Jacobian is used for as long as the error of its own step would have allowed. */
 static const double SHORT = 0.25;
 /* Its error, in units of the tolerance: of the stiff creep at walking pace a whole tolerance is some per cent. */
 static const double SHORT_ERROR = 0.3;
@@ -36,7 +36,7 @@ static bool is_short(const kernel *self, const stepper *run) {
     return !self->recorder && run->remaining <= SHORT * self->run.now->proposed_step;
 }
 
-/* A step to the end of the interval with the kept Jacobian; whether that serves. */
+/* Try a step to the end of the interval with the kept Jacobian; return whether it succeeded. */
 static bool short_step(kernel *self, stepper *run) {
     if (!is_short(self, run) || !reuse_serves(self, run->offset)) return false;
     const double error = reuse_short_step(self, run->offset, run->remaining);
@@ -49,7 +49,7 @@ static bool short_step(kernel *self, stepper *run) {
     return run->margin >= 0.0;
 }
 
-/* Keeps the Jacobian of a short step for those that follow within the time `served`. */
+/* Keep the Jacobian of a short step for those that follow within the time `served`. */
 static void keep_jacobian(kernel *self, const stepper *run, double served) {
     if (!is_short(self, run)) return;
     if (self->run.now->pause > 0) self->run.now->pause--;
@@ -62,7 +62,7 @@ static double longest_step(kernel *self, double offset) {
     if (system->limits == 0) return INFINITY;
     if (self->work.method != METHOD_EXACT) kernel_evaluate(self, system->ode, offset, self->run.state, self->work.slope);
     kernel_evaluate(self, system->largest_change, offset, self->run.state, self->work.largest_change);
-    double shares = 0.0; /* of what may change, in a second */
+    double shares = 0.0; /* largest share of an allowed change per second */
     for (int i = 0; i < system->limits; ++i) {
         const limited_change *of = &system->limited[i];
         const double rate = self->work.slope[of->state] + (of->other < 0 ? 0.0 : self->work.slope[of->other]);
@@ -71,8 +71,8 @@ static double longest_step(kernel *self, double offset) {
     return shares > 0.0 ? 1.0 / shares : INFINITY;
 }
 
-/* The size at which the error of two rejected trials comes down to the tolerance, not below a tenth of the last: behind a
- * jump it falls with a lower power of the size than theory has. Infinite where the two do not tell. */
+/* Return the size at which the error of two rejected trials falls to the tolerance, at least a tenth of the last size. After a
+ * jump the error falls with a lower power of the size than in theory. Infinite if the two give no such power. */
 static double size_by_trials(rejected_trial before, rejected_trial last) {
     if (!(before.size > last.size && before.error > last.error)) return INFINITY;
     const double power = own_log(before.error / last.error) / own_log(before.size / last.size);
@@ -98,10 +98,10 @@ static const rosenbrock_tableau *tableau_of(const kernel *self) {
     return self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
 }
 
-/* Whether the trial is accepted; sets the size that is proposed next. */
+/* Return whether the trial is accepted; set the size that is proposed next. */
 static bool is_accepted(kernel *self, stepper *run, double error, double next) {
     if (!(error <= 1.0)) return false;
-    /* A step cut short by the end of the interval says nothing against the longer one proposed before. */
+    /* A step cut short by the end of the interval is no reason to shorten the size proposed before. */
     const bool cut = run->size == run->wanted && run->wanted < run->proposed && next < run->proposed;
     self->run.now->proposed_step = cut ? run->proposed : next;
     if (self->work.method == METHOD_EXACT)
@@ -109,7 +109,7 @@ static bool is_accepted(kernel *self, stepper *run, double error, double next) {
     return true;
 }
 
-/* Whether so many trials were made that the run no longer goes on; then it fails. */
+/* Return whether the run has used up its trials; then it fails. */
 static bool is_stuck(kernel *self, stepper *run) {
     if (++run->tried <= MOST_TRIALS) return false;
     char when[TIME_TEXT];
@@ -156,8 +156,8 @@ static void accept(kernel *self) {
 
 /* ---- the loop --------------------------------------------------------------------------------------------------- */
 
-/* Whether steps end in a switch so often that the motion no longer goes on. The count outlives a kernel_step: at rest an
- * explicit method switches thousands of times within each of a host's steps, and never comes to an end. */
+/* Return whether steps end in a switch so often that the motion no longer advances. The count is kept between kernel_steps: at
+ * rest an explicit method switches thousands of times within each communication step, and never comes to an end. */
 static bool chatters(kernel *self, bool crossing) {
     if (crossing) self->run.now->switches++;
     else if (self->run.now->switches > 0) self->run.now->switches--;
@@ -170,7 +170,7 @@ static const char *remedy_of_chatter(const kernel *self) {
                                                 : "check inputs and parameters";
 }
 
-/* Ends a step of `size`, at a switch or before one. */
+/* End a step of `size`, at a switch or before one. */
 static void arrive(kernel *self, stepper *run, bool crossing) {
     if (self->recorder) record_until(self, run->offset, run->size, run->offset + run->size);
     stepper_go_on(run);

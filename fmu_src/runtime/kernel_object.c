@@ -22,7 +22,7 @@ static const char *object_name(void) { return MODEL.name; }
 static unsigned object_variables(void) { return (unsigned)MODEL.variables; }
 static unsigned object_stride(void) { return 1; }
 
-/* Behind the time slopes and event indicators may be read. */
+/* Numbers after that of the time are slopes and event indicators, which can only be read. */
 static const variable_description *object_variable(unsigned number) {
     static const variable_description EXCHANGED = {"", "1", KIND_REAL, CAUSALITY_LOCAL, 0.0, -INFINITY, INFINITY, NAN};
     if (number < (unsigned)MODEL.variables) return &MODEL.variable[number];
@@ -59,7 +59,8 @@ static fmu_object *object_make(const char *folder, bool exchange, char problem[M
 
 /* ---- the FMU's own files ---- */
 
-/* One of them, opened, its path in self->resources until the next one's; null: there is none, or `status` is an error. */
+/* Open one of the FMU's own files, with its path in self->resources until the next call. NULL if it does not exist, or with an
+ * error in `status`. */
 static FILE *own_file(fmu_object *self, const char *name, kernel_status *status) {
     const char *why;
     strcpy(self->resources + self->folder_length, name);
@@ -106,7 +107,7 @@ static kernel_status set_own_start(fmu_object *self, text_rows *row) {
     return refuse_start(self, row, problem);
 }
 
-/* Reads start values by the rules of all tables. */
+/* Read start values by the rules of all tables. */
 static kernel_status own_start_values(fmu_object *self) {
     kernel_status status = KERNEL_OK;
     FILE *file = own_file(self, START_VALUES, &status);

@@ -12,7 +12,7 @@ typedef struct {
     int size[MOST_RESULTS];
 } known_function;
 
-/* A place: they serve where state and modes have the same bits. Numbers lie `lanes` apart, from `lane` on. */
+/* A place: its results are reused if state and modes are bit-identical. Numbers are `lanes` apart, from `lane` on. */
 typedef struct known_place {
     int lanes, lane, functions;
     double offset;

@@ -1,11 +1,10 @@
 /* A `real` of LANES doubles, LANES being 1, 2, 4 or 8, with the operators of C and the functions of lanes_math.h.
  *
- * Included before functions for this width, as often as wanted, with lanes_end.h behind them; between the two the compiler
- * may use AVX2 (4 lanes) or AVX-512 (8), which the processor must have: lanes_of_processor. Results have the same bits at
- * every width and with every compiler that does not fuse or reorder operations (-ffp-contract=off, no -ffast-math, no
- * -freciprocal-math), but for the bits of a NaN and what comes from the C library (lanes_math.h). All names end in the
- * width, which the macros of lanes_names.h put there, so that several widths stand in one unit. A function that is not
- * inlined takes lanes by pointers. */
+ * Included before functions for this width, as often as wanted, with lanes_end.h behind them; between the two the compiler may
+ * use AVX2 (4 lanes) or AVX-512 (8), which the processor must have: lanes_of_processor. Results are bit-identical at every
+ * width with every compiler that does not fuse or reorder operations (-ffp-contract=off, no -ffast-math, no -freciprocal-math).
+ * Exceptions are the bits of a NaN and results of the C library (lanes_math.h). All names end in the width, which the macros of
+ * lanes_names.h put there, so that several widths stand in one unit. A function that is not inlined takes lanes by pointers. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>

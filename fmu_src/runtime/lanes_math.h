@@ -1,10 +1,12 @@
 /* Mathematical functions of lanes, from + - * / sqrt, comparisons and bits alone; included by lanes.h for each width.
  *
- * Errors in units in the last place are at most (found among ten million arguments): exp 0.95, log 0.85, sin and cos
- * 0.8, tan 1.4, asin and acos 1.2, atan 0.8, atan2 1.5, pow and cbrt 0.97. Special values are those of C99.
- * Coefficients: sin, cos, log, asin and the parts of pi/2 and ln(2) are those of fdlibm (Sun Microsystems 1993,
- * netlib.org/fdlibm), as is the order of operations in the logarithm of pow; the polynomials of exp, atan and that
- * logarithm are minimax by Remez's exchange.
+ * The largest errors among ten million arguments, in units in the last place: exp 0.95, log 0.85, sin and cos 0.8, tan 1.4,
+ * asin and acos 1.2, atan 0.8, atan2 1.5, pow and cbrt 0.97. Special values are those of C99.
+ *
+ * Coefficients of sin, cos, log, asin and the parts of pi/2 and ln(2) are those of fdlibm (Sun Microsystems 1993,
+ * netlib.org/fdlibm). So is the order of operations in the logarithm of pow. The polynomials of exp, atan and that logarithm
+ * are minimax by Remez's exchange.
+ *
  * The functions at the end, and sin, cos and tan of angles beyond 1e6, are the C library's. */
 
 #define LANES_ROUND 6755399441055744.0 /* 1.5 * 2^52: added to a small number, the low bits are the nearest integer */
@@ -37,7 +39,7 @@ LANES_FUNCTION real lanes_exp_sum(real high, real low) {
     return 1.0 + (high - (low - z * p));
 }
 
-/* The lanes of x through a function that is called, not inlined: rare arguments, where every lane is computed anew. */
+/* Pass the lanes of x to a function that is called, not inlined: for rare arguments. It computes every lane again. */
 LANES_FUNCTION real lanes_call(void (*edge)(const double *, double *), real x) {
     double argument[LANES], value[LANES];
     real_store(argument, x);
@@ -393,7 +395,7 @@ LANES_APART void lanes_pow_edge(const double *base, const double *power, double 
     real_store(value, lanes_pow_special(x, y, lanes_scaled_far(part, rounded)));
 }
 
-/* A base of zero, the commonest special value, is no edge. */
+/* A base of zero, the commonest special value, is handled without that call. */
 LANES_FUNCTION real real_pow(real x, real y) {
     real low;
     lanes_word rounded;

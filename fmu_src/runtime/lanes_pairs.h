@@ -1,4 +1,5 @@
-/* Functions of two numbers at once, for code of one number: a processor computes two in the time of one. Same bits. */
+/* Functions of two numbers at once, for code of one number: a processor computes two in the time of one. Results are
+ * bit-identical. */
 #ifndef LANES_PAIRS_H
 #define LANES_PAIRS_H
 

@@ -1,4 +1,4 @@
-/* What lanes_math.h is built from, for one lane; included by lanes.h. */
+/* Primitives of lanes_math.h for one lane; included by lanes.h. */
 typedef double real_1;
 typedef int real_mask_1;
 typedef double lanes_loose_1; /* in memory */

@@ -1,7 +1,7 @@
 /* Look-ups in piecewise polynomials, each lane at a place of its own; included by lanes.h for each width. */
 
-/* Leaves the row that holds at each lane's argument: its numbers, LANES apart. A NaN goes into the polynomial and comes out
- * of it. */
+/* Copy the row of the piece at each lane's argument to `found`, LANES apart. A NaN enters the polynomial and is its
+ * result. */
 LANES_FUNCTION void real_look_up(const piecewise *table, const double *argument, double *found) {
     const double *row[LANES];
     const int terms = table->terms;

@@ -1,4 +1,4 @@
-/* What lanes_math.h is built from, for several lanes: the vector extensions of GCC and clang; included by lanes.h. */
+/* Primitives of lanes_math.h for several lanes, by the vector extensions of GCC and clang; included by lanes.h. */
 typedef double real __attribute__((vector_size(8 * LANES)));
 typedef double lanes_loose __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
 typedef __typeof__(*(real *)0 < *(real *)0) real_mask;
@@ -60,7 +60,7 @@ LANES_FUNCTION real real_of_mask(real_mask m) { return real_where(m, real_of(1.0
 
 LANES_FUNCTION real_mask real_is(real x) { return x != 0.0; }
 
-/* Whether any lane is set. */
+/* Return whether any lane is set. */
 LANES_FUNCTION int real_any(real_mask m) {
 #if LANES == 8
     return __builtin_ia32_cvtq2mask512(m) != 0;

@@ -1,4 +1,4 @@
-/* How many lanes compiler, target and processor have; lanes.h has the lanes. */
+/* Number of lanes that compiler, target and processor support; lanes.h defines the lanes. */
 #ifndef LANES_WIDEST_H
 #define LANES_WIDEST_H
 

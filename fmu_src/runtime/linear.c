@@ -1,7 +1,7 @@
 /* Linear equations of a step: LU factors of M/(gamma h) - J, and of the part of J that belongs to the algebraic states.
  *
- * The first are those of the generated elimination, without exchanges, on the places that it fills. Where a pivot there is
- * next to nothing, and for the second, all entries count and rows are exchanged. */
+ * The first are those of the generated elimination, without exchanges, on the places that it fills. If a pivot is almost zero,
+ * and always for the second, the matrix is factorised as a dense one with row exchanges. */
 #include <math.h>
 #include <string.h>
 
@@ -53,7 +53,7 @@ static void solve_dense(const dense_factors *of, double *vector) {
     }
 }
 
-/* By the generated elimination; whether no pivot is next to nothing. */
+/* Factorise by the generated elimination; return false if a pivot is almost zero. */
 static bool factorise_sparse(const kernel *self, double *entry, const double *jacobian, double diagonal) {
     const system_description *system = self->system;
     const int n = system->states;

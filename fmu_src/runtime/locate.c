@@ -1,9 +1,9 @@
-/* Where a step crosses a switch: by its continuous extension first where it has one, then by steps of other lengths, so that
- * the state there is that of the method and not of an interpolation. */
+/* Locate the crossing of a switch within a step. If the method has a continuous extension, it is used first. Then steps of
+ * other lengths follow, so that the state is that of the method and not of an interpolation. */
 #include "stepper.h"
 
 enum { MAXIMUM_LOCATION_STEPS = 60, STEPS_BY_EXTENSION = 2 };
-static const double LOCATED = 1e-10; /* scaled margin at which a switch counts as located */
+static const double LOCATED = 1e-10; /* scaled margin at which a switch is treated as located */
 
 static bool is_wide(const bracket *of, double size) { return of->at_right < -LOCATED && of->right - of->left > 1e-12 * size; }
 
@@ -28,8 +28,8 @@ static void divide(bracket *of, double middle, double margin) {
     }
 }
 
-/* Where the step as it stands crosses. A step that ends there has another error than the extension has; its margin falls as
- * steeply. */
+/* Find the crossing of the present step on its extension. A step that ends there has another error than the extension; its
+ * margin falls as steeply. */
 static void look_along_extension(kernel *self, stepper *run) {
     bracket within = run->within;
     for (int count = 0; count < MAXIMUM_LOCATION_STEPS && is_wide(&within, run->crossing); ++count) {

@@ -1,5 +1,5 @@
-/* Sentences, each with its status: the last one, and the journal of those that the face has not heard yet. What they quote
- * may come from anyone, so it is never a format, and a sentence is valid UTF-8 on one line, also where it was cut. */
+/* Messages, each with its status: the last one, and the log of those that the interface has not read yet. Text that they quote
+ * may come from anyone, so it is never used as a format. A message is valid UTF-8 on one line, also if it was cut. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,9 +7,9 @@
 #include "instance.h"
 #include "readable.h"
 
-static const char CUT[] = "..."; /* at the end of a sentence that was too long */
+static const char CUT[] = "..."; /* at the end of a message that was too long */
 
-/* Where a sentence is too long, its last whole letters give way. */
+/* Replace the last whole letters of a message that is too long. */
 static void mark_cut(char text[MESSAGE_SIZE]) {
     char *end = text + MESSAGE_SIZE - sizeof CUT;
     for (int i = 0; i < 3 && ((unsigned char)*end & 0xC0) == 0x80; ++i) --end;
@@ -18,7 +18,7 @@ static void mark_cut(char text[MESSAGE_SIZE]) {
 
 static size_t behind_record(const sentence_journal *journal, size_t at) { return at + strlen(journal->record + at + 1) + 2; }
 
-/* Drops what was heard, and then the oldest of what nobody heard, until there is room. */
+/* Drop messages that were read, and then the oldest unread ones, until there is room. */
 static void make_room(sentence_journal *journal, size_t needed) {
     size_t dropped = journal->heard;
     while (journal->length - dropped + needed > JOURNAL_SIZE) {

@@ -10,7 +10,7 @@ typedef struct stepper stepper;                       /* stepper.h */
 /* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
  * different units, so only a diagonal that is next to nothing is refused. */
 static const double PIVOT_RATIO = 1e8;
-/* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. Whether the
+/* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. Return whether the
  * matrix is regular. */
 RUNTIME_LOCAL bool linear_factorise_step(kernel *self, step_factors *of, const double *jacobian, double diagonal);
 RUNTIME_LOCAL void linear_solve_step(kernel *self, const step_factors *of, double *vector);
@@ -18,7 +18,7 @@ RUNTIME_LOCAL bool linear_factorise_algebraic(const kernel *self, dense_factors 
 RUNTIME_LOCAL void linear_solve_algebraic(const dense_factors *of, double *vector);
 /* Whether factors stand that were made before: others may have taken their place in the dense matrix. */
 RUNTIME_LOCAL bool linear_has_factors(const kernel *self, const step_factors *of);
-/* Adds the present Jacobian times a vector; and writes it as a matrix by rows. */
+/* Add the present Jacobian times a vector; and write it as a matrix by rows. */
 RUNTIME_LOCAL void linear_add_product(const kernel *self, const double *vector, double *sum);
 RUNTIME_LOCAL void linear_write_by_rows(const kernel *self, double *matrix);
 /* Algebraic states, the others held, solved until their scaled change is below `tolerance` or round-off; all leave the
@@ -28,10 +28,10 @@ RUNTIME_LOCAL bool algebraic_solve(kernel *self, double offset, double *state, d
 RUNTIME_LOCAL bool algebraic_correct(kernel *self, double *state, double tolerance);
 /* with given factors throughout, the old values kept where that fails; */
 RUNTIME_LOCAL bool algebraic_follow(kernel *self, const dense_factors *of, double offset, double *state, double tolerance);
-/* with the last factors while they serve, and otherwise with new ones. */
+/* with the last factors while Newton's method converges with them, and otherwise with new ones. */
 RUNTIME_LOCAL bool algebraic_find(kernel *self, double offset, double *state, double tolerance);
-/* The present state with algebraic states as the inputs now have them, and the Jacobian there; null: there are none. The
- * state itself stays as it is: a reading changes no run. */
+/* The present state with algebraic states solved for the present inputs, and the Jacobian there; NULL if that fails. The state
+ * itself is unchanged: a reading changes no run. */
 RUNTIME_LOCAL const double *algebraic_place(kernel *self);
 /* Jacobian without algebraic states at the present state, by rows. */
 RUNTIME_LOCAL bool algebraic_reduce(kernel *self, double offset, double *jacobian);
@@ -51,17 +51,17 @@ RUNTIME_LOCAL double rosenbrock_try(kernel *self, double offset, double size); /
 RUNTIME_LOCAL double rosenbrock_allowed_size(const rosenbrock_tableau *method, double size, double error);
 RUNTIME_LOCAL double rosenbrock_next_size(const rosenbrock_tableau *method, double size, double error);
 RUNTIME_LOCAL void rosenbrock_interpolate(const kernel *self, double fraction, double *state);
-/* With ROS34PW2: a step with the kept Jacobian, made anew when it is too old or the step fails. */
+/* With ROS34PW2: a step with the kept Jacobian, which is computed again when it is too old or the step fails. */
 RUNTIME_LOCAL double reuse_try(kernel *self, double offset, double size);
-/* Keeps the Jacobian of the present state until some time; whether it serves; and a step with it, as it is. */
+/* Keep the Jacobian of the present state until some time; return whether it is usable; and make a step with it, unchanged. */
 RUNTIME_LOCAL void reuse_remember(kernel *self, double offset, double until);
 RUNTIME_LOCAL bool reuse_serves(const kernel *self, double offset);
 RUNTIME_LOCAL double reuse_short_step(kernel *self, double offset, double size);
 RUNTIME_LOCAL double runge_kutta_try(kernel *self, double offset, double size); /* its error is 0 or NaN */
 RUNTIME_LOCAL kernel_status runge_kutta_guard(kernel *self, double offset, double size);
-/* Where the system asks for it, takes the start values in run.state to a steady state; whether there is one. */
+/* If the system requires it, replace the start values in run.state by a steady state; return whether one was found. */
 RUNTIME_LOCAL bool steady_find(kernel *self);
-/* Modes and end conditions. The velocity that a friction acts on, and a state in which that is exactly 0. */
+/* Modes and end conditions. Velocity of a friction, and a state with that velocity exactly 0. */
 RUNTIME_LOCAL double modes_velocity(const friction_description *friction, const double *state);
 RUNTIME_LOCAL void modes_stop(const friction_description *friction, double *state);
 RUNTIME_LOCAL void modes_refresh(kernel *self, double offset);
@@ -70,7 +70,7 @@ RUNTIME_LOCAL double modes_direction_margin(const kernel *self, int i, const dou
 RUNTIME_LOCAL double modes_margin(kernel *self, double offset, const double *state);
 RUNTIME_LOCAL int modes_switch(kernel *self, double offset, double least);
 RUNTIME_LOCAL bool modes_warn(kernel *self, double offset);
-/* Tells what has changed of frictions that stick or slide, where it counts; whether something has. */
+/* Report changes of frictions that stick or slide, as soon as they count; return whether there were any. */
 RUNTIME_LOCAL bool told_follow(kernel *self, double offset);
 /* Model exchange: something has switched or stopped now. */
 RUNTIME_LOCAL void modes_grow_reluctant(kernel *self);
@@ -80,10 +80,10 @@ RUNTIME_LOCAL void explicit_host_read(kernel *self);
 RUNTIME_LOCAL kernel_status explicit_host_guard(kernel *self);
 /* Place of a state of model exchange among those of the chosen system; -1: it does not have that one. */
 RUNTIME_LOCAL int exchange_state(const kernel *self, int number);
-/* At the end of a step that is not repeated: what has crossed stops where it can be held, and all modes are found anew, in
- * one round; whether something began or ceased to be stuck. */
+/* At the end of a step that is not repeated: frictions that have crossed zero stop if they can be held. All modes are found
+ * again, in one round. Returns whether something began or ceased to be stuck. */
 RUNTIME_LOCAL bool modes_settle(kernel *self, double offset);
-/* Writes the rows that are due by the time `until`, from a step that began at `offset`; of size 0: from the state. */
+/* Write the rows that are due by the time `until`, from a step that began at `offset`; of size 0: from the state. */
 RUNTIME_LOCAL void record_until(kernel *self, double offset, double size, double until);
 /* A kernel_step before its steps and behind them, which reached so far with this status; `noted`: records before it. */
 RUNTIME_LOCAL kernel_status step_begin(kernel *self, double time, double size);

@@ -26,7 +26,7 @@ typedef int (*generated_function)(const double **argument, double **result, long
 typedef void (*generated_factors)(const double *jacobian, const double *diagonal, double *entry);
 typedef void (*generated_solution)(const double *entry, double *vector);
 
-/* What is looked up at one place of the instance's table file, see table_file.h; in the order of their ranks. */
+/* Pieces that are looked up at one place of the instance's table file, see table_file.h; in the order of their ranks. */
 typedef struct {
     int rank; /* those of rank 0 have arguments without tables; rank 1 needs values of rank 0, and so on */
     int place; /* of origin and coefficients among those that the generated functions see */
@@ -38,8 +38,8 @@ typedef struct {
 typedef struct {
     const char *label, *stuck_word, *sliding_word;
     int velocity, other; /* indices; -1: there is no other */
-    int whole;   /* the first of those that hold the machine as a whole and are told as one; -1: it is told by itself */
-    bool counts; /* whether `told` says from where on what is told of it counts */
+    int whole;   /* the first of those that hold the vehicle as a whole and are reported as one; -1: reported by itself */
+    bool counts; /* whether `told` limits the reports of it */
 } friction_description;
 
 /* A state, or the sum of two, whose change within a step is limited. */
@@ -49,13 +49,13 @@ typedef struct {
 
 /* A start that is a steady state where `course` is above 0. Indices of states, inputs and parameters of the system. */
 typedef struct {
-    int speed; /* that of the machine, which keeps its start value as those in `kept` do */
+    int speed; /* of the vehicle; keeps its start value, as do those in `kept` */
     int kepts, lasts, drives, places;
     const int *kept;   /* states */
     const int *last;   /* states that come to rest once the others have */
     const int *drive;  /* inputs that are 0 in the steady state */
     const int *place;  /* parameters; where one is not 0, these last ones stay as they start */
-    const char *sentence; /* said where there is none; the time in place of its %s */
+    const char *sentence; /* the message if no steady state is found; its %s is the time */
     generated_function course;
     generated_function pace; /* how the start values of all states grow with that of `speed` */
 } steady_start;
@@ -76,8 +76,8 @@ typedef struct {
     const double *nominal;                                            /* scale of each state, for the error control */
     const int *order;    /* of elimination: entry i is the state that comes i-th in the linear equations */
     const int *position; /* of each state in that order */
-    /* The Jacobian has its nonzeros alone, column by column: where each column begins and behind the last one, and the row
-     * of each nonzero. */
+    /* The Jacobian has its nonzeros alone, column by column: where each column begins and where the last ends, and the row of
+     * each nonzero. */
     const int *column_start, *row;
     const int *algebraic; /* indices of the states that a residual instead of a derivative determines */
     /* The nonzeros in rows and columns of algebraic states, and the place of each in a matrix of these, by columns. */
@@ -85,17 +85,17 @@ typedef struct {
     const limited_change *limited;
     const friction_description *friction;
     const table_description *table;
-    const char *const *sentence; /* of each condition; the time in place of the first %s */
+    const char *const *sentence; /* of each condition; its first %s is the time */
     /* null: not needed */
     generated_function derive, start, ode, jacobian, output, drive, capacity;
     generated_function condition_margin; /* of all conditions; of costly warnings something that is negative where they are */
-    generated_function warning_margin;   /* of the warnings; null: condition_margin has them */
+    generated_function warning_margin; /* of the warnings; null: condition_margin has them */
     generated_function largest_change;
-    /* Of each friction what is above 0 where it counts that it sticks, and then where it counts that it slides. */
+    /* For each friction, a number above 0 if its sticking counts; then for each, one above 0 if its sliding counts. */
     generated_function told;
     generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
-    /* The factors of a step's matrix, a diagonal less the Jacobian, both in the order of the states: the diagonal of the
-     * factors first, inverted, those below it next; and the solution in place of a vector. */
+    /* The factors of a step's matrix, a diagonal minus the Jacobian, both in the order of the states. First the inverted
+     * diagonal of the factors, then the entries below it. `substitute` overwrites a vector with the solution. */
     generated_factors factorise;
     generated_solution substitute;
     const steady_start *steady; /* null: a run starts with the start values */
@@ -120,7 +120,7 @@ typedef struct {
     int units;
 } column_description;
 
-/* What can be looked up of a table file: polynomials between two rows. Beyond the ends it keeps its value, or its slope. */
+/* Polynomials between two rows of a table file. Beyond the ends the value or the slope stays constant. */
 typedef struct {
     int degree;
     bool goes_on;
@@ -128,11 +128,11 @@ typedef struct {
 
 /* A table that an instance reads from a file before the start. */
 typedef struct {
-    int variable;         /* the one that names the file */
-    const char *noun, *in_use; /* what sentences call it, and the word before: "line", "on" a line */
+    int variable; /* the one that names the file */
+    const char *noun, *in_use; /* its name in messages, and the word before: "line", "on" a line */
     const char *resource; /* name of the file among the resources of an FMU, after a slash */
-    const char *known;    /* for a sentence: what columns there may be */
-    double least_growth;  /* of the first column from row to row */
+    const char *known; /* for a message: the columns that there may be */
+    double least_growth; /* of the first column from row to row */
     double rounding; /* length on either side of a row over which a corner is rounded; 0: none is */
     int columns, added; /* in the file, and behind them those that `complete` computes */
     const column_description *column;
@@ -145,13 +145,13 @@ typedef struct {
     void (*piece_between)(const table_file *self, int piece, const table_part *part, double *coefficient);
 } table_file_description;
 
-/* What parameters must keep together: a constant and parameters, each times a factor, are above 0. */
+/* A relation of parameters: a constant plus parameters, each times a factor, must be above 0. */
 typedef struct {
     int terms;
     const int *variable; /* of the model */
     const double *factor;
     double constant;
-    const char *sentence; /* said where they are not, with what lacks in place of its %s */
+    const char *sentence; /* the message if broken; its %s is the missing amount */
 } relation_description;
 
 typedef struct {

@@ -1,10 +1,10 @@
 /* Dry friction that slides or sticks, and the conditions that end a run.
  *
- * A mode is a function of the present state alone: a moving velocity slides in its own direction, one that is still
- * sticks while the drive stays within the capacity, and a friction without capacity is no friction. Still is what is
- * exactly zero, or not above a speed that a friction may have: what then is left of the velocity is taken away, and as
- * it moves below that speed too, it sticks anew only with some capacity to spare. Every switch is located on the step
- * length, so that the equations are smooth within a step; but for steps of a fixed size, see modes_settle. */
+ * A mode is a function of the present state alone. A moving velocity slides in its own direction. A still one sticks while the
+ * drive is within the capacity. A friction without capacity does not act. A velocity is still if it is exactly zero, or not
+ * above a speed that a friction may have; the rest of the velocity is then set to zero. A friction that moves below that speed
+ * sticks again only if some capacity is spare. Every switch is located on the step length, so that the equations are smooth
+ * within a step; steps of a fixed size are an exception, see modes_settle. */
 #include <math.h>
 #include <string.h>
 
@@ -12,8 +12,8 @@
 #include "own_functions.h"
 
 enum { ROUNDS = 4 };             /* of modes that wait for one another */
-/* Share of the capacity up to which what moves slowly sticks: a load that grows through it within 1000 s lets go once or a
- * few times; with 0.999 it did so hundreds of times. */
+/* Share of the capacity up to which a slow friction sticks. With 0.99, a load that grows through the capacity within 1000 s
+ * releases once or a few times; with 0.999 it did so hundreds of times. */
 static const double SPARE = 0.99;
 /* Events within AGAIN [s] repeat each other; how fast reluctance fades [s], and its least and largest as a share of the
  * capacity. */
@@ -33,10 +33,10 @@ static double share_of(double mode, double velocity, double still, double reluct
     return mode != 0.0 && velocity != 0.0 && still > 0.0 ? SPARE : 1.0 + reluctant;
 }
 
-/* An integrator of the host leaves errors in the state, and near rest 1e-5 of the running speed is more than the slip that
- * carries a brake's whole force: a wheel that comes to a stop is driven on, or back, stops again, and so on without end.
- * Creep lets such a force down within microseconds once the wheel is held. Hence each event that follows on another makes
- * frictions more reluctant to slide, for a moment. In steps of our own, which locate on the state itself, this is 0. */
+/* An integrator of the host leaves errors in the state. Near rest, 1e-5 of the running speed is more than the slip that carries
+ * a brake's whole force. A wheel that comes to a stop is then driven on, or back, stops again, and so on without end. Creep
+ * reduces such a force within microseconds once the wheel is held. Hence each event that follows on another makes frictions
+ * more reluctant to slide, for a moment. In co-simulation steps, which locate on the state itself, this is 0. */
 static double reluctance(const kernel *self, double offset) {
     if (self->run.now->reluctance == 0.0) return 0.0;
     return self->run.now->reluctance * own_exp(-(self->given.step_origin + offset - self->run.now->switched) / FADING);
@@ -60,7 +60,7 @@ static void find_capacity(kernel *self, double offset, const double *state) {
     self->modes.still = self->modes.capacity + self->system->frictions;
 }
 
-/* The drive is asked for only where something is stuck or still: it may cost as much as the whole right-hand side. */
+/* The drive is evaluated only if something is stuck or still: it may cost as much as the whole right-hand side. */
 static void find_drive_and_capacity(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     find_capacity(self, offset, state);
@@ -71,7 +71,7 @@ static void find_drive_and_capacity(kernel *self, double offset, const double *s
         }
 }
 
-/* Whether something began or ceased to be stuck since the modes `before`. */
+/* Return whether something began or ceased to be stuck since the modes `before`. */
 static bool has_switched(const kernel *self) {
     for (int i = 0; i < self->system->frictions; ++i)
         if ((self->modes.before[i] == 0.0) != (self->run.mode[i] == 0.0)) return true;
@@ -88,7 +88,7 @@ static void renew_mode(kernel *self, int i, double offset) {
     if (self->run.mode[i] == 0.0) modes_stop(friction, self->run.state);
 }
 
-/* Keeps the modes that there were; nothing has passed zero. */
+/* Keep the modes that there were; nothing has passed zero. */
 static void begin_round(kernel *self) {
     const int n = self->system->frictions;
     memcpy(self->modes.before, self->run.mode, (size_t)n * sizeof(double));
@@ -112,14 +112,14 @@ void modes_refresh(kernel *self, double offset) {
     if (switched) (void)told_follow(self, offset);
 }
 
-/* Whether a friction has taken a velocity through zero within a step. */
+/* Return whether a friction has taken a velocity through zero within a step. */
 static inline bool has_crossed(const kernel *self, int i) {
     if (self->run.mode[i] == 0.0 || !(self->modes.capacity[i] > 0.0)) return false;
     return self->run.mode[i] * modes_velocity(&self->system->friction[i], self->run.state) < 0.0;
 }
 
-/* Holds for a trial what has crossed: a drive is that of what stands still. The first that has begins a round; whether there
- * is one. */
+/* Hold, for a trial, the frictions that have crossed: a drive is that of a friction at rest. The first of them begins a round.
+ * Returns whether there is a round. */
 static bool hold_what_crossed(kernel *self, bool begun) {
     for (int i = 0; i < self->system->frictions; ++i) {
         const friction_description *friction = &self->system->friction[i];
@@ -161,7 +161,8 @@ static void give_back(kernel *self, int i) {
     self->modes.overshoot[i] = 0.0;
 }
 
-/* What could not be held goes on the other way, and so does what leaned on what slides now. */
+/* A friction that could not be held continues in the other direction. So does a friction that has lost its capacity to another
+ * one's sliding. */
 static void let_go(kernel *self, double offset) {
     const mode_workspace *modes = &self->modes;
     bool slides = false;
@@ -186,7 +187,7 @@ bool modes_settle(kernel *self, double offset) {
     find_capacity(self, offset, self->run.state);
     if (all_slide(self)) return false;
     const bool crossed = hold_what_crossed(self, false);
-    if (crossed) { /* wheelsets that stand on their rails may do so because they no longer turn */
+    if (crossed) { /* a wheelset may stand on its rails because it no longer turns */
         find_capacity(self, offset, self->run.state);
         (void)hold_what_crossed(self, true);
     }
@@ -204,20 +205,20 @@ bool modes_settle(kernel *self, double offset) {
     return true;
 }
 
-/* What is stuck stays exactly where it is: its slope says so, but row exchanges in the factorisation leave round-off. */
+/* Keep a stuck friction exactly at rest: its slope is zero, but row exchanges in the factorisation leave round-off. */
 void modes_hold(const kernel *self, double *state) {
     for (int i = 0; i < self->system->frictions; ++i)
         if (self->run.mode[i] == 0.0) modes_stop(&self->system->friction[i], state);
 }
 
-/* Of a friction that slides, as long as it slides in its direction. */
+/* Return the margin of a sliding friction: positive while it slides in its direction. */
 double modes_direction_margin(const kernel *self, int i, const double *state) {
     const friction_description *friction = &self->system->friction[i];
     return self->run.mode[i] * modes_velocity(friction, state) / self->system->nominal[friction->velocity];
 }
 
-/* Smallest of all margins; negative or NaN when a mode must switch or the run must end within the step.
- * The single margins stay in self->modes.margin: of frictions, of what ends the run, and of what only warns. */
+/* Smallest of all margins; negative or NaN when a mode must switch or the run must end within the step. The single margins stay
+ * in self->modes.margin: of frictions, of end conditions and of warnings. */
 double modes_margin(kernel *self, double offset, const double *state) {
     const system_description *system = self->system;
     double smallest = INFINITY;
@@ -242,8 +243,8 @@ double modes_margin(kernel *self, double offset, const double *state) {
     return smallest;
 }
 
-/* After a located step: switches what crossed, that is what has a margin below 0 or as small as `least`, which another
- * method may find on this side of 0. Returns 1 + index of an end condition that was reached, else 0. */
+/* After a located step: switches each friction with a margin below 0, or as small as `least`, which another method may find on
+ * this side of 0. Returns 1 + index of an end condition that was reached, else 0. */
 int modes_switch(kernel *self, double offset, double least) {
     const system_description *system = self->system;
     (void)modes_margin(self, offset, self->run.state);
@@ -259,13 +260,13 @@ int modes_switch(kernel *self, double offset, double least) {
     return 0;
 }
 
-/* Whether there is a warning to be said, by the margins as they stand. */
+/* Return whether a warning is due, by the present margins. */
 static bool is_to_warn(const kernel *self, int i) {
     return self->run.said[i] == 0.0 && !(self->modes.margin[self->system->frictions + i] >= 0.0);
 }
 
-/* Says once what only warns, from the margins of the state just reached; whether there was something. Tells of frictions
- * before, where that may change without a switch. */
+/* Give each warning once, from the margins of the state just reached; return whether there was one. Reports frictions before,
+ * if their reports may change without a switch. */
 bool modes_warn(kernel *self, double offset) {
     const system_description *system = self->system;
     int candidates = 0;

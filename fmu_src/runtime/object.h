@@ -1,7 +1,7 @@
-/* What stands behind the faces of FMI 2.0 and 3.0: an object as a table of functions, OBJECT, which one file fills in
- * (kernel_object.c, arrays_object.c). The faces (face.h) have the order of calls, the log, references and saved states; the
- * object has the numbers. NULL in the table is what the object cannot do: the faces refuse it, and modelDescription.xml,
- * which is written from the same rows (fmu_src/objects.py), does not claim it. */
+/* Interface between the FMI functions and an object: a table of functions, OBJECT, which one file fills in (kernel_object.c,
+ * arrays_object.c). The FMI functions (face.h) handle the order of calls, the log, references and saved states; the object
+ * holds the values. A NULL in the table marks a missing capability. The FMI functions refuse it, and modelDescription.xml,
+ * written from the same rows (fmu_src/objects.py), does not claim it. */
 #ifndef OBJECT_H
 #define OBJECT_H
 
@@ -10,7 +10,7 @@
 
 typedef struct fmu_object fmu_object;
 
-/* Of model exchange, for an integrator of the host. */
+/* Functions of model exchange, for an integrator of the host. */
 typedef struct {
     int (*states)(void), (*indicators)(void);
     kernel_status (*set_time)(fmu_object *self, double time);
@@ -23,21 +23,22 @@ typedef struct {
     kernel_status (*complete_step)(fmu_object *self, bool *crossed);
 } object_exchange;
 
-/* Members that are not said to be optional are there. A status has its sentences, which `hear` gives. */
+/* Members that are not marked as optional must be set. `hear` returns the messages to a status. */
 typedef struct {
     const char *(*token)(void); /* what modelDescription.xml has as well */
     const char *(*name)(void);
-    /* Variables of the table, and the description of one; null: there is none. One more number is the time's in FMI 3.0,
-     * and numbers behind that may be read. */
+    /* Number of variables in the table, and the description of one; NULL if it does not exist. The next number is the time's in
+     * FMI 3.0, and numbers after it may be read. */
     unsigned (*variables)(void);
     const variable_description *(*variable)(unsigned number);
     /* The value reference of an element in FMI 2.0 is variable * stride + element; in FMI 3.0 it is the variable's. */
     unsigned (*stride)(void);
-    /* From the files in a folder, null where the host named none; null, and one sentence that says why. */
+    /* Make an object from the files in a folder; NULL if the host gave no folder. Returns NULL, with one message, if that
+     * fails. */
     fmu_object *(*make)(const char *folder, bool exchange, char problem[MESSAGE_SIZE]);
     void (*dispose)(fmu_object *self);
     kernel_status (*reset)(fmu_object *self);
-    /* Statuses, a bit for each, whose sentences somebody hears (optional); and the oldest that was not heard yet. */
+    /* Set the statuses, a bit for each, whose messages are read (optional); return the oldest unread message. */
     void (*listen)(fmu_object *self, unsigned statuses);
     bool (*hear)(fmu_object *self, kernel_sentence *heard);
     /* Elements of a variable; some of them; whether they may be set to values, which changes nothing; and sets them. */
@@ -47,7 +48,8 @@ typedef struct {
     kernel_status (*set)(fmu_object *self, unsigned variable, size_t first, size_t count, const double *value);
     kernel_status (*get_text)(fmu_object *self, unsigned variable, const char **text); /* optional, as the next */
     kernel_status (*set_text)(fmu_object *self, unsigned variable, const char *text);
-    /* What the host plans; null: it says nothing. Begins a run; whether values are those of what was set since; forgets them. */
+    /* Set the host's settings; NULL: not set. Begins a run. Returns whether values follow from all that was set since. Forgets
+     * them. */
     kernel_status (*plan)(fmu_object *self, const double *tolerance, double start, const double *stop);
     kernel_status (*initialise)(fmu_object *self, double start);
     bool (*initialised)(const fmu_object *self);
@@ -56,9 +58,10 @@ typedef struct {
     kernel_status (*step)(fmu_object *self, double time, double size);
     double (*time)(const fmu_object *self);
     bool (*ended)(const fmu_object *self);
-    /* Whether a step may end early, with OK, at an event (optional). */
+    /* Set whether a step may end early, with OK, at an event (optional). */
     void (*stop_at_events)(fmu_object *self, bool stops);
-    /* All that a run changes, as a block of memory; and what tells objects apart of other files (optional). */
+    /* Everything that a run changes, as a block of memory; and a hash that differs between objects of other files
+     * (optional). */
     size_t (*block_size)(const fmu_object *self);
     void (*copy_block)(fmu_object *self, void *bytes);
     kernel_status (*take_block)(fmu_object *self, const void *bytes);

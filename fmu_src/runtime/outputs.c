@@ -1,7 +1,8 @@
-/* What is read of the table of variables: outputs are those of the present state and of the inputs as they are now. */
+/* Reading the table of variables: outputs belong to the present state and the present inputs. */
 #include "method.h"
 
-/* Outputs after an input was set. They stay stale where they are no numbers, so that the next reading says so again. */
+/* Compute outputs after an input was set. They stay stale if they are not finite, so that the next reading reports it
+ * again. */
 static kernel_status renew_outputs(kernel *self) {
     kernel_gather_inputs(self);
     self->given.step_origin = self->run.now->time;

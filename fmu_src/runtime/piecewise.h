@@ -7,12 +7,12 @@
 /* Rows (origin, c0, c1, ...) of `terms` numbers: for each piece one, between the first and the last, which hold outside. */
 typedef struct {
     int pieces, terms;
-    int equal; /* whether all pieces are equally wide but for round-off */
+    int equal; /* whether all pieces are equally wide except for round-off */
     double per_unit; /* pieces in a unit of the argument, on the mean */
     const double *row;
 } piecewise;
 
-/* Of pieces of any width; a NaN finds the last row. */
+/* Search pieces of any width; a NaN finds the last row. */
 static inline const double *piecewise_search(const piecewise *table, double at) {
     int low = 0, high = table->pieces + 2;
     while (low + 1 < high) {

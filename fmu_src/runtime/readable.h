@@ -17,7 +17,7 @@ static inline size_t length_of_letter(const unsigned char *c) {
     return length;
 }
 
-/* What is no letter becomes a question mark. */
+/* Replace each byte that belongs to no UTF-8 letter by a question mark. */
 static inline void make_readable(char *text) {
     for (unsigned char *c = (unsigned char *)text; *c;) {
         const size_t length = length_of_letter(c);

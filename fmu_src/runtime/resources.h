@@ -16,7 +16,7 @@
 
 enum { RESOURCES_PROBLEM = 320 };
 
-/* Whether paths begin with the letter of a drive, and a host's name in a URI is that of a share. */
+/* True if paths begin with the letter of a drive, and a host's name in a URI is that of a share. */
 #ifndef RESOURCES_ON_DRIVES
 #ifdef _WIN32
 #define RESOURCES_ON_DRIVES 1
@@ -25,7 +25,7 @@ enum { RESOURCES_PROBLEM = 320 };
 #endif
 #endif
 
-/* Whether a text begins with these letters, capital or not. */
+/* Return whether a string begins with these letters, capital or not. */
 static inline bool resources_begins(const char *text, const char *letters) {
     while (*letters && tolower((unsigned char)*text) == *letters) ++text, ++letters;
     return !*letters;
@@ -39,13 +39,13 @@ static inline size_t resources_scheme(const char *text) {
     return text[length] == ':' && length > 1 ? length : 0;
 }
 
-/* Separators behind a folder's name say nothing, but that of the root does. */
+/* Remove separators at the end of a folder's name, but not that of the root. */
 static inline void resources_trim(char *path) {
     size_t length = strlen(path);
     while (length > 1 && (path[length - 1] == '/' || (RESOURCES_ON_DRIVES && path[length - 1] == '\\'))) path[--length] = '\0';
 }
 
-/* Writes a path from what stands behind the scheme and the host's name; false: it holds a zero. */
+/* Decode the rest of a URI, after the scheme and the host's name, into a path; false if it holds a zero byte. */
 static inline bool resources_decode(const char *uri, char *path) {
     static const char digits[] = "0123456789abcdef";
     while (*uri) {
@@ -59,7 +59,7 @@ static inline bool resources_decode(const char *uri, char *path) {
     return true;
 }
 
-/* What begins behind "file:" and the name of this host; null: it is on another one. RFC 8089, appendices B and E. */
+/* Return the part after "file:" and the name of this host; NULL if it is on another host. RFC 8089, appendices B and E. */
 static inline const char *resources_behind_host(const char *uri) {
     if (uri[0] != '/' || uri[1] != '/') return uri;
     const size_t length = strcspn(uri + 2, "/");
@@ -69,8 +69,8 @@ static inline const char *resources_behind_host(const char *uri) {
     return RESOURCES_ON_DRIVES ? uri : NULL; /* "//server/share" */
 }
 
-/* FMI 2.0, section 2.1.5: a URI. Some hosts give a path, which is taken as it is. `path` has room for what was given;
- * false: and one sentence that says why. */
+/* FMI 2.0, section 2.1.5: a URI. Some hosts give a path, which is taken as it is. `path` must have room for the given string.
+ * Returns false, with one message, on error. */
 static inline bool resources_of_uri(const char *uri, char *path, char problem[RESOURCES_PROBLEM]) {
     const char *wanted = "fmuResourceLocation must be the URI of a folder on this computer, such as file:///folder/resources";
     const size_t scheme = resources_scheme(uri);
@@ -109,7 +109,8 @@ static inline bool resources_of_path(const char *given, char *path, char problem
     return true;
 }
 
-/* Whether a file that ends: a pipe would be waited for, perhaps for ever. Where nobody can tell, it is believed. */
+/* Return whether a path is a regular file, which has an end: reading a pipe could wait indefinitely. True if that cannot be
+ * determined. */
 static inline bool is_plain_file(const char *path) {
 #if defined(_WIN32)
     struct _stat about;
@@ -123,7 +124,7 @@ static inline bool is_plain_file(const char *path) {
 #endif
 }
 
-/* A file to be read; null: there is none, or `why` says what hinders. */
+/* Open a file for reading. NULL if it does not exist, or with the reason in `why`. */
 static inline FILE *resources_open(const char *path, const char **why) {
     *why = NULL;
     if (!is_plain_file(path)) {

@@ -1,13 +1,13 @@
 /* Steps with a Jacobian that is kept: ROS34PW2, whose order does not depend on how old its matrix is.
  *
- * What a saved state holds is the place where the Jacobian was taken. The factors are always made from that place, at
- * once or after a saved state came back, so that both go on with the same bits. */
+ * A saved state holds the place where the Jacobian was taken. The factors are always made from that place, at once or after a
+ * saved state was restored, so that both runs continue bit-identically. */
 #include <math.h>
 #include <string.h>
 
 #include "method.h"
 
-enum { OLDEST = 10 }; /* accepted steps that one Jacobian serves where this is the chosen method */
+enum { OLDEST = 10 }; /* accepted steps with one Jacobian if this is the chosen method */
 
 static void remember_place(kernel *self, double offset) {
     const system_description *system = self->system;

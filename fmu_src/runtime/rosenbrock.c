@@ -1,13 +1,14 @@
 /* Two Rosenbrock methods, both stiffly accurate and L-stable, on systems with algebraic states.
  *
- * RODAS5P: order 5, embedded 4, eight stages, an exact Jacobian for each step; Steinebach, Construction of
- * Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia Differential Equations package, BIT Numerical
- * Mathematics 63 (2023) 27. The family is that of Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, VI.4.
- * ROS34PW2: order 3, embedded 2, four stages, and both orders with any matrix in the Jacobian's place (a W-method), so
- * that one serves many steps; Rang and Angermann, BIT Numerical Mathematics 45 (2005) 761-787.
+ * RODAS5P: order 5, embedded 4, eight stages, an exact Jacobian for each step; Steinebach, Construction of Rosenbrock-Wanner
+ * method Rodas5P and numerical benchmarks within the Julia Differential Equations package, BIT Numerical Mathematics 63 (2023)
+ * 27. The family is that of Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, VI.4.
  *
- * Stage i solves (M/(gamma h) - J) k_i = f(t + alpha_i h, x + sum a_ij k_j) + M sum c_ij k_j / h + h d_i df/dt, where
- * M is 1 for states with a derivative and 0 for algebraic ones, whose f is a residual. */
+ * ROS34PW2: order 3, embedded 2, four stages, and both orders with any matrix in the Jacobian's place (a W-method), so that one
+ * is used for many steps; Rang and Angermann, BIT Numerical Mathematics 45 (2005) 761-787.
+ *
+ * Stage i solves (M/(gamma h) - J) k_i = f(t + alpha_i h, x + sum a_ij k_j) + M sum c_ij k_j / h + h d_i df/dt, where M is 1
+ * for states with a derivative and 0 for algebraic ones, whose f is a residual. */
 #include <math.h>
 
 #include "lanes_widest.h"

@@ -22,7 +22,7 @@ LANES_FUNCTION void LANES_NAME(stages_sum)(const stage_work *of, int first, int 
     }
 }
 
-/* What the stages before add to the right-hand side k, and the slope along time. */
+/* Add the contribution of earlier stages, and the slope along time, to the right-hand side k. */
 LANES_FUNCTION void LANES_NAME(stages_add)(const stage_work *of, int stages, const double *weight, real inverse,
                                            double along_time, real size, double *k) {
     for (int i = 0; i < of->numbers; i += LANES) {

@@ -1,5 +1,5 @@
-/* The explicit Runge-Kutta method of order 4, with the algebraic states solved for in each stage. It has no error control,
- * and above its stability limit the saturation of creep keeps it from blowing up: the guard says so instead. */
+/* The explicit Runge-Kutta method of order 4, with the algebraic states solved for in each stage. It has no error control, and
+ * above its stability limit the saturation of creep keeps it from blowing up: the guard reports the instability instead. */
 #include <math.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 
 enum { STAGES = 4, CHECK_EVERY = 32, POWER_STEPS = 24, STEPS_SHOWN = 4 };
 static const double NODE[STAGES] = {0.0, 0.5, 0.5, 1.0}, WEIGHT[STAGES] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-/* Where the method's stability region ends on the negative real axis; Hairer and Wanner 1996, section IV.2. */
+/* End of the method's stability region on the negative real axis; Hairer and Wanner 1996, section IV.2. */
 static const double STABILITY_LIMIT = 2.785293563405282;
 /* Scaled change of algebraic states, well below the error of the method. */
 static const double SOLVED = 1e-10;

@@ -1,5 +1,5 @@
-/* Saved states in the hands of a host: a seal in front tells their size, their model and their checksum, so that bytes that
- * were cut, lengthened or changed, and another model's, are refused. */
+/* Saved states in the hands of a host. A seal in front holds their size, model and checksum, so that bytes that were cut,
+ * lengthened or changed, and states of another model, are refused. */
 #ifndef SEALED_H
 #define SEALED_H
 
@@ -11,7 +11,7 @@
 enum { SEALED_PROBLEM = 160 };
 
 typedef struct {
-    unsigned long long size, model, checksum; /* of all; of what it belongs to; of what lies behind the seal */
+    unsigned long long size, model, checksum; /* in bytes, with the seal; hash of the owner; hash of the block */
 } seal;
 
 #define SEAL_BEGIN 14695981039346656037ULL
@@ -31,7 +31,7 @@ static inline unsigned long long seal_hash(unsigned long long hash, const void *
     return hash;
 }
 
-/* Of what modelDescription.xml and binary have in common. */
+/* Return the hash of a model's token, which modelDescription.xml and binary have in common. */
 static inline unsigned long long seal_model(const char *token) { return seal_hash(SEAL_BEGIN, token, strlen(token)); }
 
 static inline size_t sealed_size(size_t block) { return sizeof(seal) + block; }
@@ -47,14 +47,14 @@ static inline void seal_state(void *state, unsigned long long model, size_t bloc
     memcpy(state, &head, sizeof head);
 }
 
-/* Whether a state is one of this model, whatever its bytes: only then is there as much of it as there should be. */
+/* Return whether a state is one of this model, for any content of its block. Only then does it have its full size. */
 static inline bool seal_is_of(const void *state, unsigned long long model, size_t block) {
     seal head;
     memcpy(&head, state, sizeof head);
     return head.size == sealed_size(block) && head.model == model;
 }
 
-/* Whether `size` bytes are a whole, unchanged state of this model; false: and one sentence that says what they are. */
+/* Return whether `size` bytes are a complete, unchanged state of this model; false, with one message, if not. */
 static inline bool seal_holds(const void *state, size_t size, unsigned long long model, size_t block,
                               char problem[SEALED_PROBLEM]) {
     seal head;

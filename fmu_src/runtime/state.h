@@ -1,4 +1,4 @@
-/* What changes during a run: one block, which is saved, restored and compared as it is. */
+/* The data that change during a run: one block, which is saved, restored and compared as it is. */
 #ifndef STATE_H
 #define STATE_H
 
@@ -9,19 +9,19 @@
 typedef struct {
     double time;
     double proposed_step;
-    double kept_time, kept_until, kept_size; /* of the kept Jacobian: when it was taken, how long it serves, its step */
-    unsigned long long table;    /* mark of the table file; 0: there is none */
+    double kept_time, kept_until, kept_size; /* kept Jacobian: when it was taken, until when it is used, its step */
+    unsigned long long table;    /* mark of the table file; 0: no file */
     double switched, reluctance; /* model exchange: when something switched last, and what that leaves, see modes.c */
     double guard_said;           /* what the last warning about fixed steps was about; 0: none yet */
-    int kept_steps;              /* steps that the kept Jacobian has served; -1: there is none */
+    int kept_steps;              /* steps with the kept Jacobian so far; -1: none is kept */
     int pause;                   /* short steps before a Jacobian is kept again */
     int switches;                /* steps that ended in a switch, less those that did not */
-    int guard_wait;              /* steps until the stability of an explicit method is looked at again */
+    int guard_wait;              /* steps until the stability of an explicit method is checked again */
     int system;                  /* its place in the model; -1 before initialisation */
     int ended;                   /* 1 + index of the end condition that stopped the run; 0: running */
     bool outputs_stale;
     bool inputs_jumped; /* model exchange: an input was set to another value since modes were found last */
-    bool watched;       /* whether what is told of frictions may change without a switch */
+    bool watched;       /* whether reports of frictions may change without a switch */
 } run_record;
 
 typedef struct {

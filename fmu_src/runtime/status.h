@@ -1,4 +1,4 @@
-/* How calls end: what they return, and sentences as records of a status and a text. */
+/* Results of calls: a status, and messages as records of a status and a text. */
 #ifndef STATUS_H
 #define STATUS_H
 
@@ -14,13 +14,13 @@ typedef struct {
 
 enum { MESSAGE_SIZE = 512, JOURNAL_SIZE = 8192, LOSS_SIZE = 80 };
 
-/* The sentences that the face has not heard yet; the newest are kept. */
+/* The messages that the interface has not read yet; the newest are kept. */
 typedef struct {
     char record[JOURNAL_SIZE];        /* each a byte of status, a text, a zero */
-    size_t length, heard;             /* its end, and the place behind the last record that was heard */
-    unsigned long long noted, lost;   /* records since the start, and those that nobody heard in time */
+    size_t length, heard;             /* its end, and the end of the last record that was read */
+    unsigned long long noted, lost;   /* records since the start, and those that were dropped unread */
     char told_of_loss[LOSS_SIZE];
-    char message[MESSAGE_SIZE];       /* the sentence to the last status */
+    char message[MESSAGE_SIZE];       /* the message to the last status */
 } sentence_journal;
 
 #endif

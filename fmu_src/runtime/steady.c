@@ -1,23 +1,24 @@
-/* The start as a steady state, for systems that ask for it where they stand.
+/* The start as a steady state, for systems that require it.
  *
- * Sought are states whose derivatives are those of a motion that stays as it is: none, but for what grows with the speed
- * as the machine rolls faster or slower. Steps of the implicit Euler method follow the motion in time with artificial
- * damping, which all motions have that are fast beside a step; they grow until they are steps of Newton's method. So
- * states are found from afar, and those too about which a motion would grow (Kelley and Keyes (1998), Convergence
- * analysis of pseudo-transient continuation, SIAM Journal on Numerical Analysis 35, 508-523). */
+ * A steady state has zero derivatives, except for those that grow with the speed as the vehicle rolls faster or slower. Steps
+ * of the implicit Euler method follow the motion in time with artificial damping, which acts on all motions that are fast
+ * relative to a step. They grow until they are steps of Newton's method. Hence states are found from afar, and those too about
+ * which a motion would grow (Kelley and Keyes (1998), Convergence analysis of pseudo-transient continuation, SIAM Journal on
+ * Numerical Analysis 35, 508-523). */
 #include <math.h>
 #include <string.h>
 
 #include "method.h"
 
 enum { MOST_STEPS = 300, MOST_CORRECTIONS = 8, QUICK = 4 };
-/* Sizes of steps [s]: the first; below which there is no way on; from which a change in a step is what is left of all. */
+/* Sizes of steps [s]: the first; the smallest, below which the search fails; the size from which on a change in a step is all
+ * of the remaining change. */
 static const double FIRST = 1e-3, LEAST = 1e-8, LONG = 1e6;
 /* Scaled changes: corrections at which an implicit step is solved, and a long step that changes nothing any more. */
 static const double SOLVED_STEP = 1e-6, SETTLED = 1e-9;
 /* Directions of a friction that has no velocity to oppose: it gives way with this share of its capacity. */
 static const double GIVES_WAY = 1e-4;
-/* As the mass of a state that is held. */
+/* Mass of a state that is held. */
 static const double HELD = 1e200;
 
 static bool is_held(const kernel *self, int i) { return self->work.differential[i] == HELD; }
@@ -32,8 +33,8 @@ static double largest_scaled(const kernel *self, const double *change) {
     return largest;
 }
 
-/* A correction of self->work.trial by Newton's method, in a step of `size` from self->run.state. Returns its largest scaled entry;
- * NaN: there is none. How the acceleration follows from all states is a matrix of rank 1: Sherman and Morrison (1950). */
+/* A correction of self->work.trial by Newton's method, in a step of `size` from self->run.state. Returns its largest scaled
+ * entry; NaN if it fails. How the acceleration follows from all states is a matrix of rank 1: Sherman and Morrison (1950). */
 static double newton_correction(kernel *self, double size) {
     const system_description *system = self->system;
     const int n = system->states, speed = system->steady->speed;
@@ -103,7 +104,7 @@ static void release_frictions(kernel *self) {
     }
 }
 
-/* What had no velocity at the start has none exactly, so that its friction holds it from then on. */
+/* Set a velocity that was zero at the start to exactly zero, so that its friction holds it from then on. */
 static void stop_frictions(kernel *self, const double *start) {
     for (int i = 0; i < self->system->frictions; ++i) {
         if (modes_velocity(&self->system->friction[i], start) == 0.0) modes_stop(&self->system->friction[i], self->run.state);
@@ -124,7 +125,7 @@ static bool is_placed(const kernel *self) {
     return false;
 }
 
-/* What drives or brakes begins when the run does. */
+/* Set drives and brakes to 0: they begin when the run does. */
 static void leave_drives(kernel *self) {
     const steady_start *steady = self->system->steady;
     for (int i = 0; i < steady->drives; ++i) self->given.input[steady->drive[i]] = self->given.rate[steady->drive[i]] = 0.0;
@@ -147,7 +148,7 @@ static bool find(kernel *self) {
     return found;
 }
 
-/* Whether a condition that ends runs has come true. */
+/* Return whether a condition that ends runs is met. */
 static bool has_ended(kernel *self) {
     if (self->system->ends == 0) return false;
     kernel_evaluate(self, self->system->condition_margin, 0.0, self->run.state, self->modes.margin);

@@ -34,7 +34,7 @@ static kernel_status check_step(kernel *self, double time, double size) {
     return KERNEL_OK;
 }
 
-/* As much of the run as a step changes. */
+/* Return the bytes of the run that a step changes. */
 static size_t changing(const kernel *self) {
     return (self->reads_outputs_later ? self->run.unread : self->run.changing) * sizeof(double);
 }

@@ -1,9 +1,9 @@
 /* An object of three functions in C, its memory, its start, its step, as an object of arrays (arrays.h) of one element each:
  * real inputs, the parameter `period`, integer outputs.
  *
- * step_model.h, written beside it, names the functions. The object is asked at the start of the first step that begins at or
- * after each multiple of the period; its outputs hold in between. An answer outside its limits, or an input that is no number,
- * makes the outputs safe. */
+ * step_model.h, written next to it, names the functions. The step function is called at the start of the first step that begins
+ * at or after each multiple of the period; its outputs hold in between. An answer outside its limits, or an input that is no
+ * number, makes the outputs safe. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

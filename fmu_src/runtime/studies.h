@@ -1,4 +1,5 @@
-/* What studies ask of a kernel besides, through kernel.py: names, records, counts, the equations. No FMU holds it. */
+/* Further functions of a kernel for studies, through kernel.py: names, records, counts, the equations. FMUs do not contain
+ * them. */
 #ifndef STUDIES_H
 #define STUDIES_H
 
@@ -6,9 +7,9 @@
 
 KERNEL_EXPORT int kernel_variable_count(void);
 KERNEL_EXPORT const char *kernel_variable_name(int variable);
-/* Most lanes that the equations use from now on, where the processor has so many; returns how many they use. */
+/* Set the largest number of lanes in the equations, up to that of the processor; return the number used. */
 KERNEL_EXPORT int kernel_use_lanes(kernel *self, int most);
-/* The sentence of the last status. */
+/* Return the message of the last status. */
 KERNEL_EXPORT const char *kernel_message(const kernel *self);
 KERNEL_EXPORT void kernel_counts(const kernel *self, kernel_counters *counts);
 /* A step with a row of variables every `interval` seconds, the start included; rows that are not reached become NaN. */

@@ -1,4 +1,4 @@
-/* What only studies ask: names, counts, records, the linearisation, and for benchmarks one thing many times. */
+/* Functions for studies alone: names, counts, records, the linearisation, and repeated calls for benchmarks. */
 #include <math.h>
 
 #include "lanes_widest.h"

@@ -16,7 +16,7 @@ enum {
     FIRST_ROOM = 1024,
     LONGEST_NAME = 60,
     QUOTED = 40,
-    SHOWN_PATH = 120 /* bytes of a path that a sentence shows, the last ones */
+    SHOWN_PATH = 120 /* bytes of a path that a message shows, the last ones */
 };
 
 /* A cell of each row: its place, and the column that it belongs to. */
@@ -37,7 +37,7 @@ typedef struct {
     table_file *made;
 } reader;
 
-/* false, once the sentence tells the file and, where one was read, the row and the column. */
+/* Write a message with the file and, once one was read, the row and the column; return false. */
 static bool refuse_file(reader *self, const char *format, ...) LIKE_PRINTF(2);
 static bool refuse_file(reader *self, const char *format, ...) {
     const int room = PROBLEM_SIZE - 2, length = (int)strlen(self->path), number = self->rows.number;
@@ -141,7 +141,7 @@ static bool part_name(char *cell, char **end, char **unit) {
     return *end > cell && (*unit)[strcspn(*unit, odd)] == '\0';
 }
 
-/* Finds the factor from the unit of the file to that of the column. */
+/* Find the factor from the unit of the file to that of the column. */
 static bool find_factor(reader *self, const char *unit, cell_place *place) {
     const column_description *column = &MODEL.table_file->column[place->column];
     char known[PROBLEM_SIZE / 2] = "";
@@ -188,7 +188,7 @@ static bool check_names(reader *self) {
     return true;
 }
 
-/* The first row that holds something, behind one that declares the separator. */
+/* Read the first row with content, after one that declares the separator. */
 static reading row_of_names(reader *self) {
     reading found = next_row(self);
     if (found != ROW_READ) return found;
@@ -237,7 +237,7 @@ static bool has_room(reader *self) {
     return true;
 }
 
-/* Whether a number may be one of thousands, with a separator between groups of three digits. */
+/* Return whether a cell may be a number of thousands, with a separator between groups of three digits. */
 static bool may_be_thousands(const char *cell) {
     int digits = 0, behind = 0;
     if (*cell == '+' || *cell == '-') ++cell;
@@ -250,7 +250,7 @@ static bool may_be_thousands(const char *cell) {
     return digits >= 1 && digits <= 3 && behind == 3 && !*cell;
 }
 
-/* Checks that all numbers of the file have one decimal mark, and notes whether one shows that it is none of thousands. */
+/* Check that all numbers of the file have one decimal mark, and note whether one shows that it is none of thousands. */
 static bool check_mark(reader *self, const char *cell, char mark) {
     if (mark) self->decimal = self->decimal || !may_be_thousands(cell);
     if (!mark || mark == self->mark) return true;
@@ -316,12 +316,12 @@ static bool refuse_nameless(reader *self, int at, const char *cell) {
                        self->separator == ',' ? ". With decimal commas, separate columns by semicolons" : "");
 }
 
-/* Reads the values of a row. One of separators alone is left out. */
+/* Read the values of a row. One of separators alone is left out. */
 static bool read_row(reader *self) {
     char *rest = self->rows.text, *cell;
     cell_reading found;
     const cell_place *place = self->place, *behind = place + self->places, *empty = NULL;
-    bool any = false, wrong = false; /* a wrong value may come of a wrong number of values, which is told first */
+    bool any = false, wrong = false; /* a wrong value may come of a wrong number of values, which is reported first */
     for (int at = 0; (found = next_cell(self, &rest, &cell)) == CELL_READ; ++at) {
         const bool named = place < behind && place->at == at;
         any |= *cell != '\0';
@@ -356,7 +356,7 @@ static bool read_rows(reader *self) {
     return refuse_file(self, "the file must have at least 2 rows of values; it has %d. Add rows", self->made->rows);
 }
 
-/* Of each column that is there, and which it is. */
+/* Set the mark to a hash of each present column and its index. */
 static void mark(table_file *self) {
     self->mark = SEAL_BEGIN;
     for (int column = 0; column < MODEL.table_file->columns; ++column)

@@ -1,5 +1,5 @@
-/* A table that an instance reads from a file before the start and does not touch afterwards. What its columns mean, what
- * follows from them, and the polynomials between its rows are the model's: see table_file_description in model.h. */
+/* A table that an instance reads from a file before the start and does not change afterwards. The model defines the meaning of
+ * its columns, the columns computed from them and the polynomials between its rows: see table_file_description in model.h. */
 #ifndef TABLE_FILE_H
 #define TABLE_FILE_H
 
@@ -13,13 +13,14 @@ struct table_file {
     double *column[MOST_COLUMNS]; /* those of the description, null where missing, then those that the model adds */
 };
 
-/* The table in a file; or null, and a sentence with its row and value. */
+/* Return the table in a file; NULL, with a message that shows its row and value, on error. */
 RUNTIME_LOCAL table_file *table_read(const char *path, char problem[PROBLEM_SIZE]);
 RUNTIME_LOCAL void table_free(table_file *self);
-/* A number in decimal writing, whatever the host's language, and its decimal mark, 0: it has none. False where it is none. */
+/* Read a number in decimal notation, in any locale of the host, and its decimal mark (0 if it has none). False if it is not a
+ * number. */
 RUNTIME_LOCAL bool table_read_number(const char *text, double *value, char *mark);
-/* Origin at a place, coefficients of the pieces that are looked up there, and the range in which they hold; guess: the row
- * before the place that was looked up last. */
+/* Return the origin at a place, the coefficients of the pieces that are looked up there, and their range of validity. guess:
+ * the row before the place of the last look-up. */
 RUNTIME_LOCAL void table_look_up(const table_file *self, const table_description *table, double at, int *guess, double held[2],
                                  double *coefficient);
 

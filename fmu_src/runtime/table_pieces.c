@@ -19,13 +19,14 @@ static bool meets(const table_file *self, int row) {
     return row >= 0 && row <= self->rows - 2 && width_of(self, row) <= 2.0 * MODEL.table_file->rounding;
 }
 
-/* How far a corner is rounded on the way from a row to the next. */
+/* Return the distance over which a corner is rounded between a row and the next. */
 static double reach(const table_file *self, int row) {
     return meets(self, row) ? width_of(self, row) : MODEL.table_file->rounding;
 }
 
-/* Slope at a row with straight lines before and behind it, each rounded so far: of the parabola through it and places on
- * both, but 0 where the row is the highest or lowest of three, as what is beyond would leave them. */
+/* Return the slope at a row between two straight lines, each rounded over `left` or `right`. It is that of the parabola through
+ * the row and a place on each line. It is 0 if the row is the highest or lowest of three: values must stay within those of the
+ * rows. */
 static double slope_between(double before, double behind, double left, double right) {
     return before * behind > 0.0 ? (before * right + behind * left) / (left + right) : 0.0;
 }
@@ -38,9 +39,10 @@ static double cubic_slope(const table_file *self, const double *value, int row) 
     return copysign(fmin(fabs(slope), 3.0 * fmin(fabs(before), fabs(behind))), slope);
 }
 
-/* Bend at a row between two straight lines: the mean of those of cubics to both sides, which makes the third derivative jump
- * little; slope: a reach before the row, at it, and behind. At most twice that of the parabola, so that what goes on straight
- * has none, and none that turns a curve back at once, for which n in the next comment would change its sign. */
+/* Return the bend at a row between two straight lines: the mean of those of cubics to both sides, so that the third derivative
+ * jumps little. slope: a reach before the row, at it, and after. The bend is at most twice that of the parabola, so that a
+ * straight continuation has none. It must not turn a curve back at once, for which n in the next comment would change its
+ * sign. */
 static double bend_between(const double straight[2], const double width[2], const double slope[3]) {
     const double before = straight[0], behind = straight[1], left = width[0], right = width[1];
     if (before == 0.0 || behind == 0.0) return 0.0;
@@ -55,9 +57,9 @@ static double bend_between(const double straight[2], const double width[2], cons
 /* Which share of slope and bend the end of a quintic may have. It rises over its width h where no coefficient of its slope in
  * Bernstein's form is below 0 (after R. L. Dougherty, A. Edelman and J. M. Hyman (1989), Nonnegativity-, monotonicity-, or
  * convexity-preserving cubic and quintic Hermite interpolation, Mathematics of Computation 52). These are m and n = m + b h / 4
- * at one end, likewise at the other, and in the middle five times the straight line's slope s less all four. Those of both
- * halves ask for m + n <= 5 s at each end, and for 2 m + (3 m + 2 n) <= 15 s and (5 m + 2 n) + (5 m + 2 n) <= 30 s, a term of
- * each end; here every term has its part of them. */
+ * at one end, likewise at the other, and in the middle five times the straight line's slope s less all four. The coefficients
+ * of both halves require m + n <= 5 s at each end. They also require 2 m + (3 m + 2 n) <= 15 s and (5 m + 2 n) + (5 m + 2 n) <=
+ * 30 s, with one term from each end. Here every term has its part of them. */
 static double share_of_end(double straight, double slope, double bend, double reach) {
     const double sign = copysign(1.0, straight), m = sign * slope, n = m + sign * bend * reach / 4.0;
     const double need = fmax(fmax((m + n) / 5.0, m / 2.5), fmax((3.0 * m + 2.0 * n) / 10.0, (5.0 * m + 2.0 * n) / 15.0));
@@ -83,13 +85,13 @@ static void quintic_end(const table_file *self, const double *value, int row, do
     end[2] = share * bend;
 }
 
-/* Whether a column has a corner where its slope changes so. */
+/* Return whether such a change of slope is a corner in a column. */
 static bool is_corner(int column, double change) {
     const column_description *about = &MODEL.table_file->column[column];
     return fabs(change) * MODEL.table_file->rounding > STRAIGHT * (about->maximum - about->minimum);
 }
 
-/* Whether any column has a corner at a row. */
+/* Return whether any column has a corner at a row. */
 static bool any_corner(const table_file *self, int row) {
     for (int column = 1; column < MODEL.table_file->columns; ++column) {
         const double *value = self->column[column];

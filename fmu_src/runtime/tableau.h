@@ -14,7 +14,7 @@ struct rosenbrock_tableau {
     bool adds_one[MOST_STAGES]; /* whether a stage stands where the one before does, and one stage further */
 };
 
-/* numbers: how many doubles each array has. The right-hand side is asked for at a share of the step. */
+/* numbers: how many doubles each array has. `evaluate` computes the right-hand side at a share of the step. */
 typedef struct {
     int numbers;
     const double *state, *slope, *time_slope, *differential;

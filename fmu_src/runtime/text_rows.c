@@ -4,7 +4,7 @@
 #include "readable.h"
 #include "text_rows.h"
 
-enum { TEXT_ENDS = -1, TEXT_REFUSED = -2 }; /* in place of a character */
+enum { TEXT_ENDS = -1, TEXT_REFUSED = -2 }; /* instead of a character */
 
 static const unsigned long long LARGEST_TEXT = 1000000000ull; /* bytes */
 static const char MARK_OF_UTF8[] = "\xEF\xBB\xBF", NO_BREAK[] = "\xC2\xA0", NARROW_NO_BREAK[] = "\xE2\x80\xAF";
@@ -74,7 +74,7 @@ static size_t write_letter(int letter, char *to) {
     return length;
 }
 
-/* Letters of a row; -1: it is no UTF-8. */
+/* Return the number of letters in a row; -1 if it is not UTF-8. */
 static int letters_in(const char *text, size_t length) {
     int count = 0;
     for (const unsigned char *c = (const unsigned char *)text, *end = c + length; c < end; ++count) {
@@ -85,7 +85,7 @@ static int letters_in(const char *text, size_t length) {
     return count;
 }
 
-/* Reads a row of bytes as Windows-1252: per mille, what Latin-1 has too, and a sign in place of all else. */
+/* Read a row of bytes as Windows-1252: per mille, the characters of Latin-1, and a sign for all others. */
 static size_t from_windows(char *text, size_t length) {
     size_t longer = 0;
     for (size_t i = 0; i < length; ++i) {
@@ -121,7 +121,7 @@ static reading complete_row(text_rows *self, size_t length, bool plain, bool end
     return ROW_READ;
 }
 
-/* Copies bytes up to the next that is no plain part of a row; whether they are ASCII. */
+/* Copy bytes up to the next control character or the end of the chunk or row; return whether they are ASCII. */
 static bool copy_run(text_rows *self, size_t *length) {
     unsigned char all = 0;
     size_t at = self->at, to = *length;

@@ -28,21 +28,21 @@ typedef struct {
     char text[ROW_SIZE + 4]; /* of the row, UTF-8 */
 } text_rows;
 
-/* Begins a file: finds its encoding by its first bytes. */
+/* Begin a file: finds its encoding by its first bytes. */
 RUNTIME_LOCAL void text_rows_begin(text_rows *self, FILE *file);
-/* The next row that holds something. Empty rows and remarks are passed over. */
+/* Read the next row with content. Empty rows and remarks are skipped. */
 RUNTIME_LOCAL reading text_rows_next(text_rows *self);
 
-/* What separates the cells of a row with names: the first of tab, semicolon and comma that stands outside of quotes. */
+/* Return the separator of the cells of a row with names: the first of tab, semicolon and comma outside of quotes. */
 RUNTIME_LOCAL char text_separator(const char *text);
 
 typedef enum { CELL_READ, NO_MORE_CELLS, CELL_REFUSED } cell_reading;
 
-/* The next cell of a row, in place, without blanks and quotes around it; *rest: behind it, null behind the last one. */
+/* Read the next cell of a row, in place, without blanks and quotes around it. *rest: after it, NULL after the last cell. */
 RUNTIME_LOCAL cell_reading text_next_cell(char **rest, char separator, char **cell);
-/* Bytes of the blank that begins here; 0: there is none. */
+/* Return the bytes of the blank that begins here; 0 if none does. */
 RUNTIME_LOCAL size_t text_blank(const char *text);
-/* The end of a text from start to end, without blanks at its end. */
+/* Return the end of a string from start to end, without blanks at its end. */
 RUNTIME_LOCAL char *text_before_blanks(char *start, char *end);
 
 #endif

@@ -1,14 +1,16 @@
-/* What is told of frictions that stick and slide.
+/* Reports of frictions that stick and slide.
  *
- * A friction may say from where on it counts that it sticks, or that it slides: a wheel is locked where it does not turn
- * while its axle moves. Frictions that hold a machine as a whole are told as one: when the last of them sticks that could, and
- * when they slide so that it counts. What sticks again and again is told the 1st, 2nd, 4th, 8th time, and so on, until the machine as a
- * whole stands; that it slides, where it was told that it sticks. So what is said does not grow with a run's length. */
+ * A friction may have a condition for its sticking, or its sliding, to count: a wheel is locked if it does not turn while its
+ * axle moves. Frictions that hold a vehicle as a whole are reported as one: when the last of them sticks that could, and when
+ * they slide so that it counts. Repeated sticking is reported the 1st, 2nd, 4th, 8th time, and so on, until the vehicle as a
+ * whole stands. Sliding is reported if the sticking before it was. Hence the number of reports does not grow with a run's
+ * length. */
 #include <math.h>
 
 #include "method.h"
 
-/* Whether a friction sticks; of a machine as a whole one, and all others where it counts. */
+/* Return whether a friction sticks; for a vehicle as a whole, whether one sticks, and so do all others whose sticking
+ * counts. */
 static bool sticks(const kernel *self, int i) {
     const friction_description *friction = self->system->friction;
     if (friction[i].whole < 0) return self->run.mode[i] == 0.0;
@@ -36,13 +38,13 @@ static void tell(kernel *self, int i, const char *word, double offset, bool coun
     else kernel_note(self, KERNEL_OK, "%s %s at %s s.", label, word, when);
 }
 
-/* Where the machine as a whole stands, what was told of the others counts anew. */
+/* Reset the counts of all other frictions when the vehicle as a whole stands. */
 static void begin_anew(kernel *self) {
     for (int i = 0; i < self->system->frictions; ++i)
         if (self->system->friction[i].whole < 0) self->run.told[i] = self->run.told[i] < 0.0 ? -1.0 : 0.0;
 }
 
-/* Whether what counts of a friction, or of those that are told as one with it, has changed; tells it. */
+/* Return whether the counted mode of a friction, or of the group reported with it, has changed; reports the change. */
 static bool follow(kernel *self, int i, double offset) {
     const friction_description *friction = &self->system->friction[i];
     double *told = &self->run.told[i];

@@ -30,7 +30,7 @@ typedef struct {
     double when_lost; /* what the equations see when a NaN arrives; NaN: a NaN is refused */
 } variable_description;
 
-/* Why a variable cannot be set, as what follows its name in a sentence; null: it can be. */
+/* Return the reason why a variable cannot be set, to follow its name in a message; NULL if it can. */
 static inline const char *why_fixed(const variable_description *variable, bool begun) {
     if (variable->causality == CAUSALITY_OUTPUT) return "is an output and cannot be set; read it instead.";
     if (variable->causality == CAUSALITY_LOCAL) return "is a state and cannot be set; read it instead.";

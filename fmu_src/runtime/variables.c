@@ -1,11 +1,11 @@
-/* The table of variables: what may be set to what, and what is read. */
+/* The table of variables: limits of values, setting and reading them. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "instance.h"
 
-static const double LEAST_STEP = 1e-7; /* s, of integration_step: a hundredth of what the stiffest creep asks for */
+static const double LEAST_STEP = 1e-7; /* s, of integration_step: a hundredth of the step that the stiffest creep requires */
 
 kernel_status kernel_check_reference(kernel *self, int variable) {
     if (variable >= 0 && variable < MODEL.variables) return KERNEL_OK;
@@ -29,7 +29,7 @@ static bool is_allowed(const variable_description *variable, double value) {
     return isfinite(value) && value >= variable->minimum && value <= variable->maximum && whole;
 }
 
-/* The end of a sentence, for who has taken another unit than the variable's, km/h or mm. */
+/* Write the end of a message for a value in another unit than the variable's, km/h or mm. */
 static const char *other_unit(const variable_description *variable, double value, char text[120]) {
     const bool speed = strcmp(variable->unit, "m/s") == 0;
     const double own = value / (speed ? 3.6 : 1000.0);
@@ -70,7 +70,7 @@ kernel_status kernel_warn_without_effect(kernel *self, int variable) {
                        MODEL.variable[variable].name, self->system->name);
 }
 
-/* Writes a name behind others, as far as there is room; whether there was. */
+/* Write a name behind others, as far as there is room; whether there was. */
 static bool add_name(char *names, size_t size, const char *before, const char *name) {
     const size_t length = strlen(names);
     if (length + strlen(before) + strlen(name) >= size) return false;
@@ -78,7 +78,7 @@ static bool add_name(char *names, size_t size, const char *before, const char *n
     return true;
 }
 
-/* Parameters that were set and that nothing in the chosen system depends on: all in one sentence. */
+/* Warn of parameters that were set and on which the chosen system does not depend: all in one message. */
 kernel_status kernel_warn_of_idle_parameters(kernel *self) {
     char names[256] = "", selectors[96] = "", others[48] = "";
     int count = 0, left = 0;
@@ -97,7 +97,7 @@ kernel_status kernel_warn_of_idle_parameters(kernel *self) {
                        self->system->name, names, others, selectors);
 }
 
-/* A step that the clock cannot tell from none would take for ever. */
+/* Refuse steps too short to change the time: they would take indefinitely. */
 static kernel_status check_integration_step(kernel *self, double value) {
     const double kept = self->run.value[MODEL.integration_step];
     if (value == 0.0 || value >= LEAST_STEP) return KERNEL_OK;

@@ -1,4 +1,4 @@
-/* What a step is computed in: nothing here outlives it but what can be computed again from the state of the run. */
+/* Work arrays of a step. Data here that outlive a step can be computed again from the state of the run. */
 #ifndef WORKSPACE_H
 #define WORKSPACE_H
 
@@ -6,7 +6,7 @@
 
 enum { MOST_STAGES = 8 };
 
-/* What generated functions are given besides time, states, constants and modes. */
+/* Arguments of generated functions in addition to time, states, constants and modes. */
 typedef struct {
     double step_origin; /* time at the start of the current kernel_step; places in it have an offset from it */
     double *parameter;
@@ -32,7 +32,7 @@ typedef struct {
     bool exchanged;
 } step_factors;
 
-/* Of the methods of integration. Jacobians are nonzeros in the order of the description. */
+/* Work arrays of the methods of integration. Jacobians are nonzeros in the order of the description. */
 typedef struct {
     int method;           /* a value of integration_method */
     double *differential; /* 1 for states with a derivative, 0 for algebraic ones */
@@ -51,7 +51,7 @@ typedef struct {
 
 typedef enum { KEPT_NOTHING, KEPT_JACOBIAN, KEPT_FACTORS } kept_parts;
 
-/* What is made from the place where the kept Jacobian was taken. */
+/* Data made from the place where the kept Jacobian was taken. */
 typedef struct {
     kept_parts ready;
     double *jacobian;
@@ -59,22 +59,22 @@ typedef struct {
     dense_factors algebraic;
 } kept_workspace;
 
-/* Of frictions and conditions. */
+/* Work arrays of frictions and conditions. */
 typedef struct {
     double *drive, *capacity, *still;
-    double *margin; /* of frictions, of what ends the run, of what only warns */
+    double *margin; /* of frictions, of end conditions, of warnings */
     double *told;   /* of frictions: where it counts that they stick, and where that they slide */
     double *before, *overshoot; /* modes before a round; velocities that passed zero within a step of a fixed size */
 } mode_workspace;
 
-/* Of outputs and their derivatives, and of states between the steps. */
+/* Work arrays of outputs and their derivatives, and of states between the steps. */
 typedef struct {
     double *output, *output_rate, *slope_change;
     double *place; /* where outputs and derivatives are read that have algebraic states */
     double *shown, *first_slope, *last_slope; /* a state within a step, and slopes at its ends */
 } reading_workspace;
 
-/* Of the search for a steady state. */
+/* Work arrays of the search for a steady state. */
 typedef struct {
     double *start, *change, *answer, *pace;
 } steady_workspace;
