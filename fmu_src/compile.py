@@ -36,10 +36,10 @@ from fmu_src.progress import counting
 from fmu_src.system import Model
 from readers.storage import ANOTHER_TEMPORARY, StorageError, cannot_write, sentence, write_whole
 
-#: Where compiled kernels and FMUs are kept between runs, in the user's folder for such things unless the environment
-#: names another; named by the content of their sources and the compiler.
+#: Folder of compiled kernels and FMUs, in the user's cache folder unless the environment names another. Files are named
+#: by the content of their sources and the compiler.
 CACHE = Path(os.environ.get("BOGIE_BRAKING_CACHE") or platformdirs.user_cache_dir("bogie-braking", False)).absolute()
-#: How to name another one, and what such a folder must allow.
+#: Remedies for a message: how to set another cache folder, and its requirements.
 ANOTHER_CACHE = "name another folder in the environment, BOGIE_BRAKING_CACHE"
 FROM_WHICH_IT_LOADS = f"{ANOTHER_CACHE}, on a disk from which programs may run"
 #: No contraction of a*b+c: compilers differ in nothing but the last bits of their mathematical library.
@@ -61,7 +61,7 @@ FLAGS_X86 = ("-msse2", "-mfpmath=sse")
 OPTIMISE_GENERATED, OPTIMISE_RUNTIME = "-O1", "-O2"
 #: Files of the runtime that each step runs through, which are compiled as the runtime is; the others as generated code.
 STEPPING = ("evaluate.c", "linear.c", "rosenbrock.c", "algebraic.c", "reuse.c", "outputs.c", "integrate.c", "step.c")
-#: What compilers say where a disk, a quota or a limit is full.
+#: Messages of compilers if a disk, a quota or a limit is full.
 FULL_DISK = ("No space left", "Disk quota exceeded", "File size limit", "File too large")
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 
@@ -71,7 +71,13 @@ class CompilerError(RuntimeError):
 
 
 def cache() -> Path:
-    """Return the folder of the cache, made where it is missing; nobody else can write to it. Raises CompilerError."""
+    """Return the folder of the cache, created if missing; only its owner can write to it.
+
+    Raises
+    ------
+    CompilerError
+        If the folder cannot be created or others can write to it.
+    """
     with _told():
         return own_folder(CACHE, ANOTHER_CACHE)
 
@@ -85,14 +91,15 @@ def _told() -> Iterator[None]:
         raise CompilerError(str(error)) from error
 
 
-#: What brings zig, the compiler from PyPI.
+#: Command that installs zig, the compiler from PyPI.
 INSTALL_ZIG = "pip install 'bogie-braking[compiler]'"
 
 
 def compiler(target: str | None = None) -> list[str]:
-    """Command of the C compiler: $CC, or cc, gcc, clang from PATH, or zig from PyPI; zig for a `target` of it.
+    """Return the command of the C compiler: $CC, cc, gcc or clang from PATH, or zig from PyPI; zig if `target` is
+    given.
 
-    The command does not say that the compiler is there: `run` does.
+    The command may name a compiler that is not installed: `run` reports that.
     """
     if target:
         return [sys.executable, "-m", "ziglang", "cc", "-target", target, "-mcpu=baseline"]
@@ -110,7 +117,22 @@ def library_suffix() -> str:
 
 
 def run(command: Sequence[str], target: str | None, folder: Path) -> None:
-    """Runs a command of the compiler in a folder. Raises CompilerError."""
+    """Run a command of the compiler in a folder.
+
+    Parameters
+    ----------
+    command : sequence of str
+        Arguments of the compiler.
+    target : str or None
+        Target of zig; None for this machine.
+    folder : Path
+        Working folder, with zig's local cache.
+
+    Raises
+    ------
+    CompilerError
+        If the compiler is missing or fails.
+    """
     environment = os.environ | {
         "ZIG_GLOBAL_CACHE_DIR": os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(CACHE / "zig")),
         "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
@@ -131,13 +153,13 @@ def run(command: Sequence[str], target: str | None, folder: Path) -> None:
 
 
 def _zig_may_be_damaged(called: Sequence[str]) -> str:
-    """What to do about zig's own cache, which nobody checks."""
+    """Return a remedy for a damaged cache of zig, which has no checksums."""
     own = "ziglang" in called and "ZIG_GLOBAL_CACHE_DIR" not in os.environ
     return f"If the sources are without fault, remove the folder {CACHE / 'zig'} and try again." if own else ""
 
 
 def _zig_is_missing(target: str | None) -> str:
-    """What there is no compiler for, and what to do."""
+    """Return the message that no compiler is available, with its remedy."""
     if target == WEB_TARGET:
         advice = f"run `make live`, which installs it, or without a checkout {INSTALL_ZIG}"
         return f"A live page needs zig, which is not installed: {advice}"
@@ -149,7 +171,7 @@ def _zig_is_missing(target: str | None) -> str:
 def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:
     """Object files of C files that include the runtime's headers, each compiled now unless the cache has it.
 
-    As many at once as there are processors, the longest first, so that none is left over at the end.
+    One file for each processor is compiled at once, the longest first, so that none is left over at the end.
     """
     included = {name: headers_of(name, sources) for name in sources if not name.endswith(".h")}
     length = {name: len(sources[name]) + sum(map(len, own.values())) for name, own in included.items()}
@@ -191,9 +213,19 @@ def _object_of(name: str, files: Mapping[str, str], flags: Sequence[str], target
 
 
 def in_cache(name: str, make: Callable[[Path], Path]) -> Path:
-    """Return the place in the cache of a file of this name, made now unless it is there and whole.
+    """Return the path of a file in the cache, made now unless it is there and whole.
 
-    make: from a folder for what it needs meanwhile to the file that it makes. Raises CompilerError.
+    Parameters
+    ----------
+    name : str
+        Name of the file.
+    make : callable
+        Makes the file in a temporary folder and returns its path.
+
+    Raises
+    ------
+    CompilerError
+        If the file cannot be compiled or written.
     """
     path = cache() / name
     with _told(), missing(path, ANOTHER_CACHE) as absent:
@@ -245,12 +277,12 @@ def loaded(path: Path) -> ctypes.CDLL:
 
 @lru_cache
 def here() -> str:
-    """Return what a library hangs on besides its sources and compiler: system, processor, C library."""
+    """Return the parts of the cache key besides sources and compiler: system, processor, C library."""
     return " ".join([sys.platform, platform.machine(), *platform.libc_ver()])
 
 
 def _content(words: Sequence[str], sources: Mapping[str, str], runtime: Sequence[str]) -> str:
-    """A name in the cache for what a command, as given in this file, makes of generated sources and the runtime."""
+    """Return a cache name for the result of a command, as given in this file, on generated sources and the runtime."""
     digest = hashlib.sha256("\n".join([here(), *words]).encode())
     for name in sorted(sources):
         digest.update(sources[name].encode())
@@ -267,11 +299,30 @@ def compile_library(
     fmu: bool = False,
     lanes: int = 0,
 ) -> None:
-    """Compiles generated sources with the runtime to the shared library `output`. Raises CompilerError.
+    """Compile generated sources with the runtime to a shared library.
 
-    fmu: the binary of an FMU, which shows the functions of FMI alone; otherwise a library for kernel.py, which shows
-    those of kernel.h and studies.h. Either calls its own functions, also where the host has loaded others of the same
-    names. lanes: of the library of a batch, whose own sources are among those given; 0: it is none.
+    A library calls its own functions, also if the host has loaded others of the same names.
+
+    Parameters
+    ----------
+    sources : mapping of str to str
+        Generated C files by name.
+    output : Path
+        The shared library.
+    flags : sequence of str
+        Flags of the compiler.
+    target : str or None
+        Target of zig; None for this machine.
+    fmu : bool
+        True: the binary of an FMU, which exports the functions of FMI alone. False: a library for kernel.py, which
+        exports those of kernel.h and studies.h.
+    lanes : int
+        Lanes of a batch library, whose own sources are among `sources`; 0 for any other library.
+
+    Raises
+    ------
+    CompilerError
+        If the compiler is missing or fails.
     """
     flags = _flags_for(target, flags)
     names, shown = (FACE_SOURCES, []) if fmu else (STUDY_SOURCES, ["-DKERNEL_LIBRARY"])
@@ -385,7 +436,7 @@ def web_library(sources: Mapping[str, str]) -> Path:
 
 
 def _web(generated: Mapping[str, str], others: Mapping[str, str]) -> Path:
-    """The module of generated sources and of others, which are compiled as the runtime is."""
+    """Return the module of generated sources and further ones, which are compiled as the runtime is."""
     flags = [flag for flag in FLAGS if flag != "-fPIC"]
     linking = [OPTIMISE_RUNTIME, "-mexec-model=reactor", "-s", "-Wl,--export-dynamic", "-Wl,--export=malloc"]
     shown = ["-DKERNEL_LIBRARY"] if generated else []
