@@ -1,3 +1,3 @@
-"""From equations to a running FMU. Knows FMI and numerics, nothing about railways."""
+"""Code generation, kernel and FMI: builds running FMUs from equations. Independent of railways."""
 
 __version__ = "0.1.0"

@@ -21,11 +21,11 @@ from readers.storage import ANOTHER_TEMPORARY, StorageError, write_whole, writin
 FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 #: Largest size of an entry and of all together [bytes], most entries, and longest name.
 LARGEST_ENTRY, LARGEST_TOTAL, MOST_ENTRIES, LONGEST_NAME = 1 << 30, 1 << 31, 20_000, 1000
-#: An entry above this size [bytes] may be so many times as large as what is packed of it; zeros are 1000 times.
+#: Largest ratio of size to packed size of an entry above the size LARGE [bytes]; zeros pack 1000 to 1.
 LARGE, LARGEST_RATIO = 1 << 26, 200
 #: FMI 2.0.4, section 2.3, and FMI 3.0, section 2.5.1, allow these methods of compression.
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-#: What Python's reader raises for archives that are damaged.
+#: Errors that Python's reader raises for damaged archives.
 FAULTS = (
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError),
     *(ValueError, KeyError, NotImplementedError, RuntimeError, OverflowError, MemoryError),
@@ -38,7 +38,7 @@ shown = partial(text.shown, longest=100)
 
 
 class ArchiveError(ValueError):
-    """An archive is not what it should be; the text names the file and says why."""
+    """An archive is damaged or unsafe; the message names the file and the reason."""
 
 
 def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
@@ -62,9 +62,12 @@ def archive_bytes(contents: Mapping[str, bytes]) -> bytes:
 
 @contextmanager
 def opened(path: Path) -> Iterator[zipfile.ZipFile]:
-    """Yield an archive whose entries were checked; what is found wrong while it is read is told too.
+    """Yield an archive whose entries were checked. Errors while it is read are reported too.
 
-    Raises ArchiveError.
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read or is not a valid archive.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -181,10 +184,10 @@ def unpack(archive: zipfile.ZipFile, folder: Path, wanted: Callable[[str], bool]
 def _write(file: BinaryIO, folder: Path, chunk: bytes) -> None:
     with writing(folder, ANOTHER_TEMPORARY):
         file.write(chunk)
-        file.flush()  # here a full disk is told
+        file.flush()  # a full disk raises an error here
 
 
 def xml_file(root: ET.Element) -> bytes:
-    """What an XML file with this root holds."""
+    """Return the content of an XML file with this root."""
     ET.indent(root)
     return ('<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n").encode()

@@ -1,7 +1,7 @@
 """FMUs (FMI 2.0 and 3.0, co-simulation) around an object in C whose variables are arrays: runtime/arrays.h.
 
-One binary serves arrays of all lengths; the lengths stand in modelDescription.xml and in what the object reads from its
-resources. In FMI 3.0 an array is a variable, in FMI 2.0 each of its elements is.
+One binary works for arrays of all lengths; modelDescription.xml and the resources of the object contain the lengths. In
+FMI 3.0 an array is a variable, in FMI 2.0 each of its elements is.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ ELEMENTS = 65536
 
 @dataclass(frozen=True)
 class ArrayVariable:
-    """An array: how it may be used, unit, meaning, limits, and whether it holds whole numbers or any, also none."""
+    """An array: its causality, unit, meaning and limits, and whether its numbers are integers or may be NaN (lost)."""
 
     name: str
     causality: str
@@ -57,7 +57,7 @@ class ArraysInC:
 
 
 def token_of(given: ArraysInC) -> str:
-    """What modelDescription.xml and the binary have in common."""
+    """Return the token that modelDescription.xml and the binary have in common."""
     texts = _with_headers(dict(given.sources) | _faces())
     return identifier([repr((given.arrays, sorted(texts.items())))])
 
@@ -146,7 +146,7 @@ def _listed(given: ArraysInC, version: int) -> list[str]:
 
 
 def build_description(given: ArraysInC) -> str:
-    """How sources/ are compiled, FMI 3.0."""
+    """Return buildDescription.xml of FMI 3.0: how sources/ are compiled."""
     root = ET.Element("fmiBuildDescription", {"fmiVersion": "3.0"})
     configuration = ET.SubElement(root, "BuildConfiguration", {"modelIdentifier": given.name})
     files = ET.SubElement(configuration, "SourceFileSet", {"language": "C11"})
@@ -168,7 +168,7 @@ def _root(given: ArraysInC, version: dict[str, str]) -> ET.Element:
 
 
 def _claims(given: ArraysInC, version: int) -> dict[str, str]:
-    """What it can do, of what is not the default of the standard."""
+    """Return the capability attributes that differ from the defaults of the standard."""
     own = {"modelIdentifier": given.name, "canHandleVariableCommunicationStepSize": "true"}
     return own | able(ARRAYS, OF_BOTH[version] | OF_SLAVES[version])
 
@@ -248,7 +248,10 @@ def _unit(one: ArrayVariable) -> dict[str, str]:
 
 
 def _dependencies(given: ArraysInC, places: tuple[str, str]) -> Iterator[tuple[str, dict[str, str]]]:
-    """Of outputs between steps, which change in steps alone, and at the start; without a list they depend on all."""
+    """Yield the dependencies of outputs: between steps (none, since they change only in steps) and at the start.
+
+    Without a list they depend on all inputs and parameters.
+    """
     none = {"dependencies": ""}
     yield places[0], none
     yield places[1], none if given.starts_alone else {}

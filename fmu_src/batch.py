@@ -1,6 +1,6 @@
 """Many runs of one model at once, in vector lanes and threads: arrays in, arrays out.
 
-Each run has the bits that it has alone, whatever the order, the number of threads and the width of the lanes.
+Each run is bit-identical to the same run alone, for any order, number of threads and width of the lanes.
 """
 
 from __future__ import annotations
@@ -95,11 +95,20 @@ _SIGNATURES = {
 
 @dataclass(frozen=True)
 class Ends:
-    """How runs ended, an entry for each in arrays of shape (runs,).
+    """Results of a batch, an entry for each run in arrays of shape (runs,).
 
-    outputs: by name, in their units; time [s]; ended: which ended by themselves before the stop, such as by a
-    derailment; failures: of runs that could not be made, whose numbers are NaN, why, by the number of the run; said:
-    what each run said, where that was asked for.
+    Attributes
+    ----------
+    outputs : dict of str to ndarray
+        Final values by name, in their units.
+    time : ndarray
+        Time at which the run ended [s].
+    ended : ndarray of bool
+        True if the run ended by itself before the stop, such as by a derailment.
+    failures : dict of int to str
+        Messages of failed runs by the number of the run; their numbers are NaN.
+    said : list of str or None
+        Messages of each run, if `says_all` was set.
     """
 
     outputs: dict[str, Numbers]
@@ -109,23 +118,23 @@ class Ends:
     said: list[str] | None = None
 
     def __getitem__(self, name: str) -> Numbers:
-        """An output by its name. Raises KeyError."""
+        """Return an output by its name. Raises KeyError."""
         if name not in self.outputs:
             raise KeyError(f"The batch has no output {name}; {suggestion(name, self.outputs)}")
         return self.outputs[name]
 
 
-#: Path of a file that the function makes, by what it is; the function need not be called where the file is known.
+#: Type of a function that returns the path of a file by its name; it calls the given function only to make the file.
 Kept = Callable[[str, Callable[[], Path]], Path]
 
 
 def made_now(what: str, make: Callable[[], Path]) -> Path:
-    """A file that is not known beforehand."""
+    """Make the file: nothing is known beforehand."""
     return make()
 
 
 class BatchLibrary(Library):
-    """One system of a compiled model in lanes; lanes: 2, 4 or 8, or the most that the processor has."""
+    """One system of a compiled model in lanes; lanes: 2, 4 or 8, or 0 for the most that the processor has."""
 
     def __init__(self, model: Model, system: System, lanes: int = 0, kept: Kept = made_now) -> None:
         most = lanes_here(kept("kernel", lambda: build_library(model)))
@@ -159,12 +168,12 @@ def lanes_here(kernel: Path) -> int:
 
 @lru_cache(maxsize=16)
 def library_of_batch(model: Model, system: str, lanes: int = 0) -> BatchLibrary:
-    """The library of the system of this name, loaded once."""
+    """Return the library of the system of this name, loaded once."""
     return BatchLibrary(model, next(one for one in model.systems if one.name == system), lanes)
 
 
 def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_longlong) -> None:
-    """Makes the runs in so many threads, each with lanes of its own, and shows how many have begun."""
+    """Make the runs in `count` threads, each with its own lanes, and show the number of runs begun."""
     call = library.functions
     every = [call.batch_create(None) for _ in range(count)]
     try:
@@ -190,7 +199,7 @@ def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_
 
 
 def table_of(values: Mapping[str, ArrayLike]) -> Numbers:
-    """A row of values for each run, shape (runs, values). Raises ValueError where arrays differ in length."""
+    """Return a row of values for each run, shape (runs, values). Raises ValueError if arrays differ in length."""
     given = {name: np.asarray(value, float) for name, value in values.items()}
     count = next((one.size for one in given.values() if one.ndim), 1)
     for name, one in given.items():
@@ -213,11 +222,36 @@ def run_batch(
     path: str | None = None,
     says_all: bool = False,
 ) -> Ends:
-    """Runs from 0 to `stop` seconds, or where they end by themselves.
+    """Run each set of values from 0 to `stop` seconds, or until the run ends by itself.
 
-    values: parameters and inputs by name, a number for all runs or an array with one for each. threads: as many as the
-    machine has processors. path: of the table file that all runs read. says_all: whether `said` is asked for, which the
-    status of a recording would say. Raises SimulationError for names, ValueError where arrays differ in length.
+    Parameters
+    ----------
+    library : BatchLibrary
+        The compiled system.
+    values : mapping of str to array_like
+        Parameters and inputs by name: a number for all runs, or an array of shape (runs,).
+    stop : float
+        End of the runs [s].
+    outputs : sequence of str
+        Names of the outputs to return.
+    threads : int or None
+        Number of threads; None: the number of processors.
+    path : str or None
+        Table file of all runs.
+    says_all : bool
+        Return the messages of all runs in `said`, as the status of a recording.
+
+    Returns
+    -------
+    Ends
+        Final values, end times and messages.
+
+    Raises
+    ------
+    SimulationError
+        If a name is unknown.
+    ValueError
+        If arrays differ in length.
     """
     table = table_of(values)
     count = len(table)
@@ -258,11 +292,11 @@ def _text(said: int | None) -> str:
 
 
 class Instances:
-    """Many instances that go on in steps, as controllers that are functions of arrays ask them to.
+    """Many instances that advance in steps together, for controllers that are functions of arrays.
 
-    `step` gives the same arrays each time, filled anew: copy what is to be kept. A run that ends by itself, such as by
-    a derailment, stays where it ended; `ended` says which, and `reset` begins rows anew. It holds threads and memory
-    until `close`, or the end of a `with`.
+    `step` returns the same arrays each time, filled with new values: copy those that you keep. A run that ends by
+    itself, such as by a derailment, stays where it ended. `ended` marks such runs, and `reset` begins rows again.
+    Threads and memory are held until `close`, or the end of a `with` block.
 
     >>> with Instances(library, 1000, ["brake_torque_1"], ["speed"], initial_speed=speeds) as instances:
     ...     speed = instances.step(5e-3, {"brake_torque_1": torque})["speed"]  # arrays of 1000 each
@@ -321,18 +355,28 @@ class Instances:
 
     @property
     def ended(self) -> NDArray[np.bool_]:
-        """Which have ended by themselves, shape (count,)."""
+        """Return whether each instance has ended by itself, shape (count,)."""
         return np.array([kernel.ended for kernel in self._kernels], bool)
 
     @property
     def time(self) -> Numbers:
-        """Where each stands [s], shape (count,)."""
+        """Return the time of each instance [s], shape (count,)."""
         return np.array([kernel.time for kernel in self._kernels])
 
     def reset(self, rows: int | Sequence[int] | NDArray[np.integer], **values: ArrayLike) -> None:
-        """Begins rows anew at 0 s, with the values of the first time but for those that are given here.
+        """Begin rows again at 0 s, with the initial values except for those given here.
 
-        values: a number for all of these rows, or one for each. Raises SimulationError where a value cannot be.
+        Parameters
+        ----------
+        rows : int or array of int
+            Numbers of the instances.
+        **values : float or array_like
+            A number for all of these rows, or one for each.
+
+        Raises
+        ------
+        SimulationError
+            If a value is refused.
         """
         those = np.atleast_1d(np.asarray(rows, int))
         given = {name: _for_each(name, value, those.size) for name, value in values.items()}
@@ -390,13 +434,13 @@ class Instances:
 
     @property
     def status(self) -> NDArray[np.int32]:
-        """Of the last step, shape (count,)."""
+        """Return the status of the last step, shape (count,)."""
         return self._status
 
     def control(self, size: float, steps: int, between: Any, context: int) -> None:
-        """So many steps of `size` seconds, each behind a call of `between` in C, `batch_between` in batch.h.
+        """Make `steps` steps of `size` seconds, each after a call of `between` in C, `batch_between` in batch.h.
 
-        It ends where none goes on. What fails stays where it was; `between` sees its status.
+        It ends early if no instance continues. A failed instance stays where it was; `between` receives its status.
         """
         call, pointer = self._library.functions, ctypes.cast(between, ctypes.c_void_p)
 
@@ -407,7 +451,7 @@ class Instances:
         self._in_shares(control_some)
 
     def message(self, row: int) -> str:
-        """The last sentence of an instance."""
+        """Return the last message of an instance."""
         return str(self._library.functions.kernel_message(self._handles[row]).decode())
 
     def _in_shares(self, work: Callable[[int, int], None]) -> None:
@@ -419,13 +463,13 @@ class Instances:
             one.result()
 
     def _shares(self) -> list[tuple[int, int]]:
-        """From which row up to which each thread works."""
+        """Return the first and last row of each thread."""
         count, width = len(self), self._library.lanes
         share = max(1, -(-count // (self._threads * width))) * width
         return [(first, min(first + share, count)) for first in range(0, count, share)]
 
     def _beside_each_other(self, count: int) -> list[int | None]:
-        """The groups of so many instances of one thread; None: there is no memory."""
+        """Return the groups of `count` instances of one thread; None for a group without memory."""
         create, groups = self._library.functions.batch_create, -(-count // self._library.lanes)
         first = create(None)
         return [first, *(create(first) for _ in range(groups - 1))]
@@ -450,18 +494,18 @@ class Instances:
 
 
 def _from(handles: ctypes.Array[ctypes.c_void_p], first: int) -> ctypes._Pointer[ctypes.c_void_p]:
-    """The handles from one on."""
+    """Return the handles from number `first` on."""
     there = ctypes.byref(handles, first * ctypes.sizeof(ctypes.c_void_p))
     return ctypes.cast(there, ctypes.POINTER(ctypes.c_void_p))
 
 
 def _for_each(name: str, value: ArrayLike, count: int) -> Numbers:
-    """A number for each of so many. Raises ValueError."""
+    """Return an array of shape (count,). Raises ValueError."""
     return np.broadcast_to(_one_or_each(name, value, count), count).copy()
 
 
 def _one_or_each(name: str, value: ArrayLike, count: int) -> Numbers:
-    """One number for all, or so many. Raises ValueError."""
+    """Return one number for all, or an array of shape (count,). Raises ValueError."""
     given = np.asarray(value, float)
     if np.ma.is_masked(value):
         raise ValueError(f"{name} must be numbers that are not masked; got {value!r}. Fill in the masked ones.")

@@ -1,4 +1,4 @@
-"""Where a generated function keeps what it gives to the parts that it calls and what they leave, and C of the calls."""
+"""C of the calls of parts in a generated function, and the arrays for their arguments and results."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fmu_src.own_names import PREFIX
 
 @dataclass
 class Group:
-    """Calls of a part that are computed side by side: each number of one call stands behind that of the one before.
+    """Calls of a part that are computed side by side: each number of a call is next to that of the call before.
 
     calls: their numbers in the function; given, left: where their numbers begin in `given_RANK` and in `left`. alone: a
     call that has no others beside it.
@@ -33,17 +33,17 @@ class Group:
 
     @property
     def arguments(self) -> int:
-        """How many numbers stand before the constants."""
+        """Return how many numbers come before the constants."""
         return self.part.arguments.numel()
 
     @property
     def numbers(self) -> int:
-        """How many are given, without the condition, which comes last."""
+        """Return how many numbers a call is given, without the condition, which comes last."""
         return self.arguments + self.part.constants.numel()
 
     @property
     def leaves(self) -> int:
-        """How many each call leaves."""
+        """Return how many numbers each call leaves."""
         return self.part.results.numel() + len(self.slopes)
 
     @property
@@ -53,7 +53,7 @@ class Group:
 
     @property
     def entry(self) -> str:
-        """What computes some of its lanes, called from functions of one number."""
+        """Return the name of the function that computes some of its lanes, called from functions of one number."""
         return f"{self.function}_where" if self.conditional else f"{self.function}_all"
 
 
@@ -71,7 +71,11 @@ class Rooms:
 
     @classmethod
     def of(cls, one: Generated, side_by_side: bool) -> Rooms:
-        """side_by_side: calls of one rank and part are a group, but for parts in C; otherwise each stands alone."""
+        """Lay out the arrays of a function for its calls.
+
+        side_by_side: calls of one rank and part are a group, except for parts in C; otherwise each call is its own
+        group.
+        """
         made = cls(sizes={f"given_{rank}": 0 for rank in range(one.ranks)} | ({"left": 0} if one.calls else {}))
         left: dict[int, list[int]] = {}
         for rank in range(one.ranks):
@@ -137,12 +141,12 @@ def call_in_lanes(name: str, rank: int, group: Group) -> str:
     return call if not group.conditional else where(ASKED + call, given[2], left, group.leaves, "LANES")
 
 
-#: Where in C of a call that is left out where nothing asks for it stands what it is given.
+#: Place in the C of a conditional call for the computation of its arguments, which is skipped with the call.
 ASKED = "/* given */"
 
 
 def where(call: str, condition: str, left: str, leaves: int, distance: str | int) -> str:
-    """A call that leaves 0 in lanes whose condition is not above 0, and is left out where that is so in all."""
+    """Return C of a call that leaves 0 in lanes with a condition of 0 or below; all such lanes: it is skipped."""
     return f"""{{
     const real_mask asked = real_load({condition}) > 0.0;
     if (real_any(asked)) {{

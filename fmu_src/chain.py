@@ -1,7 +1,7 @@
-"""Equations as links of a chain: parts that are generated once and called where they repeat, and narrow places.
+"""Equations as links of a chain: repeated parts are generated once, and the chain rule is applied at shared variables.
 
-Derivatives are taken from link to link and multiplied, which costs less than differentiating what lies behind them at
-once; and what repeats is differentiated once, for all the places where it stands.
+Derivatives are taken from link to link and multiplied. This costs less than differentiating the whole expression at
+once. A repeated part is differentiated once for all its places.
 """
 
 from __future__ import annotations
@@ -28,12 +28,20 @@ def function_of(name: str, given: list[ca.SX], result: ca.SX) -> ca.Function:
 
 @dataclass(frozen=True)
 class Part:
-    """A function that is generated once and called for each of what repeats, such as the wheelsets of a vehicle.
+    """A function that is generated once and called for each repeated component, such as the wheelsets of a vehicle.
 
-    results: of `arguments`, by which it is differentiated, and of `constants`, by which it is not; column vectors. What
-    it calls itself, and its waists, are the links of its `chain`. source: C in place of equations, behind `common`, C
-    that it shares with other parts; see `part_in_c`. flat: a look-up, whose results have no slopes; its C is a
-    table, see piecewise.py.
+    Attributes
+    ----------
+    results : SX
+        Column vector of `arguments`, by which it is differentiated, and of `constants`, by which it is not.
+    chain : Chain
+        The calls of this part and its shared intermediate variables.
+    source : str
+        C instead of equations, placed after `common`; see `part_in_c`.
+    common : str
+        C that several parts share.
+    flat : bool
+        True for a table search, whose results have no slopes; its C is a table, see piecewise.py.
     """
 
     name: str
@@ -69,14 +77,24 @@ class Part:
 
 
 def part_in_c(name: str, counts: tuple[int, int, int], source: str, common: str = "") -> Part:
-    """A part for what no expression can say, a search or a look-up among many: numbers of its arguments, constants and
-    results, and C that defines
+    """Return a part for a function that expressions cannot describe, such as a search in a table.
+
+    In equations only its dependencies are defined: written out, its results are NaN. The C must define
 
         static void NAME(const double *arguments, const double *constants, double *results, double *slopes)
 
-    slopes: 0, or room for the derivatives of all results by the arguments, column by column. common: C that stands
-    before it, once for all parts that have the same. Equations know of it only what depends on what: written out, its
-    results are no numbers.
+    Here `slopes` is 0, or room for the derivatives of all results by the arguments, column by column.
+
+    Parameters
+    ----------
+    name : str
+        Name of the part.
+    counts : tuple of int
+        Numbers of its arguments, constants and results.
+    source : str
+        C of the function.
+    common : str
+        C that is placed before `source`, once for all parts with the same.
     """
     arguments, constants = ca.SX.sym("arguments", counts[0]), ca.SX.sym("constants", counts[1])
     all_of_it = math.nan * (ca.sum1(arguments) + ca.sum1(constants))
@@ -85,11 +103,11 @@ def part_in_c(name: str, counts: tuple[int, int, int], source: str, common: str 
 
 @dataclass(frozen=True)
 class Call:
-    """A part at a place in the equations: what it is given, and symbols for its results and their derivatives.
+    """A part at a place in the equations: its arguments there, and symbols for its results and their derivatives.
 
-    `slopes` are the nonzeros of `slope`, the derivatives of the results by the arguments. Those of a lower `rank` are
-    called first. `when`: the part is called where this is above 0; elsewhere its results are 0. `plain` is `taken`
-    without the symbols of waists.
+    `slopes` are the nonzeros of `slope`, the derivatives of the results by the arguments. Parts of a lower `rank` are
+    called first. `when`: the part is called if this is above 0; elsewhere its results are 0. `plain` is `taken` without
+    the symbols of `Waist` links.
     """
 
     part: Part
@@ -104,7 +122,7 @@ class Call:
 
     @property
     def taken(self) -> ca.SX:
-        """All that must be known before the call: arguments, constants, and `when` where it is no number."""
+        """Return all that must be known before the call: arguments, constants, and `when` unless it is a constant."""
         return all_taken(self.given, self.constants, self.when)
 
     @cached_property
@@ -126,19 +144,19 @@ class Call:
 
     @cached_property
     def written_out(self) -> ca.SX:
-        """The part's equations at this place, in place of `symbols` and `slopes`."""
+        """Return the part's equations at this place, to replace `symbols` and `slopes`."""
         results, slopes = self.part.function(self.given, self.constants)
         both = ca.vertcat(results, slopes)
         return both if self.when.is_constant() else ca.if_else(self.when > 0, both, 0)
 
 
 def all_taken(given: ca.SX, constants: ca.SX, when: ca.SX) -> ca.SX:
-    """What a part is given at a place, one below the other; `when` where it is no number."""
+    """Return the arguments of a part at a place as one column; `when` is included unless it is a constant."""
     return ca.vertcat(given, constants, *([] if when.is_constant() else [when]))
 
 
 def digest_of(function: ca.Function) -> str:
-    """Twelve letters that functions have in common which do the same, whatever their names."""
+    """Return twelve letters that are equal for functions that do the same, regardless of their names."""
     steps = hashlib.sha256()
     for number in range(function.n_instructions()):
         places = function.instruction_input(number), function.instruction_output(number)
@@ -148,16 +166,16 @@ def digest_of(function: ca.Function) -> str:
 
 
 def symbols_in(expression: ca.SX) -> frozenset[int]:
-    """Which symbols are in an expression: one look for what would be many questions whether it depends on this one."""
+    """Return the hashes of all symbols in an expression: one search replaces many tests for dependence."""
     return frozenset(symbol.element_hash() for symbol in ca.symvar(ca.vec(expression)))
 
 
 @dataclass(frozen=True)
 class Waist:
-    """Few numbers on the way from states to equations, through which derivatives are taken: see `Chain.narrow`.
+    """A few intermediate variables between states and equations for the chain rule: see `Chain.narrow`.
 
-    `plain` are the same values without the symbols of other waists. follows: what the values are differentiated by, and
-    how they follow it, shape (values, given); None: by all that is in them.
+    `plain` are the same values without the symbols of other `Waist` links. follows: variables by which the values are
+    differentiated, and the slopes, shape (values, given); None: by all symbols in the values.
     """
 
     values: ca.SX
@@ -196,14 +214,21 @@ class Chain:
     """Links in the order of their use: each may contain the symbols of those before it."""
 
     links: list[Link] = field(default_factory=list, kw_only=True)
-    #: Of a part alone.
+    #: Of a part's own chain: how its constants change with its arguments.
     following: list[Following] = field(default_factory=list, kw_only=True)
 
     def call(self, part: Part, given: ca.SX, constants: ca.SX, when: ca.SX | float = 1.0) -> ca.SX:
-        """Results of a part, shape (results, 1); its code is shared by all calls, its derivatives are exact.
+        """Return the results of a part, shape (results, 1); all calls share its code, and its derivatives are exact.
 
-        when: above 0 where the part is needed; elsewhere its results are 0 without what it costs to find that. They
-        must be 0 already where it changes its sign.
+        Parameters
+        ----------
+        part : Part
+            The function.
+        given, constants : SX
+            Its arguments and constants here.
+        when : SX or float
+            Above 0 if the part is needed; elsewhere its results are 0 and not computed. They must be 0 already where
+            `when` changes its sign.
         """
         pattern = part.slope.sparsity()
         symbols, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
@@ -216,12 +241,18 @@ class Chain:
         return symbols
 
     def narrow(self, values: ca.SX, follows: tuple[ca.SX, ca.SX] | None = None) -> ca.SX:
-        """Symbols for `values`, a column vector of few numbers between many states and long equations.
+        """Return symbols for `values`, a column vector of few numbers between many states and long equations.
 
-        Only derivatives know the difference: they are taken up to here and from here on, and multiplied. A force that
-        enters many equations is differentiated once. follows: few numbers that the values depend on, and their slopes
-        by these, where a formula for them is shorter than what differentiation finds; exact ones. What is a number
-        stays one.
+        Only derivatives change: they are taken up to these symbols and from them on, and multiplied. So a force in many
+        equations is differentiated once. A constant value stays a number.
+
+        Parameters
+        ----------
+        values : SX
+            The intermediate variables.
+        follows : tuple of SX or None
+            Few variables on which the values depend, and the exact slopes by these. Use it if their formula is shorter
+            than the result of differentiation.
         """
         every = ca.densify(values)
         varying = [n for n, one in enumerate(ca.vertsplit(every)) if not one.is_constant()]
@@ -234,7 +265,7 @@ class Chain:
         return every
 
     def follow(self, symbols: ca.SX, given: ca.SX, slope: ca.SX) -> None:
-        """Declares how constants of a part change with its arguments; see `Following`."""
+        """Declare how constants of a part change with its arguments; see `Following`."""
         self.following.append(Following(given, symbols, slope))
 
     @property
@@ -243,7 +274,7 @@ class Chain:
         return [link for link in self.links if isinstance(link, Call)]
 
     def without_waists(self, expression: ca.SX) -> ca.SX:
-        """The same expression in the symbols of calls, and none of waists."""
+        """Return the same expression in the symbols of calls, without those of `Waist` links."""
         waists = [link for link in self.links if isinstance(link, Waist)]
         known = [ca.vertcat(*[getattr(waist, name) for waist in waists]) for name in ("symbols", "plain")]
         return ca.substitute(ca.SX(expression), *known) if waists else ca.SX(expression)
@@ -308,7 +339,7 @@ class Chain:
 
 
 def rows(count: int) -> Any:
-    """A field of a `Bundle`: a column vector of so many rows."""
+    """Return a field of a `Bundle`: a column vector of `count` rows."""
     return field(metadata={"rows": count})
 
 

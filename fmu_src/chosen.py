@@ -11,9 +11,9 @@ from fmu_src.system import NONE, Model, Variable
 
 
 def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> Model:
-    """The model with no other system than the one that the values of its selectors, and a table file, choose.
+    """Return the model with only the system that the values of its selectors, and a table file, choose.
 
-    Its runs have the same numbers and say the same sentences. Raises ValueError where they choose none.
+    Its runs have the same numbers and messages. Raises ValueError if they choose no system.
     """
     selectors = [next(one for one in model.variables if one.name == name) for name in model.selectors]
     reads = model.table_file is not None

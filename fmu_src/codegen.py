@@ -55,7 +55,7 @@ KERNEL_SOURCES = (
 )
 FACE_SOURCES = (KERNEL, *FACES)
 STUDY_SOURCES = ("study.c", "other_methods.c")
-#: Of runs in lanes, with the number of lanes as a macro.
+#: Sources of runs in lanes, with the number of lanes as a macro.
 BATCH_SOURCES = ("batch_lanes.c", "batch.c")
 RUNTIME_SOURCES = (*KERNEL_SOURCES, *FACE_SOURCES, *STUDY_SOURCES)
 RUNTIME_HEADERS = (
@@ -135,7 +135,7 @@ def _sources(model: Model) -> dict[str, str]:
         sources |= equations_in_c(system.name, generated[-1])
         sources[f"elimination_{system.name}.c"] = elimination_source(system.name, solving[system.name])
     description = _description(model, generated, solving)
-    # The GUID is a function of everything a host can see: equations, description, texts and units.
+    # The GUID is a function of everything a host can see: equations, description, words and units.
     guid = content_guid([*sources.values(), description, model_description(model, "")])
     sources["model.c"] = description.replace("@GUID@", guid)
     return sources
@@ -241,7 +241,7 @@ def _steady_arrays(system: System, start: SteadyStart) -> Iterable[str]:
 
 
 def _system_entry(model: Model, system: System, made: dict[str, Generated], solving: Elimination) -> str:
-    """A system_description, its members by position: C++ before 2020 knows no other way."""
+    """Return a system_description, its members by position: C++ before 2020 has no named members."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
     counts = {
@@ -294,7 +294,7 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
 
 
 def _relations(model: Model) -> list[str]:
-    """What parameters must keep together, as arrays."""
+    """Return the relations between parameters as arrays."""
     arrays, rows = [], []
     for number, one in enumerate(model.relations):
         places, factors = ([pair[side] for pair in one.terms] for side in (0, 1))

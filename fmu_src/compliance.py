@@ -1,4 +1,4 @@
-"""What the FMUs keep of FMI 2.0 and 3.0 at the edges where importers differ, each with the test that holds it to it."""
+"""Rules of FMI 2.0 and 3.0 at the edges where importers differ, each with the test that checks it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def native(fmi2: str, fmi3: str) -> dict[str, str]:
 
 
 def both(name: str) -> dict[str, str]:
-    """As `native`, for a function that has one name in FMI 2.0 and 3.0."""
+    """Return a rule as `native`, for a function that has one name in FMI 2.0 and 3.0."""
     return native(name, name)
 
 
@@ -32,7 +32,7 @@ def everywhere(name: str) -> dict[str, str]:
     return dict.fromkeys(("native", "fmi3", "python"), name)
 
 
-#: Functions that the state machine does not call, and those that no FMU here offers, which it finds refused.
+#: Functions that the state machine does not call, and those that every FMU here refuses.
 FMI2_BESIDE = "; not called: fmi2GetVersion, fmi2GetTypesPlatform; always refused: fmi2CancelStep"
 FMI3_BESIDE = (
     "; not called: fmi3GetVersion, and those of Float32, Int8, Int16, UInt8, UInt16, UInt32 and UInt64; always refused:"

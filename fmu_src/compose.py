@@ -1,7 +1,7 @@
 """Systems that join into one: names in a scope of their own, and outputs that become inputs without a coupling's error.
 
 A connection is a link as those within a system: the symbol of the input stands for the expression of the output, and
-derivatives go through it by the chain rule. Nothing of the parts' equations is written anew.
+derivatives go through it by the chain rule. The parts' equations are not written again.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from fmu_src.system import System, Table, Variable
 
 
 def scope(system: System, before: str = "", after: str = "", common: Collection[str] = ()) -> System:
-    """The same system with every name between `before` and `after`, but for the names in `common`.
+    """Return the same system with every name between `before` and `after`, except for the names in `common`.
 
-    Of variables, states, tables and observables; equations know symbols, not names, and stay as they are. So do the
-    sentences of frictions and conditions.
+    It renames variables, states, tables and observables. Equations use symbols, not names, and are unchanged. So are
+    the messages of frictions and conditions.
     """
     return _named(system, lambda name: name if name in common else f"{before}{name}{after}")
 
 
 def renamed(system: System, names: Mapping[str, str]) -> System:
-    """The same system with other names for some of what `scope` names; names: the new one of each."""
+    """Return the same system with some other names; names: the new name by the old one, as in `scope`."""
     return _named(system, lambda name: names.get(name, name))
 
 
@@ -52,11 +52,24 @@ def _named(system: System, named: Callable[[str], str]) -> System:
 
 
 def compose(name: str, description: str, parts: Sequence[System], connections: Mapping[str, str]) -> System:
-    """One system of several, which share the time; connections: the output that each input becomes, by names.
+    """Join several systems into one that shares the time.
 
-    Parameters of one name are one parameter, declared as in the first part that has it. Raises ValueError with one
-    sentence for other names that are there twice, for a connection to what is not there or is in another unit, and for
-    outputs and inputs that depend on each other in a ring without a state.
+    Parameters of one name are one parameter, declared as in the first part that has it.
+
+    Parameters
+    ----------
+    name, description : str
+        Name and description of the new system.
+    parts : sequence of System
+        The systems to join.
+    connections : mapping of str to str
+        The output that each input becomes, by names.
+
+    Raises
+    ------
+    ValueError
+        If another name occurs twice, if a connection leads to an unknown variable or to one in another unit, or if
+        outputs and inputs depend on each other in a ring without a state.
     """
     whole = System(name, description)
     links = [_Link(link) for part in parts for link in part.links]
@@ -183,7 +196,7 @@ def _needs(values: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> list[set[int]]:
 
 
 def _ranks(in_order: Sequence[int], needs: Sequence[set[int]], counted: set[int]) -> dict[int, int]:
-    """How many of those counted, at most, stand before each in a row of those that it needs."""
+    """Return, for each node, the largest number of counted nodes in a chain of those that it needs."""
     rank: dict[int, int] = {}
     for node in in_order:
         rank[node] = max((rank[one] + (one in counted) for one in needs[node]), default=0)

@@ -1,4 +1,4 @@
-"""What outputs and derivatives depend on, in a step and at the start, by the sparsity of the equations."""
+"""Dependencies of outputs and derivatives, in a step and at the start, from the sparsity of the equations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fmu_src.chain import symbols_in
 from fmu_src.exchange import derivative_name, exchanged_states, serves_exchange
 from fmu_src.system import Model, System, state_variable
 
-#: Symbols, each with what they are found from: an expression, or the symbols in it as `symbols_in` has them.
+#: Symbols, each with its source: an expression, or the symbols in it as `symbols_in` returns them.
 Equations = Sequence[tuple[ca.SX, ca.SX | frozenset[int]]]
 
 
@@ -53,7 +53,7 @@ def known_behind(unknown: Mapping[str, ca.SX], known: Mapping[str, ca.SX], equat
         return {place[symbol] for symbol in within if symbol in place}
 
     needed: list[set[int]] = [set() for _ in names]
-    seen: dict[int, set[int]] = {}  # what many are found from is looked at once
+    seen: dict[int, set[int]] = {}  # a shared source is searched once
     for symbol, found_from in equations:
         if id(found_from) not in seen:
             seen[id(found_from)] = places(found_from)
@@ -65,7 +65,7 @@ def known_behind(unknown: Mapping[str, ca.SX], known: Mapping[str, ca.SX], equat
 
 
 def start_equations(system: System) -> Equations:
-    """What is found at the start, each with all that it is found from."""
+    """Return the symbols that are determined at the start, each with its sources."""
     found: list[tuple[ca.SX, ca.SX | frozenset[int]]] = [
         (symbol, system.derived_expressions[name]) for name, symbol in system.derived_symbols.items()
     ]
@@ -101,7 +101,7 @@ def settled_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
 
 
 def link_equations(system: System) -> Equations:
-    """Results of parts and waists, each with the symbols that it is found from."""
+    """Return the results of parts and `Waist` links, each with the symbols on which it depends."""
     every = [(ca.vertsplit(link.symbols), link.found_from) for link in system.links]
     return [pair for symbols, found_from in every for pair in zip(symbols, found_from, strict=True)]
 

@@ -1,4 +1,4 @@
-"""Which parameters of a model have no effect in one of its systems, told by what its equations depend on."""
+"""Parameters of a model without effect in one of its systems, found from the dependencies of its equations."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from fmu_src.system import Model, System, integration_variables
 
 #: Draws of all parameters, their seed, and how far from their start values [decades].
 DRAWS, SEED, DECADES = 16, 29, 1.0
-#: How little of a constant counts as nothing: round-off of what cancels in it, of springs a hundred times as stiff.
+#: Relative change of a constant that is treated as zero: round-off of cancelling terms, such as springs a hundred times
+#: as stiff.
 NOTHING = 1e-9
 
 
@@ -58,13 +59,13 @@ def what_moves_constants(system: System) -> list[frozenset[int]]:
         told = np.all(np.isfinite(slope), axis=1, keepdims=True) & np.isfinite(found)
         moved |= told & (np.abs(slope * values) > NOTHING * np.abs(found))
         silent &= ~told
-    moved |= silent & structure  # a constant that is no number at any draw: by what stands in it
+    moved |= silent & structure  # a constant that is NaN at every draw: use the symbols in it
     hashes = np.array([symbol.element_hash() for symbol in ca.vertsplit(parameters)], object)
     return [frozenset(hashes[row]) for row in moved]
 
 
 def start_values(system: System) -> np.ndarray:
-    """Of a system's parameters, 1 in place of 0, so that each can be made larger and smaller."""
+    """Return a system's parameters at the start, 1 instead of 0, so that each can be made larger and smaller."""
     known = {variable.name: variable.start for variable in system.variables}
     return np.array([known[name] or 1.0 for name in system.parameter_symbols], float)
 

@@ -21,11 +21,16 @@ LONGEST = 150
 
 @dataclass(frozen=True)
 class Elimination:
-    """Numbers of states, and what elimination in the given order fills.
+    """An order of elimination of the states, and the places that it fills.
 
-    order: the states, so that the factors stay sparse; nonzeros: row and column of each nonzero of the Jacobian, column
-    by column; below, right: for each pivot, the rows below it and the columns right of it that are not zero when it is
-    their turn.
+    Attributes
+    ----------
+    order : list of int
+        The states, in an order that keeps the factors sparse.
+    nonzeros : list of tuple
+        Row and column of each nonzero of the Jacobian, column by column.
+    below, right : list of list of int
+        For each pivot, the nonzero rows below it and columns right of it at its elimination.
     """
 
     order: list[int]
@@ -35,12 +40,12 @@ class Elimination:
 
     @cached_property
     def position(self) -> list[int]:
-        """Of each state in the order of elimination."""
+        """Return the position of each state in the order of elimination."""
         return sorted(range(len(self.order)), key=self.order.__getitem__)
 
     @cached_property
     def _number(self) -> dict[tuple[int, int], int]:
-        """Of each nonzero of the Jacobian, by its place in the order of elimination."""
+        """Return the number of each nonzero of the Jacobian by its place in the order of elimination."""
         return {(self.position[row], self.position[column]): n for n, (row, column) in enumerate(self.nonzeros)}
 
     def entry(self, row: int, column: int) -> str:
@@ -62,7 +67,7 @@ class Elimination:
 
     @property
     def lower(self) -> int:
-        """How many entries are below the diagonal."""
+        """Return the number of entries below the diagonal."""
         return sum(map(len, self.below))
 
     def factors(self) -> Iterator[str]:
@@ -148,7 +153,7 @@ def elimination_in_lanes(name: str, solving: Elimination) -> list[str]:
 
 
 def _functions(name: str, solving: Elimination, head: str, number: str) -> list[str]:
-    """C of both functions. head: of their declarations; number: the type of what is in memory."""
+    """Return C of both functions. head: of their declarations; number: the type of numbers in memory."""
     lines, outside = [], "double"
     as_numbers = number != outside
     for task, pointers, body in (

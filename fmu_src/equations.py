@@ -29,7 +29,7 @@ class Generated:
 
     @property
     def ranks(self) -> int:
-        """How many results come before those of the function itself."""
+        """Return the number of results that come before those of the function itself."""
         return 1 + max((call.rank for call in self.calls), default=-1)
 
     def sizes(self, number: int) -> tuple[int, int]:
@@ -88,7 +88,7 @@ def functions(system: System) -> dict[str, Generated]:
     }
 
 
-#: What names of functions begin with that several systems of a model have, such as levels with the same parameters.
+#: Prefix of the names of functions that several systems of a model share, such as levels with the same parameters.
 SHARED = "shared_"
 
 
@@ -100,7 +100,7 @@ def _shared(name: str, one: Generated) -> Generated:
 
 
 def is_shared(one: Generated) -> bool:
-    """Whether a function has its own name in all systems that have it, and a file of its own."""
+    """Return whether a function has its own name in all systems that have it, and its own file."""
     return one.function.name().startswith(SHARED)
 
 
@@ -125,7 +125,7 @@ def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[c
 
 
 def _needed_slopes(calls: Sequence[Call], users: frozenset[int]) -> list[Slopes]:
-    """Of each call the slopes that are used, one choice for all calls of a part; all, where it is given in C."""
+    """Return the used slopes of each call, one choice for all calls of a part; all of them for a part in C."""
     used: dict[str, set[int]] = {}
     for call in calls:
         own = [n for n, one in enumerate(ca.vertsplit(call.slopes)) if one.element_hash() in users]
@@ -134,7 +134,7 @@ def _needed_slopes(calls: Sequence[Call], users: frozenset[int]) -> list[Slopes]
 
 
 def table_ranks(system: System) -> int:
-    """How many ranks the tables of a system have."""
+    """Return the number of ranks of the tables of a system."""
     return 1 + max((table.rank for table in system.tables), default=-1)
 
 
@@ -143,14 +143,14 @@ def _start(system: System) -> ca.SX:
 
 
 def part_function(part: Part, slopes: Slopes) -> Generated:
-    """A part's results of its arguments and constants, and behind them these of its slopes."""
+    """Return a part's results of its arguments and constants, followed by these of its slopes."""
     results = ca.vertcat(part.results, part.slope.nz[list(slopes)]) if slopes else part.results
     plain = ca.densify(part.chain.without_waists(results))
     return function_of(part.chain, part_name(part, slopes), [plain], [part.arguments, part.constants])
 
 
 def part_name(part: Part, slopes: Slopes) -> str:
-    """Of its function."""
+    """Return the name of a part's function."""
     if not slopes:
         return f"part_{part.name}"
     chosen = "" if len(slopes) == part.slope.nnz() else f"_{hashlib.sha256(repr(slopes).encode()).hexdigest()[:8]}"

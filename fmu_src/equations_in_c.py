@@ -1,7 +1,8 @@
 """C of the functions of a system: those that the runtime calls, of one number, and those of its parts, in lanes.
 
-A part that is called for each of what repeats, such as the wheels of a vehicle, computes two, four or eight at a time
-(lanes.h): calls of one rank are a group, whose numbers stand side by side. How many, the runtime says at each call.
+A part that is called for each repeated component, such as the wheels of a vehicle, computes two, four or eight at a
+time (lanes.h). Calls of one rank are a group, whose numbers are side by side. The runtime sets the number of lanes at
+each call.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from fmu_src.statements import Memory, Statement, statements_of
 WHOLE, LONGEST = 4500, 1500
 #: The numbers of lanes that parts are compiled for, where the compiler has them; otherwise for one.
 WIDTHS = (2, 4, 8)
-#: What names of files with a table begin with; in one unit they stand before those that look it up.
+#: Prefix of the names of files with a table; in one unit they come before the files that use it.
 TABLE_FILE = "table_"
 #: The runtime gives all generated functions some arguments that none needs; everything else stays a warning.
 HEAD = (
@@ -47,10 +48,19 @@ HEAD = (
 
 
 def equations_in_c(name: str, made: Mapping[str, Generated]) -> dict[str, str]:
-    """C files by name: all functions, the parts that they call in lanes, a file for each number of lanes, and tables.
+    """Return C files by name: all functions, their parts in lanes, a file for each number of lanes, and tables.
 
-    `name` begins the names of what is seen in these files alone, so that files of several systems may become one unit.
-    Raises ValueError where two parts have one name and where there is no C for an operation.
+    Parameters
+    ----------
+    name : str
+        Prefix of all names that are local to these files, so that files of several systems may become one unit.
+    made : mapping of str to Generated
+        The functions of the system.
+
+    Raises
+    ------
+    ValueError
+        If two parts have one name, or an operation has no C.
     """
     own = list(made.values())
     parts = _functions_of_parts(own)
@@ -98,14 +108,14 @@ def _in_lanes(functions: Iterable[str]) -> list[str]:
 
 
 def _at_width(file: str, lanes: int) -> str:
-    """The file that compiles the parts for so many lanes; the narrowest for one where a compiler has no more."""
+    """Return the file that compiles the parts for `lanes` lanes; the narrowest also for compilers with one lane."""
     include = f'#include "{file}.h"\n'
     own = f'#include "lanes_widest.h"\n#if LANES_WIDEST >= {lanes}\n#define LANES {lanes}\n{include}'
     return own + (f"#else\n#define LANES 1\n{include}#endif\n" if lanes == WIDTHS[0] else "#endif\n")
 
 
 def _given(in_c: Sequence[Part]) -> list[str]:
-    """C of these parts, once where several files with the same become one unit; of look-ups, where they are."""
+    """Return C of these parts, once if several files with the same become one unit; of tables, a declaration."""
     flat = dict.fromkeys(part.name for part in in_c if part.flat)
     known = [f"extern const piecewise {name};" for name in flat]
     parts = {part.name: part for part in in_c if not part.flat}.values()
@@ -124,7 +134,7 @@ def _tables(functions: Sequence[Generated]) -> dict[str, str]:
 
 
 def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:
-    """Of each part that is called, also by other parts, the functions that are needed, before those that call them."""
+    """Return the needed functions of each part, also of parts that other parts call; called functions come first."""
     made: dict[str, Generated] = {}
     parts: dict[str, Part] = {}
 
@@ -145,7 +155,7 @@ def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:
 
 
 def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group]) -> str:
-    """The header with the parts in lanes: what other parts call, what stands in a group, and what computes a group."""
+    """Return the header with the parts in lanes: parts that other parts call, parts in a group, and the groups."""
     own: dict[str, Group] = {group.function: group for group in groups.values()}
     users = [(parts[part_name(one.part, one.slopes)], one.lanes) for one in own.values()]
     given, texts = _parts_within(name, parts, users)
@@ -157,16 +167,16 @@ def _parts(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group
 
 
 def _up_to(lanes: int, text: str) -> str:
-    """C that is compiled for at most so many lanes."""
+    """Return C that is compiled for at most `lanes` lanes."""
     return text if lanes >= WIDTHS[-1] else f"#if LANES <= {lanes}\n{text}#endif\n"
 
 
 def _parts_within(
     name: str, parts: Mapping[str, Generated], users: Iterable[tuple[Generated, int]]
 ) -> tuple[list[str], list[str]]:
-    """C of what is given in C, and of all parts that functions in lanes call, each behind those that it calls.
+    """Return C of the parts given in C, and C of all other parts that functions in lanes call; called parts come first.
 
-    users: these functions, and for how many lanes each is compiled at most.
+    users: these functions, and the largest number of lanes for which each is compiled.
     """
     called: dict[str, Group] = {}
     most: dict[str, int] = {}
@@ -192,9 +202,12 @@ def _parts_within(
 
 
 def functions_in_lanes(name: str, made: Mapping[str, Generated]) -> tuple[list[str], list[str]]:
-    """C of what is given in C, and of the functions of a system over several instances, LANES_NAME(NAME_FUNCTION).
+    """Return C of the parts given in C, and of all functions over several instances, LANES_NAME(NAME_FUNCTION).
 
-    Raises ValueError as `equations_in_c`.
+    Raises
+    ------
+    ValueError
+        As `equations_in_c`.
     """
     own = list(made.values())
     given, texts = _parts_within(name, _functions_of_parts(own), [(one, WIDTHS[-1]) for one in own])
@@ -223,7 +236,7 @@ class Body:
 
 
 def _of_one_number(name: str, one: Generated) -> Body:
-    """As the runtime calls it, `generated_function` in model.h."""
+    """Return a function as the runtime calls it, `generated_function` in model.h."""
     function, rooms = one.function, Rooms.of(one, True)
     parameters = "const double **arg, double **res, long long int *iw, double *w, int mem"
     left = function.n_in() - 1 if one.calls else function.n_in()
@@ -276,7 +289,7 @@ def function_of_cells(function: ca.Function) -> str:
 
 @dataclass(frozen=True)
 class LanesFace:
-    """C of the parameters of a function in lanes, of what its pieces are given, of its inputs and of its results."""
+    """C of the parameters of a function in lanes, of the arguments of its pieces, of its inputs and of its results."""
 
     parameters: str
     given: str
@@ -343,7 +356,7 @@ def _plain(text: str) -> str:
 
 
 def _written(body: Body) -> str:
-    """C of a function; what is long, in pieces that have in `kept` what they leave to each other."""
+    """Return C of a function; a long one is cut into pieces, which pass numbers to each other in `kept`."""
     bodies, kept = _bodies(body)
     rooms = {"kept": kept} | body.rooms
     rooms = {room: size for room, size in rooms.items() if size}
@@ -379,10 +392,10 @@ def _locals(statements: Sequence[Statement]) -> dict[int, str]:
 
 
 def _bodies(body: Body) -> tuple[list[str], int]:
-    """C of the statements as a whole or in pieces, and how many numbers the pieces leave to those behind them.
+    """Return C of the statements as a whole or in pieces, and how many numbers the pieces leave to later ones.
 
-    A number that is left is kept as soon as it is known, and taken where it is first needed: a processor has few
-    registers, and a compiler takes 1.6 times as long to distribute them if all are taken at the beginning.
+    A number that is left is stored as soon as it is computed, and loaded where it is first needed. A processor has few
+    registers, and a compiler takes 1.6 times as long to distribute them if all are loaded at the beginning.
     """
     statements = body.statements
     longest = LONGEST if len(statements) > WHOLE else WHOLE

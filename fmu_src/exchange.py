@@ -1,8 +1,8 @@
-"""What model exchange shows beside the table of variables: derivatives of the states, and event indicators.
+"""Variables of model exchange in addition to the table of variables: derivatives of the states, and event indicators.
 
-A host integrates the equations itself and knows the number of states beforehand: it is that of the system which the
-start values choose, unless that one has algebraic states. Value references go on behind the table and one more, that of
-the time.
+A host integrates the equations itself and reads the number of states beforehand: it is that of the system which the
+start values choose, unless that one has algebraic states. Their value references follow those of the table and of the
+time.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from fmu_src.system import NONE, Model, State, System, Variable, state_variable
 
 
 def exchanged(model: Model) -> System | None:
-    """The system that the start values choose; none: there is no model exchange."""
+    """Return the system that the start values choose; None if there is no model exchange."""
     place = 0
     for name in model.selectors:
         selector = model.variables[model.index(name)]
@@ -23,7 +23,7 @@ def exchanged(model: Model) -> System | None:
 
 
 def serves_exchange(model: Model, system: System) -> bool:
-    """Whether a system has the states, in their order, and the switches of the one that is exchanged."""
+    """Return whether a system has the same states, in their order, and the same switches as the exchanged one."""
     of = exchanged(model)
     return of is not None and _shape(system) == _shape(of)
 

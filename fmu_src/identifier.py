@@ -1,4 +1,4 @@
-"""What modelDescription.xml and a binary have in common: a function of the content, so that equal builds are equal."""
+"""GUID of modelDescription.xml and of a binary: a function of the content, so that equal builds are equal."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 
 def identifier(parts: Iterable[str | bytes]) -> str:
-    """Return a GUID that changes with the parts, which count as one text, and with nothing else."""
+    """Return a GUID that changes with the parts, which are joined to one text, and with nothing else."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(part.encode() if isinstance(part, str) else part)

@@ -20,7 +20,7 @@ CHECKSUM, LOCK = ".sha256", ".lock"
 STALE = 86400.0
 #: Write permissions of others than the owner.
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
-#: Files whose checksum this process has compared, each with what it was then.
+#: Files whose checksum this process has compared, each with its file status at that time.
 _compared: dict[Path, tuple[int, ...]] = {}
 
 
@@ -31,7 +31,7 @@ def keep(data: bytes, path: Path, remedy: str = ANOTHER_FOLDER) -> None:
         if path.is_symlink():
             path.unlink()  # what it names is not ours
         write_whole(path, data, remedy, synced=False)  # a checksum shows what a power cut left
-        path.chmod(0o644)  # whatever the umask leaves to others
+        path.chmod(0o644)  # independent of the umask
         write_whole(checksum_file(path), checksum_line(path.name, data).encode(), remedy, synced=False)
 
 
@@ -46,9 +46,9 @@ def checksum_line(name: str, data: bytes) -> str:
 
 
 def whole(path: Path) -> bool:
-    """Whether a kept file is as it was written, is no link, and can be written by its owner alone, who is us.
+    """Return whether a kept file is unchanged, a regular file, and can be written by its owner alone, who is us.
 
-    The checksum is compared once a process, and again where the file has changed since.
+    The checksum is compared once per process, and again if the file has changed since.
     """
     try:
         about = path.lstat()
@@ -68,7 +68,7 @@ def whole(path: Path) -> bool:
 
 
 def of_others(about: os.stat_result) -> str:
-    """Say why a file or folder is not ours alone; empty where it is. Windows has no such owners and modes."""
+    """Return the reason why a file or folder is not ours alone; empty if it is. Always empty on Windows."""
     if os.name != "posix":
         return ""
     if about.st_uid not in (os.geteuid(), 0):
@@ -82,7 +82,7 @@ def of_others(about: os.stat_result) -> str:
 def missing(path: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[bool]:
     """Yield whether a kept file has to be made; one process at a time makes it.
 
-    The system lets go of what a process held that ends in whatever way. A file system without locks holds nobody.
+    The system releases the lock of a process that ends, in any manner. A file system without locks blocks nobody.
     Raises StorageError.
     """
     if whole(path):

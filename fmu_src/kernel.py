@@ -11,13 +11,13 @@ from pathlib import Path
 OK, WARNING, DISCARD, ERROR = range(4)
 #: The most numbers that a record holds.
 MOST_NUMBERS = 1e8
-#: The most names that a sentence lists, as in suggestion.py.
+#: The most names that a message lists, as in suggestion.py.
 MOST_NAMES = 12
 COUNTERS = ("right_hand_sides", "jacobians", "factorisations", "steps", "rejected", "events")
 
 
 class _Sentence(ctypes.Structure):
-    """A record of the kernel's journal, `kernel_sentence` in status.h."""
+    """A record of the kernel's message log, `kernel_sentence` in status.h."""
 
     _fields_ = (("status", ctypes.c_int), ("text", ctypes.c_char_p))
 
@@ -167,15 +167,15 @@ class Kernel:
                 self.set_number(self.number_of(name), value)
 
     def set_number(self, variable: int, value: float) -> None:
-        """As `set`, one variable by its number in `Library.names`."""
+        """Set one variable as `set` does, by its number in `Library.names`."""
         self._check(self._call.kernel_set(self._handle, variable, value))
 
     def set_text(self, variable: int, text: str) -> None:
-        """As `set`, one variable that is a text by its number in `Library.names`."""
+        """Set one string variable as `set` does, by its number in `Library.names`."""
         self._check(self._call.kernel_set_text(self._handle, variable, os.fsencode(text)))
 
     def get_text(self, variable: int) -> str:
-        """Text of a variable by its number in `Library.names`. Raises SimulationError."""
+        """Return the text of a variable by its number in `Library.names`. Raises SimulationError."""
         found = ctypes.c_char_p()
         self._check(self._call.kernel_get_text(self._handle, variable, ctypes.byref(found)))
         return os.fsdecode(found.value or b"")
@@ -189,54 +189,66 @@ class Kernel:
         return self.get_number(self.number_of(name))
 
     def get_number(self, variable: int) -> float:
-        """Value of a variable by its number in `Library.names`, in its unit. Raises SimulationError."""
+        """Return the value of a variable by its number in `Library.names`, in its unit. Raises SimulationError."""
         self._check(self._call.kernel_get(self._handle, variable, ctypes.byref(self._number)))
         return self._number.value
 
     @property
     def time(self) -> float:
-        """Where the kernel stands [s]."""
+        """Return the present time of the run [s]."""
         return float(self._call.kernel_time(self._handle))
 
     @property
     def initialised(self) -> bool:
-        """Whether `initialise` has been called since the last `reset` or `reopen`."""
+        """Return whether `initialise` has been called since the last `reset` or `reopen`."""
         return bool(self._call.kernel_state_count(self._handle))
 
     @property
     def ended(self) -> bool:
-        """Whether a condition of the model has ended the run; no step goes further."""
+        """Return whether a condition of the model has ended the run; no step goes further."""
         return self._call.kernel_ended(self._handle)
 
     def use_lanes(self, most: int) -> int:
-        """Lets equations compute at most so many wheels at once, 1, 2, 4 or 8; returns how many the processor allows.
+        """Set how many wheels equations compute at once, at most 1, 2, 4 or 8; return how many the processor allows.
 
-        A run has the same bits with any number.
+        Results are bit-identical for any number.
         """
         return int(self._call.kernel_use_lanes(self._handle, most))
 
     def plan(self, start: float, stop: float | None = None, tolerance: float | None = None) -> None:
-        """Before initialisation: no step will go past `stop` [s]; a tolerance that does not serve is warned of.
+        """Set the stop time and the tolerance before initialisation.
 
-        Raises SimulationError for a stop before the start, the old one kept.
+        Parameters
+        ----------
+        start : float
+            Start time [s].
+        stop : float or None
+            Time that no step may pass [s].
+        tolerance : float or None
+            Relative tolerance; an unsuitable value causes a warning.
+
+        Raises
+        ------
+        SimulationError
+            If the stop is before the start; the old stop is kept.
         """
         asked, end = (None if value is None else ctypes.byref(ctypes.c_double(value)) for value in (tolerance, stop))
         self._check(self._call.kernel_plan(self._handle, asked, start, end))
 
     def initialise(self, time: float = 0.0) -> None:
-        """Computes the state at the start, time [s]; parameters are fixed from then on. Raises SimulationError."""
+        """Compute the state at the start, time [s]; parameters are fixed from then on. Raises SimulationError."""
         self._check(self._call.kernel_initialise(self._handle, time))
 
     def reset(self) -> None:
-        """All variables to their start values, ready for parameters again."""
+        """Set all variables to their start values; parameters may be set again."""
         self._call.kernel_reset(self._handle)
 
     def reopen(self) -> None:
-        """Back to before initialisation, all values kept."""
+        """Go back to before initialisation, all values kept."""
         self._call.kernel_reopen(self._handle)
 
     def step(self, time: float, size: float) -> None:
-        """Advances from `time` by `size` seconds. Raises SimulationError; after an error nothing was advanced."""
+        """Advance from `time` by `size` seconds. Raises SimulationError; after an error nothing was advanced."""
         self._check(self._call.kernel_step(self._handle, time, size))
 
     def advance(self, size: float) -> None:
@@ -336,13 +348,13 @@ class Kernel:
         return int(self._handle)
 
     def rates(self, names: Sequence[str]) -> list[float]:
-        """First derivatives of outputs by time, the inputs going on as they did within the last step."""
+        """Return first derivatives of outputs by time, with the inputs continued as in the last step."""
         found = (ctypes.c_double * len(names))()
         self._check(self._call.kernel_get_rates(self._handle, len(names), self._numbers(names), found))
         return list(found)
 
     def directional(self, outputs: Sequence[str], change: Mapping[str, float]) -> list[float]:
-        """Derivatives of outputs along a change of inputs and states (`state_NAME`); the other states are held."""
+        """Return derivatives of outputs along a change of inputs and states (`state_NAME`); other states are held."""
         found, values = (ctypes.c_double * len(outputs))(), (ctypes.c_double * len(change))(*change.values())
         self._check(
             self._call.kernel_get_directional(
@@ -356,19 +368,19 @@ class Kernel:
         return (ctypes.c_int * len(numbers))(*numbers)
 
     def repeat_right_hand_side(self, repeat: int) -> None:
-        """`repeat` right-hand sides at the present state in one call, to measure what one costs."""
+        """Compute `repeat` right-hand sides at the present state in one call, to measure the cost of one."""
         self._check(self._call.kernel_repeat_right_hand_side(self._handle, repeat))
 
     def repeat_jacobian(self, repeat: int) -> None:
-        """`repeat` Jacobians at the present state in one call, to measure what one costs."""
+        """Compute `repeat` Jacobians at the present state in one call, to measure the cost of one."""
         self._check(self._call.kernel_repeat_jacobian(self._handle, repeat))
 
     def repeat_step(self, size: float, repeat: int) -> None:
-        """`repeat` steps of `size` in one call: what a step costs a host written in C."""
+        """Make `repeat` steps of `size` [s] in one call, to measure the cost of a step for a host written in C."""
         self._check(self._call.kernel_repeat_step(self._handle, self.time, size, repeat))
 
     def _drain(self) -> None:
-        """Moves the sentences that the C side has gathered to `journal`."""
+        """Move the messages of the C side to `journal`."""
         while self._call.kernel_hear(self._handle, ctypes.byref(self._heard)):
             self.journal.append(self._heard.text.decode())
 
@@ -378,7 +390,7 @@ class Kernel:
             raise SimulationError(self._call.kernel_message(self._handle).decode(), status)
 
     def number_of(self, name: str) -> int:
-        """Of a variable in `Library.names`. Raises SimulationError."""
+        """Return the number of a variable in `Library.names`. Raises SimulationError."""
         number = self.library.index.get(name)
         if number is None:
             raise SimulationError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)

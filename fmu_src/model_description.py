@@ -78,7 +78,7 @@ LOG_CATEGORIES = {
 
 
 def model_description(model: Model, guid: str, binary: str = KERNEL, source_files: Iterable[str] = ()) -> str:
-    """The XML text. binary: what stands behind the face, one of those in objects.py.
+    """Return the XML text. binary: the C file of the object, one of those in objects.py.
 
     source_files: C files in sources/ that a host may compile.
     """
@@ -204,7 +204,7 @@ def number_text(variable: Variable, value: float) -> str:
 
 
 def cells(variable: Variable) -> dict[str, str]:
-    """What tables for people tell of a variable, by the heads of their columns."""
+    """Return the cells of a variable in tables for people, by the heads of their columns."""
     given = variable.causality in ("parameter", "input") and variable.kind != "string"
     between = limits(variable)
     return {
@@ -238,7 +238,7 @@ def _markdown(rows: Sequence[Mapping[str, str]]) -> str:
 
 
 def _mark_states(variables: ET.Element, model: Model) -> None:
-    """Which variable is the derivative of which, by their places, and which states an event may set anew."""
+    """Mark each derivative with its state, by their places, and each state that an event may set to a new value."""
     for state, derivative in zip(exchanged_states(model), variables[len(model.variables) :], strict=True):
         place = model.index(state_variable(state.name))
         derivative[0].set("derivative", str(place + 1))
@@ -247,7 +247,7 @@ def _mark_states(variables: ET.Element, model: Model) -> None:
 
 
 def _structure(root: ET.Element, model: Model, exchange: Sequence[Variable]) -> None:
-    """What depends on what; variables are named by their places, counted from 1."""
+    """Write the dependencies; variables are named by their places, counted from 1."""
     in_step = step_dependencies(model) if exchange else input_dependencies(model)
     at_start = start_dependencies(model)
     place = {variable.name: number for number, variable in enumerate((*model.variables, *exchange), start=1)}

@@ -78,7 +78,7 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
 
 
 def _mark_states(variables: ET.Element, model: Model) -> None:
-    """Which variable is the derivative of which, by value reference, and which states an event may set anew."""
+    """Mark each derivative with its state, by value reference, and each state that an event may set to a new value."""
     for number, state in enumerate(exchanged_states(model), len(model.variables) + 1):
         reference = model.index(state_variable(state.name))
         variables[number].set("derivative", str(reference))

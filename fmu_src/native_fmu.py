@@ -1,6 +1,6 @@
-"""The native FMU: the compiled kernel with its faces, no Python inside, for one platform or for several.
+"""The native FMU: the compiled kernel with its FMI functions, no Python inside, for one platform or for several.
 
-One binary serves FMI 2.0 and 3.0; the archives differ in modelDescription.xml and in the names of the platforms.
+One binary works for FMI 2.0 and 3.0; the archives differ in modelDescription.xml and in the names of the platforms.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ PLATFORMS3: dict[str, tuple[tuple[str, ...], str]] = {
 }
 #: Of Mach-O files: CPU type and subtype by target.
 MACHINES = {"x86_64-macos.11.0": (0x01000007, 3), "aarch64-macos.11.0": (0x0100000C, 0)}
-#: Of the runtime; what only one version or studies have is not among them.
+#: Headers of the runtime that are not in every FMU: they belong to one version or to studies.
 _NOT_OF_ALL = {"studies.h", "batch.h", "batch_lanes.h", "fmi2Functions.h"}
 HEADERS = tuple(name for name in RUNTIME_HEADERS if name not in _NOT_OF_ALL)
-#: What sources/ hold besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
+#: Content of sources/ besides the generated files, by version of FMI. FMPy's fmi2Functions.h is without the prefix.
 SOURCES = {
     2: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi3.c"), *HEADERS, "fmi2Functions.h"),
     3: (*KERNEL_SOURCES, *(name for name in FACE_SOURCES if name != "fmi2.c"), *HEADERS),
@@ -54,8 +54,8 @@ STANDARD_HEADERS = {
     2: ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
-#: Programs that run an FMU, with places for its names: their names in the archive and here, by version of FMI, whose
-#: place is @N@; a line that begins with @2@ or @3@ is one of that version alone.
+#: Programs that run an FMU, with placeholders for its names: their names in the archive and here, by version of FMI.
+#: The placeholder of the version is @N@; a line that begins with @2@ or @3@ is used for that version alone.
 HOSTS = Path(__file__).parent / "hosts"
 HOST_FILES = {
     2: {"host.c": "host.c", "host.cpp": "host2.cpp", "host.cs": "host2.cs", "host.py": "host.py"},
@@ -68,10 +68,23 @@ ONE_UNIT = "all.c"
 def build_native_fmu(
     model: Model, path: Path, platforms: Sequence[str] = (), extras: Mapping[str, bytes] | None = None
 ) -> None:
-    """Writes the native FMU of a model.
+    """Write the native FMU of a model.
 
-    platforms: names in PLATFORMS, compiled with zig; none: the platform it is built on, with its own compiler. extras:
-    more files by their names in the archive. Raises CompilerError.
+    Parameters
+    ----------
+    model : Model
+        The model.
+    path : Path
+        The FMU.
+    platforms : sequence of str
+        Names in PLATFORMS, compiled with zig; empty: this platform, with its own compiler.
+    extras : mapping of str to bytes
+        Further files by their names in the archive.
+
+    Raises
+    ------
+    CompilerError
+        If the compiler is missing or fails.
     """
     sources = generate(model)
     about = model_description(model, guid_of(sources), source_files=[ONE_UNIT])
@@ -149,7 +162,7 @@ def binary_for(targets: Sequence[str], compiled: Callable[[str | None], Path]) -
 
 
 def build_description(model: Model) -> str:
-    """How sources/ are compiled, FMI 3.0."""
+    """Return buildDescription.xml of FMI 3.0: how sources/ are compiled."""
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n<fmiBuildDescription fmiVersion="3.0">\n'
         f'  <BuildConfiguration modelIdentifier="{model.name}">\n    <SourceFileSet language="C99">\n'

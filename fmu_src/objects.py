@@ -1,4 +1,4 @@
-"""What stands behind the faces in C, runtime/object.h, and what modelDescription.xml claims of it."""
+"""The objects with FMI functions in C, runtime/object.h, and their capabilities in modelDescription.xml."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def names_at_file_scope(source: str) -> set[str]:
 
 
 def _without_insides(text: str, pair: str, sign: str) -> str:
-    """Text with a sign in place of each pair of brackets and what is inside, from the innermost outwards."""
+    """Return the text with a sign instead of each pair of brackets and its content, from the innermost outwards."""
     found = 1
     while found:
         text, found = re.subn(pair, sign, text)

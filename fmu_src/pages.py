@@ -11,7 +11,7 @@ from fmu_src.model_description import cells
 from fmu_src.references import PAGE
 from fmu_src.system import Model
 
-#: By kind of FMU, what the page says about steps that end the run and about refused values.
+#: Text of the page about steps that end the run and about refused values, by kind of FMU.
 ENDS = {
     "native": (
         "FMI 2.0 co-simulation. A step that reaches the end of the run (derailment, wheel lift) returns fmi2Discard "
@@ -36,7 +36,7 @@ STYLE = (
 )
 
 
-#: Place of the page's picture in the archive.
+#: Place of the page's figure in the archive.
 PICTURE = "documentation/picture.png"
 
 
@@ -71,7 +71,7 @@ def row(texts: Sequence[str]) -> str:
 
 
 def integrated(model: Model) -> str:
-    """What the page says about model exchange."""
+    """Return the text of the page about model exchange."""
     states = exchanged_states(model)
     if not states:
         return "There is no model exchange, for these equations have algebraic states."

@@ -54,12 +54,12 @@ class _Segment:
         return self.made
 
     def producers(self, number: int) -> list[int]:
-        """Statements of what a statement reads that are not written yet, in their order."""
+        """Return the unwritten statements whose values a statement reads, in their order."""
         found = {self.by_value[value] for value in self.statements[number].reads if value in self.by_value}
         return sorted(found - self.done)
 
     def is_free(self, number: int, of: int) -> bool:
-        """Whether a statement can be computed without another one."""
+        """Return whether a statement can be computed without another one."""
         waiting, seen = self.producers(number), set[int]()
         while waiting:
             one = waiting.pop()

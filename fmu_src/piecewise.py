@@ -1,4 +1,4 @@
-"""Piecewise polynomials in equations: a look-up of the piece at a place is a part, the rest are equations."""
+"""Piecewise polynomials in equations: the search for the piece at a place is a part, the rest are equations."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
 def look_up(chain: Chain, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
     """The piece (origin, c0, ..., c_degree) of a piecewise polynomial at `argument`, for `polynomials`.
 
-    breakpoints: shape (pieces + 1,), increasing; coefficients: shape (pieces, degree + 1), lowest power first, of
-    (argument - left breakpoint); outside the breakpoints it holds its end value. name: what the sentence of a
-    ValueError calls it.
+    breakpoints: shape (pieces + 1,), increasing. coefficients: shape (pieces, degree + 1), lowest power first, of
+    (argument - left breakpoint). Outside the breakpoints it keeps its end value. name: the table's name in the message
+    of a ValueError.
     """
     breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
     if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
@@ -70,7 +70,7 @@ def rows_of(breakpoints: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
 
 
 def _chosen(rows: np.ndarray, at: ca.SX) -> ca.SX:
-    """The row that holds, by halves."""
+    """Return the row of the piece at `at`, by bisection."""
     if len(rows) == 1:
         return ca.SX(rows[0])
     half = len(rows) // 2

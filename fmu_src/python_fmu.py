@@ -46,7 +46,7 @@ def build_python_fmu(model: Model, path: Path) -> None:
 
 
 def packed(script: Path, files: Sequence[Path] = ()) -> dict[str, bytes]:
-    """What pythonfmu packs around the module `script`, by place in the archive; no trace stays in this process."""
+    """Return the files of pythonfmu around the module `script`, by place in the archive; this process is unchanged."""
     folder = script.parent
     try:
         made = FmuBuilder.build_FMU(script, dest=folder / "out", project_files=list(files))

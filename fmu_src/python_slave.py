@@ -15,16 +15,16 @@ from pythonfmu.enums import Fmi2Status
 from fmu_src.kernel import DISCARD, Kernel, Library, SimulationError
 from fmu_src.telling_slave import TellingSlave
 
-#: Keys, beside the value references, of a problem that belongs to no single variable, of the experiment's, and of what
-#: was read last, which is over with the next value that is set.
+#: Keys of problems, next to the value references: a problem without a single variable, one of the experiment, and one
+#: of the last reading. The next value that is set removes the last of these.
 WHOLE, EXPERIMENT, READING = -1, -2, -3
 
 
 class KernelSlave(TellingSlave):
-    """A kernel behind pythonfmu.
+    """A kernel behind the interface of pythonfmu.
 
-    pythonfmu turns an exception into fmi2Fatal and crashes the host on the next call, so nothing is raised here: a
-    value that is refused is logged as an error, and every step is discarded until that variable has a good value again.
+    pythonfmu turns an exception into fmi2Fatal and crashes the host on the next call, so nothing is raised here. A
+    refused value is logged as an error, and every step is discarded until that variable has a good value again.
     """
 
     library_file: str
@@ -61,7 +61,7 @@ class KernelSlave(TellingSlave):
         self.initialising = False
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """fmi2DoStep, times in s; False discards the step, and the log says why."""
+        """Make a step (fmi2DoStep), times in s; False discards the step, and the log has the reason."""
         for sentence in self.problems.values():
             self.log(sentence, Fmi2Status.error)
         if self.problems:
@@ -75,7 +75,7 @@ class KernelSlave(TellingSlave):
         return True
 
     def get_real(self, vrs: list[int]) -> list[float]:
-        """fmi2GetReal; zeros, and a sentence in the log, where the kernel has no values."""
+        """Return values (fmi2GetReal); zeros, with a logged message, if the kernel has no values."""
         if self.initialising and not self.kernel.initialised:
             self._initialise()
         try:
@@ -131,6 +131,6 @@ class KernelSlave(TellingSlave):
             self._remember(WHOLE, error)
 
     def _remember(self, reference: int, error: SimulationError) -> None:
-        self.kernel.journal[-1:] = []  # the same sentence; what is left is no error
+        self.kernel.journal[-1:] = []  # the same message; the rest are not errors
         self.problems[reference] = str(error)
         self.log(str(error), Fmi2Status.error)

@@ -39,7 +39,7 @@ NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
 
 @dataclass(frozen=True)
 class Experiment:
-    """A run of one FMU: parameters and constant inputs in SI units, what is recorded, duration and host step [s]."""
+    """A run of one FMU: parameters and constant inputs in SI units, outputs, duration and communication step [s]."""
 
     name: str
     description: str
@@ -108,7 +108,7 @@ def experiments_file(model: Model, experiments: Sequence[Experiment]) -> bytes:
 
 
 def manifest(files: Mapping[str, bytes]) -> bytes:
-    """What each of the files is for, and its digest (SHA3-256)."""
+    """Return the manifest: the purpose of each file, and its digest (SHA3-256)."""
     about = {
         "xmlns:fmi-ls": NAMESPACE,
         "fmi-ls:fmi-ls-name": FOLDER.removeprefix("extra/"),
@@ -124,7 +124,7 @@ def manifest(files: Mapping[str, bytes]) -> bytes:
 
 
 def page(model: Model, sets: Mapping[str, bytes], experiments: Sequence[Experiment]) -> str:
-    """What sets and experiments there are, for people."""
+    """Return a page that lists the sets and experiments, for people."""
     listed = "".join(f"<li><code>{name}</code></li>\n" for name in sets)
     runs = "".join(
         f"<li><code>{one.name}</code>: {html.escape(one.description)}, {one.stop_time:g} s in steps of "

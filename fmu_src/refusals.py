@@ -1,13 +1,13 @@
-"""What a kernel says of a value that it refuses, where there is no run that could go on with the value before."""
+"""Messages of a kernel about refused values, for places without a run that could continue with the value before."""
 
 from __future__ import annotations
 
 import re
 
-#: A kernel keeps the value before: runtime/variables.c, and of texts runtime/text.c.
+#: A kernel keeps the value before: runtime/variables.c, and for strings runtime/text.c.
 VALUE_BEFORE = re.compile(r", and [^,]*? stays in force| The \w+ before it stays in force\.")
 
 
 def without_value_before(sentence: str) -> str:
-    """Return the sentence without what stays in force."""
+    """Return the message without the value that stays in force."""
     return VALUE_BEFORE.sub("", sentence)

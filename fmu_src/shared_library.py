@@ -6,12 +6,13 @@ import struct
 import sys
 from dataclasses import dataclass
 
-#: What a library of a system begins with; on macOS single and universal ones, of either order of bytes.
+#: First bytes of a library of a system; on macOS single and universal ones, of either order of bytes.
 MACH_O = (b"\xcf\xfa\xed\xfe", b"\xfe\xed\xfa\xcf", b"\xca\xfe\xba\xbe", b"\xca\xfe\xba\xbf")
 BEGINNINGS = {"linux": (b"\x7fELF",), "win32": (b"MZ",), "darwin": MACH_O}
 #: ELF: type of a shared object; segments that are loaded, and that of the dynamic section; ELF specification, 1995.
 ET_DYN, PT_LOAD, PT_DYNAMIC = 3, 1, 2
-#: Entries of a dynamic section: its end; addresses of what a loader reads, hash table, names, symbols, relocations.
+#: Entries of a dynamic section: its end; addresses of the tables that a loader reads: hash table, names, symbols,
+#: relocations.
 DT_NULL, DT_STRTAB, DT_SYMTAB = 0, 5, 6
 ADDRESSES = {3, 4, 5, 6, 7, 12, 13, 17, 23, 25, 26, 0x6FFFFEF5, 0x6FFFFFF0, 0x6FFFFFFC, 0x6FFFFFFE}
 
@@ -28,7 +29,7 @@ class Segment:
 
 
 def fault_of(data: bytes, system: str = sys.platform) -> str:
-    """Say why a file is no library that a system can load; empty where nothing was found.
+    """Return the reason why a system cannot load a file as a library; empty if no fault was found.
 
     Linux maps a file that is cut off and ends the process where it reads beyond its end. Windows and macOS refuse it.
     """
@@ -75,7 +76,7 @@ def _segment(data: bytes, place: int, wide: bool, order: str) -> Segment:
 
 
 def _good_table(data: bytes, table: Segment, loads: list[Segment], form: str) -> bool:
-    """Whether a dynamic section ends, lies in a segment, and names nothing outside of all of them."""
+    """Return whether a dynamic section ends, lies in a segment, and names only addresses inside of the segments."""
 
     def is_inside(address: int) -> bool:
         return any(one.address <= address < one.address + one.in_memory for one in loads)

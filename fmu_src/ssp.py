@@ -1,9 +1,9 @@
 """System Structure and Parameterization 1.0: FMUs, how they are connected, and their parameters, in one archive.
 
-Written so that FMPy, ecos and libcosim accept it, which is tested, and OMSimulator, which is not: no connectors of the
-system itself, of the inputs only those that are connected (FMPy sets the others to zero), and the parameters three
-times: within the system structure, as a file of their own, and as the start values of the FMUs in the archive, since
-FMPy reads neither of the former by itself.
+The archive is written so that FMPy, ecos and libcosim accept it, which is tested, and OMSimulator, which is not. The
+system itself has no connectors. Only connected inputs are listed, since FMPy sets the others to zero. The parameters
+are written three times: within the system structure, as a file, and as the start values of the FMUs in the archive.
+FMPy reads neither of the first two by itself.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def _component(elements: ET.Element, system: str, component: Component, connecti
             ET.SubElement(connector, f"ssc:{types[variable]}")
     binding = ET.SubElement(ET.SubElement(element, "ssd:ParameterBindings"), "ssd:ParameterBinding")
     values = ET.SubElement(binding, "ssd:ParameterValues")
-    # ecos is asked for a set of parameters by name: all components share one.
+    # ecos selects a set of parameters by name: all components share one.
     inline = ET.SubElement(values, "ssv:ParameterSet", version="1.0", name=system)
     _parameters(ET.SubElement(inline, "ssv:Parameters"), component)
 

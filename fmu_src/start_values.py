@@ -8,16 +8,26 @@ from pathlib import Path
 
 from fmu_src.archive import archive_bytes, contents_of, xml_file
 
-#: What the binary reads in place of its start values, face.c: rows NAME,VALUE.
+#: File of start values, rows NAME,VALUE, that the binary reads instead of its own, face.c.
 FILE = "resources/start_values.csv"
-#: What an archive holds whose binary reads the file, and that of pythonfmu does not.
+#: File that marks an archive whose binary reads FILE; that of pythonfmu does not.
 NATIVE = "sources/model.c"
 
 
 def with_start_values(fmu: Path, values: Mapping[str, float]) -> bytes:
-    """The archive of a native FMU of FMI 2.0 that starts with these values, in its description too.
+    """Return the archive of a native FMU of FMI 2.0 that starts with these values, in its description too.
 
-    An archive that is not native, or takes no values, stays as it is. Raises ValueError for a name that it has not.
+    Parameters
+    ----------
+    fmu : Path
+        The FMU. An archive that is not native is returned as it is.
+    values : mapping of str to float
+        Start values by name, in SI units.
+
+    Raises
+    ------
+    ValueError
+        If the FMU has no variable of a name.
     """
     contents = contents_of(fmu)
     if not values or NATIVE not in contents:

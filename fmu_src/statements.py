@@ -1,4 +1,4 @@
-"""What CasADi's instructions of a function are in C: statements on a `real`, of one number or of several (lanes.h)."""
+"""C of CasADi's instructions of a function: statements on a `real`, of one number or of several (lanes.h)."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ _UNCHANGED = (ca.OP_ASSIGN, ca.OP_LIFT)
 class Statement:
     """C that reads its operands, numbers of values or C of constants, in the braces of `form`.
 
-    values: numbers of what the form gives. written: it writes them itself, in the braces behind those of the operands;
-    otherwise it is an expression. mask: whether its value is a mask.
+    values: numbers of the values that the form gives. written: it writes them itself, in the braces behind those of the
+    operands; otherwise it is an expression. mask: whether its value is a mask.
     """
 
     form: str
@@ -118,11 +118,11 @@ class Memory:
 def statements_of(
     function: ca.Function, memory: Memory, behind: Callable[[int], Sequence[Statement]] | None = None
 ) -> list[Statement]:
-    """The instructions of a function in their order.
+    """Return the instructions of a function in their order.
 
-    behind: statements behind the last number of a result, by its number. CasADi computes results in their order and
-    reads inputs when they are first needed, so nothing that follows from them comes before. Divisions by what several
-    are divided by multiply with its reciprocal, whatever the compiler, so that all have the same bits.
+    behind: statements that follow the last number of a result, by its number. CasADi computes results in their order
+    and reads inputs when they are first needed, so nothing that follows from them comes before. If several divisions
+    have one divisor, they multiply with its reciprocal, with every compiler, so that all results are bit-identical.
     """
     values, shared = Values(), _divisors(function)
     missing = [function.numel_out(number) for number in range(function.n_out())]
@@ -196,7 +196,7 @@ def _computed(
 
 
 def _divisors(function: ca.Function) -> set[int]:
-    """Which instructions divide by a constant, or by what others divide by too."""
+    """Return the instructions that divide by a constant, or by a divisor that others use too."""
     written: dict[int, int] = {}  # which instruction wrote each place of the work vector last
     divide: dict[int, list[int]] = {}
     for number in range(function.n_instructions()):

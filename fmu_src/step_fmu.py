@@ -16,7 +16,7 @@ SLAVE = [Path(__file__).parent / name for name in ("telling_slave.py", "step_sla
 
 
 def build_step_fmu(step: StepInPython, path: Path) -> None:
-    """Writes the pythonfmu FMU. Raises whatever the sources raise when they are loaded."""
+    """Write the pythonfmu FMU. Raises the errors of the sources when they are loaded."""
     slave = [file.read_text(encoding="utf-8") for file in SLAVE]
     body = joined([*step.sources, *slave], [*step.own, f"{__package__}.telling_slave"])
     guid = identifier([body, repr(step)])

@@ -45,7 +45,7 @@ def step_in_c(step: StepInC) -> ArraysInC:
 
 
 def _array(one: Variable) -> ArrayVariable:
-    """An input takes whatever a sensor says."""
+    """Return the array of a variable; an input takes any value of a sensor, NaN too."""
     limits = (one.minimum, one.maximum)
     return ArrayVariable(
         *(one.name, one.causality, one.unit, one.description, *limits), one.kind == "integer", one.causality == "input"

@@ -18,7 +18,7 @@ LONGEST_STEP = 86400.0
 
 
 class Stepper(Protocol):
-    """What the FMU is made around."""
+    """The object inside the FMU."""
 
     def step(self, time: float, inputs: Sequence[float]) -> Sequence[float]:
         """Outputs from inputs, in the order of the description; time in s. May raise."""
@@ -26,11 +26,11 @@ class Stepper(Protocol):
 
 
 class StepSlave(TellingSlave):
-    """Real inputs, then the parameter `period`, then outputs, numbered in this order.
+    """A slave with real inputs, then the parameter `period`, then outputs, numbered in this order.
 
-    The object is asked at the start of the first step that begins at or after each multiple of the period, and its
-    outputs hold in between. When it raises, the outputs go back to the safe ones, and this and every later step is
-    discarded with the sentence of the exception.
+    The object's `step` is called at the start of the first step that begins at or after each multiple of the period.
+    Its outputs stay constant in between. If it raises, the outputs return to the safe ones, and this and every later
+    step is discarded with the message of the exception.
     """
 
     guid_of_content: str
@@ -56,7 +56,7 @@ class StepSlave(TellingSlave):
         self.start_time = start_time
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """fmi2DoStep, times in s; False discards the step, and the log says why."""
+        """Make a step (fmi2DoStep), times in s; False discards the step, and the log has the reason."""
         if not step_size <= LONGEST_STEP:
             self.log(f"Take steps of at most {LONGEST_STEP:g} s: this one was of {step_size:g} s.", Fmi2Status.error)
             return False

@@ -1,11 +1,11 @@
-"""What to say after a name that there is not."""
+"""Suggestions for unknown names."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
 
-#: The most names that a sentence lists.
+#: The most names that a message lists.
 MOST_NAMES = 12
 
 
@@ -28,7 +28,7 @@ RENAMED = {
 
 
 def suggestion(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """The end of the sentence: the name that is nearest; where none is near `otherwise`, or the first names."""
+    """Return the end of a message: the nearest name; if no name is near, `otherwise`, or the first names."""
     names = list(known)
     if RENAMED.get(str(name)) in names:
         return f"its name is {RENAMED[str(name)]} now."

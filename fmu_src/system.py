@@ -2,7 +2,7 @@
 
 A `System` is one machine at one level of detail: variables, states, equations, as CasADi symbols. C code, Jacobians,
 FMUs, Python bindings and tables of variables are derived from it and from nothing else. A `Model` is what becomes one
-FMU: a table of variables and one or more systems that serve it, chosen by an integer parameter.
+FMU: a table of variables and one or more systems for it, chosen by an integer parameter.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Variable:
     display_unit: str | None = None
     #: Value that the equations see when a NaN arrives (a lost signal); None: a NaN is refused.
     when_lost: float | None = None
-    #: Of an integer that chooses: its numbers and what each means, which `choosing` puts into the description too.
+    #: For an integer selector: its numbers and their meanings, which `choosing` adds to the description.
     choices: tuple[tuple[int, str], ...] = ()
 
     def __post_init__(self) -> None:
@@ -54,7 +54,7 @@ class Variable:
 
 
 def choosing(description: str, choices: Mapping[int, str]) -> dict[str, Any]:
-    """Fields of a `Variable` that chooses by number among the texts: unit, description, limits, kind, choices."""
+    """Return fields of a `Variable` that selects by number: unit, description, limits, kind, choices."""
     told = "; ".join(f"{number} {text}" for number, text in choices.items())
     limits = {"minimum": float(min(choices)), "maximum": float(max(choices))}
     shared = {"unit": "1", "description": f"{description}: {told}", "kind": "integer"}
@@ -62,7 +62,7 @@ def choosing(description: str, choices: Mapping[int, str]) -> dict[str, Any]:
 
 
 def choice(description: str, choices: Mapping[int, str]) -> Any:
-    """A field of a `ParameterSet` that chooses by number among the texts."""
+    """Return a field of a `ParameterSet` that selects by number."""
     return field(metadata=choosing(description, choices))
 
 
@@ -77,9 +77,9 @@ def quantity(
 
 @dataclass(frozen=True)
 class Field:
-    """One number of a row that C takes: name, unit, limits, and what it is, in words that a message can use.
+    """One number of a row that C takes: name, unit, limits, and its meaning in words for a message.
 
-    counts: of what there are so many, `most` is added to their number. rises: it grows from each row to the next.
+    counts: name of the counted items; `most` is added to their number. rises: it grows from each row to the next.
     """
 
     name: str
@@ -93,7 +93,7 @@ class Field:
 
 
 def other_unit(value: float, unit: str, least: float, most: float) -> str:
-    """The end of the sentence for a number in km/h in place of m/s, or mm in place of m; nothing for another."""
+    """Return the end of a message for a number in km/h instead of m/s, or mm instead of m; empty for another."""
     own = value / (3.6 if unit == "m/s" else 1000.0)
     if unit not in ("m/s", "m") or not least <= own <= most:
         return ""
@@ -154,17 +154,17 @@ class State:
         return ca.SX(self.starts())
 
 
-#: In place of a system that a model does not have: in `Model.choice`.
+#: Marks a missing system in `Model.choice`.
 NONE = -1
-#: Operations down to which the places are compared at which a table file is asked: a distance is a sum of a few.
+#: Depth of operations to which places in a table file are compared: a distance is a sum of a few.
 SAME_PLACE = 10
 
 
 @dataclass(frozen=True)
 class Piece:
-    """What can be looked up of a table file: polynomials of `degree` (5 at most) between two rows.
+    """Polynomials of `degree` (5 at most) between two rows of a table file.
 
-    Beyond the ends of the table it keeps its last value or, where it `goes_on`, its last slope.
+    Beyond the ends of the table it keeps its last value or, if `goes_on`, its last slope.
     """
 
     name: str
@@ -181,13 +181,29 @@ MOST_COLUMNS, HIGHEST_DEGREE = 32, 5
 class TableFile:
     """A table that an instance reads before the start, from the CSV file that `variable`, a string, names.
 
-    noun, preposition: what sentences call it, "line", and that something runs "on" a line. resource: the file that an
-    FMU reads from its resources where the variable is not set. columns: of the file, of numbers alone; the first one
-    grows from row to row by `least_growth`. rounding: length on either side of a row over which a corner of what is
-    straight between rows is rounded, 0: none is. known: the columns in words, for a sentence about one that is not.
-    added: columns that the model computes. source: C with the functions `check_row`, `complete` and `piece_between`
-    of `table_file_description` (model.h). It may call what table_file.h declares; in it, COLUMN_NAME and PIECE_NAME
-    are the places of columns and pieces.
+    Attributes
+    ----------
+    variable : Variable
+        The string variable with the path of the file.
+    noun, preposition : str
+        Its name in messages, "line", and the word before it: a vehicle runs "on" a line.
+    resource : str
+        File in an FMU's resources that is read if the variable is not set.
+    columns : tuple of Column
+        Columns of the file, which contains only numbers.
+    least_growth : float
+        Smallest growth of the first column from row to row.
+    rounding : float
+        Length on either side of a row over which a corner between straight lines is rounded; 0: none is.
+    known : str
+        The columns in words, for a message about an unknown one.
+    added : tuple of str
+        Columns that the model computes.
+    pieces : tuple of Piece
+        Polynomials that equations can look up.
+    source : str
+        C with the functions `check_row`, `complete` and `piece_between` of `table_file_description` (model.h). It may
+        call the functions of table_file.h; COLUMN_NAME and PIECE_NAME are the places of columns and pieces.
     """
 
     variable: Variable
@@ -225,7 +241,7 @@ class TableFile:
 
 @dataclass(frozen=True)
 class Table:
-    """What the equations look up at one place of a table file: the `pieces` there, by one look-up.
+    """The `pieces` of a table file at one place, found by one search.
 
     `symbols` are one origin and the coefficients of each piece, lowest power first, supplied by the runtime. The
     argument may contain values of other tables: those of a lower `rank` are looked up first.
@@ -243,11 +259,22 @@ class Table:
 class Friction:
     """Dry friction on a velocity, one of the `states` or the sum of two: `direction` is 1, -1 or, when stuck, 0.
 
-    The equations multiply `capacity` with `direction` and hold the velocity where it is 0. `drive` is what the friction
-    must balance to stay stuck, in the unit of `capacity`; a capacity below 0 says that there is none, and never any.
-    still: speed up to which it sticks. whole: the machine that it holds as a whole; frictions that hold one are told as
-    one. told: margins above 0 where it counts that it sticks, or could, and where that it slides; None: it
-    always does.
+    The equations multiply `capacity` with `direction` and hold the velocity if it is 0.
+
+    Attributes
+    ----------
+    drive : SX
+        Load that the friction must balance to stay stuck, in the unit of `capacity`.
+    capacity : SX
+        Largest load of the friction; below 0: it never has any.
+    stuck_word, sliding_word : str
+        Words for messages.
+    still : SX
+        Largest speed at which it sticks.
+    whole : str
+        The vehicle that it holds as a whole; frictions with the same one are reported as one.
+    told : tuple or None
+        Margins above 0 if sticking counts, or would count, and if sliding counts; None: both always count.
     """
 
     label: str
@@ -280,21 +307,36 @@ class Condition:
 
     @property
     def first_look(self) -> ca.SX:
-        """What is computed at every step."""
+        """Return the expression that is computed at every step."""
         return self.margin if self.candidate is None else self.candidate
 
 
 @dataclass(frozen=True)
 class SteadyStart:
-    """Runs start in a steady state where `course` is above 0 at the start values, and with these where it is not.
+    """Steady start: runs start in a steady state if `course` is above 0 at the start values, else with these.
 
-    There no state changes, but for those that keep their start values and for what grows with the speed as the machine
-    rolls faster or slower: by so much as its start value grows with the parameter `given`. States that friction could
-    hold in many places lie where it holds nothing.
-    speed: the state that starts with `given` and keeps that. kept: further ones, places and angles without end. last:
-    states that settle once the others have; not, where one of the parameters `places` is not 0, which say where they
-    stand. drives: inputs that are 0 there, and act from then on. sentence: an error where there is no such state; its
-    %s is the time.
+    In that state the derivatives are 0. Exceptions are states that keep their start values, and those that grow with
+    the speed as the vehicle rolls faster or slower, in proportion to the growth of their start value with the parameter
+    `given`. States that friction could hold in many places lie where it holds nothing.
+
+    Attributes
+    ----------
+    course : SX
+        Above 0 to start steadily.
+    speed : str
+        The state that starts with `given` and keeps that.
+    given : str
+        The parameter of the start speed.
+    kept : tuple of str
+        Further states that are kept: places and angles without limits.
+    last : tuple of str
+        States that settle once the others have. They keep their start values if one of `places` is not 0.
+    drives : tuple of str
+        Inputs that are 0 in the steady state, and act from then on.
+    places : tuple of str
+        Parameters that set the places of `last`.
+    sentence : str
+        Error message if no such state is found; its %s is the time.
     """
 
     course: ca.SX
@@ -337,7 +379,7 @@ class System(Chain):
     observables: dict[str, Observable] = field(default_factory=dict)
     #: None: a run starts with the start values.
     steady_start: SteadyStart | None = None
-    #: Names of one or two states, and by how much their sum may change within a step that is chosen by the error.
+    #: Names of one or two states, and the largest change of their sum within an adaptive step.
     largest_changes: list[tuple[tuple[str, ...], ca.SX]] = field(default_factory=list)
 
     # -- symbols ------------------------------------------------------------------------------------------------
@@ -360,10 +402,10 @@ class System(Chain):
         return symbol
 
     def state(self, name: str, unit: str, start: Start, nominal: float) -> ca.SX:
-        """Symbol of a state; `nominal` (> 0, in `unit`) is the size at which the tolerance is counted.
+        """Return the symbol of a state; `nominal` (> 0, in `unit`) is the size to which the tolerance refers.
 
-        start: its value, or what returns it and is called once, where a search for it takes time. Equations, frictions
-        and limits take the symbol; no other place asks for a state by its name.
+        start: its value, or a function that returns it and is called once, for a start value that takes time to find.
+        Equations, frictions and limits take the symbol; states are not referred to by name elsewhere.
         """
         return self._add_state(name, unit, start, nominal, algebraic=False)
 
@@ -394,9 +436,9 @@ class System(Chain):
         return look_up(self, name, breakpoints, coefficients, argument)
 
     def from_file(self, file: TableFile, name: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
-        """Value of a piece of a table file at a place in its first column, and its derivatives up to `order`.
+        """Return a piece of a table file at a place in its first column: its value and derivatives up to `order`.
 
-        What the table holds, the instance learns from its file; a system that asks runs only where there is one.
+        An instance reads the content of the table from its file; a system with such a piece runs only with a file.
         """
         return polynomials(self._piece_of_file(file, name, argument), argument, order)
 
@@ -418,7 +460,7 @@ class System(Chain):
 
     @property
     def table_file(self) -> TableFile | None:
-        """The table file that is asked; None: there is none."""
+        """Return the table file that the equations use, or None."""
         return next((table.file for table in self.tables), None)
 
     def direction(self, name: str) -> ca.SX:
@@ -447,29 +489,30 @@ class System(Chain):
         whole: str = "",
         told: tuple[ca.SX | float, ca.SX | float] | None = None,
     ) -> None:
-        """A friction that sticks and slides, see `Friction`; its direction is a symbol from `direction`.
+        """Declare a friction that sticks and slides, see `Friction`; its direction is a symbol from `direction`.
 
-        velocity: the state that it acts on, or two whose sum it is. words: what is said when it sticks and when it
-        slides, behind the label, or behind what it holds as a whole.
+        velocity: the state that it acts on, or two with that sum. words: the messages when it sticks and when it
+        slides, after the label, or after the name of `whole`.
         """
         states, limits = tuple(self.name_of(state) for state in velocity), (ca.SX(capacity), *words, ca.SX(still))
         self.frictions.append(Friction(label, direction, states, drive, *limits, whole, told))
 
     def limit_change(self, largest: ca.SX, *states: ca.SX) -> None:
-        """Steps chosen by the error end before a state, or the sum of two, has changed by `largest` at its rate.
+        """End an adaptive step before a state, or the sum of two, has changed by `largest` at its rate.
 
-        For what the error of a step cannot tell: what would be stepped over, a stiffness that changes with the state.
+        Use it for effects that the error estimate misses: an event within a step, or a stiffness that changes with the
+        state.
         """
         self.largest_changes.append((tuple(self.name_of(state) for state in states), largest))
 
     def add_to_start(self, state: ca.SX, more: ca.SX) -> None:
-        """Adds to the start value of a state."""
+        """Add to the start value of a state."""
         name = self.name_of(state)
         before = self.states[name]
         self.states[name] = replace(before, starts=lambda: before.start + more)
 
     def name_of(self, state: ca.SX) -> str:
-        """Name of a state. Raises ValueError for what is no symbol that `state` or `algebraic` returned."""
+        """Return the name of a state. Raises ValueError if `state` is not a symbol from `state` or `algebraic`."""
         one = ca.SX(state)
         name = one.name() if one.is_valid_input() and one.is_scalar() else ""
         if name not in self.states or not ca.is_equal(self.states[name].symbol, one):
@@ -490,15 +533,15 @@ class System(Chain):
         self.outputs[variable.name] = ca.SX(expression)
 
     def end_when_negative(self, margin: ca.SX, sentence: str) -> None:
-        """Ends the run where `margin` falls below 0, and says the sentence with the time [s] in place of its %s."""
+        """End the run when `margin` falls below 0, with a message: `sentence` with its %s replaced by the time [s]."""
         self.end_conditions.append(Condition(margin, sentence))
 
     def warn_when_negative(self, margin: ca.SX, sentence: str, candidate: ca.SX | None = None) -> None:
-        """As `end_when_negative`, but the run goes on; the sentence is said once. `candidate`: see `Condition`."""
+        """Warn once when `margin` falls below 0; the run continues. `candidate`: see `Condition`."""
         self.warnings.append(Condition(margin, sentence, candidate))
 
     def observe(self, name: str, unit: str, expression: ca.SX) -> None:
-        """An expression for looks inside, which costs nothing in an FMU; see `with_integrals`."""
+        """Declare an expression for studies, which costs nothing in an FMU; see `with_integrals`."""
         self.observables[name] = Observable(unit, ca.SX(expression))
 
     # -- derived from the above -----------------------------------------------------------------------------------
@@ -606,9 +649,9 @@ def state_variable(state: str) -> str:
 
 @dataclass(frozen=True)
 class Relation:
-    """What parameters must keep together: `constant` and parameters by name, each times a factor, are above 0.
+    """A relation between parameters: `constant` plus parameters by name, each times a factor, must be above 0.
 
-    sentence: said where they are not, with what lacks in place of its one %s.
+    sentence: the message if it is broken; its one %s is the missing amount.
     """
 
     terms: tuple[tuple[str, float], ...]
@@ -622,14 +665,22 @@ class Relation:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """What becomes one FMU: its table of variables and the systems that serve it.
+    """A model for one FMU: its table of variables and its systems.
 
-    selectors: integer parameters, each counted from 1, that choose a system together: `choice` has its place for each
-    combination of them, the last selector running first; where a system reads a table file, first for all of
-    them without a table and then for all with one; NONE where there is no system. Outputs that the chosen system does
-    not have are 0.
-    `step_size` and `stop_time` are the default experiment. `relations` are looked at before each start.
-    reads: the table file that its instances read, where none of its systems says so.
+    Attributes
+    ----------
+    selectors : tuple of str
+        Integer parameters, each counted from 1, that choose a system together.
+    choice : tuple of int
+        Number of the system for each combination of selectors, the last selector running first; NONE if there is no
+        system. If a system reads a table file, first all combinations without a table, then all with one. Outputs that
+        the chosen system does not have are 0.
+    step_size, stop_time : float
+        The default experiment [s].
+    relations : tuple of Relation
+        Checked before each start.
+    reads : TableFile or None
+        The table file that its instances read, if none of its systems defines it.
     """
 
     name: str
@@ -735,7 +786,7 @@ def model_of_choices(
 
 @dataclass(frozen=True)
 class StepModel:
-    """What becomes an FMU around an object that is asked once a period, where there are no equations.
+    """A model for an FMU without equations, around an object whose `step` is called once a period.
 
     safe: outputs before the first answer and after a failure. Inputs are real.
     """

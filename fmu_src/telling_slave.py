@@ -1,4 +1,4 @@
-"""What the slave classes of pythonfmu share: how they tell the host a sentence. It travels inside the FMUs."""
+"""Shared part of the slave classes of pythonfmu: how they log messages to the host. It is copied into the FMUs."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pythonfmu.enums import Fmi2Status
 
 
 class TellingSlave(Fmi2Slave):
-    """A slave whose sentences quote anyone: pythonfmu hands them to the host as a format."""
+    """A slave whose messages may quote any text: pythonfmu passes them to the host as a format."""
 
     def log(
         self, msg: str, status: Fmi2Status = Fmi2Status.ok, category: str | None = None, debug: object = None
     ) -> None:
-        """Tells a sentence on one line, as a format that says just this; `debug` is pythonfmu's and has no effect."""
+        """Log a message on one line, as a format that prints exactly this; `debug` is pythonfmu's and has no effect."""
         readable = "".join(letter if letter.isprintable() else "?" for letter in msg)
         super().log(readable.replace("%", "%%"), status, category)

@@ -21,7 +21,7 @@ from fmpy.fmi2 import (
 from fmpy.fmi3 import FMU3Slave
 from fmpy.model_description import ModelDescription
 
-#: What a face tells a listener: a sentence.
+#: Receives a message of an FMU.
 Listener = Callable[[str], None]
 
 
@@ -50,7 +50,7 @@ class Face2:
         self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
 
     def instantiate(self) -> None:
-        """As the standard's function of this name; so are the others."""
+        """Instantiate the FMU. Methods are named after the functions of the standard."""
         if self._resources is None:
             self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
             return
@@ -62,7 +62,7 @@ class Face2:
             raise FMICallException("fmi2Instantiate", fmi2Error)
 
     def begin(self, time: float, set_parameters: Callable[[], None], set_inputs: Callable[[], None]) -> None:
-        """From an instance to its first step: parameters before initialisation, inputs within."""
+        """Take an instance to its first step: set parameters before initialisation, inputs within it."""
         self.fmu.setupExperiment(startTime=time)
         set_parameters()
         self.fmu.enterInitializationMode()
@@ -70,15 +70,15 @@ class Face2:
         self.fmu.exitInitializationMode()
 
     def set(self, kind: str, reference: int, values: Sequence[Any]) -> None:
-        """Of a variable, all its values."""
+        """Set all values of one variable."""
         getattr(self.fmu, f"set{kind}")([reference], list(values))
 
     def get(self, kind: str, references: Sequence[int], count: int) -> list[Any]:
-        """Of variables of one kind, that have so many values in all."""
+        """Return the values of variables of one kind; `count` values in all."""
         return list(getattr(self.fmu, f"get{kind}")(list(references)))
 
     def step(self, time: float, size: float) -> None:
-        """Times in s."""
+        """Advance from `time` by `size` [s]."""
         self.fmu.doStep(time, size)
 
     def rate(self, reference: int) -> float:
@@ -86,19 +86,19 @@ class Face2:
         return float(self.fmu.getRealOutputDerivatives([reference], [1])[0])
 
     def set_rate(self, reference: int, rate: float) -> None:
-        """Of an input, within the next step."""
+        """Set the rate of an input within the next step."""
         self.fmu.setRealInputDerivatives([reference], [1], [rate])
 
     def save(self) -> Any:
-        """The state."""
+        """Return the state."""
         return self.fmu.getFMUstate()
 
     def restore(self, state: Any) -> None:
-        """Back to it."""
+        """Restore a state."""
         self.fmu.setFMUstate(state)
 
     def forget(self, state: Any) -> None:
-        """Frees it."""
+        """Free a state."""
         self.fmu.freeFMUstate(state)
 
 
@@ -113,7 +113,7 @@ def undecoded(folder: str) -> str | None:
 
 
 class Face3:
-    """FMI 3.0, likewise. Inputs are held within a step: rates would need intermediate updates, which are not used."""
+    """FMI 3.0, likewise. Inputs stay constant within a step: rates would need intermediate updates."""
 
     _numbers = ("Float64", "Float32", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
     types = {name: name for name in (*_numbers, "Boolean", "String")} | {"Enumeration": "Int64"}
@@ -129,29 +129,29 @@ class Face3:
         self._listen = listen
 
     def instantiate(self) -> None:
-        """As the standard's function of this name; so are the others."""
+        """Instantiate the FMU. Methods are named after the functions of the standard."""
         self.fmu.instantiate(
             loggingOn=True,
             logMessage=lambda environment, status, category, text: self._listen(text.decode(errors="replace")),
         )
 
     def begin(self, time: float, set_parameters: Callable[[], None], set_inputs: Callable[[], None]) -> None:
-        """From an instance to its first step: parameters before initialisation, inputs within."""
+        """Take an instance to its first step: set parameters before initialisation, inputs within it."""
         set_parameters()
         self.fmu.enterInitializationMode(startTime=time)
         set_inputs()
         self.fmu.exitInitializationMode()
 
     def set(self, kind: str, reference: int, values: Sequence[Any]) -> None:
-        """Of a variable, all its values, those of an array row by row."""
+        """Set all values of one variable, those of an array row by row."""
         getattr(self.fmu, f"set{kind}")([reference], list(values))
 
     def get(self, kind: str, references: Sequence[int], count: int) -> list[Any]:
-        """Of variables of one kind, that have so many values in all."""
+        """Return the values of variables of one kind; `count` values in all."""
         return list(getattr(self.fmu, f"get{kind}")(list(references), count))
 
     def step(self, time: float, size: float) -> None:
-        """Times in s. Raises EndedError where the FMU asks to end the run."""
+        """Advance from `time` by `size` [s]. Raises EndedError if the FMU requests the end of the run."""
         *_, ended, _, _ = self.fmu.doStep(time, size)
         if ended:
             raise EndedError
@@ -183,7 +183,7 @@ class EndedError(Exception):
         super().__init__("The FMU asked to end the run.")
 
 
-#: By the version of the standard.
+#: Classes by the version of the standard.
 FACES: dict[str, type[Face2] | type[Face3]] = {"2.0": Face2, "3.0": Face3}
 
 

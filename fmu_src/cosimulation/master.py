@@ -1,4 +1,4 @@
-"""Runs FMUs together: Jacobi or Gauss-Seidel, inputs held or going on, macro steps fixed or chosen by their error."""
+"""Co-simulation of FMUs: Jacobi or Gauss-Seidel, inputs constant or extrapolated, macro steps fixed or adaptive."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Connection(NamedTuple):
     factor: float = 1.0
 
     def value(self) -> float:
-        """What the source says now, in the unit of the input."""
+        """Return the present value of the source, in the unit of the input."""
         return self.factor * self.source[self.output]
 
     def rate(self) -> float:
@@ -47,12 +47,19 @@ MOST_STEPS = 1e8
 
 @dataclass(frozen=True)
 class Master:
-    """How slaves are coupled.
+    """Coupling method of a co-simulation.
 
-    method: all with the values at the start of a step (Jacobi), or one after the other, each with the newest values of
-    those before it (Gauss-Seidel). extrapolated: inputs go on within a step with the rate of their source, or on the
-    straight line to the value that is known already; else they are held. coupling_tolerance: of the error of one
-    step, in nominal values of the outputs; None: the macro step is kept. The slaves must save their states for it.
+    Attributes
+    ----------
+    method : str
+        JACOBI: all instances step with the values at the start of the step. GAUSS_SEIDEL: one after the other, each
+        with the newest values of those before it.
+    extrapolated : bool
+        True: inputs continue within a step with the rate of their source, or on the straight line to a known value.
+        False: they stay constant.
+    coupling_tolerance : float or None
+        Tolerance of the error of one step, in nominal values of the outputs; the FMUs must save their states for it.
+        None: the macro step is fixed.
     """
 
     method: str = GAUSS_SEIDEL
@@ -69,9 +76,9 @@ class Master:
 
 @dataclass
 class Account:
-    """What the coupling did: macro steps made and repeated, and their smallest and largest size [s].
+    """Statistics of the coupling: macro steps made and repeated, and their smallest and largest size [s].
 
-    energy [J]: what the inputs of the bonds gave beyond what their sources delivered, in total and without sign.
+    energy [J]: energy that the inputs of the bonds added to that of their sources, in total and without sign.
     """
 
     steps: int = 0
@@ -82,7 +89,7 @@ class Account:
     energy_moved: float = 0.0
 
     def as_dict(self) -> dict[str, float]:
-        """For the summary of a scenario."""
+        """Return the statistics for the summary of a scenario."""
         return {
             "macro_steps": self.steps,
             "repeated_steps": self.repeated,
@@ -104,9 +111,10 @@ class Coupling:
     account: Account = field(default_factory=Account)
 
     def advance(self, time: float, size: float) -> dict[Connection, tuple[float, float, float, float]]:
-        """One macro step; for each connection the line that was its input and the line of its source, by their ends."""
+        """Make one macro step; return, for each connection, the ends of its input's line and of its source's line."""
         begin = {c: c.value() for c in self.connections}
-        # Read before any slave moves: afterwards a source that went first would tell its rate at the end of the step.
+        # Read before any instance steps: a source that went first would otherwise return its rate at the end of the
+        # step.
         known = {c: begin[c] + size * c.rate() for c in begin} if self.master.extrapolated else begin
         used: dict[Connection, tuple[float, float]] = {}
         done: set[FmuInstance] = set()
@@ -121,7 +129,7 @@ class Coupling:
         return {c: (*used[c], begin[c], c.value()) for c in self.connections}
 
     def _feed(self, connection: Connection, begin: float, end: float, size: float) -> tuple[float, float]:
-        """Sets an input for one step, held or on its line, and returns its values at both ends."""
+        """Set an input for one step, constant or on its line, and return its values at both ends."""
         target, name = connection.target, connection.input
         if not self.master.extrapolated:
             target.set(**{name: end})
@@ -200,7 +208,7 @@ class Coupling:
         drive: Callable[[float], None] | None = None,
         instants: Sequence[float] = (),
     ) -> Iterator[float]:
-        """Yields the time after each accepted step; with a tolerance, `instants` are times that no step may cross."""
+        """Yield the time after each accepted step; with a tolerance, `instants` are times that no step may cross."""
         if not (math.isfinite(step) and step > 0.0):
             raise CosimulationError(f"Give a macro step above 0 s: it was {step:g} s.")
         if not duration / step <= MOST_STEPS:
@@ -265,7 +273,7 @@ def cosimulate(
 
 
 def column_names(record: Sequence[tuple[FmuInstance, str]]) -> list[str]:
-    """`output` where only one slave is asked for it, otherwise `instance.output`. Raises CosimulationError."""
+    """Return `output` if only one instance records it, otherwise `instance.output`. Raises CosimulationError."""
     asked = Counter(name for _, name in record)
     names = [f"{slave.name}.{name}" if asked[name] > 1 else name for slave, name in record]
     twice = [name for name, count in Counter(names).items() if count > 1 or name == "time"]

@@ -73,7 +73,7 @@ def is_needed(name: str) -> bool:
 
 
 def fault_of_description(about: ModelDescription) -> str:
-    """Say why an FMU is none for co-simulation here; empty where it is."""
+    """Return the reason why an FMU is not usable for co-simulation here; empty if it is."""
     if about.fmiVersion not in FACES:
         return f"is of FMI {about.fmiVersion}; this master knows {' and '.join(FACES)}"
     if about.coSimulation is None:
@@ -90,7 +90,7 @@ def fault_of_description(about: ModelDescription) -> str:
 
 
 def fault_of_names(about: ModelDescription, names: Sequence[str]) -> str:
-    """Say which platforms an FMU has binaries for, if this is none of them."""
+    """Return the platforms for which an FMU has binaries, if this is not one of them."""
     platform = FOLDERS[about.fmiVersion]
     if f"binaries/{platform}/{about.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}" in names:
         return ""
@@ -99,7 +99,7 @@ def fault_of_names(about: ModelDescription, names: Sequence[str]) -> str:
 
 
 def fault_of_libraries(folder: Path) -> str:
-    """Say why a library of an unpacked FMU cannot be loaded here; empty where all can."""
+    """Return the reason why a library of an unpacked FMU cannot be loaded here; empty if all can."""
     for one in sorted(folder.rglob(f"*{fmpy.sharedLibraryExtension}")):
         if one.is_file() and (fault := fault_of(one.read_bytes())):
             return f"is not a valid FMU: {one.relative_to(folder).as_posix()} {fault}"

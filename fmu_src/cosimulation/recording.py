@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Recording:
     """Time series by name, each with its unit; `time` is the first.
 
-    sentences: what the run said, in its order; counts: what it took, steps among it. Both are empty where nobody told.
+    `sentences`: messages of the run in their order; `counts`: its work, such as steps. Both are empty if unknown.
     """
 
     def __init__(
@@ -58,12 +58,12 @@ class Recording:
 
     @property
     def names(self) -> list[str]:
-        """Of the columns, in their order."""
+        """Return the names of the columns, in their order."""
         return list(self.units)
 
     @property
     def status(self) -> str:
-        """What the run said, in one line."""
+        """Return the messages of the run, in one line."""
         return " ".join(self.sentences)
 
     def add(self, name: str, unit: str, values: np.ndarray) -> None:

@@ -22,12 +22,12 @@ from fmu_src.cosimulation.opening import unpacked
 from fmu_src.suggestion import suggestion
 from readers.storage import ANOTHER_TEMPORARY, writing
 
-#: What a variable may be set to; a sequence where it is an array, row by row.
+#: Value of a variable; a sequence for an array, row by row.
 Value = float | str | Sequence[float]
 
 
 class CosimulationError(RuntimeError):
-    """An FMU cannot be loaded, or a call to it failed; the text is the FMU's own sentence where it says one."""
+    """An FMU cannot be loaded, or a call to it failed; the text is the FMU's own message if it has one."""
 
 
 class FmuInstance:
@@ -126,7 +126,7 @@ class FmuInstance:
         return np.array(self._call(self._face.get, kind, [reference], self._size(name))).reshape(shape)
 
     def get(self, names: Sequence[str]) -> list[float]:
-        """Values of some variables that are no arrays, in their order; one call for each type."""
+        """Return the values of scalar variables, in their order; one call for each type."""
         key = tuple(names)
         found = [0.0] * len(key)
         for kind, references, places in self._plans.get(key) or self._plan(key):
@@ -160,11 +160,17 @@ class FmuInstance:
         return given if kind in self._face.reals else [int(one) for one in given]
 
     def step(self, time: float, size: float) -> None:
-        """From `time` on by `size` [s]. Raises CosimulationError."""
+        """Advance from `time` by `size` [s].
+
+        Raises
+        ------
+        CosimulationError
+            If the step fails.
+        """
         self._call(self._face.step, time, size)
 
     def nominal(self, name: str) -> float:
-        """Typical size of a variable, from the FMU; 1 where it says nothing."""
+        """Return the typical size of a variable, from the FMU; 1 if the FMU has none."""
         self._reference(name)
         return self._nominals[name]
 
@@ -175,7 +181,7 @@ class FmuInstance:
         return float(self._call(self._face.rate, self._reference(name)[0]))
 
     def set_rate(self, name: str, rate: float) -> None:
-        """Lets an input go on with this rate within the next step; without effect where the FMU takes none."""
+        """Let an input change at this rate within the next step; without effect if the FMU takes no rates."""
         if self._face.takes_rates:
             self._call(self._face.set_rate, self._reference(name)[0], rate)
 

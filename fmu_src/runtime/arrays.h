@@ -40,8 +40,8 @@ void arrays_load(arrays_object *self, const double *numbers);
 
 /* ---- what is there for objects (arrays_object.c) ---- */
 
-/* Return the numbers in a file of a folder. NULL, with the reason in `problem`, if it cannot be read, is empty or does not hold
- * numbers. */
+/* Return the numbers in a file of a folder. NULL, with the reason in `problem`, if it cannot be read, is empty or contains
+ * other data. */
 double *arrays_read(const char *folder, const char *name, size_t *count, char problem[MESSAGE_SIZE]);
 /* Return a hash of numbers. */
 unsigned long long arrays_mark_of(const double *numbers, size_t count);

@@ -1,4 +1,4 @@
-/* Mathematical functions of one number for the control of steps, with the same bits on any machine: see lanes.h. */
+/* Mathematical functions of one number for the control of steps, bit-identical on any machine: see lanes.h. */
 #ifndef OWN_FUNCTIONS_H
 #define OWN_FUNCTIONS_H
 

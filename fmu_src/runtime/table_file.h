@@ -20,7 +20,7 @@ RUNTIME_LOCAL void table_free(table_file *self);
  * number. */
 RUNTIME_LOCAL bool table_read_number(const char *text, double *value, char *mark);
 /* Return the origin at a place, the coefficients of the pieces that are looked up there, and their range of validity. guess:
- * the row before the place of the last look-up. */
+ * the row before the previous place. */
 RUNTIME_LOCAL void table_look_up(const table_file *self, const table_description *table, double at, int *guess, double held[2],
                                  double *coefficient);
 
