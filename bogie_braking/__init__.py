@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from rbd_model.track.line import line_of as line_of
     from rbd_model.track.line import straight as straight
 
-#: Where each public name lives; it is imported when it is first asked for.
+#: Module of each public name; it is imported on first use.
 _HOMES = {
     "bogie_braking": ("parts",),
     "bogie_braking.batches": ("batch", "instances"),
@@ -62,13 +62,13 @@ _HOMES = {
     "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
-#: What stands before the name of a room: nothing in a checkout, this package in a wheel.
+#: Prefix of a package's name: empty in a checkout, this package in a wheel.
 _BELOW = _place_of_a_room.removesuffix("fmu_src")
 __all__ = ["__version__", *_HOME]
 
 
 def __getattr__(name: str) -> Any:
-    """A public name, with what it needs. Raises AttributeError."""
+    """Import a public name with its dependencies. Raises AttributeError."""
     if name not in _HOME:
         there = import_module(f"{_BELOW}fmu_src.suggestion").suggestion(name, __all__, f"it has {', '.join(__all__)}.")
         raise AttributeError(f"bogie_braking has no public name {name}; {there}")

@@ -45,14 +45,14 @@ from fmu_src import __version__
 from readers.command_line import CommandLine, quantity
 from readers.text import BadInputError
 
-#: The largest macro step that any scenario is meant for, and the smallest, with which one takes hours [s].
+#: The largest macro step of any scenario, and the smallest, with which one takes hours [s].
 LARGEST_STEP, SMALLEST_STEP = 0.1, 1e-5
-#: The smallest coupling error that rounding lets a macro step have.
+#: The smallest coupling error of a macro step above rounding.
 SMALLEST_ERROR = 1e-9
 
 
 def add_speech(parser: argparse.ArgumentParser, quiet: str, document: str) -> None:
-    """Gives a command its two ways of printing less: --quiet and --json, with what is said of them."""
+    """Add --quiet and --json to a command, with the given help."""
     group = parser.add_mutually_exclusive_group()
     group.add_argument("--quiet", action="store_true", help=quiet)
     group.add_argument("--json", action="store_true", help=f"{document} as one JSON document")
@@ -67,7 +67,7 @@ serves both sides; two are left and right: run contact-geometry --wheel new.csv 
 
 
 def add_profiles(runner: argparse.ArgumentParser) -> None:
-    """Gives `run` the options of contact-geometry, in a group of their own."""
+    """Add the options of contact-geometry to `run`, in their own group."""
     group = runner.add_argument_group("your profiles, for contact-geometry", PROFILES)
     sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
     group.add_argument("--wheel", type=Path, metavar="FILE", help="profile of both wheels, or left and right", **sides)
@@ -85,7 +85,7 @@ def add_profiles(runner: argparse.ArgumentParser) -> None:
 
 
 def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
-    """The command line and its commands; asked: the command that is given, which alone needs to know all of itself."""
+    """Return the command line and its commands; `asked`: the given command, whose options alone are loaded."""
     from scenarios.completion import SHELLS
 
     parser = CommandLine(
@@ -156,7 +156,7 @@ def parser_of(asked: str) -> tuple[argparse.ArgumentParser, Any]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit status as the description says."""
+    """Run the command line and return its exit status, as in the description."""
     try:
         status = answer(sys.argv[1:] if arguments is None else arguments)
         sys.stdout.flush()
@@ -167,13 +167,13 @@ def main(arguments: list[str] | None = None) -> int:
         print(error, file=sys.stderr)
         return BAD_INPUT
     except Exception:
-        traceback.print_exc()  # Python would end with the status of a row that does not hold
+        traceback.print_exc()  # Python would end with the status of a failed row
         return FAILED
     return status
 
 
 def answer(given: list[str]) -> int:
-    """Does what is asked. What is heavy is imported where a command needs it."""
+    """Run a command. Heavy modules are imported by the commands that use them."""
     asked = given[0] if given else ""
     if asked == "build":
         from build_fmu import main as build

@@ -1,4 +1,4 @@
-"""Many runs of one machine at once, and many instances that go on in steps: arrays in, arrays out."""
+"""Many runs of one vehicle at once, and many instances advanced together in control steps, as arrays."""
 
 from __future__ import annotations
 
@@ -39,14 +39,43 @@ def batch(
     said: bool = False,
     **values: ArrayLike,
 ) -> Ends:
-    """Many runs of one machine over a duration [s], in vector lanes and threads; what each ends with.
+    """Run one vehicle many times over a duration, in vector lanes and threads.
 
-    what, line: as `run` takes them. outputs: names of variables, whose values at the end of each run are arrays, by
-    name. threads: as many as there are processors. said: whether to keep what each run said, too. values: parameters
-    and inputs by name, in SI units, one number for all runs or an array with one for each; what chooses the equations,
-    such as `level`, one number. Each run has the bits that it has alone. A run that cannot be made has NaN, and
-    `failures` says why. Raises KeyError for another name, ValueError for what are no numbers, for arrays that differ in
-    length, and for a level that there is not, SimulationError, CompilerError where no C compiler works.
+    Each run is bit-identical with the same run made alone.
+
+    Parameters
+    ----------
+    what : str, Vehicle, System or Model
+        As in `run`.
+    duration : float
+        Duration of each run [s].
+    outputs : sequence of str
+        Names of the variables to return at the end of each run.
+    line : Line, optional
+        As in `run`.
+    threads : int, optional
+        Number of threads; by default the number of processors.
+    said : bool
+        Whether to keep the messages of each run, too.
+    **values : float or array
+        Parameters and inputs by name, in SI units: one number for all runs, or an array of shape (runs,). Parameters
+        that choose the equations, such as `level`, take one number.
+
+    Returns
+    -------
+    Ends
+        Values by name, each of shape (runs,). A run that cannot be made has NaN, and `failures` states the reason.
+
+    Raises
+    ------
+    KeyError
+        If a name is unknown.
+    ValueError
+        If a value is not numeric, if arrays differ in length, or if the level does not exist.
+    SimulationError
+        If a value is invalid, or a line is given to equations without one.
+    CompilerError
+        If no C compiler works.
     """
     duration = seconds("the duration", duration)
     library, given = prepared(what, line, values)
@@ -64,14 +93,38 @@ def instances(
     threads: int | None = None,
     **values: ArrayLike,
 ) -> Instances:
-    """Many instances of one machine that go on in control steps together, as controllers that are functions of arrays
-    ask them to: what vector environments of Gymnasium or EnvPool are made of.
+    """Return instances of one vehicle that advance together in control steps, for controllers on arrays.
 
-    what, line, threads, values: as `batch` takes them. inputs, outputs: names of those that steps set and read.
-    `step(size, {input: array})` goes on by `size` seconds and gives outputs by name, in the same arrays at every step:
-    copy what is to be kept. A run that ends, such as by a derailment, stays where it ended; `ended` tells which rows,
-    and `reset(rows, **values)` begins them anew. A step that fails raises SimulationError. It is a context manager;
-    without a `with`, call `close`.
+    Vector environments of Gymnasium or EnvPool can be built on it. `step(size, {input: array})` advances all instances
+    by `size` [s] and returns outputs by name. It uses the same arrays at every step: copy values to keep them. An
+    instance that ends, such as by a derailment, keeps its last state. `ended` marks these rows, and `reset(rows,
+    **values)` restarts them. A step that fails raises SimulationError. Use the object as a context manager, or call
+    `close`.
+
+    Parameters
+    ----------
+    what, line, threads, **values
+        As in `batch`; arrays have shape (count,).
+    count : int
+        Number of instances.
+    inputs : sequence of str
+        Names of the inputs that `step` sets.
+    outputs : sequence of str
+        Names of the variables that `step` returns.
+
+    Returns
+    -------
+    Instances
+        The instances at time 0.
+
+    Raises
+    ------
+    TypeError
+        If `inputs` is a string.
+    ValueError
+        If `count` is not an integer of at least 1, or for the reasons given in `batch`.
+    KeyError, SimulationError, CompilerError
+        As in `batch`.
     """
     if not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"Give a whole number of instances, at least 1: it was {shown(count)}.")
@@ -86,14 +139,14 @@ def instances(
         folder = kept.enter_context(tempfile.TemporaryDirectory())
         more: dict[str, Any] = {"threads": threads_or_none(threads), "path": file_of(line, folder), **given}
         made = Instances(library, int(count), *names, **more)
-        made.at_close = kept.pop_all().close  # an instance that begins anew reads the line again
+        made.at_close = kept.pop_all().close  # a restarted instance reads the line again
     return made
 
 
 def prepared(
     what: Runnable, line: Line | None, values: Mapping[str, ArrayLike]
 ) -> tuple[BatchLibrary, dict[str, np.ndarray]]:
-    """The compiled system, and values as arrays of numbers."""
+    """Return the compiled system, and the values as arrays of numbers."""
     line = line_or_none(line)
     given = {name: _numbers(name, value) for name, value in values.items()}
     single: dict[str, Any] = {name: one.item(0) for name, one in given.items() if one.size and not np.ptp(one)}
@@ -109,7 +162,7 @@ def prepared(
 
 
 def _numbers(name: str, value: ArrayLike) -> np.ndarray:
-    """One number or a row of them."""
+    """Return one number or a row of them as an array. Raises ValueError."""
     found = np.asarray(value)
     if found.ndim > 1 or found.dtype.kind not in "biuf" or np.ma.is_masked(value):
         raise ValueError(f"Give {name} one number, or a list of numbers, one for each run: it was {shown(value)}.")
@@ -117,19 +170,19 @@ def _numbers(name: str, value: ArrayLike) -> np.ndarray:
 
 
 def variables_of_batch(library: BatchLibrary) -> dict[str, Variable]:
-    """By name."""
+    """Return the variables of a batch by name."""
     return {one.name: one for one in library.model.variables}
 
 
 def threads_or_none(count: int | None) -> int | None:
-    """How many threads make runs; None: one for each processor. Raises ValueError."""
+    """Return the number of threads, or None for one per processor. Raises ValueError."""
     if count is not None and (not isinstance(count, int | np.integer) or count < 1):
         raise ValueError(f"Give a whole number of threads, at least 1: it was {shown(count)}.")
     return None if count is None else at_most("threads", int(count), MOST_THREADS)
 
 
 def file_of(line: Line | None, folder: str) -> str | None:
-    """The path of the file of a line, written into a temporary folder. Raises StorageError."""
+    """Write a line into a temporary folder and return the path of its file. Raises StorageError."""
     if line is None:
         return None
     with writing(Path(folder), ANOTHER_TEMPORARY):

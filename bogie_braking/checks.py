@@ -1,4 +1,4 @@
-"""What is given by a user is looked at before anything runs; each refusal is a sentence."""
+"""Checks of a user's inputs before anything runs; each refusal is one message."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from fmu_src.system import Variable
 from products.registry import fmu_named
 from rbd_model.track.line import Line
 
-#: The most characters of a value that a sentence shows.
+#: The longest representation of a value in a message [characters].
 LONGEST = 60
-#: What is chosen elsewhere than by a variable, and how.
+#: Choices that are not variables, and how to make them.
 ELSEWHERE = {
     "creep_law": 'a vehicle has it: dataclasses.replace(bogie_braking.vehicle("coach"), creep_law="fastsim").',
 }
 #: A day [s], the longest step of an instance: duration.h of the runtime.
 LONGEST_TIME = 86400.0
-#: Instances that are made at once, particles, and threads at most: more is a slip of the pen, and takes all memory.
+#: Largest numbers of instances, particles and threads: more is a typing error and takes all memory.
 MOST_INSTANCES, MOST_THREADS = 1_000_000, 1024
 
 
 def known(name: str, those: Iterable[str], what: str) -> str:
-    """Return the name, or that which it is another word for, if it is one of those; `what` says of which kind.
+    """Return the name, or the name that it is an alias of, if it is one of `those`; `what` is their kind.
 
     Raises
     ------
     KeyError
-        If it is none of those.
+        If the name is unknown.
     TypeError
-        If it is not a text.
+        If it is not a string.
     """
     if not isinstance(name, str):
         raise TypeError(f"Give the name of the {what} as a text: it was {shown(name)}.")
@@ -50,12 +50,12 @@ def known(name: str, those: Iterable[str], what: str) -> str:
 
 
 def near(name: str, those: Iterable[str]) -> str:
-    """Return the end of a message about an unknown name: where it belongs, or the names that are like it."""
+    """Return the end of a message about an unknown name: its proper place, or similar names."""
     return ELSEWHERE.get(name) or suggestion(name, those)
 
 
 def seconds(what: str, value: Any, most: float = LONGEST_TIME) -> float:
-    """A time above 0 s and at most so long, a day, also as `timedelta` or `timedelta64`. Raises ValueError."""
+    """Return a time above 0 s and at most `most`, a day, also from `timedelta` or `timedelta64`. Raises ValueError."""
     found = number(value)
     if isinstance(value, datetime.timedelta):
         found = value.total_seconds()
@@ -84,14 +84,14 @@ def durations(times: np.ndarray | np.timedelta64) -> np.ndarray:
 
 
 def at_most(what: str, count: int, most: int) -> int:
-    """A count that sizes work. Raises ValueError."""
+    """Return a count that sizes work. Raises ValueError if it is above `most`."""
     if count > most:
         raise ValueError(f"The number of {what} must be at most {most}; got {count}.")
     return count
 
 
 def once(names: Iterable[str], what: str) -> list[str]:
-    """Return the names, each of which makes a column of a table. Raises ValueError for one that is there twice."""
+    """Return the names, each of which makes a column of a table. Raises ValueError if one is repeated."""
     found = list(names)
     twice = next((name for number, name in enumerate(found) if name in found[:number]), None)
     if twice is not None:
@@ -100,13 +100,13 @@ def once(names: Iterable[str], what: str) -> list[str]:
 
 
 def not_both(first: Iterable[str], second: Iterable[str], where: str) -> None:
-    """Raises ValueError if a name is among both, of which one would not be used."""
+    """Raise ValueError if a name is in both, as one of its values would not be used."""
     if twice := set(first) & set(second):
         raise ValueError(f"{min(twice)} must be given once; got it {where}. Leave one out.")
 
 
 def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> list[str]:
-    """The names of variables that are to be recorded, each once; None: all outputs.
+    """Return the names of variables to be recorded, each once; None: all outputs.
 
     Raises TypeError, KeyError, ValueError.
     """
@@ -120,14 +120,14 @@ def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> 
 
 
 def line_or_none(line: Any) -> Line | None:
-    """What something runs on. Raises TypeError where it is no line."""
+    """Return the line of a run. Raises TypeError if it is not a line."""
     if line is None or isinstance(line, Line):
         return line
     raise TypeError(f"Give the line as line_of(...) makes it, or None for straight, level track: it was {shown(line)}.")
 
 
 def shown(value: Any) -> str:
-    """A value in a sentence, in a few words."""
+    """Return a short representation of a value for a message."""
     if isinstance(value, type):
         return f"the class {value.__name__}"
     text = repr(value)
@@ -135,12 +135,12 @@ def shown(value: Any) -> str:
 
 
 def is_number(value: Any) -> TypeGuard[float]:
-    """Return whether a value is a real number, of NumPy's kinds too. Python counts NumPy's durations among integers."""
+    """Return whether a value is a real number, of NumPy's kinds too. Python classes NumPy's durations as integers."""
     return isinstance(value, Real) and not isinstance(value, np.timedelta64)
 
 
 def number(value: Any) -> float:
-    """A number, of NumPy's kinds too; NaN in place of what is none or has no float."""
+    """Return a number, of NumPy's kinds too; NaN if the value is not a number or has no float."""
     try:
         return float(value) if is_number(value) else math.nan
     except OverflowError:
@@ -148,5 +148,5 @@ def number(value: Any) -> float:
 
 
 def refused(sentence: str) -> SimulationError:
-    """The error of a value that is refused here, as that of one that a kernel refuses."""
+    """Return the error of a value that is refused here, the same as that of a kernel."""
     return SimulationError(sentence, ERROR)

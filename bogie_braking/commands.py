@@ -1,4 +1,4 @@
-"""What the commands of the command line do, once it is known which one is asked for."""
+"""Actions of the command line."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ WRITING = {"run", "sweep", "report", "live", "compare", "replay", "loop"}
 
 
 def check(scenario: Scenario, options: Options) -> None:
-    """Raises BadInputError for an option that a scenario does not take."""
+    """Raise BadInputError if a scenario does not take an option."""
     for name in sorted(options.given - scenario.takes):
         takers = ", ".join(one.name for one in SCENARIOS if name in one.takes)
         raise BadInputError(f"--{name.replace('_', '-')} has no effect on {scenario.name}; it belongs to {takers}.")
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Runs a scenario, keeps what it found and shows it; whether it holds, as an exit status. Raises BadInputError."""
+    """Run a scenario, save and show its results; return the exit status. Raises BadInputError."""
     scenario, out = find(chosen.name), chosen.out
     options = Options(**{item.name: getattr(chosen, item.name) for item in fields(Options)})
     check(scenario, options)
@@ -68,13 +68,13 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def look_for_plotly() -> None:
-    """Raises BadInputError, before a run, where what draws the pages is not installed: it is an extra."""
+    """Raise BadInputError before a run if Plotly, an optional dependency, is not installed."""
     if find_spec("plotly") is None:
         raise BadInputError("A page of results needs Plotly: pip install 'bogie-braking[pages]'.")
 
 
 def show(scenario: Scenario, report: Report, folder: Path, whole: bool) -> None:
-    """Prints the table of a scenario, `whole` or what is judged alone, its remarks, and where its results lie."""
+    """Print the table of a scenario, `whole` or its evaluated rows alone, its remarks, and the place of its results."""
     print(f"{scenario.name}: {scenario.summary}\n")
     print(table(report.rows) if whole else short_table(report.rows, folder))
     if any(row.holds is False for row in report.rows):
@@ -87,7 +87,7 @@ def show(scenario: Scenario, report: Report, folder: Path, whole: bool) -> None:
 
 
 def index(out: Path) -> int:
-    """Joins all results of a folder into one page, and says what is not on it."""
+    """Join all results of a folder into one page, and print which are left out."""
     look_for_plotly()
     from scenarios.reporting.index import write_index
 
@@ -99,7 +99,7 @@ def index(out: Path) -> int:
 
 
 def show_list(chosen: argparse.Namespace) -> int:
-    """Prints all scenarios, as text, as names alone or as JSON."""
+    """Print all scenarios, as text, as names alone or as JSON."""
     width = max(len(scenario.name) for scenario in SCENARIOS)
     if chosen.json:
         about = [
@@ -120,7 +120,7 @@ def show_list(chosen: argparse.Namespace) -> int:
 
 
 def show_completion(parser: argparse.ArgumentParser, commands: Any, shell: str) -> int:
-    """Prints the script with which a shell completes the command line."""
+    """Print the script with which a shell completes the command line."""
     names = {"run": [one.name for one in SCENARIOS], "sweep": [one.name for one in SCENARIOS if one.sweep]}
     names["pace"] = [*FMUS, *pace.LEVELS]
     print(completion(parser, commands.choices, names, shell))
@@ -128,7 +128,7 @@ def show_completion(parser: argparse.ArgumentParser, commands: Any, shell: str) 
 
 
 def carry_out(chosen: argparse.Namespace) -> int:
-    """Runs one of the commands that write results; the exit status."""
+    """Run a command that writes results, and return the exit status."""
     try:
         if {chosen.command, getattr(chosen, "action", None)} & WRITING:
             check_folder(chosen.out)

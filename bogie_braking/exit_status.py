@@ -1,7 +1,7 @@
-"""What a command tells the shell."""
+"""Exit statuses of commands."""
 
 HOLDS, DOES_NOT_HOLD, BAD_INPUT, FAILED = range(4)
-#: What a shell says of a program that Ctrl-C has ended.
+#: Status of a program that was ended with Ctrl-C, as in a shell.
 INTERRUPTED = 130
-#: What it says of one whose reader has gone, as `head` goes.
+#: Status of a program whose reader has ended, such as `head`.
 NOBODY_READS = 141

@@ -1,4 +1,4 @@
-"""Parameters with which a run meets what was measured: least squares, and what the data cannot tell."""
+"""Calibration: least-squares estimates of a run's parameters from measured data, and their identifiability."""
 
 from __future__ import annotations
 
@@ -24,24 +24,37 @@ from rbd_model.track.line import Line
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: A parameter is changed by this share of itself for a slope: the runs are good to a tolerance of 1e-6.
+#: Relative step of a parameter for a finite difference. Runs are accurate to a tolerance of 1e-6.
 STEP = 1e-3
-#: Rows of a run between which measured instants are drawn in.
+#: Largest number of rows of a run, between which measured instants are interpolated.
 MOST_ROWS = 1_000_000
-#: Where parameters change what was measured together by so little of what each alone does, the data cannot part them.
+#: Parameters are not identifiable separately if their joint effect on the measured data is smaller than this share of
+#: their single effects.
 TOLD_APART = 1e-3
-#: Share of a direction that cannot be told from which a parameter is named in it.
+#: Least share of a parameter in an unidentifiable direction for which it is named.
 NAMED = 0.1
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Fitted values and their standard errors by name, in the parameters' units; infinite where data cannot tell.
+    """Fitted values and their standard errors by name, in the units of the parameters.
 
-    together: groups of parameters that the data cannot tell apart: only one combination of each matters. deviations: of
-    the measured values from the run in each column, their standard deviation in its unit, and held_out, the same in the
-    rows that were not fitted. measured, fitted: what was measured, and the run with the fitted values at the same
-    instants.
+    Attributes
+    ----------
+    values : dict
+        Fitted values.
+    standard_errors : dict
+        Standard errors; infinite if a parameter is not identifiable.
+    together : list of tuple
+        Groups of parameters that the data cannot separate: only one combination of each group matters.
+    deviations : dict
+        Standard deviation of the measured values from the run, for each column in its unit.
+    held_out : dict
+        The same for the rows that were not fitted.
+    measured : Recording
+        Measured data.
+    fitted : Recording
+        The run with the fitted values at the measured instants.
     """
 
     values: dict[str, float]
@@ -54,7 +67,7 @@ class Fit:
 
     @property
     def status(self) -> str:
-        """The result in sentences."""
+        """The result as messages."""
         said = [f"{key} = {self.values[key]:.4g} +- {self.standard_errors[key]:.2g}." for key in self.values]
         for group in self.together:
             alone = f"The data cannot tell {group[0]}: nothing that was measured hangs on it."
@@ -65,7 +78,7 @@ class Fit:
         return " ".join(said)
 
     def plot(self) -> Figure:
-        """What was measured, as dots, and the run that meets it."""
+        """Plot the measured data as dots, and the fitted run."""
         figure, first = self.fitted.plot(), self.measured.names[0]
         for chart in figure.axes:
             for line in list(chart.lines):
@@ -79,12 +92,14 @@ class Fit:
 
 
 def measured_from(path: str | Path) -> Recording:
-    """Return the table of a measured run from a file: names with units, such as `time [s],speed [km/h]`, and numbers.
+    """Return a measured run from a CSV file: names with units, such as `time [s],speed [km/h]`, and numbers.
 
     Raises
     ------
     FileError
-        If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
+        If the file is invalid; the message names file, row, column, value and remedy.
+    TypeError
+        If `path` is not a path.
     """
     if not isinstance(path, str | Path):
         raise TypeError(f"Give what was measured as a Recording or as the path of a CSV file: it was {shown(path)}.")
@@ -100,17 +115,38 @@ def fit(
     begin: float | None = None,
     **values: Value,
 ) -> Fit:
-    """Fits parameters of a run to what was measured, by SciPy's least squares.
+    """Fit parameters of a run to measured data by SciPy's least squares.
 
-    what, line, values: as `run` takes them. measured: a table, or the CSV file of one, whose columns are time [s] and
-    variables in their units: outputs that the run is to meet, and inputs that it is given. parameters: their names and
-    values to begin with, not 0, for they are changed by shares of themselves; inputs that are constant are among them.
-    until [s]: rows behind it are not fitted but held out, to see how the run meets them; None: all are fitted. begin
-    [s]: when the run starts; None: at the first row. Both are times of the table. Each output counts by the spread of
-    its own values.
-    Standard errors are those of independent errors of equal size in each column, to first order. Raises ValueError for
-    what is no table, has other units or has fewer rows than parameters, KeyError for a name that there is not,
-    SimulationError for what a run refuses.
+    Standard errors hold for independent errors of equal size in each column, to first order. The errors of an output
+    are scaled by the range of its measured values.
+
+    Parameters
+    ----------
+    what, line, **values
+        As in `run`.
+    measured : Recording, str or Path
+        A table or its CSV file. Its columns are time [s] and variables in their units: outputs to fit, and inputs that
+        drive the run.
+    parameters : mapping of str to float
+        Names and initial values, not 0, because relative steps are taken. It may include constant inputs.
+    until : float, optional
+        Time of the table [s] after which rows are held out, to validate the fit. By default all rows are fitted.
+    begin : float, optional
+        Time of the table at which the run starts [s]; by default that of the first row.
+
+    Returns
+    -------
+    Fit
+        Fitted values, standard errors and deviations.
+
+    Raises
+    ------
+    ValueError
+        If the table is invalid, has other units, or does not have more values than parameters.
+    KeyError
+        If a name is unknown.
+    SimulationError
+        If a run is refused.
     """
     table = measured if isinstance(measured, Recording) else measured_from(measured)
     machine = machine_of(what, values, line_or_none(line) is not None)
@@ -148,15 +184,15 @@ def fit(
 
 
 def spread(names: Sequence[str], off: np.ndarray) -> dict[str, float]:
-    """Root of the mean square of each column, shape (rows, names)."""
+    """Return the root mean square of each column of `off`, shape (rows, names)."""
     return dict(zip(names, np.sqrt(np.mean(off**2, axis=0)).tolist(), strict=True))
 
 
 def since(begin: float | None, times: np.ndarray) -> np.ndarray:
-    """Return the times of a table counted from the start of the run [s].
+    """Return the times of a table relative to the start of the run [s].
 
-    begin: the table's time at the start; None: that of its first row, as a log's clock may show anything. Raises
-    ValueError for a begin behind the first row.
+    begin: time of the table at the start. None: the time of its first row, as the clock of a log may start at any time.
+    Raises ValueError if `begin` is after the first row.
     """
     if begin is None:
         return times - times[0]
@@ -168,7 +204,7 @@ def since(begin: float | None, times: np.ndarray) -> np.ndarray:
 
 
 def rows_until(until: float | None, times: np.ndarray) -> int:
-    """How many rows are fitted. Raises ValueError for fewer than two."""
+    """Return the number of rows that are fitted. Raises ValueError if there are fewer than two."""
     if until is None:
         return times.size
     if not number(until) >= times[1]:
@@ -177,9 +213,9 @@ def rows_until(until: float | None, times: np.ndarray) -> int:
 
 
 def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence[str] = ()) -> np.ndarray:
-    """Values that parameters begin with, shape (parameters,); driven: inputs that were measured, which are none.
+    """Return the initial values of parameters, shape (parameters,); `driven`: measured inputs, which cannot be fitted.
 
-    Raises ValueError for one that cannot be fitted.
+    Raises ValueError if a parameter cannot be fitted.
     """
     if not isinstance(parameters, Mapping) or not parameters:
         raise ValueError(f"Give the parameters with values to begin with, by their names: it was {shown(parameters)}.")
@@ -196,7 +232,10 @@ def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence
 
 
 def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
-    """Outputs and inputs among what was measured. Raises KeyError for other names, ValueError for another unit."""
+    """Return the names of measured outputs and of measured inputs.
+
+    Raises KeyError if a name is unknown, ValueError if the time or a unit is wrong or no output is measured.
+    """
     if table.names[0] != "time" or not np.all(np.isfinite(table["time"])) or np.any(np.diff(table["time"]) <= 0.0):
         raise ValueError("Let the first column of what was measured be time [s], finite and growing.")
     if table.units["time"] != "s":
@@ -213,7 +252,7 @@ def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
 
 
 def at_times(simulation: Simulation, names: Sequence[str], times: np.ndarray) -> np.ndarray:
-    """Outputs of a run at instants [s], shape (instants, names); where it ended before, as it ended."""
+    """Return outputs of a run at instants [s], shape (instants, names). After an early end the last values are used."""
     step = max(float(np.min(np.diff(times))), float(times[-1]) / MOST_ROWS)
     series = simulation.advance(float(times[-1]) + step, names, step)
     return np.column_stack([np.interp(times, series["time"], series[one]) for one in names])
@@ -222,9 +261,10 @@ def at_times(simulation: Simulation, names: Sequence[str], times: np.ndarray) ->
 def what_is_told(
     slopes: np.ndarray, residuals: np.ndarray, names: Sequence[str]
 ) -> tuple[np.ndarray, list[tuple[str, ...]]]:
-    """Standard errors of parameters, and groups of them that slopes cannot part; shape of slopes (values, parameters).
+    """Return standard errors of parameters, and groups that cannot be separated; slopes: shape (values, parameters).
 
-    By the singular values of slopes whose columns all have length 1: Golub and Van Loan (2013), section 5.5.
+    They follow from the singular values of the slopes with columns scaled to length 1: Golub and Van Loan (2013),
+    section 5.5.
     """
     lengths = np.linalg.norm(slopes, axis=0)
     silent = lengths <= TOLD_APART * np.max(lengths)

@@ -1,4 +1,4 @@
-"""FMUs as files: those that there are, and vehicles and systems of equations of one's own."""
+"""FMUs as files: the built-in ones, and FMUs of your vehicles and equations."""
 
 from __future__ import annotations
 
@@ -21,20 +21,60 @@ BUILD = {"native": build_native_fmu, "fmi3": build_native_fmu3, "python": build_
 
 
 def fmu(name: str, kind: str = "native") -> Path:
-    """Path of an FMU by its name, such as "bogie", built now unless it is there.
+    """Return the path of a built-in FMU; build it if needed.
 
-    kind: "native" for FMI 2.0, "fmi3" for FMI 3.0, "python" for pythonfmu. Raises KeyError for another name or kind.
+    Parameters
+    ----------
+    name : str
+        Name of the FMU, such as "bogie".
+    kind : str
+        "native" for FMI 2.0, "fmi3" for FMI 3.0, "python" for pythonfmu.
+
+    Returns
+    -------
+    Path
+        Path of the FMU.
+
+    Raises
+    ------
+    KeyError
+        If the name or the kind is unknown.
     """
     return up_to_date(known(name, FMUS, "FMU"), known(kind, BUILD, "kind of FMU"))
 
 
 def write_fmu(what: Vehicle | System | Model, path: str | Path, kind: str = "native", level: int | None = None) -> Path:
-    """Builds the FMU of a vehicle, a system or a model of one's own; its path.
+    """Build the FMU of your own vehicle, system or model, and validate it.
 
-    kind: as of `fmu`. level: of a vehicle, the only level of detail that its FMU has; None: all, behind the parameter
-    `level`, which compile for a minute. Raises KeyError for another kind, TypeError for what no FMU can be made of,
-    CompilerError where no C compiler works, OSError for a path that cannot be written, ValueError for another level and
-    with what fmpy finds wrong in the FMU.
+    Parameters
+    ----------
+    what : Vehicle, System or Model
+        Contents of the FMU.
+    path : str or Path
+        File to write; it must end with .fmu.
+    kind : str
+        As in `fmu`.
+    level : int, optional
+        For a vehicle: the only level of detail of its FMU. If omitted, the FMU has all levels and the parameter
+        `level`; they compile for a minute.
+
+    Returns
+    -------
+    Path
+        Path of the FMU.
+
+    Raises
+    ------
+    KeyError
+        If the kind is unknown.
+    TypeError
+        If no FMU can be made of `what`.
+    CompilerError
+        If no C compiler works.
+    OSError
+        If the path cannot be written.
+    ValueError
+        If the level does not exist, if the path does not end with .fmu, or if fmpy finds faults in the FMU.
     """
     build, path = BUILD[known(kind, BUILD, "kind of FMU")], Path(path)
     if isinstance(what, str):

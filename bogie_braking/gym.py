@@ -39,7 +39,11 @@ Numbers = np.ndarray
 def made(
     vehicle: str, count: int, rails: Draw, privileged: bool, threads: int | None, settings: dict[str, float]
 ) -> Environment:
-    """So many machines. Raises KeyError for another vehicle or setting, TypeError for rails that draw nothing."""
+    """Return `count` environments.
+
+    Raises KeyError if the vehicle or a setting is unknown, TypeError if `rails` is not a function, ValueError for a
+    count.
+    """
     if not callable(rails):
         raise TypeError(f"Give rails as a function of a generator and a number of wheelsets: it was {rails!r}.")
     if not isinstance(count, int | np.integer) or count < 1:
@@ -50,25 +54,32 @@ def made(
 
 
 def spaces(of: Environment) -> tuple[Box, MultiDiscrete]:
-    """What one machine shows, and what it is told."""
+    """Return the spaces of observations and actions of one environment."""
     least, most = of.limits
     return Box(least, most, dtype=np.float64), MultiDiscrete([len(COMMANDS)] * len(of.machine.numbers))
 
 
 def told(stop: Stop) -> dict[str, Any]:
-    """What a stop came to, as an `info`: distance [m] (NaN: none), time [s], and so on; `said`: a sentence."""
+    """Return a stop as `info`: distance [m] (NaN: no stop), time [s] and other results; `said` is its message."""
     found = asdict(stop)
-    for without in ("history", "lowest_reservoir"):  # runs are not written down, and cylinders are timed
+    for without in ("history", "lowest_reservoir"):  # histories are not recorded, and cylinders are timed
         del found[without]
     return found | {"distance": np.nan if stop.distance is None else stop.distance, "sliding": np.array(stop.sliding)}
 
 
 class WheelSlide(gymnasium.Env[Numbers, Numbers]):
-    """One bogie, or coach, that brakes to rest; the page *Train and tune* has what it sees, is told, and what it costs.
+    """A bogie or coach that brakes to rest; the page *Train and tune* lists observations, actions and rewards.
 
-    vehicle: "bogie" or "coach", also "vehicle". rails: draws a `Run` by a generator of random numbers and the number
-    of wheelsets. privileged: whether it sees what no controller does. settings: as `bogie_braking.protected_stops` has
-    them.
+    Parameters
+    ----------
+    vehicle : str
+        "bogie" or "coach" (also "vehicle").
+    rails : callable
+        Draws a `Run` from a random generator and the number of wheelsets.
+    privileged : bool
+        Whether to observe quantities that a controller cannot measure.
+    **settings : float
+        As in `bogie_braking.protected_stops`.
     """
 
     metadata = {"render_modes": []}
@@ -82,13 +93,13 @@ class WheelSlide(gymnasium.Env[Numbers, Numbers]):
 
     @property
     def run(self) -> Run:
-        """The stop that was drawn."""
+        """The drawn stop."""
         return self._of.runs[0]
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Numbers, dict[str, Any]]:
-        """Draws a stop and begins it: the same seed, the same rails."""
+        """Draw a stop and begin it; the same seed gives the same rails. Raises ValueError for options."""
         super().reset(seed=seed)
         refuse(options)
         self._of.begin([0], [self.np_random])
@@ -96,7 +107,7 @@ class WheelSlide(gymnasium.Env[Numbers, Numbers]):
         return self._of.observation[0], {}
 
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
-        """A period further. Raises ValueError for what are no commands, RuntimeError where no stop goes on."""
+        """Advance by one period. Raises ValueError if the commands are invalid, RuntimeError before a reset."""
         if not self._goes_on:
             raise RuntimeError("No stop goes on here; call reset first.")
         of = self._of
@@ -106,15 +117,24 @@ class WheelSlide(gymnasium.Env[Numbers, Numbers]):
         return of.observation[0], float(of.reward[0]), terminated, truncated, {} if self._goes_on else told(of.stop(0))
 
     def close(self) -> None:
-        """Gives memory back."""
+        """Free memory."""
         self._of.close()
 
 
 class WheelSlideVector(VectorEnv[Numbers, Numbers, Numbers]):
-    """Many of them, in vector lanes and threads: row k of a vector that is seeded with s is the single one with s + k.
+    """Many environments in vector lanes and threads; row k with seed s equals the single environment with seed s + k.
 
-    A row that has ended begins anew at the next step, whatever it is told then (autoreset mode NEXT_STEP). Each step
-    gives new arrays. threads: as many as there are processors.
+    A row that has ended restarts at the next step and ignores its action then (autoreset mode NEXT_STEP). Each step
+    returns new arrays.
+
+    Parameters
+    ----------
+    num_envs : int
+        Number of environments.
+    vehicle, rails, privileged, **settings
+        As in `WheelSlide`.
+    threads : int, optional
+        Number of threads; by default the number of processors.
     """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -144,7 +164,7 @@ class WheelSlideVector(VectorEnv[Numbers, Numbers, Numbers]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Numbers, dict[str, Any]]:
-        """Draws a stop for each row and begins it. seed: of the first row, the next ones follow; or a list of them."""
+        """Draw a stop for each row and begin it. seed: of the first row, the next ones follow; or a list of seeds."""
         refuse(options)
         if seed is not None or not self._randoms:
             self._randoms = [seeding.np_random(one)[0] for one in self._seeds(seed)]
@@ -162,7 +182,7 @@ class WheelSlideVector(VectorEnv[Numbers, Numbers, Numbers]):
         return seed
 
     def step(self, actions: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers, dict[str, Any]]:
-        """A period further. Raises ValueError for what are no commands, RuntimeError before the first reset."""
+        """Advance by one period. Raises ValueError if the commands are invalid, RuntimeError before the first reset."""
         if not self._randoms:
             raise RuntimeError("No stop goes on here; call reset first.")
         of = self._of
@@ -177,12 +197,12 @@ class WheelSlideVector(VectorEnv[Numbers, Numbers, Numbers]):
         return of.observation, of.reward, of.terminated, of.truncated, info
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Gives threads and memory back."""
+        """Free threads and memory."""
         self._of.close()
 
 
 def refuse(options: dict[str, Any] | None) -> None:
-    """Raises ValueError for an option: there is none."""
+    """Raise ValueError for any option."""
     for name in options or {}:
         raise ValueError(f"There is no option {name}; give rails a function that draws what you want.")
 

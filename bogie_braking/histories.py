@@ -1,4 +1,4 @@
-"""Inputs over time: straight lines between the points of a table, or a function of time that is asked every ms."""
+"""Inputs over time: linear interpolation in a table, or a function of time sampled every millisecond."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from bogie_braking.checks import number, refused
 from bogie_braking.times_and_values import times_and_values
 from fmu_src.system import Variable
 
-#: A value of an input or parameter, or the path of a file; of an input also a function of time [s], columns of times
+#: Value of an input or parameter, or the path of a file. An input may also be a function of time [s], columns of times
 #: [s] and values, rows of (time, value), or an array with a field `time`.
 Column = Sequence[float] | np.ndarray
 Value = float | str | Callable[[float], float] | tuple[Column, Column] | Sequence[tuple[float, float]] | np.ndarray
-#: A function of time is asked so often [s].
+#: Sampling interval of a function of time [s].
 SAMPLING = 1e-3
 
 
 class History:
-    """One input over time. Before the first point of a table and behind its last one the value is held.
+    """One input over time. Before the first point of a table and after its last one the value is held.
 
-    Where two points have the same time the value jumps. An input of whole numbers keeps the value of the last point.
+    Between two points of the same time the value jumps. An integer input keeps the value of the last point.
     """
 
     def __init__(self, variable: Variable, given: Any) -> None:
-        """Raises SimulationError for what cannot be an input over time."""
+        """Raise SimulationError if it cannot be an input over time."""
         self.variable, self.steps = variable, variable.kind != "real"
         if variable.causality != "input":
             raise refused(f"{variable.name} is no input and cannot change over time; give it one number.")
@@ -36,16 +36,16 @@ class History:
             self._times, self._values = self._table(given)
 
     def corners(self, begin: float, end: float) -> list[float]:
-        """Instants between two others at which a straight line ends [s]."""
+        """Return the instants between two others at which a straight line ends [s]."""
         if not self._function:
             return [time for time in self._times.tolist() if begin < time < end]
         first, last = math.floor(begin / SAMPLING) + 1, math.ceil(end / SAMPLING)
         return [number * SAMPLING for number in range(first, last) if begin < number * SAMPLING < end]
 
     def check_begin(self, duration: float) -> None:
-        """Raise SimulationError if a table begins behind the end of a run, which lasts from 0 to `duration` [s].
+        """Raise SimulationError if a table begins after the end of a run, which lasts from 0 to `duration` [s].
 
-        Clocks of logs begin anywhere. Such a table would hold its first value throughout.
+        Clocks of logs begin at any time. Such a table would hold its first value throughout.
         """
         if not self._function and self._times[0] > duration:
             raise refused(
@@ -54,7 +54,7 @@ class History:
             )
 
     def at(self, time: float, after: bool = True) -> float:
-        """Value at a time [s]; where it jumps, that after or that before the jump. Raises SimulationError."""
+        """Return the value at a time [s]; at a jump, the value after or before it. Raises SimulationError."""
         if self._function:
             return self._allowed(time, self._function(time))
         place = int(np.searchsorted(self._times, time, "right" if after else "left"))

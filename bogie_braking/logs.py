@@ -1,3 +1,3 @@
-"""Logs of recorded stops: a machine that they drive, for `bogie_braking.fit` (docs/public.md)."""
+"""Logs of recorded stops as models, for `bogie_braking.fit` (docs/public.md)."""
 
 from products.protection.logged_machine import logged_machine as logged_machine

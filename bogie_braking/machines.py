@@ -1,4 +1,4 @@
-"""What can be run: an FMU of the list by its name; a vehicle, a system of equations, a model of one's own."""
+"""Inputs of `run`: a built-in FMU by its name, or your own vehicle, system of equations or model."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie, wheelset_under_frame
 from rbd_model.wheelset.rigid import check_one_contact
 
-#: What `run`, `Simulation`, `sweep` and `fit` take.
+#: Accepted by `run`, `Simulation`, `sweep` and `fit`.
 Runnable = str | Model | System | Vehicle
-#: What a compiled vehicle is found by.
+#: Key of a compiled vehicle.
 Key = tuple[bytes, CreepLaw]
-#: Error of an integration step in nominal values of the states, unless a model says another.
+#: Error of an integration step in nominal values of the states, unless a model sets its own.
 TOLERANCE = 1e-6
-#: The level of detail unless another is asked for, and those that there are.
+#: The default level of detail, and all levels.
 LEVEL, LEVELS = 2, (1, 2, 3)
 #: Time to compile the equations of a level, for each wheelset, on two processors [s].
 COMPILING = {1: 2.0, 2: 2.0, 3: 4.0}
@@ -55,9 +55,10 @@ VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
 
 @dataclass(frozen=True)
 class Machine:
-    """Compiled equations with their variables; fixed: parameters that chose which equations were compiled.
+    """Compiled equations with their variables.
 
-    place: number of the one system that it has of those that its variables choose from; None: it has all.
+    fixed: parameters that selected the compiled equations. place: number of the compiled system among those that the
+    variables of an FMU select; None: all systems are compiled.
     """
 
     name: str
@@ -68,7 +69,7 @@ class Machine:
 
 
 def vehicle(name: str) -> Vehicle:
-    """Return a ready vehicle as data, to be changed with `dataclasses.replace`.
+    """Return a built-in vehicle as data, to be changed with `dataclasses.replace`.
 
     Parameters
     ----------
@@ -90,11 +91,20 @@ def vehicle(name: str) -> Vehicle:
 
 
 def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Machine:
-    """What is to be run, compiled unless it was; of a vehicle only the level and contact model that `values` ask for.
+    """Return compiled equations; for a vehicle only the level and the contact model that `values` select.
 
-    A vehicle by its name has the variables of all levels; other values may choose another machine of that name.
-    Raises KeyError for a name that there is not, TypeError for what cannot be run, ValueError for a level or depth that
-    there is not, CompilerError where no C compiler works.
+    A vehicle by its name has the variables of all levels; other values may select another system of that FMU.
+
+    Raises
+    ------
+    KeyError
+        If the name is unknown.
+    TypeError
+        If `what` cannot be run.
+    ValueError
+        If the level or the contact model does not exist.
+    CompilerError
+        If no C compiler works.
     """
     if isinstance(what, str):
         what = known(what, FMUS, "FMU")
@@ -110,9 +120,14 @@ def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Mach
 
 
 def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> BatchLibrary:
-    """The one system of what is to be run that `values` choose, compiled in lanes unless it was.
+    """Return the one system that `values` select, compiled in vector lanes.
 
-    Raises what `machine_of` raises, and ValueError where there is no such system.
+    Raises
+    ------
+    ValueError
+        If the system does not exist.
+    KeyError, TypeError, CompilerError
+        As in `machine_of`.
     """
     with ONE_WRITES:
         if isinstance(what, str):
@@ -129,7 +144,10 @@ def batch_machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -
 
 @lru_cache
 def _batch_of_the_list(name: str, selected: tuple[tuple[str, float], ...], on_line: bool) -> BatchLibrary:
-    """Of a vehicle no other level is written; its table is the whole one, so that its runs say the same."""
+    """Compile one system of a built-in FMU.
+
+    A vehicle keeps the variables of all levels, so that its runs give the same messages.
+    """
     values = dict(selected)
     if name in VEHICLES and FMUS[name].vehicle:
         level, depth = _level_and_depth(values)
@@ -155,7 +173,7 @@ def _one_level(what: Vehicle, level: int, depth: int, on_line: bool) -> Model:
 
 
 def _check_places(what: Vehicle, places: Sequence[int], level: int, depth: int) -> None:
-    """Raise ValueError if there is no such system, or if its contact does not suit the profiles."""
+    """Raise ValueError if the system does not exist, or if its contact does not suit the profiles."""
     if not places:
         raise ValueError(f"Set contact_model to {DEPTH_ON_LINE} on a line: it was {depth}.")
     for pair in {one.equal_sides for one in what.wheelsets} if (level, depth) == (3, 1) else ():
@@ -167,9 +185,14 @@ def _level_and_depth(values: Mapping[str, Any]) -> tuple[int, int]:
 
 
 def model_from(what: Model | System | Vehicle, places: Sequence[int] = EVERY) -> Model:
-    """The model of a system, or of a vehicle with the systems of `places`. Raises TypeError for what has no model.
+    """Return the model of a system, or of a vehicle with the systems of `places`.
 
-    ValueError for a system without an output.
+    Raises
+    ------
+    TypeError
+        If `what` has no model.
+    ValueError
+        If a system has no output.
     """
     if isinstance(what, Vehicle):
         text = f"Railway vehicle of {len(what.wheelsets)} wheelsets under brake and traction torque"
@@ -192,9 +215,9 @@ def _chosen(name: str, values: Mapping[str, Any], start: int) -> int:
 
 @lru_cache
 def machine_at(name: str, place: int | None) -> Machine:
-    """Return an FMU of the list compiled: one of its systems by its number, or all.
+    """Return a compiled FMU of the list: one of its systems by its number, or all.
 
-    All, too, where a release has compiled them. None: an FMU without levels.
+    All systems are returned too if a release includes them compiled. None: an FMU without levels.
     """
     whole = whole_kernel(name)
     if whole or place is None:
@@ -223,7 +246,7 @@ def announce(name: str, place: int) -> None:
 
 
 def _key(what: Vehicle) -> Key:
-    """Return the bytes of a vehicle, as its parts may be lists, which have no hash, and the law that it names."""
+    """Return the bytes of a vehicle, as its parts may be lists, which have no hash, and its creep law."""
     return pickle.dumps(what), LAWS[what.creep_law]
 
 

@@ -1,4 +1,4 @@
-"""What a vehicle is described with: bodies, wheelsets and what connects them, as data (docs/vehicles.md)."""
+"""Data of a vehicle: bodies, wheelsets and the elements that connect them (docs/vehicles.md)."""
 
 from rbd_model.vehicle.description import BumpStop as BumpStop
 from rbd_model.vehicle.description import FrictionSlider as FrictionSlider

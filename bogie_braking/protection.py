@@ -1,4 +1,4 @@
-"""Stops of a bogie, or of a coach, that a wheel-slide controller of one's own protects."""
+"""Stops of a bogie or a coach with your own wheel-slide controller."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from products.protection.runs import Run, Stop
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 
-#: A class, or another function that makes a new controller.
+#: A class, or another function that returns a new controller.
 Controller = Callable[[], WheelSlideController] | Literal["protection"] | None
 #: Names of all rails.
 NAMES = tuple(rail.name for rail in RAILS)
@@ -39,23 +39,42 @@ def protected_stops(
     rails: Iterable[str] = NAMES,
     **settings: float,
 ) -> Recording:
-    """One full service brake to rest on each rail, protected by a new controller: a row and a sentence for each.
+    """Run one full service brake to rest on each rail, each with a new controller.
 
-    The stops are those of the test rig, of `bogie-braking controllers compare`: cylinders fill by flow of air.
+    The stops are those of the test rig of `bogie-braking controllers compare`: cylinders fill by flow of air.
 
-    controller: a class whose objects have `step(time, wheel_speeds)` [s], [m/s], which answers for each wheelset 0 to
-    apply its brake, 1 to hold or 2 to vent it; "protection": the one that comes with the brake; None: no controller.
-    vehicle: "bogie" or "coach", also "vehicle". settings: speed, at which it begins, 25 m/s; strength, torque over that
-    of the full brake, 1; application_time, to 95 % of it, 2 s; period, of its questions, 5e-3 s; pulses of each speed
-    sensor in a revolution, 100; jitter, standard deviation of their places as a share of the pitch, 0.
+    Parameters
+    ----------
+    controller : class, "protection" or None
+        A class whose objects have `step(time, wheel_speeds)` [s], [m/s]. It returns for each wheelset 0 to apply its
+        brake, 1 to hold it, or 2 to vent it. "protection": the built-in controller. None: no controller.
+    vehicle : str
+        "bogie" or "coach" (also "vehicle").
+    rails : iterable of str
+        Names of rails; by default all.
+    **settings : float
+        speed: speed at the start, 25 m/s. strength: torque relative to the full brake, 1. application_time: time to 95
+        % of the torque, 2 s. period: sampling period of the controller, 5e-3 s. pulses: pulses of each speed sensor in
+        a revolution, 100. jitter: standard deviation of the positions of its teeth relative to the pitch, 0.
 
-    Columns have shape (rails,): number of the row; friction of the rail; distance [m] and duration [s]; longest_lock,
-    of any wheelset while the machine ran faster than 0.3 m/s [s]; share_in_band, of the braked time above 3 m/s in
-    which no slip was above 0.3; air that the cylinders took [kg]. A stop that still ran after 300 s, or whose
-    controller failed, has NaN as its distance, and its sentence says why. A controller fails if an answer uses more
-    than 1 s of processor time. If it gives none within 60 s of wall time, the stop is not judged: all its columns but
-    the first two are NaN. Raises TypeError for what is no controller,
-    KeyError for another vehicle, rail or setting, ValueError for a setting that cannot be.
+    Returns
+    -------
+    Recording
+        A row and a message for each rail. Columns have shape (rails,): number of the row; friction of the rail;
+        distance [m] and duration [s]; longest_lock, longest locking time of a wheelset while the vehicle is faster than
+        0.3 m/s [s]; share_in_band, share of the braked time above 3 m/s with no slip above 0.3; air that the cylinders
+        used [kg]. The distance is NaN if a stop still runs after 300 s or if its controller fails; the message states
+        the reason. A controller fails if a step uses more than 1 s of processor time. If it does not answer within 60 s
+        of wall time, the stop is not evaluated: all its columns except the first two are NaN.
+
+    Raises
+    ------
+    TypeError
+        If `controller` has no `step` method, or is an object and not a class.
+    KeyError
+        If the vehicle, a rail or a setting is unknown.
+    ValueError
+        If a setting is out of its limits.
     """
     rows: list[list[float]] = []
     said = []
@@ -69,10 +88,25 @@ def protected_stops(
 
 
 def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **settings: float) -> Recording:
-    """One stop of `protected_stops` over time, on one rail: what the controller saw and did, every period.
+    """Run one stop of `protected_stops` on one rail, recorded every period of the controller.
 
-    Columns: time [s]; speed of the machine [m/s]; braking_force of all wheelsets [N]; and of each wheelset true
-    wheel_speed [m/s], pressure in its cylinder [Pa], what its valve was told, and adhesion that it used.
+    Parameters
+    ----------
+    controller, vehicle, **settings
+        As in `protected_stops`.
+    rail : str
+        Name of the rail.
+
+    Returns
+    -------
+    Recording
+        Columns over time: time [s]; speed of the vehicle [m/s]; braking_force of all wheelsets [N]; and for each
+        wheelset its true wheel_speed [m/s], pressure in its cylinder [Pa], command to its valve, and used adhesion.
+
+    Raises
+    ------
+    TypeError, KeyError, ValueError
+        As in `protected_stops`.
     """
     [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, recorded=True)
     radius = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]().parameters.wheel_radius
@@ -82,7 +116,7 @@ def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **
 def _stops_of(
     controller: Controller, vehicle: str, rails: Iterable[str], settings: Mapping[str, float], recorded: bool = False
 ) -> list[tuple[RailCase, Stop]]:
-    """The rails with the stop on each, on the test rig. Raises what `protected_stops` says."""
+    """Return the rails with the stop on each, run on the test rig. Raises the errors of `protected_stops`."""
     if isinstance(rails, str):
         raise TypeError(f'Give the rails as a list, such as ["{rails}"]: it was the text {rails!r}.')
     make, cases, chosen = maker_of(controller), {rail.name: rail for rail in RAILS}, settings_from(settings)
@@ -94,13 +128,13 @@ def _stops_of(
 
 
 def settings_from(given: Mapping[str, float]) -> Settings:
-    """Settings by name."""
+    """Return settings by name. Raises KeyError."""
     names = [one.name for one in fields(Settings)]
     return Settings(**{known(name, names, "setting"): value for name, value in given.items()})  # type: ignore[arg-type]
 
 
 def maker_of(controller: Controller) -> Callable[[], WheelSlideController] | None:
-    """What makes a controller for each stop. Raises TypeError."""
+    """Return a function that makes a controller for each stop, or None. Raises TypeError."""
     if controller is None:
         return None
     if controller == "protection":
@@ -117,6 +151,6 @@ def maker_of(controller: Controller) -> Callable[[], WheelSlideController] | Non
 
 
 def _sentence(case: RailCase, stop: Stop) -> str:
-    """What a stop came to."""
+    """Return the result of a stop as a message."""
     locked = "" if stop.distance is None else f", locked for {stop.longest_lock:.1f} s"
     return f"{case.name}: {stop.words}{locked}."

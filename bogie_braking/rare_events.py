@@ -1,4 +1,4 @@
-"""How rare is a long stop: the probability that an output is above a limit, how sure it is, and what made it so."""
+"""Rare events: the probability that an output exceeds a limit, its confidence interval, and the causes."""
 
 from __future__ import annotations
 
@@ -28,36 +28,48 @@ from rbd_model.track.line import Line
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Of each input so many runs are made again with another value, to see whether it has an effect.
+#: Number of runs that are repeated with another value of each input, to detect inputs without effect.
 PROBES = 100
-#: Fewer particles have no middle to speak of.
+#: With fewer particles a median is not useful.
 FEWEST_PARTICLES = 10
-#: More moves than this bring nothing but time.
+#: More moves than this cost time without a better estimate.
 MOST_MOVES = 10_000
 #: Rows of a tail.
 ROWS = 200
-#: Outputs that are what they will be only when another one is 0.
+#: Outputs that are final only if another one is 0.
 STILL = {"distance": "speed"}
 
 
 class Distribution(Protocol):
-    """What scipy.stats calls a frozen distribution, such as `norm(0.15, 0.02)`."""
+    """A frozen distribution of `scipy.stats`, such as `norm(0.15, 0.02)`."""
 
     def ppf(self, q: ArrayLike) -> Any:
-        """The value below which a share `q` lies."""
+        """Return the value below which a share `q` lies."""
 
     def isf(self, q: ArrayLike) -> Any:
-        """The value above which a share `q` lies."""
+        """Return the value above which a share `q` lies."""
 
 
 @dataclass(frozen=True)
 class Rare:
     """The probability that an output is above a limit, with its 95 % confidence interval.
 
-    runs: how many were made. sentences: the result, and what is doubtful about it. estimates: of the populations, whose
-    mean the probability is, shape (20,). tail: for limits up to the given one, the probability and its interval.
-    worst: values and output of the runs above the limit, the largest output first; where none is, of the highest run.
-    shifts: what made them so: their mean of each input, in standard deviations of a normal distribution off its median.
+    Attributes
+    ----------
+    probability, interval : float, tuple of float
+        Mean of the estimates, and its 95 % confidence interval.
+    runs : int
+        Number of runs.
+    sentences : list of str
+        The result, and the warnings about it.
+    estimates : array of shape (20,)
+        Estimates of the populations.
+    tail : Recording
+        Probability and its interval for limits up to the given one.
+    worst : Recording
+        Values and output of the runs above the limit, the largest output first; the highest run if none is above.
+    shifts : dict
+        Causes: mean of each input in these runs, in standard deviations of a normal distribution off its median.
     """
 
     probability: float
@@ -71,11 +83,11 @@ class Rare:
 
     @property
     def status(self) -> str:
-        """The result and its doubts."""
+        """The result and its warnings."""
         return " ".join(self.sentences)
 
     def plot(self) -> Figure:
-        """The probability of being above a limit, over the limit, with its interval."""
+        """Plot the probability of exceeding a limit over the limit, with its interval."""
         from matplotlib.figure import Figure  # heavy
 
         output, *names = self.tail.names
@@ -92,9 +104,10 @@ class Rare:
 
 @dataclass
 class Runs:
-    """Makes the runs of standard normal points, and counts those whose outputs are not what they seem.
+    """Make the runs of standard normal points, and count those with doubtful outputs.
 
-    distributions: of the inputs, by the names that share each. make: runs of values by name, in one batch or several.
+    distributions: of the inputs, by the names that share each. make: makes runs of values by name, in one batch or
+    several.
     """
 
     distributions: Mapping[tuple[str, ...], Distribution]
@@ -111,7 +124,7 @@ class Runs:
         return [", ".join(names) for names in self.distributions]
 
     def __call__(self, points: Numbers) -> Numbers:
-        """The output of each point, shape (points,); -inf where the run could not be made."""
+        """Return the output of each point, shape (points,); -inf if the run could not be made."""
         ends = self.make(values_of(self.distributions, points))
         found = np.concatenate([one[self.output] for one in ends])
         failures = [text for one in ends for text in one.failures.values()]
@@ -122,7 +135,7 @@ class Runs:
         return np.where(np.isnan(found), -np.inf, found)
 
     def without_effect(self, seed: int) -> tuple[list[str], int]:
-        """Inputs of which another value changes no run, and how many runs that took. Raises SimulationError."""
+        """Return the inputs whose value changes no run, and the number of runs made. Raises SimulationError."""
         random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(POPULATIONS,)))  # no population's
         count = len(self.labels)
         points, others = random.standard_normal((2, PROBES, count))
@@ -137,7 +150,7 @@ class Runs:
 
     @property
     def doubts(self) -> list[str]:
-        """What the counts say."""
+        """Warnings from the counts."""
         said = []
         if self.failed:
             said.append(f"{self.failed} runs failed and count as not above the limit; the first: {self.first_failure}")
@@ -162,15 +175,48 @@ def rare(
     executor: Executor | None = None,
     **values: float,
 ) -> Rare:
-    """The probability that an output is above a limit at the end of a run, down to 1e-12, by splitting.
+    """Estimate the probability, down to 1e-12, that an output is above a limit at the end of a run, by splitting.
 
-    what, duration [s], line, threads, values: as `batch` takes them, each value one number. limit: in the output's
-    unit. vary: distributions of `scipy.stats` by the names of parameters and inputs, independent of each other; names
-    in a tuple share one value. particles: of each of 20 populations. moves: that part a copy from its parent. Each
-    halving of the probability takes 10 x particles x moves runs. executor: makes them in tasks of a thousand and more,
-    as `sweep` takes it. One seed gives the same numbers on any number of threads and workers. Raises KeyError for a
-    name that there is not, TypeError for what is no distribution, ValueError for what is no limit or count,
-    SimulationError where no run can be made.
+    Each halving of the probability takes 10 x particles x moves runs. One seed gives the same numbers for any number of
+    threads and workers.
+
+    Parameters
+    ----------
+    what, line, threads, **values
+        As in `batch`, each value one number.
+    duration : float
+        Duration of each run [s].
+    output : str
+        Name of the output.
+    limit : float
+        Limit in the unit of the output.
+    vary : mapping
+        Distributions of `scipy.stats` by the names of parameters and inputs, independent of each other. Names in a
+        tuple share one value.
+    particles : int
+        Number of particles in each of the 20 populations.
+    moves : int
+        Number of moves that separate a copy from its parent.
+    seed : int
+        Seed of the random numbers.
+    executor : Executor, optional
+        Makes the runs in tasks of a thousand or more, as in `sweep`.
+
+    Returns
+    -------
+    Rare
+        Probability, interval, tail and the runs above the limit.
+
+    Raises
+    ------
+    KeyError
+        If a name is unknown.
+    TypeError
+        If a value of `vary` is not a distribution.
+    ValueError
+        If the limit or a count is invalid.
+    SimulationError
+        If no run can be made.
     """
     duration, limit = seconds("the duration", duration), finite(f"the limit of {output}", limit)
     particles = at_most("particles", whole("particles", particles, FEWEST_PARTICLES), MOST_INSTANCES)
@@ -215,7 +261,7 @@ def result_of(
     idle: Sequence[str],
     units: Mapping[str, str],
 ) -> Rare:
-    """What populations tell that have climbed. idle: inputs without effect."""
+    """Return the result of populations at the end of their climb. idle: inputs without effect."""
     probability, *interval = confidence_of(populations, runs.limit)
     said = [
         f"{runs.output} is above {runs.limit:g} {units[runs.output]} with a probability of {probability:.2g}, between "
@@ -231,7 +277,7 @@ def result_of(
 
 
 def distributions_of(vary: Mapping[str | tuple[str, ...], Distribution]) -> dict[tuple[str, ...], Distribution]:
-    """Distributions by the names that share each. Raises TypeError, ValueError."""
+    """Return distributions by the names that share each. Raises TypeError, ValueError."""
     if not isinstance(vary, Mapping) or not vary:
         such = "{'friction_1': scipy.stats.norm(0.15, 0.02)}"
         raise TypeError(f"Give what varies by its names, such as {such}: it was {shown(vary)}.")
@@ -249,9 +295,9 @@ def distributions_of(vary: Mapping[str | tuple[str, ...], Distribution]) -> dict
 
 
 def values_of(distributions: Mapping[tuple[str, ...], Distribution], points: Numbers) -> dict[str, Numbers]:
-    """Values by name, shape (points,), of standard normal points, shape (points, inputs).
+    """Return values by name, shape (points,), of standard normal points, shape (points, inputs).
 
-    The nearer tail decides, for a share near 1 has no digits left: Rosenblatt's transform of independent inputs.
+    The nearer tail is used because a share near 1 has no digits left: Rosenblatt's transform of independent inputs.
     """
     found: dict[str, Numbers] = {}
     for (names, one), column in zip(distributions.items(), points.T, strict=True):
@@ -261,7 +307,7 @@ def values_of(distributions: Mapping[tuple[str, ...], Distribution], points: Num
 
 
 def shifts_of(populations: Sequence[Population], runs: Runs) -> dict[str, float]:
-    """Mean standard normal number of each input above the limit, the largest first; empty where nothing is above."""
+    """Return the mean standard normal number of each input above the limit, the largest first."""
     found = [(one.probability, one.points[one.outputs > runs.limit]) for one in populations if one.probability > 0.0]
     if not found:
         return {}
@@ -272,7 +318,7 @@ def shifts_of(populations: Sequence[Population], runs: Runs) -> dict[str, float]
 
 
 def tail_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, str]) -> Recording:
-    """Probabilities above limits up to the given one, or to the highest output, with their intervals."""
+    """Return probabilities above limits up to the given one, or to the highest output, with their intervals."""
     first = np.concatenate([one.generations[0].outputs for one in populations])
     highest = max(float(np.max(one.outputs)) for one in populations)
     end = min(runs.limit, highest)
@@ -282,7 +328,7 @@ def tail_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, s
 
 
 def worst_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, str]) -> Recording:
-    """Values and output of the runs above the limit, each once; where none is, of the highest."""
+    """Return values and output of the runs above the limit, each once; the highest run if none is above."""
     points = np.concatenate([one.points for one in populations])
     outputs = np.concatenate([one.outputs for one in populations])
     kept = (outputs > runs.limit) | (outputs == np.max(outputs))
@@ -292,7 +338,7 @@ def worst_of(populations: Sequence[Population], runs: Runs, units: Mapping[str, 
 
 
 def tasks_of(given: Mapping[str, Numbers]) -> list[dict[str, Numbers]]:
-    """Values in parts of at least a thousand runs, where there are so many."""
+    """Return values in parts of at least a thousand runs, or in one part if there are fewer."""
     count = len(next(iter(given.values())))
     parts = np.array_split(np.arange(count), max(1, count // PAYS_FROM))
     return [{name: value[part] for name, value in given.items()} for part in parts]
@@ -306,20 +352,20 @@ def one_task(
     values: Mapping[str, float],
     given: Mapping[str, Numbers],
 ) -> Ends:
-    """What an executor is given: a batch in one thread."""
+    """Run one task of an executor: a batch in one thread."""
     numbers: dict[str, Any] = {**values, **given}
     return batch(what, duration, names, line, 1, **numbers)
 
 
 def finite(what: str, value: Any) -> float:
-    """A finite number. Raises ValueError."""
+    """Return a finite number. Raises ValueError."""
     if not np.isfinite(number(value)):
         raise ValueError(f"Give {what} as a finite number: it was {shown(value)}.")
     return float(value)
 
 
 def whole(what: str, value: Any, least: int) -> int:
-    """A whole number that is not too small. Raises ValueError."""
+    """Return an integer of at least `least`. Raises ValueError."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise ValueError(f"Give {what} as a whole number, at least {least}: it was {shown(value)}.")
     return int(value)

@@ -23,24 +23,39 @@ from rbd_model.track.line_table import LINE
 
 #: The parameter that names a line's file.
 LINE_FILE = LINE.variable.name
-#: Columns of a recording are this far apart unless another interval is asked for [s].
+#: Default interval of the rows of a recording [s].
 INTERVAL = 0.01
-#: Values that differ by so small a share of them are the same, and instants so near to each other [s]; and a share that
-#: rounding may take.
+#: Relative difference below which values are equal; the same for instants [s]; and a share due to rounding.
 SAME, CLOCK = 1e-9, 1e-9
 LAST_DIGITS = 1e-15
 
 
 class Simulation:
-    """One vehicle or brake on its way through time.
+    """One vehicle or brake over time.
 
-    what: an FMU by its name, a vehicle, a system or a model of one's own; of a vehicle the equations of one level of
-    detail are compiled, that which the values `level` and `contact_model` choose. line: what it runs on; None:
-    straight, level track. values: parameters and inputs by name, in SI units; an input may be a function of time [s],
-    a pair of columns ([0, 2], [0, 5e3]), times [s] and values, rows [(0, 0), (2, 5e3)], or an array with a field time,
-    between whose rows it is linear. Raises KeyError for another name, TypeError for what cannot be run,
-    SimulationError for a value that cannot be, each with a sentence.
+    Parameters
+    ----------
+    what : str, Vehicle, System or Model
+        A built-in FMU by its name, or your own vehicle, system or model. For a vehicle, only the level of detail that
+        the values `level` and `contact_model` select is compiled.
+    line : Line, optional
+        Line of the vehicle; by default straight, level track.
+    **values
+        Parameters and inputs by name, in SI units. An input may be a function of time [s], a pair of columns ([0, 2],
+        [0, 5e3]), times [s] and values, rows [(0, 0), (2, 5e3)], or an array with a field time. It is linear between
+        the rows.
 
+    Raises
+    ------
+    KeyError
+        If the name of an FMU is unknown.
+    TypeError
+        If `what` cannot be run.
+    SimulationError
+        If the name or the value of a variable is invalid.
+
+    Examples
+    --------
     >>> stop = Simulation("bogie", initial_speed=25.0, brake_torque_1=([0.0, 2.0], [0.0, 20e3]))
     >>> stop.advance(5.0).status
     """
@@ -50,7 +65,7 @@ class Simulation:
         self._machine = machine_of(what, values, line is not None)
         self._kernel = Kernel(self._machine.library)
         self._histories: dict[str, History] = {}
-        self._told = 0  # of the kernel's sentences, so many were in a recording
+        self._told = 0  # number of the kernel's messages in earlier recordings
         try:
             if self._line is not None:
                 self._lay(self._kernel, self._line)
@@ -72,23 +87,27 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Where it stands [s]."""
+        """The current time [s]."""
         return self._kernel.time
 
     @property
     def ended(self) -> bool:
-        """Whether something has ended the run, such as a derailment: no step goes further."""
+        """True if the run has ended, such as by a derailment; it cannot advance then."""
         return self._kernel.ended
 
     def __getitem__(self, name: str) -> float:
-        """Value of a variable. Raises SimulationError."""
+        """Return the value of a variable. Raises SimulationError."""
         return self._kernel[name]
 
     def set(self, **values: Value) -> None:
-        """Sets inputs, before the first step parameters too, as at the start. Raises SimulationError, the old value
-        kept.
+        """Set inputs; before the first step also parameters.
 
-        An input over time counts its time from the start of the run.
+        The times of an input are relative to the start of the run.
+
+        Raises
+        ------
+        SimulationError
+            If a name or a value is invalid; the old value is kept.
         """
         for name in self._machine.fixed & values.keys():
             raise refused(f"{name} chose the equations of {self._machine.name}; give it as the simulation is made.")
@@ -102,13 +121,13 @@ class Simulation:
         self._take(values)
 
     def _line_file(self) -> str:
-        """Return the path of the line's file, no text if there is none."""
+        """Return the path of the line's file, or an empty string."""
         return self._kernel.get_text(self._kernel.number_of(LINE_FILE)) if LINE_FILE in self._machine.variables else ""
 
     def _go_on_with(self, machine: Machine, state: bytes | None = None) -> None:
-        """Put another system of the same FMU in place of this one, with its values and its line; restore a state.
+        """Change to another system of the same FMU with the same values and line, and restore a state.
 
-        Raises SimulationError, nothing changed.
+        Raises SimulationError, with nothing changed.
         """
         kernel = self._kernel
         if machine.place != self._machine.place:
@@ -138,12 +157,33 @@ class Simulation:
                 self._histories[name] = history
 
     def advance(self, duration: float, names: Sequence[str] | None = None, interval: float = INTERVAL) -> Recording:
-        """Goes on for a duration [s] and records outputs, or the variables `names`, every `interval` [s].
+        """Advance by a duration and record outputs, or the variables `names`.
 
-        Neither changes the motion beyond its tolerance. A run that ends early keeps what came before, and its status
-        says why. Columns have shape (int(duration / interval) + 1,), the instants at both ends among them. Raises
-        ValueError for a duration or interval that is not above 0, KeyError for a name that there is not,
-        SimulationError.
+        Neither `names` nor `interval` changes the motion beyond its tolerance.
+
+        Parameters
+        ----------
+        duration : float
+            Time to advance [s].
+        names : sequence of str, optional
+            Variables to record; by default all outputs.
+        interval : float
+            Interval of the rows [s].
+
+        Returns
+        -------
+        Recording
+            Columns of shape (int(duration / interval) + 1,), including the instants at both ends. A run that ends early
+            keeps the earlier rows, and its status states the reason.
+
+        Raises
+        ------
+        ValueError
+            If the duration or the interval is not above 0.
+        KeyError
+            If a name is unknown.
+        SimulationError
+            If a step fails.
         """
         duration, interval = (
             seconds(what, value, math.inf) for what, value in (("the duration", duration), ("the interval", interval))
@@ -163,7 +203,7 @@ class Simulation:
         return Recording(units, rows, kernel.journal[heard:], counts)
 
     def _rows(self, duration: float, interval: float, names: Sequence[str]) -> list[list[float]]:
-        """Time and variables every interval from here on, straight line by straight line of the inputs over time."""
+        """Return time and variables every interval, one linear piece of the inputs after the other."""
         if not self._kernel.initialised:
             self._kernel.initialise()
         begin = self.time
@@ -181,7 +221,7 @@ class Simulation:
         return [[time, *row] for time, row in zip(times.tolist(), rows, strict=True)]
 
     def _piece(self, start: float, stop: float, due: float, interval: float, names: Sequence[str]) -> list[list[float]]:
-        """Goes from one instant to another [s]; the variables from `due` on, the next instant to be recorded."""
+        """Advance from one instant to another [s]; return the variables from `due` on, the next instant of a row."""
         size = stop - start
         if on_grid(due - start, interval):
             return self._go(start, stop, size, interval, names)[round((due - start) / interval) :]
@@ -189,7 +229,7 @@ class Simulation:
         return ends[1:] if abs(due - stop) <= CLOCK else []
 
     def _go(self, first: float, last: float, size: float, interval: float, names: Sequence[str]) -> list[list[float]]:
-        """From one instant to another [s], inputs on straight lines; the variables every interval."""
+        """Advance from one instant to another [s], inputs interpolated; return the variables every interval."""
         for name, history in self._histories.items():
             one, value, aim = history.variable, self[name], history.at(first)
             if abs(value - aim) > SAME * max(abs(value), abs(aim)):
@@ -207,11 +247,19 @@ class Simulation:
         return [list(row) for row in zip(*(table[name] for name in names), strict=True)]
 
     def save(self) -> bytes:
-        """The complete state, to be kept in a file or sent elsewhere; inputs over time are not part of it."""
+        """Return the complete state, for a file or another process; inputs over time are not included."""
         return _mark(self._machine.name, self._machine.place) + self._kernel.save()
 
     def restore(self, state: bytes) -> None:
-        """Go back to a saved state of the same FMU, even of another process. Raises SimulationError otherwise."""
+        """Restore a saved state of the same FMU, also from another process.
+
+        Raises
+        ------
+        TypeError
+            If `state` is not of type bytes.
+        SimulationError
+            If it is a state of another FMU.
+        """
         if not isinstance(state, bytes):
             raise TypeError(f"Give the bytes that save gave: it was {shown(state)}.")
         name, own = self._machine.name, self._machine.place
@@ -224,12 +272,12 @@ class Simulation:
 
 
 def _mark(name: str, place: int | None) -> bytes:
-    """Return what stands before a saved state: the name of the FMU and the number of the system."""
+    """Return the prefix of a saved state: the name of the FMU and the number of the system."""
     return "".join(f"{one}\0" for one in (name, place) if one is not None).encode()
 
 
 def on_grid(distance: float, interval: float) -> bool:
-    """Whether a distance in time is a whole number of intervals [s]."""
+    """Return whether a time difference is an integer number of intervals [s]."""
     return abs(distance - round(distance / interval) * interval) <= CLOCK
 
 
@@ -241,9 +289,27 @@ def run(
     interval: float = INTERVAL,
     **values: Value,
 ) -> Recording:
-    """One run from its start over a duration [s]: `Simulation` and `Simulation.advance`, which say what they take.
+    """Simulate one run from its start, as `Simulation` and `Simulation.advance` do.
 
-    Raises SimulationError for an input over time whose first point lies behind the end of the run.
+    Parameters
+    ----------
+    what, line, **values
+        As in `Simulation`.
+    duration : float
+        Duration of the run [s].
+    names, interval
+        As in `Simulation.advance`.
+
+    Returns
+    -------
+    Recording
+        As from `Simulation.advance`.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError, SimulationError
+        As in `Simulation` and `Simulation.advance`. SimulationError also if the first point of an input over time is
+        after the end of the run.
     """
     one = Simulation(what, line, **values)
     for history in one.histories:

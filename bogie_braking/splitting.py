@@ -1,13 +1,13 @@
-"""Probabilities of rare events by multilevel splitting: twenty small populations that climb side by side.
+"""Probabilities of rare events by multilevel splitting with twenty small, independent populations.
 
-A population is a sample of standard normal points. At each level the half with the lowest outputs dies, copies of
-points that live take the places, and Markov moves that stay above the level part copies from their parents: the subset
-simulation of Au and Beck (2001), doi:10.1016/S0266-8920(01)00019-4. All that stand at or below a level die, ties among
-them, and as many as die are counted. That makes the product of the shares that live an unbiased estimate, whatever the
-chains are like: Brehier, Gazeau, Goudenege, Lelievre and Rousset (2016), doi:10.1214/16-AAP1185.
+A population is a sample of standard normal points. At each level the points with the lowest outputs, half of them, are
+removed. Copies of the other points replace them, and Markov moves that stay above the level separate copies from their
+parents: the subset simulation of Au and Beck (2001), doi:10.1016/S0266-8920(01)00019-4. All points at or below a level
+are removed, ties included, and counted. The product of the remaining shares is therefore an unbiased estimate for any
+chains: Brehier, Gazeau, Goudenege, Lelievre and Rousset (2016), doi:10.1214/16-AAP1185.
 
-Populations share nothing, so that the scatter of their estimates tells how sure their mean is, with all that chains
-which are too short and particles which are too few do to it.
+Populations are independent. The scatter of their estimates is therefore a measure of the error of their mean. It
+includes the effects of chains that are too short and of too few particles.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from scipy.stats import t as student
 from fmu_src.progress import counting
 
 Numbers = NDArray[np.float64]
-#: Outputs, shape (points,), of standard normal points, shape (points, inputs); -inf where there is none.
+#: Outputs, shape (points,), of standard normal points, shape (points, inputs); -inf if a point has none.
 Evaluate = Callable[[Numbers], Numbers]
-#: How many populations climb: twenty know their own scatter to a sixth.
+#: Number of populations: twenty determine their own scatter within a sixth.
 POPULATIONS = 20
-#: The climb ends at this probability: behind it, 7 standard deviations out, nobody knows the distribution of an input.
+#: The climb ends at this probability, 7 standard deviations out: the distribution of an input is unknown there.
 LEAST = 1e-12
-#: Share of moves that are to be accepted: Papaioannou, Betz, Zwirglmaier and Straub (2015),
+#: Target share of accepted moves: Papaioannou, Betz, Zwirglmaier and Straub (2015),
 #: doi:10.1016/j.probengmech.2015.06.006.
 ACCEPTED = 0.44
-#: Size of the first moves, and the smallest: the length that a move draws anew of a point of length 1.
+#: Size of the first moves, and the smallest: the random part that a move gives to a point of length 1.
 FIRST_STEP, LEAST_STEP = 0.8, 1e-3
 CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
 class Generation:
-    """What a population is made of between two levels: outputs, shape (particles,), all above a level.
+    """A population between two levels: outputs, shape (particles,), all above a level.
 
-    probability: that of standing above the level, as the population tells it.
+    probability: estimate of the population for exceeding the level.
     """
 
     probability: float
@@ -54,8 +54,8 @@ class Generation:
 class Population:
     """Points that climb together, shape (particles, inputs), and their outputs, shape (particles,).
 
-    probability: that of standing above the level, as the population tells it; at the end of the climb, that of standing
-    above the limit. step: size of its moves. accepted: share of the moves that were, at each level.
+    probability: estimate for exceeding the level; at the end of the climb, for exceeding the limit. step: size of its
+    moves. accepted: share of accepted moves at each level.
     """
 
     random: np.random.Generator
@@ -69,9 +69,9 @@ class Population:
     generations: list[Generation] = field(default_factory=list)
 
     def split(self, limit: float) -> NDArray[np.intp]:
-        """Goes up to the next level and gives the rows whose points are copies now.
+        """Go up to the next level and return the rows whose points are copies now.
 
-        There are none where the climb is over: at the limit, where nobody lives, at the least probability.
+        No rows are returned at the end of the climb: at the limit, if no point remains, or at the least probability.
         """
         self.generations.append(Generation(self.probability, self.level, self.outputs.copy()))
         level = float(np.sort(self.outputs)[self.outputs.size // 2 - 1])
@@ -87,7 +87,7 @@ class Population:
         return np.flatnonzero(dead)
 
     def proposed(self, rows: NDArray[np.intp]) -> Numbers:
-        """Where points of these rows might go: preconditioned Crank-Nicolson keeps the normal distribution as it is.
+        """Return proposed points for these rows: preconditioned Crank-Nicolson keeps the normal distribution unchanged.
 
         Cotter, Roberts, Stuart and White (2013), doi:10.1214/13-STS421.
         """
@@ -95,24 +95,24 @@ class Population:
         return np.sqrt(1.0 - self.step**2) * self.points[rows] + self.step * fresh
 
     def move(self, rows: NDArray[np.intp], points: Numbers, outputs: Numbers) -> float:
-        """Goes to the points whose outputs stay above the level; the share that went."""
+        """Move to the points whose outputs stay above the level; return their share."""
         above = outputs > self.level
         there = rows[above]
         self.points[there], self.outputs[there] = points[above], outputs[above]
         return there.size / rows.size
 
     def adapt(self, accepted: float) -> None:
-        """The size of the next level's moves, from this one's: within a level, moves that follow moves have a bias."""
+        """Set the move size of the next level from this one: adaptation within a level would bias the chain."""
         self.accepted.append(accepted)
         self.step = float(np.clip(self.step * np.exp(accepted - ACCEPTED), LEAST_STEP, 1.0))
 
     def above(self, limit: float) -> float:
-        """The probability of standing above a limit, as the population tells it on its way."""
+        """Return the probability of exceeding a limit, estimated from the levels on the way."""
         last = next(one for one in reversed(self.generations) if one.level <= limit)
         return last.probability * float(np.mean(last.outputs > limit))
 
     def variance_if_independent(self) -> float:
-        """Relative variance of the estimate were all points of all levels independent, after Au and Beck (2001)."""
+        """Return the relative variance of the estimate for independent points (Au and Beck, 2001)."""
         told = [one.probability for one in self.generations] + [self.probability]
         shares = [after / before for before, after in pairwise(told) if after > 0.0]
         return sum((1.0 - share) / (share * self.outputs.size) for share in shares)
@@ -121,9 +121,9 @@ class Population:
 def climb(
     evaluate: Evaluate, inputs: int, limit: float, particles: int, moves: int, seed: int
 ) -> tuple[list[Population], int]:
-    """Populations of so many particles that have climbed to the limit, and how many points were evaluated.
+    """Return populations that have climbed to the limit, and the number of evaluated points.
 
-    moves: of each copy at each level. A seed decides all that is random.
+    particles: of each population. moves: of each copy at each level. The seed determines all random numbers.
     """
     streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(POPULATIONS)]
     points = [stream.standard_normal((particles, inputs)) for stream in streams]
@@ -140,7 +140,7 @@ def climb(
 
 
 def move_together(evaluate: Evaluate, copies: Sequence[tuple[Population, NDArray[np.intp]]], moves: int) -> None:
-    """Moves of all copies of all populations, evaluated together."""
+    """Move all copies of all populations, evaluated together."""
     ends = np.cumsum([rows.size for _, rows in copies])[:-1]
     accepted = np.zeros((moves, len(copies)))
     for number in range(moves):
@@ -152,9 +152,10 @@ def move_together(evaluate: Evaluate, copies: Sequence[tuple[Population, NDArray
 
 
 def interval_of(estimates: Numbers) -> tuple[float, float, float]:
-    """Mean of independent estimates of a probability, and its 95 % confidence interval.
+    """Return the mean of independent estimates of a probability, and its 95 % confidence interval.
 
-    Student's, of the logarithm of the mean to first order, for estimates are skewed; from 0 to 1 where all are 0.
+    The interval is Student's for the logarithm of the mean to first order, as estimates are skewed; from 0 to 1 if all
+    are 0.
     """
     mean = float(np.mean(estimates))
     if mean == 0.0:
@@ -165,10 +166,10 @@ def interval_of(estimates: Numbers) -> tuple[float, float, float]:
 
 
 def confidence_of(populations: Sequence[Population], limit: float) -> tuple[float, float, float]:
-    """The probability of standing above the limit, and its 95 % confidence interval.
+    """Return the probability of exceeding the limit, and its 95 % confidence interval.
 
-    Where no population was split, that of independent points: Clopper and Pearson's. Where none came above the limit,
-    from 0 to what is surely above the probability of the last levels, for the limit is above these.
+    If no population was split, the points are independent: Clopper and Pearson's interval. If no point is above the
+    limit, the interval ends at the upper bound for the last levels, as the limit is above these.
     """
     told = interval_of(np.array([one.probability for one in populations]))
     if all(len(one.generations) == 1 for one in populations):

@@ -1,4 +1,4 @@
-"""What makes an estimate by splitting less sure than it looks: a sentence for each doubt."""
+"""Reasons why an estimate by splitting is less certain than its interval, as messages."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ import numpy as np
 
 from bogie_braking.splitting import POPULATIONS, Numbers, Population
 
-#: Estimates that scatter so many times as those of independent particles. Of 200 seeds each, at 1e-4 and five normal
-#: inputs: with 5 moves 1 % scatter so much, with 1 move, whose interval holds too seldom, 90 %.
+#: Ratio of the scatter of estimates to that of independent particles. With 200 seeds each, at 1e-4 and five normal
+#: inputs, this scatter occurs for 1 % of the seeds with 5 moves, and for 90 % with 1 move, whose interval contains the
+#: true value too seldom.
 SCATTERED = 1.7
-#: An interval as wide as this factor.
+#: An interval as wide as this factor is reported.
 WIDE = 10.0
-#: A share of accepted moves that is too small, and one of runs with the same output that is too large.
+#: A share of accepted moves that is too small, and a share of runs with the same output that is too large.
 STUCK, SHARED = 0.1, 0.01
 
 
 def doubts_about(
     populations: Sequence[Population], limit: float, moves: int, interval: Sequence[float], labels: Sequence[str]
 ) -> list[str]:
-    """Sentences about what the first runs, the estimates and the chains show; none where all is well.
+    """Return warnings about the first runs, the estimates and the chains; empty if all is well.
 
     labels: names of the inputs.
     """
@@ -38,7 +39,7 @@ def doubts_about(
 
 
 def _atom(outputs: Numbers) -> list[str]:
-    """A value that many runs share, which no level can part."""
+    """Warn of a value that many runs share, which no level can separate."""
     values, times = np.unique(outputs[np.isfinite(outputs)], return_counts=True)
     share = float(np.max(times)) / outputs.size
     if share <= SHARED:
@@ -47,7 +48,7 @@ def _atom(outputs: Numbers) -> list[str]:
 
 
 def _spread(estimates: Numbers, interval: Sequence[float]) -> list[str]:
-    """Populations that are too small."""
+    """Warn of populations that are too small."""
     if none := int(np.sum(estimates == 0.0)):
         return [f"{none} of {POPULATIONS} populations found no run above the limit; give more particles."]
     if interval[1] > WIDE * interval[0]:
@@ -56,7 +57,7 @@ def _spread(estimates: Numbers, interval: Sequence[float]) -> list[str]:
 
 
 def _chains(populations: Sequence[Population], estimates: Numbers, moves: int) -> list[str]:
-    """Moves that are too few: copies are still where their parents are."""
+    """Warn of too few moves: copies are still close to their parents."""
     alone = np.sqrt(np.mean([one.variance_if_independent() for one in populations]))
     times = float(np.std(estimates, ddof=1) / np.mean(estimates) / alone)
     if times <= SCATTERED:
@@ -66,7 +67,7 @@ def _chains(populations: Sequence[Population], estimates: Numbers, moves: int) -
 
 
 def _regions(climbed: Sequence[Population], limit: float, labels: Sequence[str]) -> list[str]:
-    """Populations that ended further apart than they are wide."""
+    """Warn of populations whose distance at the end exceeds their width."""
     there = [above for one in climbed if len(above := one.points[one.outputs > limit]) > 1]
     if len(there) < 2:
         return []

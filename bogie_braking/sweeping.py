@@ -1,4 +1,4 @@
-"""One run for each of many sets of values, side by side: what they end with is one table."""
+"""Parameter studies: one run for each of many sets of values, and a table of their last values."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from products.study.points import AHEAD, Evaluate, Outcome, Outcomes, Point, out
 from products.study.study import Study, kept_outcomes_of, outcomes_of
 from rbd_model.track.line import Line
 
-#: From so many runs on a batch is made, for its compilation takes, once, as long as thousands of them. A task of an
-#: executor is so many runs then.
+#: From this number of runs a batch is made: it compiles once, for as long as thousands of them take. Tasks of an
+#: executor have this size then.
 PAYS_FROM = 1000
-#: Runs of one batch here, at most: what a folder does not keep when a study is interrupted.
+#: Largest number of runs of one batch here, and of runs that a folder loses when a study is interrupted.
 AT_ONCE = 10_000
-#: Outcomes of many points at once; None where they cannot be a batch. threads: None for all processors.
+#: Outcomes of many points at once; None if they cannot be a batch. threads: None for all processors.
 Batch = Callable[[int | None, Sequence[Point]], list[Outcome] | None]
 
 
@@ -46,7 +46,7 @@ def end_of(
     values: Mapping[str, Value],
     point: Point,
 ) -> Outcome:
-    """Values of `names` at the end of one run, and what it said; or why it could not be made."""
+    """Return the values of `names` at the end of one run and its messages, or the reason of its failure."""
     try:
         one = Simulation(what, line, **{**values, **point})
         found = one.advance(duration, names, duration)
@@ -56,7 +56,7 @@ def end_of(
 
 
 def outcome_of(names: Sequence[str], values: Sequence[float], point: Point, said: str) -> Outcome:
-    """The outcome of a run that was made; NaN is no result."""
+    """Return the outcome of a run; a NaN becomes None."""
     ends = {name: None if math.isnan(value) else value for name, value in zip(names, values, strict=True)}
     return Outcome(ends, point=point, said=said)
 
@@ -70,7 +70,7 @@ def in_batch(
     threads: int | None,
     points: Sequence[Point],
 ) -> list[Outcome] | None:
-    """`end_of` of many points whose values are numbers, with the same bits and sentences; None where none can be."""
+    """Return `end_of` of many points with numeric values, bit-identical, or None if it fails."""
     columns = {name: np.array([point[name] for point in points], float) for name in points[0]}
     try:
         ends = batch(what, duration, names, line, threads, said=True, **{**values, **columns})  # type: ignore[arg-type]
@@ -86,12 +86,12 @@ def in_batch(
 
 
 def task(many: Batch, evaluate: Evaluate, points: Sequence[Point]) -> list[Outcome]:
-    """What an executor is given: many runs."""
+    """Run one task of an executor: many runs."""
     return many(1, points) or [evaluate(point) for point in points]
 
 
 def run_by(executor: Executor | None, many: Batch | None, evaluate: Evaluate, points: Mapping[int, Point]) -> Outcomes:
-    """Outcomes of runs, here or by an executor; in batches where `many` makes them and they pay."""
+    """Yield outcomes of runs, made here or by an executor; in batches if `many` makes them and they pay."""
     left = dict(points)
     pays = many is not None and len(left) >= PAYS_FROM
     if many and pays and executor:
@@ -123,18 +123,42 @@ def sweep(
     folder: str | Path | None = None,
     **values: Value,
 ) -> Recording:
-    """Runs as `run` makes them, one for each row of the equally long columns of `vary`: a row for each.
+    """Run `run` once for each row of the columns of `vary`, and return a table with a row for each.
 
-    Columns have shape (rows,): the row's number, what is varied, and the variables `names` after the duration [s], or
-    as a run ended before. The sentence of a row is what its run said. A run that is refused has NaN there, and its
-    sentence says why, after the number of its row. executor: what runs them, such as
-    `dask.distributed.Client(...).get_executor()`; by default a thread for each processor, as the equations leave
-    Python's lock. A thousand runs or more whose values are numbers are made by `batch`, on an executor a thousand a
-    task; that changes no bit. folder: keeps finished runs, as the command line keeps those of a scenario: after an
-    interruption the same call goes on from there, and the table is written there too. Raises KeyError for a name that
-    there is not, ValueError where columns differ in length, the duration is not above 0, or the folder holds another
-    sweep, TypeError for equations of one's own on an executor, which they cannot be sent to, and for what a folder
-    cannot keep, RuntimeError where an executor gives another row's results.
+    A thousand runs or more with numeric values are made by `batch`, on an executor in tasks of a thousand. The results
+    are bit-identical.
+
+    Parameters
+    ----------
+    what, duration, line, **values
+        As in `run`; duration [s].
+    names : sequence of str
+        Variables to return at the end of each run.
+    vary : mapping of str to sequence
+        Columns of equal length, shape (rows,), by the names of parameters and inputs.
+    executor : Executor, optional
+        Makes the runs, such as `dask.distributed.Client(...).get_executor()`. By default there is a thread for each
+        processor, as the equations release Python's lock.
+    folder : str or Path, optional
+        Keeps finished runs and the table. After an interruption the same call resumes.
+
+    Returns
+    -------
+    Recording
+        Columns of shape (rows,): number of the row, the varied values, and the variables `names` after the duration, or
+        at an early end. The message of a row is that of its run. A refused run has NaN, and its message states the
+        number of its row and the reason.
+
+    Raises
+    ------
+    KeyError
+        If a name is unknown.
+    ValueError
+        If columns differ in length, the duration is not above 0, or the folder holds another sweep.
+    TypeError
+        If your own equations should go to an executor, or if a folder cannot keep the values.
+    RuntimeError
+        If an executor returns the results of another row.
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
     check_executor(executor, what)
@@ -179,7 +203,10 @@ def head_of(
     line: Line | None,
     values: Mapping[str, Value],
 ) -> dict[str, Any]:
-    """What must be the same for runs to stand in one folder. Raises TypeError or ValueError for what it cannot keep."""
+    """Return the settings that all runs in one folder share.
+
+    Raises TypeError or ValueError if a folder cannot keep them.
+    """
     for name, column in columns.items():
         if not all(map(math.isfinite, column)):
             raise ValueError(f"{name} must be finite where a folder keeps the runs; got {shown(column)}.")
@@ -205,7 +232,7 @@ def head_of(
 
 
 def check_executor(executor: Any, what: Runnable) -> None:
-    """Raises TypeError for what is no executor, and for equations that none can be sent."""
+    """Raise TypeError if it is not an executor, or if the equations cannot be sent to one."""
     if not (executor is None or callable(getattr(executor, "submit", None))):
         raise TypeError(f"Give an executor of concurrent.futures, or none: it was {shown(executor)}.")
     if executor and isinstance(what, System | Model):
@@ -213,7 +240,7 @@ def check_executor(executor: Any, what: Runnable) -> None:
 
 
 def columns_of(vary: Mapping[str, Column]) -> dict[str, list[float]]:
-    """What varies, as numbers. Raises TypeError for what has no names, ValueError for no numbers."""
+    """Return the varied columns as numbers. Raises TypeError without names, ValueError if not numeric."""
     if not isinstance(vary, Mapping):
         raise TypeError(f"Give what varies by its names, such as {{'friction_1': [0.1, 0.2]}}: it was {shown(vary)}.")
     columns = {}

@@ -1,4 +1,4 @@
-"""Times and values as people have them: a pair of columns, rows of (time, value), or an array with a field `time`."""
+"""Times and values in common forms: a pair of columns, rows of (time, value), or an array with a field `time`."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from numpy.typing import NDArray
 from bogie_braking.checks import durations, refused, shown
 
 Numbers = NDArray[np.float64]
-#: What a message says of the forms that are read.
+#: Accepted forms, for messages.
 FORMS = (
     "one number, a function of time, a pair of columns ([0, 2], [0, 5e3]), times [s] and values, "
     "rows [(0, 0), (2, 5e3)], or an array with a field time"
 )
-#: What to write where rows and columns look alike.
+#: Remedy if rows and columns cannot be distinguished.
 UNCLEAR = "Write ([0, 2], [0, 5e3]) for columns, times [s] and values, or [(0, 0), (2, 5e3)] for rows"
 
 
 def times_and_values(name: str, given: Any) -> tuple[Numbers, Numbers]:
     """Return the times [s] and values of an input, two arrays of shape (rows,).
 
-    A pair of columns and rows of (time, value) are told apart by their lengths. Where there are two of each, a tuple of
-    two lists or arrays is columns, and a list of two tuples is rows.
+    A pair of columns and rows of (time, value) differ in their lengths. With two of each, a tuple of two lists or
+    arrays is columns, and a list of two tuples is rows.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _is_date(column: Any) -> bool:
 
 
 def _seconds(times: np.ndarray) -> np.ndarray:
-    """Return durations in seconds; what holds no durations as it is."""
+    """Return durations in seconds; return an array without durations unchanged."""
     if times.dtype.kind == "m":
         return durations(times)
     if times.size and all(isinstance(one, datetime.timedelta) for one in times.flat):

@@ -1,4 +1,4 @@
-"""Trains by a consist: a file, rows as in one, or vehicles."""
+"""Trains from a consist: a file, its rows as dictionaries, or vehicles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
 
-#: What a message says of the forms that are read.
+#: Accepted forms, for messages.
 FORMS = "the path of a file, a list of its rows as dictionaries, a Consist, or a whole number of wagons"
 
 
@@ -30,12 +30,35 @@ def train(
     releases: bool = True,
     settings: Settings | None = None,
 ) -> Train:
-    """A train that goes on as it is told: `drive("emergency")`, `advance(1.0)`, `record(60.0)`.
+    """Return a train to be driven: `drive("emergency")`, `advance(1.0)`, `record(60.0)`.
 
-    consist: a file (CSV or TOML), a list of its rows, vehicles, or how many loaded wagons behind a locomotive. speed
-    [m/s]. The depth of its brake is the cheapest that errs by no more than is asked of stopping distance and largest
-    compression, unless settings are given; releases: whether the run looks at brakes that are released. Raises
-    TypeError and ValueError with one sentence, OSError.
+    Parameters
+    ----------
+    consist : str, Path, Consist, sequence of mapping or int
+        A file (CSV or TOML), a list of its rows, vehicles, or the number of loaded wagons behind a locomotive.
+    speed : float
+        Initial speed [m/s].
+    line : Line, optional
+        Line of the train; by default straight, level track.
+    distance_error, force_error : float
+        Allowed relative errors of the stopping distance and of the largest compression. The cheapest brake model within
+        both is used, unless `settings` are given.
+    releases : bool
+        Whether the brake model must also describe brakes that are released.
+    settings : Settings, optional
+        Brake model and step size.
+
+    Returns
+    -------
+    Train
+        The train at its start.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is invalid.
+    OSError
+        If the file cannot be read.
     """
     line = line_or_none(line)
     if not isinstance(releases, bool | np.bool_):
@@ -46,7 +69,7 @@ def train(
 
 
 def _consist(given: Any) -> Consist:
-    """Return a consist of what a user gave for one. Raises TypeError if it has none of the forms."""
+    """Return a consist from a user's input. Raises TypeError if it has none of the forms."""
     if isinstance(given, int | np.integer) and not isinstance(given, bool):
         return consist_of([{"kind": "locomotive"}, {"kind": "wagon", "count": int(given)}])
     if isinstance(given, str | Path):
