@@ -46,7 +46,7 @@ def batch(
     Parameters
     ----------
     what : str, Vehicle, System or Model
-        As in `run`.
+        Vehicle or brake, as in `run`.
     duration : float
         Duration of each run [s].
     outputs : sequence of str
@@ -103,14 +103,20 @@ def instances(
 
     Parameters
     ----------
-    what, line, threads, **values
-        As in `batch`; arrays have shape (count,).
+    what : str, Vehicle, System or Model
+        Vehicle or brake, as in `run`.
     count : int
         Number of instances.
     inputs : sequence of str
         Names of the inputs that `step` sets.
     outputs : sequence of str
         Names of the variables that `step` returns.
+    line : Line, optional
+        As in `run`.
+    threads : int, optional
+        Number of threads; by default the number of processors.
+    **values : float or array
+        Parameters and inputs at the start, as in `batch`; arrays have shape (count,).
 
     Returns
     -------

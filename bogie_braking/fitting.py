@@ -122,17 +122,21 @@ def fit(
 
     Parameters
     ----------
-    what, line, **values
-        As in `run`.
+    what : str, Vehicle, System or Model
+        Vehicle or brake, as in `run`.
     measured : Recording, str or Path
         A table or its CSV file. Its columns are time [s] and variables in their units: outputs to fit, and inputs that
         drive the run.
     parameters : mapping of str to float
         Names and initial values, not 0, because relative steps are taken. It may include constant inputs.
+    line : Line, optional
+        As in `run`.
     until : float, optional
         Time of the table [s] after which rows are held out, to validate the fit. By default all rows are fitted.
     begin : float, optional
         Time of the table at which the run starts [s]; by default that of the first row.
+    **values
+        Other parameters and inputs, as in `run`.
 
     Returns
     -------

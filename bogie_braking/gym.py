@@ -131,10 +131,16 @@ class WheelSlideVector(VectorEnv[Numbers, Numbers, Numbers]):
     ----------
     num_envs : int
         Number of environments.
-    vehicle, rails, privileged, **settings
-        As in `WheelSlide`.
+    vehicle : str
+        "bogie" or "coach" (also "vehicle").
+    rails : callable
+        Draws a `Run` from a random generator and the number of wheelsets.
+    privileged : bool
+        Whether to observe quantities that a controller cannot measure.
     threads : int, optional
         Number of threads; by default the number of processors.
+    **settings : float
+        As in `bogie_braking.protected_stops`.
     """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}

@@ -92,10 +92,14 @@ def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **
 
     Parameters
     ----------
-    controller, vehicle, **settings
+    controller : class, "protection" or None
         As in `protected_stops`.
     rail : str
         Name of the rail.
+    vehicle : str
+        "bogie" or "coach" (also "vehicle").
+    **settings : float
+        As in `protected_stops`.
 
     Returns
     -------

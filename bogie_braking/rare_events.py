@@ -56,8 +56,10 @@ class Rare:
 
     Attributes
     ----------
-    probability, interval : float, tuple of float
-        Mean of the estimates, and its 95 % confidence interval.
+    probability : float
+        Mean of the estimates.
+    interval : tuple of float
+        Its 95 % confidence interval.
     runs : int
         Number of runs.
     sentences : list of str
@@ -182,8 +184,8 @@ def rare(
 
     Parameters
     ----------
-    what, line, threads, **values
-        As in `batch`, each value one number.
+    what : str, Vehicle, System or Model
+        Vehicle or brake, as in `run`.
     duration : float
         Duration of each run [s].
     output : str
@@ -193,14 +195,20 @@ def rare(
     vary : mapping
         Distributions of `scipy.stats` by the names of parameters and inputs, independent of each other. Names in a
         tuple share one value.
+    line : Line, optional
+        As in `run`.
     particles : int
         Number of particles in each of the 20 populations.
     moves : int
         Number of moves that separate a copy from its parent.
     seed : int
         Seed of the random numbers.
+    threads : int, optional
+        Number of threads; by default the number of processors.
     executor : Executor, optional
         Makes the runs in tasks of a thousand or more, as in `sweep`.
+    **values : float
+        Other parameters and inputs by name, in SI units.
 
     Returns
     -------

@@ -293,12 +293,18 @@ def run(
 
     Parameters
     ----------
-    what, line, **values
-        As in `Simulation`.
+    what : str, Vehicle, System or Model
+        A built-in FMU by its name, or your own vehicle, system or model, as in `Simulation`.
     duration : float
         Duration of the run [s].
-    names, interval
-        As in `Simulation.advance`.
+    line : Line, optional
+        Line of the vehicle; by default straight, level track.
+    names : sequence of str, optional
+        Variables to record; by default all outputs.
+    interval : float
+        Interval of the rows [s].
+    **values
+        Parameters and inputs by name, in SI units, as in `Simulation`; inputs may vary over time.
 
     Returns
     -------

@@ -130,8 +130,10 @@ def sweep(
 
     Parameters
     ----------
-    what, duration, line, **values
-        As in `run`; duration [s].
+    what : str, Vehicle, System or Model
+        Vehicle or brake, as in `run`.
+    duration : float
+        Duration of each run [s].
     names : sequence of str
         Variables to return at the end of each run.
     vary : mapping of str to sequence
@@ -139,8 +141,12 @@ def sweep(
     executor : Executor, optional
         Makes the runs, such as `dask.distributed.Client(...).get_executor()`. By default there is a thread for each
         processor, as the equations release Python's lock.
+    line : Line, optional
+        As in `run`.
     folder : str or Path, optional
         Keeps finished runs and the table. After an interruption the same call resumes.
+    **values
+        Values that all runs share, as in `run`.
 
     Returns
     -------

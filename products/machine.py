@@ -1,7 +1,7 @@
-"""A braked machine as data: a vehicle, a brake on each wheelset and its equipment, composed into one system.
+"""Braked vehicles as data: a vehicle, a brake on each wheelset and its equipment, composed into one system.
 
-The test rig, BrakedVehicle.fmu, `bb.run` and the live page take their equations from `composed`. A machine has the C of
-what it has and no other.
+The test rig, BrakedVehicle.fmu, `bb.run` and the live page take their equations from `composed`. The C code contains
+only the equations of the present equipment.
 """
 
 from __future__ import annotations
@@ -29,12 +29,13 @@ from rbd_model.vehicle.description import Vehicle, size_of
 from rbd_model.vehicle.parameters import BogieParameters
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 
-#: Pressure [Pa] and torque capacity of one wheelset [N.m] of the coach's full brake, which slows it at 1.2 m/s2; times
-#: of its cylinder with a dump valve [s]. Assumed: the benchmark prints no brake, these are common in passenger stock.
+#: Pressure [Pa] and torque capacity of one wheelset [N.m] of the coach's full brake, for a deceleration of 1.2 m/s2;
+#: times of its cylinder with a dump valve [s]. Assumed: the benchmark reports no brake data; these are common in
+#: passenger stock.
 FULL_PRESSURE, FULL_TORQUE = 380e3, 6.4e3
 APPLICATION_TIME, RELEASE_TIME = 2.0, 0.6
-#: What a machine may have: discs in place of treads, a dynamic brake that blends with the cylinders, a sander ahead of
-#: each wheelset; or, in place of cylinders, traction by a motor on each wheelset.
+#: Available equipment: discs instead of treads, a dynamic brake that blends with the cylinders, a sander ahead of each
+#: wheelset; or, instead of cylinders, traction by a motor on each wheelset.
 EQUIPMENT = DISCS, DYNAMIC_BRAKE, SANDERS, TRACTION = ("discs", "dynamic brake", "sanders", "traction")
 #: Volume of a cylinder [m3] (AAR, brake_data.csv of the sources), and the exponent of its air, as fast as that of the
 #: experiment.
@@ -46,7 +47,7 @@ VEHICLES: Mapping[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "vehic
 
 
 def in_order(equipment: Iterable[str]) -> tuple[str, ...]:
-    """Names of equipment in the order of EQUIPMENT, each once. Raises ValueError for what there is not."""
+    """Return names of equipment in the order of EQUIPMENT, each once. Raises ValueError if a name is unknown."""
     given = set(equipment)
     for name in given:
         if name not in EQUIPMENT:
@@ -58,12 +59,12 @@ def in_order(equipment: Iterable[str]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Machine:
-    """A vehicle with a brake on each wheelset, and what else it has.
+    """A vehicle with a brake on each wheelset and additional equipment.
 
     name: one of VEHICLES. full_pressure [Pa], full_torque [N.m]: of the full brake of one wheelset; supply_pressure
-    [Pa]: the most that its regulator passes on. by_flow: cylinders fill by flow of air from a reservoir, through magnet
-    valves that take their time; else by application and release time. equipment: some of EQUIPMENT. Raises ValueError
-    for equipment that there is not, or that asks for cylinders by flow of air.
+    [Pa]: largest output of its regulator. by_flow: cylinders fill by flow of air from a reservoir, through magnet
+    valves with switching times; else by application and release time. equipment: some of EQUIPMENT. Raises ValueError
+    if equipment is unknown, or if it requires cylinders by flow of air.
     """
 
     name: str
@@ -104,18 +105,18 @@ class Machine:
 
     @property
     def counted(self) -> str:
-        """The body whose distance and speed are states."""
+        """Name of the body whose distance and speed are states."""
         return self.vehicle.bodies[0].name
 
     @property
     def driven(self) -> bool:
-        """Whether motors drive it in place of brakes."""
+        """True if motors drive it instead of brakes."""
         return TRACTION in self.equipment
 
     def deceleration(self, torque: float, load: float = 0.0) -> float:
-        """On a dry rail with this torque on each wheelset [N.m], whose rotation is included [m/s2].
+        """Return the deceleration on a dry rail with this torque on each wheelset [N.m], rotation included [m/s2].
 
-        load: mass on top of its own [kg].
+        load: additional mass [kg].
         """
         p, count = self.parameters, len(self.numbers)
         rolling = self.mass + load + count * p.wheelset_pitch_inertia / p.wheel_radius**2
@@ -123,27 +124,27 @@ class Machine:
 
 
 def bogie() -> Machine:
-    """The bogie of chapter 5."""
+    """Return the bogie of chapter 5."""
     supply = chapter_5.brake_values()["supply_pressure"]
     return Machine("bogie", chapter_5.FULL_PRESSURE, chapter_5.FULL_TORQUE, supply)
 
 
 def coach() -> Machine:
-    """The complete vehicle: vehicle 1 of the Manchester benchmarks with traction rods."""
+    """Return the complete vehicle: vehicle 1 of the Manchester benchmarks with traction rods."""
     return Machine("vehicle", FULL_PRESSURE, FULL_TORQUE, FULL_PRESSURE)
 
 
-#: Machines by the names of their vehicles.
+#: Braked vehicles by the names of their vehicles.
 MACHINES: Mapping[str, Callable[[], Machine]] = {"bogie": bogie, "vehicle": coach}
 
 
 def coach_brake() -> BrakeParameters:
-    """The brake of one wheelset of the coach."""
+    """Return the brake of one wheelset of the coach."""
     return brake_of(passenger_coach(), FULL_TORQUE)
 
 
 def brake_of(vehicle: Vehicle, full_torque: float) -> BrakeParameters:
-    """A brake of one wheelset: rigging and shoes of `qr30` scaled to a torque at FULL_PRESSURE [N.m]. Assumed."""
+    """Return the brake of one wheelset: `qr30` scaled to a torque at FULL_PRESSURE [N.m]; assumed."""
     brake, radius = qr30(), vehicle.parameters.values()["wheel_radius"]
     shoe_torque = brake.wheelset_share * brake.rigging_efficiency * brake.constant_shoe_friction * radius
     return replace(
@@ -157,7 +158,7 @@ def brake_of(vehicle: Vehicle, full_torque: float) -> BrakeParameters:
 
 
 def of_pads(brake: BrakeParameters, disc: DiscParameters) -> float:
-    """Force per pressure [N/Pa] with which pads at MEAN_PAD_FRICTION brake as much as a brake's shoes on treads."""
+    """Return the force per pressure [N/Pa] at which pads with MEAN_PAD_FRICTION brake as much as shoes on treads."""
     on_treads = brake.constant_shoe_friction * brake.wheel_radius
     return brake.force_per_pressure * on_treads / (MEAN_PAD_FRICTION * disc.friction_radius)
 
@@ -166,10 +167,10 @@ def of_pads(brake: BrakeParameters, disc: DiscParameters) -> float:
 
 
 def composed(machine: Machine, system: System, rubbing: Rubbing | None = None) -> System:
-    """A machine's vehicle at one level of detail, on a line or not, with all that the machine has.
+    """Return the vehicle at one level of detail, with or without a line, composed with all its equipment.
 
-    Brakes begin with the parameters of `brake_of`: with the same ones on each wheelset. rubbing: what cylinders by flow
-    of air press, in place of treads or discs.
+    All brakes begin with the parameters of `brake_of`. rubbing: friction pair of cylinders by flow of air, instead of
+    treads or discs.
     """
     vehicle = machine.vehicle
     if SANDERS in machine.equipment:
@@ -184,9 +185,9 @@ def composed(machine: Machine, system: System, rubbing: Rubbing | None = None) -
 
 
 def _on_each_wheelset(system: System, vehicle: Vehicle, make: Callable[[], System], torque: str) -> System:
-    """The same with a brake, or a motor, that makes a torque of its `angular_velocity`; all have the same parameters.
+    """Return the system with a brake, or a motor, on each wheelset that makes a torque from its `angular_velocity`.
 
-    torque: that output, and the input of the vehicle that it becomes.
+    All have the same parameters. torque: that output, and the input of the vehicle that it is connected to.
     """
     parts, radius = [], system.parameter_symbols["wheel_radius"]
     for number, _ in vehicle.numbered:
@@ -200,7 +201,7 @@ def _on_each_wheelset(system: System, vehicle: Vehicle, make: Callable[[], Syste
 
 
 def _on_sand(system: System, vehicle: Vehicle) -> System:
-    """A vehicle with a sander ahead of each wheelset, whose friction is that of the rail with their sand."""
+    """Return a vehicle with a sander ahead of each wheelset; its friction is that of the sanded rail."""
     places = {number: vehicle.number(one.along) for number, one in vehicle.numbered}
     own = {f"friction_{number}": f"friction_with_sand_{number}" for number in places}
     given = {inside: f"sanded_{name}" for name, inside in own.items()} | {"speed": "speed"}
@@ -208,7 +209,7 @@ def _on_sand(system: System, vehicle: Vehicle) -> System:
 
 
 def _with_reservoir(system: System, machine: Machine, given_rubbing: Rubbing | None) -> System:
-    """A vehicle with a cylinder on each wheelset, with what else brakes it, and one reservoir for all."""
+    """Return a vehicle with a cylinder and other brakes on each wheelset, and one reservoir for all."""
     air, numbers, full = cylinder_air(machine.full_pressure), machine.numbers, machine.full_torque
     brake, rubbing = brake_of(machine.vehicle, full), given_rubbing or treads()
     if DISCS in machine.equipment:
@@ -231,7 +232,7 @@ def _with_reservoir(system: System, machine: Machine, given_rubbing: Rubbing | N
 
 @lru_cache
 def cylinder_air(full_pressure: float, application_time: float = APPLICATION_TIME) -> FlowParameters:
-    """Air of a cylinder of constant volume whose full brake [Pa] comes and goes in the times of the timed law [s]."""
+    """Return air of a cylinder of constant volume, with the times of the timed law [s] for its full brake [Pa]."""
     experiment = qr30_experiment().flow
     flow = replace(experiment, dead_volume=CYLINDER_VOLUME, polytropic_exponent=EXPONENT)
     flow = with_application_time(flow, full_pressure, application_time)
@@ -240,14 +241,17 @@ def cylinder_air(full_pressure: float, application_time: float = APPLICATION_TIM
 
 @lru_cache
 def filling_by_flow(full_pressure: float, application_time: float = APPLICATION_TIME) -> Callable[[float], float]:
-    """Share of the full pressure so long after the demand [s], from empty, with all the air that it asks for."""
+    """Return the function of time since the demand [s] that gives the share of the full pressure, from empty.
+
+    The supply of air is not limited.
+    """
     air, shares = cylinder_air(full_pressure, application_time), np.linspace(0.0, 0.999, 200)
     times = [filling_time(air, full_pressure, share * full_pressure) for share in shares.tolist()]
     return lambda since: float(np.interp(since, times, shares))
 
 
 def reservoir_of(wheelsets: int) -> ReservoirParameters:
-    """A reservoir for so many wheelsets. Assumed."""
+    """Return a reservoir for this number of wheelsets. Assumed."""
     return ReservoirParameters(
         reservoir_volume=RESERVOIR_OF_A_BOGIE * wheelsets / 2,
         initial_reservoir_pressure=RESERVOIR_PRESSURE,

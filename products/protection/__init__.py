@@ -1,1 +1,1 @@
-"""Wheel-slide protection on trial: a machine with brakes, the rails that it stops on, and a stop of it."""
+"""Tests of wheel-slide protection: a vehicle with brakes, its rails, and a stop on them."""

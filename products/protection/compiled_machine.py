@@ -14,13 +14,13 @@ from products.build_notes import noted_path
 from products.machine import Machine, composed
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
 
-#: Numbers of the systems by level: in the plane; in space with contacts that yield.
+#: Numbers of the systems by level: planar; 3D with elastic contacts.
 PLACES = {2: places_of(level=2, on_line=False)[0], 3: places_of(level=3, depth=2, on_line=False)[0]}
 
 
 @lru_cache
 def machine_model(machine: Machine, level: int = 2) -> Model:
-    """The machine at a level of detail, one system. Raises ValueError for another level than 2 and 3."""
+    """Return the vehicle at a level of detail, one system. Raises ValueError if the level is not 2 or 3."""
     if level not in PLACES:
         raise ValueError(f"Set level to 2 (in the plane) or 3 (in space) on the test rig: it was {level}.")
     return model_of(composed(machine, system_at(machine.vehicle, PLACES[level])), DEFAULT_TOLERANCE)
@@ -28,17 +28,17 @@ def machine_model(machine: Machine, level: int = 2) -> Model:
 
 @lru_cache
 def machine_library(machine: Machine, level: int = 2) -> BatchLibrary:
-    """Its equations compiled, many machines side by side."""
+    """Return its compiled equations in vector lanes."""
     model = machine_model(machine, level)
     return BatchLibrary(model, model.systems[0], kept=partial(_kept, machine, level))
 
 
 @lru_cache
 def machine_kernel(machine: Machine) -> Library:
-    """Its equations in the plane compiled, one machine."""
+    """Return its compiled planar equations, for one vehicle."""
     return Library(_kept(machine, 2, "kernel", lambda: build_library(machine_model(machine))))
 
 
 def _kept(machine: Machine, level: int, what: str, make: Callable[[], Path]) -> Path:
-    """A file of this machine, known without writing its equations anew while the sources are the same."""
+    """Return a file of this vehicle; its equations are written again only if the sources change."""
     return noted_path(f"{what} of the {machine} at level {level}", make)

@@ -30,13 +30,13 @@ class FunctionsInC(ctypes.Structure):
 
 
 class ManyControllers(Protocol):
-    """A controller of many machines at once, a function of arrays."""
+    """A controller of many vehicles at once, a function of arrays."""
 
     def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
         """Runs begin in these of `count` rows; period [s] between two steps."""
 
     def step(self, time: Numbers, wheel_speeds: Numbers) -> NDArray[np.integer]:
-        """Commands and speeds [m/s] have the shape (count, wheelsets), times [s] the shape (count,)."""
+        """Return commands (count, wheelsets) from times [s], shape (count,), and speeds [m/s], (count, wheelsets)."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,16 @@ class InC:
 
     @cached_property
     def library(self) -> ctypes.CDLL:
-        """Loaded into this process. Raises OSError for what is no library, or one that is cut off."""
+        """Load the library into this process. Raises OSError if it is not a library, or is truncated."""
         if fault := fault_of(self.path.read_bytes()):
             raise OSError(f"{self.path} {fault}")
         return ctypes.CDLL(str(self.path))
 
     def functions(self, wheelsets: int) -> FunctionsInC:
-        """Its functions and the size of its memory. Raises OSError, ValueError for what is none."""
+        """Return its functions and the size of its memory.
+
+        Raises OSError, ValueError if a function is missing or invalid.
+        """
         size, start, step = (self._function(f"wheel_slide_{name}") for name in ("size", "start", "step"))
         size.restype, size.argtypes = ctypes.c_size_t, [ctypes.c_int]
         bytes_of_one = int(size(wheelsets))
@@ -69,23 +72,23 @@ class InC:
 
 @dataclass(frozen=True)
 class Arrays:
-    """A controller of many machines at once."""
+    """A controller of many vehicles at once."""
 
     controller: ManyControllers
 
 
 class Outside:
-    """Whoever turns the loop of the rig sets its valves."""
+    """No controller: the caller of the rig's loop sets its valves."""
 
 
-#: What may stand between wheels and valves: nothing, a library, what makes a controller, what answers for all.
+#: Controllers of a rig: none, a library, a function that makes a controller, a controller on arrays.
 Form = InC | Callable[[], WheelSlideController] | Arrays | Outside | None
 
 
 def at_once(form: Form) -> int:
-    """So many runs go on together: enough for all lanes of two threads, few enough for the cache.
+    """Return how many runs are made together: enough for all lanes of two threads, few enough for the cache.
 
-    A function of arrays is called seldom if many wait for it. An FMU has an instance for each run.
+    More runs make fewer calls of a controller on arrays. An FMU has an instance for each run.
     """
     return AT_ONCE_IN_ARRAYS if isinstance(form, Arrays) else getattr(form, "at_once", AT_ONCE)
 

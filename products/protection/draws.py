@@ -1,4 +1,4 @@
-"""Stops drawn from a distribution, for training and tuning: rails and speeds within the programme of the thresholds."""
+"""Random stops for training and tuning: rails and speeds within the limits of the test suite of the thresholds."""
 
 from __future__ import annotations
 
@@ -13,16 +13,19 @@ from rbd_model.track.friction import low, wet
 
 #: Speeds [m/s] and friction without leaves, the least and the most, as in scenarios/bench/rail_programme.py.
 SPEEDS, FRICTIONS = (15.0, 40.0), (0.04, 0.15)
-#: Share of rails whose friction falls with sliding, as that of Polach's low set does; assumed.
+#: Share of rails whose friction decreases with sliding speed, as Polach's low set does; assumed.
 FALLING = 0.5
-#: Share of wet rails with leaves (4 of 40 of that programme), factors on their friction, and where they begin [m].
+#: Share of wet rails with leaves (4 of 40 cases of that suite), factors on their friction, and their start [m].
 LEAVES, LEAVES_FACTORS, LEAVES_BEGIN, LEAVES_LENGTH = 0.1, (0.15, 0.25), (40.0, 80.0), 100.0
 #: Factor on the friction behind a wheelset that cleans the rail: none to that of the changing rail (rails.py).
 CLEANED = (1.0, 1.1)
 
 
 def drawn_run(random: np.random.Generator, wheelsets: int) -> Run:
-    """A stop of a machine with so many wheelsets; friction is uniform in its logarithm, the rest between its limits."""
+    """Draw a stop of a vehicle with this number of wheelsets.
+
+    Friction is uniform in its logarithm, the other values between their limits.
+    """
     speed, cleaned = random.uniform(*SPEEDS), random.uniform(*CLEANED)
     falls, leaves = random.random() < FALLING, random.random() < LEAVES
     friction = math.exp(random.uniform(*np.log(FRICTIONS)))

@@ -13,16 +13,16 @@ from products.protection.settings import MOST_PULSES
 
 @dataclass
 class Encoder:
-    """A toothed wheel under one probe, which sees edges and their times but not their direction.
+    """A toothed wheel with one probe, which detects edges and their times but not their direction.
 
     The reading is the mean speed between the last edge and the last one at least `gate` [s] before it. Until the next
     edge it is at most one pitch over the time since the last one, so that it falls as a wheel stops. Below
-    `lowest_frequency` [Hz] of edges it is 0, as before the first edges: there a wheel that turns slowly and one that
-    stands are the same. Edges between two looks are found as if the wheel had turned evenly between them.
+    `lowest_frequency` [Hz] of edges it is 0, as before the first edges: a wheel that turns slowly and one that stands
+    cannot be distinguished there. Edges between two samples are interpolated for a constant speed between them.
 
     pulses: teeth, one edge each; jitter: standard deviation of their places as a share of the pitch, from `seed`, the
-    same in every turn; resolution [s]: of the timer; phase: share of a tooth by which the wheel is turned at the first
-    look. Raises ValueError with a sentence for values that cannot be, CompilerError where the C is not compiled.
+    same in every revolution; resolution [s]: of the timer; phase: initial angle of the wheel as a share of a tooth.
+    Raises ValueError if a value is invalid, CompilerError if the C cannot be compiled.
     """
 
     pulses: int = TEETH
@@ -53,7 +53,7 @@ class Encoder:
         self._settings = SensorSettings(self.pulses, self.gate, self.resolution, self.lowest_frequency)
         self._call = functions()
         self._errors = (ctypes.c_double * len(self.errors))(*self.errors) if self.errors else None
-        # Of pointers, as it has one: such an array refuses to be copied or pickled.
+        # An array of pointers, as the C object holds one: it cannot be copied or pickled.
         self._memory = (ctypes.c_void_p * (self._call.encoder_size() // ctypes.sizeof(ctypes.c_void_p) + 1))()
         self._call.encoder_begin(self._memory, self._errors, self.phase)
 

@@ -1,4 +1,4 @@
-"""Stops of many machines whose valves are told turn by turn: what environments for learning are made of."""
+"""Stops of many vehicles whose valves are set period by period, for learning environments."""
 
 from __future__ import annotations
 
@@ -21,27 +21,29 @@ from products.protection.runs import Run, Stop
 from products.protection.settings import BRAKE_START, FASTEST, LONGEST, Settings
 
 Numbers = NDArray[np.float64]
-#: Draws a stop of a machine with so many wheelsets.
+#: Draws a stop of a vehicle with this number of wheelsets.
 Draw = Callable[[np.random.Generator, int], Run]
-#: Most that a sensor shows over the true speed: its failure doubles it, a wrong radius does, and teeth err.
+#: Largest ratio of a sensor's reading to the true speed: a failure doubles it, a wrong radius does, and teeth have
+#: errors.
 TOO_FAST = 5.0
-#: Longest step of the integration unless another is asked for [s].
+#: Longest default step of the integration [s].
 LONGEST_STEP = 5e-3
-#: What a privileged observation has of the rail beside the friction under each wheelset.
+#: Entries of a privileged observation about the rail, in addition to the friction under each wheelset.
 PATCH = ("patch_friction", "patch_start", "patch_length")
 
 
 class Environment:
-    """Rows of one machine, which stops in each; `close` it, or let go of it.
+    """Rows of one vehicle, each with a stop; call `close` or delete it.
 
-    A row observes the speeds that its sensors show [m/s], the last command of each valve, and the time since the brake
-    was demanded [s]. Where it is privileged there follow the true speed [m/s], the distance [m], each slip within -1
-    and 1, the friction of the rail under each wheelset without its patch, and what is in PATCH. `limits` are the least
-    and the most of each entry, shape (2, entries).
+    A row observes the speeds of its sensors [m/s], the last command of each valve, and the time since the brake demand
+    [s]. A privileged observation also has the true speed [m/s], the distance [m], each slip between -1 and 1, the
+    friction of the rail under each wheelset without its patch, and the entries of PATCH. `limits` are the least and the
+    largest value of each entry, shape (2, entries).
 
-    step: length of the steps of the integration [s]; by default the longest up to LONGEST_STEP of which a period is a
-    multiple. Behind a turn, `observation` has the shape (rows, entries), `reward`, `terminated` and `truncated` have
-    the shape (rows,): new arrays each time. The rewards of a stop add up to what it costs (cost.py), below 0.
+    After a period, `observation` has the shape (rows, entries), and `reward`, `terminated` and `truncated` have the
+    shape (rows,): new arrays each time. The rewards of a stop add up to its cost (cost.py), below 0.
+
+    step: integration step [s]; by default the longest up to LONGEST_STEP of which a period is a multiple.
     """
 
     def __init__(
@@ -84,9 +86,14 @@ class Environment:
         return len(self.runs)
 
     def begin(self, rows: Sequence[int], randoms: Sequence[np.random.Generator]) -> None:
-        """Stops begin in these rows, each drawn with its own random numbers.
+        """Begin stops in these rows, each drawn with its own random numbers.
 
-        Raises TypeError for a draw that is no Run, ValueError and SimulationError for one that cannot be.
+        Raises
+        ------
+        TypeError
+            If a draw is not a `Run`.
+        ValueError, SimulationError
+            If a draw is invalid.
         """
         drawn = {row: self._drawn(random) for row, random in zip(rows, randoms, strict=True)}
         beginnings = {row: self._rig.beginning(run) for row, run in drawn.items()}
@@ -113,9 +120,9 @@ class Environment:
         return run
 
     def turn(self, commands: ArrayLike) -> None:
-        """A period further. commands: shape (rows, wheelsets), 0 apply, 1 hold, 2 vent; rows that have ended stay.
+        """Advance by one period. commands: shape (rows, wheelsets), 0 apply, 1 hold, 2 vent; ended rows do not change.
 
-        Raises ValueError for what are no commands, before anything moves.
+        Raises ValueError if the commands are invalid, before anything moves.
         """
         given = np.asarray(commands)
         if given.shape != self._loop.valves.shape:
@@ -145,7 +152,7 @@ class Environment:
         return seen
 
     def _judge(self) -> None:
-        """What the turn has cost, and which stops it has ended."""
+        """Compute the reward of the period, and which stops it has ended."""
         score = self._loop.score
         state = score["state"]
         before, self._cost = self._cost, cost(score, self._rolling, self.machine, self.settings.period)
@@ -157,5 +164,5 @@ class Environment:
         self.reward = before - self._cost
 
     def stop(self, row: int) -> Stop:
-        """What the stop in a row came to."""
+        """Return the result of the stop in a row."""
         return self._loop.stop(row)

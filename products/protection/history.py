@@ -1,4 +1,4 @@
-"""The course of a stop over time, as the test rig writes it down where it is asked to."""
+"""The course of a stop over time, recorded by the test rig on request."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from products.protection.rig_in_c import Notes
 from products.protection.settings import BRAKE_START, LONGEST
 
 Numbers = NDArray[np.float64]
-#: Time between two looks that are written down [s]: a cylinder takes 2 s to fill and a wheel some tenths of one to
-#: lock, while a stop of a minute stays below a thousand looks. Of valves that change more quickly one sees samples.
+#: Recording interval [s]. A cylinder fills in 2 s and a wheel locks in some tenths of a second; a stop of a minute has
+#: fewer than a thousand rows. Valves that switch faster are undersampled.
 EVERY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """A stop at instants, the last of which is its end.
+    """A stop at sampling instants, the last of which is its end.
 
-    time [s], speed [m/s] and distance [m] of the machine have shape (looks,). Of shape (looks, wheelsets) are the
-    angular velocity [rad/s], the circumferential speed that the sensor shows [m/s], the effort: cylinder pressure [Pa],
-    or of a start the motor's torque [N.m]; what the valve did until then: 0 apply, 1 hold, 2 vent; and the creep force
-    of both wheels and their load [N].
+    time [s], speed [m/s] and distance [m] of the vehicle have shape (looks,). The others have shape (looks, wheelsets):
+    angular velocity [rad/s]; circumferential speed of the sensor [m/s]; effort, the cylinder pressure [Pa] or in a
+    start the motor torque [N.m]; valve, the command until then: 0 apply, 1 hold, 2 vent; creep force of both wheels and
+    axle load [N].
     """
 
     time: Numbers
@@ -40,18 +40,18 @@ class History:
     axle_load: Numbers
 
     def braked(self, above: float) -> NDArray[np.bool_]:
-        """At which looks it was braked and faster than `above` [m/s]."""
+        """Return at which instants it was braked and faster than `above` [m/s]."""
         return np.asarray((self.speed > above) & (self.time > BRAKE_START))
 
     def locks(self, above: float) -> bool:
-        """Whether every wheelset stood for most of the braked time in which the machine ran faster than `above`."""
+        """Return whether every wheelset stood for most of the braked time above this speed [m/s]."""
         return bool(np.all(np.mean(self.angular_velocity[self.braked(above)] == 0.0, axis=0) > 0.5))
 
     def recording(self, radius: float, said: str = "", commands: float = 0) -> Recording:
-        """What the controller saw and did at each look but the last, at which the machine stands and no valve is told.
+        """Return inputs and outputs of the controller at each instant except the last, at which the vehicle stands.
 
-        radius: of the wheels [m]. Columns: time [s]; speed [m/s]; braking_force of all wheelsets [N]; and of each
-        wheelset wheel_speed [m/s], pressure [Pa], the command to its valve, and the adhesion that it used.
+        radius: of the wheels [m]. Columns: time [s]; speed [m/s]; braking_force of all wheelsets [N]; and for each
+        wheelset wheel_speed [m/s], pressure [Pa], the command to its valve, and the used adhesion.
         """
         asked = slice(0, -1)
         creep, load = self.creep_force[asked], self.axle_load[asked]
@@ -70,19 +70,19 @@ class History:
 
 
 class Notebook:
-    """Room in which the rig in C writes runs down, a row for each; `place` is what it is told.
+    """Memory for the histories of the rig in C, a row for each run; `place` is passed to the rig.
 
-    every: looks between two that are written down; period: time between two looks [s].
+    every: recording interval in samples; period: sampling period [s].
     """
 
     def __init__(self, rows: int, wheelsets: int, every: int, period: float) -> None:
-        room = math.ceil(LONGEST / (every * period)) + 2  # the first look and the last one
+        room = math.ceil(LONGEST / (every * period)) + 2  # the first and the last sample
         self._looks = np.zeros((rows, room, 3 + 6 * wheelsets))
         self._count = np.zeros(rows, np.int64)
         self.place = Notes(every, room, self._looks.ctypes.data, self._count.ctypes.data)
 
     def history(self, row: int) -> History:
-        """What was written down of the run in a row, copied."""
+        """Return a copy of the history of the run in a row."""
         looks = self._looks[row, : self._count[row]].copy()
         of_each = np.split(looks[:, 3:], 6, axis=1)
         time, speed, distance = looks[:, :3].T

@@ -15,9 +15,9 @@ AT_ONCE = 16
 
 @dataclass(frozen=True)
 class Names:
-    """What the FMU calls the speeds of the wheels, wheelset by wheelset, its valves, and the parameter for the period.
+    """Names in the FMU of the wheel speeds, wheelset by wheelset, its valves, and the parameter for the period.
 
-    values: of further parameters and inputs. period: empty where it has none.
+    values: of further parameters and inputs. period: empty if the FMU has no such parameter.
     """
 
     wheel_speed: tuple[str, ...]
@@ -28,10 +28,10 @@ class Names:
 
 @dataclass
 class InFmu:
-    """Makes controllers for machines with so many wheelsets, each an instance of one FMU; ended ones are used again.
+    """Makes controllers for vehicles with this number of wheelsets, each an instance of one FMU; ended ones are reused.
 
-    period: of its questions [s]. Raises ValueError for an FMU that lacks a variable, CosimulationError for one that
-    makes no instance.
+    period: sampling period [s]. Raises ValueError if the FMU lacks a variable, CosimulationError if it makes no
+    instance.
     """
 
     path: Path
@@ -60,17 +60,17 @@ class InFmu:
 
 
 class InstanceOfFmu:
-    """One run of the FMU: asked at a look, it makes the step to the next one, behind which its valves are read."""
+    """One run of the FMU: at a sampling instant it steps to the next one, and its valves are read after that."""
 
     def __init__(self, fmu: InFmu, slave: FmuInstance) -> None:
         self._fmu, self._slave, self._begun = fmu, slave, False
-        self.__name__ = fmu.path.name  # what a sentence calls it
+        self.__name__ = fmu.path.name  # its name in a message
 
     def __del__(self) -> None:
         self._fmu.free.append(self._slave)
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
-        """Valves, as `WheelSlideController` has them. Raises CosimulationError."""
+        """Return valve commands, as in `WheelSlideController`. Raises CosimulationError."""
         names, period = self._fmu.names, self._fmu.period
         speeds = dict(zip(names.wheel_speed, wheel_speeds, strict=True))
         if not self._begun:

@@ -1,10 +1,10 @@
-"""A machine that is given the log of its own run: cylinder pressures and wheel speeds drive it, its speed comes out.
+"""A vehicle driven by the log of its own run: cylinder pressures and wheel speeds are inputs, its speed is an output.
 
-Friction shows in how the speed falls while wheels slide. Wheels that slide at falling friction are unstable: run
-alone, a model with a little less friction than there was locks where the real wheels did not. So each wheelset is
-pulled to its measured speed, as the predictor of the prediction-error method does (Ljung 1999, System Identification,
-section 3.2) with a Luenberger observer as its gain. The pull is a torque on the wheelset; the vehicle feels it through
-the rail alone, and as far as friction lets it.
+Friction affects the deceleration while wheels slide. Sliding wheels are unstable if friction falls with slip: without
+feedback, a model with slightly too little friction locks wheels that did not lock. So each wheelset is pulled to its
+measured speed, as the predictor of the prediction-error method does (Ljung 1999, System Identification, section 3.2)
+with a Luenberger observer as its gain. The pull is a torque on the wheelset. It acts on the vehicle through the rail
+alone, within the limits of friction.
 """
 
 from __future__ import annotations
@@ -20,17 +20,16 @@ from products.machine import MACHINES, Machine
 from products.registry import fmu_named
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
 
-#: How fast a wheelset is pulled to its measured speed [1/s]; assumed: well above the rate at which a sliding wheel runs
-#: away, 1/s on the low rail, well below that of the creep which holds a rolling one.
+#: Rate at which a wheelset is pulled to its measured speed [1/s]; assumed: well above the rate at which a sliding wheel
+#: diverges, 1/s on the low rail, and well below that of the creep of a rolling one.
 TRACKING_RATE = 20.0
 
 
 @lru_cache
 def logged_machine(name: str) -> Model:
-    """The planar "bogie" or "coach" (also "vehicle"): inputs pressure_1 [Pa] and wheel_speed_1 [m/s] and so on.
+    """Return the planar "bogie" or "coach" (also "vehicle") with inputs pressure_1 [Pa], wheel_speed_1 [m/s] and so on.
 
-    full_torque is that of its full brake; friction_1 and so on are what a fit looks for. Raises KeyError for
-    another name.
+    full_torque is that of its full brake; friction_1 and so on can be fitted. Raises KeyError if the name is unknown.
     """
     if fmu_named(name) not in MACHINES:
         raise KeyError(f"There is no machine {name} with a log; {suggestion(name, MACHINES)}")
@@ -48,7 +47,7 @@ _COMMON = ("full_torque", "tracking_rate", "wheel_radius", "wheelset_pitch_inert
 
 
 def _wheelset(machine: Machine) -> System:
-    """From what was measured at a wheelset to its torques: J w' = ... + L J (w_measured - w), Luenberger (1971)."""
+    """Return the torques of a wheelset from measured data: J w' = ... + L J (w_measured - w), Luenberger (1971)."""
     system = System("logged_wheelset", "Torques of a wheelset whose pressure and speed were measured")
     pressure = system.input(Variable("pressure", "input", "Pa", "Measured pressure in the brake cylinder", minimum=0.0))
     speed = system.input(Variable("wheel_speed", "input", "m/s", "Measured circumferential speed of the wheels"))

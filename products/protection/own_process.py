@@ -1,4 +1,4 @@
-"""Runs of the test rig in a process of its own, which a controller in C or in an FMU may end or never leave."""
+"""Runs of the test rig in a separate process, which a controller in C or in an FMU may end or block."""
 
 from __future__ import annotations
 
@@ -24,36 +24,36 @@ from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 from products.protection.settings import Settings
 
-#: Processor time that the process may use without a sign of life [s], and wall time for it to begin [s].
+#: Limits of a process without a sign of life: processor time [s], and wall time until its first sign [s].
 PATIENCE, BEGINNING = 10.0, 300.0
-#: A call that gives one answer: its processor time, and its wall time [s].
+#: Limits of a call with one answer: processor time and wall time [s].
 LONGEST_CALL, LONGEST_WAIT = 120.0, 600.0
-#: So often the process looks at its processor time [s].
+#: Interval at which a process checks its processor time [s].
 TICK = 0.2
-#: So often a process that ends is begun again for the runs that are left.
+#: Number of attempts to restart a process for the remaining runs.
 TIMES = 3
-#: What a process sends first: what follows was made, it is done, it was given no controller, something else failed, or
-#: it used too much processor time.
+#: First item of a message: an intermediate result follows, the process is done, the controller is invalid, another
+#: error occurred, or the process used too much processor time.
 GIVEN, DONE, REFUSED, FAILED, LATE = range(5)
 Tell = Callable[[object], None]
 Result = TypeVar("Result")
 
 
 class NoControllerError(Exception):
-    """What was given is no controller; the text says why."""
+    """The controller is invalid; the text states the reason."""
 
 
 class EndedError(Exception):
-    """The process ended or took too long; the text says how, as "ended its process (SIGSEGV)"."""
+    """The process ended or took too long; the text states how, as "ended its process (SIGSEGV)"."""
 
 
 class SilentProcessError(EndedError):
-    """The process used little processor time and gave no answer for long: nothing is said of the controller."""
+    """The process used little processor time and gave no answer for long: the controller is not evaluated."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Of a process without a sign of life: processor time [s], wall time, and wall time until its first sign [s]."""
+    """Limits without a sign of life: processor time [s], wall time, and wall time until the first sign [s]."""
 
     used: float = PATIENCE
     guard: float = GUARD
@@ -62,12 +62,12 @@ class Limits:
 
 @dataclass(frozen=True)
 class Apart:
-    """A controller that is made in a process of its own; make: from the number of wheelsets and the period [s]."""
+    """A controller to be made in a separate process; make: takes the number of wheelsets and the period [s]."""
 
     make: Callable[[int, float], Form]
 
     def made(self, wheelsets: int, period: float) -> Form:
-        """The controller. Raises NoControllerError."""
+        """Return the controller. Raises NoControllerError."""
         try:
             return self.make(wheelsets, period)
         except Exception as error:  # a library and an FMU fail in many ways
@@ -76,7 +76,7 @@ class Apart:
 
 @dataclass(frozen=True)
 class Order:
-    """What a rig is made for; every: time between two looks that are written down [s], 0: none."""
+    """Arguments of a rig; every: recording interval [s], 0: no recording."""
 
     machine: Machine
     controller: Form | Apart
@@ -86,7 +86,7 @@ class Order:
     every: float = 0.0
 
     def rig(self) -> Rig:
-        """With the controller. Raises NoControllerError."""
+        """Return the rig with its controller. Raises NoControllerError."""
         form = self.controller
         if isinstance(form, Apart):
             form = form.made(len(self.machine.numbers), self.settings.period)
@@ -94,12 +94,27 @@ class Order:
 
 
 def runs_apart(order: Order, runs: Sequence[Run], limits: Limits | None = None) -> list[Stop]:
-    """A stop of each run, in their order, as `Rig.runs` has them.
+    """Run the stops in a separate process and return them in their order, as `Rig.runs` does.
 
-    All go on together at first. If the process ends or takes too long, they are made one by one, and the runs in which
-    it does so again have no distance and say why; their other numbers are those of brakes that stay applied. Where it
-    used little processor time they are not judged. Raises NoControllerError, and SimulationError if the simulation
-    fails.
+    At first all run together. If the process ends or takes too long, they are repeated one by one. Runs in which it
+    fails again have no distance, and a message with the reason; their other results are those of brakes that stay
+    applied. They are not evaluated if the process used little processor time.
+
+    Parameters
+    ----------
+    order : Order
+        Arguments of the rig.
+    runs : sequence of Run
+        Stops to run.
+    limits : Limits, optional
+        Time limits of the process.
+
+    Raises
+    ------
+    NoControllerError
+        If the controller is invalid.
+    SimulationError
+        If the simulation fails.
     """
     limits = limits or Limits()
     together, died = _made(order, runs, limits, alone=False)
@@ -118,7 +133,7 @@ def runs_apart(order: Order, runs: Sequence[Run], limits: Limits | None = None) 
 
 
 def _applied(order: Order, run: Run, died: EndedError, asked: bool = True) -> Stop:
-    """What comes of brakes that stay applied, which is no stop of the controller."""
+    """Return a stop with brakes that stay applied; it is not a stop of the controller."""
     [stop] = Rig(order.machine, None, order.settings, by_flow=order.by_flow, level=order.level).runs(
         [run], every=order.every
     )
@@ -131,7 +146,7 @@ def _applied(order: Order, run: Run, died: EndedError, asked: bool = True) -> St
 
 
 def _made(order: Order, runs: Sequence[Run], limits: Limits, alone: bool) -> tuple[list[Stop], EndedError | None]:
-    """The stops that a process made, and how it ended before the last."""
+    """Return the stops that a process made, and how it ended before the last."""
     stops: list[Stop] = []
     try:
         for some in _heard(_make, (order, list(runs), alone), limits):
@@ -142,9 +157,16 @@ def _made(order: Order, runs: Sequence[Run], limits: Limits, alone: bool) -> tup
 
 
 def called_apart(function: Callable[..., Result], *arguments: object) -> Result:
-    """What a function gives that is called in a process of its own.
+    """Call a function in a separate process and return its result.
 
-    Raises EndedError, NoControllerError, and SimulationError where anything else fails.
+    Raises
+    ------
+    EndedError
+        If the process ends or takes too long.
+    NoControllerError
+        If the controller is invalid.
+    SimulationError
+        If anything else fails.
     """
     limits = Limits(LONGEST_CALL, LONGEST_WAIT, LONGEST_WAIT)
     *_, found = _heard(_call, (function, arguments), limits)
@@ -152,13 +174,13 @@ def called_apart(function: Callable[..., Result], *arguments: object) -> Result:
 
 
 def _heard(target: Callable[..., None], arguments: tuple[object, ...], limits: Limits) -> Iterator[Any]:
-    """What a target tells in a process of its own. Raises EndedError, NoControllerError, SimulationError."""
-    with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # what a process that is ended leaves behind
+    """Yield the messages of a target in a separate process. Raises EndedError, NoControllerError, SimulationError."""
+    with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # files of a process that was killed
         yield from _told(target, arguments, limits, folder)
 
 
 def _told(target: Callable[..., None], arguments: tuple[object, ...], limits: Limits, folder: str) -> Iterator[Any]:
-    """The same; folder: of the process's temporary files."""
+    """Yield the same; folder: for the temporary files of the process."""
     context = get_context("spawn")
     here, there = context.Pipe(duplex=False)
     child = context.Process(target=_tell, args=(there, folder, target, arguments, limits.used), daemon=True)
@@ -192,41 +214,41 @@ def _told(target: Callable[..., None], arguments: tuple[object, ...], limits: Li
 
 
 def _end_of(code: int | None) -> str:
-    """In words, how a process ended."""
+    """Return in words how a process ended."""
     if code is not None and code < 0:
         return signal.Signals(-code).name
     return f"exit status {code}"
 
 
 class _Pipe:
-    """A pipe to the process that waits; what is sent is a sign of life."""
+    """A pipe to the waiting process; each message is a sign of life."""
 
     def __init__(self, pipe: Connection) -> None:
         self._pipe, self._lock = pipe, threading.Lock()
-        self._used = math.inf  # until the first sign: imports and compilers are not the controller's
+        self._used = math.inf  # until the first sign: imports and compilers do not count
 
     def send(self, kind: int, what: object = None) -> None:
-        """Send it, and start to count processor time anew."""
+        """Send a message, and restart the count of processor time."""
         with self._lock:
             self._pipe.send((kind, what))
             self._used = time.process_time()
 
     def watch(self, limit: float) -> None:
-        """Send LATE, once, where the process uses more than this much processor time [s] without a sign of life."""
+        """Send LATE, once, if the process uses more than this processor time [s] without a sign of life."""
         while time.process_time() - self._used <= limit:
             time.sleep(TICK)
-        with suppress(OSError):  # nobody waits any more
+        with suppress(OSError):  # the reader has ended
             self.send(LATE)
 
 
 def _tell(
     pipe: Connection, folder: str, target: Callable[..., None], arguments: tuple[object, ...], limit: float
 ) -> None:
-    """In the process: sends what the target tells, that it is done, or the sentence of what went wrong."""
+    """Run in the process: send the results of the target and its end, or an error message."""
     own = _Pipe(pipe)
     threading.Thread(target=own.watch, args=(limit,), daemon=True).start()
     try:
-        os.dup2(2, 1)  # what a controller prints
+        os.dup2(2, 1)  # output of a controller
         tempfile.tempdir = folder
         target(lambda one: own.send(GIVEN, one), *arguments)
         own.send(DONE)
@@ -237,7 +259,7 @@ def _tell(
 
 
 def _make(tell: Tell, order: Order, runs: Sequence[Run], alone: bool) -> None:
-    """Tells stops in lists, empty ones as a sign of life."""
+    """Send stops in lists, empty ones as a sign of life."""
     rig = order.rig()
     rig.prepare(runs)
     tell([])
@@ -246,6 +268,6 @@ def _make(tell: Tell, order: Order, runs: Sequence[Run], alone: bool) -> None:
 
 
 def _call(tell: Tell, function: Callable[..., object], arguments: tuple[object, ...]) -> None:
-    """Tells that it begins, and what the function gives."""
+    """Send a sign of the start, then the result of the function."""
     tell(None)
     tell(function(*arguments))

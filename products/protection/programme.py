@@ -1,4 +1,4 @@
-"""Programmes for the test rig as data: a TOML file with a case for each stop (programme.toml beside this file)."""
+"""Test suites for the test rig as data: a TOML file with a case for each stop (programme.toml in this folder)."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from rbd_model.track.friction import CONDITIONS
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
 
-#: Those that come along, by the names that the command line has for them: of stops, and of starts.
+#: Built-in suites, by their names on the command line: of stops, and of starts.
 PROGRAMMES = {"full": Path(__file__).with_name("programme.toml"), "starts": Path(__file__).with_name("starts.toml")}
 OWN = PROGRAMMES["full"]
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
 SPEED = re.compile(r"(\d{1,9}(?:\.\d{0,9})?|\.\d{1,9}) ?(m/s|km/h|)", re.ASCII)
 KNOWN = ("name", "rail", "friction", "speed", "strength", "load", "values", "fault", "equipment")
-#: Of its mass, how much a body may be loaded with [1].
+#: Limits of the ratio of a body's loaded mass to its own mass [1].
 LOADS = (0.2, 5.0)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A stop of a programme by its name; rail: name of its condition; load: mass of the body over its own.
+    """A stop of a test suite by its name; rail: name of its condition; load: mass of the body over its own.
 
-    equipment: as `Run` has it; with traction it is a start, to `speed`.
+    equipment: as in `Run`; with traction it is a start, to `speed`.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Case:
     equipment: tuple[str, ...] = ()
 
     def run(self, machine: Machine) -> Run:
-        """The stop of a machine. Raises ValueError for a fault of a wheelset that it has not."""
+        """Return the stop of a vehicle. Raises ValueError for a fault of an unknown wheelset."""
         wheelsets, body = len(machine.numbers), f"{machine.counted}_mass"
         mass = {} if self.load == 1.0 else {body: self.load * machine.parameters.values()[body]}
         for one in self.faults:
@@ -65,13 +65,13 @@ class Case:
 
 
 def four_rails() -> list[Case]:
-    """The rails of `products.protection.rails` as cases."""
+    """Return the rails of `products.protection.rails` as cases."""
     names = {make(): name for name, make in CONDITIONS.items()}
     return [Case(rail.name, names[rail.condition], values=rail.changes) for rail in RAILS]
 
 
 def speed_of(text: str | float) -> float:
-    """m/s of 25, "25m/s", "160 km/h". Raises ValueError."""
+    """Return the speed in m/s of 25, "25m/s" or "160 km/h". Raises ValueError."""
     found = SPEED.fullmatch(str(text).strip())
     speed = float(found[1]) * SPEEDS[found[2]] if found else 0.0
     if not 0.0 < speed <= FASTEST:
@@ -80,7 +80,15 @@ def speed_of(text: str | float) -> float:
 
 
 def read_programme(path: Path) -> list[Case]:
-    """The cases of a file. Raises ValueError with a sentence that names the file and the case, OSError."""
+    """Return the cases of a file.
+
+    Raises
+    ------
+    ValueError
+        If the file is invalid; the message names the file and the case.
+    OSError
+        If the file cannot be read.
+    """
     read = toml_of(path)
     if not isinstance(read.get("case"), list) or not read["case"]:
         raise ValueError(f"{path} has no [[case]]; give it one for each stop.")

@@ -1,28 +1,28 @@
-"""The rails on which wheel-slide protection is tried, and how a stop on them is judged."""
+"""Rails for tests of wheel-slide protection, and acceptance limits of a stop on them."""
 
 from dataclasses import dataclass
 
 from rbd_model.track.friction import RailCondition, dry, low, wet
 
-#: Slip ratio up to which a wheel counts as protected, and speed [m/s] above which it is looked at.
+#: Slip ratio up to which a wheel is protected, and speed [m/s] above which it is evaluated.
 BAND, ABOVE = 0.30, 3.0
 #: Speed above which a lock counts [m/s].
 LOCK_ABOVE = 0.3
-#: What is asked of a protection on a low rail: longest lock [s], share of the time in the band, and the stopping
-#: distance over that of the ideal. Assumed; 1.15 was met by sensors of 10000 pulses alone, real ones have 60 to 300.
+#: Requirements of a protection on a low rail: longest lock [s], share of the time in the slip band, and the stopping
+#: distance over that of the ideal. Assumed; only sensors of 10000 pulses met 1.15, real ones have 60 to 300.
 LONGEST_LOCK, SHARE, OVER_IDEAL = 0.4, 0.8, 1.25
 
 
 @dataclass(frozen=True)
 class RailCase:
-    """A rail: condition, and what changes along it (parameters of bogie and vehicle)."""
+    """A rail: its condition, and changes along it (parameters of bogie and vehicle)."""
 
     name: str
     condition: RailCondition
     changes: tuple[tuple[str, float], ...] = ()
 
     def values(self, wheelsets: int = 2) -> dict[str, float]:
-        """Inputs and parameters by name."""
+        """Return inputs and parameters by name."""
         return self.condition.values(wheelsets) | dict(self.changes)
 
 

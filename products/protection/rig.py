@@ -1,7 +1,7 @@
-"""The test rig: many braked machines at once, each with sensors, a wheel-slide controller and a score.
+"""The test rig: many braked vehicles at once, each with sensors, a wheel-slide controller and a score.
 
-Vehicle and cylinders are one composed system; between its steps, sensors, controllers in C and scores are C too
-(brake_controller/rig/). A controller in Python is asked between the same steps.
+Vehicle and cylinders are one composed system. Between its steps, sensors, controllers in C and scores are computed in C
+(brake_controller/rig/). A controller in Python is called between the same steps.
 """
 
 from __future__ import annotations
@@ -55,45 +55,60 @@ from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LO
 from products.protection.runs import SENSOR_FAILURES, Run, Stop
 from products.protection.settings import BRAKE_START, GAS, LONGEST, STANDING, Settings
 
-#: Looks between two glances at which runs have ended; so many at most go on for nothing.
+#: Sampling instants between two checks for ended runs; an ended run advances at most this many further.
 GLANCE = 100
-#: Processor time that one answer of a function of arrays may use [s].
+#: Processor time limit of one step of a controller on arrays [s].
 PATIENCE_WITH_ARRAYS = 10.0
-#: After so many runs in which a controller gave no answer it is not asked in the others.
+#: After this number of runs without an answer a controller is not called in the others.
 SILENCES = 3
-#: Speed from which a machine with traction starts [m/s].
+#: Initial speed of a vehicle with traction [m/s].
 START_SPEED = 1.0
 
 
 def not_asked(who: str) -> NotJudgedError:
-    """Say that a controller is not judged which gave no answer in other runs."""
+    """Return the error of a controller that is not evaluated because it gave no answer in other runs."""
     return NotJudgedError(f"{who} gave no answer in {SILENCES} runs; it was not asked again and is not judged here.")
 
 
 def commands_of(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
-    """An answer of shape (rows, wheelsets) as commands, and the rows that have nothing but 0, 1 and 2."""
+    """Return an answer of shape (rows, wheelsets) as commands, and a mask of rows that contain only 0, 1 and 2."""
     if answer.dtype.kind not in "iuf":
         return np.zeros(answer.shape, np.int32), np.zeros(len(answer), bool)
-    with np.errstate(invalid="ignore"):  # no number
+    with np.errstate(invalid="ignore"):  # not a number
         commands = answer.astype(np.int32)
     return commands, ((commands == answer) & (commands >= APPLY) & (commands <= VENT)).all(axis=1)
 
 
 @dataclass(frozen=True)
 class Beginning:
-    """What the rig in C is told of a run: its last speed [m/s], and what is wrong with each wheelset."""
+    """Start values of a run for the rig in C: its last speed [m/s], and the faults of each wheelset."""
 
     end_speed: float
     wheelsets: ctypes.Array[Wheelset]
 
 
 class Rig:
-    """Stops of one machine under one controller, many at once.
+    """Many stops at once of one vehicle under one controller.
 
-    by_flow: cylinders are filled by flow of air from a reservoir that empties, through valves that take their time.
-    level: 2 in the plane, 3 in space, which costs 4 to 5 times as much. equipment: what else the machine has, as `Run`
-    has it; with traction it has no cylinders, and starts in place of stopping.
-    step: length of the steps of the integration [s], of which a period is a multiple; 0: chosen by the error.
+    Parameters
+    ----------
+    machine : Machine
+        Vehicle with its brakes.
+    form : Form
+        Controller.
+    settings : Settings
+        Settings of the test rig.
+    by_flow : bool
+        Fill cylinders by flow of air from a reservoir of limited volume, through valves with switching times.
+    level : int
+        2: planar model, 3: 3D model, which costs 4 to 5 times as much.
+    step : float
+        Integration step [s], of which a period is a multiple; 0: adaptive step size.
+    threads : int, optional
+        Number of threads; by default the number of processors.
+    equipment : iterable of str
+        Additional equipment of the vehicle, as in `Run`. A vehicle with traction has no cylinders, and starts instead
+        of stopping.
     """
 
     def __init__(
@@ -123,14 +138,25 @@ class Rig:
         self._outputs += ["air_taken", "reservoir_pressure"] if self.by_flow else []
 
     def stops(self, rails: Sequence[Mapping[str, float]]) -> list[Stop]:
-        """A stop on each rail (inputs and parameters of the vehicle), in their order."""
+        """Run a stop on each rail (inputs and parameters of the vehicle); return the stops in their order."""
         return self.runs([Run(rail) for rail in rails])
 
     def runs(self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None, every: float = 0.0) -> list[Stop]:
-        """A stop of each run, in their order, each with its own equipment beside that of the rig.
+        """Run the stops, each with its own equipment in addition to that of the rig; return them in their order.
 
-        goes_on: called every now and then. every: about this time lies between two looks that the history of a stop
-        has [s]; 0: there is none. Raises ValueError for what the machine has not: a value, the fault of a wheelset.
+        Parameters
+        ----------
+        runs : sequence of Run
+            Stops to run.
+        goes_on : callable
+            Called regularly during the runs.
+        every : float
+            Approximate recording interval of the history of a stop [s]; 0: no history.
+
+        Raises
+        ------
+        ValueError
+            If the vehicle does not have a value or a wheelset of a run.
         """
         kinds = [in_order({*self.equipment, *run.equipment}) for run in runs]
         stops: list[Stop | None] = [None] * len(runs)
@@ -143,11 +169,11 @@ class Rig:
         return [one for one in stops if one is not None]
 
     def _with(self, equipment: Iterable[str]) -> Rig:
-        """The same rig with other equipment."""
+        """Return the same rig with other equipment."""
         return Rig(self.machine, self.form, self.settings, equipment=equipment, **self._asked)
 
     def _alike(self, runs: Sequence[Run], goes_on: Callable[[], None], every: float) -> list[Stop]:
-        """A stop of each run with the rig's own equipment."""
+        """Return a stop for each run with the rig's own equipment."""
         looks = max(1, round(every / self.settings.period)) if every else 0
         found: list[Stop | None] = [None] * len(runs)
         count = min(len(runs), at_once(self.form))
@@ -173,12 +199,12 @@ class Rig:
         return [one for one in found if one is not None]
 
     def prepare(self, runs: Sequence[Run]) -> None:
-        """Compile, or load, the machines of these runs."""
+        """Compile, or load, the equations of these runs."""
         for kind in {in_order({*self.equipment, *run.equipment}) for run in runs}:
             machine_library(self._with(kind).machine, self._level)
 
     def instances(self, count: int, start: Mapping[str, Any]) -> Instances:
-        """So many machines with these first values, a number for all or one for each."""
+        """Return `count` instances with these initial values, one number for all or one for each."""
         library = machine_library(self.machine, self._level)
         return Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start)
 
@@ -190,7 +216,7 @@ class Rig:
         count: int,
         goes_on: Callable[[], None],
     ) -> Iterator[tuple[int, int]]:
-        """Rows that have ended, with the numbers of their runs; each then takes the next run that waits."""
+        """Yield rows that have ended, with the numbers of their runs; each row then takes the next waiting run."""
         runs = dict(enumerate(range(count)))
         waiting = iter(range(count, len(values)))
         loop.begin({row: beginnings[number] for row, number in runs.items()})
@@ -207,7 +233,7 @@ class Rig:
             loop.begin({row: beginnings[number] for row, number in begun.items()})
 
     def beginning(self, run: Run) -> Beginning:
-        """What the rig in C is told of a run. Raises ValueError for a fault of a wheelset that is not there."""
+        """Return the start values of a run for the rig in C. Raises ValueError for a fault of an unknown wheelset."""
         end = (self.settings.speed if run.speed is None else run.speed) if self.driven else STANDING
         return Beginning(end, self._faults(run))
 
@@ -225,7 +251,7 @@ class Rig:
         return each
 
     def values(self, run: Run) -> dict[str, float]:
-        """What the machine of a run begins with."""
+        """Return the initial values and parameters of a run."""
         s = self.settings
         strength = s.strength if run.strength is None else run.strength
         first = {one.name: one.start for one in self.model.variables}
@@ -250,10 +276,10 @@ class Rig:
 
 
 class Loop:
-    """A rig in C beside the instances that it stands between.
+    """A rig in C with its instances.
 
-    A controller in Python sees `time` [s], shape (count,), and `speeds` [m/s], and sets `valves`, both of shape (count,
-    wheelsets), the same arrays at every turn; `score` has shape (count,).
+    A controller in Python reads `time` [s], shape (count,), and `speeds` [m/s], and sets `valves`, both of shape
+    (count, wheelsets), the same arrays at every step; `score` has shape (count,).
     """
 
     def __init__(self, rig: Rig, instances: Instances) -> None:
@@ -305,7 +331,7 @@ class Loop:
         self.call.rig_free(self.own)
 
     def begin(self, rows: Mapping[int, Beginning]) -> None:
-        """Runs begin in these rows."""
+        """Begin runs in these rows."""
         if not rows:
             return
         form = self.rig.form
@@ -320,12 +346,12 @@ class Loop:
             form.controller.start(np.array(list(rows)), self.count, self.wheelsets, self.rig.settings.period)
         elif form is not None and not isinstance(form, InC | Outside):
             for row in rows:
-                self.each[row] = None  # first the one before ends: an FMU may allow no second instance
+                self.each[row] = None  # the previous one ends first: an FMU may not allow a second instance
                 self.each[row] = Supervised(form(), self.wheelsets, PATIENCE, GUARD)
         self._look(rows)
 
     def _look(self, rows: Iterable[int]) -> None:
-        """The first look of rows that begin; for a controller in C it is made with its first answer."""
+        """Take the first sample of new rows; for a controller in C this happens together with its first step."""
         shown, status = self.instances.shown, self.instances.status
         for row in rows:
             self.instances.look(row, row + 1)
@@ -333,7 +359,7 @@ class Loop:
                 self.call.rig_look(self.own, row, int(status[row]), shown[row].ctypes.data)
 
     def go_on(self, looks: int) -> None:
-        """So many looks and the steps behind them."""
+        """Advance by `looks` sampling instants with the integration after each."""
         form, period = self.rig.form, self.rig.settings.period
         if self.in_c:
             self.instances.control(period, looks, self.call.rig_between, self.own)
@@ -346,11 +372,11 @@ class Loop:
             self.turn()
 
     def turn(self) -> None:
-        """Takes `valves`, goes on by a period, and looks: all of it in C, in the threads of the instances."""
+        """Apply `valves`, advance by one period and sample, all in C and in the threads of the instances."""
         self.instances.control(self.rig.settings.period, 2, self.call.rig_take_or_look, self.own)
 
     def _ask_all(self) -> None:
-        """Ask a function of arrays, unless every run that goes on has been given up."""
+        """Call a controller on arrays, unless all running rows have failed."""
         assert isinstance(self.rig.form, Arrays)
         running = np.flatnonzero(self.score["state"] == RUNS).tolist()
         if self.sentences.keys() >= set(running):
@@ -364,7 +390,7 @@ class Loop:
                 self._give_up(row, error)
 
     def _asked_of_all(self, controller: ManyControllers, *given: NDArray[np.float64]) -> ControllerError | None:
-        """Take the answer of a function of arrays; why it has none, if so."""
+        """Apply the answer of a controller on arrays; return the reason if there is no valid answer."""
         name, at, limit = f"The controller {type(controller).__name__}", float(self.time.max()), PATIENCE_WITH_ARRAYS
         if self.silences >= SILENCES:
             return not_asked(name)
@@ -384,7 +410,7 @@ class Loop:
         return ControllerError(words + "the brake stays applied.")
 
     def _take_all(self, answer: NDArray[np.integer]) -> None:
-        """Commands of all rows; those of a row with another than 0, 1 and 2 are none."""
+        """Apply the commands of all rows, except rows with values other than 0, 1 and 2."""
         commands, good = commands_of(answer)
         self.valves[good] = commands[good]
         for row in np.flatnonzero(~good & (self.score["state"] == RUNS)).tolist():
@@ -395,7 +421,7 @@ class Loop:
             self._give_up(row, ControllerError(words))
 
     def _give_up(self, row: int, error: ControllerError) -> None:
-        """The brake of a row stays applied; the first sentence counts."""
+        """Keep the brake of a row applied; the first message counts."""
         if row not in self.sentences and isinstance(error, NotJudgedError):
             self.not_judged.add(row)
         self.sentences.setdefault(row, str(error))
@@ -437,7 +463,7 @@ class Loop:
             self._give_up(row, error)
 
     def stop(self, row: int) -> Stop:
-        """What the run in a row came to."""
+        """Return the result of the run in a row."""
         one, by_flow, driven = self.score[row], self.rig.by_flow, self.rig.driven
         said = self.sentences.get(row, "") or self._failure(one)
         stands = one["state"] == DONE and math.isnan(one["failed_at"])

@@ -75,21 +75,21 @@ SCORE = np.dtype(
     align=True,
 )
 RUNS, DONE, TOO_LONG, LOST = range(4)
-#: In place of a valve: RIG_BEYOND.
+#: Instead of the number of a valve: RIG_BEYOND.
 BEYOND = -1
 
 
-#: The library in the folder of what a release has compiled.
+#: The library in the folder of a release's compiled files.
 SHIPPED = "rig/rig"
 
 
 def controlled() -> dict[str, str]:
-    """Return the C of the sensors and of the protection that comes with the brake, by file name."""
+    """Return the C of the sensors and of the built-in protection, by file name."""
     return {name: (RIG / name).read_text(encoding="utf-8") for name in ("encoder.c", "encoder.h")} | slide_sources()
 
 
 def sources() -> dict[str, str]:
-    """Return the C of the rig with its sensors and the protection that comes with the brake, by file name."""
+    """Return the C of the rig with its sensors and the built-in protection, by file name."""
     return {name: (RIG / name).read_text(encoding="utf-8") for name in ("rig.c", "rig.h")} | controlled()
 
 
@@ -107,7 +107,7 @@ def library() -> Path:
 
 @lru_cache
 def slide_protection() -> InC:
-    """Return the protection that comes with the brake, with its common thresholds. Raises CompilerError."""
+    """Return the built-in protection with its default thresholds. Raises CompilerError."""
     return InC(library())
 
 

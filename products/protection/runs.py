@@ -1,4 +1,4 @@
-"""What the test rig is asked for, and what it answers: runs with their faults, and stops."""
+"""Input and output of the test rig: runs with their faults, and stops."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from products.machine import TRACTION, in_order
 from products.protection.history import History
 from products.protection.settings import FASTEST, LONGEST
 
-#: How a sensor may fail, by the numbers of rig.h.
+#: Failures of a sensor, with the numbers in rig.h.
 SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
 
 
 @dataclass(frozen=True)
 class Fault:
-    """What is wrong with one wheelset, by its number.
+    """Faults of one wheelset, by its number.
 
-    radius: what its wheels' radius is taken for, over the true one. sensor: one of SENSOR_FAILURES, from a time on [s];
-    valve_from: when its valve begins to stay where it is [s]. Raises ValueError for what cannot be.
+    radius: assumed wheel radius over the true one. sensor: one of SENSOR_FAILURES, from `sensor_from` on [s].
+    valve_from: time from which its valve keeps its position [s]. Raises ValueError if a value is invalid.
     """
 
     wheelset: int
@@ -48,8 +48,8 @@ class Fault:
 class Run:
     """One stop: inputs and parameters of the vehicle; speed [m/s] and strength, by default those of the settings.
 
-    equipment: what the machine has, some of EQUIPMENT. With traction a run is no stop: it ends as it comes to `speed`.
-    phase: share of a tooth by which the wheels of all sensors are turned at the first look, 0 to below 1.
+    equipment: some of EQUIPMENT. With traction a run is a start: it ends when the vehicle reaches `speed`. phase:
+    initial angle of the wheels of all sensors as a share of a tooth, 0 to below 1.
     """
 
     values: Mapping[str, float]
@@ -69,21 +69,42 @@ class Run:
 
     @property
     def driven(self) -> bool:
-        """Whether motors drive the machine."""
+        """True if motors drive the vehicle."""
         return TRACTION in self.equipment
 
 
 @dataclass(frozen=True)
 class Stop:
-    """What a run came to.
+    """Result of a run.
 
-    distance [m]: None where it did not stop, or driven did not come to its speed, or its controller failed; end_speed
-    [m/s] and time [s]: of its end; longest_lock [s], above the speed at which locks count; driven it is that of a
-    wheelset that turns at more than twice the speed; longest_skid: way of a locked wheelset at any speed [m];
-    share_in_band: of the braked time, with all slips in the band; air: what all cylinders took [kg]; sliding: energy
-    between the wheels of each wheelset and the rails [J]; lowest_reservoir: pressure [Pa], None without a reservoir;
-    commands: how often a valve was told anything but to apply; said: a sentence; judged: False if the controller gave
-    no answer for long, so that nothing is said of it; history: where it was asked for.
+    Attributes
+    ----------
+    distance : float or None
+        Distance [m]. None if the vehicle did not stop, did not reach its speed under traction, or if its controller
+        failed.
+    end_speed, time : float
+        Speed [m/s] and time [s] at the end.
+    longest_lock : float
+        Longest locking time above the speed at which locks count [s]. With traction: of a wheelset that turns at more
+        than twice the speed.
+    longest_skid : float
+        Longest distance of a locked wheelset at any speed [m].
+    share_in_band : float
+        Share of the braked time with all slips in the slip band.
+    air : float
+        Air that all cylinders used [kg].
+    sliding : tuple of float
+        Energy of sliding between the wheels of each wheelset and the rails [J].
+    lowest_reservoir : float or None
+        Lowest pressure of the reservoir [Pa]; None without a reservoir.
+    commands : int
+        Number of commands other than apply.
+    said : str
+        Message.
+    judged : bool
+        False if the controller gave no answer for long and is therefore not evaluated.
+    history : History or None
+        The history, if recorded.
     """
 
     distance: float | None
@@ -102,20 +123,20 @@ class Stop:
 
     @property
     def words(self) -> str:
-        """The distance in metres, or why there is none."""
+        """The distance in metres, or the reason why it is missing."""
         return self.said.removesuffix(".") if self.distance is None else f"{self.distance:.0f} m"
 
     def note(self, source: str) -> str:
-        """The source of a row of a table, with a sentence where there is no distance."""
+        """Return the source of a row of a table, with a message if the distance is missing."""
         return source if self.distance is not None else f"{self.words}; {source}"
 
     def over(self, other: float | None) -> float | None:
-        """The distance over another [m]; None where one of them is missing."""
+        """Return the distance over another [m]; None if one of them is missing."""
         return None if self.distance is None or other is None else self.distance / other
 
     @property
     def course(self) -> History:
-        """The history. Raises ValueError where none was asked for."""
+        """The history. Raises ValueError if it was not recorded."""
         if self.history is None:
             raise ValueError("This stop has no history; give the rig's runs a time between its looks.")
         return self.history

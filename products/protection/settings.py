@@ -10,29 +10,29 @@ from products.machine import APPLICATION_TIME
 
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0
-#: A controller is asked at least so often [s], and no part of a run is shorter.
+#: Longest and shortest period of a controller [s]; no part of a run is shorter than the latter.
 LONGEST_PERIOD, SHORTEST_PERIOD = 1.0, 1e-5
-#: At most: speed at the start [m/s], torque over that of the full brake, time to full torque [s], teeth, and standard
-#: deviation of a tooth's place, as a share of the pitch: above it teeth change places.
+#: Upper limits: initial speed [m/s], torque over that of the full brake, time to full torque [s], teeth, and standard
+#: deviation of a tooth's position, as a share of the pitch: above it teeth change places.
 FASTEST, STRONGEST, SLOWEST_BRAKE, MOST_PULSES, MOST_JITTER = 100.0, 5.0, 60.0, 10_000, 0.5
 LIMITS = {
     "speed": (FASTEST, "m/s"),
-    "strength": (20.0 * STRONGEST, "1"),  # a brake that locks all wheels at once, to look at what they do then
+    "strength": (20.0 * STRONGEST, "1"),  # a brake that locks all wheels at once, to test locked wheels
     "application_time": (SLOWEST_BRAKE, "s"),
     "period": (LONGEST_PERIOD, "s"),
 }
 #: Gas constant times temperature of air [J/kg].
 GAS = 287.0 * 293.0
-#: Speed at which a machine counts as standing [m/s].
+#: Speed at which a vehicle is considered to stand [m/s].
 STANDING = 0.02
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a stop is run: speed [m/s], the controller's period [s], encoder, and the brake.
+    """Settings of a stop: speed [m/s], the controller's period [s], encoder, and the brake.
 
-    strength: torque over that of the full service brake; application_time [s] to 95 % of it. pulses, jitter: as
-    `Encoder` has them. Raises ValueError for what cannot be.
+    strength: torque over that of the full service brake; application_time [s] to 95 % of it. pulses, jitter: as in
+    `Encoder`. Raises ValueError if a value is out of its limits.
     """
 
     speed: float = 25.0

@@ -1,4 +1,4 @@
-"""A controller in C, or of many machines, as an object with `step` for one machine, without a rig around it."""
+"""A controller in C, or on arrays, as an object with `step` for one vehicle without a rig."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _STEP = ctypes.CFUNCTYPE(
 
 
 class OneInC:
-    """A controller of so many wheelsets with its own memory; period between two of its steps [s]."""
+    """A controller of this number of wheelsets with its own memory; period: of its steps [s]."""
 
     def __init__(self, form: InC, wheelsets: int, period: float) -> None:
         functions = form.functions(wheelsets)
@@ -27,9 +27,9 @@ class OneInC:
         _START(functions.start)(self.memory, wheelsets, period)
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
-        """Valve commands of all wheelsets from their speeds [m/s]; those before stay where it sets none.
+        """Return valve commands of all wheelsets from their speeds [m/s]; a valve that is not set keeps its command.
 
-        Raises ValueError for another number of speeds.
+        Raises ValueError if the number of speeds is wrong.
         """
         if len(wheel_speeds) != self.wheelsets:
             raise ValueError(f"wheel_speeds must be {self.wheelsets} numbers; got {len(wheel_speeds)}.")
@@ -38,13 +38,13 @@ class OneInC:
 
 
 class OneOfMany:
-    """A controller of many machines that has one, with so many wheelsets; period between two of its steps [s]."""
+    """A controller on arrays with one vehicle of this number of wheelsets; period: of its steps [s]."""
 
     def __init__(self, form: Arrays, wheelsets: int, period: float) -> None:
         self._many = form.controller
         self._many.start(np.array([0]), 1, wheelsets, period)
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
-        """Valve commands of all wheelsets from their speeds [m/s]."""
+        """Return valve commands of all wheelsets from their speeds [m/s]."""
         [valves] = np.asarray(self._many.step(np.array([time]), np.array([wheel_speeds]))).tolist()
         return list(valves)

@@ -1,4 +1,4 @@
-"""The wheel-slide protection that comes with the brake, one object for one vehicle: its C as Python calls it."""
+"""The built-in wheel-slide protection, one object for one vehicle: its C as called from Python."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from products.protection.single_controller import OneInC
 
 
 class SlideProtection:
-    """Holds the slip of each wheelset in a band around that of the best adhesion, once there is evidence of sliding.
+    """Keeps the slip of each wheelset near that of the best adhesion, once sliding is detected.
 
-    What it does stands in brake_controller/rig/slide_protection.c; docs/controller.md explains it. A wheel-slide
-    controller (`WheelSlideController`) for as many wheelsets as the first step has speeds. Copies and pickles go on
-    where it stood. parameters: thresholds, by default `common_protection()`. Raises CompilerError if the C is not
-    compiled and cannot be.
+    The algorithm is in brake_controller/rig/slide_protection.c; docs/controller.md explains it. It is a wheel-slide
+    controller (`WheelSlideController`) for as many wheelsets as the first step has speeds. Copies and pickles include
+    its state. parameters: thresholds, by default `common_protection()`. Raises CompilerError if the C cannot be
+    compiled.
     """
 
     def __init__(self, parameters: SlideProtectionParameters | None = None) -> None:
@@ -42,12 +42,12 @@ class SlideProtection:
 
     @property
     def reference(self) -> float:
-        """Reference speed [m/s]."""
+        """The reference speed [m/s]."""
         return float(rig_in_c.functions().slide_reference(self._one.memory)) if self._one else 0.0
 
     @property
     def believed(self) -> list[bool]:
-        """Whether the sensor of each wheelset is believed."""
+        """True for each wheelset with a valid sensor."""
         if self._one is None:
             return []
         believes, memory = rig_in_c.functions().slide_believes, self._one.memory

@@ -1,7 +1,7 @@
-"""Which depth of the brake a scene needs: the cheapest whose errors are below what is asked.
+"""Choice of a brake model: the cheapest whose errors are below the required values.
 
-Errors are the largest that the scenario `train-depths` found on trains of 300 and 900 m, rounded up; it holds them
-against trains of 400 and 1200 m.
+Errors are the largest in the scenario `train-depths` for trains of 300 and 900 m, rounded up. The scenario checks them
+with trains of 400 and 1200 m.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from readers.tables import number_of
 
 @dataclass(frozen=True)
 class Depth:
-    """A depth with what it errs by at most: of the stopping distance and of the largest compression [1].
+    """A brake model with its largest relative errors of the stopping distance and of the largest compression [1].
 
-    releases: whether it says when brakes are released; longest: train for which this holds [m].
+    releases: whether it models released brakes; longest: longest train for which the errors apply [m].
     """
 
     settings: Settings
@@ -28,7 +28,7 @@ class Depth:
     longest: float = 1500.0
 
 
-#: From the cheapest to the dearest.
+#: In the order of their costs.
 DEPTHS_BY_COST = {
     "delay": Depth(Settings("delay", cells=1.0), 0.02, 0.15, False, 300.0),
     "empirical, half a cell": Depth(Settings("empirical", cells=0.5, share=0.8), 0.025, 0.06, False),
@@ -40,9 +40,21 @@ DEPTHS_BY_COST = {
 
 
 def smallest(consist: Consist, distance: float = 0.01, force: float = 0.05, releases: bool = False) -> Settings:
-    """The cheapest settings for a consist with which distance and largest compression err by no more than asked [1].
+    """Return the cheapest settings for a consist within the required relative errors [1].
 
-    releases: whether the scene looks at brakes that are released and charged again. Raises ValueError.
+    Parameters
+    ----------
+    consist : Consist
+        The train.
+    distance, force : float
+        Allowed relative errors of the stopping distance and of the largest compression [1].
+    releases : bool
+        Whether brakes are released and charged again.
+
+    Raises
+    ------
+    ValueError
+        If an error is not at least 0, or if no brake model suffices.
     """
     for name, value in (("distance", distance), ("force", force)):
         if not 0.0 <= number_of(value) < math.inf or isinstance(value, str):

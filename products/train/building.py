@@ -25,9 +25,9 @@ def build_train(
     settings: Settings | None = None,
     all_platforms: bool = False,
 ) -> list[str]:
-    """OUT/KIND/TrainDynamics.fmu of a consist on a line, by default 20 wagons; the problems that fmpy finds.
+    """Write OUT/KIND/TrainDynamics.fmu of a consist on a line, by default 20 wagons; return the problems found by fmpy.
 
-    Raises ValueError with one sentence, OSError, CompilerError.
+    Raises ValueError, OSError, CompilerError.
     """
     own = read_consist(consist) if consist else block_train(20)
     along = read_line(line) if line else None
@@ -51,7 +51,10 @@ def build_train(
 
 
 def build_coupler(out: Path, kinds: Sequence[str], coupler: str = "screw", all_platforms: bool = False) -> list[str]:
-    """OUT/KIND/Coupler.fmu of a ready coupler; the problems that fmpy finds. Raises OSError, CompilerError."""
+    """Write OUT/KIND/Coupler.fmu of a built-in coupler; return the problems found by fmpy.
+
+    Raises OSError, CompilerError.
+    """
     problems = []
     for kind in kinds:
         begin, path = time.perf_counter(), out / kind / f"{COUPLER}.fmu"

@@ -28,7 +28,7 @@ from rbd_model.train.vehicle import GRAVITY, MOTION
 
 #: Hose at each end of a vehicle [m], as train simulators print it.
 HOSE = 0.62
-#: Mass of what turns at the rim, over the vehicle's, as RailProfAC's shunting stops have it.
+#: Mass of rotating parts at the rim, relative to the vehicle's, as in RailProfAC's shunting stops.
 ROTATING = 0.04
 #: Masses without a load [kg].
 WAGON, LOCOMOTIVE, COACH = 20e3, 84e3, 46e3
@@ -42,10 +42,10 @@ _BRAKING = braking()
 class TrainVehicle:
     """A vehicle: masses [kg], lengths [m], resistance a + b v + c v^2 [N, N.s/m, N.s2/m2].
 
-    braked_share: of its weight on braked wheels. distributor_at: where it takes air, as a share of its length. valve:
-    of a driver, at its front end (at its back end where it is the last); leads: it is the head's; valve_delay: how
-    long it follows the first valve of the train behind it [s], below 0: it does not. leak: effective area of the leaks
-    of its pipe [m2]; branch: what its branches hold [m3].
+    braked_share: share of its weight on braked wheels. distributor_at: position of its distributor, as a share of its
+    length. valve: driver's valve, at its front end (at its back end in the last vehicle); leads: whether it is the
+    head's; valve_delay: delay after the first valve of the train [s], below 0: it does not follow. leak: effective area
+    of the leaks of its pipe [m2]; branch: volume of its branches [m3].
     """
 
     kind: str
@@ -76,8 +76,9 @@ class TrainVehicle:
 
     @property
     def percentage(self) -> float:
-        """Brake weight percentage [%] of its full cylinders from 100 km/h: S = T v + int m v / (F + R) dv (EN
-        14531-1).
+        """Brake weight percentage [%] of its full cylinders from 100 km/h.
+
+        S = T v + int m v / (F + R) dv (EN 14531-1).
         """
         full = self.distributor.full_pressure + AMBIENT
         given = list(self.brake.values().values())
@@ -87,20 +88,24 @@ class TrainVehicle:
 
     @property
     def pipe_length(self) -> float:
-        """Of its pipe with both hoses [m]."""
+        """Length of its pipe with both hoses [m]."""
         return self.length + 2 * HOSE
 
 
 def freight_resistance(mass: float) -> tuple[float, float, float]:
-    """Of a wagon: 1.6e-3 + 5.7e-3 (v / 27.8)^2 of its weight, as RailProfAC's shunting stops have it."""
+    """Return the resistance of a wagon.
+
+    1.6e-3 + 5.7e-3 (v / 27.8)^2 of its weight, as in RailProfAC's shunting stops.
+    """
     weight = mass * GRAVITY
     return (1.6e-3 * weight, 0.0, 5.7e-3 * weight / 27.8**2)
 
 
 def braked_by(percentage: float, mass: float, resistance: Sequence[float] = (0.0, 0.0, 0.0)) -> VehicleBrake:
-    """Shoes of constant friction that give a mass [kg] a brake weight percentage [%] at 3.8 bar (UIC 544-1).
+    """Return shoes of constant friction that give a mass [kg] a brake weight percentage [%] at 3.8 bar (UIC 544-1).
 
-    With a resistance (a, b, c) it stops where the percentage says all the same: the shoes leave it what it takes.
+    A resistance (a, b, c) does not change the stopping distance of the percentage: the force of the shoes is reduced by
+    it.
     """
     mean = force_of_percentage(percentage, (1 + ROTATING) * mass, FROM_100)
     way = (1 + ROTATING) * mass * FROM_100.speed**2 / (2 * mean)
@@ -119,23 +124,26 @@ def braked_by(percentage: float, mass: float, resistance: Sequence[float] = (0.0
     )
 
 
-#: From rest to the speed of the assessment [m/s].
+#: Speeds from rest to that of the assessment [m/s].
 SPEEDS = np.linspace(0.0, FROM_100.speed, 401)
 
 
 def braking_way(force: NDArray[np.float64], turning_mass: float, resistance: Sequence[float]) -> float:
-    """Way [m] under forces at SPEEDS [N] and a resistance a + b v + c v^2, int m v / F dv (EN 14531-1)."""
+    """Return the braking distance [m], int m v / F dv (EN 14531-1).
+
+    F: forces at SPEEDS [N] and a resistance a + b v + c v^2.
+    """
     a, b, c = resistance
     whole = force + a + b * SPEEDS + c * SPEEDS**2
     return float(np.trapezoid(turning_mass * SPEEDS / whole, SPEEDS))
 
 
 def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> TrainVehicle:
-    """Four-axle wagon of 20 t and 14 m with 16 composite blocks; load [kg].
+    """Return a four-axle wagon of 20 t and 14 m with 16 composite blocks; load [kg].
 
     Cylinder of 406 mm, rigging of ratio 5.65 and efficiency 0.83, return force 1500 N: those of RailProfAC's shunting
-    stops. Assumed: up to 40 t it brakes with two fifths of that (a lever for empty
-    and loaded); with continuous weighing as its mass is of 80 t.
+    stops. Assumed: up to 40 t it brakes with two fifths of that (a lever for empty and loaded); with continuous
+    weighing the brake force is in proportion to its mass over 80 t.
     """
     mass = WAGON + load
     weighed = mass / 80e3 if weighing == "continuous" else 1.0 if mass > 40e3 else 0.4
@@ -152,7 +160,10 @@ def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> T
 
 
 def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
-    """Four-axle locomotive of 84 t and 19 m with a driver's valve. Assumed: a brake weight percentage of 85 %."""
+    """Return a four-axle locomotive of 84 t and 19 m with a driver's valve.
+
+    Assumed: a brake weight percentage of 85 %.
+    """
     mass = LOCOMOTIVE + load
     resistance = freight_resistance(mass)
     return TrainVehicle(
@@ -167,14 +178,14 @@ def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
 
 
 def coach(load: float = 0.0, position: str = "P") -> TrainVehicle:
-    """Coach of 46 t and 26.4 m with discs. Assumed: a brake weight percentage of 135 %, whatever its load."""
+    """Return a coach of 46 t and 26.4 m with discs. Assumed: a brake weight percentage of 135 % for any load."""
     mass = COACH + load
     resistance = freight_resistance(mass)
     brake = braked_by(135.0, mass, resistance)
     return TrainVehicle("coach", mass, 26.4, freight(position), brake, resistance=resistance)
 
 
-#: By the name that consists use; load [kg], position.
+#: Functions of load [kg] and position, by the names in consists.
 KINDS: dict[str, Callable[..., TrainVehicle]] = {"wagon": wagon, "locomotive": locomotive, "coach": coach}
 #: Mass of each without a load [kg].
 EMPTY = {"wagon": WAGON, "locomotive": LOCOMOTIVE, "coach": COACH}
@@ -188,12 +199,12 @@ class Consist:
 
     @property
     def length(self) -> float:
-        """From the front of the first to the back of the last [m]."""
+        """Length from the front of the first to the back of the last vehicle [m]."""
         return sum(one.length for one in self.vehicles)
 
     @property
     def mass(self) -> float:
-        """Of all [kg]."""
+        """Mass of all vehicles [kg]."""
         return sum(one.mass for one in self.vehicles)
 
     @property
@@ -205,8 +216,10 @@ class Consist:
 
 
 def block_train(wagons: int, load: float = 60e3, position: str = "P", fast_from: int = 0, **changes: object) -> Consist:
-    """A locomotive and equal wagons; fast_from: how many vehicles at the head brake in position G; changes: of
-    wagons, whose coupler is the locomotive's too.
+    """Return a locomotive and equal wagons.
+
+    fast_from: number of vehicles at the head that brake in position G; changes: of wagons, whose coupler is the
+    locomotive's too.
     """
     own = [replace(wagon(load, position), **changes) for _ in range(wagons)]  # type: ignore[arg-type]
     head = locomotive(0.0, position)

@@ -1,4 +1,4 @@
-"""Coupler.fmu: a coupler alone, from the way of a coupling to its tension; for FMI 2.0 and FMI 3.0."""
+"""Coupler.fmu: a coupler alone, from the displacement of a coupling to its tension; for FMI 2.0 and FMI 3.0."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ARRAYS = (
 
 @lru_cache
 def coupler_in_c() -> ArraysInC:
-    """Its object in C with its arrays."""
+    """Return the C object of a coupler with its arrays."""
     places = f"enum {{ {', '.join(one.name.upper() for one in ARRAYS)}, ARRAYS_MOST }};\n"
     limits = [f"{{{c_number(one.least)}, {c_number(one.most)}}}" for one in COUPLER]
     places += "typedef struct {\n    double least, most;\n} coupler_limits;\n"

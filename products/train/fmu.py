@@ -59,7 +59,7 @@ def train_in_c() -> ArraysInC:
 
 
 def lengths_of(consist: Consist) -> Lengths:
-    """Of a consist, in the order of the arrays, with start values."""
+    """Return the lengths of the arrays of a consist in their order, with start values."""
     vehicles = len(consist.vehicles)
     valves = sum(one.valve is not None for one in consist.vehicles)
     counts = {"one": 1, "ends": 2, "valves": valves, "vehicles": vehicles, "couplings": vehicles - 1}
@@ -83,7 +83,7 @@ def own_binary(given: ArraysInC) -> bytes:
 
 
 def binaries_of(given: ArraysInC, version: int, all_platforms: bool) -> dict[str, bytes]:
-    """By their places in binaries/."""
+    """Return the binaries by their places in binaries/."""
     if not all_platforms:
         platform = fmpy.platform if version == 2 else fmpy.platform_tuple
         return {f"{platform}/{given.name}{library_suffix()}": own_binary(given)}

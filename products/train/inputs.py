@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from fmu_src.suggestion import suggestion
 from products.train.layout import INPUTS
 
-#: By name, with their limits.
+#: Inputs by name, with their limits.
 BY_NAME = {one.name: one for one in INPUTS}
 
 
 class Inputs(Mapping[str, NDArray[np.float64]]):
-    """Arrays that a train reads as it goes on. Setting one copies values into it: one for all places, or one each."""
+    """Input arrays of a train. Setting one copies values into it: one for all places, or one each."""
 
     def __init__(self, arrays: Mapping[str, NDArray[np.float64]]) -> None:
         self._arrays = dict(arrays)

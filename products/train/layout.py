@@ -1,8 +1,8 @@
-"""The numbers of a train: what each is, its unit and limits, what there is one of for. Stated here alone.
+"""The numbers of a train: description, unit, limits and owner of each, in one place.
 
-From it come the numbers that Python writes (`laid`), the places at which C reads them and the limits that it checks
-(`layout_in_c.py`), arrays of the FMU (products/train/fmu.py), and tables in docs/variables.md. Fields of equations that
-lie elsewhere are stated there.
+They determine the numbers that Python writes (`laid`), the places at which C reads them, the limits that it checks
+(`layout_in_c.py`), arrays of the FMU (products/train/fmu.py), and tables in docs/variables.md. Fields of other
+equations are defined with these.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from rbd_model.train.coupler import COUPLER
 from rbd_model.train.vehicle import MOTION
 from rbd_model.vehicle.variables import FASTEST
 
-#: Vehicles, cells or points at most; driver's valves at most.
+#: Largest number of vehicles, cells or points; largest number of driver's valves.
 MOST, MOST_VALVES = float(1 << 20), 16
-#: Depths of the brake: flow of air and whole distributors; flow of air and empirical valves; a delay and those.
+#: Brake models: air flow and full distributors; air flow and empirical valves; a delay and empirical valves.
 DEPTHS = {"whole": 0, "empirical": 1, "delay": 2}
-#: Friction between wheels and rail at the start, and gauge pressure of the pipe [Pa] by default.
+#: Initial friction between wheels and rail, and default gauge pressure of the pipe [Pa].
 START_FRICTION, START_PIPE_PRESSURE = 0.3, 500e3
-#: Distance [m] and pressures [Pa] at the start at most.
+#: Largest initial distance [m] and pressures [Pa].
 FARTHEST, HIGHEST = 1e9, 800e3
 
 
 @dataclass(frozen=True)
 class Array(Field):
-    """An input or output: of what there is one for each, its name in an FMU, what its whole numbers choose."""
+    """An input or output: its owner, its name in an FMU, the choices of an integer."""
 
     of: str = "one"
     called: str = ""
@@ -46,7 +46,7 @@ def _chosen(name: str, text: str, of: str, choices: Sequence[str], called: str =
     return Array(name, "1", 0.0, float(len(choices) - 1), text, True, of=of, called=called, choices=choices)
 
 
-#: What a run begins with.
+#: Initial values of a run.
 INITIAL = (
     Array("speed", "m/s", -FASTEST, FASTEST, "Speed at the start", called="start_speed"),
     Array("distance", "m", -FARTHEST, FARTHEST, "Distance of the train's front at the start", called="start_distance"),
@@ -63,7 +63,7 @@ _STEP = "Step of service: 0 the first, 1 full service"
 _PULL = "Force of motors at the rim; below zero it drives backwards"
 _COUPLED = "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (its hose: joined)"
 _LED = "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither"
-#: What is set from outside; ends: forces at the head and at the end.
+#: Inputs; ends: forces at the head and at the end.
 INPUTS = (
     _chosen("position", _POSITIONS, "valves", [name.replace("-", "_") for name in POSITIONS], "driver_position"),
     Array("step", "1", 0.0, 1.0, _STEP, of="valves", called="driver_step"),
@@ -92,7 +92,7 @@ def _found(name: str, unit: str, text: str, of: str = "one") -> Array:
     return Array(name, unit, -math.inf, math.inf, text, of=of)
 
 
-#: What is found, and numbers of the run.
+#: Outputs, and numbers of the run.
 OUTPUTS = (
     _found("distance", "m", "Distance of each vehicle's middle", "vehicles"),
     _found("speed", "m/s", "Speed of each vehicle", "vehicles"),
@@ -116,7 +116,7 @@ SUMS = (
 
 @dataclass(frozen=True)
 class Group:
-    """Fields of which there is a row each, one behind the other, with a number for each of its owners."""
+    """A group of fields: a row for each, one after the other, with a number for each owner."""
 
     name: str
     of: str
@@ -144,7 +144,7 @@ def _head() -> tuple[Field, ...]:
 
 
 def _place() -> tuple[Field, ...]:
-    """Where each vehicle takes air, before which cell it ends (0: before none), and the kind of its distributor."""
+    """Return the fields of the cell of each distributor, of the cell after a vehicle (0: none), and of its kind."""
     return (
         Field("cell", "1", 0.0, -1.0, "a vehicle's place at the pipe", whole=True, counts="cells"),
         Field("face", "1", 0.0, 0.0, "a vehicle's end at the pipe", whole=True, counts="cells"),
@@ -164,7 +164,7 @@ _POINT = (
 
 
 def _of(parameters: type[ParameterSet], most: float) -> tuple[Field, ...]:
-    """Return the fields of a parameter set; where it has no limit, C has one of this size."""
+    """Return the fields of a parameter set; if it has no limit, C has one of this size."""
     found = []
     for one in fields(parameters):
         least, up_to = (max(min(one.metadata[name], most), -most) for name in ("minimum", "maximum"))
@@ -192,7 +192,7 @@ def layout() -> tuple[Group, ...]:
     )
 
 
-#: Of a group: columns by name, with a number for each owner; or a row by name for each owner.
+#: Values of a group: columns by name, with a number for each owner; or a row by name for each owner.
 Rows = Mapping[str, ArrayLike] | Sequence[Mapping[str, float]]
 
 

@@ -1,4 +1,4 @@
-"""Headers of C that say what products/train/layout.py says: names of rows, how many there are, limits."""
+"""C headers with the content of products/train/layout.py: names of rows, their number, limits."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def _enum(prefix: str, names: Iterable[str], last: str) -> str:
 
 
 def _owners() -> dict[str, str]:
-    """What there is a number of, by name, as C of the head."""
+    """Return the C expressions of the number of owners, by name."""
     counted = {name: f"(long long int)head[HEAD_{name.upper()}]" for name in ("cells", "vehicles", "valves", "points")}
     counted |= {f"distributor_{one}": f"(long long int)head[HEAD_DISTRIBUTOR_{one.upper()}]" for one in DISTRIBUTORS}
     return {"one": "1", "ends": "2"} | counted | {"couplings": f"{counted['vehicles']} - 1"}
 
 
 def layout_in_c() -> str:
-    """Return train_layout.h: what rows and arrays are called, how many there are, constants that Python has too."""
+    """Return train_layout.h: names of rows and arrays, their number, and constants shared with Python."""
     shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
     counts = [f"    counts[OF_{name.upper()}] = {text};" for name, text in _owners().items()]
     return "\n".join(
@@ -58,7 +58,7 @@ def layout_in_c() -> str:
 
 
 def _kinds_in_c() -> list[str]:
-    """Of distributors: states, how they begin, which is the cylinder; and the functions of each depth."""
+    """Return the distributors in C: states, start values, the cylinder's number, functions of each brake model."""
     most = max(len(one.states) for one in DISTRIBUTORS.values())
     rows, forms = list[str](), list[str]()
     for name, one in DISTRIBUTORS.items():

@@ -1,4 +1,4 @@
-"""A consist as the numbers that C takes, by the names of products/train/layout.py."""
+"""A consist as numbers for the C code, by the names in products/train/layout.py."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from products.train.pipe import COURANT
 from rbd_model.track.line import Line
 from rbd_model.train.coupler import fastest
 
-#: Of the longest stable step of the couplers, what is taken.
+#: Step size relative to the longest stable step of the couplers.
 SHARE = 0.4
 
 
-#: From and to. Couplers lie in steps above their limit, and blow up above three times it.
+#: Lower and upper limits. Couplers are inaccurate in steps above their limit, and unstable above three times it.
 SETTING_LIMITS = {
     "cells": (0.1, 32.0),
     "courant": (0.01, 1.0),
@@ -32,9 +32,9 @@ SETTING_LIMITS = {
 
 @dataclass(frozen=True)
 class Settings:
-    """How a train is computed: depth of its brake, cells a vehicle, shares of longest steps, propagation [m/s].
+    """Settings of a train's computation: brake model, cells per vehicle, relative step sizes, propagation [m/s].
 
-    cells: below 1 a cell spans several vehicles. share: above 1 forces of couplers lie.
+    cells: below 1 a cell spans several vehicles. share: above 1 coupler forces are wrong.
     """
 
     depth: str = "whole"
@@ -57,7 +57,10 @@ class Settings:
 
 
 def cells_of(consist: Consist, cells: float) -> tuple[NDArray[np.float64], list[int], list[int]]:
-    """Length of each cell [m]; which cell each vehicle takes air from; and before which it ends, 0: before none."""
+    """Return the length of each cell [m], and two cells of each vehicle.
+
+    They are the cell of its distributor, and the cell after its end, 0: none.
+    """
     lengths, places, faces = [], [], []
     if cells >= 1.0:
         count = round(cells)
@@ -76,14 +79,14 @@ def cells_of(consist: Consist, cells: float) -> tuple[NDArray[np.float64], list[
 
 
 def branches_of(consist: Consist, places: list[int], cells: int) -> NDArray[np.float64]:
-    """What branches of the pipe hold in each cell, as a length of the pipe [m]."""
+    """Return the volume of the pipe's branches in each cell, as a length of the pipe [m]."""
     found = np.zeros(cells)
     np.add.at(found, places, [one.branch / (np.pi / 4 * one.pipe_diameter**2) for one in consist.vehicles])
     return found
 
 
 def volumes_of(consist: Consist, settings: Settings) -> NDArray[np.float64]:
-    """Of each cell with its branches [m3]."""
+    """Return the volume of each cell with its branches [m3]."""
     lengths, places, _ = cells_of(consist, settings.cells)
     area = np.pi / 4 * consist.vehicles[0].pipe_diameter ** 2
     return area * (lengths + branches_of(consist, places, len(lengths)))
@@ -127,7 +130,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
 def _cells(
     consist: Consist, settings: Settings, lengths: NDArray[np.float64], places: list[int]
 ) -> dict[str, NDArray[np.float64]]:
-    """Columns of the pipe's cells."""
+    """Return the columns of the pipe's cells."""
     if len({one.pipe_diameter for one in consist.vehicles}) > 1:
         raise ValueError("Give all vehicles pipes of one inner diameter, such as 0.03175 m: they had several.")
     leak = np.zeros(len(lengths))
@@ -139,7 +142,7 @@ def _cells(
 
 
 def _face(vehicle: int, places: list[int], faces: list[int], cells: int) -> int:
-    """Before which cell the driver's valve of a vehicle stands, at its front end; of the last at its back end."""
+    """Return the cell after the driver's valve of a vehicle, at its front end; in the last vehicle at its back end."""
     if vehicle == 0:
         return 0
     return cells if vehicle == len(places) - 1 else faces[vehicle - 1] or places[vehicle]

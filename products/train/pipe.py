@@ -1,4 +1,4 @@
-"""A brake pipe: air in cells, the vehicles that it feeds, what is outside its ends, and its balances."""
+"""A brake pipe: air in cells, the connected vehicles, the conditions at its ends, and its balances."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from brake_controller.distributors.distributor import DistributorParameters
 from products.train.layout import DEPTHS
 from products.train.library import OutsideInC, PassedInC, functions
 
-#: Of what a wave needs through a cell, how long a step may be [1]; above 1 the method is not stable.
+#: Step size relative to the travel time of a wave through a cell [1]; above 1 the method is unstable.
 COURANT = 0.8
 
 
 @dataclass(frozen=True)
 class Outside:
-    """What an end opens to: effective opening [m2], 0 closed; absolute pressure [Pa] and temperature [K]."""
+    """Conditions outside an end: effective opening [m2], 0 closed; absolute pressure [Pa] and temperature [K]."""
 
     opening: float = 0.0
     pressure: float = 101325.0
@@ -30,7 +30,7 @@ class Outside:
 
 
 class Air:
-    """The air in a pipe that C computes, of a library, at `own`; volume: of its cells [m3]."""
+    """The air in a pipe computed by the C library at `own`; volume: of its cells [m3]."""
 
     def __init__(self, library: ctypes.CDLL, own: int, volume: NDArray[np.float64]) -> None:
         self._call, self.own, self.volume = library, own, volume
@@ -44,36 +44,36 @@ class Air:
 
     @property
     def pressure(self) -> NDArray[np.float64]:
-        """Absolute [Pa], shape (cells,)."""
+        """Absolute pressure [Pa], shape (cells,)."""
         density, momentum, energy = self.state
         return (HEAT_CAPACITY_RATIO - 1) * (energy - momentum**2 / density / 2)
 
     @property
     def temperature(self) -> NDArray[np.float64]:
-        """[K], shape (cells,)."""
+        """Temperature [K], shape (cells,)."""
         return self.pressure / (self.state[0] * GAS_CONSTANT)
 
     @property
     def speed(self) -> NDArray[np.float64]:
-        """[m/s], shape (cells,)."""
+        """Speed [m/s], shape (cells,)."""
         density, momentum, _ = self.state
         return momentum / density
 
     @property
     def mass(self) -> float:
-        """Of the air in the pipe [kg]."""
+        """Mass of the air in the pipe [kg]."""
         return float(self.state[0] @ self.volume)
 
     @property
     def energy(self) -> float:
-        """Of the air in the pipe, internal and of motion [J]."""
+        """Internal and kinetic energy of the air in the pipe [J]."""
         return float(self.state[2] @ self.volume)
 
     @property
     def passed(self) -> PassedInC:
-        """What has left since the beginning, mass [kg] and energy [J]: through ends, by leaks, to vehicles.
+        """Mass [kg] and energy [J] that have left since the start: through ends, by leaks, to vehicles.
 
-        heat: that walls have given [J]; cylinder_mass: air that cylinders took [kg].
+        heat: from the walls [J]; cylinder_mass: air that cylinders took [kg].
         """
         found = PassedInC()
         ctypes.pointer(found)[0] = self._call.pipe_has_passed(self.own).contents
@@ -81,11 +81,11 @@ class Air:
 
 
 class Pipe(Air):
-    """Air in so many cells, one behind the other.
+    """Air in a row of cells.
 
     pressure [Pa, absolute], temperature [K], speed [m/s], length [m], diameter [m, the same in all], wall temperature
-    [K], leak area [m2] (effective), what branches hold as a length of pipe [m]: a number, or one for each cell.
-    friction, heat: shares of what the wall does; with heat 0 it is adiabatic, with a large one isothermal.
+    [K], leak area [m2] (effective), volume of branches as a length of pipe [m]: a number, or one for each cell.
+    friction, heat: factors on friction and heat of the wall; heat 0 is adiabatic, a large value isothermal.
     """
 
     def __init__(
@@ -133,7 +133,24 @@ class Pipe(Air):
         self.steps, self.kinds = 0, list[int]()
 
     def connect(self, cells: Sequence[int], distributors: Sequence[DistributorParameters], pressure: float) -> None:
-        """Vehicles take air from these cells, charged to an absolute pressure [Pa]; their cylinders are empty."""
+        """Connect vehicles to these cells, charged to an absolute pressure [Pa]; their cylinders are empty.
+
+        Parameters
+        ----------
+        cells : sequence of int
+            Cell of each vehicle.
+        distributors : sequence of DistributorParameters
+            Distributor of each vehicle.
+        pressure : float
+            Absolute pressure [Pa].
+
+        Raises
+        ------
+        ValueError
+            If a cell does not exist, or if there is not one for each distributor.
+        MemoryError
+            If there is not enough memory.
+        """
         places = np.array(cells, np.int64)
         if not (places.size == len(distributors) and places.size and places.min() >= 0 and places.max() < self.cells):
             raise ValueError(f"Give each distributor one of the cells 0 to {self.cells - 1}: it was {list(cells)}.")
@@ -150,7 +167,10 @@ class Pipe(Air):
         self._call.pipe_charge(self.own, pressure, AMBIENT, AMBIENT)
 
     def vehicle_pressures(self, name: str) -> NDArray[np.float64]:
-        """Absolute, of a state of the distributors [Pa], shape (vehicles,); NaN where one has no such state."""
+        """Return absolute pressures of a state of the distributors [Pa], shape (vehicles,).
+
+        NaN without such a state.
+        """
         found, kinds = np.full(len(self.kinds), np.nan), np.array(self.kinds)
         for number, kind in enumerate(DISTRIBUTORS.values()):
             names, own = [state for state, _ in kind.states], np.flatnonzero(kinds == number)
@@ -161,16 +181,16 @@ class Pipe(Air):
         return found
 
     def open_to(self, end: int, outside: Outside) -> None:
-        """What an end, 0 or 1, opens to from now on."""
+        """Set the conditions outside an end, 0 or 1. Raises ValueError if the end does not exist."""
         if end not in (0, 1):
             raise ValueError(f"A pipe has the ends 0 and 1: it was {end}.")
         given = OutsideInC(outside.opening, self.area, outside.pressure, outside.temperature)
         self._call.pipe_end(self.own, end, given)
 
     def advance(self, time: float, courant: float = COURANT) -> None:
-        """Goes on by a time [s]. Raises ValueError where that leads nowhere; the pipe is as it was then.
+        """Advance by a time [s]. Raises ValueError if the state is not finite; the pipe keeps its last state then.
 
-        courant: length of a step over what a wave needs through a cell; above 1 the pipe lies.
+        courant: step size relative to the travel time of a wave through a cell; above 1 the result is wrong.
         """
         if not (0.0 <= time < np.inf and courant > 0.0):
             raise ValueError(

@@ -1,4 +1,4 @@
-"""A train as an object in Python: a consist on a line, driven by its brake valves; the work is done in C."""
+"""A train as a Python object: a consist on a line, driven by its brake valves; the computation is in C."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air
 from rbd_model.track.line import Line
 
-#: What a train goes on by or records at most [s], [1].
+#: Longest time of `advance` or `record` [s], and largest number of values [1].
 LONGEST, MOST = 86400.0, 1e8
-#: Of the outputs, those that are recorded.
+#: Outputs that are recorded.
 RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
-#: Places of outputs, and of numbers of the run.
+#: Places of outputs, and of the run's numbers.
 OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
 
 
 def _within(name: str, value: float, least: float, most: float, unit: str) -> None:
-    """Raises ValueError for what is no number within limits."""
+    """Raise ValueError if it is not a number within the limits."""
     number = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
     if not (number and least <= value <= most):
         said = f"Set {name} to a number from {least:g} to {most:g} {unit}".rstrip() + f": it was {value}."
@@ -39,18 +39,39 @@ def _within(name: str, value: float, least: float, most: float, unit: str) -> No
 
 
 def _place(name: str, value: int, count: int) -> None:
-    """Raises ValueError for what counts none of so many."""
+    """Raise ValueError if it is not an integer from 0 to below `count`."""
     if not (isinstance(value, (int, np.integer)) and 0 <= value < count):
         raise ValueError(f"Name a {name} by a whole number from 0 to {count - 1}: it was {value}.")
 
 
 class Train:
-    """A train that goes on as it is told.
+    """A train to be driven step by step.
 
     Inputs are arrays to write into, or to set as a whole: `position` and `step` of each driver's valve, `pull` [N],
-    `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of each coupling, `ends`:
-    forces at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge pressures
-    [Pa].
+    `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of each coupling, `ends`: forces
+    at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge pressures [Pa].
+
+    Parameters
+    ----------
+    consist : Consist
+        Vehicles from head to end.
+    speed : float
+        Initial speed [m/s].
+    distance : float
+        Initial distance along the line [m].
+    pipe : float
+        Initial gauge pressure of the pipe [Pa].
+    cylinder : float
+        Initial gauge pressure of the cylinders [Pa].
+    line : Line, optional
+        Line of the train; by default straight, level track.
+    settings : Settings, optional
+        Brake model and step size.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its limits.
     """
 
     def __init__(
@@ -91,7 +112,7 @@ class Train:
         return np.ctypeslib.as_array(found, (count.value,))
 
     def drive(self, position: str, step: float = 0.0, valve: int = 0) -> None:
-        """Sets a driver's valve; step: of service, 0 the first, 1 full."""
+        """Set a driver's valve; step: of service, 0 the first, 1 full. Raises ValueError."""
         if position not in POSITIONS:
             raise ValueError(f"Set a driver's valve to one of {', '.join(POSITIONS)}: it was {position}.")
         _within("a step of service, 0 the first and 1 full,", step, 0.0, 1.0, "")
@@ -99,7 +120,10 @@ class Train:
         self.inputs["position"][valve], self.inputs["step"][valve] = POSITIONS[position], step
 
     def advance(self, time: float) -> None:
-        """Goes on by a time [s]. Raises ValueError where that leads nowhere; the train is as it was then."""
+        """Advance by a time [s].
+
+        Raises ValueError if an input or the state is not finite; the train keeps its last state then.
+        """
         _within("the time to go on by", time, 0.0, LONGEST, "s")
         status = self._call.train_go(self._own, time)
         if status == -2:
@@ -117,9 +141,26 @@ class Train:
         return wrong_input(name, place.value, value)
 
     def record(self, seconds: float, interval: float = 0.1) -> Recording:
-        """Goes on for so long, or until all stand, and gives every output of each vehicle, `speed[1]` the head's.
+        """Advance by `seconds`, or until all vehicles stand, and record every output of each vehicle.
 
-        interval [s]. Pressures are gauge pressures.
+        `speed[1]` is the head's.
+
+        Parameters
+        ----------
+        seconds : float
+            Time to advance [s].
+        interval : float
+            Recording interval [s].
+
+        Returns
+        -------
+        Recording
+            The outputs over time; pressures are gauge pressures.
+
+        Raises
+        ------
+        ValueError
+            If a time is out of its limits, or as in `advance`.
         """
         if not (0.0 < interval < np.inf and 0.0 <= seconds <= LONGEST):
             raise ValueError(
@@ -155,7 +196,7 @@ class Train:
 
     @property
     def state(self) -> NDArray[np.float64]:
-        """All that a run changes, to be given back later; behind it a checksum."""
+        """Complete state of a run, to be restored later, with a checksum as its last number."""
         found = np.empty(self._call.train_numbers(self._own) + 1)
         self._call.train_save(self._own, found.ctypes.data)
         found[-1] = self._checksum(found[:-1])
@@ -163,7 +204,7 @@ class Train:
 
     @state.setter
     def state(self, numbers: NDArray[np.float64]) -> None:
-        """Goes back to what was saved. Raises ValueError for that of another train."""
+        """Restore a saved state. Raises ValueError if it belongs to another train."""
         due = self._call.train_numbers(self._own) + 1
         if np.shape(numbers) != (due,):
             raise ValueError(
@@ -177,35 +218,41 @@ class Train:
         self._call.train_load(self._own, given.ctypes.data)
 
     def _checksum(self, numbers: NDArray[np.float64]) -> float:
-        """Of a state of this train's vehicles, settings and line; from 0 to 1, so that it is a number as the others."""
+        """Return the checksum of a state of this train's vehicles, settings and line.
+
+        It is between 0 and 1, a number as the others.
+        """
         digest = hashlib.blake2b(numbers.tobytes(), key=self._mark, digest_size=8).digest()
         return float((int.from_bytes(digest, "little") >> 11) * 2.0**-53)
 
     @property
     def motion(self) -> NDArray[np.float64]:
-        """Places beside neutral couplers' [m], speeds, speeds of wheels [m/s], rests of couplers [m]; (4, n)."""
+        """Positions relative to neutral couplers [m], speeds, wheel speeds [m/s], coupler rest positions [m].
+
+        The shape is (4, vehicles).
+        """
         found = np.empty((4, len(self.consist.vehicles)))
         self._call.train_motion(self._own, found.ctypes.data)
         return found
 
     @motion.setter
     def motion(self, state: NDArray[np.float64]) -> None:
-        """Sets places, speeds and rests."""
+        """Set positions, speeds and rest positions."""
         self._call.train_set_motion(self._own, np.ascontiguousarray(state, float).ctypes.data)
 
     def lead(self, vehicle: int, speed: float) -> None:
-        """Gives a vehicle's speed from outside [m/s] from now on."""
+        """Set the speed of a vehicle from outside [m/s] from now on."""
         _place("vehicle", vehicle, len(self.consist.vehicles))
         self.inputs["external_vehicle"][vehicle], self.inputs["external_vehicle_speed"][vehicle] = 1.0, speed
 
     @property
     def air(self) -> Air:
-        """Of the pipe: its cells, and what has passed since the beginning."""
+        """The air of the pipe: its cells, and the mass and energy that have left since the start."""
         return Air(self._call, self._call.train_air(self._own), self._volumes)
 
     @property
     def steps(self) -> tuple[int, int]:
-        """Of the pipe, and of the couplers."""
+        """Number of steps of the pipe, and of the couplers."""
         found = np.zeros(2, np.int64)
         self._call.train_steps(self._own, found.ctypes.data)
         return int(found[0]), int(found[1])
