@@ -29,29 +29,29 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
 
-#: Controller periods with which the low rail is tried again [s], and teeth of the sensors.
+#: Controller periods of the repeated stops on low rail [s], and teeth of the sensors.
 PERIODS, TEETH = (2e-3, 5e-3, 1e-2, 2e-2), (80, 100, 128, 200, 10000)
-#: Strengths of the brake on dry rail, over the full service brake, at which all wheels roll: from 1.6 on one locks; and
-#: errors of the teeth there, as shares of their pitch.
+#: Brake torque on dry rail over that of the full service brake [1]. All wheels roll at these; one locks from 1.6 on.
+#: Then jitter of the teeth, as shares of their pitch.
 STRENGTHS, JITTERS = (1.0, 1.25, 1.5), (0.0, 0.1)
 
 
-#: What is meant by the ideal, and by the largest force of a rail.
+#: Notes on the ideal braking force, and on the largest force of a rail.
 IDEAL = "1 too where the brake asks for less than the rail gives"
 BEST = f"mean above {ABOVE:g} m/s; largest: at the best slip of all wheels, at that speed and place"
-#: What stands between wheels and valves.
+#: Controllers between wheels and valves, by mode.
 MODES: dict[str, Callable[[], WheelSlideController] | None] = {"unprotected": None, "protected": SlideProtection}
 
 
-#: How the picture marks them: with shapes that tell them apart in grey.
+#: Markers by mode. Their shapes differ, so that they are distinct in grey print.
 MARKERS = {"ideal": ("|", BOGIE), "protected": ("o", LEADING), "unprotected": ("x", TRAILING)}
 
 
 @dataclass(frozen=True)
 class Findings:
-    """Stops by rail and mode, ideal distances by rail [m]; low-rail ones by period and teeth; dry ones.
+    """Stops by rail and mode, ideal distances by rail [m]; low-rail stops by period and by teeth; dry-rail stops.
 
-    used: by rail and mode, the mean of braking force over the largest that the rail gives.
+    used: mean of the braking force over the largest that the rail allows [1], by rail and mode.
     """
 
     stops: dict[tuple[str, str], Stop]
@@ -79,7 +79,22 @@ def measure() -> Findings:
 
 
 def stops_of(rails: Sequence[RailCase], mode: str, settings: Settings, every: float = 0.0) -> list[Stop]:
-    """A stop on each rail in one of the MODES; every: time between two looks of their histories [s], 0: none."""
+    """Return one stop on each rail.
+
+    Parameters
+    ----------
+    rails : sequence of RailCase
+    mode : str
+        Key of MODES.
+    settings : Settings
+    every : float
+        Sampling interval of the histories [s]; 0: no histories.
+
+    Returns
+    -------
+    list of Stop
+        In the order of `rails`.
+    """
     rig = Rig(bogie(), MODES[mode], settings, by_flow=True)
     return rig.runs([Run(rail.values()) for rail in rails], every=every)
 
@@ -88,7 +103,7 @@ def stops_of(rails: Sequence[RailCase], mode: str, settings: Settings, every: fl
 
 
 def rows_of(found: Findings) -> list[Row]:
-    """What is judged first, then every stop."""
+    """Return the rows that have a limit, then the rows of every stop."""
     rows = judged_rows(found)
     source = "planar bogie, 25 m/s, full service"
     for rail in RAILS:
@@ -115,7 +130,7 @@ def rows_of(found: Findings) -> list[Row]:
 
 
 def without_sliding(name: str, rail: RailCase, stop: Stop) -> list[Row]:
-    """Mean braking force over what friction without sliding would give, on a rail that is the same everywhere."""
+    """Return the mean braking force over the force that friction without sliding would give, if the rail is uniform."""
     if rail.changes:
         return []
     course, weight = stop.course, bogie().mass * bogie().parameters.gravity
@@ -125,7 +140,7 @@ def without_sliding(name: str, rail: RailCase, stop: Stop) -> list[Row]:
 
 
 def judged_rows(found: Findings) -> list[Row]:
-    """What is asked of the protection: on the low rail with all periods and sensors; on the dry one, nothing."""
+    """Return the rows with limits: the low rail with all periods and sensors, and the dry rail without commands."""
     stops = [*found.low.values(), *found.teeth.values()]
     lock = max(stop.longest_lock for stop in stops)
     share = min(stop.share_in_band for stop in stops)
@@ -144,7 +159,7 @@ def judged_rows(found: Findings) -> list[Row]:
 
 
 def longest(stops: Sequence[Stop], distance: float | None) -> float | None:
-    """The longest stopping distance over another; None where a stop or the other has none."""
+    """Return the longest stopping distance over another distance [1]; None if a stop or the distance is missing."""
     ratios = [stop.over(distance) for stop in stops]
     return None if None in ratios else max(ratio for ratio in ratios if ratio is not None)
 
@@ -170,7 +185,7 @@ def run(options: Options) -> Report:
 
 
 def among(found: Findings, locks: bool) -> str:
-    """The rails on which the wheels lock without protection, or do not."""
+    """Return the rails on which the wheels lock without protection (`locks`), or on which they do not."""
     names = [rail.name for rail in RAILS if found.stops[rail.name, "unprotected"].course.locks(LOCK_ABOVE) == locks]
     return " and ".join(names)
 
@@ -179,7 +194,7 @@ def among(found: Findings, locks: bool) -> str:
 
 
 def message(found: Findings) -> str:
-    """What protection gains on the low rail."""
+    """Return the title: the gain of protection on the low rail."""
     protected, unprotected = (found.stops["low", mode].distance for mode in ("protected", "unprotected"))
     if protected is None or unprotected is None:
         return f"On low rail {'protected' if protected is None else 'unprotected'} wheels do not stop"
@@ -187,7 +202,7 @@ def message(found: Findings) -> str:
 
 
 def draw(found: Findings) -> Figure:
-    """Stopping distances, a row for each rail."""
+    """Draw the stopping distances, one line for each rail."""
     figure, axis = plt.subplots(figsize=(8.0, 4.4))
     places = range(len(RAILS))[::-1]
     for mode, (marker, colour) in MARKERS.items():
@@ -200,13 +215,13 @@ def draw(found: Findings) -> Figure:
 
 
 def way(found: Findings, rail: str, mode: str) -> float:
-    """Stopping distance [m]; nan where there is none, which no marker shows."""
+    """Return the stopping distance [m], or nan, which no marker shows, if the run did not stop."""
     distance = found.stops[rail, mode].distance
     return np.nan if distance is None else distance
 
 
 def draw_periods(found: Findings) -> Figure:
-    """Distances on the low rail over the controller's period."""
+    """Draw the distances on the low rail over the controller's period."""
     ideal = found.ideal["low"]
     worst = longest(list(found.low.values()), ideal)
     reached = "not every stop comes to rest" if worst is None else f"all stops stay within {worst:.2f} of the ideal"
@@ -232,9 +247,10 @@ def one_point(
     friction_ratio: float = low().law.friction_ratio,
     friction_decay: float = low().law.friction_decay,
 ) -> dict[str, float | None]:
-    """One stop on a rail with the fall of the low set unless given; `protected` 0: without a controller.
+    """Return the results of one stop on a rail whose friction falls as in the low set unless given.
 
-    A run that did not come to rest has no stop_distance and no stop_time, but an end_speed.
+    `protected` 0: no controller. A run that did not come to rest has no stop_distance and no stop_time, but an
+    end_speed.
     """
     condition = low()
     law = replace(condition.law, friction_ratio=friction_ratio, friction_decay=friction_decay)

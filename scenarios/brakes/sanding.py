@@ -1,6 +1,6 @@
 """Stops of a four-car train on sand, against full-scale trials: two fit the law of sand, the others test it.
 
-Trials with a unit of four cars at 55 mph, a demanded 0.9 m/s2, untreated adhesion 0.02: RSSB project T1107, as
+The trials used a unit of four cars at 55 mph, a demanded 0.9 m/s2, and untreated adhesion 0.02: RSSB project T1107, as
 reported by Rail Engineer of February 2018. The train here is sixteen wheelsets that use all available adhesion, so the
 fitted numbers include the losses of a wheel-slide protection. The places and rates of the sanders are not published:
 assumed.
@@ -29,23 +29,25 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, between, measured
 from scenarios.scenario import Options, Scenario
 
-#: 55 mph [m/s], what the brake asks for [m/s2], and adhesion without sand: printed. To 95 % of the brake [s]: assumed.
+#: 55 mph [m/s], demanded deceleration [m/s2], and adhesion without sand: published. Time to 95 % of the brake [s]:
+#: assumed.
 SPEED, ASKED, UNTREATED, APPLICATION_TIME = 55 * 0.44704, 0.9, 0.02, 2.0
-#: Wheelsets of four cars of 20 m along [m], ahead of which sanders stand, and the second of two sanders: assumed.
+#: Places of the wheelsets of four cars of 20 m [m]; wheelsets ahead of which the first and the second sander are mounted,
+#: and other places of the second: assumed.
 PLACES = tuple(-(20.0 * car + along) for car in range(4) for along in (0.0, 2.6, 14.0, 16.6))
 FIRST, SECOND, OTHERS = 3, 7, (5, 9)
 #: Rate of a fixed sander, and largest rate [kg/s] and sand for each metre [kg/m] of a variable one: from memory.
 FIXED, VARIABLE, LIMIT = 2 / 60, 4 / 60, 7.5e-3
-#: Steps of the record [s], and longest stop [s].
+#: Recording interval [s], and longest stop [s].
 STEP, LONGEST, STANDING, GRAVITY = 0.1, 300.0, 0.02, 9.81
 TOLERANCE = 1e-6
-#: What is asked of a prediction: trials are printed to 50 m, "approximately".
+#: Tolerance of a prediction [m]: distances of the trials are published to 50 m, "approximately".
 NEAR = 50.0
 
 
 @dataclass(frozen=True)
 class Trial:
-    """Its name, printed stopping distance [m], and sanders: wheelsets that they stand ahead of; whether they vary."""
+    """Name, published stopping distance [m], wheelsets ahead of which sanders are mounted, and whether rates vary."""
 
     name: str
     printed: float
@@ -68,7 +70,7 @@ NONE = Trial("no sander", 1200.0, ())
 
 @lru_cache
 def train() -> Library:
-    """Wheelsets that carry the same load each and use the adhesion of their rail up to what the brake asks for."""
+    """Return wheelsets of equal load. They use the adhesion of their rail up to the demanded deceleration."""
     cars = System("cars", "A train of wheelsets that use all adhesion")
     speed, distance = cars.state("speed", "m/s", SPEED, 1.0), cars.state("distance", "m", 0.0, 1.0)
     since = ca.fmax(cars.time - common_sand().sand_start, 0)
@@ -86,7 +88,7 @@ def train() -> Library:
 
 
 def stop(trial: Trial, sand: SandParameters) -> Recording:
-    """Time [s], speed [m/s] and distance [m] until it stands."""
+    """Return time [s], speed [m/s] and distance [m] until the train stops."""
     kernel = Kernel(train(), **sand.values() | trial.values())
     kernel.set(**{f"friction_{n}": UNTREATED for n in range(1, len(PLACES) + 1)})
     kernel.initialise()
@@ -98,13 +100,13 @@ def stop(trial: Trial, sand: SandParameters) -> Recording:
 
 
 def way(trial: Trial, sand: SandParameters) -> float:
-    """Stopping distance [m]; the last step is cut where the train stands."""
+    """Return the stopping distance [m]; the last step is cut at the instant of rest."""
     rows = stop(trial, sand)
     return float(np.interp(-STANDING, -rows["speed"], rows["distance"]))
 
 
 def fitted(trials: Sequence[Trial] = FITTED) -> SandParameters:
-    """With the friction on much sand and the scale that meet two printed distances."""
+    """Return the law of sand whose friction on much sand and whose scale meet two published distances."""
 
     def sand(x: np.ndarray) -> SandParameters:
         return replace(common_sand(), sanded_friction=float(x[0]), sand_scale=float(np.exp(x[1])))
@@ -118,7 +120,7 @@ def fitted(trials: Sequence[Trial] = FITTED) -> SandParameters:
 
 
 def rows_of(sand: SandParameters, ways: Mapping[str, float], others: Mapping[int, float]) -> list[Row]:
-    """What was fitted, and what that predicts."""
+    """Return the rows of the fitted trials and of the predicted ones."""
     source = "RSSB T1107 (Rail Engineer, February 2018)"
     rows = [measured("no sander: stopping distance", "m", ways[NONE.name], source, at_least(NONE.printed))]
     near = between(ONE.printed - NEAR, ONE.printed + NEAR)
@@ -137,7 +139,7 @@ def rows_of(sand: SandParameters, ways: Mapping[str, float], others: Mapping[int
 
 
 def run(options: Options) -> Report:
-    """Fits to two trials, and predicts the others."""
+    """Fit the law to two trials, and predict the others."""
     with counting(total=2 + len(OTHERS), unit="fit") as bar:
         sand = fitted()
         bar.update()
@@ -161,7 +163,7 @@ def run(options: Options) -> Report:
 
 
 def draw(trials: Sequence[Trial], ways: Mapping[str, float]) -> Figure:
-    """Printed and simulated distances, a row for each trial."""
+    """Draw published and simulated distances, one line for each trial."""
     figure, axis = plt.subplots(figsize=(8.5, 3.6))
     places = range(len(trials))[::-1]
     axis.plot([one.printed for one in trials], places, "D", color=THESIS, markersize=8, label="full-scale trial")

@@ -21,17 +21,18 @@ from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import Options, Scenario
 
 SPEED, BRAKE_START, STEP, LONGEST = 25.0, 1.0, 5e-3, 60.0
-#: Shares of the whole braking torque on the leading wheelset, the even one, and the friction on which they are tried.
+#: Shares of the total braking torque on the leading wheelset, the even share, and the friction of these stops.
 SHARES, EVEN, FRICTION = (0.40, 0.45, 0.50, 0.55, 0.60, 0.65), 0.50, 0.17
-#: Shoe friction of chapter 9, and distance of the shoes on a wheelset [m]: with them 25 % give the printed 43.92 kN.m.
+#: Shoe friction of chapter 9, and lateral distance of the shoes on a wheelset [m]. With these an error of 25 % gives
+#: the reported 43.92 kN.m.
 SHOE_FRICTION, SHOE_DISTANCE = 0.3, 1.12
 #: Errors of the shoe forces [1] on the leading and on the trailing wheelset.
 ERRORS: tuple[tuple[float, float], ...] = ((0.25, 0.0), (0.50, 0.0), (0.75, 0.0), (0.0, 0.25), (0.0, 0.50), (0.0, 0.75))
-#: The one that derails in chapter 9.
+#: Errors of the case that derails in chapter 9.
 DERAILS = (0.75, 0.0)
 #: To 95 % of the brake [s], about the shortest of chapter 9.
 APPLICATION_TIME = 1.0
-#: Why one case of the thesis is not judged.
+#: Reason why one case of the thesis has no limit.
 CLOSE = "not judged: its printed shift ends 0.3 mm short of the loss of contact, and the cylinder fills by another law"
 READ = ("speed", "distance", "locked_1", "locked_2", "lateral_1", "lateral_2")
 UNITS = {"time": "s", "speed": "m/s", "distance": "m", "locked_1": "1", "locked_2": "1"} | {
@@ -42,7 +43,7 @@ UNITS = {"time": "s", "speed": "m/s", "distance": "m", "locked_1": "1", "locked_
 
 @dataclass(frozen=True)
 class UnevenStop:
-    """A stop, and the sentence of its end where it did not come to rest."""
+    """A stop, with the end message of a run that did not come to rest."""
 
     series: Recording
     ended: str
@@ -57,20 +58,22 @@ class UnevenStop:
 
     @property
     def locks(self) -> bool:
-        """Whether any wheelset locked while the bogie still ran."""
+        """Return whether any wheelset locked while the bogie was still moving."""
         return any(self.locked_at(number) is not None for number in (1, 2))
 
     def locked_at(self, number: int) -> float | None:
-        """Time at which a wheelset locked while the bogie still ran [s]."""
+        """Return the time at which a wheelset locked while the bogie was still moving [s]."""
         return self.series.first_time((self.series[f"locked_{number}"] > 0.5) & (self.series["speed"] > 0.5))
 
     def peak(self, number: int) -> float:
-        """Largest lateral displacement of a wheelset [m]."""
+        """Return the largest lateral displacement of a wheelset [m]."""
         return float(np.abs(self.series[f"lateral_{number}"]).max())
 
 
 def shoes() -> dict[str, float]:
-    """The brake of FULL_TORQUE on each wheelset, with the shoe friction of chapter 9 and the wheels of this bogie."""
+    """Return the brake of FULL_TORQUE on each wheelset, with the shoe friction of chapter 9 and the wheels of this
+    bogie.
+    """
     known, radius = brake_values(), tables_5_1_and_5_2().wheel_radius
     weaker = known["constant_shoe_friction"] * known["wheel_radius"] / (SHOE_FRICTION * radius)
     return known | {
@@ -85,7 +88,18 @@ def shoes() -> dict[str, float]:
 def uneven_stop(
     machine: CoupledMachine, values: Mapping[str, float], strength: tuple[float, float], errors: tuple[float, float]
 ) -> UnevenStop:
-    """Full brake at BRAKE_START; strength: of each cylinder's shoes; errors: of the shoes of each wheelset."""
+    """Run a full brake that is applied at BRAKE_START.
+
+    Parameters
+    ----------
+    machine : CoupledMachine
+    values : mapping
+        Parameters of the bogie.
+    strength : tuple of float, shape (2,)
+        Factor of the shoe forces of each cylinder [1].
+    errors : tuple of float, shape (2,)
+        Errors of the shoe forces of each wheelset [1].
+    """
     machine.start({"initial_speed": SPEED} | dict(values), [shoes() | {"wheelset_share": 0.5 * x} for x in strength])
     yaw_torques = [
         Connection(brake, "shoe_force", machine.vehicle, f"yaw_torque_{number}", error * SHOE_DISTANCE)
@@ -106,8 +120,16 @@ def uneven_stop(
 
 
 def measure() -> tuple[dict[float, UnevenStop], dict[tuple[float, float], UnevenStop], UnevenStop]:
-    """Stops by share of the leading wheelset, planar; by errors of the shoes, spatial and as the thesis read its model;
-    and the first of those that derail, with a flange pushed at the rail and torques that react on the frame.
+    """Return all stops of this scenario.
+
+    Returns
+    -------
+    uneven : dict
+        Planar stops, by share of the leading wheelset.
+    asymmetric : dict
+        Stops in 3D, with the thesis's interpretation of its model, by errors of the shoes.
+    physical : UnevenStop
+        The first of those that derail, with a flange pushed at the rail and torques that react on the frame.
     """
     uneven, asymmetric = {}, {}
     count = len(SHARES) + len(ERRORS) + 1
@@ -165,14 +187,14 @@ def run(options: Options) -> Report:
 
 
 def message(uneven: dict[float, UnevenStop]) -> str:
-    """How much the share that stops shortest gains over even brakes; of equal ones the first."""
+    """Return the title: the gain of the best share over even brakes. The first of equal shares is taken."""
     best = min(uneven, key=lambda share: round(uneven[share].distance, 1))
     gained = uneven[EVEN].distance - uneven[best].distance
     return f"{best:.0%} of the torque in front stops {gained:.0f} m shorter than {EVEN:.0%}"
 
 
 def draw(uneven: dict[float, UnevenStop]) -> Figure:
-    """Stopping distance over the share of the leading wheelset; a wheelset locks where the marker is a cross."""
+    """Draw the stopping distance over the share of the leading wheelset; a cross: a wheelset locks."""
     x_label = "share of the brake torque on the leading wheelset [%]"
     figure, axis = single(message(uneven), x_label, "stopping distance [m]")
     axis.plot([100 * share for share in uneven], [stop.distance for stop in uneven.values()], "-", color=BOGIE)
@@ -187,7 +209,7 @@ def draw(uneven: dict[float, UnevenStop]) -> Figure:
 
 
 def draw_shoes(asymmetric: dict[tuple[float, float], UnevenStop]) -> Figure:
-    """Largest shift of the wheelset whose shoes are uneven; crossed where it derails."""
+    """Draw the largest lateral displacement of the wheelset with uneven shoes; a cross: it derails."""
     figure, axis = single(message_of_shoes(asymmetric), "error of the shoe forces [%]", "largest lateral shift [mm]")
     for number, (word, line, colour) in enumerate((("leading", "o-", LEADING), ("trailing", "s--", TRAILING)), 1):
         stops = {errors[number - 1]: stop for errors, stop in asymmetric.items() if errors[number - 1]}
@@ -200,7 +222,7 @@ def draw_shoes(asymmetric: dict[tuple[float, float], UnevenStop]) -> Figure:
 
 
 def message_of_shoes(asymmetric: dict[tuple[float, float], UnevenStop]) -> str:
-    """From which error on a wheelset derails."""
+    """Return the title: the smallest error that derails the bogie."""
     ends = [max(errors) for errors, stop in asymmetric.items() if stop.derails]
     if not ends:
         return f"Shoes up to {max(map(max, asymmetric)):.0%} uneven derail no wheelset"

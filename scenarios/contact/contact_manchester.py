@@ -44,12 +44,12 @@ from scenarios.scenario import Options, Scenario
 
 #: The benchmark: load of each wheel [N], speed [m/s], friction, steel.
 LOAD, SPEED, FRICTION, STEEL = 10e3, 2.0, 0.3, Steel(82e9, 0.28)
-#: y of its rail's gauge face, 14 mm below the top, and distances of its wheels' and their flanges' origins [m].
+#: y of the rail's gauge face, 14 mm below the top, half distance of the wheels' origins, and radius there [m].
 GAUGE_FACE, WHEEL_HALF_DISTANCE, RADIUS = -43.0315e-3, 0.750, 0.460
 SIDES = {"left": LEFT, "right": RIGHT}
 #: An approach at which any contact carries more than the load [m].
 MOST_APPROACH = 0.3e-3
-#: Model 2 with the laws that the level `spatial` has by default, and with others.
+#: Contact model 2 with the default laws of the level `spatial`, and with others.
 ON_PATCHES = Contact(2)
 OTHER_LAWS = {
     "Polach's law on the flange too": Contact(2, flange_law=polach),
@@ -64,17 +64,17 @@ OTHER_LAWS = {
 
 @lru_cache
 def manchester_pair() -> Pair:
-    """S1002 on UIC60 of the Manchester benchmark, gauge 1435 mm; y = 0 of this rail is its top.
+    """Return S1002 on UIC60 of the Manchester benchmark, gauge 1435 mm; y = 0 of this rail is its top.
 
-    The rail is read from its points: made of arcs, 60E1 is within 2 um of it, but that moves the share of a second
-    patch by a tenth.
+    The rail is read from its points. Arcs of 60E1 are within 2 um of it, but change the share of a second patch by a
+    tenth.
     """
     rail = from_points("UIC60, 1:40", "Manchester contact benchmark", *(np.array(list(table("rail").values())) / 1e3))
     return Pair(wheel_s1002(), rail, RADIUS, WHEEL_HALF_DISTANCE, STANDARD_GAUGE / 2 - GAUGE_FACE)
 
 
 def table(name: str) -> dict[str, np.ndarray]:
-    """Columns of numbers of manchester_NAME.csv."""
+    """Return the columns of numbers of manchester_NAME.csv."""
     text = (Path(__file__).parent / f"manchester_{name}.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     return {head: np.array([float(row[head]) for row in rows]) for head in rows[0] if head != "wheel"}
@@ -82,7 +82,7 @@ def table(name: str) -> dict[str, np.ndarray]:
 
 @dataclass(frozen=True)
 class Found:
-    """What a method finds on one wheel: place on the rail [m], contact angle [rad], forces on the rail, ahead and
+    """Results of a method on one wheel: position on the rail [m], contact angle [rad], forces on the rail ahead and
     outwards of the track [N], largest pressure [Pa].
     """
 
@@ -94,7 +94,7 @@ class Found:
 
 
 def exact(name: str) -> dict[float, Found]:
-    """Exact theory by shift [mm] for the wheel of this name, seen from that wheel."""
+    """Return the exact theory by shift [mm] for the wheel of this name, in the axes of that wheel."""
     columns, outwards = table("exact"), -SIDES[name]
     mine = slice(0, 11) if name == "left" else slice(11, 22)
     heads = ("y_ws_mm", "y_rail_mm", "angle_rad", "Fx_total_N", "Fy_total_N", "pmax_MPa")
@@ -106,7 +106,9 @@ def exact(name: str) -> dict[float, Found]:
 
 
 def case(name: str, shift: float) -> tuple[Stand, WheelVelocity]:
-    """How the wheelset stands and moves at the shift [mm], seen from the wheel of this name; linear between rows."""
+    """Return position and velocity of the wheelset at a shift [mm], in the axes of the named wheel; linear between
+    rows.
+    """
     course = table("course")
     roll, yaw, pitch_rate = (
         float(np.interp(shift, course["y_ws_mm"], course[head])) for head in ("roll_rad", "yaw_rad", "pitch_rate_rad_s")
@@ -117,7 +119,7 @@ def case(name: str, shift: float) -> tuple[Stand, WheelVelocity]:
 
 
 def depth_1(stand: Stand, motion: WheelVelocity) -> Found:
-    """One ellipse where the rigid profiles touch, Hertz and Polach: the contact of the level `spatial`."""
+    """Return one ellipse where the rigid profiles touch, Hertz and Polach: the contact of the level `spatial`."""
     pair = manchester_pair()
     _, place = touching(pair, stand)
     strip = strips_at(pair, stand, np.array([place]))
@@ -135,7 +137,7 @@ def depth_1(stand: Stand, motion: WheelVelocity) -> Found:
 
 
 def curvature_across(pair: Pair, strip: Strips) -> float:
-    """B of eq. (3.83): half the difference of the contours' curvatures [1/m]."""
+    """Return B of eq. (3.83), half the difference of the contours' curvatures [1/m]."""
     bends = [
         profile.height(place, 2)[0] / (1 + profile.height(place, 1)[0] ** 2) ** 1.5
         for profile, place in ((pair.wheel, strip.on_wheel), (pair.rail, strip.on_rail))
@@ -145,7 +147,7 @@ def curvature_across(pair: Pair, strip: Strips) -> float:
 
 @lru_cache
 def one_ellipse() -> ca.Function:
-    """Creep forces on the wheel and largest pressure of load, A, B and creepages; Hertz, Polach."""
+    """Return a function of load, A, B and creepages: creep forces on the wheel and largest pressure; Hertz, Polach."""
     load, along, across, *creepages = (ca.SX.sym(name) for name in ("load", "along", "across", "x", "y", "spin"))
     logarithm, size = moving_ellipse(along, across, load, ca.SX(STEEL.shear_modulus))
     axes = (size * ca.exp(logarithm / 2), size * ca.exp(-logarithm / 2))
@@ -164,14 +166,14 @@ class Elastic:
     bearing: ca.Function
 
     def at(self, given: np.ndarray) -> Bearing:
-        """What it does there."""
+        """Return the contact for one position and velocity of the wheel."""
         return Bearing(*self.bearing(given).full().ravel().tolist())
 
 
 @dataclass(frozen=True)
 class Bearing:
-    """What a patch of model 2 does: forces on the wheel, ahead, outwards and up [N], normal force [N], largest pressure
-    [Pa], position on wheel and rail [m], contact angle [rad].
+    """Contact of one patch of model 2: forces on the wheel, ahead, outwards and up [N], normal force [N], largest
+    pressure [Pa], position on wheel and rail [m], contact angle [rad].
     """
 
     ahead: float
@@ -186,12 +188,14 @@ class Bearing:
 
 @lru_cache
 def elastic_patches(contact: Contact) -> list[Elastic]:
-    """The patches of the level `spatial` at contact model 2, on the left wheel."""
+    """Return the patches of the level `spatial` at contact model 2, on the left wheel."""
     return [elastic_patch(patch, contact) for patch in patches_of(manchester_pair().left)]
 
 
 def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
-    """One of them, of lateral position, height, yaw, roll, speed and rates of rotation in the wheelset's own axes."""
+    """Return one patch as a function of lateral position, height, yaw, roll, speed and rates of rotation in the
+    wheelset's axes.
+    """
     pair, system, modulus = manchester_pair(), System("patch", "one patch"), ca.SX(STEEL.shear_modulus)
     given = ca.SX.sym("given", 8)
     lateral, height, yaw, roll, forward, roll_rate, pitch_rate, yaw_rate = ca.vertsplit(given)
@@ -219,7 +223,10 @@ def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
 
 
 def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> list[Bearing]:
-    """All patches of a wheel at the height at which they carry the load; seen from it, every wheel is a left one."""
+    """Return all patches of a wheel at the height at which they carry the load.
+
+    The axes make every wheel a left one.
+    """
     top, _ = touching(manchester_pair(), stand)
     axes = turned_by(direction_cosines(ca.SX(stand.yaw), ca.SX(stand.roll)))
     own_rate = ca.evalf(axes.T @ ca.SX(motion.rotation)).full().ravel()
@@ -233,10 +240,11 @@ def bearings(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES)
 
 
 def depth_2(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) -> Found:
-    """Elastic ellipses that part where contact would jump: the level `spatial` at contact model 2, with its laws.
+    """Return the elastic ellipses of contact model 2 at the level `spatial`, with its laws; they part where contact
+    jumps.
 
-    Places are weighted with the square of the normal force, which for ellipses is near the squared overlap that exact
-    theory weights with, as `place_of` has it.
+    Positions are weighted with the square of the normal force. For ellipses this is close to the squared overlap that
+    exact theory uses as weight (`place_of`).
     """
     found = bearings(stand, motion, contact)
     ahead, outwards = (sum(getattr(one, name) for one in found) for name in ("ahead", "outwards"))
@@ -248,13 +256,13 @@ def depth_2(stand: Stand, motion: WheelVelocity, contact: Contact = ON_PATCHES) 
 
 
 def depth_3(stand: Stand, motion: WheelVelocity) -> Found:
-    """Strips with their own creep forces, some 8 in each part of the wheel: the level `spatial` at contact model 3."""
+    """Return strips with their own creep forces, some 8 in each part of the wheel: `spatial` at contact model 3."""
     wheel = wheel_under_load(manchester_pair(), STEEL, FRICTION, stand, motion, LOAD)
     return Found(wheel.place, wheel.angle, -float(wheel.force[0]), -float(wheel.force[1]), wheel.pressure)
 
 
 def strips_of_patches(stand: Stand, motion: WheelVelocity) -> Found:
-    """The finer study tool behind it: as many patches of any shape as the undeformed distance has, by 24 strips."""
+    """Return the finer study model of the strips: patches of any shape from the undeformed distance, by 24 strips."""
     _, contacts = under_load(
         manchester_pair(), stand, STEEL, FRICTION, lambda strips: creepages_of(strips, motion), LOAD
     )
@@ -265,7 +273,7 @@ def strips_of_patches(stand: Stand, motion: WheelVelocity) -> Found:
 
 @dataclass(frozen=True)
 class Method:
-    """A contact model: its name, what it finds, its limit, its line in the picture."""
+    """A contact model: its name, its results, its limit, its line in the figure."""
 
     name: str
     find: Callable[[Stand, WheelVelocity], Found]
@@ -273,7 +281,7 @@ class Method:
     colour: str
 
 
-#: Asked of all depths alike: miss of place [mm], angle [rad], forces ahead and sideways [% of mu N].
+#: Tolerances for all contact models alike: errors of position [mm], angle [rad], forces ahead and sideways [% of mu N].
 PLACE_BAND, ANGLE_BAND, FORCE_BAND = 0.5, 0.02, 5.0
 METHODS = (
     Method(
@@ -303,9 +311,9 @@ METHODS = (
         FOUR[2],
     ),
 )
-#: Shifts of the lines [mm], among them all whole ones.
+#: Shifts of the lines [mm], among them all integer ones.
 SHIFTS = np.linspace(0.0, 10.0, 41)
-#: Asked of the smaller and larger share of two patches.
+#: Tolerance of the smaller and larger share of two patches.
 SHARE_BAND = 0.10
 #: Right wheel at 5 mm with patches kept apart, exact theory: y on the rail [m] and normal force [N].
 APART_SHIFT, APART = 5.0, ((-33.93e-3, 8244.0), (-23.76e-3, 1536.0))
@@ -319,12 +327,12 @@ FORCES: dict[str, Callable[[Found], float]] = {
 def largest_miss(
     pairs: Sequence[tuple[Found, Found]], of: Callable[[Found], float], scale: float = 100 / (FRICTION * LOAD)
 ) -> float:
-    """Largest distance from exact theory of pairs found, exact; without a scale in % of mu N."""
+    """Return the largest distance from exact theory over pairs (found, exact); by default in % of mu N."""
     return max(abs(of(found) - of(truth)) for found, truth in pairs) * scale
 
 
 def with_other_laws() -> list[Row]:
-    """Forces of model 2 with the creep laws of OTHER_LAWS, over both wheels at whole millimetres."""
+    """Return the rows of model 2 with the creep laws of OTHER_LAWS, over both wheels at integer millimetres."""
     rows = []
     for words, contact in counting(OTHER_LAWS.items(), "contact-manchester"):
         pairs = [
@@ -337,7 +345,7 @@ def with_other_laws() -> list[Row]:
 
 
 def misses(method: Method, lines: dict[tuple[str, str], list[Found]]) -> list[Row]:
-    """Largest distance from exact theory over both wheels at whole millimetres."""
+    """Return the largest distances from exact theory over both wheels at integer millimetres."""
     pairs = [
         (found, truth)
         for name in SIDES
@@ -359,7 +367,9 @@ def misses(method: Method, lines: dict[tuple[str, str], list[Found]]) -> list[Ro
 
 
 def apart() -> list[Row]:
-    """The split of the load where patches are kept apart, as some programs do: none lowers the rail under another."""
+    """Return the rows of the load split if patches are independent, as in some programs: none lowers the rail under
+    another.
+    """
     pair = manchester_pair()
     stand, motion = case("right", APART_SHIFT)
     held, _ = under_load(pair, stand, STEEL, FRICTION, lambda s: creepages_of(s, motion), LOAD, apart=True)
@@ -392,7 +402,7 @@ def run(options: Options) -> Report:
     return Report(rows, series, lambda: draw(lines, rows), parameters | ratios, 0.0)
 
 
-#: Of the methods' lines: where they agree, those behind are seen at both sides of those before.
+#: Line widths of the methods: where lines coincide, the rear ones are visible at both sides of the front ones.
 WIDTHS = (5.0, 3.0, 1.6, 0.7)
 UNITS = {"place": "m", "angle": "rad", "ahead": "N", "outwards": "N", "pressure": "Pa"}
 PANELS = {
@@ -419,7 +429,7 @@ def draw(lines: dict[tuple[str, str], list[Found]], rows: Sequence[Row]) -> Figu
 
 
 def draw_panel(axis: Axes, lines: dict[tuple[str, str], list[Found]], name: str, quantity: str, scale: float) -> None:
-    """One quantity of one wheel: lines of the methods, points of exact theory."""
+    """Draw one quantity of one wheel: lines of the methods, points of exact theory."""
     for method, width in zip(METHODS, WIDTHS, strict=True):
         values = np.array([getattr(found, quantity) for found in lines[method.name, name]])
         axis.plot(SHIFTS, scale * values, color=method.colour, linewidth=width, label=method.name)

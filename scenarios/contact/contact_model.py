@@ -33,46 +33,50 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Bound, Report, Row, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario
 
-#: Brakes applied as slowly as in chapter 9 [s], so that the wheelset moves from its tread to its flange step by step.
+#: Time to the full brake, as slow as in chapter 9 [s], so that the wheelset moves from its tread to its flange step by
+#: step.
 APPLICATION, DURATION, INTERVAL = 5.0, 8.0, 5e-3
-#: Yaw torque at full brake [N.m]: 25 % of error of chapter 9, and less than half of it, at which it touches too.
+#: Yaw torque at full brake [N.m]: 25 % error of chapter 9, and less than half of it, at which the flange also touches.
 STRONG, WEAK = YAW_TORQUE[25], 20e3
-#: Those over which the depths part.
+#: Yaw torques over which the contact models differ.
 TORQUES = tuple(float(torque) for torque in np.linspace(5e3, STRONG, 9))
 RECORDED = {"lateral_1": "m", "flange_force_1": "N", "derailment_quotient_1_left": "1"}
-#: Asked of the default, in tolerances: that of the chart of speed against accuracy, EXPECTED there.
+#: Limit of the default's error, in tolerances: the limit of the chart of speed against accuracy, EXPECTED there.
 ERROR_BAND = 10.0
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-#: By depth; strips that begin and cease to touch bend their forces, which a smaller one would meet by tiny steps.
+#: Tolerance of the reference, by contact model. Strips that begin and cease to touch bend their forces; a smaller
+#: tolerance would need tiny steps.
 REFERENCE = {1: 1e-10, 2: 1e-10, 3: 1e-8}
-#: A reference serves tolerances at least so many times its own.
+#: Least ratio of a tolerance to that of its reference.
 FINER = 100
-#: About the default: where a step happens to end as the flange hits its rail, or a strip begins to touch, moves the
-#: largest error by a factor of two to three, without order. Judged is the middle one of these.
+#: Tolerances about the default. The instant at which a step ends, as the flange hits its rail or a strip begins to
+#: touch, changes the largest error by a factor of two to three, without order. The limit applies to the
+#: median of these.
 NEIGHBOURS = tuple(float(factor) * DEFAULT_TOLERANCE for factor in np.geomspace(0.5, 2.0, 13))
-#: Energy that may be missing, as a share of what there is at the start: docs/checking.md, in space with dampers.
+#: Largest missing energy as a share of the energy at the start: docs/checking.md, in 3D with dampers.
 ENERGY_BAND = 1e-6
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
-#: Start value of a parameter that is set; the one of tests/rbd_model/test_patches.py, so that one binary serves both.
+#: Start value of a parameter that is set. It is that of tests/rbd_model/test_patches.py, so that both use one binary.
 COMPILED_TOLERANCE = 1e-7
-#: Time over which steps are counted [s]; and how many of them one period of the fastest vibration may take at most.
+#: Time over which steps are counted [s], and largest number of steps in one period of the fastest vibration.
 WINDOW, STEPS_OF_A_PERIOD = 0.02, 20
-#: Lateral shift from which steps are judged [m]: behind the start; and from which they are drawn.
+#: Lateral shift from which steps are compared with the limit [m], after the start; and from which they are drawn.
 MOVED, NEAR_FLANGE = 1e-3, 8e-3
-#: Force from which a flange is said to touch [N]: a smooth law has a little of it before.
+#: Force above which a flange is in contact [N]: a smooth law has a little force before.
 TOUCHING = 1.0
-#: Wall times are the least of as many rounds, the depths taking turns: machines are noisy.
+#: Number of rounds, in which the contact models take turns. The least wall time of the rounds counts, because of noise.
 ROUNDS = 5
-#: Depths that are timed in rounds; the third takes its minutes.
+#: Contact models that are timed in rounds; one run of the third takes minutes.
 QUICK = (1, 2)
-#: What model 2 may cost on a stop that no flange touches, times model 1; a wall time, so that no row is judged by it.
+#: Target cost of model 2 on a stop without flange contact, in units of model 1. Wall times vary:
+#: no row has this limit.
 COST_TO_REACH = 1.3
 COLOURS, DASHES = {1: TRAILING, 2: LEADING, 3: THESIS}, {1: "--", 2: "-", 3: ":"}
 
 
 def inputs(yaw_torque: float) -> dict[str, History]:
-    """The brakes of both wheelsets and the yaw torque on the leading one rise together."""
+    """Return the inputs: the brakes of both wheelsets and the yaw torque on the leading one rise together."""
     ramp = ((0.0, 0.0), (BRAKE_START, 0.0), (BRAKE_START + APPLICATION, 1.0))
     full = {"brake_torque_1": BRAKE_TORQUE, "brake_torque_2": BRAKE_TORQUE, "yaw_torque_1": yaw_torque}
     return {name: [(time, share * value) for time, share in ramp] for name, value in full.items()}
@@ -80,7 +84,7 @@ def inputs(yaw_torque: float) -> dict[str, History]:
 
 @lru_cache
 def scene(depth: int) -> Scene:
-    """The strong torque at a depth, every differential state read."""
+    """Return the case of the strong torque with a contact model; every differential state is recorded."""
     return Scene(
         f"from tread to flange, model {depth}",
         "contact that comes and stays",
@@ -95,13 +99,13 @@ def scene(depth: int) -> Scene:
 
 
 def history(depth: int, yaw_torque: float, **values: float) -> Recording:
-    """What is read off: shift, flange force and Y/Q of the wheelset that turns."""
+    """Return the recorded shift, flange force and Y/Q of the wheelset that turns."""
     kernel = prepare("bogie", level=3, contact_model=depth, initial_speed=SPEED, **values)
     return play("bogie", kernel, DURATION, INTERVAL, tuple(RECORDED), inputs(yaw_torque))
 
 
 def largest(series: Recording) -> dict[str, float]:
-    """Of each quantity, whatever its sign."""
+    """Return the largest absolute value of each quantity."""
     return {name: float(np.abs(series[name]).max()) for name in RECORDED}
 
 
@@ -110,10 +114,10 @@ def largest(series: Recording) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """A run against the reference.
+    """Errors of a run against the reference.
 
-    read_off: relative error of peak shift and distance, as in `speed-accuracy`; course: over time, in the norm that the
-    tolerance bounds in each step, the root of the mean square of all states in their nominal values; single, state,
+    read_off: relative error of peak shift and distance, as in `speed-accuracy`; course: error over time in the norm
+    that the tolerance bounds in each step (root mean square of all states in their nominal values); single, state,
     shift: the largest error of one state at one instant in its nominal value, its name, and the lateral shift then [m].
     """
 
@@ -126,12 +130,12 @@ class Accuracy:
 
     @property
     def norm(self) -> float:
-        """At the worst instant."""
+        """Return the error at the worst instant."""
         return float(self.course.max())
 
 
 def accuracy(depth: int, run: Run, exact: Run) -> Accuracy:
-    """Errors of a run, see there."""
+    """Return the errors of a run against an exact one."""
     place, form = scene(depth), layout("bogie", level=3, contact_model=depth)
     nominal = form.nominal[form.differential]
     errors = np.array([run.samples[name] - exact.samples[name] for name in form.kept]).T / nominal
@@ -148,12 +152,12 @@ def accuracy(depth: int, run: Run, exact: Run) -> Accuracy:
 
 @lru_cache
 def reference(depth: int) -> Run:
-    """What errors are counted from."""
+    """Return the reference run of a contact model, from which errors are measured."""
     return own(scene(depth), tolerance=REFERENCE[depth])
 
 
 def accuracies(depth: int) -> dict[float, Accuracy]:
-    """By tolerance; the fastest of rounds in which the tolerances take turns."""
+    """Return the accuracy by tolerance; times are the least of rounds in which the tolerances take turns."""
     exact = reference(depth)
     tolerances = [one for one in TOLERANCES if one >= FINER * REFERENCE[depth] * (1 - 1e-9)]
     count = ROUNDS if depth in QUICK else 1
@@ -171,7 +175,7 @@ class AboutDefault:
 
 
 def errors_about_default(depth: int) -> AboutDefault:
-    """How much of an error is chance of where steps end."""
+    """Return the errors at NEIGHBOURS, which show the scatter due to the instants at which steps end."""
     found = {one: accuracy(depth, own(scene(depth), tolerance=one), reference(depth)) for one in NEIGHBOURS}
     return AboutDefault(*([getattr(of, kind) / one for one, of in found.items()] for kind in ("norm", "single")))
 
@@ -189,7 +193,7 @@ class Steps:
 
 
 def steps_over_shift(depth: int) -> Steps:
-    """Steps through the transition, which end where a window does."""
+    """Return the steps through the transition; a step ends where a window does."""
     place, form = scene(depth), layout("bogie", level=3, contact_model=depth)
     kernel, rows = place.kernel(), []
     for begin in np.arange(0.0, DURATION, WINDOW):
@@ -204,9 +208,9 @@ def steps_over_shift(depth: int) -> Steps:
 
 
 def missing_energy(depth: int) -> float:
-    """Energy that neither brakes, creep nor dampers took, by default, as a share of that at the start.
+    """Return the energy that brakes, creep and dampers do not account for, as a share of the energy at the start.
 
-    That of model 1: tests/rbd_model/test_spatial.py.
+    Model 1 is tested in tests/rbd_model/test_spatial.py.
     """
     system = spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(depth))
     model = model_of(system.with_integrals(POWERS).with_outputs(ENERGIES), COMPILED_TOLERANCE)
@@ -221,7 +225,7 @@ def missing_energy(depth: int) -> float:
 
 
 def costs() -> dict[int, float]:
-    """Seconds of the smooth stop of `speed-accuracy`, which no flange touches, by depth."""
+    """Return the wall time of the smooth stop of `speed-accuracy`, without flange contact, by contact model [s]."""
     kernels = {depth: SMOOTH.kernel(contact_model=depth) for depth in DEPTHS}
     torques = {name: history[0][1] for name, history in SMOOTH.inputs.items()}
 
@@ -239,8 +243,8 @@ def costs() -> dict[int, float]:
 
 @dataclass(frozen=True)
 class Findings:
-    """All that was measured: by depth, and peaks by yaw torque [N.m] too; exact_peaks: of the strong one with the
-    reference; missing: energy, by depth.
+    """All results by contact model; peaks also by yaw torque [N.m]; exact_peaks: of the strong torque with the
+    reference; missing: energy.
     """
 
     peaks: Mapping[int, Mapping[float, dict[str, float]]]
@@ -253,7 +257,7 @@ class Findings:
     missing: Mapping[int, float]
 
     def more(self, name: str, torque: float, depth: int = 1) -> float:
-        """What a depth finds more than model 2, in % of that."""
+        """Return the excess of a contact model's result over that of model 2 [%]."""
         return 100 * (self.peaks[depth][torque][name] / self.peaks[2][torque][name] - 1.0)
 
 
@@ -293,7 +297,7 @@ def run(options: Options) -> Report:
     return Report(rows, series, lambda: draw(found), parameters, seconds, remarks(found))
 
 
-#: Names of what is compared, their unit in the table and how many of it one SI unit is.
+#: Names of the compared quantities, their unit in the table, and its number in one SI unit.
 COMPARED = {
     "lateral_1": ("peak shift", "mm", 1e3),
     "flange_force_1": ("peak flange force", "kN", 1e-3),
@@ -305,13 +309,13 @@ CHANCE = "not judged: chance of where steps end, its median is"
 
 
 def accuracy_rows(depth: int, found: Findings) -> list[Row]:
-    """Of the default, in tolerances: what is read off, and all states at the worst instant."""
+    """Return the rows of the default, in tolerances: peaks, and all states at the worst instant."""
     one, source = found.accuracies[depth][DEFAULT_TOLERANCE], f"RODAS5P {REFERENCE[depth]:g}"
     forces = difference(found.peaks[depth][STRONG], found.exact_peaks[depth])
     where = f"{one.state} in its nominal value, at a shift of {1e3 * one.shift:.2f} mm"
     about = found.about_default[depth]
-    # The largest error of a single run is chance of where steps end, at any depth: the middle one of NEIGHBOURS is
-    # judged in its place.
+    # With any contact model the largest error of a single run depends on where steps happen to end: the limit applies
+    # to the median of NEIGHBOURS.
     rows: dict[str, tuple[float, Bound | None, str]] = {
         "relative error of peak shift and distance": (one.read_off, at_most(ERROR_BAND), ""),
         "relative error of peak shift, flange force and Y/Q": (forces, at_most(ERROR_BAND), ""),
@@ -334,7 +338,7 @@ def accuracy_rows(depth: int, found: Findings) -> list[Row]:
 
 
 def step_rows(found: Findings) -> list[Row]:
-    """That steps do not collapse, and that energy closes."""
+    """Return the rows that show that steps do not collapse and that the energy balance closes."""
     rows = []
     for depth, one in found.steps.items():
         shortest, period = 1e3 * float(one.step[one.shift > MOVED].min()), 1e3 * one.period
@@ -350,7 +354,7 @@ def step_rows(found: Findings) -> list[Row]:
 
 
 def difference_rows(found: Findings) -> list[Row]:
-    """What models 1 and 3 find more than model 2, below and above the torque that brings the flange to its rail."""
+    """Return the excess of models 1 and 3 over model 2, below and above the torque at which the flange touches."""
     rows = []
     for depth, torque, (name, (words, unit, scale)) in product((1, 3), (TORQUES[0], WEAK, STRONG), COMPARED.items()):
         if name == "flange_force_1" and torque < WEAK:
@@ -363,7 +367,7 @@ def difference_rows(found: Findings) -> list[Row]:
 
 
 def cost_rows(found: Findings) -> list[Row]:
-    """Wall times."""
+    """Return the rows of wall times."""
     onto = {depth: found.accuracies[depth][DEFAULT_TOLERANCE].seconds for depth in DEPTHS}
     source, asked = "measured now, least of several runs", f"to reach {COST_TO_REACH:g}"
     rows = []
@@ -379,7 +383,7 @@ def cost_rows(found: Findings) -> list[Row]:
 
 
 def remarks(found: Findings) -> list[str]:
-    """The rule, and where each depth fails."""
+    """Return the rule of selection, and the cases in which each contact model fails."""
     error, about = found.accuracies[2][DEFAULT_TOLERANCE], found.about_default[2].single
     return [
         "Model 1 serves off the flange, where both find the same, and for comparison with the thesis. From the flange "
@@ -421,9 +425,9 @@ def draw_history(axis: Axes, found: Findings, name: str) -> None:
 
 
 def draw_difference(axis: Axes, found: Findings) -> None:
-    """What model 1 misses, over the torque."""
+    """Draw the excess of model 1 over model 2, over the torque."""
     for (name, (words, _, _)), marker, colour in zip(COMPARED.items(), "os^", THREE, strict=True):
-        # Below, no flange touches.
+        # below, no flange touches
         touched = [torque for torque in TORQUES if name != "flange_force_1" or found.peaks[2][torque][name] > TOUCHING]
         values = [found.more(name, torque) for torque in touched]
         axis.plot([1e-3 * torque for torque in touched], values, marker=marker, color=colour, label=words)
@@ -432,7 +436,7 @@ def draw_difference(axis: Axes, found: Findings) -> None:
 
 
 def draw_steps(axis: Axes, found: Findings) -> None:
-    """The last millimetres, and a share of the fastest vibration's period as a dotted line."""
+    """Draw the steps over the last millimetres; dotted: a share of the fastest vibration's period."""
     for depth, one in found.steps.items():
         near = one.shift > NEAR_FLANGE
         axis.plot(1e3 * one.shift[near], 1e3 * one.step[near], "o", color=COLOURS[depth], markersize=3)
@@ -449,7 +453,7 @@ def draw_steps(axis: Axes, found: Findings) -> None:
 
 
 def draw_cost(axis: Axes, found: Findings) -> None:
-    """Error against cost: all states, and what is read off."""
+    """Draw error against cost: all states, and peak quantities."""
     kinds = {"norm": ("o", "all states"), "read_off": ("s", "peak shift and distance")}
     for depth, by_tolerance in found.accuracies.items():
         colour, default = COLOURS[depth], by_tolerance[DEFAULT_TOLERANCE]
@@ -468,7 +472,7 @@ def draw_cost(axis: Axes, found: Findings) -> None:
 
 
 def draw_course(axis: Axes, found: Findings) -> None:
-    """Where the default is worst."""
+    """Draw the error over time at the default tolerance."""
     for depth, by_tolerance in found.accuracies.items():
         course = by_tolerance[DEFAULT_TOLERANCE].course / DEFAULT_TOLERANCE
         axis.plot(np.arange(course.size) * INTERVAL, course, color=COLOURS[depth], linewidth=0.9)

@@ -30,15 +30,15 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Bound, Report, Row, at_most, measured
 from scenarios.scenario import Options, Scenario
 
-#: The exact theory as CONTACT v25.2 computes it (61 x 61 elements), Poisson's ratio 0.25, G = 82 GPa; its own grid is
-#: within 0.5 % of mu N.
+#: The exact theory as CONTACT v25.2 computes it (61 x 61 elements), Poisson's ratio 0.25, G = 82 GPa. The error of its
+#: grid is within 0.5 % of mu N.
 EXACT = Path(__file__).parent / "exact.csv"
 SOURCE = "Kalker's exact theory (CONTACT v25.2)"
 
 
 @lru_cache
 def table() -> CreepLaw:
-    """Made when it is asked for: it takes a second."""
+    """Return the table of FaStrip. It is built at the first call, which takes a second."""
     return tabulated(table_of(fastrip(12)))
 
 
@@ -57,7 +57,7 @@ LAWS: dict[str, CreepLaw] = {
     "table of FaStrip 12 x 12": lambda patch: table()(patch),
     "table of exact theory": exact_law,
 }
-#: Marker, colour and size of each.
+#: Marker, colour and size of each law.
 STYLE = {
     "Kalker, linear": ("X", "#999999", 8),
     "Vermeulen, Johnson": ("^", "#cc79a7", 8),
@@ -74,26 +74,28 @@ STYLE = {
     "table of exact theory": ("*", "#000000", 13),
 }
 KINDS = ("pure creepage", "mixed", "spin-dominated", "saturated")
-#: Share of mu N from which a force counts as saturated.
+#: Share of mu N above which a force is saturated.
 SATURATED = 0.95
-#: Asked of the default and of the laws that are to hold everywhere, in every kind of case [% of mu N].
+#: Limit of the default and of the laws in HOLDING, in every kind of case [% of mu N].
 EVERYWHERE = 5.0
 DEFAULT = "Polach"
 MARCHING = ("FaStrip 8 x 8", "FaStrip 12 x 12", "strip theory 8 x 8")
 HOLDING = (*MARCHING, "table of FaStrip 12 x 12", "table of exact theory")
-#: Asked at random states, within 99 % of them [% of mu N]: of the laws that march, and of the table of exact theory.
+#: Limits at random states, within 99 % of them [% of mu N]: for the marching laws, and for the table of exact theory.
 AT_RANDOM = {"FASTSIM 14 x 14": 8.5, "FaStrip 12 x 12": 8.5, "table of exact theory": 3.0}
 OUR_EXACT = "Kalker's exact theory, own oracle"
-#: Of the random states those at which all three linear forces together, not each of them, are at most three mu N.
+#: The random states at which the sum of all three linear forces, not each of them, is at most three mu N.
 TOGETHER = "states up to three in all"
-#: What a value may cost [us]; measured, not judged.
+#: Target cost of one evaluation [us]; measured, without a verdict.
 TO_REACH = {"Polach": 0.1, "table of FaStrip 12 x 12": 0.3, "table of exact theory": 0.3, "FASTSIM 10 x 10": 3.0}
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A law: largest distance from the exact theory by kind of case [% of mu N], at random states and at those of them
-    whose linear forces together are small, seconds of a value and with slopes.
+    """Measured errors and costs of a law.
+
+    distance: largest distance from the exact theory by kind of case [% of mu N], then at random states and at those
+    whose linear forces are small in sum; value and slopes: time of one evaluation, without and with derivatives [s].
     """
 
     distance: Mapping[str, float]
@@ -104,13 +106,13 @@ class Measured:
 
     @property
     def worst(self) -> float:
-        """Over all kinds."""
+        """Return the largest distance over all kinds."""
         return max(self.distance.values())
 
 
 @lru_cache
 def exact() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points as `creep_cost` has them, exact forces [N], and the kind of each row by its number in KINDS."""
+    """Return points as in `creep_cost`, exact forces [N], and the kind of each row by its number in KINDS."""
     names = ("longitudinal", "lateral", "spin_1_per_m", "load_N", "friction", "a_mm", "b_mm", "exact_x_N", "exact_y_N")
     with EXACT.open(encoding="utf-8") as file:
         table = np.array([[float(row[name]) for name in names] for row in csv.DictReader(file)])
@@ -119,20 +121,20 @@ def exact() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     x, y, spin, load, friction, a, b = points.T
     c11, c22, c23 = with_coefficients(points)[:, 7:].T
     kinds = np.where((spin == 0) & (x * y == 0), 0, 1)
-    # Spin dominates where its linear force is the larger one.
+    # spin dominates where its linear force is the larger one
     kinds[np.abs(c23 * np.sqrt(a * b) * spin) > np.hypot(c11 * x, c22 * y)] = 2
     kinds[np.hypot(*forces.T) > SATURATED * load * friction] = 3
     return points, forces, kinds
 
 
 def distances(law: CreepLaw) -> np.ndarray:
-    """Distance of the force vectors from the exact ones, in % of mu N, for each row."""
+    """Return the distance of the force vectors from the exact ones for each row [% of mu N]."""
     points, forces, _ = exact()
     return np.asarray(100 * np.hypot(*(values(law, points) - forces).T) / (points[:, 3] * points[:, 4]))
 
 
 def measure() -> dict[str, Measured]:
-    """All laws."""
+    """Return the measurements of all laws."""
     points, _, kinds = exact()
     found = {}
     for name, law in counting(LAWS.items(), "creep laws", unit="law"):
@@ -144,7 +146,7 @@ def measure() -> dict[str, Measured]:
 
 
 def front(points: Mapping[str, tuple[float, float]]) -> list[str]:
-    """Names of those that no other beats in both cost and distance, the cheapest first."""
+    """Return the names of points that no other beats in both cost and distance (Pareto front), the cheapest first."""
     kept: list[str] = []
     for name in sorted(points, key=lambda one: points[one]):
         if not kept or points[name][1] < points[kept[-1]][1]:
@@ -153,17 +155,17 @@ def front(points: Mapping[str, tuple[float, float]]) -> list[str]:
 
 
 def fronts(found: Mapping[str, Measured]) -> dict[str, list[str]]:
-    """Of each kind of case."""
+    """Return the Pareto front of each kind of case."""
     return {kind: front({name: (one.value, one.distance[kind]) for name, one in found.items()}) for kind in KINDS}
 
 
 def asked(name: str) -> Bound | None:
-    """What is asked of a law; the others are there to be compared with."""
+    """Return the limit of a law, or None if it is only a comparison."""
     return at_most(EVERYWHERE) if name in (DEFAULT, *HOLDING) else None
 
 
 def rows_of(found: Mapping[str, Measured]) -> list[Row]:
-    """Distances by kind, at random states, then costs."""
+    """Return the rows: distances by kind, at random states, then costs."""
     ahead, rows = fronts(found), []
     for kind in KINDS:
         for name, one in found.items():
@@ -184,7 +186,7 @@ def rows_of(found: Mapping[str, Measured]) -> list[Row]:
 
 
 def failures(found: Mapping[str, Measured]) -> list[str]:
-    """One sentence for each law: at which kinds of published rows it is farther off than `EVERYWHERE`."""
+    """Return one message for each law: the kinds of published rows at which its error exceeds `EVERYWHERE`."""
     sentences = []
     for name, one in found.items():
         bad = [f"{kind} ({one.distance[kind]:.1f})" for kind in KINDS if one.distance[kind] > EVERYWHERE]
@@ -214,7 +216,7 @@ def run(options: Options) -> Report:
 
 # ---- the picture -------------------------------------------------------------------------------------------------
 
-#: Largest distance that is drawn in its place [% of mu N]; what is beyond stands on the upper edge.
+#: Largest distance that is drawn to scale [% of mu N]; larger ones are drawn on the upper edge.
 TOP = 100.0
 
 
@@ -246,7 +248,7 @@ def draw(found: Mapping[str, Measured], slopes: bool) -> Figure:
 
 
 def message(found: Mapping[str, Measured], slopes: bool) -> str:
-    """The cheapest law that is near exact theory in every case."""
+    """Return the title: the cheapest law that is near exact theory in every case."""
     near = {name: one.with_slopes if slopes else one.value for name, one in found.items() if one.worst <= EVERYWHERE}
     if not near:
         return f"No law stays within {EVERYWHERE:g}% of exact theory in every case"
@@ -255,7 +257,7 @@ def message(found: Mapping[str, Measured], slopes: bool) -> str:
 
 
 def look(name: str) -> dict[str, Any]:
-    """Marker of a law."""
+    """Return the marker options of a law."""
     marker, colour, size = STYLE[name]
     return {"marker": marker, "color": colour, "markersize": size}
 

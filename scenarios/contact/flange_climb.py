@@ -19,25 +19,25 @@ from scenarios.reporting.report import Report, Row, at_least, measured, near
 from scenarios.scenario import Options, Scenario
 
 ANGLES, FRICTIONS = (60.0, 70.3, 75.0), (0.1, 0.3, 0.5)
-#: Angle of attack with which the flange slides sideways as a whole, and which turns its contact by less than 1 % [rad].
+#: Angle of attack at which the flange slides sideways as a whole, and which turns its contact by less than 1 % [rad].
 ATTACK = 0.035
-#: Heights between which the wheel has left its tread and stands on its flange alone [m].
+#: Heights between which the wheel has left its tread and rests on its flange alone [m].
 ONSET = (0.1e-3, 0.3e-3)
-#: Asked of Nadal's limit: yaw and roll steepen the flange by a degree at most, which is 1 to 2 % of tan.
+#: Tolerance of Nadal's limit: yaw and roll steepen the flange by a degree at most, which is 1 to 2 % of tan.
 BAND = 0.02
-#: Angles of attack of the curve [rad], its flange and its friction.
+#: Angles of attack of the curve [rad], its flange angle and its friction.
 YAWS = (0.0005, 0.001, 0.002, 0.0035, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.035, 0.05)
 CURVE_ANGLE, CURVE_FRICTION = 70.3, 0.3
-#: Contacts by the creep law of the flange; the default is that of Shen, Hedrick and Elkins.
+#: Contact models with the creep law of the flange; the default is that of Shen, Hedrick and Elkins.
 LAWS = {"default": Contact(2), "exact": Contact(2, flange_law=exact_law), "Polach": Contact(2, flange_law=polach)}
 COLOURS = {"default": LEADING, "exact": TRAILING, "Polach": BOGIE}
-#: Without lateral creep a wheel climbs at tan of its flange, twice Nadal's limit; a tenth of the way is far from none.
+#: Without lateral creep a wheel climbs at tan of its flange, twice Nadal's limit; a tenth of that is a clear margin.
 FALLS = 1.1
 SOURCE = "Nadal (1896)"
 
 
 def nadal(angle: float, friction: float) -> float:
-    """Y/Q at which a flange of this angle [deg] that slides down carries all."""
+    """Return the Y/Q at which a flange of this angle [deg] that slides down carries the whole load (Nadal 1896)."""
     return float(nadal_limit(math.radians(angle), ca.SX(friction)))
 
 
@@ -63,7 +63,7 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """The flange and the friction of the curve, at the largest angle of attack."""
+    """Return the motion of the flange and the friction of the curve, at the largest angle of attack."""
     angle = math.radians(CURVE_ANGLE)
     vehicle, library = vehicle_that_climbs(angle), climbing_wheelset(angle, LAWS["default"])
     columns = ("time", *motion_columns(vehicle))
@@ -75,7 +75,7 @@ def motion() -> Motion:
 
 
 def remarks(series: Recording) -> list[Row]:
-    """How the limit falls with the angle of attack, and what the creep law of the flange makes of it."""
+    """Return rows on the fall of the limit with the angle of attack, and on the effect of the flange's creep law."""
     limit, place = nadal(CURVE_ANGLE, CURVE_FRICTION), f"{CURVE_ANGLE:g} degrees, friction {CURVE_FRICTION:g}"
     curves = {name: series[f"limit_{name.lower()}"] for name in LAWS}
     settled = {name: float(np.interp(ATTACK, series["yaw"], curve)) for name, curve in curves.items()}
@@ -104,7 +104,7 @@ def remarks(series: Recording) -> list[Row]:
 
 
 def percent_under(low: np.ndarray, high: np.ndarray) -> float:
-    """How far the one curve is under the other at most [%]."""
+    """Return the largest relative distance of one curve below the other [%]."""
     return 100 * float(np.max(1 - low / high))
 
 

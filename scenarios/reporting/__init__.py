@@ -1,1 +1,1 @@
-"""What a scenario leaves behind: rows, figures, files."""
+"""Results of a scenario: rows, figures, files."""

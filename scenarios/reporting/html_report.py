@@ -24,16 +24,16 @@ from scenarios.reporting.report import Report, number, parted, verdict_of
 from scenarios.scenario import Scenario
 from scenarios.web.frame import filled
 
-#: Colours and dashes of the lines of a chart, one after the other: neighbours differ in both.
+#: Colours and dashes of the lines of a chart, in order: neighbours differ in both.
 COLOURS = (plots.LEADING, plots.TRAILING, plots.BOGIE, plots.THESIS, "#e69f00", "#56b4e9")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
-#: Letters of a name for which a telephone has room.
+#: Letters of a name that fit on a telephone.
 NAME_WIDTH = 44
-#: Up to so many rows each is a mark of its own.
+#: Largest number of rows that are drawn as single marks.
 FEW_ROWS = 60
-#: Of more lines in a chart the others are shown when their names are clicked on.
+#: Number of lines that a chart shows first; a click on the names of the others shows them.
 FIRST_SHOWN = 12
-#: Lines of one unit share a chart while the largest values differ by no more than this.
+#: Largest ratio of the largest values of lines with one unit that share a chart.
 APART = 30.0
 DISPLAY = {"responsive": True, "displaylogo": False}
 
@@ -48,7 +48,7 @@ class Chart:
 
 
 def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
-    """Beside summary.json and the figures, which it takes from there."""
+    """Write report.html next to summary.json and the figures, from which it is made."""
     summary = read_document(folder / "summary.json")
     motion = report.motion and report.motion()
     judged, others = parted(summary["rows"], lambda row: row["holds"])
@@ -76,14 +76,17 @@ def write_report(scenario: Scenario, report: Report, folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG file as base64, and what says in words what it shows."""
+    """A PNG file as base64, and its description."""
 
     text: str
     data: str
 
 
 def pictures(folder: Path, summary: Mapping[str, Any]) -> list[Picture]:
-    """Those of a folder, figure.png first. Where the summary has no sentence on one, its name stands for it."""
+    """Return the figures of a folder, figure.png first.
+
+    A figure without a message in the summary is described by its name.
+    """
     texts = summary.get("pictures", {})
     paths = sorted(folder.glob("*.png"), key=lambda path: (path.stem != "figure", path.stem))
     return [
@@ -96,7 +99,7 @@ def pictures(folder: Path, summary: Mapping[str, Any]) -> list[Picture]:
 
 
 def sentence(rows: Sequence[Mapping[str, Any]], which: str) -> str:
-    """Whether all that is judged holds; which: the end of a sentence that tells what does not."""
+    """Return the verdict of all rows with limits; which: the end of the message about failures."""
     verdicts = [row["holds"] for row in rows]
     failed, judged = verdicts.count(False), len(verdicts) - verdicts.count(None)
     if not judged:
@@ -107,13 +110,13 @@ def sentence(rows: Sequence[Mapping[str, Any]], which: str) -> str:
 
 
 def columns(rows: list[dict[str, Any]]) -> dict[str, str]:
-    """Heads of the numbers that any row has, by their keys."""
+    """Return the heads of the numbers that any row has, by their keys."""
     heads = {"thesis": "thesis", "vampire": "VAMPIRE", "simulated": "simulated", "deviation": "deviation"}
     return {key: head for key, head in heads.items() if any(row[key] is not None for row in rows)}
 
 
 def note(row: Mapping[str, Any]) -> str:
-    """Below a row: its source, what was assumed, and why it is not judged where that does not tell."""
+    """Return the note below a row: its source, the assumptions, and otherwise the reason why it has no limit."""
     parts = [row["source"], row["assumption"]]
     if row["holds"] is None and not row["assumption"]:
         lacking = "no value that it could be held to" if row["thesis"] is None else "what it hangs on is not printed"
@@ -125,14 +128,14 @@ def note(row: Mapping[str, Any]) -> str:
 
 
 def charts(report: Report) -> Iterator[Chart]:
-    """Of each recording, what has one unit and similar sizes together."""
+    """Yield the charts of each recording; columns of one unit and similar sizes share a chart."""
     for title, series in {"": report.series, **report.other_series}.items():
         for names in together(series):
             yield Chart(heading(title, names, series.units[names[0]]), len(names), chart(series, names))
 
 
 def together(series: Recording) -> Iterator[list[str]]:
-    """Names of the columns that go into one chart, in their order."""
+    """Yield the names of the columns that share a chart, in their order."""
     left = series.names[1:]
     while left:
         similar = [name for name in left if series.units[name] == series.units[left[0]]]
@@ -149,7 +152,7 @@ def heading(title: str, names: list[str], unit: str) -> str:
 
 
 def chart(series: Recording, names: list[str]) -> str:
-    """HTML of one chart, without the library."""
+    """Return the HTML of one chart, without the library."""
     first = series.names[0]
     mode = "lines+markers" if series[first].size <= FEW_ROWS else "lines"
     if np.any(np.diff(series[first]) < 0.0):
@@ -170,7 +173,7 @@ def chart(series: Recording, names: list[str]) -> str:
 
 
 def drawn(figure: go.Figure) -> str:
-    """HTML of a chart in the style of all."""
+    """Return the HTML of a figure in the common style."""
     figure.update_layout(
         template="none",
         margin={"l": 60, "r": 15, "t": 30, "b": 40},
@@ -184,7 +187,7 @@ def drawn(figure: go.Figure) -> str:
 
 
 def wrapped(name: str) -> str:
-    """A name in lines that a telephone has room for."""
+    """Return a name in lines that fit on a telephone."""
     return "<br>".join(escape(line) for line in textwrap.wrap(name, NAME_WIDTH))
 
 
@@ -193,7 +196,7 @@ def wrapped(name: str) -> str:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter as the page shows it."""
+    """A parameter as shown on the page."""
 
     name: str
     value: Any
@@ -202,7 +205,7 @@ class Parameter:
 
 
 def parameters(values: Mapping[str, Any], within: str = "") -> Iterator[Parameter]:
-    """All of them, groups opened, with units and meaning where a parameter set has one of that name."""
+    """Yield all parameters, with groups opened; units and meanings come from the parameter set of that name, if any."""
     sets = (VehicleParameters, TrackParameters, BrakeParameters, FlowParameters)
     known = {item.name: item.metadata for one in sets for item in fields(one)}
     for name, value in values.items():

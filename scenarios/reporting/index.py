@@ -1,7 +1,7 @@
 """All results of a folder on one page, index.html.
 
-Whether what is judged holds, with links to the reports; thesis against simulation at a glance; sweeps with their
-tables; what is not shown, and why.
+The page shows the verdicts of runs with links to their reports, thesis against simulation at a glance, sweeps with
+their tables, and the folders that are not shown, with the reason.
 """
 
 from html import escape
@@ -20,16 +20,24 @@ from scenarios.reporting.saved import Run, results_in
 from scenarios.scenario import BadInputError
 from scenarios.web.frame import filled
 
-#: Mark and colour by verdict; the marks alone tell them apart.
+#: Mark and colour by verdict; the shapes of the marks differ.
 MARKS = {True: ("circle", plots.LEADING), None: ("diamond-open", plots.BOGIE), False: ("x", plots.TRAILING)}
-#: Height of the chart beside and for each scenario [pixels].
+#: Height of the chart: fixed part, and part of each scenario [pixels].
 CHART_HEIGHT, LINE_HEIGHT = 190, 24
 
 
 def write_index(out: Path) -> tuple[Path, list[str]]:
-    """Writes it into the folder of the results; its path, and a sentence for each folder that is not shown.
+    """Write the index into the folder of the results.
 
-    Raises BadInputError where there are neither runs nor sweeps.
+    Returns
+    -------
+    tuple of Path and list of str
+        Path of the page, and one message for each folder that is not shown.
+
+    Raises
+    ------
+    BadInputError
+        If the folder has neither runs nor sweeps.
     """
     texts = {scenario.name: scenario.summary for scenario in SCENARIOS}
     order = {name: place for place, name in enumerate(texts)}
@@ -61,7 +69,7 @@ def write_index(out: Path) -> tuple[Path, list[str]]:
 
 
 def chart(results: list[Run]) -> str:
-    """Simulated over printed values, a line for each scenario."""
+    """Return a chart of simulated over published values, one line for each scenario."""
     figure = go.Figure()
     for holds, (symbol, colour) in MARKS.items():
         rows = [

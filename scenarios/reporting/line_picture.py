@@ -1,4 +1,4 @@
-"""A line as a picture: its plan, and curvature, cant and gradient over distance."""
+"""A figure of a line: its plan, and curvature, cant and gradient over distance."""
 
 from collections.abc import Sequence
 
@@ -8,14 +8,15 @@ from matplotlib.axes import Axes
 from rbd_model.track.line import Line
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above
 
-#: In curves to the left, on straight track, in curves to the right: a third of a line's steepest curvature tells which.
+#: Colours in curves to the left, on straight track, in curves to the right. A curve is steeper than a third of the
+#: largest curvature.
 LEFT_CURVE, STRAIGHT, RIGHT_CURVE = LEADING, BOGIE, TRAILING
-#: Marks of distance on a plan, at most; places that are drawn between rows, at most so far apart [m].
+#: Largest number of distance marks on a plan, and largest distance between drawn places [m].
 MOST_MARKS, PITCH = 8, 5.0
 
 
 def draw_line(axes: Sequence[Axes], line: Line) -> None:
-    """Plan, curvature, cant with the rails' heights where they are known, gradient with the height, on four axes."""
+    """Draw the plan, curvature, cant with the rails' heights if known, and gradient with the height, on four axes."""
     plan, curvature, cant, gradient = axes
     line = with_places_between(line)
     draw_plan(plan, line)
@@ -37,25 +38,25 @@ def draw_line(axes: Sequence[Axes], line: Line) -> None:
 
 
 def with_places_between(line: Line) -> Line:
-    """The line by more rows, PITCH apart and less, as models read it there."""
+    """Return the line with more rows, at most PITCH apart, interpolated as in the models."""
     rows = line.rows["distance"]
     places = np.union1d(rows, np.linspace(rows[0], rows[-1], int(np.ceil(line.length / PITCH)) + 1))
     return Line({name: line.value(name, places) for name in line.rows})
 
 
 def integral(line: Line, values: np.ndarray) -> np.ndarray:
-    """Of values by rows along the line, straight between them; 0 at the first."""
+    """Return the integral of row values along the line, linear between rows; 0 at the first row."""
     steps = np.diff(line.rows["distance"]) * (values[:-1] + values[1:]) / 2
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def height(line: Line) -> np.ndarray:
-    """Above the first row [m]."""
+    """Return the height above the first row [m]."""
     return integral(line, line.rows["gradient"])
 
 
 def draw_plan(axis: Axes, line: Line) -> None:
-    """Seen from above; curves by their side, distances as marks."""
+    """Draw the line from above: curves coloured by their side, distances as marks."""
     heading = integral(line, line.rows["curvature"])
     ahead, aside = integral(line, np.cos(heading)), integral(line, np.sin(heading))
     curvature = line.rows["curvature"]
@@ -64,7 +65,7 @@ def draw_plan(axis: Axes, line: Line) -> None:
     words = {1.0: "curve to the left", 0.0: "straight, transition", -1.0: "curve to the right"}
     for kind, colour in ((1.0, LEFT_CURVE), (0.0, STRAIGHT), (-1.0, RIGHT_CURVE)):
         if np.any(kinds == kind):
-            # A piece reaches to the next row, so that pieces meet.
+            # a piece reaches to the next row, so that pieces meet
             shown = (kinds == kind) | (np.append(kinds[0], kinds[:-1]) == kind)
             part = np.where(shown, ahead, np.nan), np.where(shown, aside, np.nan)
             axis.plot(*part, color=colour, linewidth=2.5, label=words[kind])
@@ -79,7 +80,7 @@ def draw_plan(axis: Axes, line: Line) -> None:
 
 
 def marks(line: Line) -> np.ndarray:
-    """Round distances on the line [m]."""
+    """Return round distances on the line [m]."""
     first, last = line.rows["distance"][[0, -1]]
     rough = (last - first) / MOST_MARKS
     size = 10.0 ** np.floor(np.log10(rough))

@@ -1,9 +1,9 @@
-"""The motion of a vehicle, as the three-dimensional view of a report shows it.
+"""The motion of a vehicle in the three-dimensional view of a report.
 
-How wheelsets stand on their rails is told by `lateral_...` and `wheel_rise_...`; bodies count from the axes of the
-track, and here both do, in axes that the vehicle carries along: x ahead, y to the left, z above the rails. On a line
-these are the axes of the track under its middle, without its cant, from which curves turn the places before and behind
-it; each place is then turned by its own cant.
+The model gives the positions of wheelsets relative to their rails (`lateral_...`, `wheel_rise_...`), and those of
+bodies relative to the axes of the track. Here both use axes that move with the vehicle: x ahead, y to the left, z above
+the rails. On a line these are the axes of the track under the middle of the vehicle, without cant. Curves displace and
+turn the places ahead and astern of these axes; each place is then turned by its own cant.
 """
 
 import base64
@@ -22,20 +22,22 @@ from rbd_model.vehicle.description import RigidBody, Vehicle, Wheelset, wheelset
 
 SIDES = ("left", "right")
 RAIL_ROWS = ("lateral", "left", "right", "curvature", "cant", "gradient")
-#: Motions of a body beside the one along the track.
+#: Motions of a body in addition to the one along the track.
 MOTIONS = ("lateral", "bounce", "roll", "pitch", "yaw")
-#: Pictures of a motion, at most, and pitch of the rails' irregularities [m].
+#: Largest number of frames of a motion, and pitch of the rails' irregularities [m].
 MOST_FRAMES, PITCH = 1500, 0.25
-#: A body is at least so large along each axis [m], and the rails go on so far before and behind the vehicle [m].
+#: Smallest size of a drawn body along each axis [m], and length of the rails beyond each end of the vehicle [m].
 SMALLEST_BODY, RAILS_BEYOND = 0.3, 1.5
-#: The largest displacement is first shown as large as this [m], exaggerated by no more than MOST_EXAGGERATION.
+#: Displayed size of the largest displacement at first [m], exaggerated by no more than MOST_EXAGGERATION.
 SHOWN_DISPLACEMENT, MOST_EXAGGERATION = 0.15, 50
-#: Points of a profile that is drawn.
+#: Number of points of a drawn profile.
 PROFILE_POINTS = 240
 
 
 def motion_columns(vehicle: Vehicle) -> tuple[str, ...]:
-    """What must be recorded for a `Motion`, at any level of detail; what a level does not have is 0 there."""
+    """Return the names of the variables that a `Motion` needs, at any level of detail; a variable that a level lacks is
+    0.
+    """
     wheels = [
         f"{name}_{number}_{side}"
         for number, _ in vehicle.numbered
@@ -49,7 +51,7 @@ def motion_columns(vehicle: Vehicle) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Motion:
-    """Which run is shown, its vehicle, what it recorded (`motion_columns`), and the track if it is uneven or curved."""
+    """A run, its vehicle, its recording (`motion_columns`), and the track if it is uneven or curved."""
 
     text: str
     vehicle: Vehicle
@@ -58,16 +60,16 @@ class Motion:
 
     @property
     def frames(self) -> slice:
-        """The rows that are shown."""
+        """Return the rows that are shown."""
         return slice(None, None, -(-self.series["time"].size // MOST_FRAMES))
 
     def column(self, name: str) -> np.ndarray:
-        """Of the rows that are shown."""
+        """Return the shown rows of one column."""
         return self.series[name][self.frames]
 
     @property
     def in_space(self) -> bool:
-        """Whether anything leaves the vertical plane."""
+        """Return whether the motion leaves the vertical plane."""
         return any(np.any(self.column(f"lateral_{number}")) for number, _ in self.vehicle.numbered)
 
 
@@ -81,20 +83,20 @@ class Rails:
     rows: Mapping[str, np.ndarray]
 
     def at(self, distance: np.ndarray, name: str) -> np.ndarray:
-        """One of the rows at places along the track [m]."""
+        """Return one of the rows at places along the track [m]."""
         return np.interp(distance, self.distance, self.rows[name])
 
     def bend(self, distance: np.ndarray, ahead: float) -> tuple[np.ndarray, np.ndarray]:
-        """How far [m] and by what angle [rad] a curve takes the track aside that much ahead of a place [m].
+        """Return displacement [m] and angle [rad] of the track due to curvature at a distance `ahead` of a place [m].
 
-        Where the curvature changes evenly between both, and angles are small.
+        The curvature is linear between both places, and angles are small.
         """
         here, there = self.at(distance, "curvature"), self.at(distance + ahead, "curvature")
         return ahead**2 * (2 * here + there) / 6, ahead * (here + there) / 2
 
 
 def rails_under(motion: Motion) -> Rails:
-    """As far as the vehicle comes, and on a little."""
+    """Return the rails over the distance that the vehicle covers, and RAILS_BEYOND."""
     beyond = half_length(motion.vehicle) + RAILS_BEYOND
     first, last = motion.column("distance")[[0, -1]] + [-beyond, beyond]
     distance = np.arange(first, last + PITCH, PITCH)
@@ -108,27 +110,29 @@ def rails_under(motion: Motion) -> Rails:
 
 
 def rows_of_track(track: TrackParameters, distance: np.ndarray) -> np.ndarray:
-    """Of `Rails`, shape (6, n)."""
+    """Return the rows of `Rails`, shape (6, n), of a track."""
     at = derivatives_along(track)
     return np.array([[*at(place)[0], 0.0, 0.0, 0.0] for place in distance.tolist()]).T
 
 
 def rows_of_line(line: Line, distance: np.ndarray) -> np.ndarray:
-    """Of `Rails`, shape (6, n); what the line's file does not have is 0."""
+    """Return the rows of `Rails`, shape (6, n), of a line; columns that its file lacks are 0."""
     names = ("left_lateral", "right_lateral", "left_vertical", "right_vertical", "curvature", "cant", "gradient")
     rows = [line.value(name, distance) for name in names]
     return np.array([(rows[0] + rows[1]) / 2, *rows[2:]])
 
 
 def half_length(vehicle: Vehicle) -> float:
-    """From the middle to where the last box or wheel ends [m]."""
+    """Return the distance from the middle to the end of the last box or wheel [m]."""
     boxes = [box(vehicle, body) for body in vehicle.bodies]
     wheels = [abs(vehicle.number(one.along)) + vehicle.number(one.mean_radius) for one in vehicle.wheelsets]
     return float(max(*wheels, *(np.abs(corners[:, 0]).max() for corners in boxes)))
 
 
 def box(vehicle: Vehicle, body: RigidBody) -> np.ndarray:
-    """Lowest and highest corner of a body above the axles [m]: around its centre and all that acts on it."""
+    """Return the lowest and highest corner of a body above the axles [m]: a box around its centre and its forces'
+    points.
+    """
     centre = np.array([vehicle.number(size) for size in (body.along, 0.0, body.height)])
     ends = [one.sides() for one in vehicle.connections if body.name in (one.upper, one.lower)]
     places = [place for sides in ends for _, place in sides]
@@ -140,7 +144,7 @@ def box(vehicle: Vehicle, body: RigidBody) -> np.ndarray:
 
 
 def packed(motion: Motion) -> dict[str, Any]:
-    """All that motion.js draws, as JSON has it; series as base64 of 32-bit floats."""
+    """Return all data of motion.js in the form of JSON; series as base64 of 32-bit floats."""
     rails, vehicle = rails_under(motion), motion.vehicle
     return {
         "time": series(motion.column("time")),
@@ -162,7 +166,7 @@ def series(values: np.ndarray) -> str:
 
 
 def exaggeration(motion: Motion) -> int:
-    """That shows the largest displacement well."""
+    """Return the first exaggeration factor [1], which makes the largest displacement visible."""
     across = [f"lateral_{number}" for number, _ in motion.vehicle.numbered]
     names = [*across, *(body.variable(one) for body in motion.vehicle.bodies for one in ("lateral", "bounce"))]
     largest = max(float(np.abs(motion.column(name)).max()) for name in names)
@@ -170,7 +174,7 @@ def exaggeration(motion: Motion) -> int:
 
 
 def body_of(motion: Motion, rails: Rails, body: RigidBody) -> dict[str, Any]:
-    """Its centre at rest, its box around that centre, and its motions."""
+    """Return a body's centre at rest, its box around that centre, and its motions."""
     vehicle = motion.vehicle
     centre = [vehicle.number(size) for size in (body.along, 0.0, body.height)]
     moves = {name: motion.column(body.variable(name)) for name in MOTIONS}
@@ -182,7 +186,7 @@ def body_of(motion: Motion, rails: Rails, body: RigidBody) -> dict[str, Any]:
 
 
 def wheelset_of(motion: Motion, rails: Rails, number: int, wheelset: Wheelset) -> dict[str, Any]:
-    """Its place, motions against the track's axes, and what each wheel does on its rail."""
+    """Return a wheelset's place, its motions relative to the track's axes, and the data of each wheel on its rail."""
     along = motion.vehicle.number(wheelset.along)
     under = motion.column("distance") + along
     aside, turned = rails.bend(motion.column("distance"), along)
@@ -206,7 +210,7 @@ def wheelset_of(motion: Motion, rails: Rails, number: int, wheelset: Wheelset) -
 
 
 def wheel_of(motion: Motion, wheelset: Wheelset, number: int, place: int) -> dict[str, Any]:
-    """One wheel on its rail, seen along the track: both profiles, rise [m], vertical and lateral force [N]."""
+    """Return one wheel on its rail, viewed along the track: both profiles, rise [m], vertical and lateral force [N]."""
     side, word = wheelset.pair.both[place], SIDES[place]
     return {
         "text": word,
@@ -223,11 +227,11 @@ def wheel_of(motion: Motion, wheelset: Wheelset, number: int, place: int) -> dic
 
 
 def drawn(profile: Profile) -> list[list[float]]:
-    """Points (y outwards, z) of a profile [mm]."""
+    """Return the points (y outwards, z) of a profile [mm]."""
     y = np.linspace(*profile.limits, PROFILE_POINTS)
     return np.round(1e3 * np.column_stack([y, profile.height(y)]), 3).tolist()
 
 
 def irregular(**amplitudes: float) -> TrackParameters:
-    """The track of section 5.3 with these irregularities [m]."""
+    """Return the track of section 5.3 with these irregularities [m]."""
     return TrackParameters(**section_5_3().values() | amplitudes)

@@ -1,4 +1,4 @@
-"""One style for all figures: each has one message, a sentence of a few words that is its title."""
+"""One style for all figures; the title of each is its one message of a few words."""
 
 import math
 import re
@@ -19,7 +19,7 @@ LEADING, TRAILING, BOGIE, THESIS = "#0072b2", "#d55e00", "#333333", "#009e73"
 THREE = ("#0072b2", "#e69f00", "#d55e00")
 #: Wheelsets 1 to 4.
 FOUR = ("#0072b2", "#56b4e9", "#e69f00", "#d55e00")
-#: Dashes of three or four lines beside their colours: in grey print the second and the third of FOUR are one.
+#: Dashes of three or four lines in addition to their colours: the second and third of FOUR are alike in grey print.
 LINES = ("-", "--", "-.", ":")
 
 plt.rcParams.update(
@@ -37,20 +37,20 @@ plt.rcParams.update(
     }
 )
 
-#: Words of a message at most, and letters of a title in an inch of its line.
+#: Largest number of words of a message, and letters of a title in an inch of its line.
 MOST_WORDS, LETTERS = 12, 8.9
 NO_BREAK = "\u00a0"
 
 
 def panels(message: str, labels: Sequence[str], height: float = 2.0) -> tuple[Figure, list[Axes]]:
-    """A figure of panels above each other that share the time axis; `labels` are the titles of the panels."""
+    """Return a figure of panels above each other that share the time axis; `labels` are the titles of the panels."""
     figure, axes = charts(message, labels, (8.0, height * len(labels) + 0.8), columns=1, sharex=True)
     axes[-1].set_xlabel("time [s]")
     return figure, axes
 
 
 def single(message: str, x_label: str, y_label: str) -> tuple[Figure, Axes]:
-    """A figure of one chart."""
+    """Return a figure of one chart."""
     figure, axis = plt.subplots(figsize=(8.0, 5.2))
     axis.set(xlabel=x_label, ylabel=y_label)
     return titled(figure, message), axis
@@ -64,9 +64,22 @@ def charts(
     columns: int = 2,
     **options: Any,
 ) -> tuple[Figure, list[Any]]:
-    """A figure of charts in rows of some `columns`; size: of the figure [inch].
+    """Return a figure of charts in rows of some `columns`.
 
-    titles: of the charts, each with the label of its x axis, or with one label for all. options: of `plt.subplots`.
+    Parameters
+    ----------
+    message : str
+        Title of the figure.
+    titles : mapping or sequence of str
+        Titles of the charts, each with the label of its x axis, or all with `x_label`.
+    size : tuple of float, shape (2,)
+        Size of the figure [inch].
+    x_label : str
+        Label of all x axes, if `titles` is a sequence.
+    columns : int
+        Number of charts in a row.
+    options
+        Further arguments of `plt.subplots`.
     """
     figure, grid = plt.subplots(math.ceil(len(titles) / columns), columns, figsize=size, squeeze=False, **options)
     for axis, title in zip(grid.flat, titles, strict=True):
@@ -75,7 +88,10 @@ def charts(
 
 
 def titled(figure: Figure, message: str) -> Figure:
-    """The figure with its message as title, and room for what is on it. Raises ValueError as `message_of` does."""
+    """Return the figure with its message as title, and space for its contents.
+
+    Raises ValueError as `message_of` does.
+    """
     lines = math.ceil(len(message) / (figure.get_figwidth() * LETTERS))
     figure.suptitle(textwrap.fill(message, len(message) // max(lines, 1) + 8), x=0.02, ha="left")
     figure.set_layout_engine("constrained")
@@ -84,12 +100,18 @@ def titled(figure: Figure, message: str) -> Figure:
 
 
 def one_word(name: str) -> str:
-    """A name of the user's for a message: one word, however many blanks it has."""
+    """Return a user's name as one word of a message, regardless of its blanks."""
     return name.replace(" ", NO_BREAK)
 
 
 def message_of(figure: Figure) -> str:
-    """What a figure says, in one line. Raises ValueError for one that says nothing, or more than MOST_WORDS words."""
+    """Return the message of a figure in one line.
+
+    Raises
+    ------
+    ValueError
+        If the figure has no message, or one of more than MOST_WORDS words.
+    """
     words = [word.replace(NO_BREAK, " ") for word in re.split("[ \n]+", figure.get_suptitle()) if word]
     if not words:
         raise ValueError("A picture has no message; give it one with scenarios.reporting.plots.titled.")
@@ -99,7 +121,7 @@ def message_of(figure: Figure) -> str:
 
 
 def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
-    """What all columns and all rows of a grid of axes share, below the last row and left of the first column."""
+    """Label the axes that all columns and all rows of a grid share, below the last row and left of the first column."""
     for axis in grid[-1]:
         axis.set_xlabel(x_label)
     for axis in grid[:, 0]:
@@ -107,17 +129,17 @@ def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
 
 
 def legend_above(axis: Axes, columns: int = 2) -> None:
-    """The legend in the line of the title, where it hides nothing."""
+    """Place the legend in the line of the title, where it hides nothing."""
     axis.legend(loc="lower right", bbox_to_anchor=(1.0, 0.96), ncols=columns, fontsize=8, borderaxespad=0.1)
 
 
 def write_at(axis: Axes, place: tuple[float, float], text: str, colour: str, **options: Any) -> None:
-    """The name of a line in its colour, at a place of its own; options: of `Axes.annotate`."""
+    """Write the name of a line in its colour at a place; options: of `Axes.annotate`."""
     axis.annotate(text, place, **{"color": colour, "fontsize": "large", "va": "center"} | options)
 
 
 def mark(axis: Axes, time: float | None, text: str) -> None:
-    """A thin vertical line with a word, for an event."""
+    """Draw a thin vertical line with a word for an event; None: no line."""
     if time is None:
         return
     axis.axvline(time, color="#999999", linewidth=0.8)

@@ -1,4 +1,4 @@
-"""What a scenario leaves behind: a table of thesis against simulation, time series, a figure, one JSON."""
+"""Results of a scenario: a table of thesis against simulation, time series, figures, one JSON file."""
 
 import math
 import shutil
@@ -21,7 +21,7 @@ from scenarios.reporting.plots import message_of, plt
 
 @dataclass(frozen=True)
 class Bound:
-    """What is asked of a quantity whose value the thesis does not print, in its unit; `text` is for people."""
+    """Limits of a quantity for which the thesis reports no value, in its unit; `text` describes them."""
 
     least: float
     most: float
@@ -29,27 +29,27 @@ class Bound:
 
 
 def at_most(most: float) -> Bound:
-    """Not above a limit."""
+    """Return an upper limit."""
     return Bound(-math.inf, most, f"<= {number(most)}")
 
 
 def at_least(least: float) -> Bound:
-    """Not below a limit."""
+    """Return a lower limit."""
     return Bound(least, math.inf, f">= {number(least)}")
 
 
 def between(least: float, most: float) -> Bound:
-    """Within two limits."""
+    """Return a lower and an upper limit."""
     return Bound(least, most, f"{number(least)} to {number(most)}")
 
 
 def near(value: float, band: float) -> Bound:
-    """Within a band about a value that is not the thesis's: of theory, of another method, of another program."""
+    """Return limits about a value that is not from the thesis: of theory, of another method, of another program."""
     return Bound(value - band, value + band, f"{number(value)} +- {number(band)}")
 
 
 def rounding(printed: str) -> float:
-    """Half of the last digit of a number as it is printed: all that it leaves open."""
+    """Return half of the last digit of a published number, its rounding error."""
     return 0.5 * 10.0 ** -len(printed.partition(".")[2])
 
 
@@ -57,10 +57,11 @@ def rounding(printed: str) -> float:
 class Row:
     """One comparison.
 
-    thesis: what it prints, and nothing else. asked: how far from that the value may be, in the unit of the quantity,
-    which is its `rounding`, or a `Bound` where nothing is printed. None: the row is not judged, because it hangs on
-    something that is not printed, or because a parameter was fitted to it; `assumption` says which. Where the thesis
-    also prints VAMPIRE's value, the row holds between the two programs, the band added.
+    thesis: the reported value only. asked: largest allowed distance from it in the unit of the quantity, which is its
+    `rounding`; or a `Bound` if the thesis reports no value; or None for a row without a limit. A row has no limit if it
+    depends on an unreported quantity, or if a parameter was fitted to it; `assumption` states the reason. vampire:
+    value of VAMPIRE in the thesis, if any. The row then passes between the values of both programs, widened by the
+    tolerance.
     """
 
     quantity: str
@@ -74,14 +75,14 @@ class Row:
 
     @property
     def deviation(self) -> float | None:
-        """From what the thesis prints."""
+        """Return the difference from the value that the thesis reports, or None."""
         if self.thesis is None or self.simulated is None:
             return None
         return self.simulated - self.thesis
 
     @property
     def holds(self) -> bool | None:
-        """Whether the value is as asked; one that should be there and is not does not hold; None: not judged."""
+        """Return whether the value is within its limits; False if it is missing; None if the row has no limit."""
         limits = self.limits
         if limits is None:
             return None
@@ -89,7 +90,7 @@ class Row:
 
     @property
     def limits(self) -> tuple[float, float] | None:
-        """Least and largest value that holds; None: not judged."""
+        """Return the least and largest value that passes; None if the row has no limit."""
         if isinstance(self.asked, Bound):
             return self.asked.least, self.asked.most
         if self.thesis is None or self.asked is None:
@@ -99,7 +100,7 @@ class Row:
 
     @property
     def asked_text(self) -> str:
-        """What is asked, for people."""
+        """Return the limits as text."""
         if isinstance(self.asked, Bound):
             return self.asked.text
         return "-" if self.limits is None else f"+- {number(self.asked)}"
@@ -128,7 +129,7 @@ def measured(
     asked: Bound | None = None,
     assumption: str = "",
 ) -> Row:
-    """A row of what the thesis does not print; a count stays a whole number."""
+    """Return a row of a quantity that the thesis does not report; a count remains an integer."""
     found = value if value is None or isinstance(value, int) else float(value)
     return Row(quantity, unit, None, found, asked, source, assumption)
 
@@ -138,7 +139,7 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True)
 class Measure(Generic[Found]):
-    """What is measured of each run: a quantity with its unit and how it is read; asked, source: as in a `Row`."""
+    """A measured quantity of each run: name, unit and function of the run; asked, source: as in a `Row`."""
 
     quantity: str
     unit: str
@@ -148,7 +149,7 @@ class Measure(Generic[Found]):
 
 
 def rows_of(runs: Mapping[str, Found], *measures: Measure[Found]) -> list[Row]:
-    """All measures of each run; the name of the run stands ahead of the quantity."""
+    """Return all measures of each run; the name of the run precedes the quantity."""
     return [
         measured(f"{name}: {one.quantity}", one.unit, one.value(run), one.source, one.asked)
         for name, run in runs.items()
@@ -158,7 +159,7 @@ def rows_of(runs: Mapping[str, Found], *measures: Measure[Found]) -> list[Row]:
 
 @dataclass
 class Report:
-    """Everything a scenario found. `simulated_seconds`: time simulated over all runs; 0 where that is not the point."""
+    """All results of a scenario. `simulated_seconds`: simulated time over all runs [s]; 0 if it is irrelevant."""
 
     rows: list[Row]
     series: Recording
@@ -168,11 +169,11 @@ class Report:
     remarks: list[str] = field(default_factory=list)
     guids: Mapping[str, str] = field(default_factory=dict)
     coupling: Mapping[str, float] = field(default_factory=dict)
-    #: Further figures by file name, beside figure.png.
+    #: Further figures by file name, in addition to figure.png.
     other_figures: dict[str, Callable[[], Figure]] = field(default_factory=dict)
-    #: Further tables by file name, beside timeseries.csv.
+    #: Further tables by file name, in addition to timeseries.csv.
     other_series: dict[str, Recording] = field(default_factory=dict)
-    #: Runs again what the page of a report shows in three dimensions; None: nothing moves.
+    #: Repeats the run that the three-dimensional view of a report shows; None: nothing moves.
     motion: Callable[[], Motion] | None = None
 
     @property
@@ -181,7 +182,18 @@ class Report:
 
 
 def value_of(rows: Sequence[Row], quantity: str) -> float:
-    """What was simulated of a quantity. Raises LookupError where no row has it, or nothing was found."""
+    """Return the simulated value of a quantity.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+    quantity : str
+
+    Raises
+    ------
+    LookupError
+        If no row has the quantity, or its value is missing.
+    """
     for row in rows:
         if row.quantity == quantity and row.simulated is not None:
             return row.simulated
@@ -191,12 +203,31 @@ def value_of(rows: Sequence[Row], quantity: str) -> float:
 def save(
     report: Report, name: str, out: Path, wall_seconds: float, further: Callable[[Report, Path], None] | None = None
 ) -> Path:
-    """Writes results/NAME in one move: a run that fails on the way leaves the folder as it was.
+    """Write results/NAME in one move: a run that fails leaves the folder unchanged.
 
-    Among the pictures in summary.json each has its message. Raises ValueError where a figure has none,
-    StorageError.
+    Parameters
+    ----------
+    report : Report
+    name : str
+        Name of the scenario.
+    out : Path
+        Folder of all results.
+    wall_seconds : float
+        Wall time of the run [s].
+    further : callable, optional
+        Writes further files into the folder after all others.
 
-    further: writes what else is asked for into the folder, when all else is there.
+    Returns
+    -------
+    Path
+        The folder. Its summary.json has the message of each figure.
+
+    Raises
+    ------
+    ValueError
+        If a figure has no message.
+    StorageError
+        If the folder cannot be written.
     """
     out.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=out))
@@ -210,7 +241,7 @@ def save(
             "coupling": dict(report.coupling),
             "versions": versions() | {"fmus": dict(report.guids)},
             "wall_seconds": wall_seconds,
-            # null where nothing runs in time, or the time of single calls is what is measured
+            # null if nothing is simulated over time, or if the scenario measures the time of single calls
             "times_real_time": report.simulated_seconds / wall_seconds or None,
         }
         (partial / "summary.json").write_text(document_text(summary), encoding="utf-8")
@@ -229,7 +260,7 @@ def save(
 
 
 def exchange(made: Path, target: Path) -> None:
-    """Puts a folder in the place of another one, which is deleted when the new one stands there."""
+    """Replace a folder by another one; the old one is deleted after the new one is in place."""
     before = made.with_name(f"{made.name}-before")
     if target.exists():
         target.replace(before)
@@ -243,7 +274,7 @@ def exchange(made: Path, target: Path) -> None:
 
 
 def draw_all(report: Report, folder: Path) -> dict[str, str]:
-    """Draws the figures into a folder; their messages by file name."""
+    """Draw the figures into a folder; return their messages by file name."""
     messages = {}
     for file, draw in {"figure": report.draw, **report.other_figures}.items():
         figure = draw()
@@ -264,27 +295,27 @@ def number(value: float | None) -> str:
     return f"{value:.3e}"
 
 
-#: Rows that are not judged and yet printed.
+#: Number of rows without a limit that are printed nevertheless.
 FEW = 5
-#: Columns that are left out where no row has a value.
+#: Columns that are omitted if no row has a value.
 EMPTY = {"thesis", "VAMPIRE", "deviation"}
 VERDICTS = {True: "holds", False: "DOES NOT HOLD", None: "not judged"}
 
 
 def parted(rows: Sequence[Any], holds: Callable[[Any], bool | None]) -> tuple[list[Any], list[Any]]:
-    """Rows that are judged, those that do not hold first, and rows that are not; holds: what tells it of a row."""
+    """Return the rows with a verdict, failed ones first, and the rows without; holds: returns the verdict of a row."""
     of = {verdict: [row for row in rows if holds(row) is verdict] for verdict in VERDICTS}
     return [*of[False], *of[True]], of[None]
 
 
 def verdict_of(verdicts: Iterable[bool | None]) -> bool | None:
-    """Of several together: False where one does not hold, None where none is judged."""
+    """Return the verdict of several: False if one fails, None if none has a limit."""
     found = set(verdicts)
     return next((verdict for verdict in (False, True) if verdict in found), None)
 
 
 def short_table(rows: Sequence[Row], folder: Path) -> str:
-    """The table of what is judged, and of FEW rows that are not; where the others are. Where nothing is judged, all."""
+    """Return a table of rows with limits and of FEW others, and the place of the rest; all rows if none has limits."""
     judged, others = parted(rows, lambda row: row.holds)
     left = len(others) - FEW
     if not judged or left < 2:
@@ -296,7 +327,7 @@ def short_table(rows: Sequence[Row], folder: Path) -> str:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """The rows as text, with units, without columns that would be empty; below each what was assumed."""
+    """Return the rows as text, with units, without empty columns; the assumptions follow below each row."""
     heads = ["quantity", "unit", "thesis", "VAMPIRE", "simulated", "deviation", "asked", "verdict"]
     lines = [
         [

@@ -1,4 +1,4 @@
-"""What a folder of results holds: runs, sweeps, and what is neither, which is named and left as it is."""
+"""Contents of a folder of results: runs and sweeps. Other folders are named and left unchanged."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -21,17 +21,17 @@ from readers.documents import (
 from readers.text import shown
 from scenarios.reporting.report import parted, verdict_of
 
-#: Keys of a row that the pages show as text, and as a number or nothing.
+#: Keys of a row that the pages show as text, and as a number or empty.
 TEXTS, NUMBERS = ("quantity", "unit"), ("thesis", "simulated", "deviation")
 #: Longest run of a scenario that is accepted [s]: a month.
 LONGEST = 31 * 86400.0
-#: What a run and a sweep are shown by, the best first.
+#: Pages that show a run and a sweep, the best first.
 RUN_PAGES, SWEEP_PAGES = ("report.html", "figure.png", "summary.json"), ("table.csv", "summary.json")
 
 
 @dataclass(frozen=True)
 class Run:
-    """A scenario's results, as its summary.json tells them; `link` is relative to the folder of all results."""
+    """A scenario's results, as in its summary.json; `link` is relative to the folder of all results."""
 
     name: str
     link: str
@@ -40,19 +40,19 @@ class Run:
 
     @property
     def holds(self) -> bool | None:
-        """Whether all that is judged holds; None: nothing is judged."""
+        """Return whether all rows with limits pass; None: no row has a limit."""
         return verdict_of(row["holds"] for row in self.rows)
 
     @property
     def printed(self) -> list[dict[str, Any]]:
-        """Rows of which the thesis prints a value, those that are judged first."""
+        """Return the rows for which the thesis reports a value, those with limits first."""
         judged, others = parted(self.rows, lambda row: row["holds"])
         return [row for row in [*judged, *others] if row["thesis"] is not None]
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """A table over a grid; `varied` is for people."""
+    """A table over a grid; `varied` describes the parameters."""
 
     name: str
     link: str
@@ -63,7 +63,7 @@ class Sweep:
 
 @dataclass
 class Results:
-    """Runs and sweeps of a folder; `skipped` has a sentence for each folder that is neither."""
+    """Runs and sweeps of a folder; `skipped` has a message for each folder that is neither."""
 
     runs: list[Run] = field(default_factory=list)
     sweeps: list[Sweep] = field(default_factory=list)
@@ -71,7 +71,10 @@ class Results:
 
 
 def results_in(out: Path) -> Results:
-    """What its folders hold. Those that begin with a dot are being written."""
+    """Return the contents of a folder's subfolders.
+
+    Those that begin with a dot are still being written and are skipped.
+    """
     found = Results()
     for folder in sorted(path for path in out.glob("[!.]*") if path.is_dir()):
         try:
@@ -87,7 +90,7 @@ def results_in(out: Path) -> Results:
 
 
 def read(folder: Path) -> Run | Sweep:
-    """What one folder holds. Raises OSError or ValueError, whose text says what is amiss."""
+    """Return the contents of one folder. Raises OSError or ValueError, whose text states the fault."""
     path = folder / "summary.json"
     if not path.exists():
         raise ValueError(unfinished(folder))
@@ -106,14 +109,14 @@ def wall_seconds(folder: Path) -> float | None:
 
 
 def unfinished(folder: Path) -> str:
-    """Why there is no summary."""
+    """Return the reason why the summary is missing."""
     if (folder / JOURNAL).exists():
         return "its sweep has not come to its end, and the same command goes on from there"
     return "it has no summary.json, which a scenario and a sweep leave behind"
 
 
 def run(folder: Path, summary: Mapping[str, Any]) -> Run:
-    """A scenario's results. Raises ValueError where something is not as `report.save` writes it."""
+    """Return a scenario's results. Raises ValueError if an entry is not as `report.save` writes it."""
     name = text_in(summary, "scenario", "summary.json")
     rows = list_in(summary, "rows", "summary.json")
     for number, row in enumerate(rows, 1):
@@ -150,7 +153,7 @@ def verdict(row: Mapping[str, Any], what: str) -> bool | None:
 
 
 def sweep(folder: Path, summary: Mapping[str, Any]) -> Sweep:
-    """A sweep's results. Raises ValueError where it is not as `write_table` writes it."""
+    """Return a sweep's results. Raises ValueError if an entry is not as `write_table` writes it."""
     what = "summary.json"
     vary, units = mapping_in(summary, "vary", what), mapping_in(summary, "units", what)
     for name, given in vary.items():
@@ -165,12 +168,12 @@ def sweep(folder: Path, summary: Mapping[str, Any]) -> Sweep:
 
 
 def link(folder: Path, pages: Sequence[str]) -> str:
-    """To the best of the pages that is there; summary.json is."""
+    """Return the link to the best of the pages that exist; summary.json does."""
     return f"{folder.name}/{next(name for name in pages if (folder / name).exists())}"
 
 
 def values(name: str, unit: str, given: Sequence[float]) -> str:
-    """What a parameter was given, in words."""
+    """Return the values of a parameter as text."""
     few = ", ".join(f"{value:g}" for value in given)
     many = f"{len(given)} values from {given[0]:g} to {given[-1]:g}"
     return f"{name} {few if len(given) < 4 else many} {unit if unit != '1' else ''}".rstrip()

@@ -1,4 +1,4 @@
-// Draws a recorded motion: the vehicle in space and its wheels on the rails' heads, at the instant that the time bar tells.
+// Draws a recorded motion: the vehicle in 3D and its wheels on the rails' heads, at the instant of the time bar.
 // Coordinates as in the model: x ahead, y to the left, z above the rails, turned by Rz(yaw) Rx(roll) Ry(pitch).
 
 (() => {
@@ -154,7 +154,8 @@
     };
   };
 
-  // A wheel over its rail as seen along the track, in mm from the y = 0 of the rail; the picture's right is the track's.
+  // A wheel over its rail viewed along the track, in mm from the y = 0 of the rail; right in the plot is right of the
+  // track.
   const wheelOverRail = (one, wheel, frame) => {
     const { side, radius, wheel_half_distance: half } = wheel, roll = one.roll[frame];
     const [c, s] = [Math.cos(roll), Math.sin(roll)];
