@@ -1,6 +1,6 @@
-"""Says what is there and what is missing, each with what to do.
+"""Report each part of the installation, whether it is present, and the remedy if it is missing.
 
-It imports nothing but the standard library until it knows that the packages are there.
+This module imports only the standard library until it has found the packages.
 """
 
 import base64
@@ -17,16 +17,16 @@ from typing import Any
 
 PROJECT, PACKAGE = "bogie-braking", "bogie_braking"
 LEAST_PYTHON = (3, 10)
-#: How a finding is called that is as it should be, that is not and stops the work, and that is not but may be.
+#: Names of the verdicts: in order, missing and required, missing and optional.
 OK, MISSING, WITHOUT = "ok", "MISSING", "without"
-#: What is compiled, and how many bytes are written, to see whether that works; names in a line.
+#: C source and number of bytes that test the compiler and the cache; largest number of names in a line.
 PROBE_IN_C = "#include <math.h>\ndouble root(double);\ndouble root(double x) { return sqrt(x); }\n"
 PROBE, MOST_NAMES = 1 << 16, 3
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One line: how it stands, what was looked at and found, and what to do where something is not there."""
+    """One line: its verdict, the part that was checked with the result, and the remedy if it is missing."""
 
     verdict: str
     text: str
@@ -37,7 +37,7 @@ class Finding:
 
 
 def main() -> int:
-    """Prints the findings; exit status 0, or 1 if something is missing that is needed."""
+    """Print the findings; return exit status 0, or 1 if a required part is missing."""
     complete = True
     for finding in findings():
         print(finding, flush=True)
@@ -46,7 +46,7 @@ def main() -> int:
 
 
 def findings() -> Iterator[Finding]:
-    """From what all others need to what is a matter of taste; the last ones only where the packages are there."""
+    """Yield the findings, the most general first; the last ones only if all packages are present."""
     yield python()
     installed = list(packages())
     yield from installed
@@ -57,7 +57,7 @@ def findings() -> Iterator[Finding]:
 
 
 def python() -> Finding:
-    """The interpreter and the machine."""
+    """Return the finding on the interpreter and the operating system."""
     text = f"Python {platform.python_version()} on {platform.system()} {platform.machine()}"
     if sys.version_info < LEAST_PYTHON:
         return Finding(MISSING, text, f"Install Python {'.'.join(map(str, LEAST_PYTHON))} or later.")
@@ -65,7 +65,7 @@ def python() -> Finding:
 
 
 def packages() -> Iterator[Finding]:
-    """What the project asks for, and what each of its extras does."""
+    """Yield one finding for the required packages and one for each extra."""
     try:
         about = metadata(PROJECT)
         from packaging.requirements import Requirement
@@ -78,14 +78,14 @@ def packages() -> Iterator[Finding]:
 
 
 def belongs(marker: Any, extra: str) -> bool:
-    """Whether what has this marker is asked for on this machine, by an extra or (empty) by all."""
+    """Return whether a package with this marker is required on this computer, by an extra or (empty) by all."""
     if marker is None:
         return not extra
     return marker.evaluate({"extra": extra}) and not (extra and marker.evaluate({"extra": ""}))
 
 
 def group(extra: str, asked: Mapping[str, Any]) -> Finding:
-    """Packages that are asked for together, by name with their versions."""
+    """Return the finding on a group of required packages; asked: versions by name."""
     here, wrong = [], []
     for name, versions in asked.items():
         try:
@@ -103,7 +103,7 @@ def group(extra: str, asked: Mapping[str, Any]) -> Finding:
 
 
 def installation() -> Finding:
-    """Whether the files of the package are those that were installed: tables, pages and code among them."""
+    """Return whether the files of the package are unchanged since installation, tables, pages and code among them."""
     own = [one for one in distribution(PROJECT).files or [] if one.parts[0] == PACKAGE]
     listed = [one for one in own if one.hash and one.hash.mode == "sha256"]
     if not listed:
@@ -116,7 +116,7 @@ def installation() -> Finding:
 
 
 def unchanged(path: Path, checksum: str) -> bool:
-    """Whether a file has the SHA-256 that pip noted, in base64 without padding."""
+    """Return whether a file has the SHA-256 that pip recorded, in base64 without padding."""
     try:
         found = hashlib.sha256(path.read_bytes()).digest()
     except OSError:
@@ -125,13 +125,13 @@ def unchanged(path: Path, checksum: str) -> bool:
 
 
 def shortened(names: Sequence[str]) -> str:
-    """Names for one line."""
+    """Return names, shortened to one line."""
     more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     return ", ".join(names[:MOST_NAMES]) + more
 
 
 def prebuilt() -> Finding:
-    """What a wheel brings compiled."""
+    """Return the finding on the prebuilt FMUs of a wheel."""
     from products.prebuilt import CONTENTS, PREBUILT, contents, damaged, sources_here
 
     about, wrong = contents(), damaged()
@@ -150,7 +150,7 @@ def prebuilt() -> Finding:
 
 
 def compiler(spared: bool) -> Finding:
-    """Whether C can be compiled; `spared`: the scenarios' FMUs are there without it."""
+    """Return whether C can be compiled; `spared`: the scenarios' FMUs are prebuilt."""
     from fmu_src import compile as compiling
 
     command = " ".join(compiling.compiler())
@@ -168,7 +168,10 @@ def compiler(spared: bool) -> Finding:
 
 
 def cache(compiles: bool) -> Finding:
-    """Where compiled kernels and FMUs are kept, looked at as whoever loads them does; compiles: whether C can be."""
+    """Return the finding on the cache of compiled kernels and FMUs, found as their loader finds it; compiles:
+
+    C can be compiled.
+    """
     from fmu_src import compile as compiling
     from fmu_src.kept import kept_files, whole
     from readers.storage import StorageError, write_whole

@@ -32,8 +32,8 @@ from scenarios.scenario import Options, Scenario
 #: 55 mph [m/s], demanded deceleration [m/s2], and adhesion without sand: published. Time to 95 % of the brake [s]:
 #: assumed.
 SPEED, ASKED, UNTREATED, APPLICATION_TIME = 55 * 0.44704, 0.9, 0.02, 2.0
-#: Places of the wheelsets of four cars of 20 m [m]; wheelsets ahead of which the first and the second sander are mounted,
-#: and other places of the second: assumed.
+#: Places of the wheelsets of four cars of 20 m [m]; wheelsets ahead of which the first and the second sander are
+#: mounted, and other places of the second: assumed.
 PLACES = tuple(-(20.0 * car + along) for car in range(4) for along in (0.0, 2.6, 14.0, 16.6))
 FIRST, SECOND, OTHERS = 3, 7, (5, 9)
 #: Rate of a fixed sander, and largest rate [kg/s] and sand for each metre [kg/m] of a variable one: from memory.

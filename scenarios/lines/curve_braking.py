@@ -35,17 +35,18 @@ from scenarios.scenario import Options, Scenario
 RADII = (200.0, 300.0, 600.0, math.inf)
 #: Adhesion utilisations; on straight track the trailing wheelset locks from 0.70 on (scenario `levels`).
 UTILISATIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.68)
-#: Of the stops in a curve: medium, and near the adhesion limit; and of those through the transition, up to its end.
+#: Utilisations of the stops in a curve: medium, and near the adhesion limit; and of those through the transition, up to
+#: its end.
 STOPPED, THROUGH = (0.2, 0.4, 0.65), 0.2
-#: Friction of the inputs' start values, and speed that the cant suits [1], [m/s].
+#: Friction of the inputs' start values [1], and speed for which the cant is balanced [m/s].
 FRICTION, SPEED = 0.3, 12.0
-#: Way in the curve until all is steady, and way of the mean; time in which brakes are applied [m], [m], [s].
+#: Distance in the curve to steady running [m], distance over which means are taken [m], application time [s].
 SETTLED, MEASURED, APPLIED = 150.0, 50.0, 1.0
-#: Speed at which a stop is read: the cant is too much for it, and the last rocking is far away [m/s].
+#: Speed at which a stop is evaluated [m/s]: it has cant excess then, and the bogie does not yet rock.
 READ = SPEED / 2
 #: Speed below which a stop is not drawn: it rocks [m/s].
 SLOW = 1.0
-#: Of the sum of the guiding forces, as in `curve-steering`: nothing but the cant deficiency decides it.
+#: Tolerance of the sum of the guiding forces, as in `curve-steering`: only the cant deficiency determines it.
 BAND = 5e-4
 QUOTIENT = "derailment_quotient_1_right"
 COLUMNS = {
@@ -71,12 +72,12 @@ TORQUED = (
 
 
 def brake_torque(utilisation: float) -> float:
-    """On each wheelset [N.m]."""
+    """Return the brake torque on each wheelset [N.m]."""
     return utilisation * FRICTION * MASS * BOGIE.gravity * BOGIE.wheel_radius / 2
 
 
 def steady(radius: float, utilisation: float, speed: float = SPEED) -> list[float]:
-    """Values of GIVEN and means of COLUMNS with dragging brakes, behind the transition."""
+    """Return values of GIVEN and means of COLUMNS with dragging brakes, after the transition."""
     cant, torque = suited_cant(radius, SPEED), brake_torque(utilisation)
     line = into_curve(radius, cant, SETTLED + MEASURED)
     kernel = prepare_on_line("bogie", line, level=3.0, initial_speed=speed, constant_speed=1.0)
@@ -84,23 +85,23 @@ def steady(radius: float, utilisation: float, speed: float = SPEED) -> list[floa
     way = curve_begins(cant) + SETTLED
     series = play("bogie", kernel, (way + MEASURED) / speed, 0.02, tuple(COLUMNS), inputs)
     late = series["time"] >= way / speed
-    # The infinite radius of straight track stands as 0 in tables.
+    # tables contain 0 for the infinite radius of straight track
     own = 0.0 if math.isinf(radius) else radius
     return [own, utilisation, cant, *(float(np.mean(series[name][late])) for name in COLUMNS)]
 
 
 def curve_begins(cant: float) -> float:
-    """Behind the straight and the transition [m]."""
+    """Return the distance at which the curve begins, after the straight and the transition [m]."""
     return APPROACH + transition_length(cant)
 
 
 def curved(radius: float) -> Line:
-    """Long enough to stop on."""
+    """Return a line long enough to stop on."""
     return into_curve(radius, suited_cant(radius, SPEED), 500.0)
 
 
 def stop(radius: float, utilisation: float, place: float, columns: Sequence[str] = STOP_COLUMNS) -> Recording:
-    """To rest, braked from a place on the line on [m]."""
+    """Run to rest, braked from a place on the line [m]."""
     torque = brake_torque(utilisation)
     kernel = prepare_on_line("bogie", curved(radius), level=3.0, initial_speed=SPEED)
     begin = place / SPEED
@@ -111,14 +112,14 @@ def stop(radius: float, utilisation: float, place: float, columns: Sequence[str]
 
 
 def stops_of(radius: float) -> dict[float, Recording]:
-    """All in one curve, by utilisation; that through the transition by 0."""
+    """Return all stops in one curve, by utilisation; the stop through the transition has key 0."""
     cant = suited_cant(radius, SPEED)
     found = {utilisation: stop(radius, utilisation, curve_begins(cant) + SETTLED / 2) for utilisation in STOPPED}
     return found | {0.0: stop(radius, THROUGH, APPROACH)}
 
 
 def read(series: Recording, name: str) -> float:
-    """Where the speed has fallen to READ."""
+    """Return a quantity at the instant at which the speed has fallen to READ."""
     first = int(np.argmax(series["speed"] <= READ))
     return float(series[name][first])
 
@@ -139,14 +140,14 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """Into the tightest curve, braked from the beginning of its transition on."""
+    """Run into the tightest curve, braked from the beginning of its transition."""
     vehicle, radius = two_axle_bogie(), RADII[0]
     series = stop(radius, THROUGH, APPROACH, motion_columns(vehicle))
     return Motion(f"Braked from the transition into R = {radius:g} m on", vehicle, series, curved(radius))
 
 
 def of_radius(series: Recording, radius: float) -> Recording:
-    """The rows of one radius, by rising torque."""
+    """Return the rows of one radius, by rising torque."""
     own = series["radius"] == (0.0 if math.isinf(radius) else radius)
     return Recording(series.units, list(zip(*(series[name][own] for name in series.names), strict=True)))
 
@@ -156,7 +157,9 @@ def place_of(radius: float) -> str:
 
 
 def steady_rows(radius: float, found: Recording) -> list[Row]:
-    """The sum of the guiding forces at each end of the torques, which statics know, and what the torques change."""
+    """Return the sum of the guiding forces at the least and the largest torque, which follows from statics, and the
+    effects of the torques.
+    """
     place, cant = place_of(radius), suited_cant(radius, SPEED)
     outwards, band = MASS * outward_acceleration(radius, cant, SPEED) / 1e3, BAND * MASS * BOGIE.gravity / 1e3
     rows = []
@@ -174,7 +177,7 @@ def steady_rows(radius: float, found: Recording) -> list[Row]:
 
 
 def stop_rows(radius: float, found: dict[float, Recording]) -> list[Row]:
-    """Y/Q at half of the speed, beside that of a bogie that rolls there at this speed."""
+    """Return Y/Q at half of the speed, compared with a bogie that rolls there at this speed."""
     rolling = steady(radius, 0.0, READ)[len(GIVEN) + list(COLUMNS).index(QUOTIENT)]
     rows = []
     for utilisation, series in found.items():
@@ -187,7 +190,7 @@ def stop_rows(radius: float, found: dict[float, Recording]) -> list[Row]:
 
 
 def remarks(series: Recording) -> list[str]:
-    """What braking changes, in the words of what was measured."""
+    """Return the effects of braking in words, with the measured values."""
     said = []
     for radius in RADII[:-1]:
         found, last = of_radius(series, radius), UTILISATIONS.index(0.65)
@@ -237,7 +240,7 @@ def draw(series: Recording, stops: Stops) -> Figure:
 
 
 def draw_stop(axis: Axes, one: Recording, colour: str, name: str | None = None) -> None:
-    """Y/Q over the distance, as long as it does not rock."""
+    """Draw Y/Q over the distance until the bogie rocks."""
     moving = one["speed"] > SLOW
     axis.plot(one["distance"][moving], one[QUOTIENT][moving], color=colour, label=name)
 

@@ -12,14 +12,14 @@ from scenarios.reporting.report import Report, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 RADII = (150.0, 200.0, 300.0, 450.0, 700.0, 1000.0, 1500.0, 3000.0)
-#: Cant deficiencies at one radius [m]; negative: too much cant.
+#: Cant deficiencies at one radius [m]; negative: cant excess.
 DEFICIENCIES, RADIUS = (-0.1, -0.05, 0.0, 0.05, 0.1, 0.15), 300.0
-#: Speed that wide curves are canted for [m/s]; up to 24 m/s with the largest deficiency, below the critical speed of
-#: the bogie.
+#: Speed for which wide curves have balanced cant [m/s]. With the largest deficiency it is up to 24 m/s, below the
+#: critical speed of the bogie.
 SPEED = 15.0
-#: Way in the curve until all is steady [m].
+#: Distance in the curve to steady running [m].
 SETTLED = 250.0
-#: Of the sum of all guiding forces, which nothing but the cant deficiency decides.
+#: Tolerance of the sum of all guiding forces, which only the cant deficiency determines.
 BAND = 5e-4
 COLUMNS = {
     "lateral_1": "m",
@@ -36,7 +36,7 @@ GIVEN = {"radius": "m", "deficiency": "m", "speed": "m/s", "cant": "m"}
 
 
 def curve(radius: float, deficiency: float, cant: float) -> list[float]:
-    """Values of GIVEN and means of COLUMNS over the last 50 m, in a curve to the left."""
+    """Return values of GIVEN and means of COLUMNS over the last 50 m, in a curve to the left."""
     speed, line = suited_speed(radius, cant, deficiency), into_curve(radius, cant, SETTLED + 50.0)
     kernel = prepare_on_line("bogie", line, level=3.0, initial_speed=speed, constant_speed=1.0)
     kernel.advance((line.length - 90.0) / speed)
@@ -64,7 +64,7 @@ def run(options: Options) -> Report:
 
 
 def who_flanges(series: Recording) -> str:
-    """Up to which radius each wheelset presses a flange against its rail."""
+    """Return the radius up to which each wheelset presses a flange against its rail."""
     words = []
     for number, word in ((1, "leading"), (2, "trailing")):
         forces = np.abs(series[f"flange_force_{number}"][: len(RADII)])

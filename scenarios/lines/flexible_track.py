@@ -24,22 +24,22 @@ from scenarios.scenario import Options, Scenario
 
 WHEELS = [f"{number}_{side}" for number in (1, 2, 3, 4) for side in ("left", "right")]
 LOADS, QUOTIENTS = ([f"{name}_{wheel}" for wheel in WHEELS] for name in ("wheel_load", "derailment_quotient"))
-#: Way in the curve, and what the first wheelset leaves of a line [m]; time between samples of a peak [s].
+#: Length of the curve, remaining length of the line ahead of the first wheelset [m]; interval of samples of a peak [s].
 CURVE, LEFT, INTERVAL = 60.0, 25.0, 1e-3
-#: Straight track behind the first wheelset and in front of it [m].
+#: Straight track astern of the first wheelset and ahead of it [m].
 BEHIND, AHEAD = 30.0, 300.0
-#: Dampings of the contacts [s/m], the assumed one first, and what peaks may hang on them (and on the tolerance).
+#: Dampings of the contacts [s/m], the assumed one first, and tolerance of their effect on peaks (and of the solver's).
 DAMPINGS, BAND = (1.0, 0.5, 2.0), 0.02
-#: Runs that a time is the least of.
+#: Number of runs of which the least time counts.
 REPEATS = 2
-#: The scene whose wheel load is drawn, and how much of its end [m].
+#: Name of the case whose wheel load is drawn, and length drawn from its end [m].
 SHOWN, DRAWN = "curve 500 m, friction 0.5", 10.0
 RIGID, YIELDING = {"flexible_track": 0.0}, {"flexible_track": 1.0}
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A coach on a line: speed [m/s], how long [s], and values."""
+    """A coach on a line: speed [m/s], duration [s], and values."""
 
     name: str
     line: Line
@@ -48,21 +48,21 @@ class Scene:
     values: dict[str, float] = field(default_factory=dict)
 
     def kernel(self, **values: float) -> Kernel:
-        """The coach at its start."""
+        """Return the coach at its start."""
         return prepare_on_line(
             "vehicle", self.line, **{"level": 3.0, "initial_speed": self.speed} | self.values | values
         )
 
 
 def curve(radius: float, cant: float, deficiency: float = 0.0, friction: float = 0.3, name: str = "") -> Scene:
-    """Straight track, a transition, and a curve at the speed that suits it."""
+    """Return straight track, a transition, and a curve at the speed of balanced cant plus a deficiency."""
     line, speed = into_curve(radius, cant, CURVE), suited_speed(radius, cant, deficiency)
     values = {"constant_speed": 1.0} | {f"friction_{number}": friction for number in (1, 2, 3, 4)}
     return Scene(name, line, speed, (line.length - LEFT) / speed, values)
 
 
 def swerving(shift: float, length: float) -> Line:
-    """Both rails go aside by `shift` [m] over a length [m], 20 m ahead."""
+    """Return a line whose rails move aside by `shift` [m] over a length [m], 20 m ahead."""
     distance = np.arange(-BEHIND, AHEAD, 0.25)
     share = np.clip((distance - 20.0) / length, 0.0, 1.0)
     aside = shift * share**3 * (10 - 15 * share + 6 * share**2)
@@ -72,7 +72,7 @@ def swerving(shift: float, length: float) -> Line:
 
 
 def scenes() -> list[Scene]:
-    """Curves, and straight track: smooth, rough, and with a place where flanges meet their rails."""
+    """Return curves, and straight track: smooth, rough, and with a place where flanges meet their rails."""
     cant, smooth = 0.15, line_of([straight(BEHIND + AHEAD)], -BEHIND)
     braked = {f"brake_torque_{number}": 15e3 for number in (1, 2, 3, 4)}
     steady = {"constant_speed": 1.0}
@@ -87,13 +87,13 @@ def scenes() -> list[Scene]:
 
 
 def peaks(scene: Scene, **values: float) -> np.ndarray:
-    """Largest wheel load [N] and largest Y/Q of all wheels."""
+    """Return the largest wheel load [N] and the largest Y/Q of all wheels."""
     table = scene.kernel(**values).record(scene.duration, INTERVAL, [*LOADS, *QUOTIENTS])
     return np.array([np.max([table[name] for name in names]) for names in (LOADS, QUOTIENTS)])
 
 
 def seconds(scene: Scene, **values: float) -> float:
-    """Processor time of a run, the least of some [s]."""
+    """Return the processor time of a run, the least of several [s]."""
     taken = []
     for _ in range(REPEATS):
         kernel = scene.kernel(**values)
@@ -106,7 +106,7 @@ def seconds(scene: Scene, **values: float) -> float:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A scene on rigid rails and on rails that yield: loads [N] by DAMPINGS, processor times [s]."""
+    """A case on rigid and on flexible rails: loads [N] by DAMPINGS, processor times [s]."""
 
     scene: str
     rigid: list[float]
@@ -115,23 +115,23 @@ class Outcome:
 
     @property
     def error(self) -> float:
-        """By how much the largest load on rigid rails is off that on rails that yield."""
+        """Return the relative error of the largest load on rigid rails, against flexible rails."""
         return abs(self.rigid[0] / self.yielding[0] - 1)
 
     @property
     def cost(self) -> float:
-        """Time with rails that yield over that with rigid ones."""
+        """Return the time with flexible rails over the time with rigid ones."""
         return self.times[1] / self.times[0]
 
     @property
     def spread(self) -> tuple[float, float]:
-        """What the damping of the contacts makes of the largest load on (rigid, yielding) rails."""
+        """Return the relative effect of the contact damping on the largest load on (rigid, flexible) rails."""
         first, second = ((max(loads) - min(loads)) / loads[0] for loads in (self.rigid, self.yielding))
         return first, second
 
 
 def compare(scene: Scene) -> Outcome:
-    """The scene on both kinds of rails."""
+    """Return the results of a case on both kinds of rails."""
     rigid, yielding = (
         [float(peaks(scene, contact_damping=damping, **rails)[0]) for damping in DAMPINGS]
         for rails in (RIGID, YIELDING)
@@ -140,7 +140,7 @@ def compare(scene: Scene) -> Outcome:
 
 
 def rows_of(outcome: Outcome) -> list[Row]:
-    """What is judged is that rails that yield make loads independent of an assumed damping."""
+    """Return the rows. The limit requires that loads on flexible rails do not depend on the assumed damping."""
     (rigid, yielding), scene, most = outcome.spread, outcome.scene, at_most(1e2 * BAND)
     hangs, off = "largest wheel load hangs on contact damping by", "error of the largest wheel load on rigid rails"
     against = "rigid rails against those that yield"
@@ -153,7 +153,7 @@ def rows_of(outcome: Outcome) -> list[Row]:
 
 
 def shown_loads(scene: Scene) -> Recording:
-    """Load of the outer leading wheel at the end of the scene, on both kinds of rails [N]."""
+    """Return the load of the outer leading wheel at the end of the case, on both kinds of rails [N]."""
     kept = DRAWN / scene.speed
     found = []
     for rails in (RIGID, YIELDING):

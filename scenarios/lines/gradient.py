@@ -21,24 +21,26 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
-#: Downhill, uphill, and of the track on which the bogie is held [1].
+#: Gradients downhill, uphill, and of the track on which the bogie is held [1].
 DOWN, UP, HELD = -0.02, 0.02, 0.04
 LENGTH = 60e3
 #: Brake torque downhill, traction torque uphill and brake torque that holds, on each wheelset [N.m].
 BRAKE, TRACTION, HOLDING = 3e3, 6e3, 20e3
-#: Davis (1926): 62 t on two axles, assumed; and the brake that goes with them to a terminal speed [N], [N.s/m],
-#: [N.s2/m2], [N.m].
+#: Running resistance of 62 t on two axles (Davis 1926), assumed, and the brake that gives a terminal speed with it [N],
+#: [N.s/m], [N.s2/m2], [N.m].
 DAVIS, DRAG = (800.0, 30.0, 8.0), 1e3
-#: Simulated until the speed is that of the end to 1e-7: seventeen times the time constant m / (b + 2 c V) [s].
+#: Simulated time until the speed is the terminal one within 1e-7: seventeen times the time constant m / (b + 2 c V)
+#: [s].
 LONG = 2400.0
-#: Until nothing rocks on the suspension, and mean of the acceleration over so long [s].
+#: Time until the suspension is at rest, and time over which the mean acceleration is taken [s].
 SETTLED, MEASURED = 40.0, 10.0
-#: The motors begin to pull against the brake, and have all of their torque when it lets go [s].
+#: Times at which the motors begin to pull against the brake, and at which they have their full torque and the brake
+#: releases [s].
 HAND_OVER = (2.0, 4.0)
-#: Held for so long, looked at so often [s], and the most that it may move [m] and be late once its brakes let go [s].
+#: Time at rest and its sampling interval [s], largest movement [m] and largest delay after the brakes' release [s].
 STANDING, INTERVAL, MOVED, LATE = 86400.0, 5.0, 1e-4, 1e-3
-#: Of accelerations and terminal speed: integration to 1e-6. In space wheels roll on the radius where they touch; the
-#: slip, which is counted with the nominal one, knows that.
+#: Tolerance of accelerations and terminal speed: integration to 1e-6. In 3D wheels roll on the radius of their contact;
+#: the slip, which refers to the nominal radius, includes this.
 BAND = 1e-6
 RECORDED = ("speed", "distance", "slip_ratio_1", "slip_ratio_2")
 COLOURS = {"point": LEADING, "planar": TRAILING, "spatial": GREY}
@@ -46,24 +48,24 @@ STYLES = {"point": "-", "planar": "--", "spatial": ":"}
 
 
 def both(name: str, history: History) -> dict[str, History]:
-    """The same input on both wheelsets."""
+    """Return the same input on both wheelsets."""
     return {f"{name}_{number}": history for number in (1, 2)}
 
 
 def ride(level: int, gradient: float, speed: float, inputs: Mapping[str, History], interval: float = 0.01) -> Recording:
-    """On one gradient from a speed on, until SETTLED and MEASURED are over."""
+    """Run on one gradient from a given speed, for SETTLED and MEASURED."""
     kernel = prepare_on_line("bogie", line_of([straight(LENGTH, gradient)]), level=level, initial_speed=speed)
     return play("bogie", kernel, SETTLED + MEASURED, interval, RECORDED, inputs)
 
 
 def acceleration(series: Recording) -> float:
-    """Mean over the time that counts [m/s2]."""
+    """Return the mean acceleration over MEASURED [m/s2]."""
     time, speed = series["time"], series["speed"]
     return float(speed[-1] - np.interp(SETTLED, time, speed)) / MEASURED
 
 
 def expected(series: Recording, gradient: float, torque: float) -> float:
-    """Acceleration with a torque on each wheelset, positive if it drives (Newton's second law) [m/s2]."""
+    """Return the acceleration with a torque on each wheelset, positive if it drives (Newton's second law) [m/s2]."""
     settled = series["time"] >= series["time"][-1] - MEASURED
     slip = float(np.mean(series["slip_ratio_1"][settled] + series["slip_ratio_2"][settled])) / 2
     force = 2 * torque / BOGIE.wheel_radius - MASS * BOGIE.gravity * gradient
@@ -71,7 +73,7 @@ def expected(series: Recording, gradient: float, torque: float) -> float:
 
 
 def terminal(level: int) -> Recording:
-    """Downhill against Davis's resistance and a brake, until nothing changes."""
+    """Run downhill against Davis's resistance and a brake, until the speed is constant."""
     davis = dict(zip(("davis_constant", "davis_linear", "davis_quadratic"), DAVIS, strict=True))
     line = line_of([straight(2 * LENGTH, DOWN)])
     kernel = prepare_on_line("bogie", line, level=level, initial_speed=20.0, **davis)
@@ -79,14 +81,14 @@ def terminal(level: int) -> Recording:
 
 
 def terminal_speed() -> float:
-    """Where a + b V + c V^2 is what gravity pulls more than the brakes hold, Davis (1926) [m/s]."""
+    """Return the speed at which a + b V + c V^2 equals the gravity force less the braking force, Davis (1926) [m/s]."""
     constant, linear, square = DAVIS
     pull = -MASS * BOGIE.gravity * DOWN - 2 * DRAG / BOGIE.wheel_radius
     return (-linear + math.sqrt(linear**2 + 4 * square * (pull - constant))) / (2 * square)
 
 
 def hold(level: int) -> Recording:
-    """At rest with its brakes applied for a day, and how it rolls once they let go."""
+    """Run at rest with applied brakes for a day, then rolling after their release."""
     kernel = prepare_on_line("bogie", line_of([straight(LENGTH, HELD)]), level=level, initial_speed=0.0)
     columns = (*RECORDED, "angular_velocity_1", "angular_velocity_2")
     released = [(0.0, HOLDING), (STANDING, HOLDING), (STANDING, 0.0)]
@@ -94,12 +96,12 @@ def hold(level: int) -> Recording:
 
 
 def late(series: Recording) -> float:
-    """By how much it starts later than by Newton's second law, from its speed once nothing rocks any more [s]."""
+    """Return the delay of the start against Newton's second law, from the speed once the suspension is at rest [s]."""
     return float(series["time"][-1]) - STANDING - float(series["speed"][-1]) / expected(series, HELD, 0.0)
 
 
 def runs(level: int) -> dict[str, Recording]:
-    """All of one level."""
+    """Return all runs of one level."""
     handed = [(0.0, 0.0), (HAND_OVER[0], 0.0), (HAND_OVER[1], TRACTION)]
     released = [(0.0, HOLDING), (HAND_OVER[1], HOLDING), (HAND_OVER[1], 0.0)]
     return {
@@ -146,7 +148,7 @@ def terminal_row(name: str, series: Recording) -> Row:
 
 
 def standing_rows(name: str, found: Mapping[str, Recording]) -> list[Row]:
-    """What a held and a started bogie do that a closed form calls nothing."""
+    """Return the rows of a held and a started bogie whose closed-form value is zero."""
     back = 1e3 * abs(float(np.min(found["started"]["distance"])))
     held = found["held"]
     standing = held["time"] < STANDING

@@ -40,17 +40,18 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, measured, near
 from scenarios.scenario import BadInputError, Options, Scenario
 
-#: Speed, and most cant deficiency at it: EN 13803 has 130 mm for freight trains, here with a margin [m/s], [m].
+#: Speed [m/s], and largest cant deficiency at it [m]: EN 13803 has 130 mm for freight trains, here with a margin.
 SPEED, MOST_DEFICIENCY = 15.0, 0.1
-#: The drawbar draws by the mass and what lacks of the speed over this time [s]; held so long [s].
+#: Time over which the drawbar force removes a speed error [s], and time for which each force is constant [s].
 REGULATION, HELD = 2.0, 0.1
-#: Rows of the record: one so often [m], on long lines fewer of them in all.
+#: Distance between recorded rows [m], and their largest number, for long lines.
 PITCH, MOST_ROWS = 0.25, 20000
-#: The shortest line that is run [m], and how much of its end is left for the wheelsets ahead of the frame [m].
+#: The shortest line that is run [m], and length at its end for the wheelsets ahead of the frame [m].
 SHORTEST, LEFT_OVER = 50.0, 5.0
-#: Of what the rails carry in the mean, up and across, as share of the weight: the run begins and ends a little moved.
+#: Tolerance of the rails' mean force, upwards and across, as share of the weight: the suspension moves at start and
+#: end.
 BAND = 1e-3
-#: In each such length of the line the largest and the smallest wheel load are drawn [m].
+#: Window of the line in which the largest and the smallest wheel load are drawn [m].
 WINDOW = 20.0
 SIDES = ("left", "right")
 QUIET_RUN = "Nothing that the kernel tells of: no wheel was lifted, none climbed."
@@ -62,7 +63,9 @@ RECORDED = (
 
 
 def own_line() -> Line:
-    """Straight track, curves to both sides with cant, up and down, on rails as ERRI B176 has good ones."""
+    """Return straight track, curves to both sides with cant, up and down, on rails of the low irregularities of ERRI
+    B176.
+    """
     level, up, down = straight(100.0), straight(80.0, 0.008), straight(120.0, -0.01)
     left, right = arc(160.0, 2000.0, 0.02, 0.008), arc(160.0, -1600.0, -0.03, -0.01)
     first, last = straight(60.0, 0.008), straight(100.0)
@@ -74,7 +77,13 @@ def own_line() -> Line:
 
 
 def bogie_on(path: Path | None) -> tuple[Kernel, Line]:
-    """In space on the line of a file, or on the own one, and that line. Raises BadInputError for what is none."""
+    """Return the bogie in 3D on the line of a file, or on the example, and that line.
+
+    Raises
+    ------
+    BadInputError
+        If the file is not a line, or if the line is too short.
+    """
     if path is None:
         line = own_line()
         return prepare_on_line("bogie", line, level=3.0), line
@@ -92,7 +101,7 @@ def bogie_on(path: Path | None) -> tuple[Kernel, Line]:
 
 
 def speed_on(line: Line) -> float:
-    """SPEED, or what leaves MOST_DEFICIENCY in the worst curve [m/s]; cant may suit the other side."""
+    """Return SPEED, or the speed of MOST_DEFICIENCY in the worst curve [m/s]; cant may have the wrong sign."""
     curvature, cant = line.rows["curvature"], line.rows["cant"]
     bends = np.abs(curvature) > 1e-6
     suits = np.maximum(cant * np.sign(curvature) + MOST_DEFICIENCY, 0.01)[bends]
@@ -101,7 +110,7 @@ def speed_on(line: Line) -> float:
 
 
 def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = RECORDED) -> Recording:
-    """To the end of the line, or of the run."""
+    """Run the bogie to the end of the line, or until the run ends."""
     way = float(line.rows["distance"][-1]) - LEFT_OVER
     interval = max(PITCH, way / MOST_ROWS) / speed
     held = max(round(HELD / interval), 1) * interval
@@ -131,7 +140,7 @@ def run(options: Options) -> Report:
 
 
 def motion(options: Options) -> Motion:
-    """The same run once more."""
+    """Repeat the run."""
     vehicle, (kernel, line) = two_axle_bogie(), bogie_on(options.line)
     speed = speed_on(line)
     return Motion(
@@ -140,7 +149,7 @@ def motion(options: Options) -> Motion:
 
 
 def closed_forms(series: Recording, line: Line) -> list[Row]:
-    """How far the run went, and what the rails carry in the mean."""
+    """Return the distance of the run, and the mean forces on the rails, against closed forms."""
     way = float(line.rows["distance"][-1]) - LEFT_OVER
     across, upwards = (MASS * float(np.mean(values)) / 1e3 for values in pushed(series, line))
     guiding = float(np.mean(series["guiding_force_1"] + series["guiding_force_2"])) / 1e3
@@ -156,7 +165,7 @@ def closed_forms(series: Recording, line: Line) -> list[Row]:
 
 
 def pushed(series: Recording, line: Line) -> tuple[np.ndarray, np.ndarray]:
-    """What the track must give each kg of a vehicle across and upwards, at the places and speeds of a run [m/s2]."""
+    """Return the track's force per mass of a vehicle, across and upwards, at the places and speeds of a run [m/s2]."""
     place, square = series["distance"], series["speed"] ** 2
     curvature, slope = line.value("curvature", place), line.value("gradient", place)
     angle, bend = np.arcsin(line.value("cant", place) / GAUGE), line.value("gradient", place, 1)
@@ -165,7 +174,7 @@ def pushed(series: Recording, line: Line) -> tuple[np.ndarray, np.ndarray]:
 
 
 def safety(series: Recording) -> list[Row]:
-    """The largest values, and what EN 14363 limits them to; its limits are for filtered signals of many runs."""
+    """Return the largest values and their limits of EN 14363, which apply to filtered signals of many runs."""
     quotient = max(float(np.max(series[f"derailment_quotient_1_{side}"])) for side in SIDES)
     guiding = max(float(np.max(np.abs(series[f"guiding_force_{number}"]))) for number in (1, 2)) / 1e3
     least = min(float(np.min(series[f"wheel_load_{number}_{side}"])) for number in (1, 2) for side in SIDES)
@@ -179,7 +188,7 @@ def safety(series: Recording) -> list[Row]:
 
 
 def draw(series: Recording) -> Figure:
-    """The largest and the smallest load of any wheel in each WINDOW of the line."""
+    """Draw the largest and the smallest load of any wheel in each WINDOW of the line."""
     loads = 1e-3 * np.array([series[f"wheel_load_{number}_{side}"] for number in (1, 2) for side in SIDES])
     message = f"Wheel loads stay between {loads.min():.0f} and {loads.max():.0f} kN along the line"
     figure, axis = single(message, "distance along the line [m]", "wheel load [kN]")
@@ -201,7 +210,7 @@ def draw(series: Recording) -> Figure:
 
 
 def draw_track(line: Line) -> Figure:
-    """The line itself."""
+    """Draw the line."""
     figure, axes = plt.subplots(4, 1, figsize=(9.0, 10.0))
     draw_line(list(axes), line)
     axes[-1].set_xlabel("distance along the line [m]")

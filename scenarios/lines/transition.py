@@ -1,9 +1,9 @@
 """Wheel unloading of a bogie by the twist of a cant ramp, compared with statics: into a curve and out of it.
 
-A ramp 1:n turns the track between two axles 2a apart by 2a / (1.5 m n). One frame on both wheelsets shares that
-between their springs. The table gives the wheel load that moves from the left to the right wheel of the leading
-wheelset and back on the trailing one. It is half of the difference between the middles of the ramp up and the ramp
-down, where only the twist differs.
+A ramp 1:n turns the track between two axles 2a apart by 2a / (1.5 m n). One frame on both wheelsets shares that between
+their springs. The table gives the wheel load that moves from the left to the right wheel of the leading wheelset and
+back on the trailing one. It is half of the difference between the middles of the ramp up and the ramp down, where only
+the twist differs.
 """
 
 from collections.abc import Sequence
@@ -34,16 +34,16 @@ from scenarios.scenario import Options, Scenario
 #: Cant ramps 1:n; EN 13803 has 1:444 as limit and 1:400 as exception.
 RAMPS = (400.0, 600.0, 1000.0)
 RADIUS, CANT = 600.0, 0.1
-#: So slowly that nothing swings; and what the cant suits [m/s].
+#: Low speed, at which nothing swings; and speed of balanced cant [m/s].
 SLOW, FAST = 2.0, suited_speed(RADIUS, CANT)
-#: Straight track before and behind, and the curve between the ramps [m].
+#: Straight track before and after, and the curve between the ramps [m].
 STRAIGHT, CURVE = 60.0, 100.0
-#: On either side of the middle of a ramp the mean is taken [m]; of the record [m].
+#: Half width of the averaging window at mid-ramp [m]; distance between recorded rows [m].
 HALF_WINDOW, PITCH = 5.0, 0.1
-#: Longitudinal stiffness with which wheelsets turn freely in their frame [N/m].
+#: Longitudinal stiffness at which wheelsets turn freely in their frame [N/m].
 FREE = 1e4
-#: Of the load moved by statics. What is left, up to 0.9 % here: the means are of a motion that has not quite died, and
-#: flanges take a little of what the treads carry.
+#: Tolerance, as share of the load moved by statics. The difference is up to 0.9 % here: a residual motion remains in
+#: the means, and flanges carry a small share of the treads' load.
 BAND = 0.02
 WHEELS = tuple(f"wheel_load_{number}_{side}" for number in (1, 2) for side in ("left", "right"))
 COLUMNS = ("distance", "lateral_1", "lateral_2", "guiding_force_1", "guiding_force_2", *WHEELS)
@@ -60,7 +60,7 @@ class Case:
 
     @property
     def line(self) -> Line:
-        """Straight track, ramp up, the same cant, ramp down, straight track."""
+        """Return straight track, ramp up, constant cant, ramp down, straight track."""
         before = straight(STRAIGHT)
         canted = arc(CURVE, RADIUS, CANT) if self.curved else Segment(CURVE, cant=(CANT, CANT))
         length = self.ramp * CANT
@@ -68,17 +68,17 @@ class Case:
 
     @property
     def middles(self) -> tuple[float, float]:
-        """Where both ramps have half of the cant [m]."""
+        """Return the places at which both ramps have half of the cant [m]."""
         length = self.ramp * CANT
         return STRAIGHT + length / 2, STRAIGHT + CURVE + 1.5 * length
 
     @property
     def twist(self) -> float:
-        """Of the track between both axles [rad]."""
+        """Return the twist of the track between both axles [rad]."""
         return BOGIE.wheel_base / (GAUGE * self.ramp)
 
     def run(self, columns: Sequence[str] = COLUMNS) -> Recording:
-        """At constant speed, to the last straight."""
+        """Run at constant speed, to the last straight."""
         values = {"longitudinal_stiffness": FREE} if self.free else {}
         kernel = prepare_on_line("bogie", self.line, level=3.0, initial_speed=self.speed, constant_speed=1.0, **values)
         table = kernel.record((self.line.length - STRAIGHT / 2) / self.speed, PITCH / self.speed, columns)
@@ -88,23 +88,23 @@ class Case:
 
 
 def moved(series: Recording) -> np.ndarray:
-    """Load that the twist moves from the left to the right wheel in front, and back behind [N]."""
+    """Return the load that the twist moves from the left to the right wheel at the front, and back at the rear [N]."""
     one, two = (series[f"wheel_load_{number}_right"] - series[f"wheel_load_{number}_left"] for number in (1, 2))
     return np.asarray((one - two) / 4)
 
 
 def by_twist(case: Case, series: Recording, values: np.ndarray) -> float:
-    """What the twist makes of it: half of what the ramps up and down differ by."""
+    """Return the effect of the twist: half of the difference between the ramps up and down."""
     up, down = (np.mean(values[np.abs(series["distance"] - middle) < HALF_WINDOW]) for middle in case.middles)
     return float(up - down) / 2
 
 
-#: Of wheels on their rails, across the track [m].
+#: Half distance of the contacts of wheels and rails, across the track [m].
 SPACING = thesis_pair().rail_half_distance
 
 
 def contact_stiffness() -> float:
-    """Of a wheel on its rail under its load, by Hertz: F = C d^1.5 [N/m]."""
+    """Return the stiffness of a wheel on its rail under its load, by Hertz: F = C d^1.5 [N/m]."""
     curvatures = ca.SX(0.5 / BOGIE.wheel_radius), ca.SX(0.5 / BOGIE.rail_head_radius)
     approach = 1e-4
     law = ca.Function("law", [], [elastic_force(ca.SX(approach), *curvatures, ca.SX(BOGIE.shear_modulus))])
@@ -112,25 +112,27 @@ def contact_stiffness() -> float:
     return float(1.5 * WHEEL_LOAD ** (1 / 3) * factor ** (2 / 3))
 
 
-#: What the rails rest on; of the primary springs of one wheelset [N.m/rad].
+#: Track below the rails; roll stiffness of the primary springs of one wheelset [N.m/rad].
 TRACK, SPRINGS = ballasted_track(), 2 * BOGIE.vertical_stiffness * BOGIE.vertical_half_spacing**2
 
 
 def roll_stiffness() -> float:
-    """Of the ground against the frame by one wheelset: springs, wheels on rails, rails on the track [N.m/rad]."""
+    """Return the roll stiffness of one wheelset between ground and frame: springs, wheels on rails, rails on the track
+    [N.m/rad].
+    """
     softness = 1 / contact_stiffness() + 1 / TRACK.track_vertical_stiffness
     return 1 / (1 / SPRINGS + softness / (2 * SPACING**2))
 
 
-#: What springs have of a roll that they share with contacts and track.
+#: Share of the springs in a roll of springs, contacts and track in series [1].
 FELT = roll_stiffness() / SPRINGS
 
 
 def statics(case: Case) -> float:
-    """Load moved where nothing steers: springs that take half of the twist each, less what leans [N].
+    """Return the moved load without steering: springs with half of the twist each, less the effect of the lean [N].
 
-    The frame's load stands on wheelsets that lean against it by what the springs have of half of the twist; that pushes
-    each aside, which the rail takes r lower than the axle box.
+    The load of the frame rests on wheelsets that lean by the springs' share of half of the twist. This pushes each
+    aside; the rail reacts r below the axle box.
     """
     leant = FELT * case.twist / 2
     leaning = BOGIE.frame_mass * BOGIE.gravity / 2 * leant * BOGIE.wheel_radius
@@ -138,10 +140,12 @@ def statics(case: Case) -> float:
 
 
 def shares(case: Case, series: Recording) -> dict[str, float]:
-    """Load moved by what turns a wheelset about the rails, guiding forces and shifts as recorded [N].
+    """Return the parts of the moved load that turn a wheelset about the rails, with recorded guiding forces and shifts
+    [N].
 
-    The springs take half of the twist and what a cone rolls as it shifts; the guiding force acts r below the axle; the
-    load stands on the wheelset that has shifted on its rails. Of the latter two, what leans the track relieves springs.
+    springs: half of the twist, and the roll of a cone that shifts; guiding forces: they act r below the axle; shift:
+    the load rests on a wheelset that has shifted on its rails. In the latter two the lean of the track relieves the
+    springs.
     """
     guiding = by_twist(case, series, series["guiding_force_1"] - series["guiding_force_2"]) / 2
     rails = -guiding / TRACK.track_lateral_stiffness
@@ -156,7 +160,7 @@ def shares(case: Case, series: Recording) -> dict[str, float]:
 
 
 def unloading(series: Recording) -> float:
-    """Largest share of its load at rest that a wheel loses."""
+    """Return the largest share of its load at rest that a wheel loses."""
     return 1.0 - float(min(np.min(series[wheel]) for wheel in WHEELS)) / WHEEL_LOAD
 
 
@@ -176,14 +180,14 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """Through the steepest ramps at the speed that the cant suits."""
+    """Run through the steepest ramps at the speed of balanced cant."""
     vehicle, case = two_axle_bogie(), Case(RAMPS[0], FAST)
     text = f"On ramps 1:{case.ramp:g} into a curve of {RADIUS:g} m and out of it, at {FAST:.1f} m/s"
     return Motion(text, vehicle, case.run(motion_columns(vehicle)), case.line)
 
 
 def row_of(case: Case, series: Recording) -> Row:
-    """What the twist moves, against statics."""
+    """Return the load moved by the twist, against statics."""
     load, parts = by_twist(case, series, moved(series)) / 1e3, shares(case, series)
     if case.free:
         due, source = statics(case), "statics: springs, contacts and track in series take half of the twist each"
@@ -197,14 +201,14 @@ def row_of(case: Case, series: Recording) -> Row:
 
 
 def unloading_row(case: Case, series: Recording) -> Row:
-    """Context: curve and cant excess are in it, too."""
+    """Return the unloading with curve and cant excess included, for context."""
     name = f"largest dQ/Q, ramp 1:{case.ramp:g} into R = {RADIUS:g} m at {case.speed:.1f} m/s"
     note = "not judged: the limit is that of the test on twisted track; cant excess and guiding forces are in it"
     return measured(name, "1", unloading(series), "EN 14363: limit 0.6", None, note)
 
 
 def remarks(found: Found) -> list[str]:
-    """Why more is moved than springs tell."""
+    """Return the reason why more load moves than through the springs alone."""
     curved = {case: shares(case, series) for case, series in found.items() if not case.free}
     more = [sum(parts.values()) / parts["springs"] for parts in curved.values()]
     yaw = BOGIE.wheel_radius * Case(RAMPS[0], SLOW).twist / BOGIE.wheel_base
@@ -244,7 +248,7 @@ def draw(found: Found) -> Figure:
 
 
 def draw_shares(axis: Axes, found: Found) -> None:
-    """Statics as bars of their parts, what was measured as marks."""
+    """Draw statics as bars of their parts, measured values as marks."""
     cases: Sequence[Case] = list(found)
     for place, case in enumerate(cases):
         series, begin = found[case], 0.0

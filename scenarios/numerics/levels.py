@@ -27,28 +27,29 @@ from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, FRICTION = 25.0, 0.3
-#: The brake torque grows from 0 on a straight line for so long [s]; the cylinder of the experiment takes 0.8 s.
+#: Time over which the brake torque grows linearly from 0 [s]; the cylinder of the experiment takes 0.8 s.
 RAMP = 1.0
-#: Finer where a wheelset begins to lock: 0.70 at the planar and spatial levels, 1.02 at the point level.
+#: Utilisations, finer where a wheelset begins to lock: 0.70 at the planar and spatial levels, 1.02 at the point level.
 UTILISATIONS = (
     *(0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.68, 0.7, 0.71, 0.72, 0.75, 0.8, 0.85),
     *(0.9, 0.95, 0.98, 1.0, 1.01, 1.02, 1.03, 1.05, 1.1, 1.2, 1.3),
 )
-#: Ten times tighter than the default; moves no answer by a hundredth of what the levels differ by (the tests show it).
+#: Ten times tighter than the default; changes no result by a hundredth of the differences of the levels (tested).
 TOLERANCE = 1e-8
-#: Of the record [s]; between two rows a peak of the pitching load (3.8 Hz) is missed by 0.03 % of its height at most.
+#: Recording interval [s]; between two rows a peak of the pitching load (3.8 Hz) is missed by 0.03 % of its height at
+#: most.
 INTERVAL = 2e-3
-#: Width to which the utilisation that just locks a wheelset is enclosed.
+#: Width of the interval that encloses the lowest utilisation at which a wheelset locks.
 RESOLUTION = 1e-4
-#: Of the difference of two boundaries: what they are enclosed to, and what spin and suspension may add.
+#: Tolerance of the difference of two boundaries: the widths of their intervals, and effects of spin and suspension.
 BOUNDARY_TOLERANCE = 3e-4
-#: Utilisations of the stops whose cost is measured: the wheels turn in the first, the trailing wheelset skids in the
-#: second, where the level knows it.
+#: Utilisations of the stops whose cost is measured. In the first the wheels turn. In the second the trailing wheelset
+#: skids, if the level models it.
 COSTED = (0.5, 1.0)
-#: What the planar level is to keep, beside the spatial one. Just above the utilisation that locks a wheelset the lock
-#: time has no bound on its slope, and no level can keep a bound in seconds; from here on it can.
+#: Limits of the planar level's errors against the spatial one. Just above the utilisation that locks a wheelset the
+#: lock time has an unbounded slope, and no level can meet a limit in seconds; from the last value on it can.
 DISTANCE_BOUND, TIME_BOUND, TIME_BOUND_FROM = 0.15, 0.01, 0.9
-#: Errors below, in the unit of each panel, matter to nobody.
+#: Errors below, in the unit of each panel, are irrelevant.
 SMALLEST_SHOWN = 1e-4
 STYLES: dict[str, dict[str, Any]] = {
     "point": {"color": LEADING, "marker": "s", "markersize": 4},
@@ -60,9 +61,9 @@ SOURCE = "levels against each other, not the thesis"
 
 @dataclass(frozen=True)
 class Answers:
-    """What a stop answers, in SI units; no lock time for a wheelset that turns until the bogie is at rest.
+    """Results of a stop in SI units; no lock time for a wheelset that turns until the bogie is at rest.
 
-    load_transfer: the largest change of the leading axle load while braking.
+    load_transfer: the largest change of the leading axle load during braking.
     """
 
     stop_distance: float
@@ -74,7 +75,7 @@ class Answers:
 
 
 UNITS = dict(zip((field.name for field in fields(Answers)), ("m", "s", "s", "m/s", "m/s", "N"), strict=True))
-#: Answers whose errors are shown: name in words, unit of the error (% of the spatial level's).
+#: Results whose errors are shown: name in words, unit of the error (% of the spatial level's value).
 ERRORS = {
     "stop_distance": ("stop distance", "m"),
     "lock_time_2": ("lock time of the trailing wheelset", "s"),
@@ -84,40 +85,42 @@ ERRORS = {
 
 
 def brake_torque(utilisation: float) -> float:
-    """Torque on each wheelset [N.m]."""
+    """Return the torque on each wheelset [N.m]."""
     p = tables_5_1_and_5_2()
     weight = (p.frame_mass + 2 * p.wheelset_mass) * p.gravity
     return utilisation * FRICTION * weight * p.wheel_radius / 2
 
 
 def duration(utilisation: float) -> float:
-    """Time to simulate [s]: a skidding bogie takes up to a fifth longer than one that uses all of the torque."""
+    """Return the time to simulate [s]: a skidding bogie takes up to a fifth longer than one that uses all of the
+    torque.
+    """
     return RAMP + 1.3 * INITIAL_SPEED / (min(utilisation, 1.0) * FRICTION * tables_5_1_and_5_2().gravity)
 
 
 def start(level: int, tolerance: float = TOLERANCE, friction: float = FRICTION, **values: float) -> Kernel:
-    """The bogie of chapter 5 at a level, not yet braked."""
+    """Return the bogie of chapter 5 at a level, not yet braked."""
     frictions = {"friction_1": friction, "friction_2": friction}
-    # No flange touches on straight track, so that the least contact answers.
+    # No flange touches on straight track, so that the simplest contact model suffices.
     place = RIGID | {"level": level, "tolerance": tolerance, "initial_speed": INITIAL_SPEED}
     return prepare("bogie", **place, **frictions, **values)
 
 
 def brake(kernel: Kernel, utilisation: float, interval: float = INTERVAL) -> Recording:
-    """From the initial speed to rest, the same torque on both wheelsets."""
+    """Run from the initial speed to rest, with the same torque on both wheelsets."""
     inputs = {f"brake_torque_{n}": [(0.0, 0.0), (RAMP, brake_torque(utilisation))] for n in (1, 2)}
     read = ("speed", "distance", "slip_1", "slip_2", "axle_load_1")
     return play("bogie", kernel, duration(utilisation), interval, read, inputs)
 
 
 def peak_slip(series: Recording, number: int, locked: float | None) -> float:
-    """Largest slip of a wheelset while the bogie moves [m/s]; where it locks, the speed at that time."""
+    """Return the largest slip of a wheelset while the bogie moves [m/s]; if it locks, the speed at that time."""
     recorded = float(series[f"slip_{number}"][series["speed"] > AT_REST].max())
     return recorded if locked is None else max(recorded, float(np.interp(locked, series["time"], series["speed"])))
 
 
 def stop(kernel: Kernel, utilisation: float) -> Answers:
-    """Brakes to rest; slip and load count while the bogie moves, not while it rocks afterwards."""
+    """Brake to rest. Slip and load are evaluated while the bogie moves, not while it rocks afterwards."""
     series = brake(kernel, utilisation)
     leading, trailing = (located_lock_time(kernel, series, number) for number in (1, 2))
     slips = peak_slip(series, 1, leading), peak_slip(series, 2, trailing)
@@ -126,7 +129,7 @@ def stop(kernel: Kernel, utilisation: float) -> Answers:
 
 
 def sweep(utilisations: Sequence[float]) -> dict[str, list[Answers]]:
-    """Stops of each level."""
+    """Return the stops of each level."""
     asked = [(level, utilisation) for level in LEVELS for utilisation in utilisations]
     bar = counting(asked, "stops", unit="stop")
     found = [stop(start(level), utilisation) for level, utilisation in bar]
@@ -135,7 +138,7 @@ def sweep(utilisations: Sequence[float]) -> dict[str, list[Answers]]:
 
 
 def lock_boundary(level: int, number: int, **values: float) -> float | None:
-    """Least utilisation that locks a wheelset before the bogie is at rest; None where the highest does not."""
+    """Return the least utilisation that locks a wheelset before the bogie is at rest; None if the highest does not."""
 
     def sign(utilisation: float) -> float:
         kernel = start(level, **values)
@@ -146,12 +149,12 @@ def lock_boundary(level: int, number: int, **values: float) -> float | None:
 
 
 def adhesion_of_the_cone() -> float:
-    """Adhesion limit of the spatial level over that of the others: the rail presses on the cone along its normal."""
+    """Return the adhesion limit of the spatial level over that of the others: the rail force is normal to the cone."""
     return 1.0 / math.cos(contact_at(thesis_pair(), 0.0).angle[0])
 
 
 def cost(level: int, utilisation: float) -> float:
-    """Seconds of one stop at the default tolerance, recorded at its end only; least of several."""
+    """Return the time of one stop at the default tolerance, recorded at its end only; the least of several [s]."""
     kernel = start(level, DEFAULT_TOLERANCE)
 
     def once() -> None:
@@ -162,12 +165,14 @@ def cost(level: int, utilisation: float) -> float:
 
 
 def column(stops: Sequence[Answers], question: str) -> np.ndarray:
-    """One answer of each stop; NaN where there is none."""
+    """Return one result of each stop; NaN if it is missing."""
     return np.array([getattr(one, question) for one in stops], dtype=float)
 
 
 def error(stops: Sequence[Answers], spatial: Sequence[Answers], question: str) -> np.ndarray:
-    """Distance of each answer from the spatial level's, in the unit of ERRORS; NaN where one of them has none."""
+    """Return the difference of each result from the spatial level's, in the unit of ERRORS; NaN if one of them is
+    missing.
+    """
     reference = column(spatial, question)
     distance = np.abs(column(stops, question) - reference)
     scale = {"%": 100.0 / reference, "kN": 1e-3}.get(ERRORS[question][1], 1.0)
@@ -176,7 +181,7 @@ def error(stops: Sequence[Answers], spatial: Sequence[Answers], question: str) -
 
 @dataclass(frozen=True)
 class Findings:
-    """All that was measured. `cone`: planar stops with the friction that gives the adhesion limit of the cone.
+    """All measurements. `cone`: planar stops with the friction that gives the adhesion limit of the cone.
 
     boundaries: of the leading and the trailing wheelset; costs: seconds by level and utilisation.
     """
@@ -187,12 +192,12 @@ class Findings:
     costs: Mapping[str, Mapping[float, float]]
 
     def largest_error(self, stops: Sequence[Answers], question: str, low: float = 0.0, high: float = math.inf) -> float:
-        """Over the utilisations from low to high."""
+        """Return the largest error over the utilisations from low to high."""
         chosen = (np.array(UTILISATIONS) >= low) & (np.array(UTILISATIONS) <= high)
         return float(np.nanmax(error(stops, self.stops["spatial"], question)[chosen]))
 
     def trailing_boundary(self, level: str) -> float:
-        """Least utilisation that locks the trailing wheelset; every level has one."""
+        """Return the least utilisation that locks the trailing wheelset; every level has one."""
         limit = self.boundaries[level][1]
         assert limit is not None
         return limit
@@ -225,7 +230,7 @@ def run(options: Options) -> Report:
 
 
 def boundary_rows(found: Findings) -> list[Row]:
-    """The least utilisation that locks each wheelset."""
+    """Return the least utilisation that locks each wheelset."""
     rows = []
     for name, limits in found.boundaries.items():
         why = "static loads: both alike" if name == "point" else f"load moves forward; -: not up to {max(UTILISATIONS)}"
@@ -236,14 +241,14 @@ def boundary_rows(found: Findings) -> list[Row]:
         "planar: locks the trailing wheelset earlier by",
         "adhesion limit of a level rail and of a 1:20 cone",
     )
-    # Of what the rail gives more, load transfer takes a part: the boundary grows by as much less as it is lower.
+    # Load transfer takes a part of the additional rail force: the boundary grows by as much less as it is lower.
     share = (adhesion_of_the_cone() - 1.0) * planar / found.trailing_boundary("point")
     rows.append(measured(quantity, "1", spatial - planar, SOURCE, near(share * spatial, BOUNDARY_TOLERANCE), why))
     return rows
 
 
 def error_rows(found: Findings) -> list[Row]:
-    """Largest distance from the spatial level."""
+    """Return the largest differences from the spatial level."""
     point, planar = found.stops["point"], found.stops["planar"]
     lowest = found.trailing_boundary("planar")
     always, turning, late = (0.0, math.inf), (0.0, lowest), (TIME_BOUND_FROM, math.inf)
@@ -284,7 +289,7 @@ def cost_rows(found: Findings) -> list[Row]:
 
 
 def remarks(found: Findings) -> list[str]:
-    """What the picture says."""
+    """Return the conclusions of the figure."""
     limit = {name: found.trailing_boundary(name) for name in LEVELS.values()}
     point, planar = found.stops["point"], found.stops["planar"]
     short, off = (found.largest_error(stops, "stop_distance") for stops in (point, planar))
@@ -324,7 +329,7 @@ def draw(found: Findings) -> Figure:
 
 
 def draw_lock_times(axis: Axes, found: Findings) -> None:
-    """The answers themselves; spatial is the broad line below planar."""
+    """Draw the lock times; spatial is the broad line below planar."""
     for name in ("spatial", "planar", "point"):
         label = f"{name}, both" if name == "point" else f"{name}, trailing"
         axis.plot(UTILISATIONS, column(found.stops[name], "lock_time_2"), label=label, **STYLES[name])
@@ -333,7 +338,7 @@ def draw_lock_times(axis: Axes, found: Findings) -> None:
 
 
 def draw_errors(axis: Axes, found: Findings, question: str, bound: float | None) -> None:
-    """Distance of point and planar from spatial, and what planar is to keep."""
+    """Draw the differences of point and planar from spatial, and the limit of planar."""
     words, unit = ERRORS[question]
     for name in ("point", "planar"):
         axis.plot(UTILISATIONS, error(found.stops[name], found.stops["spatial"], question), **STYLES[name])
@@ -347,7 +352,7 @@ def draw_errors(axis: Axes, found: Findings, question: str, bound: float | None)
 
 
 def draw_costs(axis: Axes, found: Findings) -> None:
-    """Bars, one for each stop."""
+    """Draw bars, one for each stop."""
     bars = [(name, *item) for name, costs in found.costs.items() for item in costs.items()]
     for place, (name, utilisation, seconds) in enumerate(bars):
         axis.barh(-place, 1e3 * seconds, color=STYLES[name]["color"])
@@ -365,7 +370,7 @@ def draw_costs(axis: Axes, found: Findings) -> None:
 def one_stop(
     utilisation: float = 1.0, level: float = 2.0, frame_height: float = tables_5_1_and_5_2().frame_height
 ) -> dict[str, float | None]:
-    """What a stop answers at one adhesion utilisation."""
+    """Return the results of a stop at one adhesion utilisation."""
     if not utilisation > 0.0:
         raise ValueError(f"A stop needs an adhesion utilisation above 0: it was {utilisation:g}.")
     if level not in LEVELS:

@@ -38,23 +38,23 @@ from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
 RADII = (150.0, 200.0, 250.0, 299.0, 300.0, 400.0, 500.0, 700.0, 1000.0, 1500.0, 2000.0, 3000.0)
-#: Of the table; and of the stop whose cost is measured [m].
+#: Radii of the table; and of the stop whose cost is measured [m].
 SHOWN, COSTED = (150.0, 300.0, 700.0, 1500.0, 3000.0), 300.0
-#: From this radius on a curve is a wide one [m].
+#: Radius above which a curve is wide [m].
 WIDE = 700.0
-#: Speed, less where a curve has too little cant for it [m/s].
+#: Speed, lower in curves whose cant is too small for it [m/s].
 SPEED = 15.0
-#: Wheel-rail friction; the second one is that of the stops.
+#: Wheel-rail friction; the second value is that of the stops.
 FRICTIONS, FRICTION = (0.15, 0.3, 0.45), 0.3
-#: Way in the curve until all is steady, then that of rolling on which the loss is measured [m].
+#: Distance in the curve to steady running, then distance of rolling over which the loss is measured [m].
 SETTLED, MEASURED = 150.0, 150.0
-#: Stops: adhesion utilisation of a light brake and a service brake, 0.3 and 0.9 m/s2; brakes are applied in [s].
+#: Adhesion utilisation of a light brake and a service brake, 0.3 and 0.9 m/s2; application time [s].
 UTILISATIONS, APPLIED = (0.1, 0.3), 1.0
-#: Of the point level's loss, beside von Roeckl's share: the speeds are read from a record.
+#: Tolerance of the point level's loss against von Roeckl's share: speeds are read from a recording.
 SHARE_BAND = 1e-3
-#: Of the weight, what holds a bogie in space on straight track: nothing does.
+#: Tolerance of the resistance of a bogie in 3D on straight track, as share of the weight; the exact value is zero.
 NOTHING = 1e-8
-#: Level and whether it has von Roeckl's term.
+#: Level, and whether it has von Roeckl's term.
 MODELS = {
     "point": (1, 1.0),
     "planar": (2, 1.0),
@@ -64,7 +64,7 @@ MODELS = {
 
 
 def start(radius: float, level: int, term: float, friction: float = FRICTION) -> Kernel:
-    """At the beginning of a line into a curve, rolling."""
+    """Return the rolling bogie at the beginning of a line into a curve."""
     cant = suited_cant(radius, SPEED)
     values = {"level": level, "curve_resistance": term, "initial_speed": speed_in(radius)}
     frictions = {f"friction_{number}": friction for number in (1, 2)}
@@ -72,17 +72,17 @@ def start(radius: float, level: int, term: float, friction: float = FRICTION) ->
 
 
 def speed_in(radius: float) -> float:
-    """That the cant suits [m/s]."""
+    """Return the speed of balanced cant [m/s]."""
     return SPEED if math.isinf(radius) else min(SPEED, suited_speed(radius, suited_cant(radius, SPEED)))
 
 
 def way_to_curve(radius: float) -> float:
-    """From the start until all is steady in the curve [m]."""
+    """Return the distance from the start to steady running in the curve [m]."""
     return APPROACH + transition_length(suited_cant(radius, SPEED)) + SETTLED
 
 
 def resistance(radius: float, level: int, term: float, friction: float = FRICTION) -> float:
-    """What holds a rolling bogie back in a steady curve, as share of its weight, by its loss of energy."""
+    """Return the resistance of a rolling bogie in a steady curve, as share of its weight, from its loss of energy."""
     kernel, first = start(radius, level, term, friction), way_to_curve(radius)
     series = play("bogie", kernel, 1.1 * (first + MEASURED) / speed_in(radius), 0.05, ("speed", "distance"), {})
     before, behind = (np.interp(place, series["distance"], series["speed"]) for place in (first, first + MEASURED))
@@ -91,7 +91,7 @@ def resistance(radius: float, level: int, term: float, friction: float = FRICTIO
 
 
 def brake(kernel: Kernel, radius: float, utilisation: float) -> float:
-    """Way from the start of the line to rest, braked in the curve [m]."""
+    """Return the distance from the start of the line to rest, braked in the curve [m]."""
     torque = utilisation * FRICTION * MASS * BOGIE.gravity * BOGIE.wheel_radius / 2
     begin = way_to_curve(radius) / speed_in(radius)
     ramp = [(0.0, 0.0), (begin, 0.0), (begin + APPLIED, torque)]
@@ -102,8 +102,8 @@ def brake(kernel: Kernel, radius: float, utilisation: float) -> float:
 
 @dataclass(frozen=True)
 class Findings:
-    """Shares of the weight by radius: von Roeckl's, of the point level, in space by friction; ways to rest [m] by model
-    and utilisation, for each radius; seconds that a stop costs, by level.
+    """Shares of the weight by radius: von Roeckl's, the point level's, the spatial level's by friction; stopping
+    distances [m] by model and utilisation, for each radius; wall time of a stop by level [s].
     """
 
     roeckl: np.ndarray
@@ -114,17 +114,17 @@ class Findings:
     costs: Mapping[str, float]
 
     def error(self, model: str, utilisation: float) -> np.ndarray:
-        """Of the way to rest behind the place where the brakes are applied [m]."""
+        """Return the error of the stopping distance, measured from the place where the brakes are applied [m]."""
         return self.stops[model, utilisation] - self.stops["spatial", utilisation]
 
     def share(self, model: str, utilisation: float) -> np.ndarray:
-        """The same as share of that way."""
+        """Return the error as share of that distance."""
         braked = self.stops["spatial", utilisation] - [way_to_curve(radius) for radius in RADII]
         return np.asarray(self.error(model, utilisation) / braked)
 
     @property
     def break_even(self) -> float:
-        """Radius from which on the point level errs less without the term than with it [m]."""
+        """Return the radius above which the point level has the smaller error without the term [m]."""
         rest = self.spatial[FRICTION] / self.roeckl - 0.5
         last = int(np.flatnonzero(rest > 0.0)[-1])
         share = rest[last] / (rest[last] - rest[last + 1])
@@ -147,7 +147,7 @@ def measure() -> Findings:
 
 
 def cost(level: int) -> float:
-    """Seconds of one stop, the least of several."""
+    """Return the wall time of one stop, the least of several [s]."""
     kernel = start(COSTED, level, 1.0)
 
     def once() -> None:
@@ -171,7 +171,7 @@ def run(options: Options) -> Report:
 
 
 def checks(found: Findings) -> list[Row]:
-    """What closed forms know of the resistances."""
+    """Return the rows of resistances with closed forms."""
     off = float(np.max(np.abs(found.point / found.roeckl - 1.0)))
     source = "von Roeckl (1880): 0.650 / (R - 55 m), 0.500 / (R - 30 m) below 300 m"
     name = "point: largest relative error of the share of the weight that a curve takes"
@@ -225,7 +225,7 @@ def cost_rows(found: Findings) -> list[Row]:
 
 
 def remarks(found: Findings) -> list[str]:
-    """The rule, in words."""
+    """Return the rule in words."""
     service = UTILISATIONS[1]
     with_term, without = (100 * found.share(model, service) for model in ("point", "point without the term"))
     wide = np.array(RADII) >= WIDE
@@ -269,7 +269,7 @@ def draw(found: Findings) -> Figure:
 
 
 def draw_errors(relative: Axes, metres: Axes, found: Findings) -> None:
-    """Of the stops at the point level, with von Roeckl's term and without it."""
+    """Draw the errors of the stops at the point level, with von Roeckl's term and without it."""
     models = {"with": ("point", LEADING), "without": ("point without the term", TRAILING)}
     for (word, (model, colour)), utilisation in product(models.items(), UTILISATIONS):
         style = "o:" if utilisation == UTILISATIONS[0] else "o-"
@@ -279,7 +279,7 @@ def draw_errors(relative: Axes, metres: Axes, found: Findings) -> None:
 
 
 def draw_costs(axis: Axes, found: Findings) -> None:
-    """Ratios to the point level."""
+    """Draw the costs as ratios to the point level."""
     ratios = {name: seconds / found.costs["point"] for name, seconds in found.costs.items()}
     for place, (name, colour) in enumerate(zip(ratios, THREE, strict=True)):
         axis.barh(-place, ratios[name], color=colour)

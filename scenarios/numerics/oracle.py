@@ -28,7 +28,7 @@ TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Scene:
-    """One comparison: the FMU and its number of wheelsets, start, track, constant inputs, and what is looked at."""
+    """One comparison: the FMU and its number of wheelsets, start, track, constant inputs, and compared quantities."""
 
     name: str
     fmu: str
@@ -73,14 +73,14 @@ RECORDED = ("lateral_1", "speed", "angular_velocity_1")
 
 @dataclass(frozen=True)
 class Outcome:
-    """Both models' series of one scene, and the seconds that each took."""
+    """Both models' series of one case, and the wall times of both [s]."""
 
     fast: Recording
     printed: Recording
     seconds: tuple[float, float]
 
     def difference(self, name: str) -> float:
-        """Largest difference of a quantity over the scene."""
+        """Return the largest difference of a quantity over the case."""
         return float(np.abs(self.fast[name] - self.printed[name]).max())
 
 
@@ -92,7 +92,7 @@ def by_kernel(scene: Scene) -> Recording:
 
 
 def by_chapter_3(scene: Scene) -> Recording:
-    """The oracle with exact contact ellipses and Kalker's table; lateral displacements from the track's centre."""
+    """Run the oracle with exact contact ellipses and Kalker's table; lateral displacements from the track's centre."""
     parameters = as_printed(tables_4_1_and_4_2() if scene.wheelsets == 1 else tables_5_1_and_5_2())
     track = derivatives_along(replace(section_5_3(), **dict(scene.track)))
     mechanism = Mechanism(parameters, thesis_pair(), scene.wheelsets, track)

@@ -29,26 +29,26 @@ from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import BadInputError, Options, Scenario
 
 KINDS = ("native", "python")
-#: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (it stands from 16.9 s on).
+#: The stop: 25 m/s, 20 kN.m on both wheelsets, 22.9 s of simulated time (at rest from 16.9 s on).
 STOP_SECONDS, TORQUE = 22.9, 20e3
 BOGIE_TORQUES = {"brake_torque_1": TORQUE, "brake_torque_2": TORQUE}
-#: Of each wheelset of the complete vehicle, which then slows as the bogie does [N.m].
+#: Brake torque on each wheelset of the complete vehicle, which gives the deceleration of the bogie [N.m].
 VEHICLE_TORQUE = 8e3
 HOST_STEP, HOST_STEPS = 1e-3, 5000
 CALLS = 20000
-#: What a user waits for before anything is computed, and how long that may be [s].
+#: Commands whose starting time is measured, and its target [s].
 BEGINNINGS = {
     "import bogie_braking": (["-c", "import bogie_braking"], 0.3),
     "bogie-braking --help": (["-m", "bogie_braking", "--help"], 0.5),
 }
-#: What the project wants to reach; printed beside the measurement, never tested by the clock.
+#: Targets of the project; printed next to the measurement, never tested by the clock.
 TARGETS = {"point": 400e3, "planar": 28e3, "spatial": 3600.0}
 PYTHON_OVERHEAD_TARGET = 10.0
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Microseconds, the least of several runs."""
+    """Times of one call [us], the least of several runs."""
 
     what: str
     level: str
@@ -80,7 +80,7 @@ def kernel_timings(library: Library, level: int, torques: Mapping[str, float] = 
 
 
 def vehicle_rows() -> list[Row]:
-    """The complete vehicle beside the bogie: calls from C, and the stop in one call.
+    """Return the rows of the complete vehicle, in addition to the bogie: calls from C, and the stop in one call.
 
     As published, its body swings along the track undamped for the whole stop, which takes 1.6 times as many steps as
     with traction rods: both are shown.
@@ -100,7 +100,7 @@ def vehicle_rows() -> list[Row]:
 
 
 def beginning_rows() -> list[Row]:
-    """How long a new Python takes from its start until a name, or the help, is there."""
+    """Return the time from the start of a new Python to the end of an import, or of the help."""
     rows = []
     for what, (arguments, most) in BEGINNINGS.items():
         command = [sys.executable, *arguments]
@@ -141,7 +141,13 @@ def fmu_timings(kind: str, level: int) -> list[Timing]:
 
 
 def old_and_new() -> ModuleType:
-    """What measures another revision. Raises BadInputError: a wheel does not have it."""
+    """Return the module that measures another revision.
+
+    Raises
+    ------
+    BadInputError
+        If the module is missing, as in a wheel.
+    """
     try:
         from scenarios.comparisons.peers import old_and_new
     except ModuleNotFoundError:

@@ -38,23 +38,23 @@ from scenarios.scenario import Options, Scenario
 
 NAMES = {RODAS5P: "RODAS5P", ROS34PW2: "ROS34PW2", RUNGE_KUTTA: "RK4"}
 COLOURS = {RODAS5P: LEADING, ROS34PW2: "#56b4e9", RUNGE_KUTTA: TRAILING}
-#: Speeds [m/s] of the theory, and those at which it is tried.
+#: Speeds [m/s] of the theory, and of the simulations that test it.
 SPEEDS = tuple(float(speed) for speed in np.geomspace(0.01, 60.0, 25))
 TRIED = (0.01, 0.1, 1.0, 10.0, 25.0, 60.0)
-#: The default method is tried at steps as long as these many limits of RK4.
+#: Steps of the default method that are simulated, as multiples of RK4's limit.
 MULTIPLES = (2.0, 10.0, 100.0)
 #: Friction coefficients and shares of the sprung mass at 25 m/s.
 FRICTIONS = tuple(float(value) for value in np.linspace(0.05, 0.6, 12))
 LOADS = tuple(float(value) for value in np.linspace(0.25, 1.5, 11))
 SPEED_OF_LOADS = 25.0
-#: Agreement of the boundary found with the one predicted: bisection to 0.2 %, and creep that is not quite linear.
+#: Tolerance of the boundary against the predicted one: bisection to 0.2 %, and slightly nonlinear creep.
 BOUNDARY_BAND = 0.01
 #: Steps of the run over a lateral wave under braking [s].
 STEPS = (2e-4, 4e-4, 6e-4, 7e-4, 8e-4, 1e-3, 1.5e-3, 2e-3, 3e-3, 5e-3, 1e-2)
 WAVE = {"lateral_irregularity": 0.012, "lateral_wave_number": 0.08}
 BRAKED_SECONDS, INTERVAL, LIMITS_EVERY = 4.0, 5e-3, 20
 BRAKED = {"brake_torque_1": 20e3, "brake_torque_2": 20e3}
-#: Regularisation of the creepage at rest [m/s], and the drawbar force that a bogie is held against [N].
+#: Regularisation of the creepage at rest [m/s], and the drawbar force against which a bogie is held [N].
 CREEPAGE_SPEEDS = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 DRAWBAR = 20e3
 STOP_STEPS = (1e-4, 1e-3, 1e-2, 1e-1)
@@ -62,7 +62,7 @@ STOP_STEPS = (1e-4, 1e-3, 1e-2, 1e-1)
 
 @dataclass
 class Atlas:
-    """Everything measured, by panel; keys say what the numbers belong to."""
+    """All measurements, by panel; keys name their cases."""
 
     theory: dict[tuple[str, str], list[float]] = field(default_factory=dict)
     found: dict[str, list[float]] = field(default_factory=dict)
@@ -83,7 +83,7 @@ class Atlas:
 
 
 def boundaries(atlas: Atlas) -> None:
-    """The largest stable step over speed, by theory and by perturbation."""
+    """Measure the largest stable step over speed, by theory and by perturbation."""
     for machine in (*MACHINES, PATCHES, STRIPS):
         for method in EXPLICIT if machine is SPATIAL else ("RK4",):
             atlas.theory[machine.name, method] = [limit(machine, speed, method) for speed in SPEEDS]
@@ -91,7 +91,7 @@ def boundaries(atlas: Atlas) -> None:
 
 
 def growths(atlas: Atlas) -> None:
-    """RK4 at 0.9 and 1.1 of the predicted step; the default method at many times that step."""
+    """Run RK4 at 0.9 and 1.1 of the predicted step, and the default method at many times that step."""
     for machine in MACHINES:
         for speed in TRIED:
             step = limit(machine, speed)
@@ -105,12 +105,12 @@ def growths(atlas: Atlas) -> None:
                 atlas.default_growth.append((machine.name, speed, multiple * step, grown.factor))
 
 
-#: Where RK4's stability region ends on the negative real axis, on which the fastest modes lie.
+#: End of RK4's stability region on the negative real axis, on which the fastest modes lie.
 NEGATIVE_AXIS = 2.785293563405282
 
 
 def loads_and_frictions(atlas: Atlas) -> None:
-    """The limit at one speed over friction and over the load on the axles."""
+    """Measure the limit at one speed over friction and over the load on the axles."""
     mass = tables_5_1_and_5_2().frame_mass
     kinds: dict[str, tuple[tuple[float, ...], Callable[[float], tuple[tuple[str, float], ...]]]] = {
         "friction": (FRICTIONS, lambda value: (("friction_1", value), ("friction_2", value))),
@@ -124,7 +124,7 @@ def loads_and_frictions(atlas: Atlas) -> None:
 
 
 def silent_errors(atlas: Atlas) -> None:
-    """A braked run over a lateral wave with fixed steps: error of the lateral motion [m]; did the log warn?"""
+    """Run braked over a lateral wave with fixed steps: error of the lateral motion [m]; did the log warn?"""
     exact, limits = exact_over_wave()
     atlas.silent_limits = (min(limits), max(limits))
     for method in NAMES:
@@ -137,7 +137,7 @@ def silent_errors(atlas: Atlas) -> None:
 
 
 def exact_over_wave() -> tuple[np.ndarray, list[float]]:
-    """Lateral displacement [m] every `INTERVAL`, and RK4's predicted limit [s] at each `LIMITS_EVERY`-th of them."""
+    """Return the lateral displacement [m] every `INTERVAL`, and RK4's predicted limit [s] at each `LIMITS_EVERY`-th."""
     kernel = prepare("bogie", tolerance=1e-10, **RIGID, **WAVE, **BRAKED)
     differential = layout("bogie", **RIGID).differential
     kernel.initialise()
@@ -153,7 +153,7 @@ def exact_over_wave() -> tuple[np.ndarray, list[float]]:
 
 
 def fixed_over_wave(method: int, step: float) -> tuple[Kernel, np.ndarray | None]:
-    """The kernel and its lateral displacement [m], none where the run fails."""
+    """Return the kernel and its lateral displacement [m], or None if the run fails."""
     values = {"integration_method": method, "integration_step": step, "tolerance": 1e-3}
     kernel = prepare("bogie", **RIGID, **WAVE, **BRAKED, **values)
     try:
@@ -163,7 +163,7 @@ def fixed_over_wave(method: int, step: float) -> tuple[Kernel, np.ndarray | None
 
 
 def rests(atlas: Atlas) -> None:
-    """At rest against a drawbar force: slip of wheels that are driven, the way that locked ones go; the stop before."""
+    """Measure rest against a drawbar force: slip of driven wheels, travel of locked ones; and the stop before."""
     for value in CREEPAGE_SPEEDS:
         kernel = prepare("bogie", level=2, initial_speed=2.0, creepage_speed=value, tolerance=1e-9, **BRAKED)
         kernel.advance(4.0)
@@ -179,7 +179,7 @@ def rests(atlas: Atlas) -> None:
 
 
 def stops_with_fixed_steps(atlas: Atlas) -> None:
-    """A stop from 5 m/s at the point level and 4.6 s of rest: the speed that is left, or why the run failed."""
+    """Run a stop from 5 m/s at the point level and 4.6 s of rest: the remaining speed, or why the run failed."""
     for method in NAMES:
         atlas.stops[method] = []
         for step in STOP_STEPS:
@@ -193,7 +193,7 @@ def stops_with_fixed_steps(atlas: Atlas) -> None:
 
 
 def folds(atlas: Atlas) -> None:
-    """Speed at derailment over the tolerance, and how the distance to the fold shrinks towards it.
+    """Measure the speed at derailment over the tolerance, and the distance to the fold, which shrinks towards it.
 
     Above the coarsest of these tolerances round-off decides whether a trial step finds the contact next to the fold.
     """
@@ -346,7 +346,7 @@ def run(options: Options) -> Report:
 
 
 def series_of(atlas: Atlas) -> Recording:
-    """Predicted largest stable steps over speed."""
+    """Return the predicted largest stable steps over speed."""
     series = Recording({"speed": "m/s"}, [[speed] for speed in SPEEDS])
     for (machine, method), steps in atlas.theory.items():
         series.add(f"largest stable step, {method}, {machine}", "s", np.array(steps))

@@ -1,6 +1,6 @@
 """Asymmetric brake shoes on one wheelset: chapter 9, Tables 9.2 and 9.3, with the thesis's forces and physical ones.
 
-The flange is a spring on one rigid contact a wheel (3.106), or has its own place and force.
+The flange is a spring on the single rigid contact of each wheel (3.106), or has its own place and force.
 """
 
 from collections.abc import Iterable
@@ -40,7 +40,7 @@ from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, single, tit
 from scenarios.reporting.report import Report, Row, at_least, measured, rounding
 from scenarios.scenario import Options, Scenario
 
-#: Readings that are drawn, in words; wheelsets with uneven shoes, and the line and marker of each.
+#: Descriptions of the drawn interpretations; wheelsets with uneven shoes, and the line and marker of each.
 READ = {AS_THESIS: "axis turns (thesis)", PHYSICAL: "axis fixed (physical)"}
 WHEELSETS = {1: ("leading", "o-"), 2: ("trailing", "s--")}
 DERAILED: dict[str, Any] = {
@@ -55,7 +55,10 @@ CONTOUR = "not judged: hangs on the wheel's contour, which is not public"
 
 
 def rows_of(case: Case, outcome: Outcome) -> list[Row]:
-    """Judged are, with the rotating axis, stop times; peaks stand beside the printed ones."""
+    """Return the rows of a case.
+
+    With the rotating axis stop times have limits; peaks are compared with the reported ones.
+    """
     table = f"Table 9.{case.wheelset + 1}"
     rows = []
     derails = case.wheelset == 1 and case.error == 75
@@ -76,7 +79,7 @@ def rows_of(case: Case, outcome: Outcome) -> list[Row]:
 
 
 def rows_of_derailments(outcomes: dict[Case, Outcome]) -> list[Row]:
-    """How many of the cases of each reading derail, without and with a flange of its own."""
+    """Return the number of derailments of each interpretation, without and with a separate flange contact."""
     rows = []
     for reading in (name for pair in ON_PATCHES.items() for name in pair):
         ends = {case: outcome.derailed_at for case, outcome in outcomes.items() if case.reading == reading}
@@ -88,7 +91,9 @@ def rows_of_derailments(outcomes: dict[Case, Outcome]) -> list[Row]:
 
 
 def rows_of_loads(outcomes: dict[Case, Outcome]) -> list[Row]:
-    """What a flange's force does to its wheel: at the axle's centre as printed, at the rail, and on its patch."""
+    """Return the largest load of a flanging wheel if the flange's force acts at the axle's centre (thesis), at the
+    rail, and on its patch.
+    """
     rows = []
     for error in YAW_TORQUE:
         printed, *others = (Case(1, error, FASTEST, name) for name in (AT_CENTRE, PHYSICAL, ON_PATCHES[PHYSICAL]))
@@ -118,7 +123,7 @@ IMPACTS_REMARK = (
 
 
 def shares_of_peaks(outcomes: dict[Case, Outcome]) -> list[float]:
-    """Peak shifts over the printed ones, in the thesis's reading."""
+    """Return the peak shifts over the reported ones, in the thesis's interpretation."""
     return [
         1e3 * found / printed
         for case, outcome in outcomes.items()
@@ -130,7 +135,7 @@ def shares_of_peaks(outcomes: dict[Case, Outcome]) -> list[float]:
 
 
 def remarks_of(outcomes: dict[Case, Outcome]) -> list[str]:
-    """What the rows do not say, and what each case said of itself."""
+    """Return remarks on all cases, then the messages of each case."""
     lifting = outcomes[Case(2, 75, FASTEST, ON_PATCHES[AS_THESIS])]
     shares = shares_of_peaks(outcomes)
     return [
@@ -167,13 +172,13 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """Of the fastest case that derails."""
+    """Run the fastest case that derails."""
     vehicle, case = two_axle_bogie(), Case(1, 75, FASTEST, AS_THESIS)
     return Motion(f"Braked: {case.name}", vehicle, brake(case, DURATION, motion_columns(vehicle))[1])
 
 
 def message(outcomes: dict[Case, Outcome]) -> str:
-    """How far the smallest error shifts a wheelset in the two readings."""
+    """Return the title: the largest shifts at the smallest error in the two interpretations."""
     error = min(YAW_TORQUE)
     printed, physical = (
         1e3 * max(max(outcomes[Case(n, error, FASTEST, reading)].peaks) for n in (1, 2))
@@ -183,7 +188,7 @@ def message(outcomes: dict[Case, Outcome]) -> str:
 
 
 def draw(outcomes: dict[Case, Outcome]) -> Figure:
-    """The largest shift of any wheelset over the error of the shoes, the brake applied as fast as it is."""
+    """Draw the largest shift of any wheelset over the error of the shoes, with the fastest application of the brake."""
     figure, axis = single(message(outcomes), "error of the shoe forces [%]", "largest lateral shift [mm]")
     for (reading, words), colour, height in zip(READ.items(), (LEADING, TRAILING), (3.4, 11.6), strict=True):
         for wheelset, (_, line) in WHEELSETS.items():
@@ -201,7 +206,7 @@ def draw(outcomes: dict[Case, Outcome]) -> Figure:
 
 
 def draw_depths(outcomes: dict[Case, Outcome]) -> Figure:
-    """The largest shift with the flange as a spring (3.106), and with a flange of its own."""
+    """Draw the largest shift with the flange as a spring (3.106), and with a separate flange contact."""
     cases = [Case(n, error, FASTEST, reading) for reading in READ for n in WHEELSETS for error in YAW_TORQUE]
     spring = [outcomes[case] for case in cases]
     patch = [outcomes[replace(case, reading=ON_PATCHES[case.reading])] for case in cases]
@@ -222,7 +227,7 @@ def draw_depths(outcomes: dict[Case, Outcome]) -> Figure:
 
 
 def mark_derailed(axis: Axes, x: Iterable[float], y: Iterable[float], outcomes: Iterable[Outcome]) -> None:
-    """A cross at the points of those that derailed."""
+    """Draw a cross at the points of the cases that derailed."""
     points = [(here, there) for here, there, one in zip(x, y, outcomes, strict=True) if one.derailed_at is not None]
     axis.plot(*np.reshape(points, (-1, 2)).T, **DERAILED)
 

@@ -32,13 +32,13 @@ from scenarios.scenario import Options, Scenario
 
 SPACING = "half spacing of the suspension 0.7 m and frame height 0.8 m are fitted, to other values"
 FLANGE = "not judged: the flange's stiffness is fitted to it"
-#: What the pictures say the largest value of, and of which column.
+#: Column whose largest value the title of each figure reports, and its words.
 MESSAGES = {
     LATERAL.name: ("lateral_1", "lateral wave shifts a wheelset by"),
     VERTICAL.name: ("axle_load_1", "vertical wave loads an axle with"),
     CROSS_LEVEL.name: ("frame_roll", "cross level rolls the frame by"),
 }
-#: Of a closed form.
+#: Tolerance of a closed form.
 BAND = 1e-3
 AT_RAIL = "a flange pushed at the rail, and where it meets it"
 
@@ -68,7 +68,7 @@ def lateral_rows(runs: dict[float, Recording]) -> list[Row]:
 
 
 def bounce_mode(system: System) -> float:
-    """Natural frequency of the bounce on straight track [Hz]."""
+    """Return the natural frequency of the bounce on straight track [Hz]."""
     kernel = bogie((), ("bounce",), constant_speed=1)
     kernel.advance(1.0)
     modes = oscillations(system, np.array(kernel.linearise().jacobian))
@@ -141,7 +141,7 @@ def run_of(kind: Irregularity) -> Report:
 
 
 def motion(kind: Irregularity) -> Motion:
-    """At the lower speed."""
+    """Run at the lower speed."""
     vehicle, speed = two_axle_bogie(), SPEEDS[0]
     series = travel(kind, speed, motion_columns(vehicle))[1]
     return Motion(f"{kind.title}, at {speed:g} m/s", vehicle, series, irregular(**{kind.name: kind.amplitude}))

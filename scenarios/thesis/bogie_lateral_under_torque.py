@@ -16,7 +16,7 @@ from scenarios.reporting.report import Report, Row, rounding
 from scenarios.scenario import Options, Scenario
 
 TORQUE, HIGH_SPEED = 15e3, 20.0
-#: Ramp and, for braking, start of the torque [s]; the thesis's largest lateral shift [mm] where printed.
+#: Ramp and, for braking, start of the torque [s]; the thesis's largest lateral shift [mm] where reported.
 CASES = {
     "traction in 5 s": (5.0, 9.0),
     "traction in 1 s": (1.0, None),
@@ -65,7 +65,7 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """Traction that grows in a second."""
+    """Run with traction that grows in a second."""
     vehicle, name = two_axle_bogie(), "traction in 1 s"
     return Motion(f"Over a wave: {name}", vehicle, drive(name, columns=motion_columns(vehicle)), irregular(**WAVE))
 

@@ -23,7 +23,7 @@ DURATION, INTERVAL = 40.0, 2e-3
 PULLED, BRAKED = (15.0, 20.0), (33.0, 36.5)
 LEVELS = {2: "planar", 3: "spatial"}
 RECORDED = ("speed", "pitch", "distance")
-#: Share of the pitch by which levels may differ: the band of statics in docs/checking.md.
+#: Largest relative difference of the pitch of two levels: the tolerance of statics in docs/checking.md.
 SAME = 1e-3
 
 
@@ -64,7 +64,7 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """In the plane."""
+    """Run at the planar level."""
     vehicle = two_axle_bogie()
     return Motion("Traction, then braking", vehicle, drive(2, columns=motion_columns(vehicle)))
 

@@ -17,7 +17,7 @@ from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 60e3, 4.0, 25.0
 DURATION, INTERVAL = 14.0, 2e-3
-#: From so long after the brake on [s] the picture's message takes the largest shift.
+#: Time after the brake's application from which the title takes the largest shift [s].
 SETTLED = 2.0
 CASES = {"leading wheelset braked": (1,), "both wheelsets braked": (1, 2)}
 WAVE = {"lateral_irregularity": 0.025}
@@ -60,14 +60,14 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """Of the first case."""
+    """Run the first case."""
     vehicle, (name, braked) = two_axle_bogie(), next(iter(CASES.items()))
     series = brake(braked, columns=motion_columns(vehicle))[0]
     return Motion(f"Behind a wave, {name}", vehicle, series, irregular(**WAVE))
 
 
 def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:
-    """Lateral shift of the leading wheelset in both cases."""
+    """Draw the lateral shift of the leading wheelset in both cases."""
     swings = [
         1e3 * float(np.abs(series["lateral_1"][series["time"] > APPLIED + SETTLED]).max())
         for series, _ in runs.values()

@@ -106,7 +106,7 @@ def draw(pair: Pair, series: Recording, flange: float) -> Figure:
 
 
 def draw_profiles(axis: Axes, pair: Pair) -> None:
-    """Wheel on rail at the centre, left side seen from behind, gauge corner to the right."""
+    """Draw wheel on rail at the centre, left side viewed from the rear, gauge corner to the right."""
     for profile, colour, label in ((pair.wheel, LEADING, "wheel"), (pair.rail, TRAILING, "rail")):
         y = np.linspace(*profile.limits, 1500)
         axis.plot(-1e3 * y, 1e3 * profile.height(y), color=colour, label=label)
@@ -119,14 +119,14 @@ def draw_profiles(axis: Axes, pair: Pair) -> None:
 #: Shifts of the tables, to the left, and amplitudes at which annex E of EN 15302 gives the conicity [m].
 FILE_SHIFTS = np.linspace(-8.0e-3, 8.0e-3, 161)
 FILE_AMPLITUDES = np.linspace(1.0e-3, 7.5e-3, 66)
-#: A contact nearer to the end of a profile than this is on its end [m].
+#: A contact closer to the end of a profile than this is on its end [m].
 LEAST_MARGIN = 1e-3
 #: Amplitudes in the printed table [m]; limits are set for 3 mm.
 PRINTED = (1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3)
 
 
 def run_files(sides: Sides) -> Report:
-    """The level wheelset of EN 15302 on its track; nothing is judged, the standard sets no limits."""
+    """Return the report of the level wheelset of EN 15302 on its track; no row has a limit: the standard sets none."""
     centre = centred_shift(sides, rolls=False)
     there = contact_at(sides, centre, rolls=False)
     if not fits(sides, there):
@@ -165,12 +165,12 @@ def run_files(sides: Sides) -> Report:
 
 
 def on_rail(side: Side, on_wheel: Places, outwards: Places) -> Places:
-    """Where a level wheel touches on the rail [m], when it has moved `outwards`."""
+    """Return the place on the rail [m] that a level wheel touches after a displacement `outwards`."""
     return on_wheel + side.wheel_half_distance - side.rail_half_distance + outwards
 
 
 def fits(sides: Sides, contact: ContactAtShift) -> bool:
-    """Whether both wheels stand on their treads and on the heads of their rails, and on no end of a profile."""
+    """Return whether both wheels rest on their treads and on the rails' heads, and not on an end of a profile."""
     ends = []
     for one, position, sign in zip(sides.both, contact.position, (1, -1), strict=True):
         for profile, place in ((one.wheel, position), (one.rail, on_rail(one, position, sign * contact.shift))):
@@ -179,7 +179,7 @@ def fits(sides: Sides, contact: ContactAtShift) -> bool:
 
 
 def rolling(side: Side) -> float:
-    """Radius at the tape circle [m]."""
+    """Return the radius at the tape circle [m]."""
     return side.radius - float(side.wheel.height(np.array(0.0)))
 
 
@@ -229,12 +229,12 @@ def draw_files(sides: Sides, series: Recording, conicity: Recording, centre: flo
     return titled(figure, f"The profiles have a conicity of {at_compared:.3f} at {1e3 * COMPARED:g} mm")
 
 
-#: How far the wheels are drawn above the rails [mm], and every how many shifts a contact.
+#: Height at which the wheels are drawn above the rails [mm], and number of shifts between drawn contacts.
 RAISED, EVERY = 12.0, 10
 
 
 def draw_contacts(axis: Axes, side: Side, series: Recording, word: str) -> None:
-    """A wheel above its rail, seen from behind, and lines between the points that touch at whole millimetres."""
+    """Draw a wheel above its rail, from the rear, and lines between the contact points at integer millimetres."""
     outwards = -1.0 if word == "left" else 1.0
     wheel_zero, rail_zero = (float(profile.height(np.array(0.0))) for profile in (side.wheel, side.rail))
     apart = side.rail_half_distance - side.wheel_half_distance

@@ -40,13 +40,13 @@ EXACT = np.array(
         (0.001, 0.0005, 1.0, -4765, -16750),
     ]
 )
-#: Asked of every law alike, as in `creep-laws`, in % of mu N.
+#: Tolerance of every law alike, as in `creep-laws` [% of mu N].
 BAND = 5.0
 SPINS = (0.1176, 0.5, 1.0)
 
 
 def forces(creepages: np.ndarray) -> np.ndarray:
-    """F_x, F_y [N] for rows of creepages (xi_x, xi_y, spin)."""
+    """Return F_x, F_y [N] for rows of creepages (xi_x, xi_y, spin)."""
     symbols = ca.SX.sym("creepages", 3)
     axes = (ca.SX(SEMI_AXES[0]), ca.SX(SEMI_AXES[1]))
     kalker = kalker_coefficients(axes[0] / axes[1])
@@ -56,7 +56,7 @@ def forces(creepages: np.ndarray) -> np.ndarray:
 
 
 def distance_from_exact() -> np.ndarray:
-    """Distance of the force vectors from the exact ones, in % of mu N, for each row of EXACT."""
+    """Return the distance of the force vectors from the exact ones for each row of EXACT [% of mu N]."""
     off = forces(EXACT[:, :3]) - EXACT[:, 3:]
     return np.asarray(100 * np.hypot(off[:, 0], off[:, 1]) / (FRICTION * LOAD))
 

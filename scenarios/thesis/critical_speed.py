@@ -25,7 +25,7 @@ SHOWN_FROM = 10.0
 
 
 def growth_in_time(speed: float, half_spacing: float) -> float:
-    """Growth rate [1/s] of the peaks after a small lateral wave of the track."""
+    """Return the growth rate [1/s] of the peaks after a small lateral wave of the track."""
     kernel = prepare(
         "wheelset",
         initial_speed=speed,
@@ -77,7 +77,7 @@ def run(options: Options) -> Report:
 
 
 def draw(loci: dict[float, list[list[Mode]]], critical: dict[float, float]) -> Figure:
-    """Growth of the least damped oscillation over the speed."""
+    """Draw the growth of the least damped oscillation over the speed."""
     message = (
         f"Hunting grows above {critical[FITTED]:.1f} m/s, with the printed spacing above {critical[PRINTED]:.1f} m/s"
     )
@@ -94,7 +94,7 @@ def draw(loci: dict[float, list[list[Mode]]], critical: dict[float, float]) -> F
 
 
 def draw_loci(loci: dict[float, list[list[Mode]]], critical: dict[float, float]) -> Figure:
-    """Frequency over growth of all oscillations at all speeds; points grow with the speed."""
+    """Draw the frequency over the growth of all oscillations at all speeds; points grow with the speed."""
     hunting = min(
         (mode for mode in modes_at(wheelset_in_frame(), critical[FITTED], FITTED)), key=lambda m: abs(m.growth)
     )

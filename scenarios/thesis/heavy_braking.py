@@ -18,11 +18,11 @@ from scenarios.reporting.report import Report, Row, measured, rounding
 from scenarios.scenario import Options, Scenario, Sweepable
 
 INITIAL_SPEED, TORQUE, BRAKE_TIME, DURATION = 25.0, 60e3, 4.0, 20.0
-#: Of what a report shows in three dimensions [s].
+#: Recording interval of the three-dimensional view of a report [s].
 INTERVAL = 0.01
-#: Not printed for section 5.5; chapter 9 uses 0.3 with the same bogie.
+#: Not reported for section 5.5; chapter 9 uses 0.3 with the same bogie.
 FRICTION = 0.3
-#: A bogie that is not at rest by then [s] has no stop distance; 25 m/s at 0.1 m/s2.
+#: Time by which a stop must end [s], or it has no stop distance; 25 m/s at 0.1 m/s2.
 LONGEST_STOP = 250.0
 RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "axle_load_1", "axle_load_2", "locked_1", "locked_2")
 BOGIE_DATA = tables_5_1_and_5_2()
@@ -33,7 +33,7 @@ CASES = {"leading": (TORQUE, 0.0), "both": (TORQUE, TORQUE)}
 def brake(
     options: Options, level: int, torques: tuple[float, float], reaction: float = AS_PRINTED["torque_reaction"]
 ) -> tuple[Recording, list[str], str]:
-    """One run at 25 m/s with constant torques [N.m] from t = 4 s; reaction: the share of them that the frame feels."""
+    """Run at 25 m/s with constant torques [N.m] from t = 4 s; reaction: the share of them that acts on the frame."""
     with open_bogie(options, level=level, initial_speed=INITIAL_SPEED, torque_reaction=reaction) as bogie:
         bogie.start(friction_1=FRICTION, friction_2=FRICTION)
 
@@ -47,18 +47,18 @@ def brake(
 
 
 def lock_time(series: Recording, number: int) -> float | None:
-    """Seconds from the application of the brake to the first lock of a wheelset."""
+    """Return the time from the application of the brake to the first lock of a wheelset [s]."""
     time = series.first_time(series[f"locked_{number}"] > 0.5)
     return None if time is None else time - BRAKE_TIME
 
 
 def later_by(first: float | None, second: float | None) -> float | None:
-    """Difference of two lock times [s]; None when one of the wheelsets did not lock."""
+    """Return the difference of two lock times [s]; None if one of the wheelsets did not lock."""
     return None if first is None or second is None else second - first
 
 
 def printed_rows(planar: dict[str, Recording], hung: dict[str, Recording]) -> list[Row]:
-    """Lock times beside the figures, as printed and with brakes hung in the frame."""
+    """Return the lock times compared with the figures, as in the thesis and with brakes hung in the frame."""
     late, early = lock_time(planar["both"], 1), lock_time(planar["both"], 2)
     assumed = f"planar; wheel-rail friction {FRICTION} and frame height {BOGIE_DATA.frame_height} m are not printed"
     fitted = f"not judged: the frame height, {BOGIE_DATA.frame_height} m, is fitted to it"
@@ -78,7 +78,7 @@ def printed_rows(planar: dict[str, Recording], hung: dict[str, Recording]) -> li
 
 
 def point_rows(point: dict[str, Recording]) -> list[Row]:
-    """What static loads make of it."""
+    """Return the lock times with static loads."""
     apart, alone = "both braked: difference of the two lock times", "leading braked alone: locks after, point level"
     later, source = later_by(lock_time(point["both"], 2), lock_time(point["both"], 1)), "static loads"
     early = "point: too early, because the load that moves forward is missing"
@@ -105,7 +105,7 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """Both wheelsets braked, in the thesis's reading."""
+    """Run with both wheelsets braked, in the thesis's interpretation."""
     vehicle, torque = two_axle_bogie(), [(0.0, 0.0), (BRAKE_TIME, 0.0), (BRAKE_TIME, TORQUE)]
     values = {"level": 2, "initial_speed": INITIAL_SPEED, "friction_1": FRICTION, "friction_2": FRICTION}
     kernel = prepare("bogie", **values, torque_reaction=AS_PRINTED["torque_reaction"])
@@ -115,7 +115,7 @@ def motion() -> Motion:
 
 
 def message(both: Recording) -> str:
-    """Which wheelset locks first where both are braked, and by how much."""
+    """Return the title: the wheelset that locks first if both are braked, and by how much."""
     leading, trailing = (both.first_time(both[f"locked_{number}"] > 0.5) for number in (1, 2))
     if leading is None or trailing is None:
         return "Braked alike, the two wheelsets do not both lock"
@@ -155,7 +155,9 @@ def one_stop(
     initial_speed: float = INITIAL_SPEED,
     torque_reaction: float = BOGIE_DATA.torque_reaction,
 ) -> dict[str, float | None]:
-    """One stop at the planar level, braked from t = 0; no lock time for a wheelset that turns until rest."""
+    """Return the results of one stop at the planar level, braked from t = 0; no lock time for a wheelset that turns
+    until rest.
+    """
     values = {"frame_height": frame_height, "torque_reaction": torque_reaction}
     kernel = prepare("bogie", level=2, initial_speed=initial_speed, **values)
     kernel.set(friction_1=friction, friction_2=friction, brake_torque_1=brake_torque_1, brake_torque_2=brake_torque_2)
@@ -166,7 +168,7 @@ def one_stop(
             raise ValueError(f"The bogie still moves at {kernel['speed']:.3g} m/s after {LONGEST_STOP:g} s.")
         table = kernel.record(1.0, 0.01, ("speed",))
         rows += zip(table["time"], table["speed"], strict=True)
-    kernel.advance(1.0)  # the rest of the way, below AT_REST
+    kernel.advance(1.0)  # the rest of the distance, below AT_REST
     series = Recording({"time": "s", "speed": "m/s"}, rows)
     locks = {f"lock_time_{number}": located_lock_time(kernel, series, number) for number in (1, 2)}
     return {**locks, "stop_distance": kernel["distance"]}

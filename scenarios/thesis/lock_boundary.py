@@ -19,19 +19,19 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
-#: Many short runs: the torque of 0.8 s build-up needs no finer macro step [s].
+#: Communication step of many short runs: the torque of 0.8 s build-up needs no finer one [s].
 DEFAULT_STEP = 0.01
 LONGEST = 12.0
 FRICTIONS = np.linspace(0.12, 0.24, 13)
 SHOE_FRICTION_SPAN = (0.05, 0.9)
 RESOLUTION = 5e-4
-#: Share of the brake torque that reacts on the frame: as brakes hang, and as the thesis has it (3.36).
+#: Share of the brake torque that reacts on the frame: with brakes hung in it, and in the thesis (3.36).
 HUNG, ALONE = tables_8_1_and_8_2().torque_reaction, AS_PRINTED["torque_reaction"]
-#: Skidding trials among the four of each pressure (sections 7.2 - 7.4).
+#: Number of skidding trials of the four of each pressure (sections 7.2 - 7.4).
 SKIDDED = {130: 0, 150: 2, 180: 4}
 #: Load of each wheel of the braked wheelset [N], section 7.4.2.
 PRINTED_WHEEL_LOAD = 8850.0
-#: Of rigid statics.
+#: Tolerance of rigid statics.
 BAND = 1e-3
 
 
@@ -44,7 +44,25 @@ def brake_until_lock_or_rest(
     step: float,
     reaction: float = HUNG,
 ) -> tuple[bool, float]:
-    """Whether the trailing wheelset locks while the bogie still moves, and after how long [s]; braked from t = 0."""
+    """Return whether the trailing wheelset locks while the bogie still moves, and the time until lock or rest.
+
+    Parameters
+    ----------
+    brake, bogie : FmuInstance
+    pressure : int
+        Cylinder pressure [kPa].
+    shoe_friction, friction : float
+        Friction of the shoes, and of wheel and rail [1].
+    step : float
+        Communication step [s].
+    reaction : float
+        Share of the brake torque that reacts on the frame [1].
+
+    Returns
+    -------
+    tuple of bool and float
+        True if it locks; time from the application of the brake at t = 0 [s].
+    """
     brake.restart(qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}, pressure_demand=1e3 * pressure)
     parameters = bogie_parameters(set(bogie.units), pressure) | {"torque_reaction": reaction}
     bogie.restart(parameters, friction_1=friction, friction_2=friction)
@@ -59,7 +77,9 @@ def brake_until_lock_or_rest(
 def boundary(
     brake: FmuInstance, bogie: FmuInstance, pressure: int, friction: float, step: float, reaction: float = HUNG
 ) -> tuple[float, float]:
-    """Shoe friction at which the wheelset just locks, to RESOLUTION, and the time simulated to find it [s]."""
+    """Return the shoe friction at which the wheelset just locks, to RESOLUTION, and the simulated time of the search
+    [s].
+    """
     seconds = 0.0
 
     def sign(shoe_friction: float) -> float:
@@ -72,13 +92,13 @@ def boundary(
 
 
 def printed_range(pressure: int) -> tuple[float, float]:
-    """Lowest and highest shoe friction measured at a pressure [kPa]."""
+    """Return the lowest and the highest shoe friction measured at a pressure [kPa]."""
     case = EXPERIMENT[pressure]
     return case.lowest_shoe_friction, case.highest_shoe_friction
 
 
 def locked_share(curve: np.ndarray, shoe_range: tuple[float, float]) -> float:
-    """Share of the rectangle of printed ranges (shoe friction x wheel-rail friction) that locks."""
+    """Return the share of the rectangle of published ranges (shoe friction x wheel-rail friction) that locks."""
     low, high = shoe_range
     grid = np.linspace(*FRICTION_RANGE, 201)
     above = (high - np.clip(np.interp(grid, FRICTIONS, curve), low, high)) / (high - low)
@@ -95,7 +115,7 @@ def run(options: Options) -> Report:
             limits = [limit for limit, _ in found[number * FRICTIONS.size : (number + 1) * FRICTIONS.size]]
             curves[pressure] = np.array(limits)
         alone = {pressure: boundary(brake, bogie, pressure, FRICTION, step, ALONE)[0] for pressure in EXPERIMENT}
-        # A skid well above the limit, for the adhesion that eq. (7.3) measures.
+        # A skid well above the limit, for the adhesion measured by eq. (7.3).
         adhesion = {}
         for reaction in (ALONE, HUNG):
             brake_until_lock_or_rest(brake, bogie, 180, 0.4, FRICTION, step, reaction)

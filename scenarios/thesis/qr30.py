@@ -1,7 +1,7 @@
 """The experiment: the QR30 bogie braked on its trailing wheelset, chapters 6-8, at 130, 150 and 180 kPa.
 
-The brake cylinder FMU drives it with the published values, and the brake reacts on the frame, as in the experiment.
-The measured torque histories are not published. A row that depends on them says so, and is shown without pass or fail.
+The brake cylinder FMU drives it with the published values, and the brake reacts on the frame, as in the experiment. The
+torque histories of the trials are not published. A row that depends on them is marked and has no verdict.
 """
 
 from collections.abc import Mapping
@@ -31,11 +31,12 @@ from scenarios.scenario import Options, Scenario
 #: Time of brake application [s]. Assumed: the thesis's figures begin about a second before.
 BRAKE_TIME = 1.0
 DURATION = 8.0
-#: Torque capacity [N.m] that locks the wheelset near the printed 1.8 m/s. Fitted, because the history is not printed.
+#: Torque capacity [N.m] that locks the wheelset near the reported 1.8 m/s. Fitted, because the history is not
+#: published.
 FITTED_TORQUE = 1800.0
-#: Of a closed form without slip.
+#: Tolerance of a closed form without slip.
 COAST_BAND = 1e-3
-#: Of what a report shows in three dimensions [s].
+#: Recording interval of the three-dimensional view of a report [s].
 INTERVAL = 0.01
 
 OF_BRAKE = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
@@ -43,9 +44,9 @@ OF_BRAKE = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
 @dataclass(frozen=True)
 class Run:
-    """One braking: what was recorded, and when and how fast the trailing wheelset locked (None: it did not).
+    """One braking: the recording, and time and speed at which the trailing wheelset locked (None: it did not).
 
-    `deceleration` [m/s2] is the mean from full application until lock or rest (None: there was no such time).
+    `deceleration` [m/s2] is the mean from full application until lock or rest (None: such an interval does not exist).
     """
 
     series: Recording
@@ -69,7 +70,7 @@ def _judge(series: Recording, guids: Mapping[str, str], applied: float) -> Run:
 
 
 def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, friction: float = FRICTION) -> Run:
-    """Pressure demand [kPa] at BRAKE_TIME -> BrakeCylinder -> BogieDynamics, and the wheel speed back."""
+    """Couple pressure demand [kPa] at BRAKE_TIME -> BrakeCylinder -> BogieDynamics, and the wheel speed back."""
     brake_values = qr30(pressure).values() | {"constant_shoe_friction": shoe_friction}
     with open_brake(options, **brake_values) as brake, open_bogie(options) as bogie:
         bogie.restart(bogie_parameters(set(bogie.units), pressure), friction_1=friction, friction_2=friction)
@@ -99,7 +100,7 @@ def brake_by_pressure(options: Options, pressure: int, shoe_friction: float, fri
 def brake_by_history(
     options: Options, pressure: int, times: np.ndarray, torques: np.ndarray, values: Mapping[str, float] | None = None
 ) -> Run:
-    """A torque history on the trailing wheelset instead of the brake cylinder; the run lasts as long as the history.
+    """Run with a torque history on the trailing wheelset instead of the brake cylinder, for the length of the history.
 
     values: parameters other than those of the experiment's bogie.
     """
@@ -120,7 +121,9 @@ def brake_by_history(
 
 
 def fitted_history() -> tuple[np.ndarray, np.ndarray]:
-    """Zero until BRAKE_TIME, then straight up to the fitted torque within the application time [s], [N.m]."""
+    """Return times [s] and torques [N.m]: zero until BRAKE_TIME, then linear up to the fitted torque at full
+    application.
+    """
     times = np.array([0.0, BRAKE_TIME, BRAKE_TIME + APPLICATION_TIME, DURATION])
     return times, np.array([0.0, 0.0, FITTED_TORQUE, FITTED_TORQUE])
 
@@ -154,7 +157,7 @@ def run(pressure: int, options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """With the fitted torque, at which the trailing wheelset locks."""
+    """Run with the fitted torque, at which the trailing wheelset locks."""
     vehicle = two_axle_bogie(tables_8_1_and_8_2())
     values = (
         bogie_parameters(set(units_of("bogie")), 180) | AS_PRINTED | {"friction_1": FRICTION, "friction_2": FRICTION}
@@ -175,14 +178,14 @@ def plain_words(pressure: int, shoe_friction: float, one: Run) -> str:
 
 
 def coasting_in_closed_form() -> float:
-    """Deceleration by rolling resistance alone [m/s2]."""
+    """Return the deceleration by rolling resistance alone [m/s2]."""
     p = tables_8_1_and_8_2()
     mass = p.frame_mass + 2 * (p.wheelset_mass + p.wheelset_pitch_inertia / p.wheel_radius**2)
     return 2 * p.rolling_resistance_torque / p.wheel_radius / mass
 
 
 def chain_rows(pressure: int, one: Run) -> list[Row]:
-    """Pressure -> rod force -> torque: what the printed values fix."""
+    """Return the rows of pressure -> rod force -> torque, which the published values determine."""
     specified = {130: 5.33, 150: 6.15, 180: 7.38}[pressure]
     lost = {130: 18, 150: 19, 180: 15}[pressure]
     case = {130: "7.2.1", 150: "7.3.1", 180: "7.4.1"}[pressure]
@@ -210,7 +213,7 @@ def chain_rows(pressure: int, one: Run) -> list[Row]:
 
 
 def lock_rows(pressure: int, printed: Mapping[float, Run]) -> list[Row]:
-    """Deceleration and lock, which hang on the torque history that is not printed."""
+    """Return deceleration and lock, which depend on the unpublished torque history."""
     trials = {
         130: "none of 4 trials skidded",
         150: "2 of 4 trials skidded; the thesis's simulation did not",
@@ -224,7 +227,7 @@ def lock_rows(pressure: int, printed: Mapping[float, Run]) -> list[Row]:
     mus = list(printed)
     spread = f"{number(printed[mus[0]].deceleration)} to {number(printed[mus[-1]].deceleration)}"
     average = printed[mus[1]]
-    # Undecided where one end of the printed range of shoe friction locks and the other rolls.
+    # Undecided if one end of the published range of shoe friction locks and the other rolls.
     judged = len({one.lock_speed is None for one in printed.values()}) == 1
     ends = f"shoe friction {mus[0]} rolls and {mus[-1]} locks, both printed"
     why = "" if judged else f"not judged: {ends}; see the last rows; "
@@ -240,7 +243,9 @@ def lock_rows(pressure: int, printed: Mapping[float, Run]) -> list[Row]:
 
 
 def fitted_rows(one: Run, hung: Run) -> list[Row]:
-    """The thesis's simulation, whose torque acts on the wheelset alone (3.36), and the same with the brake hung."""
+    """Return the rows of the thesis's simulation, whose torque acts on the wheelset alone (3.36), and with the brake
+    hung.
+    """
     brake = qr30(180)
     force = 180e3 * brake.force_per_pressure * brake.wheelset_share * brake.rigging_efficiency
     needed = FITTED_TORQUE / (force * brake.wheel_radius)
@@ -276,7 +281,7 @@ def run_history(pressure: int, options: Options) -> Report:
 
 
 def message(pressure: int, runs: Mapping[str, Run]) -> str:
-    """Whether the trailing wheelset locks, and of several torques under which."""
+    """Return the title: whether the trailing wheelset locks, and with several torques, the torque at which it locks."""
     locking = {label.partition(",")[0]: one.lock_speed for label, one in runs.items() if one.lock_speed is not None}
     if not locking:
         return f"At {pressure} kPa the trailing wheelset rolls until the bogie stands"

@@ -40,9 +40,9 @@ SPACINGS = np.linspace(0.55, 0.85, 7)
 
 @dataclass(frozen=True)
 class Panel:
-    """One picture: what is varied over which values, what is answered, the thesis's answer, and the value used.
+    """One plot: the varied parameter and its values, the result, the thesis's result, and the value used.
 
-    on_patches: the same at contact model 2, where both are shown.
+    on_patches: the same at contact model 2, if both are shown.
     """
 
     title: str
@@ -56,18 +56,18 @@ class Panel:
 
     @property
     def lines(self) -> dict[str, Callable[[float], float]]:
-        """What is answered, by what stands behind the title in the table."""
+        """Return the results by their suffix to the title in the table."""
         return {"": self.answer} | ({} if self.on_patches is None else {", contact model 2": self.on_patches})
 
 
 def critical_over_spacing(half_spacing: float) -> float:
-    """Critical speed of the wheelset of chapter 4 [m/s]."""
+    """Return the critical speed of the wheelset of chapter 4 [m/s]."""
     system = wheelset_in_frame()
     return critical_speed(lambda speed: growth_by_eigenvalue(system, speed, half_spacing), *RANGE)
 
 
 def lateral_peak(**values: float) -> float:
-    """Largest shift of the leading wheelset over the lateral wave at 15 m/s [mm]."""
+    """Return the largest shift of the leading wheelset over the lateral wave at 15 m/s [mm]."""
     read = ("lateral_1",)
     scene = {"initial_speed": 15.0, "constant_speed": 1, "lateral_irregularity": 0.025, "tolerance": TOLERANCE}
     kernel = bogie((), read, **AS_PRINTED | scene | values)
@@ -75,7 +75,7 @@ def lateral_peak(**values: float) -> float:
 
 
 def derailment_speed(**values: float) -> float:
-    """Speed at derailment, 75 % error on the leading wheelset, brake applied in 1 s [m/s]; 0: it stops on the rails."""
+    """Return the derailment speed, 75 % error on the leading wheelset, brake applied in 1 s [m/s]; 0: no derailment."""
     inputs = asymmetric(75)
     reading = {"yaw_torque_rotates": 1, "wheel_lift_ends": 0, "tolerance": TOLERANCE}
     kernel = bogie(inputs, ("speed", "derailed"), **AS_PRINTED | reading | values)
@@ -84,13 +84,13 @@ def derailment_speed(**values: float) -> float:
 
 
 def wheel_load(**values: float) -> float:
-    """Largest load of the leading wheels over the plateau of cross level at 25 m/s [kN]."""
+    """Return the largest load of the leading wheels over the plateau of cross level at 25 m/s [kN]."""
     return largest_wheel_load(travel(CROSS_LEVEL, 25.0, tolerance=TOLERANCE, **values)[1])
 
 
 @lru_cache
 def stop_on_patches(damping: float) -> tuple[float, float]:
-    """At contact model 2 speed at derailment [m/s], as `derailment_speed`, and largest load of all wheels [kN]."""
+    """Return speed at derailment [m/s], as `derailment_speed`, and largest wheel load [kN] at contact model 2."""
     case = Case(1, 75, 1.0, ON_PATCHES[AS_THESIS])
     kernel, series = brake(case, 20.0, contact_damping=damping, tolerance=TOLERANCE)
     load = max(float(series[name].max()) for name in LOADS)
@@ -98,16 +98,19 @@ def stop_on_patches(damping: float) -> tuple[float, float]:
 
 
 def spaced(half_spacing: float) -> dict[str, float]:
-    """All springs at one half spacing [m]."""
+    """Return parameters that place all springs at one half spacing [m]."""
     return {"longitudinal_half_spacing": half_spacing, "vertical_half_spacing": half_spacing}
 
 
-#: What brings the wheel load over cross level near the printed one; chapter 9 wants less for its springs against yaw.
+#: Parameter that moves the wheel load over cross level towards the reported one; chapter 9 needs less for its yaw
+#: springs.
 HIGH = {"frame_height": 1.2}
 
 
 def panels() -> list[Panel]:
-    """All pictures: chapter 4, the wave of section 5.3.1, the derailments of chapter 9, and what raises wheel loads."""
+    """Return all plots: chapter 4, the wave of section 5.3.1, the derailments of chapter 9, and parameters that raise
+    wheel loads.
+    """
     wheelset, spacings = tables_4_1_and_4_2(), np.linspace(0.30, 0.60, 7)
     used = wheelset.longitudinal_half_spacing
     return [
@@ -120,12 +123,12 @@ def panels() -> list[Panel]:
 
 
 def over(answer: Callable[..., float], name: str) -> Callable[[float], float]:
-    """An answer as a function of one parameter."""
+    """Return a result as a function of one parameter."""
     return lambda value: answer(**{name: value})
 
 
 def peak_panels() -> list[Panel]:
-    """Lateral peak over the wave of section 5.3.1."""
+    """Return the plots of the lateral peak over the wave of section 5.3.1."""
     used, answer = tables_5_1_and_5_2(), ("mm", LATERAL_PEAK[0])
     spacings, stiffnesses, blends = SPACINGS, 10.0 ** np.linspace(6.5, 9.0, 6), np.array([0.2, 0.5, 1.0, 2.0, 4.0])
     return [
@@ -149,7 +152,7 @@ def peak_panels() -> list[Panel]:
 
 
 def derailment_panels() -> list[Panel]:
-    """Speed at the derailment of chapter 9."""
+    """Return the plots of the speed at the derailment of chapter 9."""
     used, answer = tables_5_1_and_5_2(), ("m/s", DERAILED_AT[1.0])
     return [
         Panel(
@@ -166,7 +169,9 @@ def derailment_panels() -> list[Panel]:
 
 
 def high_panels() -> list[Panel]:
-    """What brings the wheel load of section 5.3.3 near the printed one, and what that does to chapter 9."""
+    """Return plots of parameters that move the wheel load of section 5.3.3 towards the reported one, with effects on
+    chapter 9.
+    """
     used, wide = tables_5_1_and_5_2(), np.linspace(0.6, 1.0, 5)
     load = ("kN", WHEEL_LOAD[25.0][0])
     return [
@@ -194,7 +199,7 @@ def high_panels() -> list[Panel]:
 
 
 def patch_panels() -> list[Panel]:
-    """What the damping of an elastic contact decides, which is assumed; the printed model has none to compare."""
+    """Return the effect of the damping of an elastic contact, which is assumed; the thesis's model has no damping."""
     used = tables_5_1_and_5_2().contact_damping
     over = "contact damping [s/m]", used * np.array([0.5, 1.0, 2.0])
     return [
@@ -243,7 +248,7 @@ def run(options: Options) -> Report:
 
 
 def table(answers: dict[str, list[float]]) -> list[list[float]]:
-    """Rows (panel counted from 1, a half more at contact model 2 beside it; value, answer)."""
+    """Return rows (panel counted from 1, plus a half for its results at contact model 2; value, result)."""
     return [
         [number + line / 2, value, answer]
         for number, panel in enumerate(panels(), 1)

@@ -26,22 +26,23 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import Options, Scenario
 
-#: Steps of the explicit method [s], and the one that is looked at more closely.
+#: Steps of the explicit method [s], and the one that is examined in detail.
 STEPS = (3e-4, 5e-4, 7e-4, 8e-4, 9e-4, 1e-3, 1.1e-3, 1.2e-3)
 CLOSER = 1e-3
-#: Speed at which stops are cut [m/s]: the limit falls with the speed, and there every step exceeds it three times and
-#: more. How far one stop goes on below it, to show what comes then.
+#: Speed at which stops are cut [m/s]: the limit falls with the speed, and below it every step exceeds the limit more
+#: than three times. Speed to which one stop continues [m/s], to show the effect.
 CUT, BELOW = 3.0, 1.0
-#: Longest time that a stop with brakes applied in 1 s takes down to either [s], and length of a hunting wheelset's run.
+#: Longest duration of a stop, with brakes applied in 1 s, down to either speed [s], and length of a hunting wheelset's
+#: run.
 STOP, HUNT = 18.0, 20.0
-#: Distance of the frequencies of a spectrum [Hz]: a peak is not known better.
+#: Frequency resolution of a spectrum [Hz].
 GRID = 1.0 / (PADDING * irregularities.DURATION)
-#: A number counts as unchanged when it moves by less than this share.
+#: Relative change below which a number is unchanged.
 UNCHANGED = 0.01
 
 
 def thesis_reading() -> dict[str, float]:
-    """What the thesis does where this model's defaults may do otherwise: parameters of both kernels.
+    """Return the parameters of the thesis's interpretation that differ from defaults, for both kernels.
 
     Torques act on the wheelsets alone, as in eq. 3.36, about an axis that turns with them; no wheel lifts.
     """
@@ -49,14 +50,14 @@ def thesis_reading() -> dict[str, float]:
 
 
 def method(step: float | None) -> dict[str, float]:
-    """Parameters of the explicit method with a fixed step [s]; None: the default method, which is accurate."""
+    """Return parameters of the explicit method with a fixed step [s]; None: the default method, which is accurate."""
     chosen = {} if step is None else {"integration_method": RUNGE_KUTTA, "integration_step": step}
     return thesis_reading() | chosen
 
 
 @dataclass(frozen=True)
 class Printed:
-    """A number of the thesis, VAMPIRE's beside it where that is printed, and what another wheel may do to it."""
+    """A number of the thesis, with VAMPIRE's if it is reported, and the possible effect of another wheel profile."""
 
     quantity: str
     unit: str
@@ -68,7 +69,7 @@ class Printed:
 
 @dataclass(frozen=True)
 class Found:
-    """What one run came to: its numbers, whether the log says that the step exceeds the limit, and its length [s]."""
+    """Results of one run: its numbers, whether the log reports a step above the limit, and the simulated time [s]."""
 
     values: tuple[float, ...]
     warned: bool
@@ -77,7 +78,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Run:
-    """One scene: what it drives, at which speed it starts [m/s], what is printed about it, and how it is measured."""
+    """One case: its input, its initial speed [m/s], the reported numbers, and the function that measures them."""
 
     fmu: str
     speed: float
@@ -90,7 +91,7 @@ class Run:
         return Found(values, warned, kernel.time)
 
     def limit(self) -> float:
-        """Largest stable step of the explicit method at the speed of the start [s]."""
+        """Return the largest stable step of the explicit method at the initial speed [s]."""
         wheelsets, values = 2 if self.fmu == "bogie" else 1, in_space(self.fmu) | thesis_reading()
         return limit(Machine(self.fmu, self.fmu, tuple(values.items()), wheelsets), self.speed)
 
@@ -99,7 +100,7 @@ class Run:
 
 
 def hunting(speed: float, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
-    """Wavelength [m] at 15 m/s, frequency [Hz] at 25 m/s, as they are printed."""
+    """Return the wavelength [m] at 15 m/s, or the frequency [Hz] at 25 m/s, as in the thesis."""
     kernel, series = hunting_wheelset.hunt(speed, HUNT, **values)
     period = hunting_wheelset.hunting_period(series)
     assert period is not None  # the wave of the track sets it hunting
@@ -107,7 +108,7 @@ def hunting(speed: float, values: Mapping[str, float]) -> tuple[Kernel, tuple[fl
 
 
 def lateral(speed: float, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
-    """Spectral peak of the hunting [Hz] and, at 15 m/s, the largest shift of the leading wheelset [mm]."""
+    """Return the spectral peak of the hunting [Hz] and, at 15 m/s, the largest shift of the leading wheelset [mm]."""
     kernel, series = irregularities.travel(LATERAL, speed, **values)
     shift = 1e3 * float(np.abs(series["lateral_1"]).max())
     frequency = irregularities.kinematic_peak(series)
@@ -115,31 +116,31 @@ def lateral(speed: float, values: Mapping[str, float]) -> tuple[Kernel, tuple[fl
 
 
 def cross_level(speed: float, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
-    """Largest wheel load of the leading wheelset [kN]."""
+    """Return the largest wheel load of the leading wheelset [kN]."""
     kernel, series = irregularities.travel(CROSS_LEVEL, speed, **values)
     return kernel, (irregularities.largest_wheel_load(series),)
 
 
 def shift_between(series: Recording, fastest: float, slowest: float) -> tuple[float, ...]:
-    """Largest shift of both wheelsets [mm] between two speeds [m/s]."""
+    """Return the largest shift of both wheelsets [mm] between two speeds [m/s]."""
     chosen = (series["speed"] <= fastest) & (series["speed"] >= slowest)
     return tuple(1e3 * float(np.abs(series[f"lateral_{n}"][chosen]).max()) for n in (1, 2))
 
 
 def seconds_down_to(case: Case, speed: float) -> float:
-    """Time at which the accurate stop has come down to a speed [s]."""
+    """Return the time at which the accurate stop has slowed to a speed [s]."""
     _, series = asymmetric_shoes.brake(case, STOP, **method(None))
     return float(series["time"][series["speed"] > speed][-1])
 
 
 def shoes(case: Case, values: Mapping[str, float]) -> tuple[Kernel, tuple[float, ...]]:
-    """Largest shift of both wheelsets [mm] down to the speed of the cut."""
+    """Return the largest shift of both wheelsets [mm] down to the speed of the cut."""
     kernel, series = asymmetric_shoes.brake(case, seconds_down_to(case, CUT), **values)
     return kernel, shift_between(series, np.inf, CUT)
 
 
 def below_the_cut(case: Case, step: float | None) -> float:
-    """Largest shift of the leading wheelset [mm] from the speed of the cut on."""
+    """Return the largest shift of the leading wheelset [mm] below the speed of the cut."""
     _, series = asymmetric_shoes.brake(case, seconds_down_to(case, BELOW), **method(step))
     return shift_between(series, CUT, BELOW)[0]
 
@@ -175,7 +176,7 @@ def of_cross_level(speed: float) -> Run:
     return Run("bogie", speed, (printed,), partial(cross_level, speed))
 
 
-#: By braked wheelset and error of the shoe forces [%].
+#: Cases by braked wheelset and error of the shoe forces [%].
 SHOES = {(wheelset, error): of_shoes(wheelset, error) for wheelset, error in product((1, 2), (25, 50))}
 RUNS = (
     of_hunting(15.0, "wavelength", "m", hunting_wheelset.WAVELENGTH, hunting_wheelset.WAVELENGTH_BAND),
@@ -186,14 +187,14 @@ RUNS = (
     *SHOES.values(),
 )
 
-#: By run and step, None for the accurate solution.
+#: Results by run and step, None for the accurate solution.
 Study = dict[tuple[Run, float | None], Found]
 
 
 def study() -> Study:
-    """All runs with all steps; they share the compiled libraries and run beside each other."""
+    """Return all runs with all steps; they share the compiled libraries and run in parallel."""
     for name in ("bogie", "wheelset"):
-        library(name, **in_space(name))  # compiled once, before the threads ask for them
+        library(name, **in_space(name))  # compiled once, before the threads load them
     asked = list(product(RUNS, (None, *STEPS)))
     with ThreadPoolExecutor() as pool:
         found = pool.map(lambda one: one[0].found(one[1]), asked)
@@ -209,7 +210,7 @@ def words_of(step: float | None) -> str:
 
 
 def numbers() -> list[tuple[Run, int, Printed]]:
-    """Every printed number with its run and its place there."""
+    """Return every reported number with its run and its place there."""
     return [(run, place, printed) for run in RUNS for place, printed in enumerate(run.printed)]
 
 
@@ -245,7 +246,7 @@ def limit_rows() -> list[Row]:
 
 
 def rows_below() -> list[Row]:
-    """What becomes of the first case of chapter 9 behind the cut."""
+    """Return the first case of chapter 9 below the cut."""
     case, words = Case(1, 25, 1.0, AS_THESIS), "shoes of the leading wheelset, 25 %: its shift"
     span = f"from {CUT:g} to {BELOW:g} m/s"
     return [
@@ -255,7 +256,7 @@ def rows_below() -> list[Row]:
 
 
 def verdicts(found: Study) -> dict[str, list[str]]:
-    """The printed numbers by what the closer step does to their distance from the thesis."""
+    """Return the reported numbers by the effect of the closer step on their distance from the thesis."""
     names: dict[str, list[str]] = {"nearer to the thesis": [], "farther from it": [], "unchanged": []}
     for run, place, printed in numbers():
         accurate, other = (found[run, step].values[place] for step in (None, CLOSER))
@@ -306,7 +307,7 @@ def run(options: Options) -> Report:
 
 
 def table(found: Study) -> Recording:
-    """Every value by number, counted from 1, and step; step 0 stands for the accurate solution."""
+    """Return every value by number, counted from 1, and step; step 0: the accurate solution."""
     lines = [
         [count, step or 0.0, found[run, step].values[place], printed.thesis]
         for count, (run, place, printed) in enumerate(numbers(), 1)

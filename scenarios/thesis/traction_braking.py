@@ -20,13 +20,13 @@ FULL_TORQUE = 15e3
 RAMP = 5.0
 COAST = 5.0
 INITIAL_SPEED, HIGH_SPEED, LOW_SPEED = 0.01, 20.0, 10.0
-#: Share of the load transfer that the rest of the rocking may hide.
+#: Share of the load transfer that residual rocking may hide.
 MOMENT_BAND = 5e-3
 
 
 @dataclass
 class TorqueSequence:
-    """Fig. 5.24: traction to 20 m/s, 5 s of rolling, braking to 10 m/s, rolling; the speed decides when to go on."""
+    """Fig. 5.24: traction to 20 m/s, 5 s of rolling, braking to 10 m/s, rolling; the speed triggers each change."""
 
     bogie: FmuInstance
     switches: list[float] = field(default_factory=list)
@@ -49,17 +49,17 @@ class TorqueSequence:
 
 
 def expected_acceleration(p: BogieParameters, torque: float) -> float:
-    """2 T/r / (M + 2 J/r^2): both wheelsets driven or braked with `torque` [N.m], rolling [m/s2]."""
+    """Return 2 T/r / (M + 2 J/r^2) [m/s2]: both wheelsets driven or braked with `torque` [N.m], rolling."""
     mass = p.frame_mass + 2 * p.wheelset_mass
     return 2 * torque / p.wheel_radius / (mass + 2 * p.wheelset_pitch_inertia / p.wheel_radius**2)
 
 
 def load_transfer(p: BogieParameters, deceleration: float, pitch: float) -> float:
-    """Load [N] that moves to the leading wheelset so that all moments about the rail balance, whatever reacts inside.
+    """Return the load [N] on the leading wheelset that balances all moments about the rail, for any internal reaction.
 
-    Sprung mass and wheelsets push forward at their heights, the wheels turn more and more slowly, and the sprung mass
-    stands ahead of its wheelsets: by its pitch [rad], and as far as its springs give way to its push and, as they pitch
-    with it, to its weight.
+    Inertia forces of sprung mass and wheelsets act at their heights, and the wheels decelerate. The sprung mass is
+    displaced ahead of its wheelsets by its pitch [rad]. Its springs add the deflection due to its inertia force and, as
+    they pitch with it, due to its weight.
     """
     push = p.frame_mass * (p.wheel_radius + p.frame_height) + 2 * p.wheelset_mass * p.wheel_radius
     push += 2 * p.wheelset_pitch_inertia / p.wheel_radius
@@ -69,7 +69,7 @@ def load_transfer(p: BogieParameters, deceleration: float, pitch: float) -> floa
 
 
 def mean_where(values: np.ndarray, where: np.ndarray) -> float | None:
-    """Mean of the chosen values; None when none is chosen."""
+    """Return the mean of the chosen values; None if none is chosen."""
     return float(np.mean(values[where])) if where.any() else None
 
 
@@ -86,7 +86,7 @@ RECORDED = (
 
 
 def drive(options: Options, level: int, reaction: float) -> tuple[Recording, TorqueSequence, dict[str, str]]:
-    """The sequence, with torque in the recording; reaction: the share of it that reacts on the frame."""
+    """Run the sequence, with torque in the recording; reaction: the share of it that reacts on the frame."""
     with open_bogie(options, level=level, initial_speed=INITIAL_SPEED, torque_reaction=reaction) as bogie:
         bogie.start()
         sequence = TorqueSequence(bogie)
@@ -100,14 +100,14 @@ def drive(options: Options, level: int, reaction: float) -> tuple[Recording, Tor
 
 
 def settled_braking(series: Recording) -> np.ndarray:
-    """Where the brake has been full for 2 s."""
+    """Return the mask of the instants at which the brake has been full for 2 s."""
     full = series["torque"] <= -FULL_TORQUE
     begin = series.first_time(full)
     return full & (series["time"] > (DURATION if begin is None else begin + 2.0))
 
 
 def load_row(words: str, series: Recording, judged: bool) -> Row:
-    """Load that moves forward while the bogie is braked, beside what the rails ask for."""
+    """Return the load that moves forward during braking, against the balance of moments."""
     braking = settled_braking(series)
     first, second, pitch, acceleration = (
         mean_where(series[name], braking) for name in ("axle_load_1", "axle_load_2", "pitch", "acceleration")
@@ -130,7 +130,7 @@ def run(options: Options) -> Report:
     choice = recommend_level(("traction_torque_1", "brake_torque_1"), RECORDED)
     series, sequence, guids = drive(options, choice.level, parameters.torque_reaction)
     hung, *_ = drive(options, choice.level, tables_5_1_and_5_2().torque_reaction)
-    # Times of 20 m/s reached, brake applied, 10 m/s reached; None for what did not happen.
+    # Times of 20 m/s reached, brake applied, 10 m/s reached; None if the event is missing.
     switches = [sequence.switches[i] if i < len(sequence.switches) else None for i in range(3)]
     time, torque = series["time"], series["torque"]
     pulling = (time > 10.0) & (torque >= FULL_TORQUE)
@@ -165,7 +165,7 @@ def draw(series: Recording, switches: list[float | None], pulled: float | None) 
     axes[2].plot(time, series["acceleration"], color=BOGIE, linewidth=0.8)
     axes[2].axhline(1.109, color=THESIS, linestyle="--", linewidth=1.0, label="thesis, 1.109 m/s2")
     axes[2].axhline(-1.109, color=THESIS, linestyle="--", linewidth=1.0)
-    axes[2].set_ylim(-2.2, 2.2)  # the axles jerk for milliseconds when a torque vanishes at once; see timeseries.csv
+    axes[2].set_ylim(-2.2, 2.2)  # the axles jerk for milliseconds if a torque vanishes at once; see timeseries.csv
     axes[2].legend(loc="upper right")
     for axis in axes:
         for moment in switches:

@@ -21,14 +21,14 @@ from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import Options, Scenario
 
 SPEEDS = (15.0, 25.0, 30.0)
-#: A start from which the growth is seen before the flange ends it.
+#: Small disturbance [m], whose growth is visible before the flange ends it.
 SMALL = {"lateral_irregularity": 1e-5}
 #: Long enough for the limit cycle; the figures show the first part.
 DURATION, SHOWN = 120.0, 20.0
 
 
 def largest(series: Recording, begin: float, end: float) -> float:
-    """Largest lateral shift in a window of time [m]."""
+    """Return the largest lateral shift in a window of time [m]."""
     chosen = (series["time"] >= begin) & (series["time"] <= end)
     return float(np.abs(series["lateral_1"][chosen]).max())
 
@@ -59,14 +59,14 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """Into the limit cycle, as far as the figures show it."""
+    """Run into the limit cycle, as far as the figures of the thesis."""
     vehicle = wheelset_under_frame()
     series = hunt(SPEEDS[-1], SHOWN, motion_columns(vehicle))[1]
     return Motion(f"Behind the disturbance, at {SPEEDS[-1]:g} m/s", vehicle, series, irregular(**WAVE))
 
 
 def growth(series: Recording) -> float:
-    """Ratio of the largest shifts of two windows 10 s apart, behind the disturbance."""
+    """Return the ratio of the largest shifts of two windows 10 s apart, after the disturbance."""
     return largest(series, 25.0, 30.0) / largest(series, 15.0, 20.0)
 
 

@@ -16,11 +16,11 @@ from scenarios.scenario import Options, Scenario
 
 TORQUE, APPLIED, SPEED = 25e3, 2.0, 25.0
 FRICTIONS = (0.3, 0.1)
-#: The text that says 'about 1 sec' also speaks of half a second: nearer to 1 s than to that [s].
+#: Limits of 'about 1 sec' [s]. The text also mentions half a second: values closer to 1 s than to 0.5 s pass.
 ABOUT_A_SECOND = between(0.75, 1.25)
-#: The disturbance is not printed.
+#: The thesis does not report the disturbance.
 WAVE = {"lateral_irregularity": 4e-3, "lateral_wave_number": 0.2}
-#: Of the record: a lock is seen up to one interval late, and creep takes up to another to saturate.
+#: Recording interval: a lock is detected up to one interval late, and creep takes up to another to saturate [s].
 DURATION, INTERVAL = 6.0, 2e-3
 RECORDED = ("speed", "angular_velocity_1", "locked_1", "lateral_1", "yaw_1")
 
@@ -35,7 +35,7 @@ SATURATED = "J V/r over the brake torque less mu m g r, printed values"
 
 
 def lock_in_closed_form(friction: float) -> float:
-    """Time from brake to lock with creep that is saturated from the start [s]."""
+    """Return the time from brake to lock with creep that is saturated from the start [s]."""
     p = tables_4_1_and_4_2()
     rail = friction * (p.frame_mass + p.wheelset_mass) * p.gravity * p.wheel_radius
     return p.wheelset_pitch_inertia * SPEED / p.wheel_radius / (TORQUE - rail)
@@ -73,14 +73,14 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """At the larger friction."""
+    """Run at the larger friction."""
     vehicle, friction = wheelset_under_frame(), FRICTIONS[0]
     series = brake(friction, columns=motion_columns(vehicle))
     return Motion(f"Braked at friction {friction:g}", vehicle, series, irregular(**WAVE))
 
 
 def message(series: Recording) -> str:
-    """How soon the wheelset locks, and at which speed the frame runs then."""
+    """Return the title: the time to lock, and the speed of the frame then."""
     locked = series.first_time(series["locked_1"] > 0.5)
     if locked is None:
         return f"{1e-3 * TORQUE:g} kN.m do not lock the wheelset"
@@ -89,7 +89,7 @@ def message(series: Recording) -> str:
 
 
 def draw(runs: dict[float, Recording]) -> Figure:
-    """Speed of the frame, and of the wheels at their circumference."""
+    """Draw the speed of the frame, and of the wheels at their circumference."""
     figure, axis = single(message(runs[FRICTIONS[0]]), "time [s]", "speed [m/s]")
     radius = tables_4_1_and_4_2().wheel_radius
     for friction, line in zip(FRICTIONS, ("-", "--"), strict=True):

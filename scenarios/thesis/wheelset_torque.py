@@ -17,7 +17,7 @@ RECORDED = ("speed", "distance", "rotation_1", "angular_velocity_1", "accelerati
 
 
 def time_to_high_speed() -> float | None:
-    """Time from 10 to 25 m/s with constant torque [s]."""
+    """Return the time from 10 to 25 m/s with constant torque [s]."""
     kernel = prepare("wheelset", initial_speed=LOW, **AS_PRINTED)
     series = play("wheelset", kernel, 20.0, 1e-3, ["speed"], {"traction_torque_1": [(0.0, TORQUE)]})
     return series.first_time(series["speed"] >= HIGH)

@@ -18,16 +18,16 @@ from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt, titled
 from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
-#: Neither the torque nor the disturbance is printed. The smaller torque hardly moves the critical speed.
+#: The thesis reports neither the torque nor the disturbance. The smaller torque hardly changes the critical speed.
 TORQUES, APPLIED = (1e3, 5e3), 2.5
 WAVE = {"lateral_irregularity": 1e-4, "lateral_wave_number": 0.2}
 DURATION, INTERVAL = {1e3: 50.0, 5e3: 12.0}, 5e-3
 START = {"braking": 32.0, "traction": 20.0}
 INPUT = {"braking": "brake_torque_1", "traction": "traction_torque_1"}
 CRITICAL, SEARCHED = 27.0, (15.0, 40.0)
-#: From when on the torque's transient is over [s].
+#: Time after which the torque's transient has decayed [s].
 EVEN = 3.0
-#: Speeds around the turn that the envelope is fitted over [m/s].
+#: Speed range around the turn over which the envelope is fitted [m/s].
 AROUND = 2.5
 
 
@@ -38,9 +38,10 @@ def drive(kind: str, torque: float, columns: Sequence[str] = ("speed", "lateral_
 
 
 def critical_under(kind: str, torque: float) -> float:
-    """Critical speed while the torque acts and changes the speed, by eigenvalues at that instant [m/s].
+    """Return the critical speed while the torque acts and changes the speed, by eigenvalues at that instant [m/s].
 
-    Held by something else, the springs would carry more than what slows the frame: 0.1 m/s at 1 kN.m.
+    With constant speed, enforced by another force, the springs would carry more than the force that slows the frame:
+    0.1 m/s at 1 kN.m.
     """
     system = wheelset_in_frame()
 
@@ -56,10 +57,10 @@ def critical_under(kind: str, torque: float) -> float:
 
 
 def turning_speed(series: Recording, expected: float) -> float:
-    """Speed at which the envelope of the hunting is largest or smallest [m/s], near the expected one.
+    """Return the speed near the expected one at which the envelope of the hunting is largest or smallest [m/s].
 
-    The amplitude is half the difference of neighbouring extremes, which leaves slow swaying of the frame out; the
-    vertex of the parabola through its logarithm is where it turns.
+    The amplitude is half the difference of neighbouring extremes, which excludes slow swaying of the frame. The
+    envelope turns at the vertex of the parabola through the amplitude's logarithm.
     """
     lateral = series["lateral_1"]
     extremes = np.sort(np.concatenate([peaks(lateral), peaks(-lateral)]))
@@ -75,7 +76,7 @@ NOT_JUDGED = "not judged: hangs on the torque, which is not printed; the half sp
 
 
 def change_in_a_wave(series: Recording, speed: float) -> float:
-    """Change of the speed [m/s] while the wheelset hunts once at a speed: no turn is seen more finely."""
+    """Return the change of the speed [m/s] during one hunting wave at a speed: the resolution of the turning speed."""
     steps = np.diff(series["speed"])
     place = int(np.argmin(np.abs(series["speed"][1:] - speed)))
     acceleration = abs(float(steps[place])) / INTERVAL
@@ -107,7 +108,7 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """Under the larger traction, into hunting."""
+    """Run under the larger traction, into hunting."""
     vehicle, kind, torque = wheelset_under_frame(), "traction", TORQUES[1]
     series = drive(kind, torque, motion_columns(vehicle))
     return Motion(f"Pulled by {torque / 1e3:g} kN.m, into hunting", vehicle, series, irregular(**WAVE))
