@@ -108,7 +108,7 @@ SCENARIOS: list[Scenario] = [
     stability_atlas.SCENARIO,
     thesis_step.SCENARIO,
 ]
-#: Comparisons with other programs, which a checkout has and a wheel has not (hatch_build.py).
+#: Comparisons with other programs, which are in a checkout but not in a wheel (hatch_build.py).
 COMPARISONS = ("speed-accuracy", "throughput", "train-methods")
 if find_spec(f"{__package__}.comparisons"):
     from scenarios.comparisons import speed_accuracy, throughput, train_methods
@@ -117,7 +117,7 @@ if find_spec(f"{__package__}.comparisons"):
 
 
 def find(name: str) -> Scenario:
-    """The scenario of this name. Raises BadInputError."""
+    """Return the scenario of this name. Raises BadInputError."""
     by_name = {scenario.name: scenario for scenario in SCENARIOS}
     if name in by_name:
         return by_name[name]

@@ -7,7 +7,7 @@ from pathlib import Path
 import shtab
 
 SHELLS = shtab.SUPPORTED_SHELLS
-#: What pip makes of the entry point in pyproject.toml; no shell completes what stands behind `python -m`.
+#: Name of the entry point in pyproject.toml; shells cannot complete `python -m`.
 COMMAND = "bogie-braking"
 
 
@@ -17,9 +17,20 @@ def completion(
     names: Mapping[str, Sequence[str]],
     shell: str,
 ) -> str:
-    """A script for a shell: commands, their options, files, and the `names` of scenarios that a command takes.
+    """Return the completion script of a shell.
 
-    The parser serves for nothing else afterwards: it would list all names where it refuses one.
+    The parser is changed and must not be used afterwards: its error messages would list all names.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        The command line.
+    commands : mapping of str to argparse.ArgumentParser
+        Its commands, whose options and files are completed.
+    names : mapping of str to sequence of str
+        Scenarios that each command takes.
+    shell : str
+        Name of the shell.
     """
     parser.prog = COMMAND
     for command, subparser in commands.items():

@@ -1,4 +1,4 @@
-"""What a scenario is."""
+"""A scenario, its options, and its part in sweeps."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -11,7 +11,7 @@ from scenarios.reporting.report import Report
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line can choose; None: not chosen, the scenario takes its own."""
+    """Options of the command line; None: not chosen, the scenario uses its default."""
 
     kind: str | None = None
     step: float | None = None
@@ -29,24 +29,27 @@ class Options:
 
     @property
     def given(self) -> set[str]:
-        """Names of the options that were chosen."""
+        """Return the names of the options that were chosen."""
         return {item.name for item in fields(self) if getattr(self, item.name) is not None}
 
     def macro_step(self, default: float = 1e-3) -> float:
-        """Macro step of the co-simulation [s]."""
+        """Return the macro step of the co-simulation [s]."""
         return default if self.step is None else self.step
 
     def master(self) -> Master:
-        """Fixed macro steps with held inputs; with a tolerance, steps chosen by it and inputs that go on."""
+        """Return a master with fixed macro steps and zero-order hold; with a tolerance, one with error control and
+        extrapolation.
+        """
         return Master(extrapolated=self.coupling_tolerance is not None, coupling_tolerance=self.coupling_tolerance)
 
 
 @dataclass(frozen=True)
 class Sweepable:
-    """How a scenario takes part in sweeps: its parameters and results with their units, and one point of it.
+    """Interface of a scenario to sweeps: its parameters and results with their units, and one point of it.
 
-    run: takes parameters by name, those that are not varied keep its defaults, and returns every result; None for what
-    did not happen, such as a lock. It stands at the top level of its file, where worker processes find it.
+    run: takes parameters by name, with defaults for those that are not varied, and returns every result; None for an
+    event that did not occur, such as a lock. It must be defined at the top level of its file, where worker processes
+    find it.
     """
 
     parameters: Mapping[str, str]
@@ -56,9 +59,9 @@ class Sweepable:
 
 @dataclass(frozen=True)
 class Scenario:
-    """One experiment: a name, what it shows, a function that runs it, and the options that it follows.
+    """One experiment: a name, a summary, a function that runs it, and its options.
 
-    takes: names of these options. sweep: None where there is nothing to vary.
+    takes: names of these options. sweep: None if no parameter can be varied.
     """
 
     name: str

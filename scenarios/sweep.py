@@ -1,14 +1,14 @@
-"""Runs one scenario at every combination of the given parameters, into one table.
+"""Run one scenario at every combination of the given parameters, into one table.
 
   bogie-braking sweep levels --vary utilisation=0.5:1.3:9              nine evenly spaced values
   bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --vary level=1,2,3 --jobs 2
                                                                              27 points in two worker processes
-  bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --restart    forget the points of an earlier sweep
+  bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --restart    discard the points of an earlier sweep
   bogie-braking sweep levels --vary utilisation=0.5:1.3:9 --scheduler tcp://127.0.0.1:8786
                                                                              on a Dask cluster
 
 results/sweep-NAME/ has table.csv, table.parquet, summary.json, and journal.jsonl with each point that is done: after an
-interruption the same command goes on from there. Points that failed stay in the table with their reason. A second sweep
+interruption the same command continues from there. Points that failed stay in the table with their reason. A second sweep
 into the same folder is refused while the first one runs.
 """
 
@@ -33,7 +33,7 @@ from scenarios.scenario import BadInputError
 
 
 def add_command(commands: Any) -> None:
-    """Adds `sweep` to the commands of the command line."""
+    """Add `sweep` to the commands of the command line."""
     parser = commands.add_parser(
         "sweep",
         help="run one scenario over a grid of parameters",
@@ -57,7 +57,7 @@ def add_command(commands: Any) -> None:
 
 
 def sweepable_text() -> str:
-    """What can be varied, and what comes out."""
+    """Return the parameters and results of all sweepable scenarios."""
     lines = []
     for scenario in catalogue.SCENARIOS:
         if scenario.sweep:
@@ -70,7 +70,7 @@ def sweepable_text() -> str:
 
 
 def study_of(chosen: argparse.Namespace) -> Study:
-    """What the command line asks for. Raises BadInputError."""
+    """Return the study that the command line requests. Raises BadInputError."""
     scenario = catalogue.find(chosen.name)
     sweepable = scenario.sweep
     if sweepable is None:
@@ -92,14 +92,17 @@ def study_of(chosen: argparse.Namespace) -> Study:
 
 
 def evaluator(chosen: argparse.Namespace) -> AbstractContextManager[Evaluator]:
-    """What runs points: worker processes of this machine or a cluster. Entering it raises BadInputError."""
+    """Return the evaluator of points: worker processes of this computer or a cluster.
+
+    Entering it raises BadInputError.
+    """
     if chosen.scheduler is not None:
         return cluster(chosen.scheduler)
     return nullcontext(partial(in_processes, chosen.jobs or os.cpu_count() or 1))
 
 
 def tell_what_is_done(study: Study, chosen: argparse.Namespace, journal: Journal) -> None:
-    """Says what an earlier run has left."""
+    """Print the number of points that an earlier run has completed."""
     if journal.cut and not chosen.quiet:
         path = chosen.out / study.name / JOURNAL
         print(f"The last line of {path} was cut off; what it held is computed again.", file=sys.stderr)
@@ -108,7 +111,10 @@ def tell_what_is_done(study: Study, chosen: argparse.Namespace, journal: Journal
 
 
 def run(chosen: argparse.Namespace) -> bool:
-    """Runs or resumes a sweep; whether all its points are good. Raises BadInputError, SweepError, KeyboardInterrupt."""
+    """Run or resume a sweep; return whether all its points succeeded.
+
+    Raises BadInputError, SweepError, KeyboardInterrupt.
+    """
     study = study_of(chosen)
     folder, tell = chosen.out / study.name, partial(tell_what_is_done, study, chosen)
     outcomes, written = kept_outcomes_of(study, evaluator(chosen), folder, chosen.restart, tell)
@@ -120,7 +126,7 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def report(study: Study, outcomes: Sequence[Outcome], folder: Path, written: Sequence[str]) -> None:
-    """Prints what came out, and the first failure."""
+    """Print the results, and the first failure."""
     failed = [number for number, outcome in enumerate(outcomes) if outcome.failure is not None]
     print(f"{study.name}: {len(outcomes)} points, {len(failed)} failed.")
     if failed:

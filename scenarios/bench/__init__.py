@@ -1,1 +1,1 @@
-"""The test bench: machines and drives that several scenarios share."""
+"""The test bench: vehicles and drives that several scenarios share."""

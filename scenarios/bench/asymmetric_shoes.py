@@ -1,4 +1,4 @@
-"""Asymmetric brake shoes on one wheelset of the bogie: the scene of chapter 9 and what is printed about it."""
+"""Asymmetric brake shoes on one wheelset of the bogie: the case of chapter 9, and the results of the thesis."""
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -29,14 +29,14 @@ PEAKS = {
 #: Speed at which the program of the thesis broke down [m/s].
 DERAILED_AT = {10.0: 5.9, 5.0: 6.1, 1.0: 6.1}
 STANDING, DURATION, INTERVAL = 0.01, 24.0, 2e-3
-#: Enough for peaks within 1 % away from the flange; behind flange impacts the motion is chaotic.
+#: Tolerance for peaks within 1 % away from the flange; after flange impacts the motion is chaotic.
 TOLERANCE = 1e-6
 LOADS = tuple(f"wheel_load_{n}_{side}" for n in (1, 2) for side in ("left", "right"))
 RECORDED = ("speed", "lateral_1", "lateral_2", "flange_force_1", "flange_force_2", *LOADS)
 SAID = ("Wheel lift", "Flange climb", "Derailed", "Overturn")
 
 
-#: Whether the yaw torque's axis turns with the wheelset, and what reacts where; the first is what the thesis did.
+#: Axis of the yaw torque, which turns with the wheelset or is fixed, and points of reaction; the first is the thesis's.
 AS_THESIS, AT_RAIL, FIXED, PHYSICAL = "rotating axis", "rotating axis, flange at the rail", "fixed axis", "physical"
 READINGS: dict[str, Mapping[str, float]] = {
     AS_THESIS: AS_PRINTED | {"yaw_torque_rotates": 1},
@@ -44,11 +44,12 @@ READINGS: dict[str, Mapping[str, float]] = {
     FIXED: AS_PRINTED | {"yaw_torque_rotates": 0},
     PHYSICAL: {"yaw_torque_rotates": 0},
 }
-#: The thesis's and the physical reading with a flange that has its own place, force, friction and creep.
+#: The thesis's and the physical interpretation with a flange of separate place, force, friction and creep.
 ON_PATCHES = {reading: f"{reading}, contact model 2" for reading in (AS_THESIS, PHYSICAL)}
-#: Physical but for the flange, which is pushed as printed: beside `PHYSICAL` it shows what that does to wheel loads.
+#: Physical except for the flange force, which acts as in the thesis: shows the effect on wheel loads against
+#: `PHYSICAL`.
 AT_CENTRE = "physical, flange at the axle's centre"
-#: As the thesis, with a flange that gives a tenth as much: how much of a derailment is the spring's.
+#: The thesis's interpretation with a tenth of the flange's compliance: shows the effect of the spring on derailment.
 STIFF = "rotating axis, flange stiffness 1e9 N/m"
 FURTHER: dict[str, Mapping[str, float]] = {
     **{name: {**READINGS[reading], "contact_model": 2} for reading, name in ON_PATCHES.items()},
@@ -74,7 +75,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a case came to: when it stood, or its speed when it derailed; peaks [m] while it moved; what it said."""
+    """Results of a case: time of rest, or speed at derailment; peaks [m] while it moved; messages."""
 
     series: Recording
     stop_time: float | None
@@ -83,20 +84,20 @@ class Outcome:
     sentences: list[str]  # the first wheel lift, the first climb (or quotient above Nadal's limit), and the derailment
 
     def flanging_load(self, wheelset: int) -> float:
-        """Largest load of a wheel of this wheelset while the rail pushes its flange [N]."""
+        """Return the largest load of a wheel of this wheelset while the rail pushes its flange [N]."""
         force = self.series[f"flange_force_{wheelset}"]
         left, right = (self.series[f"wheel_load_{wheelset}_{side}"] for side in ("left", "right"))
         return float(np.where(force < 0, left, np.where(force > 0, right, 0.0)).max())
 
     @property
     def largest_load(self) -> float:
-        """Of all wheels [N]."""
+        """Return the largest load of all wheels [N]."""
         return max(float(self.series[name].max()) for name in LOADS)
 
 
 FASTEST = min(APPLICATION_TIMES)
 CASES = [Case(*values) for values in product((1, 2), YAW_TORQUE, APPLICATION_TIMES, READINGS)]
-#: The fastest application with a flange of its own, all applications where the thesis derails, and the others beside.
+#: The fastest application with a separate flange contact, all applications of the thesis's derailments, and the others.
 FURTHER_CASES = [
     *(Case(*values) for values in product((1, 2), YAW_TORQUE, [FASTEST], ON_PATCHES.values())),
     *(Case(1, 75, time, ON_PATCHES[AS_THESIS]) for time in APPLICATION_TIMES if time > FASTEST),
@@ -108,7 +109,9 @@ FURTHER_CASES = [
 def brake(
     case: Case, duration: float, record: Sequence[str] = RECORDED, /, **values: float
 ) -> tuple[Kernel, Recording]:
-    """A stop from 25 m/s, the contact held where a wheel would lift: where the run ended, and what it recorded."""
+    """Run a stop from 25 m/s, with contact maintained where a wheel would lift; return the final kernel and the
+    recording.
+    """
     full = BRAKE_START + case.application
     torque = [(0.0, 0.0), (BRAKE_START, 0.0), (full, BRAKE_TORQUE)]
     yaw = [(0.0, 0.0), (BRAKE_START, 0.0), (full, YAW_TORQUE[case.error])]
@@ -119,7 +122,7 @@ def brake(
 
 
 def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:
-    """One stop, until it stands or derails."""
+    """Run one stop until rest or derailment."""
     kernel, series = brake(case, DURATION, tolerance=tolerance)
     stop = series.first_time(series["speed"] < STANDING)
     moving = series["time"] <= (DURATION if stop is None else stop)
@@ -130,8 +133,8 @@ def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:
 
 
 def run_all(cases: Sequence[Case] = CASES) -> dict[Case, Outcome]:
-    """All these cases; they share the compiled library and run beside each other."""
-    bogie((), RECORDED)  # what all share is written and compiled once, before the threads ask for it
+    """Run all these cases; they share the compiled library and run in parallel."""
+    bogie((), RECORDED)  # the common library is written and compiled once, before the threads load it
     with ThreadPoolExecutor() as pool:
         found = pool.map(run_case, cases)
         bar = counting(found, "cases", len(cases), unit="case")

@@ -19,21 +19,21 @@ from scenarios.bench.gas_dynamics import (
 )
 from scenarios.reporting.report import Row, measured, near
 
-#: Asked of peaks and times.
+#: Relative tolerance of peaks and times.
 RELATIVE = 5e-3
-#: Asked of the balances, over what went in, and the integrator's tolerance for them.
+#: Tolerance of the balances, over the inflow, and the integrator's tolerance for them.
 BALANCE, TIGHT = 1e-9, 1e-11
 GATHERED = ("mass_flow_in", "mass_flow_out", "enthalpy_in", "enthalpy_out", "piston_work", "heat_loss")
 SHOWN = ("air_temperature_in_cylinder", "piston_travel", "mass_flow_in")
 #: The cylinder of the closed forms: no slack, a volume in the middle of a stroke [m3].
 VOLUME = 3e-3
 EXPONENTS = {1.0: "isothermal", 1.4: "adiabatic"}
-#: Recorded interval [s]; crossings are read between on straight lines.
+#: Recording interval [s]; crossings are interpolated linearly.
 INTERVAL = 1e-3
 
 
 def library() -> Library:
-    """The flow model with its observables, and what they gather over time."""
+    """Return the flow model with its observables and their integrals over time."""
     ready = uic_p()
     system = flow_brake(ready.rigging, ready.flow).with_integrals(GATHERED).with_outputs(SHOWN)
     return Library(build_library(brake_model((system,))))
@@ -45,7 +45,7 @@ def kernel_of(compiled: Library, ready: ReadySet, **values: float) -> Kernel:
 
 
 def crossing(record: dict[str, list[float]], pressure: float) -> float:
-    """First time [s] at which the recorded pressure passes a value [Pa], either way."""
+    """Return the first time [s] at which the recorded pressure passes a value [Pa], in either direction."""
     found = record["cylinder_pressure"]
     for number in range(1, len(found)):
         before, after = found[number - 1] - pressure, found[number] - pressure
@@ -56,13 +56,13 @@ def crossing(record: dict[str, list[float]], pressure: float) -> float:
 
 
 def vessel(flow: FlowParameters, orifice: float) -> Vessel:
-    """The cylinder behind one of its openings, of a diameter in m."""
+    """Return the cylinder with one of its openings, of a diameter in m."""
     area = flow.discharge_coefficient * math.pi / 4 * orifice**2
     return Vessel(flow.dead_volume, area, flow.polytropic_exponent)
 
 
 def closed_form_rows() -> list[Row]:
-    """Peak mass flow, filling and vent times at constant volume, isothermal and adiabatic."""
+    """Return the rows of peak mass flow, filling and vent times at constant volume, isothermal and adiabatic."""
     compiled, rows = library(), []
     for exponent, word in EXPONENTS.items():
         flow = replace(uic_p().flow, piston_slack=0.0, dead_volume=VOLUME, polytropic_exponent=exponent)
@@ -93,14 +93,14 @@ def closed_form_rows() -> list[Row]:
 
 
 def air_in(kernel: Kernel, flow: FlowParameters) -> tuple[float, float]:
-    """Mass [kg] and internal energy [J] of the air in the cylinder."""
+    """Return mass [kg] and internal energy [J] of the air in the cylinder."""
     volume = flow.dead_volume + flow.piston_area * kernel["piston_travel"]
     pressure = kernel["cylinder_pressure"] + flow.ambient_pressure
     return kernel["state_air_mass"], pressure * volume / (HEAT_CAPACITY_RATIO - 1)
 
 
 def balance_rows() -> list[Row]:
-    """Mass and energy that are missing after stroke, application, partial release, hold and vent."""
+    """Return the rows of missing mass and energy after stroke, application, partial release, hold and vent."""
     ready = with_dump_valve(uic_p())
     ready = replace(ready, flow=replace(ready.flow, polytropic_exponent=1.2))
     kernel = kernel_of(library(), ready, tolerance=TIGHT, pressure_demand=UIC_PRESSURE)

@@ -5,14 +5,14 @@ from fmu_src.cosimulation.slave import FmuInstance
 from products.bogie import BOGIE, TOLERANCE, brake_values
 from rbd_model.vehicle.parameters import AS_PRINTED
 
-#: Time in which the cylinder settles on its first pressure before t = 0 [s]; what is left of the way is e^-37.
+#: Time in which the cylinder settles at its first pressure before t = 0 [s]; the residual is e^-37 of the change.
 FILLING = 10.0
 
 
 def bogie_values(speed: float) -> dict[str, float]:
-    """The planar level: straight track, and the torque is the same on both rails.
+    """Return the parameters of the planar level: straight track, and the same torque on both rails.
 
-    Torques on the wheelsets alone, as in (3.36): the closed forms of these studies know no frame that rocks under them.
+    Torques act on the wheelsets alone, as in (3.36): the closed forms of these studies do not model a rocking frame.
     """
     return {
         "level": 2,
@@ -23,7 +23,7 @@ def bogie_values(speed: float) -> dict[str, float]:
 
 
 def connections(brake: FmuInstance, bogie: FmuInstance) -> list[Connection]:
-    """Torque to both wheelsets, and the trailing one's angular velocity back."""
+    """Return the connections: torque to both wheelsets, and the trailing one's angular velocity back."""
     return [
         Connection(brake, "brake_torque", bogie, "brake_torque_1"),
         Connection(brake, "brake_torque", bogie, "brake_torque_2"),
@@ -32,12 +32,12 @@ def connections(brake: FmuInstance, bogie: FmuInstance) -> list[Connection]:
 
 
 def start_brake(brake: FmuInstance, pressure: float) -> None:
-    """Lets the cylinder stand at a pressure [Pa] at t = 0."""
+    """Settle the cylinder at a pressure [Pa] at t = 0."""
     brake.restart(brake_values(), time=-FILLING, pressure_demand=pressure)
     brake.step(-FILLING, FILLING)
 
 
 def acceleration_per_torque() -> float:
-    """Deceleration of the rolling bogie by the torque on each wheelset, 2/r / (M + 2 J/r^2) [m/s2/N.m]."""
+    """Return the deceleration of the rolling bogie by the torque on each wheelset, 2/r / (M + 2 J/r^2) [m/s2/N.m]."""
     mass = BOGIE.frame_mass + 2 * BOGIE.wheelset_mass + 2 * BOGIE.wheelset_pitch_inertia / BOGIE.wheel_radius**2
     return 2 / BOGIE.wheel_radius / mass

@@ -20,8 +20,8 @@ from rbd_model.vehicle.description import Pull, Vehicle, Wheelset
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.vehicle.ready import axle_box_springs, sprung_mass
 
-#: The wheelset of chapter 5 under 10 t; its springs hold the yaw and leave it free sideways, where a damper makes the
-#: push a slow one. All assumed.
+#: The wheelset of chapter 5 under 10 t; its springs fix the yaw and leave it free laterally, where a damper slows the
+#: push. All assumed.
 GUIDED = {
     "frame_mass": 10e3,
     "longitudinal_stiffness": 1e9,
@@ -32,16 +32,16 @@ GUIDED = {
 }
 YAW_STIFFNESS = 2 * GUIDED["longitudinal_stiffness"] * tables_5_1_and_5_2().longitudinal_half_spacing ** 2
 HELD = frozenset({"lateral", "roll", "pitch", "yaw"})
-#: Speed [m/s]; where the wheelset starts [m]; how fast the push grows [N/s], and how often its effect is noted [s].
+#: Speed [m/s]; initial position of the wheelset [m]; growth rate of the push [N/s], and its recording interval [s].
 SPEED, START, GROWTH, INTERVAL = 1.0, 7.5e-3, 10e3, 0.01
-#: Push at the start over friction [N]: less than what both wheels' creep brings, so that the flange comes slowly.
+#: Push at the start over friction [N]: less than the creep force of both wheels, so that the flange arrives slowly.
 FIRST_PUSH = -27e3
-#: The push acts this far below the axle [m], at the height of the flange's contact: it shifts no load.
+#: Distance of the push below the axle [m], at the height of the flange's contact: no load shifts.
 BELOW = 0.42
 
 
 def vehicle_that_climbs(flange_angle: float) -> Vehicle:
-    """The wheelset with the synthetic profile and this flange angle [rad]."""
+    """Return the wheelset with the synthetic profile and this flange angle [rad]."""
     points = synthetic_wheel(flange_angle=flange_angle)
     wheel = from_points(f"synthetic wheel, flange {math.degrees(flange_angle):g} degrees", "as wheel_cone_120", *points)
     pair = Pair(wheel, rail_60kg(), 0.425, 0.570, 0.570)
@@ -61,15 +61,16 @@ def vehicle_that_climbs(flange_angle: float) -> Vehicle:
 
 @lru_cache
 def climbing_wheelset(flange_angle: float, contact: Contact) -> Library:
-    """Its kernel, on patches."""
+    """Return its kernel, with contact model 2."""
     system = spatial_vehicle(vehicle_that_climbs(flange_angle), irregular_track(section_5_3()), contact)
     return Library(build_library(model_of(system, DEFAULT_TOLERANCE)))
 
 
 @dataclass(frozen=True)
 class Climb:
-    """A push until the flange is climbed over, every INTERVAL: Y/Q of the left wheel, how far the wheelset's centre and
-    the wheel have risen [m]; and what was said.
+    """A push until the wheel climbs over the flange, every INTERVAL:
+
+    Y/Q of the left wheel, rise of the wheelset's centre and of the wheel [m]; and the messages.
     """
 
     quotient: np.ndarray
@@ -79,15 +80,23 @@ class Climb:
     steps: int
 
     def limit(self, low: float, high: float) -> float:
-        """Y/Q while the wheel rises between two heights [m]; not a number where it never did."""
+        """Return Y/Q while the wheel rises between two heights [m]; NaN if it never did."""
         chosen = self.quotient[(self.rise > low) & (self.rise < high)]
         return float(np.median(chosen)) if chosen.size else math.nan
 
 
 def instants(library: Library, friction: float, yaw: float, gauge_face: float = 1.0) -> Iterator[Kernel]:
-    """Pushes to the left, ever more, with an angle of attack `yaw` [rad], until the run ends; every INTERVAL.
+    """Yield the kernel every INTERVAL under a growing push to the left, until the run ends.
 
-    gauge_face: factor on the friction of the rails' gauge faces.
+    Parameters
+    ----------
+    library : Library
+    friction : float
+        Friction of the rails [1].
+    yaw : float
+        Angle of attack [rad].
+    gauge_face : float
+        Factor on the friction of the rails' gauge faces [1].
     """
     start = {"initial_lateral": START, "initial_yaw": yaw}
     kernel = Kernel(library, initial_speed=SPEED, friction_1=friction, gauge_face_friction=gauge_face, **start)
@@ -105,7 +114,7 @@ def instants(library: Library, friction: float, yaw: float, gauge_face: float = 
 
 
 def push(library: Library, friction: float, yaw: float, gauge_face: float = 1.0) -> Climb:
-    """What the push at an angle of attack `yaw` [rad] comes to; gauge_face: as `instants` has it."""
+    """Return the course of the push at an angle of attack `yaw` [rad]; gauge_face: as in `instants`."""
     noted = []
     for kernel in instants(library, friction, yaw, gauge_face):
         noted.append([kernel[name] for name in ("derailment_quotient_1_left", "state_rise_1", "wheel_rise_1_left")])

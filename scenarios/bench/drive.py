@@ -1,4 +1,4 @@
-"""Runs one kernel through a history of inputs and records it; what the studies in space are made of."""
+"""Run one kernel through a history of inputs and record it: the basis of the studies in 3D."""
 
 import re
 import tempfile
@@ -19,19 +19,19 @@ from products.registry import model_of
 from rbd_model.levels.models import recommend_level
 from rbd_model.track.line import Line
 
-#: Points (time [s], value) of an input; straight lines between them, held after the last, a jump at a repeated time.
+#: Points (time [s], value) of an input: linear between them, constant after the last, a jump at a repeated time.
 History = Sequence[tuple[float, float]]
-#: In space with the contact of the thesis, one rigid one a wheel: for what is compared with it or with rigid profiles,
-#: and for scenes that no flange touches, which it answers with the least work.
+#: 3D with the contact of the thesis, one rigid contact a wheel: for comparisons with it or with rigid profiles, and for
+#: cases without flange contact, where it is the cheapest model.
 RIGID = {"level": 3.0, "contact_model": 1.0}
 #: A wheelset that locks below this speed [m/s] has stopped with the bogie.
 AT_REST = 0.05
-#: Times the length of a record that its spectrum is computed with.
+#: Ratio of the padded length of a spectrum to that of the recording.
 PADDING = 8
 
 
 def library(name: str, **values: float | str) -> Library:
-    """The compiled kernel inside the FMU of this name; of a vehicle the one system that the values choose."""
+    """Return the compiled kernel inside the FMU of this name; of a vehicle the one system that the values choose."""
     return _library(name, place_of(name, variables_of(name), values))
 
 
@@ -41,23 +41,23 @@ def _library(name: str, place: int | None) -> Library:
 
 
 def prepare(name: str, **values: float | str) -> Kernel:
-    """A kernel with parameters and first inputs; it has no system but that which they choose."""
+    """Return a kernel with parameters and initial inputs; it contains only the system that they choose."""
     return Kernel(library(name, **values), **values)
 
 
 def prepare_on_line(name: str, line: Line, **values: float) -> Kernel:
-    """The same on a line, which the kernel reads from a file and keeps."""
+    """Return the same on a line, which the kernel reads from a file and keeps."""
     with tempfile.TemporaryDirectory() as folder:
         return prepare(name, line_file=str(line.write(Path(folder) / "line.csv")), **values)
 
 
 def in_space(name: str) -> dict[str, float]:
-    """What puts an FMU in space on the contact of the thesis: RIGID; that of chapter 4 is no other."""
+    """Return the parameters of 3D and the thesis's contact, RIGID; none for chapter 4, which has only this contact."""
     return {} if name == "wheelset" else RIGID
 
 
 def system_of(name: str, **values: float) -> System:
-    """The equations that a kernel with these parameters solves."""
+    """Return the equations that a kernel with these parameters solves."""
     place = place_of(name, variables_of(name), values)
     return alone(model_of(name), values).systems[0] if place is None else _system(name, place)
 
@@ -68,9 +68,9 @@ def _system(name: str, place: int) -> System:
 
 
 def bogie(driven: Iterable[str], read: Iterable[str], **values: float) -> Kernel:
-    """The bogie of chapter 5 at the least level that drives these inputs, has these values and answers what is read.
+    """Return the bogie of chapter 5 at the lowest level that has these inputs, values and outputs.
 
-    With one rigid contact a wheel unless `values` have another `contact_model`.
+    It has one rigid contact a wheel unless `values` have another `contact_model`.
     """
     asked = (name for name in values if name != "contact_model")
     return prepare("bogie", **RIGID | {"level": recommend_level((*driven, *asked), read).level} | values)
@@ -79,7 +79,26 @@ def bogie(driven: Iterable[str], read: Iterable[str], **values: float) -> Kernel
 def play(
     name: str, kernel: Kernel, duration: float, interval: float, record: Sequence[str], inputs: Mapping[str, History]
 ) -> Recording:
-    """Records every `interval` s and at each corner of an input; ends where the run ends, with that instant last."""
+    """Run a kernel and record it every `interval` s and at each corner of an input.
+
+    Parameters
+    ----------
+    name : str
+        Name of the FMU, whose units the recording takes.
+    kernel : Kernel
+    duration : float
+        Time to simulate [s].
+    interval : float
+        Recording interval [s].
+    record : sequence of str
+        Names of the recorded variables.
+    inputs : mapping of str to History
+
+    Returns
+    -------
+    Recording
+        Its last row is the instant at which the run ended.
+    """
     corners = {time for history in inputs.values() for time, _ in history if 0.0 < time < duration}
     edges = [0.0, *sorted(corners), duration]
     kernel.set(**{key: history[0][1] for key, history in inputs.items()})
@@ -100,12 +119,12 @@ def play(
 
 
 def _present(kernel: Kernel, record: Sequence[str]) -> np.ndarray:
-    """Time and values where a kernel stands, shape (1, 1 + values)."""
+    """Return time and present values of a kernel, shape (1, 1 + values)."""
     return np.array([[kernel.time, *(kernel[column] for column in record)]])
 
 
 def value_at(history: History, time: float, after: bool) -> float:
-    """Value at a time; where it jumps, before or after the jump."""
+    """Return the value at a time; at a jump, the value before or after it."""
     times, values = np.array(history).T
     found = np.searchsorted(times, time, "right" if after else "left")
     if found == 0 or found == times.size:
@@ -115,13 +134,13 @@ def value_at(history: History, time: float, after: bool) -> float:
 
 
 def peaks(values: np.ndarray) -> np.ndarray:
-    """Indices of the local maxima."""
+    """Return the indices of the local maxima."""
     inner = values[1:-1]
     return 1 + np.flatnonzero((inner > values[:-2]) & (inner >= values[2:]))
 
 
 def period(time: np.ndarray, values: np.ndarray) -> float | None:
-    """Mean time between rising passages through zero [s]; None with fewer than two."""
+    """Return the mean time between rising zero crossings [s]; None with fewer than two."""
     rising = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
     if rising.size < 2:
         return None
@@ -130,14 +149,18 @@ def period(time: np.ndarray, values: np.ndarray) -> float | None:
 
 
 def spectrum(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and power density [unit^2/Hz] of evenly sampled values, mean removed, padded to a fine grid."""
+    """Return frequencies [Hz] and power density [unit^2/Hz] of evenly sampled values, mean removed, padded to a fine
+    grid.
+    """
     step, count = time[1] - time[0], values.size * PADDING
     transform = np.fft.rfft((values - values.mean()) * np.hanning(values.size), count)
     return np.fft.rfftfreq(count, step), np.abs(transform) ** 2 * 2 * step / np.sum(np.hanning(values.size) ** 2)
 
 
 def located_lock_time(kernel: Kernel, series: Recording, number: int) -> float | None:
-    """When a wheelset first locked while the bogie moved [s], as located by the kernel, to six digits."""
+    """Return the time at which a wheelset first locked while the bogie moved [s], as located by the kernel, to six
+    digits.
+    """
     for time in re.findall(rf"Wheelset {number} locked at (\S+) s\.", " ".join(kernel.journal)):
         if np.interp(float(time), series["time"], series["speed"]) > AT_REST:
             return float(time)

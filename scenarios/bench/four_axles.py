@@ -1,15 +1,25 @@
-"""What rigid statics say of the complete vehicle of the FMU `vehicle`."""
+"""Rigid statics of the complete vehicle of the FMU `vehicle`."""
 
 from rbd_model.vehicle.parameters import VehicleParameters
 
 
 def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, reaction: float) -> list[float]:
-    """Axle loads [N] of a vehicle that slows without rocking, by statics with all moments about the rail.
+    """Return the axle loads [N] of a vehicle that decelerates without rocking, by statics with all moments about the
+    rail.
 
-    deceleration [m/s2]; torque [N.m]: of the brake of each wheelset, of which the share `reaction` hangs in its frame.
-    Bogies pass on no moment at their pivots; what slows the body pulls at the height of the secondary springs. They,
-    the traction rods and the primary springs give way along axes that pitch with the frames: what they carry stands
-    ahead of them.
+    The pivots of the bogies transmit no moment. The force that slows the body acts at the height of the secondary
+    springs. These springs, the traction rods and the primary springs deflect along axes that pitch with the frames, so
+    that the masses above are displaced ahead.
+
+    Parameters
+    ----------
+    p : VehicleParameters
+    deceleration : float
+        Deceleration [m/s2].
+    torque : float
+        Torque of the brake of each wheelset [N.m].
+    reaction : float
+        Share of the torque that reacts on the frame [1].
     """
     pivot, base, radius = p.pivot_distance / 2, p.wheel_base / 2, p.wheel_radius
     spring, body = p.secondary_height + radius, p.body_height + radius
@@ -23,7 +33,7 @@ def rigid_axle_loads(p: VehicleParameters, deceleration: float, torque: float, r
     for sign in (1, -1):
         carried, frame = p.body_mass * p.gravity / 2 + sign * moved, p.frame_mass * p.gravity
         tipping = moment
-        for _ in range(4):  # what gives way adds to what makes it give way
+        for _ in range(4):  # deflections increase the forces that cause them
             pitch = tipping / (p.vertical_stiffness * p.wheel_base**2)
             ahead = (inertial / 2 + carried * pitch) / along
             pushing = inertial / 2 + p.frame_mass * deceleration + (carried + frame) * pitch

@@ -17,7 +17,7 @@ CRITICAL = (2 / (_K + 1)) ** (1 / _Y)
 
 @dataclass(frozen=True)
 class Vessel:
-    """Volume [m3] behind an opening of effective area [m2]; polytropic exponent of the air inside."""
+    """Volume [m3] with an opening of effective area [m2]; polytropic exponent of the air inside."""
 
     volume: float
     area: float
@@ -25,27 +25,32 @@ class Vessel:
 
 
 def choked_mass_flow(area: float, pressure: float, temperature: float) -> float:
-    """Largest mass flow from an absolute pressure [Pa] and temperature [K], by the speed of sound in the throat."""
+    """Return the largest mass flow from an absolute pressure [Pa] and temperature [K], by the speed of sound in the
+    throat.
+    """
     throat_temperature = temperature * 2 / (_K + 1)
     throat_density = CRITICAL * pressure / (GAS_CONSTANT * throat_temperature)
     return area * throat_density * math.sqrt(_K * GAS_CONSTANT * throat_temperature)
 
 
 def choked_filling_time(vessel: Vessel, supply: float, temperature: float, start: float, end: float) -> float:
-    """Time [s] between two absolute pressures [Pa]: a straight line while the restriction is choked."""
+    """Return the time [s] between two absolute pressures [Pa] while the restriction is choked: the pressure is linear
+    in time.
+    """
     flow = choked_mass_flow(vessel.area, supply, temperature)
     return (end - start) * vessel.volume / (vessel.exponent * GAS_CONSTANT * temperature * flow)
 
 
 def unchoked_filling_time(vessel: Vessel, supply: float, temperature: float, start: float, end: float) -> float:
-    """As above beyond the critical ratio: proportional to the difference of sqrt(1 - y)."""
+    """Return the time [s] beyond the critical ratio: proportional to the difference of sqrt(1 - y)."""
     roots = [math.sqrt(1 - (pressure / supply) ** _Y) for pressure in (start, end)]
     speed = vessel.exponent * vessel.area * math.sqrt(GAS_CONSTANT * temperature) / vessel.volume
     return math.sqrt(2 / _Y) * (roots[0] - roots[1]) / speed
 
 
 def choked_venting_time(vessel: Vessel, temperature: float, start: float, end: float) -> float:
-    """Time [s] to vent from an absolute pressure [Pa], at which the air has `temperature` [K], to a lower one.
+    """Return the time [s] to vent from an absolute pressure [Pa], at which the air has `temperature` [K], to a lower
+    one.
 
     p / p_0 = (1 + a K t)^(-1/a) with a = (n - 1) / 2n, which is exponential for n = 1.
     """

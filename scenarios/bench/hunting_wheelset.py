@@ -1,4 +1,4 @@
-"""The wheelset of chapter 4 hunting at constant speed: the scene of section 4.4 and what is printed about it."""
+"""The wheelset of chapter 4 hunting at constant speed: the case of section 4.4, and the results of the thesis."""
 
 from collections.abc import Sequence
 
@@ -12,16 +12,15 @@ from rbd_model.vehicle.parameters import AS_PRINTED
 from scenarios.bench.drive import period, play, prepare
 from scenarios.reporting.report import rounding
 
-#: The disturbance: a short lateral wave of the track. Its size is not printed.
+#: The disturbance: a short lateral wave of the track. The thesis does not report its size.
 WAVE = {"lateral_irregularity": 4e-3, "lateral_wave_number": 0.2}
 INTERVAL = 5e-3
-#: Behind the disturbance, while the hunting is still well above its end [s].
+#: Time window after the disturbance, while the amplitude is still well above its final value [s].
 MEASURED = (3.0, 20.0)
-#: What the thesis and VAMPIRE give, as printed, and what the digits leave open: wavelength at 15 m/s [m], frequency at
-#: 25 m/s [Hz].
+#: Results of the thesis and of VAMPIRE, and their rounding: wavelength at 15 m/s [m], frequency at 25 m/s [Hz].
 WAVELENGTH, WAVELENGTH_BAND = (13.25, 14.0), rounding("13.25")
 FREQUENCY, FREQUENCY_BAND = (1.89, 1.79), rounding("1.89")
-#: Speeds between which the critical one is sought [m/s].
+#: Search range of the critical speed [m/s].
 RANGE = (12.0, 44.0)
 #: Time until creepages have settled from the start with pure rolling [s].
 SETTLED = 1.0
@@ -31,7 +30,9 @@ RECORDED = ("lateral_1", "frame_lateral", "distance")
 def hunt(
     speed: float, duration: float, record: Sequence[str] = RECORDED, /, **values: float
 ) -> tuple[Kernel, Recording]:
-    """Disturbed at a constant speed [m/s], in the thesis's reading: where the run ended, and what it recorded."""
+    """Run disturbed at a constant speed [m/s], in the thesis's interpretation; return the final kernel and the
+    recording.
+    """
     kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **AS_PRINTED | WAVE | values)
     return kernel, play("wheelset", kernel, duration, INTERVAL, record, {})
 
@@ -42,7 +43,7 @@ def hunting_period(series: Recording) -> float | None:
 
 
 def modes_at(system: System, speed: float, half_spacing: float) -> list[Mode]:
-    """Oscillations of the wheelset about its steady run."""
+    """Return the oscillations of the wheelset about its steady run."""
     springs = {"longitudinal_half_spacing": half_spacing, "vertical_half_spacing": half_spacing}
     kernel = prepare("wheelset", initial_speed=speed, constant_speed=1, **springs)
     kernel.advance(SETTLED)
@@ -50,5 +51,5 @@ def modes_at(system: System, speed: float, half_spacing: float) -> list[Mode]:
 
 
 def growth_by_eigenvalue(system: System, speed: float, half_spacing: float) -> float:
-    """Growth of the least damped oscillation [1/s]."""
+    """Return the growth of the least damped oscillation [1/s]."""
     return max(mode.growth for mode in modes_at(system, speed, half_spacing))

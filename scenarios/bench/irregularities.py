@@ -1,4 +1,4 @@
-"""The bogie of chapter 5 over irregularities of the track at constant speed: the scenes of section 5.3."""
+"""The bogie of chapter 5 over irregularities of the track at constant speed: the cases of section 5.3."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from scenarios.bench.drive import bogie, play, spectrum
 
 SPEEDS = (15.0, 25.0)
 DURATION, INTERVAL = 12.0, 2e-3
-#: What the thesis and VAMPIRE give, as printed: largest shift of the leading wheelset at 15 m/s [mm]; by speed [m/s]
-#: spectral peak of the hunting [Hz] and largest wheel load of the leading wheelset [kN].
+#: Results of the thesis and of VAMPIRE. Largest shift of the leading wheelset at 15 m/s [mm]. By speed [m/s], spectral
+#: peak of the hunting [Hz] and largest wheel load of the leading wheelset [kN].
 LATERAL_PEAK = (9.5, 10.0)
 HUNTING_PEAK = {15.0: (0.774, 0.879), 25.0: (1.45, 1.46)}
 WHEEL_LOAD = {15.0: (188.0, 169.0), 25.0: (243.0, 224.0)}
@@ -22,7 +22,7 @@ WHEEL_LOAD = {15.0: (188.0, 169.0), 25.0: (243.0, 224.0)}
 
 @dataclass(frozen=True)
 class Irregularity:
-    """One of the three: the parameter and its amplitude [m], what is recorded, and what is drawn."""
+    """One of the three irregularities: parameter and amplitude [m], recorded variables, and drawn variables."""
 
     name: str
     summary: str
@@ -57,8 +57,22 @@ CROSS_LEVEL = Irregularity(
 def travel(
     kind: Irregularity, speed: float, record: Sequence[str] = (), /, **values: float
 ) -> tuple[Kernel, Recording]:
-    """Over one irregularity at a constant speed [m/s], in the thesis's reading but for what `values` say: where the run
-    ended, and what it recorded: what is drawn, or `record`.
+    """Run over one irregularity at a constant speed, in the thesis's interpretation unless `values` change it.
+
+    Parameters
+    ----------
+    kind : Irregularity
+    speed : float
+        Constant speed [m/s].
+    record : sequence of str
+        Recorded variables; by default those that are drawn.
+    values
+        Further parameters of the bogie.
+
+    Returns
+    -------
+    tuple of Kernel and Recording
+        The kernel at the end of the run, and the recording.
     """
     read = record or ("distance", *kind.shown)
     scene = AS_PRINTED | {"constant_speed": 1, kind.name: kind.amplitude} | values
@@ -67,7 +81,7 @@ def travel(
 
 
 def kinematic_peak(series: Recording) -> float:
-    """Frequency of the highest spectral peak of the leading wheelset above the forced one [Hz]."""
+    """Return the frequency of the highest spectral peak of the leading wheelset above the forced one [Hz]."""
     frequency, density = spectrum(series["time"], series["lateral_1"])
     speed = float(np.diff(series["distance"]).mean() / INTERVAL)
     forced = speed * section_5_3().lateral_wave_number / 2
@@ -76,5 +90,5 @@ def kinematic_peak(series: Recording) -> float:
 
 
 def largest_wheel_load(series: Recording) -> float:
-    """Of both wheels of the leading wheelset [kN]."""
+    """Return the largest load of both wheels of the leading wheelset [kN]."""
     return max(float(series[f"wheel_load_1_{side}"].max()) for side in ("left", "right")) / 1e3

@@ -1,6 +1,7 @@
-"""A train with one vehicle in detail: the ways to couple both, and on paper where each begins to grow.
+"""A train with one vehicle in detail: the methods of coupling both, and the predicted stability limit of each.
 
-The train goes first in a macro step, with the vehicle's speed, and gives forces of couplers; the vehicle follows.
+In each macro step the train is computed first, with the vehicle's speed, and returns the coupler forces; the vehicle
+follows.
 """
 
 from __future__ import annotations
@@ -20,24 +21,25 @@ from products.train.train import Train
 from rbd_model.train.coupler import Coupler, Curve, rigid
 from scenarios.bench.drive import prepare, system_of
 
-#: Of the coach: mass, and mass of its wheelsets' rotation over that.
+#: Mass of the coach [kg], and mass of its wheelsets' rotation over that [1].
 MASS = COACH.body_mass + 2 * COACH.frame_mass + 4 * COACH.wheelset_mass
 ROTATING = 4 * COACH.wheelset_pitch_inertia / COACH.wheel_radius**2 / MASS
-#: Place of the vehicle in detail, and vehicles of the train.
+#: Place of the detailed vehicle, number of vehicles of the train, and speed [m/s].
 PLACE, VEHICLES, SPEED = 5, 12, 27.78
-#: Speed of what the couplers pull at, by level.
+#: Speed of the body to which the couplers are attached, by level.
 PULLED = {1: "state_speed", 2: "state_body_speed"}
-#: Ways: its speed is held in a macro step; the same with the mean force of the step; goes on as in the step before;
-#: both sides take values of the step before (Jacobi); the train carries a vehicle of its mass, corrected by its speed.
+#: Methods. With 'held' the vehicle's speed is constant in a macro step. 'mean' is the same with the mean force of the
+#: step. 'extrapolated' continues the speed as in the step before. With 'jacobi' both sides take values of the step
+#: before. With 'corrected' the train contains a vehicle of the same mass, corrected by the detailed one's speed.
 WAYS = ("held", "mean", "extrapolated", "jacobi", "corrected")
-#: Kept beside 1: eigenvalues that only say that place and speed of the whole have no steady value.
+#: Margin above 1 for eigenvalues of the train's free position and speed.
 NEUTRAL = 1e-6
 SPEED_AT = VEHICLES + PLACE
 Matrix = NDArray[np.float64]
 
 
 def consist_of(coupler: Coupler) -> Consist:
-    """A locomotive and coaches with the mass of the detailed one."""
+    """Return a locomotive and coaches with the mass of the detailed one."""
     own = replace(coach(), mass=MASS, rotating_share=ROTATING, resistance=(0.0, 0.0, 0.0), coupler=coupler, length=20.0)
     head = replace(locomotive(), coupler=coupler, resistance=(0.0, 0.0, 0.0))
     return Consist((head, *[own] * (VEHICLES - 1)))
@@ -45,7 +47,7 @@ def consist_of(coupler: Coupler) -> Consist:
 
 @dataclass
 class MixedTrain:
-    """The train, its vehicle in detail, and how they are coupled; `forces`: of all couplers behind each step [N]."""
+    """The train, its detailed vehicle, and their coupling; `forces`: of all couplers after each step [N]."""
 
     train: Train
     vehicle: Kernel
@@ -62,7 +64,7 @@ class MixedTrain:
         return now + gained / 2 if self.way == "extrapolated" else now
 
     def step(self, size: float) -> None:
-        """One macro step [s]."""
+        """Advance by one macro step [s]."""
         train = self.train
         train.inputs["external_vehicle"][PLACE] = 2.0 if self.way == "corrected" else 1.0
         train.inputs["external_vehicle_speed"][PLACE] = self._led_speed()
@@ -79,7 +81,7 @@ class MixedTrain:
 
 
 def mixed(coupler: Coupler, level: int, way: str, share: float = 0.4) -> MixedTrain:
-    """At SPEED, couplers without force."""
+    """Return the train at SPEED, with couplers without force."""
     train = Train(consist_of(coupler), speed=SPEED, settings=Settings(share=share))
     vehicle = prepare("vehicle", level=level, initial_speed=SPEED)
     vehicle.initialise()
@@ -90,7 +92,7 @@ def mixed(coupler: Coupler, level: int, way: str, share: float = 0.4) -> MixedTr
 
 
 def _chain(stiffness: float, led: bool) -> Matrix:
-    """Slopes of places and speeds of the train without brakes; its vehicle's speed is given, or free."""
+    """Return the state matrix of places and speeds of the train without brakes; one vehicle's speed may be given."""
     masses = np.array([one.mass * (1 + one.rotating_share) for one in consist_of(rigid()).vehicles])
     n = len(masses)
     stiff = np.zeros((n, n))
@@ -105,14 +107,16 @@ def _chain(stiffness: float, led: bool) -> Matrix:
 
 
 def _ends(stiffness: float) -> Matrix:
-    """Forward force of both couplers on the vehicle from places [N/m]."""
+    """Return the forward force of both couplers on the vehicle per displacement [N/m]."""
     row = np.zeros(2 * VEHICLES)
     row[PLACE - 1 : PLACE + 2] = stiffness * np.array([1.0, -2.0, 1.0])
     return row
 
 
 def _held_exactly(slopes: Matrix, drive: Matrix, size: float) -> tuple[Matrix, Matrix]:
-    """What a time makes of a state, and of inputs that are held."""
+    """Return the transition matrices over a time, of the state and of inputs that are constant over it (zero-order
+    hold).
+    """
     n, m = slopes.shape[0], drive.shape[1]
     whole = expm(size * np.block([[slopes, drive], [np.zeros((m, n + m))]]))
     return whole[:n, :n], whole[:n, n:]
@@ -128,7 +132,7 @@ class Linear:
 
 
 def linear_vehicle(level: int) -> Linear:
-    """From the exact Jacobian of its kernel; it rolls freely."""
+    """Return the linear vehicle from the exact Jacobian of its kernel; it rolls freely."""
     vehicle = prepare("vehicle", level=level, initial_speed=SPEED)
     vehicle.initialise()
     vehicle.advance(1.0)
@@ -147,7 +151,7 @@ def linear_vehicle(level: int) -> Linear:
 
 
 def growth(way: str, size: float, stiffness: float, vehicle: Linear) -> float:
-    """Largest modulus of what a macro step makes of small disturbances, linear couplers [1]; 1: they stay."""
+    """Return the spectral radius of a macro step with linear couplers [1]; 1: disturbances neither grow nor decay."""
     n, m = 2 * VEHICLES, len(vehicle.c)
     own, driven = _held_exactly(vehicle.a, vehicle.b, size)
     chain = _chain(stiffness, led=way != "corrected")
@@ -160,7 +164,7 @@ def growth(way: str, size: float, stiffness: float, vehicle: Linear) -> float:
     give[SPEED_AT, :n] = 0.0
     give[SPEED_AT, n : n + m] = vehicle.c * (1.5 if way == "extrapolated" else 1.0)
     give[SPEED_AT, n + m] = -0.5 if way == "extrapolated" else 0.0
-    if way == "corrected":  # it lies where the corrected speed has brought it
+    if way == "corrected":  # it is at the place to which the corrected speed has moved it
         give[PLACE, n : n + m] = size / 2 * vehicle.c
         give[PLACE, SPEED_AT] = -size / 2
     after = train @ give
@@ -176,7 +180,7 @@ def growth(way: str, size: float, stiffness: float, vehicle: Linear) -> float:
 
 
 def boundary(way: str, stiffness: float, vehicle: Linear, least: float = 1e-4, most: float = 0.2) -> float:
-    """Largest stable macro step [s] with linear couplers; 0 or infinity where there is none within these."""
+    """Return the largest stable macro step [s] with linear couplers; 0 or infinity if it is outside the range."""
 
     def beyond(size: float) -> float:
         return growth(way, size, stiffness, vehicle) - 1.0 - NEUTRAL
@@ -193,20 +197,20 @@ def boundary(way: str, stiffness: float, vehicle: Linear, least: float = 1e-4, m
 
 # ---- as it runs ------------------------------------------------------------------------------------------------------
 
-#: Steps of a run that shows whether a disturbance [m/s] grows, its last quarter held against the one before; of
-#: 'corrected', which begins to grow slowly; steps of the couplers, of their limit; and how close to the boundary it is
-#: looked for [1].
+#: Steps of a run that shows whether a disturbance grows, by comparing its last two quarters. Steps of 'corrected',
+#: which grows slowly at first. The disturbance [m/s]; steps of the couplers over their limit [1];
+#: resolution of the boundary [1].
 STEPS, SLOW, DISTURBANCE, FINE, RESOLUTION = 600, 6000, 1e-3, 0.05, 0.01
 
 
 def spring(stiffness: float) -> Coupler:
-    """The same both ways, without friction [N/m]."""
+    """Return a coupler of equal stiffness in both directions, without friction [N/m]."""
     bar = Curve((0.0, 1.0), (0.0, stiffness))
     return Coupler("spring", stiffness, (bar, bar), (bar, bar))
 
 
 def grows(way: str, level: int, stiffness: float, size: float) -> bool:
-    """Whether a small disturbance of a train that rolls grows in macro steps of this size [s]."""
+    """Return whether a small disturbance of a rolling train grows in macro steps of this size [s]."""
     one = mixed(spring(stiffness), level, way, share=FINE)
     state = one.train.motion
     state[1:3, PLACE - 1] += DISTURBANCE
@@ -215,7 +219,7 @@ def grows(way: str, level: int, stiffness: float, size: float) -> bool:
     for _ in range(steps):
         try:
             one.step(size)
-        except (SimulationError, ValueError):  # it has grown out of what its level or the train can say
+        except (SimulationError, ValueError):  # it has left the range of its level or of the train
             return True
         apart.append(np.abs(one.forces[-1]).max())
         if apart[-1] > 30 * max(apart[:20]) > 0.0:
@@ -224,7 +228,7 @@ def grows(way: str, level: int, stiffness: float, size: float) -> bool:
 
 
 def found_boundary(way: str, level: int, stiffness: float, paper: float) -> float:
-    """Largest step [s] in which none grows, looked for from three quarters of what paper says; bisection."""
+    """Return the largest step [s] without growth, by bisection from 0.75 to 1.25 of the predicted one."""
     low, high = 0.75 * paper, 1.25 * paper
     if grows(way, level, stiffness, low) or not grows(way, level, stiffness, high):
         return float("nan")

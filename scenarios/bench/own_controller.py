@@ -6,7 +6,7 @@ from brake_controller.wheel_slide import APPLY, HOLD, VENT
 
 
 class FixedSlip:
-    """The whole controller: a reference that falls at 1 m/s2, and two fixed slips. It never looks at the true speed."""
+    """The whole controller: a reference that falls at 1 m/s2, and two fixed slips. It does not use the true speed."""
 
     def __init__(self) -> None:
         self.time, self.reference = 0.0, 0.0

@@ -1,4 +1,4 @@
-"""The most that a rail can give: what a run with the best slip at every instant would take."""
+"""Largest available deceleration on a rail: a run with the best slip at every instant."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -19,27 +19,31 @@ from rbd_model.levels.resistance import curve_share
 
 
 def load_of(machine: Machine, values: Mapping[str, float]) -> float:
-    """Mass [kg] that its body, the counted one, has among these values beyond its own."""
+    """Return the mass [kg] of the payload of its body, the counted one, among these values."""
     name = f"{machine.counted}_mass"
     empty = machine.parameters.values()[name]
     return values.get(name, empty) - empty
 
 
 def held_back(rail: Mapping[str, float]) -> float:
-    """Share of the weight that a gradient and a curve (rbd_model/levels/resistance.py) hold back beside the brakes."""
+    """Return the share of the weight that a gradient and a curve (rbd_model/levels/resistance.py) add to the braking
+    force.
+    """
     curve = float(ca.evalf(curve_share(ca.SX(abs(rail.get("curvature", 0.0))))))
     return math.sin(math.atan(rail.get("gradient", 0.0))) + rail.get("curve_resistance", 0.0) * curve
 
 
 class PeakAdhesion:
-    """Largest deceleration that a rail can give, from a machine's own equations: the creep force at its best slip.
+    """Largest deceleration that a rail allows, from a vehicle's own equations: the creep force at its best slip.
 
-    In the plane. rail: inputs and parameters of the machine with its cylinders, and equipment: as `Run` has them. With
-    traction it is the largest acceleration. filling: share of the full pressure so long after the demand [s]; by
-    default by flow of air.
+    The model is planar. With traction it is the largest acceleration.
+
+    rail: inputs and parameters of the vehicle with its cylinders, and equipment, as in `Run`.
+    filling: share of the full pressure as a function of the time since the
+    demand [s]; by default from the air flow model.
     """
 
-    #: Slip ratios that are tried, and instants of a stop that are looked at.
+    #: Tested slip ratios, and number of evaluated instants of a stop.
     SLIPS, INSTANTS = np.geomspace(2e-3, 0.4, 28), 50
 
     def __init__(
@@ -64,7 +68,9 @@ class PeakAdhesion:
         self.values = {one.name: one.start for one in model.variables} | dict(rail)
 
     def at(self, distance: float, speed: float, slip: float) -> float:
-        """Deceleration [m/s2] with all wheelsets at a slip ratio, their loads those at rest; driven, acceleration."""
+        """Return the deceleration [m/s2] with all wheelsets at a slip ratio and loads at rest; driven, the
+        acceleration.
+        """
         place, machine, sign = self.place.copy(), self.machine, -1.0 if self.driven else 1.0
         if SANDERS in self.equipment:
             place[self.states.index("sanded_way")] = max(distance - self.sanded_from, 0.0)
@@ -77,23 +83,32 @@ class PeakAdhesion:
         return -sign * sum(self.kernel[f"creep_force_{number}"] for number in machine.numbers) / self.mass
 
     def best(self, distance: float, speed: float) -> tuple[float, float]:
-        """Largest deceleration [m/s2], and the slip ratio at which it is reached."""
+        """Return the largest deceleration [m/s2], and the slip ratio at which it is reached."""
         found = [self.at(distance, speed, slip) for slip in self.SLIPS]
         return max(found), float(self.SLIPS[int(np.argmax(found))])
 
     def stopping_distance(self, speed: float, strength: float = 1.0) -> float:
-        """Distance [m] from `speed` with the best slip wherever the brake, as it fills, asks for as much.
+        """Return the distance [m] of a stop with the best slip, or with the brake's deceleration where that is lower.
 
-        strength: torque over that of the full brake.
+        If the brake limits the deceleration everywhere, the result is the brake's distance and independent of the rail:
+        see `used`.
 
-        Where it asks for less than the rail gives, it is the brake's distance and says nothing of the rail: see `used`.
+        Parameters
+        ----------
+        speed : float
+            Initial speed [m/s].
+        strength : float
+            Torque over that of the full brake [1].
 
-        Raises ValueError where the rail stops nothing within the longest time of a stop.
+        Raises
+        ------
+        ValueError
+            If the vehicle does not stop within the longest time of a stop.
         """
         return self._distance(speed, STANDING, strength)
 
     def starting_distance(self, start: float, speed: float, strength: float = 1.0) -> float:
-        """The same of a machine with traction, from `start` to `speed` [m/s]."""
+        """Return the distance [m] of a vehicle with traction from `start` to `speed` [m/s], with the best slip."""
         return self._distance(start, speed, strength)
 
     def _distance(self, start: float, end: float, strength: float) -> float:
@@ -117,9 +132,9 @@ class PeakAdhesion:
         return float(found.y[0, -1])
 
     def used(self, stop: Stop) -> np.ndarray:
-        """Braking force over the largest that the rail gives at that speed and place, shape (INSTANTS,).
+        """Return the braking force over the largest that the rail allows at that speed and place, shape (INSTANTS,).
 
-        From the first to the last instant at which the machine was braked and faster than ABOVE.
+        The instants span the interval in which the vehicle was braked and faster than ABOVE.
         """
         course = stop.course
         looked_at = np.flatnonzero(course.braked(ABOVE))
@@ -128,7 +143,9 @@ class PeakAdhesion:
         return np.asarray(-course.creep_force[instants].sum(axis=1) / largest)
 
     def asked(self, time: float, speed: float, start: float, strength: float) -> float:
-        """Deceleration, or driven acceleration, that brake or motors ask for [m/s2]; start: speed at which it began."""
+        """Return the deceleration, or driven acceleration, demanded of brake or motors [m/s2]; start: initial speed
+        [m/s].
+        """
         since, machine = time - BRAKE_START, self.machine
         motor = self.motor_share(speed, since) * self.values.get("motor_torque", 0.0)
         if self.driven:
@@ -141,9 +158,10 @@ class PeakAdhesion:
         return (by_motor + friction) * machine.deceleration(full, self.load)
 
     def motor_share(self, speed: float, since: float) -> float:
-        """Torque of a motor that was asked for all of it so long ago [s], over its largest; 0 without a motor.
+        """Return the torque of a motor over its largest [1], at a time after its full demand [s]; 0 without a motor.
 
-        Written anew: the rig, whose motors are those of brake_controller/motors.py, is checked against this.
+        This is an independent implementation: the rig, whose motors are those of brake_controller/motors.py, is checked
+        against it.
         """
         if "motor_torque" not in self.values or since <= 0.0:
             return 0.0
@@ -153,7 +171,7 @@ class PeakAdhesion:
         return share * fades * (1.0 - 20.0 ** (-since / self.values["motor_rise_time"]))
 
     def pad_friction(self, speed: float, start: float) -> float:
-        """Of pads on discs that took all energy of motion since the start, and lost none by cooling."""
+        """Return the friction of pads on discs that absorbed all kinetic energy since the start, without cooling."""
         v, machine = self.values, self.machine
         motion = self.mass * (start**2 - speed**2) / 2 * v["disc_heat_share"]
         warmer = motion / (len(machine.numbers) * v["disc_mass"] * v["disc_heat_capacity"])

@@ -11,19 +11,19 @@ from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
 from rbd_model.contact.profiles import Profile, read_profile
 from scenarios.scenario import BadInputError, Options
 
-#: Diameter of the wheels and distance of the flanges' backs where none is given, and distance of the nominal contact,
-#: the tape circle, from the back [mm] (EN 13715, EN 15302).
+#: Default diameter of the wheels, default distance of the flanges' backs, and distance of the nominal contact, the tape
+#: circle, from the back [mm] (EN 13715, EN 15302).
 DIAMETER, FLANGE_BACK, TAPE_CIRCLE = 920.0, 1360.0, 70.0
-#: Distance of the rails' y = 0 where no gauge is given [mm]: so EN 15302 lays its reference rails.
+#: Default distance of the rails' y = 0 [mm], as for the reference rails of EN 15302.
 RAILS_APART = 1500.0
-#: How far a profile reaches at least to both sides of y = 0 [mm]; less, and it has lost its tread or is in metres.
+#: Least reach of a profile to both sides of y = 0 [mm]; a shorter one has lost its tread or is in metres.
 LEAST_REACH = 20.0
 
 Given = TypeVar("Given")
 
 
 def sides_from_files(options: Options) -> Sides:
-    """The wheelset and track that the options describe. Raises BadInputError."""
+    """Return the wheelset and track that the options describe. Raises BadInputError."""
     if not options.wheel or not options.rail:
         missing = "--rail" if options.wheel else "--wheel"
         raise BadInputError(f"Give {missing} FILE too: conicity needs a wheel on a rail, and there is no {missing}.")
@@ -37,7 +37,7 @@ def sides_from_files(options: Options) -> Sides:
         Side(
             wheel,
             rail,
-            # The diameter is that of the tape circle, wherever the file has its z = 0.
+            # The diameter is that of the tape circle, regardless of the file's z = 0.
             within("--diameter", diameter, " mm", 200.0, 2000.0) / 2e3 + float(wheel.height(np.array(0.0))),
             (backs / 2 + TAPE_CIRCLE) / 1e3,
             half_distance(rail, options.gauge),
@@ -48,7 +48,7 @@ def sides_from_files(options: Options) -> Sides:
 
 
 def left_and_right(option: str, given: Sequence[Given]) -> tuple[Given, Given]:
-    """Two values, or one for both sides."""
+    """Return two values, or one for both sides."""
     if len(given) > 2:
         raise BadInputError(f"Give {option} once for both sides or twice, left and right: there were {len(given)}.")
     return given[0], given[-1]
@@ -63,7 +63,7 @@ def within(option: str, value: float, unit: str, least: float, most: float) -> f
 def profiles(
     option: str, paths: Sequence[Path], inclination: float = 0.0, gauge_sides: Sequence[str | None] = (None,)
 ) -> tuple[Profile, Profile]:
-    """Of the left and of the right side; the same one where it is one file."""
+    """Return the profiles of the left and of the right side; the same object if they come from one file."""
     files, kind = left_and_right(option, paths), option.removeprefix("--")
     left, right = zip(files, left_and_right("--gauge-side", gauge_sides), strict=True)
     read = {one: profile(one[0], kind, inclination, one[1]) for one in {left: None, right: None}}
@@ -86,7 +86,7 @@ def profile(path: Path, kind: str, inclination: float = 0.0, gauge_side: str | N
 
 
 def half_distance(rail: Profile, gauge: float | None) -> float:
-    """From the middle of the track to the rail's y = 0 [m]."""
+    """Return the distance from the middle of the track to the rail's y = 0 [m]."""
     if gauge is None:
         return RAILS_APART / 2e3
     half = within("--gauge", gauge, " mm", 500.0, 2000.0) / 2e3
@@ -99,13 +99,13 @@ def half_distance(rail: Profile, gauge: float | None) -> float:
 
 
 def reaches_gauge_depth(rail: Profile) -> bool:
-    """Whether the profile has its gauge face (EN 13848-1)."""
+    """Return whether the profile includes its gauge face (EN 13848-1)."""
     height = rail.height(np.linspace(*rail.limits, 10001))
     return bool(height[0] < np.max(height) - GAUGE_DEPTH)
 
 
 def gauge_of(sides: Sides) -> float | None:
-    """Between the gauge faces [m]; None where a rail has none."""
+    """Return the distance between the gauge faces [m]; None if a rail lacks its gauge face."""
     both = sides.both
     if not all(reaches_gauge_depth(side.rail) for side in both):
         return None

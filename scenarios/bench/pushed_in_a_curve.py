@@ -8,12 +8,12 @@ from products.coach import COACH, NUMBERS
 from rbd_model.track.line import Line, arc, clothoid, line_of, straight
 from scenarios.bench.drive import prepare_on_line
 
-#: Radius [m], speed at which it enters [m/s], and when nothing changes any more [s].
+#: Radius [m], speed at the entry [m/s], and time of steady running [s].
 RADIUS, SPEED, SETTLED = 300.0, 10.0, 25.0
 
 
 def curve() -> Line:
-    """To the left, without cant."""
+    """Return a curve to the left, without cant."""
     before, behind = straight(30.0), arc(400.0, RADIUS)
     return line_of([before, clothoid(60.0, before, behind), behind])
 
@@ -27,7 +27,7 @@ class Guided:
 
 
 def pushed(compression: float) -> Guided:
-    """Both couplers are pushed by a force [N]; below zero they are pulled."""
+    """Return the steady state with both couplers pushed by a force [N]; below zero they are pulled."""
     both = {"coupler_force_front": -compression, "coupler_force_rear": compression}
     coach = prepare_on_line("vehicle", curve(), level=3, contact_model=2.0, initial_speed=SPEED, **both)
     coach.initialise()
@@ -38,5 +38,8 @@ def pushed(compression: float) -> Guided:
 
 
 def on_paper(compression: float) -> float:
-    """What both couplers push aside [N], along the track where they are: F a / R each, a half of their distance."""
+    """Return the lateral force of both couplers [N], along the track at their places:
+
+    F a / R each, a half of their distance.
+    """
     return compression * COACH.coupler_distance / RADIUS

@@ -1,4 +1,4 @@
-"""The QR30 bogie of the experiment (chapter 8): its parameters as an FMU takes them, and what is recorded."""
+"""The QR30 bogie of the experiment (chapter 8): its parameters by names of the FMU, and its recorded variables."""
 
 from rbd_model.levels.models import recommend_level
 from rbd_model.vehicle.parameters import tables_8_1_and_8_2
@@ -21,7 +21,7 @@ RECORDED = (
 
 
 def bogie_parameters(names: set[str], pressure: int) -> dict[str, float]:
-    """Parameters of a run at a pressure [kPa], as far as the FMU has these names."""
+    """Return the parameters of a run at a pressure [kPa] that are among these names of the FMU."""
     level = recommend_level(("brake_torque_2",), RECORDED).level
     return {name: value for name, value in tables_8_1_and_8_2().values().items() if name in names} | {
         "level": level,

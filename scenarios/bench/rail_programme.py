@@ -1,4 +1,4 @@
-"""A programme of rails for wheel-slide protection, in two halves: one to choose its thresholds on, one to report."""
+"""A test suite of rails for wheel-slide protection, in two halves: one to choose its thresholds on, one to report."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from scenarios.bench.peak_adhesion import PeakAdhesion
 
 #: Friction, whether it falls with sliding speed as in Polach's low set, and initial speeds [m/s].
 FRICTIONS, FALLS, SPEEDS = (0.04, 0.06, 0.08, 0.10, 0.12, 0.15), (False, True), (15.0, 25.0, 40.0)
-#: Leaves on a wet rail: factor on its friction, and where they begin [m]; they lie over 100 m.
+#: Leaves on a wet rail: factor on its friction, and their first place [m]; they extend over 100 m.
 LEAVES, BEGINNINGS, LEAVES_LENGTH = (0.15, 0.25), (40.0, 80.0), 100.0
 
 
@@ -30,7 +30,7 @@ class Trial:
 
 
 def programme() -> list[Trial]:
-    """All trials: every friction with and without its fall from every speed, then wet rails with leaves."""
+    """Return all trials: every friction with and without its fall from every speed, then wet rails with leaves."""
     trials = []
     for friction, falls, speed in product(FRICTIONS, FALLS, SPEEDS):
         condition = RailCondition(friction, low().law if falls else constant_friction(), verified=False)
@@ -42,18 +42,18 @@ def programme() -> list[Trial]:
 
 
 def for_choosing() -> list[Trial]:
-    """Every second trial, from the first on: those that thresholds may be chosen on."""
+    """Return every second trial from the first on, to choose thresholds."""
     return programme()[::2]
 
 
 def for_reporting() -> list[Trial]:
-    """The others, on which no threshold was chosen."""
+    """Return the other trials, which no threshold was chosen on."""
     return programme()[1::2]
 
 
 @dataclass(frozen=True)
 class Score:
-    """A stop: its distance over the ideal, None where it did not come to rest, and the longest lock [s]."""
+    """Result of a stop: its distance over the ideal, None if it did not come to rest, and the longest lock [s]."""
 
     trial: Trial
     over_ideal: float | None

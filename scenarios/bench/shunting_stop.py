@@ -1,8 +1,8 @@
-"""A locomotive and five wagons stop from 25 km/h, for any number of stops at once, with what spreads from stop to stop.
+"""A locomotive and five wagons stop from 25 km/h: any number of stops at once, with randomly distributed inputs.
 
-Rules and inputs are those of RailProfAC/ShuntingBrakingCurves (MIT), published with the means of 1e7 stops. Its
-program adds the locomotive's brake force twice, and the way of the demand along the train stretches the filling of a
-cylinder in place of shifting it. `Rules` has both, and what is right beside.
+Rules and inputs are those of RailProfAC/ShuntingBrakingCurves (MIT), published with the means of 1e7 stops. Its program
+adds the locomotive's brake force twice. There the delay of the demand along the train stretches the filling of a
+cylinder instead of shifting it. `Rules` has both variants, and the correct ones.
 """
 
 import math
@@ -17,17 +17,17 @@ Array = NDArray[np.float64]
 
 GRAVITY, KILOMETRES_PER_HOUR = 9.81, 3.6
 SPEED = 25.0 / KILOMETRES_PER_HOUR
-#: The demand runs along the train at this speed [m/s]; lengths of locomotive and wagons [m].
+#: Propagation speed of the demand along the train [m/s]; lengths of locomotive and wagons [m].
 PROPAGATION, LOCOMOTIVE_LENGTH, WAGON_LENGTH = 250.0, 10.5, 14.0
-#: Masses [kg]; that of a wagon counts more for what turns.
+#: Masses [kg]; factor on a wagon's mass for its rotating parts [1].
 LOCOMOTIVE_MASS, WAGONS, WAGON_MASS, TURNING = 53e3, 5, 90e3, 1.04
 #: The locomotive's brake force [N]: its percentage is 105 (56 t on 53 t), its deceleration by 0.0075 lambda + 0.076
 #: rounded to 0.01 m/s2, at every speed.
 LOCOMOTIVE_FORCE = LOCOMOTIVE_MASS * 0.86
 #: Cylinder [m2], return spring [N], ratio of the rigging, blocks of a wagon.
 PISTON, RETURN_FORCE, RATIO, BLOCKS = math.pi / 4 * 0.406**2, 1500.0, 5.65, 16
-#: Mean and standard deviation of what is normally distributed: cylinder pressure [Pa], efficiency of the rigging, and
-#: a factor of the friction.
+#: Mean and standard deviation of normally distributed inputs: cylinder pressure [Pa], efficiency of the rigging, and a
+#: factor of the friction.
 PRESSURE, EFFICIENCY, FRICTION = (380e3, 5e3), (0.83, 0.02), (1.0, 0.025)
 #: Composite blocks: mu = 0.055 (F + 200 kN) / (F + 50 kN) (V + 150) / (V + 75), V in km/h.
 AT_MOST_LOAD, FORCES, SPEEDS = 0.055, (200e3, 50e3), (150.0 / KILOMETRES_PER_HOUR, 75.0 / KILOMETRES_PER_HOUR)
@@ -35,12 +35,12 @@ AT_MOST_LOAD, FORCES, SPEEDS = 0.055, (200e3, 50e3), (150.0 / KILOMETRES_PER_HOU
 RESISTANCE, REFERENCE = (1.6e-3, 5.7e-3), 27.8
 #: Step of the published program, and of the method of second order here [s]: half of it moves means by 1e-4.
 PUBLISHED_STEP, STEP = 0.01, 0.1
-#: So many stops are computed at once, which fit into the cache of a processor.
+#: Number of stops that are computed at once, which fit into the cache of a processor.
 CHUNK = 2000
 
 
 class Position(NamedTuple):
-    """Filling of a cylinder: time and its standard deviation [s], and the share of the pressure that comes at once."""
+    """Filling of a cylinder: time and its standard deviation [s], and the share of the pressure that is immediate."""
 
     filling: float
     spread: float
@@ -51,7 +51,7 @@ POSITIONS = {"G": Position(24.0, 2.0, 0.1), "P": Position(4.0, 0.33, 0.0)}
 
 
 class Rules(NamedTuple):
-    """Whether the locomotive's force counts a second time, and whether the way of the demand shifts the filling."""
+    """Options: the locomotive's force counts twice; the delay of the demand shifts the filling."""
 
     locomotive_twice: bool
     shifted: bool
@@ -62,7 +62,7 @@ PUBLISHED, ONCE, SHIFTED = Rules(True, False), Rules(False, False), Rules(False,
 
 @dataclass(frozen=True)
 class Draws:
-    """What spreads, of each wagon and stop, shape (wagons, stops).
+    """Random inputs of each wagon and stop, shape (wagons, stops).
 
     force: of all blocks with the cylinder full [N]. factor: of the friction, and efficiency of the rigging.
     """
@@ -72,12 +72,12 @@ class Draws:
     filling: Array
 
     def part(self, first: int) -> "Draws":
-        """The next CHUNK stops."""
+        """Return the next CHUNK stops."""
         return Draws(*(np.ascontiguousarray(one[:, first : first + CHUNK]) for one in vars(self).values()))
 
 
 def draw(position: Position, stops: int, seed: int) -> Draws:
-    """Wagons of so many stops."""
+    """Return random wagons of `stops` stops."""
     generator = np.random.default_rng(seed)
 
     def normal(mean: float, deviation: float) -> Array:
@@ -88,13 +88,13 @@ def draw(position: Position, stops: int, seed: int) -> Draws:
 
 
 def delays() -> Array:
-    """When the demand reaches the head of each wagon [s], shape (wagons, 1)."""
+    """Return the time at which the demand reaches the head of each wagon [s], shape (wagons, 1)."""
     heads = LOCOMOTIVE_LENGTH + WAGON_LENGTH * np.arange(WAGONS, dtype=float)
     return np.asarray(heads[:, None] / PROPAGATION)
 
 
 def retardation(position: Position, rules: Rules, draws: Draws) -> Callable[[float, Array], Array]:
-    """Retardation of each stop [m/s2] at a time [s] and speeds [m/s] (Newton's second law)."""
+    """Return the retardation of each stop [m/s2] as a function of time [s] and speeds [m/s] (Newton's second law)."""
     late, once = delays(), position.at_once
     filling, late = (draws.filling, late) if rules.shifted else (draws.filling + late, np.zeros_like(late))
     rate, per_block = (1 - once) / filling, draws.force / BLOCKS
@@ -115,7 +115,11 @@ def retardation(position: Position, rules: Rules, draws: Draws) -> Callable[[flo
 
 
 def as_published(of: Callable[[float, Array], Array], stops: int) -> Array:
-    """Distances [m] by Euler's method, the new speed over each step: its last one may end below 0, as it does there."""
+    """Return distances [m] by Euler's method, with the new speed over each step.
+
+    The last step may end below 0, as in
+    the published program.
+    """
     speed, distance, time = np.full(stops, SPEED), np.zeros(stops), 0.0
     while np.any(speed > 0.0):
         moves = speed > 0.0
@@ -126,7 +130,7 @@ def as_published(of: Callable[[float, Array], Array], stops: int) -> Array:
 
 
 def to_standstill(of: Callable[[float, Array], Array], stops: int) -> Array:
-    """Distances [m] by Heun's method of second order, exactly to the end of the last step's constant retardation."""
+    """Return distances [m] by Heun's method of second order, exact to rest within the last step's retardation."""
     speed, distance, step = np.full(stops, SPEED), np.zeros(stops), 0
     while np.any(speed > 0.0):
         first = of(step * STEP, speed)
@@ -139,7 +143,7 @@ def to_standstill(of: Callable[[float, Array], Array], stops: int) -> Array:
 
 
 def distances(name: str, rules: Rules, stops: int, seed: int, published_method: bool = False) -> Array:
-    """Stopping distances [m] of a position, G or P; one seed gives the same wagons under all rules."""
+    """Return the stopping distances [m] of a position, G or P; one seed gives the same wagons under all rules."""
     position = POSITIONS[name]
     draws = draw(position, stops, seed)
     method = as_published if published_method else to_standstill

@@ -1,4 +1,4 @@
-"""Runs of trains with what is looked at: courses over time and along the train, build-up time, propagation."""
+"""Runs of trains and their evaluation: courses over time and along the train, build-up time, propagation."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from products.train.train import Train
 
 #: Lengths of a locomotive and of a wagon [m], and pressure of a full cylinder [Pa].
 LOCOMOTIVE, WAGON, FULL = 19.0, 14.0, 380e3
-#: A cylinder that begins to fill [Pa].
+#: Pressure of a cylinder that begins to fill [Pa].
 BEGUN = 10e3
 Numbers = NDArray[np.float64]
 
 
 def train_of(length: float, **values: object) -> Consist:
-    """Locomotive and loaded wagons of a length [m], to half a wagon; values: of `block_train`."""
+    """Return a locomotive and loaded wagons of a length [m], to half a wagon; values: of `block_train`."""
     return block_train(round((length - LOCOMOTIVE) / WAGON), **values)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
 class Course:
-    """By time [s] and vehicle or coupling: gauge pressures [Pa], tension [N], speed [m/s], distance [m], speed of
-    wheels.
+    """Gauge pressures [Pa], tension [N], speed [m/s], distance [m] and wheel speed [m/s], by time [s] and vehicle or
+    coupling.
     """
 
     time: Numbers
@@ -39,7 +39,7 @@ class Course:
     wheel: Numbers
 
     def recording(self) -> Recording:
-        """Head, middle and end."""
+        """Return the recording of head, middle and end."""
         last = self.pipe.shape[1] - 1
         units = {"time": "s", "speed": "m/s", "distance": "m"}
         rows = [self.time, self.speed[:, 0], self.distance[:, 0]]
@@ -51,18 +51,29 @@ class Course:
         return Recording(units, np.array(rows).T)
 
     def begun(self) -> Numbers:
-        """When each cylinder begins to fill [s]; not a number where none does."""
+        """Return the time at which each cylinder begins to fill [s]; NaN if it does not."""
         on = self.cylinder > BEGUN
         return np.where(on.any(axis=0), self.time[on.argmax(axis=0)], np.nan)
 
     @property
     def braking_distance(self) -> float:
-        """Of the head from the first time on [m]."""
+        """Return the distance of the head from the first time on [m]."""
         return float(self.distance[-1, 0] - self.distance[0, 0])
 
 
 def follow(train: Train, seconds: float, interval: float = 0.1, act: Callable[[Train], bool] | None = None) -> Course:
-    """Goes on and records; act: called before each interval, ends the run with True."""
+    """Advance a train and record it.
+
+    Parameters
+    ----------
+    train : Train
+    seconds : float
+        Time to simulate [s].
+    interval : float
+        Recording interval [s].
+    act : callable, optional
+        Called before each interval; True ends the run.
+    """
     rows: list[list[Numbers]] = []
 
     def look() -> None:
@@ -80,28 +91,28 @@ def follow(train: Train, seconds: float, interval: float = 0.1, act: Callable[[T
 
 
 def seconds_of(courses: Iterable[Course]) -> float:
-    """Simulated by all that begin at rest of the clock [s]."""
+    """Return the time simulated by all courses, each of which begins at the clock's zero [s]."""
     return float(sum(course.time[-1] for course in courses))
 
 
 def stands(train: Train) -> bool:
-    """All vehicles stand."""
+    """Return whether all vehicles are at rest."""
     return bool((train.speed == 0.0).all())
 
 
 def stop(train: Train, interval: float = 0.1, longest: float = 300.0) -> Course:
-    """Until all stand."""
+    """Advance until all vehicles are at rest."""
     return follow(train, longest, interval, stands)
 
 
 def build_up_time(course: Course) -> float:
-    """Equivalent: how long a brake that is there at once may wait, int (1 - mean share of full pressure) dt [s]."""
+    """Return the equivalent delay of an immediate brake, int (1 - mean share of full pressure) dt [s]."""
     share = np.clip(course.cylinder / FULL, 0.0, 1.0).mean(axis=1)
     return float(np.trapezoid(1.0 - share, course.time))
 
 
 def propagation(course: Course, length: float) -> float:
-    """Speed [m/s] at which cylinders begin to fill, beyond the first tenth of the train."""
+    """Return the speed [m/s] at which cylinders begin to fill, beyond the first tenth of the train."""
     begun = course.begun()
     first = len(begun) // 10
     return length * (len(begun) - 1 - first) / len(begun) / float(begun[-1] - begun[first])

@@ -1,4 +1,4 @@
-"""Wheel-slide controllers that are tuned over drawn stops: thresholds of the protection, and a small policy; by CMA-ES.
+"""Wheel-slide controllers tuned over random stops: thresholds of the protection, and a small policy; by CMA-ES.
 
 Half of the stops are for choosing, the others for reporting: their seeds are even, or odd.
 """
@@ -25,35 +25,35 @@ from products.study.points import process_pool
 from scenarios.reporting.progress import counting
 
 Numbers = NDArray[np.float64]
-#: Controllers are asked, and steps of the integration taken, every so many seconds.
+#: Period of the controllers and of the integration steps [s].
 SETTINGS = Settings(period=10e-3)
-#: A stop that still runs then costs what it would on its way until the longest time [s].
+#: Longest time of a stop [s], to which the cost of an unfinished stop is extrapolated.
 PATIENCE = 200.0
-#: Thresholds that are tuned, each by a factor on the common one; the width of the band of slips is one of them.
+#: Tuned thresholds, each by a factor on the common one; the width of the band of slips is one of them.
 TUNED = ("lower_slip", "band_of_slips", "evident_slip", "lead_time", "calm_time", "synchronising_period")
-#: Steps in which the search begins, of the logarithm of a threshold and of a weight.
+#: Initial steps of the search, of the logarithm of a threshold and of a weight.
 FIRST_FACTORS, FIRST_WEIGHTS = 0.2, 0.5
-#: Time constant of the filters of the policy [s], and the fastest that its reference may fall [m/s2].
+#: Time constant of the policy's filters [s], and fastest fall of its reference [m/s2].
 FILTER, FALLS = 0.04, 4.4
-#: What the policy knows of a wheelset: see `Policy`.
+#: Number of inputs of a wheelset to the policy: see `Policy`.
 KNOWS = 7
 
 
 def for_choosing(count: int) -> list[Run]:
-    """So many drawn stops of the bogie with even seeds."""
+    """Draw `count` stops of the bogie with even seeds."""
     return [drawn_run(np.random.default_rng(2 * number), 2) for number in range(count)]
 
 
 def for_reporting(count: int) -> list[Run]:
-    """So many others, with odd seeds."""
+    """Draw `count` other stops, with odd seeds."""
     return [drawn_run(np.random.default_rng(2 * number + 1), 2) for number in range(count)]
 
 
 @dataclass(frozen=True)
 class Played:
-    """What stops cost (cost.py), their distances over those of wheels that roll, and their longest locks [s].
+    """Costs of stops (cost.py), their distances over those of rolling wheels, and their longest locks [s].
 
-    All have the shape (stops,); a distance is NaN where there was no stop.
+    All have the shape (stops,); a distance is NaN if the run did not stop.
     """
 
     cost: Numbers
@@ -61,7 +61,7 @@ class Played:
     longest_lock: Numbers
 
     def line(self, name: str) -> str:
-        """As a line of a table; stops that were none are not in the mean of the distances."""
+        """Return a line of a table; the mean of the distances excludes runs that did not stop."""
         distances = self.over_rolling[~np.isnan(self.over_rolling)]
         mean = f"{distances.mean():8.3f}" if distances.size else "       -"
         return (
@@ -74,7 +74,7 @@ HEADS = f"{'':12}{'cost':>8}{'s/s0':>8}{'lock':>8}{'none':>6}"
 
 
 def play(controller: ManyControllers, runs: Sequence[Run]) -> Played:
-    """Makes these stops under a controller of many machines."""
+    """Run these stops under a controller of many vehicles."""
     waiting, unused = iter(runs), np.random.default_rng(0)
     draw, step = (lambda random, wheelsets: next(waiting)), SETTINGS.period
     own = Environment(bogie(), SETTINGS, len(runs), draw, privileged=True, step=step)
@@ -95,13 +95,13 @@ def play(controller: ManyControllers, runs: Sequence[Run]) -> Played:
 
 
 class Applied:
-    """All brakes stay applied."""
+    """A controller that keeps all brakes applied."""
 
     def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
-        """It remembers nothing."""
+        """Start without a state."""
 
     def step(self, time: Numbers, wheel_speeds: Numbers) -> NDArray[np.integer]:
-        """Commands of all."""
+        """Return the commands of all vehicles."""
         return np.zeros(wheel_speeds.shape, np.int32)
 
 
@@ -109,19 +109,19 @@ class Applied:
 
 
 class Protections:
-    """The protection of each machine, with the same thresholds; those of machines that stand are asked no more."""
+    """The protection of each vehicle, with the same thresholds; that of a vehicle at rest is no longer called."""
 
     def __init__(self, thresholds: SlideProtectionParameters) -> None:
         self.thresholds = thresholds
 
     def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
-        """All begin."""
+        """Start the protections of all vehicles."""
         self.each = [SlideProtection(self.thresholds) for _ in range(count)]
         self.commands = np.zeros((count, wheelsets), np.int32)
         self.before = np.full((count, wheelsets), -1.0)
 
     def step(self, time: Numbers, wheel_speeds: Numbers) -> NDArray[np.integer]:
-        """Commands of all."""
+        """Return the commands of all vehicles."""
         stands = ~wheel_speeds.any(axis=1) & ~self.before.any(axis=1) & (time > 10.0)
         self.before = wheel_speeds.copy()
         for row, (at, speeds) in enumerate(zip(time.tolist(), wheel_speeds.tolist(), strict=True)):
@@ -131,7 +131,7 @@ class Protections:
 
 
 def thresholds_of(factors: Sequence[float] | Numbers) -> SlideProtectionParameters:
-    """The common thresholds times these factors (TUNED), given by their logarithms."""
+    """Return the common thresholds times these factors (TUNED), given by their logarithms."""
     common, times = common_protection(), dict(zip(TUNED, np.exp(factors).tolist(), strict=True))
     band = (common.upper_slip - common.lower_slip) * times.pop("band_of_slips")
     changed = {name: getattr(common, name) * factor for name, factor in times.items()}
@@ -139,12 +139,12 @@ def thresholds_of(factors: Sequence[float] | Numbers) -> SlideProtectionParamete
 
 
 def cost_of_thresholds(runs: Sequence[Run], factors: Sequence[float]) -> float:
-    """The mean over these stops."""
+    """Return the mean cost over these stops."""
     return float(play(Protections(thresholds_of(factors)), runs).cost.mean())
 
 
 def tuned_thresholds(runs: Sequence[Run], generations: int, processes: int = 2) -> SlideProtectionParameters:
-    """Thresholds that CMA-ES found on these stops, in as many processes."""
+    """Return the thresholds that CMA-ES found on these stops, in `processes` processes."""
     with process_pool(processes) as pool:
         every = partial(pool.map, partial(cost_of_thresholds, runs))
         best = least(lambda points: list(every(points)), [0.0] * len(TUNED), FIRST_FACTORS, generations)
@@ -155,11 +155,12 @@ def tuned_thresholds(runs: Sequence[Run], generations: int, processes: int = 2) 
 
 
 class Policy:
-    """A linear policy: each wheelset's command is the largest of three sums, the one to apply being 0.
+    """A linear policy: each wheelset's command is the largest of three sums; the sum of "apply" is 0.
 
-    It knows of each wheelset its slip behind a reference, that of the slowest, its filtered acceleration, whether it
-    was held and whether it was vented, how slow the reference is, and 1. The reference is the fastest wheel's speed,
-    which falls at most as fast as the last weight says. weights: shape (machines, 2 KNOWS + 1), or one row for all.
+    Its inputs for each wheelset are the slip relative to a reference, the slip of the slowest, the filtered
+    acceleration, the last hold and vent commands, the slowness of the reference, and 1. The reference is the fastest
+    wheel's speed, with its rate of fall limited by the last weight. weights: shape (machines, 2 KNOWS + 1), or one row
+    for all.
     """
 
     def __init__(self, weights: Numbers) -> None:
@@ -168,13 +169,13 @@ class Policy:
         self.falls = FALLS / (1.0 + np.exp(-every[:, -1]))
 
     def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
-        """All begin."""
+        """Start all vehicles."""
         self.reference, self.period = np.zeros(count), period
         self.speed, self.slope = np.zeros((count, wheelsets)), np.zeros((count, wheelsets))
         self.commands = np.zeros((count, wheelsets), np.int64)
 
     def step(self, time: Numbers, wheel_speeds: Numbers) -> NDArray[np.integer]:
-        """Commands of all."""
+        """Return the commands of all vehicles."""
         share = self.period / (self.period + FILTER)
         change = (wheel_speeds - self.speed) * share
         self.speed += change
@@ -194,14 +195,14 @@ class Policy:
 
 
 def first_weights() -> Numbers:
-    """Vents above a slip of some 0.2, holds above 0.1, and applies all brakes as it comes to rest."""
+    """Return weights that vent above a slip of some 0.2, hold above 0.1, and apply all brakes near rest."""
     weights = np.zeros((KNOWS, 2))
     weights[0], weights[5], weights[6] = (5.0, 10.0), (-10.0, -20.0), (-0.5, -2.0)
     return np.append(weights.ravel(), 0.0)
 
 
 def trained_policy(runs: Sequence[Run], generations: int) -> Policy:
-    """What CMA-ES found on these stops: all candidates of a generation stop at once, in one vector."""
+    """Return the policy that CMA-ES found on these stops; all candidates of a generation run at once, in one vector."""
 
     def costs(points: Sequence[Numbers]) -> list[float]:
         rows = np.repeat(np.array(points), len(runs), axis=0)
@@ -217,7 +218,7 @@ def trained_policy(runs: Sequence[Run], generations: int) -> Policy:
 def least(
     costs: Callable[[Sequence[Numbers]], list[float]], first: Sequence[float] | Numbers, step: float, generations: int
 ) -> Numbers:
-    """The middle of the last generation of CMA-ES, from a first place, with the same random numbers each time."""
+    """Return the mean of the last generation of CMA-ES, from a first place, with the same random numbers each time."""
     try:
         import cma
     except ImportError as missing:

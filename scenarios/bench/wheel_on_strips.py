@@ -1,4 +1,4 @@
-"""One wheel by strips as the level `spatial` has it at contact model 3: compiled alone, and asked where it stands."""
+"""One wheel by strips, the contact model 3 of the level `spatial`: compiled alone, and evaluated at given positions."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,16 +17,16 @@ from rbd_model.contact.normal import Steel
 from rbd_model.contact.strips import WheelVelocity
 from rbd_model.contact.strips_in_c import ARGUMENTS, OF_SEGMENT, segments_of, wheel_on_strips
 
-#: Of every depth here: constant friction as a `Surface`, and a creepage speed that changes nothing at a speed of metres
-#: a second [m/s].
+#: Constant friction of every contact model here as a `Surface`, and a creepage speed that has no effect at metres a
+#: second [m/s].
 CONSTANT_FRICTION, NO_SPEED = (1.0, 0.0, 0.0, 1.0, 1.0), 1e-6
-#: An approach at which any contact carries more than is asked for [m], and how well it is found [m].
+#: An approach at which any contact carries more than the required load [m], and its resolution [m].
 MOST_APPROACH, FOUND = 0.5e-3, 1e-13
 
 
 @lru_cache
 def library_of_wheel(pair: Pair, steel: Steel, gauge_face: float = 1.0) -> Library:
-    """A left wheel of the pair; its inputs and outputs are numbered as the part's arguments and results.
+    """Return a left wheel of the pair; its inputs and outputs are numbered as the part's arguments and results.
 
     gauge_face: factor on the friction of the rail's gauge face.
     """
@@ -38,15 +38,15 @@ def library_of_wheel(pair: Pair, steel: Steel, gauge_face: float = 1.0) -> Libra
     results = system.call(part, ca.vertcat(*given), ca.SX(fixed))
     for i, result in enumerate(ca.vertsplit(results)):
         system.output(Variable(f"found_{i}", "output", "1", f"Result {i}"), result)
-    none = system.state("none", "1", 0.0, 1.0)  # a kernel has a state
+    none = system.state("none", "1", 0.0, 1.0)  # a kernel has at least one state
     system.derivative(none, -none)
     return Library(build_library(model_of(system, 1e-6)))
 
 
 @dataclass(frozen=True)
 class PressedWheel:
-    """What the rail does to the wheel, ahead, outwards and up [N], and for each segment from the flange outwards; place
-    on the rail [m], contact angle [rad], largest pressure [Pa].
+    """Forces of the rail on the wheel, ahead, outwards and up [N], for each segment from the flange outwards; place on
+    the rail [m], contact angle [rad], largest pressure [Pa].
     """
 
     forces: np.ndarray
@@ -56,14 +56,14 @@ class PressedWheel:
 
     @property
     def force(self) -> np.ndarray:
-        """Of all segments together [N]."""
+        """Return the sum of all segments [N]."""
         return np.asarray(np.sum(self.forces, axis=0))
 
 
 def press_wheel(
     pair: Pair, steel: Steel, friction: float, stand: Stand, motion: WheelVelocity, gauge_face: float = 1.0
 ) -> PressedWheel:
-    """The wheel at its stand, in motion; gauge_face: factor on the friction of the rail's gauge face."""
+    """Return the wheel at its stand, in motion; gauge_face: factor on the friction of the rail's gauge face."""
     kernel = Kernel(library_of_wheel(pair, steel, gauge_face))
     axes = np.array(ca.evalf(turned_by(direction_cosines(ca.SX(stand.yaw), ca.SX(stand.roll)))))
     own = axes.T @ np.array(motion.rotation)
@@ -79,7 +79,9 @@ def press_wheel(
 def wheel_under_load(
     pair: Pair, steel: Steel, friction: float, stand: Stand, motion: WheelVelocity, load: float
 ) -> PressedWheel:
-    """The wheel at the height at which the vertical force on it is the load [N]; that of the stand is not used."""
+    """Return the wheel at the height at which the vertical force on it is the load [N]; the height of `stand` is not
+    used.
+    """
     top, _ = touching(pair, stand)
 
     def at(approach: float) -> PressedWheel:

@@ -24,18 +24,18 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
-#: What a user asks for: relative error of peak lateral displacement, stop time and distance.
+#: Relative error of peak lateral displacement, stop time and distance that a user needs.
 WANTED = 1e-4
-#: Of the default tolerance itself: a tenth of what is asked for.
+#: Limit of the error at the default tolerance: a tenth of the needed one.
 EXPECTED = 1e-5
-#: The stop that the project measures itself by [s]: 20 kN.m on both wheelsets from 25 m/s.
+#: The project's reference stop [s]: 20 kN.m on both wheelsets from 25 m/s.
 STOP = replace(STANDING, name="22.9 s stop", duration=22.9)
-#: Bands of that stop: 1 ms of 16.9 s, 1 mm of 211 m; and of the peak over flange contact: 0.01 mm of 1.57 mm.
+#: Tolerances of that stop: 1 ms of 16.9 s, 1 mm of 211 m; and of the peak over flange contact: 0.01 mm of 1.57 mm.
 STOP_TIME, DISTANCE, PEAK = 1e-3, 1e-3, 1e-5
 HOST_STEPS = (1e-3, 5e-3, 1e-2)
-#: Tolerances at which CVODE and IDA run through the stop, each so often.
+#: Tolerances at which CVODE and IDA run through the stop, and number of runs at each.
 TOLERANCES, RUNS = (1e-4, 1e-5, 1e-6, 1e-7), 2
-#: Style of each line: colour, marker, dashes. Ours are filled and thick, those of others open.
+#: Style of each line: colour, marker, dashes. Ours are filled and thick, third-party ones open.
 STYLE = {
     DEFAULT: ("#0072b2", "o", "-"),
     "ROS34PW2": ("#56b4e9", "s", "-"),
@@ -58,7 +58,7 @@ STYLE = {
 
 
 def all_studies(short: bool = False, scenes: tuple[Scene, ...] = (*SCENES, ON_PATCHES, ON_STRIPS)) -> list[Study]:
-    """The studies of all scenes, with a bar; `short`: one setting of each method."""
+    """Return the studies of all cases, with a bar; `short`: one setting of each method."""
     total = sum(len(list(works(scene, short))) for scene in scenes)
     with counting(total=total, text="runs", unit="run") as bar:
 
@@ -73,7 +73,9 @@ def all_studies(short: bool = False, scenes: tuple[Scene, ...] = (*SCENES, ON_PA
 
 
 def scene_rows(one: Study) -> list[Row]:
-    """The default's error at its own tolerance, judged; and who reaches the wanted error first, and by how much."""
+    """Return the default's error at its own tolerance, with a limit; and the fastest method at the needed error, with
+    its lead.
+    """
     name, source = one.scene.name, f"reference {one.references[0]}, uncertain by {one.uncertainty:.1e}"
     default = one.at(DEFAULT, DEFAULT_TOLERANCE)
     of_default, words = f"{name}: error of the default", "relative, the largest"
@@ -106,7 +108,7 @@ def scene_rows(one: Study) -> list[Row]:
 
 
 def stop_rows() -> list[Row]:
-    """The stop in one long step, its errors, and CVODE at about equal error."""
+    """Return the stop in one long step, its errors, and CVODE at about equal error."""
     exact = STOP.measure(own(STOP, tolerance=1e-11).samples)
     found = STOP.measure(own(STOP).samples)
     late, beyond = (found[name] - exact[name] for name in ("stop time", "distance"))
@@ -137,7 +139,9 @@ def stop_rows() -> list[Row]:
 
 
 def sundials_stop_rows(exact: dict[str, float], ours: float) -> list[Row]:
-    """The fastest way of CVODE and IDA through the stop to an error of `EXPECTED`, at whichever tolerance passes."""
+    """Return the fastest run of CVODE and of IDA through the stop with an error of at most `EXPECTED`, at any
+    tolerance.
+    """
     rows = []
     for method in sundials.METHODS if sundials.is_installed() else ():
         runs = [(sundials.sundials(STOP, method, value), value) for value in TOLERANCES for _ in range(RUNS)]
@@ -155,7 +159,10 @@ def one_step(scene: Scene) -> None:
 
 
 def host_rows() -> list[Row]:
-    """Torque that changes at each host step: ours, and CVODE started anew at each, at the same tolerance and looser."""
+    """Return the cost of a torque that changes at each communication step.
+
+    The rows compare our kernel with CVODE, which restarts at each step, at the same tolerance and at a looser one.
+    """
     rows = []
     for step in HOST_STEPS:
         exact = sundials.hosted_seconds("own", step, 1e-10)[1]
@@ -174,7 +181,7 @@ def host_rows() -> list[Row]:
 
 
 def failures(studies: list[Study]) -> list[str]:
-    """One sentence for each failure."""
+    """Return one message for each failure."""
     return [
         f"{one.scene.name}, {point.method} at {point.setting:g}: {point.reason.rstrip('.')}."
         for one in studies
@@ -205,7 +212,9 @@ def run(options: Options) -> Report:
 
 
 def series_of(studies: list[Study]) -> Recording:
-    """All points as rows: number, setting, error (NaN: failed), seconds, right-hand sides; names are in the JSON."""
+    """Return all points as rows: number, setting, error (NaN: failed), seconds, right-hand sides; names are in the
+    JSON.
+    """
     points = [(one, point) for one in studies for point in one.points]
     series = Recording({"point": "1"}, [[number] for number in range(len(points))])
     columns = {"setting": "1", "error": "1", "seconds": "s", "right_hand_sides": "1"}
@@ -237,7 +246,7 @@ def draw(studies: list[Study], against: str) -> Figure:
 
 
 def message(studies: list[Study], against: str) -> str:
-    """How many times what the default needs to the wanted error the fastest peers need, over the scenes."""
+    """Return the title: the cost of the fastest peers over that of the default at the needed error, over all cases."""
     fastest = ((one.fastest([DEFAULT], WANTED), one.fastest(PEERS, WANTED)) for one in studies)
     times = [getattr(peer, against) / getattr(own, against) for own, peer in fastest if own and peer]
     words = {"seconds": "time", "right_hand_sides": "evaluations"}[against]
@@ -246,7 +255,7 @@ def message(studies: list[Study], against: str) -> str:
     return f"To errors of {WANTED:g} peers take {min(times):.1f} to {max(times):.1f} times our {words}"
 
 
-#: Where failures are drawn, and the least error shown.
+#: Error at which failures are drawn, and the least error shown.
 FAILED, LEAST = 3.0, 1e-11
 
 

@@ -17,9 +17,9 @@ from scenarios.reporting.plots import label_edges, plt, titled
 from scenarios.reporting.report import Report, Row, at_most, measured
 from scenarios.scenario import Options, Scenario
 
-#: Relative error of the distance that an engineer needs, and that of the default at most.
+#: Relative error of the distance that an engineer needs, and largest error of the default.
 WANTED, EXPECTED = 1e-4, 1e-5
-#: Colour, marker and dashes of each way. Ours are filled, those of others open; fixed steps are dotted.
+#: Colour, marker and dashes of each method. Ours are filled, third-party ones open; fixed steps are dotted.
 STYLE = {
     BATCH: ("#0072b2", "o", "-"),
     f"{BATCH}, {FIXED}": ("#0072b2", "s", ":"),
@@ -28,12 +28,14 @@ STYLE = {
     IN_THREADS: ("#d55e00", "h", "--"),
     **dict(zip(IN_PROCESSES, (("#999999", "D", "--"), ("#999999", "P", "--"), ("#999999", "X", "--")), strict=True)),
 }
-#: Where failures are drawn, and the least error shown.
+#: Error at which failures are drawn, and the least error shown.
 FAILED, LEAST = 1.0, 1e-11
 
 
 def level_rows(found: Study, level: str) -> list[Row]:
-    """What is judged, errors and bits; and stops a second at the default, and at the wanted error against others."""
+    """Return the rows with limits, errors and bit identity; and stops a second at the default, and at the needed error
+    against third-party methods.
+    """
     rows = []
     source = f"measured now, {os.cpu_count()} processors"
     [batch] = [one for one in found.of(level, BATCH) if one.setting == DEFAULT_TOLERANCE]
@@ -73,7 +75,7 @@ def message(found: Study) -> str:
 
 
 def series_of(found: Study) -> Recording:
-    """All points as rows: number, setting, error (NaN: failed), stops a second; names are in the JSON."""
+    """Return all points as rows: number, setting, error (NaN: failed), stops a second; names are in the JSON."""
     series = Recording({"point": "1"}, [[number] for number in range(len(found.rates))])
     for column, unit in {"setting": "1", "error": "1", "stops": "1/s"}.items():
         values = [getattr(one, column) for one in found.rates]

@@ -36,11 +36,13 @@ STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 6e-3, 7e-3, 8e-3, 1e-2, 1.4e-
 COUNTS = (1, 2, 5, 10, 20, 50, 100)
 TOLERANCES = (1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 EXPLICIT, EULER, MIDPOINT, SPLIT = "explicit", "implicit Euler", "implicit midpoint", "split at the pipe"
-#: Share that checks the reference; one that lies.
+#: Share that checks the reference; share with wrong results.
 CHECK, LYING = 0.002, 2.0
-#: Trains of few empty wagons, whose slack is chaotic: how many, share of the steps, and changes of their brakes [1].
+#: Trains of few empty wagons, whose slack is chaotic: number of wagons, share of the steps, changes of their brakes
+#: [1].
 FEW, STEADY, CHANGES = (10, 20, WAGONS), 0.004, (1e-12, 1e-10, 1e-8)
-#: What is asked [1]: of the largest compression, of the head's distance, of two references; errors that lie, blow up.
+#: Limits [1]: errors of the largest compression, of the head's distance, and of two references; errors of a wrong run
+#: and of a diverged one.
 FORCE, DISTANCE, AGREE, LIE, BLOWN = 0.01, 1e-4, 1e-4, 0.05, 1.0
 EMPTY = next(name for name, load in LOADS.items() if load == 0.0)
 Work = Callable[[BrakedTrain, float], Found]
@@ -58,7 +60,7 @@ STYLES = {EXPLICIT: "o-", EULER: "^--", MIDPOINT: "v-", SPLIT: "s:", "CVODE": "D
 
 @dataclass(frozen=True)
 class Point:
-    """A method at one setting on one train: errors of force and distance [1], cost [s]; NaN where it failed."""
+    """A method at one setting on one train: errors of force and distance [1], cost [s]; NaN if it failed."""
 
     force: float
     distance: float
@@ -67,11 +69,11 @@ class Point:
 
     @property
     def meets(self) -> bool:
-        """Both that is asked."""
+        """Return whether both errors are within their limits."""
         return self.force <= FORCE and self.distance <= DISTANCE
 
 
-#: By method and setting, then by train.
+#: Points by method and setting, then by train.
 Points = Mapping[tuple[str, float], Mapping[str, Point]]
 
 
@@ -93,13 +95,20 @@ class Study:
         return self.points[EXPLICIT, SHARE]
 
     def both(self, method: str) -> dict[float, Point]:
-        """By setting: the larger errors, and the cost of both trains."""
+        """Return the larger errors and the cost of both trains, by setting."""
         return {at: _joined(list(trains.values())) for (name, at), trains in self.points.items() if name == method}
 
     def cheapest(self, train: str | None = None, explicit: bool = False, safe: bool = False) -> tuple[float, str]:
-        """Of what meets what is asked: cost [s], and its name; of methods other than the default's unless explicit.
+        """Return the cheapest setting that meets the limits: cost [s], and its name.
 
-        train: of this one alone; None: one setting for both. safe: all dearer settings of the method meet it too.
+        Parameters
+        ----------
+        train : str, optional
+            This train alone; None: one setting for both.
+        explicit : bool
+            Explicit steps only, instead of all other methods.
+        safe : bool
+            All dearer settings of the method must meet the limits too.
         """
         found = []
         for method in METHODS:
@@ -114,14 +123,14 @@ class Study:
         return min(found)
 
     def ratio(self, train: str | None = None, safe: bool = False) -> tuple[float, str]:
-        """Cost of the cheapest other method over the default's, and its name."""
+        """Return the cost of the cheapest other method over the default's, and its name."""
         cost, name = self.cheapest(train, safe=safe)
         own = _joined(list(self.default.values())) if train is None else self.default[train]
         return cost / own.cost, name
 
 
 def _joined(points: list[Point]) -> Point:
-    """The larger errors of several trains, and the cost of all."""
+    """Return the larger errors of several trains, and the cost of all."""
     reason = next((one.reason for one in points if one.reason), "")
     force, distance = max(one.force for one in points), max(one.distance for one in points)
     if reason:
@@ -144,7 +153,7 @@ def study() -> tuple[Study, Mapping[str, BrakedTrain]]:
 
 
 def _along(method: str, train: BrakedTrain, reference: Found, costs: Costs) -> dict[float, Point]:
-    """All settings; where one is given up, finer ones are not tried."""
+    """Return all settings; after one over the work limit, finer ones are not run."""
     work, settings, _ = METHODS[method]
     found: dict[float, Point] = {}
     given_up = ""
@@ -170,7 +179,7 @@ def run(options: Options) -> Report:
 
 
 def brakes_of(train: BrakedTrain) -> Recording:
-    """What brakes can hold, as all methods are given it."""
+    """Return the capacity of the brakes, the input of all methods."""
     rows = [[n * RECORDED, row[0], row[len(row) // 2], row[-1]] for n, row in enumerate(train.brake)]
     return Recording({"time": "s", "brake_head": "N", "brake_middle": "N", "brake_end": "N"}, rows)
 
@@ -192,7 +201,9 @@ def judged_rows(found: Study) -> list[Row]:
 
 
 def ratio_rows(found: Study) -> list[Row]:
-    """Other methods against the default and explicit steps, one setting for both trains; where finer runs hold too."""
+    """Return other methods against the default and explicit steps, with one setting for both trains, also where finer
+    runs pass too.
+    """
     rows = []
     for safe, text in ((False, "cheapest other method"), (True, "cheapest other method whose finer settings hold too")):
         ratio, which = found.ratio(safe=safe)
@@ -204,7 +215,7 @@ def ratio_rows(found: Study) -> list[Row]:
 
 
 def alone_rows(found: Study) -> list[Row]:
-    """Of each train by itself: other methods against the default, and against the cheapest explicit steps."""
+    """Return the rows of each train by itself: other methods against the default, and the cheapest explicit steps."""
     rows = []
     for name in LOADS:
         ratio, which = found.ratio(name)
@@ -216,7 +227,7 @@ def alone_rows(found: Study) -> list[Row]:
 
 
 def cost_rows(found: Study) -> list[Row]:
-    """What is measured, and what slack leaves unknown."""
+    """Return the measured costs, and the scatter due to slack."""
     rows = [
         measured("one evaluation of all couplers and vehicles", "us", 1e6 * found.costs.evaluation, "measured"),
         measured("one tridiagonal solution", "us", 1e6 * found.costs.solve, "measured"),

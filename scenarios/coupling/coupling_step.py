@@ -17,14 +17,15 @@ from scenarios.scenario import Options, Scenario
 
 #: Macro steps [s], evenly on a logarithmic axis.
 STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1)
-#: Macro step of the rows that hold one step against paper [s]: the usual one.
+#: Macro step of the rows that compare one step with theory [s]: the usual one.
 SHOWN = 1e-3
-#: Macro step of the rows that hold the size of the error against paper [s]; larger, because lines err so little.
+#: Macro step of the rows that compare the size of the error with theory [s]; larger, because extrapolation has small
+#: errors.
 SIZED = 5e-3
 
 
 def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
-    """Orders, sizes, and what the usual master and macro step cost."""
+    """Return the orders, the sizes, and the error at the usual master and macro step."""
     reference = "reference: one system, SciPy's Radau at 1e-10"
     rows = []
     for name, master in MASTERS.items():
@@ -51,14 +52,16 @@ def error_rows(f: Findings, sized: float, shown: float) -> list[Row]:
 
 
 def chatter_rows(f: Findings, shown: float) -> list[Row]:
-    """Torque as a capacity stands; with sign it never does, and jumps as far as paper says."""
+    """Return the rows of rest: a capacity torque stops the wheels; a signed one never does, and jumps as far as theory
+    predicts.
+    """
     at = f"{1e3 * shown:g} ms"
     standing = max(one.standing for one in (*f.stops.values(), *f.skids.values()))
     rest = f.stops[shown].jump / signed_torque.jump_at_rest(shown)
     skid = f.skids[shown].jump / signed_torque.jump_in_skid(shown)
     width = f.width / signed_torque.width_on_paper(shown)
-    # A force on the wheels of this share of the brake's makes rises rarer and falls more frequent: 1 - share^2 is left
-    # of the jump. It takes tanh off its steepest place, where 1 - share^2 is left of the slope.
+    # A force on the wheels of this share of the brake's makes rises rarer and falls more frequent: 1 - share^2 of the
+    # jump remains. It moves tanh off its steepest point, so that 1 - share^2 of the slope remains.
     swaying = f.capacity.adhesion**2
     sways = f"{at}; the suspension still sways with {f.capacity.adhesion:.2f} of the brake force"
     held = "capacity: wheels at rest, share of the time"
@@ -75,7 +78,7 @@ def chatter_rows(f: Findings, shown: float) -> list[Row]:
 
 
 def boundary_rows(f: Findings) -> list[Row]:
-    """The farthest of all macro steps, for each method."""
+    """Return the largest difference over all macro steps, for each method."""
     rows = []
     for method, found in f.found.items():
         ratios = [found[step] / f.paper[method][step] for step in found]

@@ -1,4 +1,4 @@
-"""A stop by coupled FMUs against the same stop by one solver, over the macro step; and the error on paper."""
+"""A stop by coupled FMUs against the same stop by one solver, over the macro step; and the theoretical error."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ MASTERS = {
     "Jacobi, lines": Master(JACOBI, extrapolated=True),
     "Gauss-Seidel, lines": Master(GAUSS_SEIDEL, extrapolated=True),
 }
-#: What the bogie gets too much of the torque's impulse, in units of h (T - T(0)) held and h^2 (T' - T'(0)) on lines:
-#: the torque at the start or at the end of each step; a tangent, or the chord of the trapezoidal rule.
+#: Surplus of the torque's impulse on the bogie, in units of h (T - T(0)) with zero-order hold, h^2 (T' - T'(0)) with
+#: linear extrapolation. It is that of the torque at the start or at the end of each step, of a tangent, or of the chord
+#: of the trapezoidal rule.
 SURPLUS = {
     (JACOBI, False): -1 / 2,
     (GAUSS_SEIDEL, False): 1 / 2,
@@ -35,11 +36,11 @@ SURPLUS = {
     (GAUSS_SEIDEL, True): 1 / 12,
 }
 INITIAL_SPEED = 3.0
-#: The brake is lightly on at t = 0, a fifth of the full one, and goes to full.
+#: Brake pressure at t = 0, a fifth of the full one, and the full one.
 FIRST_SHARE = 0.2
 #: Time at which the speed is compared [s], and the speed at which the bogie has stopped [m/s].
 MIDWAY, AT_REST = 1.5, 0.05
-#: Longer than any of the stops [s].
+#: Simulated time, longer than any of the stops [s].
 LONGEST = 10.0
 #: Relative error of the reference; a hundredth of the smallest error that is shown.
 REFERENCE_TOLERANCE = 1e-10
@@ -59,7 +60,7 @@ class CoupledStop:
 
 
 def torque_at(time: float) -> float:
-    """The brake's law with a constant shoe friction, solved by hand [N.m]."""
+    """Return the torque of the brake's law with a constant shoe friction, solved analytically [N.m]."""
     return FULL_TORQUE * (1.0 - (1.0 - FIRST_SHARE) * math.exp(-RATE * time))
 
 
@@ -68,7 +69,7 @@ def torque_rate_at(time: float) -> float:
 
 
 def reference() -> CoupledStop:
-    """The bogie's equations with the torque inside, in one system: SciPy's Radau with the exact Jacobian."""
+    """Return the stop of one system, the bogie with the torque inside, by SciPy's Radau with the exact Jacobian."""
     kernel = prepare("bogie", **bogie_values(INITIAL_SPEED))
     kernel.initialise()
     torques = [kernel.library.index[f"brake_torque_{wheelset}"] for wheelset in (1, 2)]
@@ -106,7 +107,7 @@ def reference() -> CoupledStop:
 
 
 def coupled_stop(brake: FmuInstance, bogie: FmuInstance, master: Master, step: float) -> CoupledStop:
-    """The stop by coupled FMUs; the instant is found within its macro step, by going back and trying a part of it."""
+    """Return the stop by coupled FMUs. The instant is located within its macro step by repeated partial steps."""
     bogie.restart(bogie_values(INITIAL_SPEED))
     start_brake(brake, FIRST_SHARE * FULL_PRESSURE)
     brake.set(pressure_demand=FULL_PRESSURE)
@@ -134,7 +135,7 @@ def coupled_stop(brake: FmuInstance, bogie: FmuInstance, master: Master, step: f
 
 
 def error_on_paper(master: Master, step: float, stop: CoupledStop) -> CoupledStop:
-    """Leading term: the surplus of the torque's impulse, through the rolling bogie's mass."""
+    """Return the leading term of the error: the surplus of the torque's impulse over the mass of the rolling bogie."""
     factor = -acceleration_per_torque() * SURPLUS[master.method, master.extrapolated]
     end = stop.time
     if master.extrapolated:
@@ -150,5 +151,5 @@ def error_on_paper(master: Master, step: float, stop: CoupledStop) -> CoupledSto
 
 
 def order(steps: Sequence[float], errors: Sequence[float]) -> float:
-    """Slope of the error over the macro step, both as logarithms."""
+    """Return the slope of the error over the macro step, both as logarithms."""
     return float(np.polyfit(np.log(steps), np.log(np.abs(errors)), 1)[0])

@@ -1,9 +1,9 @@
-"""Slip fed back to the brake through the master: the gain at which the loop begins to grow, on paper and by FMUs.
+"""Slip fed back to the brake through the master: the gain at which the loop becomes unstable, by theory and by FMUs.
 
-The bogie is braked at a steady speed: a drawbar force, the pull of a gradient, balances the brake, so that the run that
-is disturbed does not change in time. The master lowers the pressure demand in proportion to the slip ratio of the
-trailing wheelset, which carries less and slips first: demand = p0 - K (slip ratio - its steady value).
-Loop gain: K times the slip ratio that a steady change of pressure makes; 1: the brake gives way as much as it was on.
+The bogie is braked at a steady speed. A drawbar force, the pull of a gradient, balances the brake, so that the
+undisturbed run is constant in time. The master lowers the pressure demand in proportion to the slip ratio of the
+trailing wheelset, which carries less and slips first: demand = p0 - K (slip ratio - its steady value). The loop gain is
+K times the slip ratio per steady change of pressure; at 1 the brake decreases as much as it was increased.
 """
 
 import math
@@ -35,19 +35,19 @@ STEADY = {
     "drawbar_force": 2 * TORQUE / BOGIE.wheel_radius,
 }
 FEEDBACK = "slip_ratio_2"
-#: The oscillations of the suspension are gone after this time [s].
+#: Time after which the oscillations of the suspension have decayed [s].
 SETTLING = 20.0
-#: Distance from 1 of eigenvalues that only say that place, rotation and speed have no steady value of their own.
+#: Distance from 1 of the eigenvalues of free place, rotation and speed.
 NEUTRAL = 1e-4
-#: From gain to gain on the way up to the boundary.
+#: Ratio of successive gains in the search for the boundary.
 STRIDE = 1.1
-#: Macro steps of a run that shows whether a disturbance grows. Its last quarter is held against the one before.
+#: Macro steps of a run that shows whether a disturbance grows, by comparing its last two quarters.
 STEPS = 200
-#: A disturbance that has shrunk to this share has decayed: what is left of it may be the solvers' own errors.
+#: Share of a disturbance below which it has decayed: the residual may be the solvers' own errors.
 DECAYED = 0.1
-#: First disturbance: of the pressure at most, relative; and of the demand that answers it, so that this stays small.
+#: First disturbance: of the pressure at most, relative; and of the resulting demand, so that this stays small.
 DISTURBANCE, ANSWER = 0.01, 0.05
-#: Gains tried, over the one on paper, and how close the found one is.
+#: Tested gains over the theoretical one, and resolution of the boundary.
 GAINS, RESOLUTION = (0.5, 2.0), 0.003
 
 
@@ -62,14 +62,15 @@ class Plant:
 
 
 def linear_bogie() -> Plant:
-    """From the exact Jacobian of the kernel in the FMU. The torque enters the equations as a factor: b is exact too."""
+    """Return the plant from the exact Jacobian of the kernel in the FMU; b is exact too: the torque is a factor."""
     kernel = prepare("bogie", **bogie_values(SPEED), **STEADY)
     kernel.advance(SETTLING)
     names, place = list(planar_vehicle(two_axle_bogie(BOGIE)).states), kernel.linearise().state
     a = np.array(kernel.jacobian_at(kernel.time, place))
     b = _slopes(kernel, place, TORQUE + 1.0) - _slopes(kernel, place, TORQUE)
     c = np.array([kernel.directional([FEEDBACK], {f"state_{name}": 1.0})[0] for name in names])
-    # Not by solving A x = -b: the speed has no steady value. After a while the slip ratio has, which does not see it.
+    # A x = -b cannot be solved: the speed has no steady value. The slip ratio, which is independent of it, settles in
+    # time.
     settled = _held(a, b, SETTLING)
     return Plant(a, b, c, float(c @ settled[1]))
 
@@ -80,7 +81,7 @@ def _slopes(kernel: Kernel, place: list[float], torque: float) -> np.ndarray:
 
 
 def _held(a: np.ndarray, b: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Exact step of x' = A x + b u with u held: x -> first x + second u."""
+    """Return the exact step of x' = A x + b u with constant u (zero-order hold): x -> first x + second u."""
     count = len(b)
     whole = block_diag(a, 0.0)
     whole[:count, count] = b
@@ -89,10 +90,10 @@ def _held(a: np.ndarray, b: np.ndarray, step: float) -> tuple[np.ndarray, np.nda
 
 
 def loop_matrix(plant: Plant, method: str, step: float) -> Callable[[float], np.ndarray]:
-    """One macro step of the closed loop, by its gain: states of the bogie and torque of the brake.
+    """Return one macro step of the closed loop by its gain: states of the bogie and torque of the brake.
 
-    Inputs are held in between. The cylinder is a lag: T -> e T - (1 - e) gain / g c x. The bogie gets the torque at the
-    start (Jacobi) or, after the brake's turn, at the end of the step (Gauss-Seidel).
+    Inputs are constant in between (zero-order hold). The cylinder is a lag: T -> e T - (1 - e) gain / g c x. The bogie
+    gets the torque at the start (Jacobi) or, after the brake's step, at the end of the step (Gauss-Seidel).
     """
     free, driven = _held(plant.a, plant.b, step)
     decay = math.exp(-step * TIME_CONSTANTS_TO_95_PERCENT / APPLICATION_TIME)
@@ -107,7 +108,7 @@ def loop_matrix(plant: Plant, method: str, step: float) -> Callable[[float], np.
 
 
 def boundary_on_paper(plant: Plant, method: str, step: float) -> float:
-    """Least loop gain at which a motion of the loop no longer decays: an eigenvalue of modulus 1."""
+    """Return the least loop gain at which a motion of the loop no longer decays: an eigenvalue of modulus 1."""
     matrix = loop_matrix(plant, method, step)
 
     def margin(gain: float) -> float:
@@ -121,13 +122,13 @@ def boundary_on_paper(plant: Plant, method: str, step: float) -> float:
 
 
 def pressure_per_slip(plant: Plant) -> float:
-    """K at loop gain 1 [Pa per slip ratio]."""
+    """Return K at loop gain 1 [Pa per slip ratio]."""
     return 1.0 / (plant.steady_gain * TORQUE_PER_PRESSURE)
 
 
 @dataclass
 class ClosedLoop:
-    """Brake and bogie FMU on their steady run, to be disturbed again and again; the bogie's steady state is saved."""
+    """Brake and bogie FMU on their steady run, for repeated disturbances; the bogie's steady state is saved."""
 
     brake: FmuInstance
     bogie: FmuInstance
@@ -139,13 +140,13 @@ class ClosedLoop:
         self._state, self._slip = self.bogie.save(), self.bogie[FEEDBACK]
 
     def close(self) -> None:
-        """Frees the saved state."""
+        """Free the saved state."""
         self.bogie.forget(self._state)
 
     def answer(self, method: str, step: float, gain: float) -> np.ndarray:
-        """What the feedback asks for in each macro step beyond the steady pressure [Pa], the cylinder once disturbed.
+        """Return the demand of the feedback above the steady pressure in each macro step [Pa], after one disturbance.
 
-        Ends before its time where the demand would fall below nothing.
+        The run ends early if the demand would become negative.
         """
         self.bogie.restore(self._state)
         start_brake(self.brake, PRESSURE * (1.0 + min(DISTURBANCE, ANSWER / gain)))
@@ -160,7 +161,7 @@ class ClosedLoop:
         return np.array(asked)
 
     def grows(self, method: str, step: float, gain: float) -> bool:
-        """Whether the disturbance grows from step to step; second differences leave out slow swaying."""
+        """Return whether the disturbance grows from step to step; second differences exclude slow swaying."""
         asked = self.answer(method, step, gain)
         if len(asked) < STEPS:
             return True
@@ -168,7 +169,7 @@ class ClosedLoop:
         return bool(last > max(before, DECAYED * first))
 
     def boundary(self, method: str, step: float) -> float:
-        """Least loop gain with which a small disturbance grows, by bisection."""
+        """Return the least loop gain with which a small disturbance grows, by bisection."""
         paper = boundary_on_paper(self.plant, method, step)
 
         def sign(factor: float) -> float:

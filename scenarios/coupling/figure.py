@@ -16,14 +16,14 @@ from scenarios.reporting.plots import BOGIE as GREY
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 
 COLOUR = {JACOBI: LEADING, GAUSS_SEIDEL: TRAILING}
-#: Jacobi larger and hollow, Gauss-Seidel smaller and filled: where both lie on one point both are seen.
+#: Jacobi larger and hollow, Gauss-Seidel smaller and filled: coinciding points remain visible.
 POINT: dict[str, dict[str, Any]] = {
     JACOBI: {"markersize": 8.0, "markerfacecolor": "none", "linestyle": "none"},
     GAUSS_SEIDEL: {"markersize": 4.0, "linestyle": "none"},
 }
-#: Part of the stop that is shown [s], and macro step of the chatter there [s].
+#: Shown part of the stop [s], and macro step of the chatter there [s].
 WINDOW, SHOWN = (0.25, 0.85), 1e-2
-#: Boundaries on paper are drawn through so many macro steps.
+#: Number of macro steps of the theoretical boundaries.
 FINE = 120
 
 

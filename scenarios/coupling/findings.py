@@ -15,13 +15,15 @@ from scenarios.coupling.signed_torque import Chatter
 from scenarios.reporting.progress import counting
 from scenarios.scenario import Options
 
-#: Below, the error of the second order drowns in the solvers' own [s].
+#: Macro step below which the error of second order is smaller than the solvers' own [s].
 FIRST_OF_LINES = 2e-4
 
 
 @dataclass(frozen=True)
 class Findings:
-    """By name and macro step [s]: errors of the stop, chatter of the signed torque, boundaries on paper and found."""
+    """By name and macro step [s]: errors of the stop, chatter of the signed torque, theoretical and measured
+    boundaries.
+    """
 
     stop: CoupledStop
     errors: dict[str, dict[float, CoupledStop]]
@@ -36,12 +38,12 @@ class Findings:
 
 
 def find(steps: Sequence[float], shown: float) -> Findings:
-    """Everything at these macro steps; what needs only one of them, at `shown`."""
+    """Return all results at these macro steps; those that need only one, at `shown`."""
     options, plant, stop = Options(), linear_bogie(), coupling_error.reference()
     with open_brake(options) as brake, open_bogie(options) as bogie:
         brake.start()
         bogie.start()
-        # The long steps first: a bar that starts fast and slows down is better than one that stands still.
+        # The long steps first: the progress bar starts fast and slows down instead of seeming to stop.
         bar = counting(sorted(steps, reverse=True), "coupling-step", unit="macro step")
         errors: dict[str, dict[float, CoupledStop]] = {name: {} for name in MASTERS}
         found: dict[str, dict[float, float]] = {JACOBI: {}, GAUSS_SEIDEL: {}}
@@ -65,7 +67,7 @@ def find(steps: Sequence[float], shown: float) -> Findings:
 
 
 def errors_at(brake: FmuInstance, bogie: FmuInstance, exact: CoupledStop, step: float) -> dict[str, CoupledStop]:
-    """Errors of the stop by master."""
+    """Return the errors of the stop by master."""
     return {
         name: coupling_error.coupled_stop(brake, bogie, master, step).minus(exact)
         for name, master in MASTERS.items()

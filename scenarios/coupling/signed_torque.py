@@ -1,4 +1,4 @@
-"""The torque that must not cross the border: a brake torque with sign, from the wheel speed of the last macro step."""
+"""The torque that must not cross the interface: a signed brake torque, from the wheel speed of the last macro step."""
 
 from dataclasses import dataclass
 
@@ -13,13 +13,13 @@ from scenarios.bench.braked_bogie import acceleration_per_torque, bogie_values
 
 WHEELSETS = (1, 2)
 RECORDED = ("speed", "angular_velocity_1", "angular_velocity_2", "creep_force_1", "creep_force_2")
-#: The stop from a walking pace [m/s]; then time in which the swaying in the suspension dies down, and time to look at
-#: [s], at least so many macro steps.
+#: Initial speed of the stop, a walking pace [m/s]; time in which the suspension's swaying decays [s]; time of the
+#: evaluation [s], and its least number of macro steps.
 STOP_SPEED, SWAYING, LOOK, LOOK_STEPS = 0.5, 2.0, 0.4, 30
 #: The skid: a friction at which the full brake locks the wheels at once.
 SKID_SPEED, SKID_FRICTION, SKID_SECONDS, SKID_STEPS = 10.0, 0.1, 1.5, 150
-#: Widths tried for a smoothed sign, over the one on paper, and how close the least one is found; with jumps below this
-#: share of those with a sharp sign the wheels stand, but for the swaying.
+#: Tested widths of a smoothed sign over the theoretical one, and resolution of the least one; largest jump at rest,
+#: over that of a sharp sign (a residual swaying remains).
 WIDTHS, WIDTH_RESOLUTION, STANDING = (0.5, 2.0), 0.01, 0.05
 
 
@@ -27,10 +27,11 @@ WIDTHS, WIDTH_RESOLUTION, STANDING = (0.5, 2.0), 0.01, 0.05
 class Chatter:
     """Jump of the wheels' rim speed in a macro step, largest speed of the bogie, largest rim speed backward [m/s].
 
-    The jump is the mean of the mean rise and the mean fall: what the torque alone does in a step, because a force that
-    stays (adhesion in a skid, a stretched suspension) adds to the one what it takes from the other.
-    standing: share of the time in which no wheelset turns, not by the last digit. adhesion: largest force of the rails,
-    over that of the brake; on wheels that stand it is the swaying suspension that they hold.
+    The jump is the mean of the mean rise and the mean fall. This is the effect of the torque alone: a constant force
+    (adhesion in a skid, a stretched suspension) increases the one and decreases the other equally.
+
+    standing: share of the time in which the angular velocity of every wheelset is exactly 0. adhesion: largest force of
+    the rails, over that of the brake; at rest it balances the swaying suspension.
     """
 
     jump: float
@@ -42,7 +43,7 @@ class Chatter:
 
 
 def judge(series: Recording, begin: float) -> Chatter:
-    """What the wheels do from a time [s] on."""
+    """Return the chatter of the wheels after a time [s]."""
     late = series["time"] >= begin
     rims = BOGIE.wheel_radius * np.array([series[f"angular_velocity_{number}"][late] for number in WHEELSETS])
     standing = (rims == 0.0).all(axis=0).mean()
@@ -56,9 +57,15 @@ def judge(series: Recording, begin: float) -> Chatter:
 
 
 def play_signed(bogie: FmuInstance, duration: float, step: float, width: float = 0.0) -> Recording:
-    """Brake torques as traction torques against the rotation as it was at the start of each macro step.
+    """Run with brake torques as traction torques against the rotation at the start of each macro step.
 
-    width [rad/s]: the sign is smoothed to tanh(angular velocity / width); 0: not smoothed.
+    Parameters
+    ----------
+    bogie : FmuInstance
+    duration, step : float
+        Simulated time and macro step [s].
+    width : float
+        The sign is smoothed to tanh(angular velocity / width) [rad/s]; 0: not smoothed.
     """
 
     def drive(_: float) -> None:
@@ -74,14 +81,14 @@ def stop_time() -> float:
 
 
 def signed_stop(bogie: FmuInstance, step: float, width: float = 0.0) -> Chatter:
-    """The stop with a signed torque, and what is left of the motion after it."""
+    """Return the residual motion after a stop with a signed torque."""
     bogie.restart(bogie_values(STOP_SPEED))
     begin = stop_time() + SWAYING
     return judge(play_signed(bogie, begin + max(LOOK, LOOK_STEPS * step), step, width), begin)
 
 
 def capacity_stop(bogie: FmuInstance, step: float) -> Chatter:
-    """The same stop with the torque as a capacity."""
+    """Return the same stop with the torque as a capacity."""
     bogie.restart(bogie_values(STOP_SPEED), brake_torque_1=FULL_TORQUE, brake_torque_2=FULL_TORQUE)
     begin = stop_time() + SWAYING
     series = cosimulate([bogie], [], begin + LOOK, step, [(bogie, name) for name in RECORDED])
@@ -89,14 +96,14 @@ def capacity_stop(bogie: FmuInstance, step: float) -> Chatter:
 
 
 def signed_skid(bogie: FmuInstance, step: float) -> Chatter:
-    """Wheels that should be locked while the bogie slides on; looked at over the second half."""
+    """Return the chatter of wheels that should be locked while the bogie slides, over the second half."""
     bogie.restart(bogie_values(SKID_SPEED), friction_1=SKID_FRICTION, friction_2=SKID_FRICTION)
     duration = max(SKID_SECONDS, SKID_STEPS * step)
     return judge(play_signed(bogie, duration, step), duration / 2)
 
 
 def width_that_stands(bogie: FmuInstance, step: float) -> float:
-    """The least smoothing of the sign with which the bogie comes to rest, by bisection [rad/s]."""
+    """Return the least smoothing of the sign with which the bogie comes to rest, by bisection [rad/s]."""
 
     def stands(factor: float) -> float:
         found = signed_stop(bogie, step, factor * width_on_paper(step))
@@ -106,25 +113,29 @@ def width_that_stands(bogie: FmuInstance, step: float) -> float:
 
 
 def rolling_inertia() -> float:
-    """J + m r^2 of a wheelset that rolls [kg.m2]."""
+    """Return J + m r^2 of a rolling wheelset [kg.m2]."""
     return BOGIE.wheelset_pitch_inertia + BOGIE.wheelset_mass * BOGIE.wheel_radius**2
 
 
 def width_on_paper(step: float) -> float:
-    """h T / 2 (J + m r^2): with more, a torque T w/w_eps held over h takes less than twice the speed w [rad/s]."""
+    """Return h T / 2 (J + m r^2) [rad/s]: with more, a torque T w/w_eps constant over h removes less than twice the
+    speed w.
+    """
     return step * FULL_TORQUE / (2 * rolling_inertia())
 
 
 def jump_at_rest(step: float) -> float:
-    """Rolling wheelset that the suspension does not hold, h T r / (J + m r^2): for h below its period [m/s]."""
+    """Return the jump of a rolling wheelset that is free of its suspension, h T r / (J + m r^2), for h below its period
+    [m/s].
+    """
     return step * FULL_TORQUE * BOGIE.wheel_radius / rolling_inertia()
 
 
 def jump_of_whole_bogie(step: float) -> float:
-    """The bogie as one mass: for h above the periods of the suspension [m/s]."""
+    """Return the jump of the bogie as one mass, for h above the periods of the suspension [m/s]."""
     return step * FULL_TORQUE * acceleration_per_torque()
 
 
 def jump_in_skid(step: float) -> float:
-    """Wheelset that turns freely under the sliding bogie, h T r / J [m/s]."""
+    """Return the jump of a wheelset that turns freely under the sliding bogie, h T r / J [m/s]."""
     return step * FULL_TORQUE * BOGIE.wheel_radius / BOGIE.wheelset_pitch_inertia

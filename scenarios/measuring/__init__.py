@@ -1,1 +1,3 @@
-"""What scenarios measure: wall time, throughput and pace; limits of stability; scenes, and exact states of contacts."""
+"""Measurements of scenarios: wall time, throughput and pace; stability limits; test cases, and exact states of
+contacts.
+"""

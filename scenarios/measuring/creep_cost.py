@@ -1,4 +1,4 @@
-"""What a creep law costs as compiled C: value, and value with exact derivatives, at the points of a table."""
+"""Cost of a creep law as compiled C: value, and value with exact derivatives, at the points of a table."""
 
 import ctypes
 import tempfile
@@ -17,16 +17,16 @@ from fmu_src.equations_in_c import equations_in_c
 from rbd_model.contact.creep.kalker import Kalker, kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 
-#: Of a point: creepages (xi_x, xi_y [1], xi_s [1/m]), load [N], friction, semi-axes a, b [m].
+#: Columns of a point: creepages (xi_x, xi_y [1], xi_s [1/m]), load [N], friction, semi-axes a, b [m].
 COLUMNS = 7
-#: The derivatives that a vehicle asks for are by the first four: creepages and load.
+#: A vehicle needs the derivatives by the first four columns: creepages and load.
 DIFFERENTIATED = 4
 #: Shear modulus of steel [Pa].
 SHEAR_MODULUS = 82e9
-#: Calls per measurement; the least of so many measurements counts.
+#: Calls per measurement, and number of measurements, of which the least counts.
 CALLS, REPEATS = 40_000, 5
 
-#: Calls a function at one point after the other, so that the compiler cannot foresee any.
+#: Calls a function at each point in turn, so that the compiler cannot predict any.
 REPEAT = """
 __attribute__((visibility("default")))
 void repeat(int calls, int points, int columns, const double *given, double *found) {
@@ -40,19 +40,19 @@ void repeat(int calls, int points, int columns, const double *given, double *fou
 
 
 def symbols() -> ca.SX:
-    """A point with Kalker's coefficients behind it, which a vehicle gets from elsewhere."""
+    """Return a point, followed by Kalker's coefficients, which a vehicle takes from elsewhere."""
     return ca.SX.sym("point", COLUMNS + 3)
 
 
 def forces(law: CreepLaw, point: ca.SX, chain: Chain) -> ca.SX:
-    """(F_x, F_y) [N] of a law at a point of `symbols`; what parts the law calls are links of the chain."""
+    """Return (F_x, F_y) [N] of a law at a point of `symbols`; calls of the law's parts are links of the chain."""
     creepages, kalker = (point[0], point[1], point[2]), Kalker(point[7], point[8], point[9])
     axes, modulus = (point[5], point[6]), ca.SX(SHEAR_MODULUS)
     return ca.vertcat(*law(ContactPatch(creepages, point[3], point[4], axes, modulus, kalker, chain=chain)))
 
 
 def with_coefficients(points: np.ndarray) -> np.ndarray:
-    """The points with Kalker's coefficients of their ellipses, Poisson's ratio 0.25."""
+    """Return the points with Kalker's coefficients of their ellipses, Poisson's ratio 0.25."""
     ratio = ca.SX.sym("ratio")
     kalker = kalker_coefficients(ratio)
     table = ca.Function("kalker", [ratio], [ca.vertcat(kalker.c11, kalker.c22, kalker.c23)])
@@ -60,7 +60,7 @@ def with_coefficients(points: np.ndarray) -> np.ndarray:
 
 
 def values(law: CreepLaw, points: np.ndarray) -> np.ndarray:
-    """Forces (F_x, F_y) [N] by rows of points."""
+    """Return forces (F_x, F_y) [N] by rows of points."""
     repeat, found = of_law(law), np.zeros((len(points), 2))
     for row, result in zip(np.ascontiguousarray(with_coefficients(points)), found, strict=True):
         repeat(1, 1, row.size, row.ctypes.data, result.ctypes.data)
@@ -69,13 +69,13 @@ def values(law: CreepLaw, points: np.ndarray) -> np.ndarray:
 
 @lru_cache
 def of_law(law: CreepLaw) -> Callable[..., None]:
-    """`repeat` of a law's forces; compiled once, since costly laws are asked several times."""
+    """Return `repeat` of a law's forces; compiled once, since costly laws are evaluated several times."""
     point, chain = symbols(), Chain()
     return compiled(chain, forces(law, point, chain), point)
 
 
 def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
-    """Seconds of one call, on average over the points, the least of several measurements."""
+    """Return the time of one call, on average over the points, the least of several measurements [s]."""
     point, chain = symbols(), Chain()
     result = forces(law, point, chain)
     if derivatives:
@@ -92,7 +92,7 @@ def cost(law: CreepLaw, points: np.ndarray, derivatives: bool) -> float:
 
 
 def compiled(chain: Chain, result: ca.SX, point: ca.SX) -> Callable[..., None]:
-    """`repeat` of C as the project makes it of its own equations, optimised as they are."""
+    """Return `repeat` of C that is generated and optimised as the project's own equations."""
     files = equations_in_c("law", {"law": function_of(chain, "law", [result], [point])})
     files["equations_law.c"] += REPEAT
     with tempfile.TemporaryDirectory() as folder:

@@ -12,13 +12,13 @@ from rbd_model.thesis.program import step as partitioned_step
 from rbd_model.track.irregularity import derivatives_along, section_5_3
 from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2
 
-#: A wheelset of chapter 4 under braking: start [m/s], torque [N.m], length and step [s].
+#: A wheelset of chapter 4 under braking: initial speed [m/s], torque [N.m], duration and step [s].
 SPEED, TORQUE, DURATION, STEP = 15.0, 1e3, 0.08, 5e-4
 
 
 @dataclass(frozen=True)
 class Drift:
-    """Over time [s]: largest constraint residual [m or 1], and how far Euler parameters are from a unit norm."""
+    """Over time [s]: largest constraint residual [m or 1], and distance of the Euler parameters from the unit norm."""
 
     time: np.ndarray
     residual: np.ndarray
@@ -26,7 +26,7 @@ class Drift:
 
 
 def free_step(mechanism: Mechanism, state: State, size: float, inputs: Inputs) -> State:
-    """A Runge-Kutta step of all coordinates: accelerations meet the constraints, positions are left to drift."""
+    """Take a Runge-Kutta step of all coordinates: accelerations meet the constraints, positions may drift."""
     first, second, position, rate = np.zeros((4, mechanism.unknowns))
     for place, weight in STAGES:
         trial = moved(state, place * size, first, second)
@@ -39,7 +39,7 @@ def free_step(mechanism: Mechanism, state: State, size: float, inputs: Inputs) -
 
 
 def drift(partitioned: bool, duration: float = DURATION) -> Drift:
-    """A braked wheelset with or without the partitioning that closes the constraints in each step."""
+    """Run a braked wheelset with or without the partitioning that closes the constraints in each step."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, derivatives_along(section_5_3()))
     inputs, state, rows = Inputs(brake_torque=(TORQUE, 0.0)), rolling(mechanism, SPEED), []
     for _ in range(round(duration / STEP)):

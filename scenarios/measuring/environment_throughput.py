@@ -1,4 +1,4 @@
-"""How many control steps a second environments for learning make, for the rows of `speed`."""
+"""Control steps a second of learning environments, for the rows of `speed`."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from products.protection.environment import Environment
 from products.protection.settings import Settings
 from scenarios.reporting.report import Row
 
-#: Rows, turns that are measured, how often, and how many steps a second are wanted. Single environments of electric
-#: motors make 1100 to 3100 steps a second (gym-electric-motor, published).
+#: Rows, measured turns, repetitions, and the target of steps a second. Single environments of electric motors make 1100
+#: to 3100 steps a second (gym-electric-motor, published).
 MEASURED = {"one row": (1, 4000, 2e4), "1024 rows": (1024, 500, 1e6)}
 REPEATS = 5
-#: Lets go of what is slower than this share of the fastest wheelset.
+#: Share of the fastest wheelset's speed below which the controller vents.
 SHARE = 0.8
 
 
 def steps_a_second(rows: int, turns: int) -> float:
-    """The most of several times, observations, rewards and a controller of arrays in NumPy among them."""
+    """Return the largest of several rates [1/s], with observations, rewards and an array controller in NumPy."""
     own = Environment(bogie(), Settings(), rows, drawn_run)
     own.begin(range(rows), [np.random.default_rng(row) for row in range(rows)])
     best = np.inf
@@ -36,7 +36,9 @@ def steps_a_second(rows: int, turns: int) -> float:
 
 
 def environment_rows() -> list[Row]:
-    """A single environment and a vector of them, without Gymnasium's own part, some microseconds a step."""
+    """Return the rows of a single environment and a vector of them, without Gymnasium's own part, some microseconds a
+    step.
+    """
     rows = []
     for name, (count, turns, wanted) in MEASURED.items():
         what = f"environment for learning, planar bogie, steps of 5 ms a second: {name}"

@@ -1,6 +1,6 @@
-"""Random states of a contact patch and their forces by Kalker's exact theory, for the bands of fast creep laws.
+"""Random states of a contact patch and their forces by Kalker's exact theory, for the tolerances of fast creep laws.
 
-`python -m scenarios.measuring.exact_states` makes the table anew, in some twenty minutes.
+`python -m scenarios.measuring.exact_states` recomputes the table in some twenty minutes.
 """
 
 import math
@@ -14,23 +14,23 @@ from rbd_model.contact.creep.exact import exact, half_space
 from rbd_model.contact.creep.law import CreepLaw
 from scenarios.measuring.creep_cost import SHEAR_MODULUS, values, with_coefficients
 
-#: The table that `write` makes.
+#: File of the table that `write` makes.
 TABLE = Path(__file__).parent / "exact_states.csv"
 COLUMNS = "axis_ratio,longitudinal,lateral,spin,force_longitudinal,force_lateral"
-#: States, their seed, the slenderest ellipse, and the largest linear force, over mu N, that each creepage asks for.
+#: Number of states, their seed, the slenderest ellipse, and the largest linear force of each creepage, over mu N.
 COUNT, SEED, SLENDEREST, LARGEST = 1000, 29, 20.0, 3.0
-#: Of the exact theory, cells along and across by a/b up to a limit. In a wide patch that spins slip turns about a place
-#: within a length a, which strips have to follow: STRIPS times b/a are 0.6 a wide in the middle. With 20 x 20 cells
-#: everywhere forces differ by up to 4 % of mu N at a/b = 1/15; with 60 strips instead of 80 by 0.4.
+#: Cells of the exact theory along and across, by a/b up to a limit. In a wide patch with spin, slip turns about a point
+#: within a length a, which the strips must resolve. STRIPS times b/a strips are 0.6 a wide in the middle. With 20 x 20
+#: cells everywhere forces differ by up to 4 % of mu N at a/b = 1/15; with 60 strips instead of 80 by 0.4.
 CELLS = ((0.1, (10, None)), (0.25, (12, None)), (4.0, (24, 24)), (8.0, (36, 14)), (np.inf, (48, 18)))
 STRIPS = 5.25
-#: Any patch: load [N], friction, (a b)^(1/2) [m]; forces over mu N do not depend on them.
+#: Properties of any patch: load [N], friction, (a b)^(1/2) [m]; forces over mu N do not depend on them.
 LOAD, FRICTION, SIZE = 80e3, 0.3, 5.5e-3
 
 
 @dataclass(frozen=True)
 class Distance:
-    """Of a law from exact theory over states, % of mu N: mean, 99 % of them, largest."""
+    """Distance of a law from exact theory over states, % of mu N: mean, 99 % of them, largest."""
 
     mean: float
     most: float
@@ -38,13 +38,13 @@ class Distance:
 
 
 def counts(axis_ratio: float) -> tuple[int, int]:
-    """Cells along and across for exact forces at a/b."""
+    """Return the cells along and across for exact forces at a/b."""
     along, across = next(counts for limit, counts in CELLS if axis_ratio <= limit)
     return along, across or 2 * math.ceil(STRIPS / axis_ratio / 2)
 
 
 def random_states() -> np.ndarray:
-    """a/b, and creepages and spin as `exact` has them, by rows: a/b even in its logarithm, linear forces even."""
+    """Return rows of a/b, creepages and spin as for `exact`: a/b uniform in its logarithm, linear forces uniform."""
     generator = np.random.default_rng(SEED)
     ratio = np.exp(generator.uniform(-np.log(SLENDEREST), np.log(SLENDEREST), COUNT))
     linear = generator.uniform(-LARGEST, LARGEST, (COUNT, 3))
@@ -53,20 +53,20 @@ def random_states() -> np.ndarray:
 
 
 def write() -> None:
-    """The states with their exact forces over mu N."""
+    """Write the states with their exact forces over mu N."""
     states = random_states()
     forces = [exact(half_space(row[0], counts(row[0])), row[1:]).forces for row in counting(states, "states")]
     np.savetxt(TABLE, np.column_stack([states, forces]), "%.6g", ",", header=COLUMNS, comments="")
 
 
 def read() -> tuple[np.ndarray, np.ndarray]:
-    """States, shape (1000, 4), and exact forces over mu N, shape (1000, 2)."""
+    """Return the states, shape (1000, 4), and exact forces over mu N, shape (1000, 2)."""
     table = np.loadtxt(TABLE, delimiter=",", skiprows=1)
     return table[:, :4], table[:, 4:]
 
 
 def points_of(states: np.ndarray) -> np.ndarray:
-    """States as points of `creep_cost`."""
+    """Return the states as points of `creep_cost`."""
     ratio, creepages = states[:, 0], states[:, 1:]
     strain = LOAD * FRICTION / (SHEAR_MODULUS * SIZE**2)
     same = np.ones(len(states))
@@ -75,18 +75,18 @@ def points_of(states: np.ndarray) -> np.ndarray:
 
 
 def linear_forces(states: np.ndarray) -> np.ndarray:
-    """Of all three creepages together, over mu N."""
+    """Return the linear force of all three creepages, over mu N."""
     return np.asarray(np.linalg.norm(states[:, 1:] * with_coefficients(points_of(states))[:, 7:], axis=1))
 
 
 def distances(law: CreepLaw) -> np.ndarray:
-    """Of a law from exact theory at all states, % of mu N."""
+    """Return the distance of a law from exact theory at all states [% of mu N]."""
     states, forces = read()
     return np.asarray(100 * np.hypot(*(values(law, points_of(states)) / (LOAD * FRICTION) - forces).T))
 
 
 def distance(law: CreepLaw, together: bool = False) -> Distance:
-    """Over all states, at which each creepage goes up to LARGEST; or over those at which all three together do."""
+    """Return the distance over all states, or (`together`) over those whose total linear force is at most LARGEST."""
     found = distances(law)
     if together:
         found = found[linear_forces(read()[0]) <= LARGEST]

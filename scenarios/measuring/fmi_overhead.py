@@ -1,4 +1,4 @@
-"""What the FMI face costs beyond the kernel, and an instance: through FMPy, and from a host in C."""
+"""Cost of the FMI interface beyond the kernel, and of an instance: through FMPy, and from a host in C."""
 
 import ctypes
 import tempfile
@@ -25,9 +25,9 @@ int make_steps(step_function *step, void *component, double size, int count) {
 """
 STEP, STEPS, RUNS = 1e-3, 20000, 9
 INSTANCES = 200
-#: Standing still, so that the steps of the kernel cost as little as they can and the face shows.
+#: Vehicle at rest: the steps of the kernel are cheapest, so that the cost of the interface is visible.
 SCENE = {"level": 1, "initial_speed": 0.0}
-#: What the project wants to stay below [us].
+#: Targets of the project [us].
 THROUGH_FMPY, FROM_C, INSTANTIATE = 1.0, 0.05, 1000.0
 
 
@@ -39,7 +39,7 @@ def host_library(folder: Path) -> ctypes.CDLL:
 
 
 def kernel_seconds(library: Library) -> float:
-    """Of the steps alone, called in C."""
+    """Return the time of the steps alone, called in C [s]."""
     kernel = Kernel(library, **SCENE)
     kernel.initialise()
     start, best = kernel.save(), float("inf")
@@ -52,7 +52,7 @@ def kernel_seconds(library: Library) -> float:
 
 
 def face_seconds(bogie: FmuInstance, make_steps: Callable[..., int]) -> tuple[float, float]:
-    """Of the same steps through fmi2DoStep: called by FMPy, and by the host in C."""
+    """Return the time of the same steps through fmi2DoStep [s]: called by FMPy, and by the host in C."""
     by_fmpy = by_c = float("inf")
     for _ in range(RUNS):
         bogie.restart(SCENE)
@@ -71,7 +71,7 @@ def face_seconds(bogie: FmuInstance, make_steps: Callable[..., int]) -> tuple[fl
 
 
 def instantiate_seconds(bogie: FmuInstance) -> float:
-    """Of fmi2Instantiate and fmi2FreeInstance, the library being loaded."""
+    """Return the time of fmi2Instantiate and fmi2FreeInstance, with the library loaded [s]."""
     fmu = bogie.fmu
     kept = fmu.component
     begin = time.perf_counter()
@@ -84,7 +84,7 @@ def instantiate_seconds(bogie: FmuInstance) -> float:
 
 
 def rows(library: Library) -> list[Row]:
-    """Rows with what was measured, in microseconds, least of several runs."""
+    """Return rows of the measurements, in microseconds, least of several runs."""
     with tempfile.TemporaryDirectory() as folder, FmuInstance(up_to_date("bogie", "native")) as bogie:
         make_steps = host_library(Path(folder)).make_steps
         bare = kernel_seconds(library)

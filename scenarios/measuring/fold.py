@@ -1,4 +1,4 @@
-"""The way to the fold at which a tread contact is lost, in the derailment of chapter 9."""
+"""The approach to the fold at which a tread contact is lost, in the derailment of chapter 9."""
 
 from dataclasses import dataclass, replace
 
@@ -11,16 +11,19 @@ from rbd_model.wheelset.rigid import FOLD_MARGIN
 from scenarios.measuring.runs import layout_of
 from scenarios.measuring.scenes import ASYMMETRIC, Scene, asymmetric
 
-#: 75 % error of the shoes on the leading wheelset, as the thesis read its model: a flange pushed at the rail stays on.
+#: 75 % error of the shoes on the leading wheelset, in the thesis's interpretation: with a flange pushed at the rail the
+#: wheelset stays on.
 DERAILING = replace(ASYMMETRIC, name="derailment", inputs=asymmetric(75), values={**ASYMMETRIC.values, **AS_PRINTED})
 TOLERANCE = 1e-8
-#: Times before the end of the run at which the contact is looked at [s].
+#: Times before the end of the run at which the contact is evaluated [s].
 TIMES_LEFT = np.geomspace(1e-4, 1e-6, 13)
 
 
 @dataclass(frozen=True)
 class Approach:
-    """Curvature left to the contact (0 at the fold) over the time left to the fold [s], and a power law through it."""
+    """Remaining curvature of the contact (0 at the fold) over the time left to the fold [s], and a power law through
+    it.
+    """
 
     time_left: np.ndarray
     curvature: np.ndarray
@@ -29,7 +32,23 @@ class Approach:
 
 
 def derail(scene: Scene, kernel: Kernel) -> float:
-    """Runs a scene until it derails; the time [s]. Raises SimulationError where it does not."""
+    """Run a case until it derails.
+
+    Parameters
+    ----------
+    scene : Scene
+    kernel : Kernel
+
+    Returns
+    -------
+    float
+        Time of the derailment [s].
+
+    Raises
+    ------
+    SimulationError
+        If it does not derail.
+    """
     for start, end in scene.segments():
         scene.set_inputs(kernel, start, end)
         try:
@@ -42,9 +61,9 @@ def derail(scene: Scene, kernel: Kernel) -> float:
 
 
 def approach() -> Approach:
-    """Curvature left at times before the run ends, which it does with FOLD_MARGIN left; fold and exponent are fitted.
+    """Return the remaining curvature before the end of the run, at FOLD_MARGIN; fold and exponent are fitted.
 
-    At a fold two solutions meet, and the distance to it goes with the square root of what drives it.
+    At a fold two solutions meet, and the distance to it is proportional to the square root of the parameter's distance.
     """
     end = derail(DERAILING, DERAILING.kernel(tolerance=TOLERANCE))
     kernel, times, curvatures = DERAILING.kernel(tolerance=TOLERANCE), [], []

@@ -1,19 +1,19 @@
-"""Runs an FMU in real time on this machine, one step at each tick of the clock, and says how long steps take.
+"""Run an FMU in real time on this computer, one step at each tick of the clock, and report the times of steps.
 
-  bogie-braking pace                                          the bogie in the plane, 10 s with steps of 1 ms
-  bogie-braking pace spatial --step 0.5ms --seconds 60        in space, for a minute
+  bogie-braking pace                                          the planar bogie, 10 s with steps of 1 ms
+  bogie-braking pace spatial --step 0.5ms --seconds 60        the bogie in 3D, for a minute
   bogie-braking pace coach --level spatial                    the coach
-  bogie-braking pace --step 10ms --integration-step 1ms       ten steps of the integrator in each of the host
-  bogie-braking pace --step 10ms --integration-step 0         steps chosen by the error, whose cost has no bound
+  bogie-braking pace --step 10ms --integration-step 1ms       ten integrator steps in each communication step
+  bogie-braking pace --step 10ms --integration-step 0         adaptive steps, whose cost has no bound
   bogie-braking pace wheelset --set initial_speed=20          any FMU of the list, here at 20 m/s
   bogie-braking pace build/native/BrakeCylinder.fmu           any file of an FMU, FMI 2.0 or 3.0
-  taskset -c 1 chrt -f 80 bogie-braking pace                  on a processor of its own, in the real-time class of Linux
+  taskset -c 1 chrt -f 80 bogie-braking pace                  on a separate processor, in the real-time class of Linux
   bogie-braking pace --json | jq .overruns                    for a program
 
 Vehicles make a stop from 8 m/s with lock-up, release and flange contact, and then stand; other FMUs keep their start
-values. Logging is off. A step is here the inputs set and doStep, called through Python, which takes microseconds of it.
-An overrun is a step that ends after the next should have begun. The bar is drawn while the next step is waited for:
-with steps below 0.5 ms use --quiet.
+values. Logging is off. A step here sets the inputs and calls doStep, through Python, which takes microseconds of it.
+An overrun is a step that ends after the next should have begun. The bar is drawn while the program waits for the next
+step: with steps below 0.5 ms use --quiet.
 
 Exit status: 0 no overrun; 1 overruns; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
 """
@@ -46,16 +46,16 @@ from scenarios.scenario import BadInputError
 LEVELS = {"point": 1, "planar": 2, "spatial": 3}
 #: Wheelsets of the FMUs that make a stop.
 VEHICLES = {"bogie": 2, "vehicle": 4, "coal-wagon": 4}
-#: Largest step of the host, and longest run [s]; shortest step that a clock and Python can pace.
+#: Largest communication step, and longest run [s]; shortest step that a clock and Python can pace.
 LARGEST_STEP, LONGEST, SHORTEST_STEP = 1.0, 86400.0, 2e-5
-#: The last part of a wait is not slept but watched, and the bar is drawn twice a second [s].
+#: Last part of a wait, which polls the clock instead of sleeping, and interval of the progress bar [s].
 WATCHED, DRAWN = 5e-4, 0.5
 SHARES = {"median": 50.0, "99 %": 99.0, "99.9 %": 99.9, "longest": 100.0}
 
 
 @dataclass(frozen=True)
 class Pace:
-    """What is run: an FMU by its name or file, host and integration step and length [s], values, inputs over time."""
+    """A run: an FMU by its name or file, communication and integration step, duration [s], values, input histories."""
 
     name: str
     path: Path
@@ -72,7 +72,7 @@ class Pace:
 
 @dataclass(frozen=True)
 class Paced:
-    """Of each step: how long it took, and how late it began [s]."""
+    """Duration of each step, and delay of its start [s]."""
 
     took: np.ndarray
     late: np.ndarray
@@ -80,18 +80,20 @@ class Paced:
 
     @property
     def overruns(self) -> int:
-        """Steps that ended after the next should have begun."""
+        """Return the number of steps that ended after the next should have begun."""
         return int(np.count_nonzero(self.took + self.late > self.step))
 
     def shares(self) -> dict[str, dict[str, float]]:
-        """Percentiles of the time of a step and of its late beginning [s], and of the share of the step in use."""
+        """Return percentiles of the duration of a step and of the delay of its start [s], and of the used share of the
+        step.
+        """
         of = {"took": self.took, "share": self.took / self.step, "late": self.late}
         found = {name: np.percentile(values, list(SHARES.values())).tolist() for name, values in of.items()}
         return {name: dict(zip(SHARES, values, strict=True)) for name, values in found.items()}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the options of the command."""
     text = "an FMU of the list, the file of one, or a level of the bogie: point, planar, spatial (default: planar)"
     parser.add_argument("name", nargs="?", default="planar", help=text)
     parser.add_argument("--level", choices=list(LEVELS), help="level of a vehicle (default: planar)")
@@ -107,7 +109,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def pace_of(chosen: argparse.Namespace) -> Pace:
-    """What the command line asks for. Raises BadInputError, CompilerError."""
+    """Return the run that the command line requests. Raises BadInputError, CompilerError."""
     step: float = chosen.step
     if chosen.seconds < step:
         raise BadInputError(f"--seconds must be at least one step of {step:g} s; got {chosen.seconds:g} s.")
@@ -126,7 +128,7 @@ def pace_of(chosen: argparse.Namespace) -> Pace:
 
 
 def path_of(name: str) -> Path:
-    """The FMU of a name or file. Raises BadInputError, CompilerError."""
+    """Return the FMU of a name or file. Raises BadInputError, CompilerError."""
     if name in FMUS:
         return up_to_date(name, "native")
     if name.endswith(".fmu"):
@@ -138,7 +140,7 @@ def path_of(name: str) -> Path:
 
 
 def values_of(texts: Sequence[str]) -> dict[str, float]:
-    """Numbers by name. Raises BadInputError."""
+    """Return numbers by name. Raises BadInputError."""
     values = {}
     for text in texts:
         name, _, value = text.partition("=")
@@ -150,9 +152,20 @@ def values_of(texts: Sequence[str]) -> dict[str, float]:
 
 
 def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
-    """Makes all steps, each when the clock says so; `drawn` is told how many more there are, between two steps.
+    """Make all steps, each at its time.
 
-    Raises BadInputError, CosimulationError, and KeyboardInterrupt with a sentence.
+    Parameters
+    ----------
+    pace : Pace
+    drawn : callable
+        Called between two steps with the number of new ones.
+
+    Raises
+    ------
+    BadInputError, CosimulationError
+        If a value or an input is wrong, or if a step fails.
+    KeyboardInterrupt
+        With a message, on Ctrl-C.
     """
     try:
         slave = FmuInstance(pace.path)
@@ -182,7 +195,7 @@ def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
 def keep_pace(
     slave: FmuInstance, step: float, rows: Sequence[dict[str, float]], drawn: Callable[[int], object]
 ) -> Paced:
-    """One step at each tick of the clock, with a row of inputs each."""
+    """Make one step at each tick of the clock, with a row of inputs each."""
     took, late = np.zeros(len(rows)), np.zeros(len(rows))
     clock, told, number = time.perf_counter, 0, 0
     begin = last = clock() + 10 * WATCHED
@@ -205,7 +218,7 @@ def keep_pace(
 
 
 def run(chosen: argparse.Namespace) -> bool:
-    """Runs and reports; whether no step overran. Raises BadInputError, CompilerError, CosimulationError."""
+    """Run and report; return whether no step overran. Raises BadInputError, CompilerError, CosimulationError."""
     pace = pace_of(chosen)
     with counting(text=f"pace of {pace.name}", total=pace.steps, unit="step") as bar:
         found = paced(pace, bar.update)
@@ -217,13 +230,13 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def document(pace: Pace, found: Paced) -> dict[str, Any]:
-    """For programs; times in s."""
+    """Return the results for programs; times in s."""
     about = {"fmu": pace.name, "step": pace.step, "integration_step": pace.integration_step, "seconds": pace.seconds}
     return {**about, "steps": pace.steps, "overruns": found.overruns, "platform": sys.platform, **found.shares()}
 
 
 def report(pace: Pace, found: Paced) -> str:
-    """For people."""
+    """Return the results as text."""
     shares, within = found.shares(), f"{pace.integration_step * 1e3:g} ms"
     within = "chosen by the error" if pace.integration_step == 0.0 else f"of {within}"
     texts = {"took": "a step took [us]", "share": "of the host step [%]", "late": "a step began late by [us]"}

@@ -1,4 +1,4 @@
-"""How many protected stops the test rig makes in a minute, by the form of the controller, for the rows of `speed`."""
+"""Protected stops a minute on the test rig, by the form of the controller, for the rows of `speed`."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from products.study.points import process_pool
 from rbd_model.track.friction import low
 from scenarios.reporting.report import Row
 
-#: Lets go of wheels that are slower than this share of the fastest, in every form: a trivial controller.
+#: Share of the fastest wheel's speed below which every form vents: a trivial controller.
 SHARE = 0.8
-#: Stops that are measured by form, and how many a minute are wanted.
+#: Number of measured stops by form, and target of stops a minute.
 COUNTED = {"C": (512, 1e4), "arrays": (1024, 1e4), "class, two processes": (32, 1500.0)}
-#: Frictions are spread up to this, so that no two stops are the same.
+#: Range of the frictions, so that no two stops are the same.
 SPREAD = 0.01
 #: Length of a fixed step [s], that of a period.
 STEP = Settings().period
@@ -45,7 +45,7 @@ class LetGo:
     """The controller as a class."""
 
     def step(self, time: float, speeds: Sequence[float]) -> list[int]:
-        """Valves of all wheelsets."""
+        """Return the valves of all wheelsets."""
         return [2 if speed < SHARE * max(speeds) else 0 for speed in speeds]
 
 
@@ -53,15 +53,15 @@ class LetAllGo:
     """The controller as a function of arrays."""
 
     def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
-        """It remembers nothing."""
+        """Start without a state."""
 
     def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
-        """Valves of all machines."""
+        """Return the valves of all vehicles."""
         return np.where(speeds < SHARE * speeds.max(axis=1, keepdims=True), 2, 0)
 
 
 def in_c() -> Form:
-    """The controller in C."""
+    """Return the controller in C."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "let_go.c"
         path.write_text(f"#define SHARE {SHARE}\n{SOURCE}")
@@ -69,7 +69,7 @@ def in_c() -> Form:
 
 
 def protected(form: Form, count: int, step: float) -> list[float]:
-    """Distances of so many stops on low rails [m]."""
+    """Return the distances of `count` stops on low rails [m]."""
     rails = [
         low().values() | {"friction_1": mu, "friction_2": mu}
         for mu in np.linspace(low().friction, low().friction + SPREAD, count).tolist()
@@ -83,7 +83,7 @@ def _by_class(count: int) -> list[float]:
 
 
 def seconds_of(name: str, count: int) -> tuple[float, list[float]]:
-    """Wall time of so many stops [s], and their distances [m]."""
+    """Return the wall time of `count` stops [s], and their distances [m]."""
     if name.startswith("class"):
         with process_pool(2) as pool:
             list(pool.map(_by_class, [1, 1]))
@@ -98,7 +98,7 @@ def seconds_of(name: str, count: int) -> tuple[float, list[float]]:
 
 
 def protected_rows() -> list[Row]:
-    """Stops a minute by form, and how far fixed steps are off those that are chosen by the error."""
+    """Return stops a minute by form, and the difference between fixed steps and error control."""
     rows, exact = [], np.array(protected(in_c(), 16, 0.0))
     off = np.abs(np.array(protected(in_c(), 16, STEP)) - exact).max()
     for name, (count, wanted) in COUNTED.items():

@@ -1,4 +1,4 @@
-"""A scene run by the kernel at one accuracy, and the places of its states."""
+"""A case run by the kernel at one accuracy, and the places of its states."""
 
 import time as clock
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from scenarios.measuring.scenes import Samples, Scene
 
 @dataclass(frozen=True)
 class Run:
-    """What a run came to: samples of the scene's states (none after a failure), seconds of wall time, work, reason."""
+    """Results of a run: samples of the case's states (none after a failure), wall time [s], work, reason."""
 
     samples: Samples
     seconds: float
@@ -28,14 +28,20 @@ def failed(scene: Scene, seconds: float, reason: str, kernel: Kernel | None = No
     return Run({}, seconds, counts, reason, tuple(kernel.journal) if kernel else ())
 
 
-#: Outputs that all levels have, in place of states that not all have.
+#: Outputs of all levels that replace states which some levels lack.
 AT_AXLES = {"frame_distance": "distance", "frame_speed": "speed"}
 
 
 def own(scene: Scene, at_axles: bool = False, **values: float) -> Run:
-    """The kernel in long steps between the corners of the inputs; `values`: tolerance, method, fixed step, level.
+    """Run the kernel in long steps between the corners of the inputs.
 
-    at_axles: distance and speed are those of the axles, which all levels have; the frame sways by micrometres.
+    Parameters
+    ----------
+    scene : Scene
+    at_axles : bool
+        Take distance and speed of the axles, which all levels have; those of the frame sway by micrometres.
+    values
+        Tolerance, method, fixed step, level.
     """
     kernel = scene.kernel(**values)
     names = [AT_AXLES.get(name, name) if at_axles else f"state_{name}" for name in scene.read]
@@ -53,7 +59,7 @@ def own(scene: Scene, at_axles: bool = False, **values: float) -> Run:
 
 
 def finish(scene: Scene, rows: np.ndarray, seconds: float, work: Mapping[str, int], kernel: Kernel) -> Run:
-    """A run from rows of the scene's states; a failure when they are fewer than the scene has, or not finite."""
+    """Return a run from rows of the case's states; a failure if some are missing or not finite."""
     times = scene.times()
     if kernel.ended or len(rows) < times.size:
         return failed(
@@ -80,7 +86,7 @@ class Layout:
 
 @lru_cache
 def layout(fmu: str, **values: float) -> Layout:
-    """That of the equations of a kernel with these parameters."""
+    """Return the layout of a kernel's equations with these parameters."""
     states = system_of(fmu, **values).states.values()
     return Layout(
         [state.name for state in states],
@@ -90,5 +96,5 @@ def layout(fmu: str, **values: float) -> Layout:
 
 
 def layout_of(scene: Scene) -> Layout:
-    """That of the equations of a scene."""
+    """Return the layout of a case's equations."""
     return layout(scene.fmu, **scene.parameters)

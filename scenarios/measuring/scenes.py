@@ -1,4 +1,4 @@
-"""Six scenes that stress different things, two more at contact models 2 and 3, and what is read off each."""
+"""Six cases that stress different properties, two more with contact models 2 and 3, and the measures of each."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -17,10 +17,10 @@ Samples = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Scene:
-    """A run: FMU, parameters, inputs, length [s], samples every `interval` s, and what is read off them.
+    """A run: FMU, parameters, inputs, duration [s], samples every `interval` s, and the measures of these.
 
-    Corners of the inputs lie on the samples. `read` are the states that `measure` needs; its values are all of order
-    1 m, 1 s or 1 mm and are compared relatively.
+    Corners of the inputs lie on the samples. `read` are the states that `measure` needs; its values are all of order 1
+    m, 1 s or 1 mm and are compared relatively.
     """
 
     name: str
@@ -32,30 +32,30 @@ class Scene:
     measure: Callable[[Samples], dict[str, float]]
     values: Mapping[str, float] = field(default_factory=dict)
     inputs: Mapping[str, History] = field(default_factory=dict)
-    #: Largest step of other methods [s]: half of a wave, which none may step over; ours know it by themselves.
+    #: Largest step of other methods [s]: half of a wave, which no step may skip; ours limit the step themselves.
     longest_step: float = math.inf
     #: Tolerances of two references of different methods, CVODE and RODAS5P.
     references: tuple[float, float] = (1e-10, 1e-11)
 
     @property
     def parameters(self) -> dict[str, float]:
-        """All that differ from their start values."""
+        """Return all parameters that differ from their start values."""
         return {**in_space(self.fmu), **self.values}
 
     def kernel(self, **values: float) -> Kernel:
-        """An initialised kernel at the start, in space on rigid contacts unless `values` say otherwise."""
+        """Return an initialised kernel at the start, in 3D on rigid contacts unless `values` differ."""
         kernel = prepare(self.fmu, **self.parameters | values)
         kernel.set(**{name: history[0][1] for name, history in self.inputs.items()})
         kernel.initialise()
         return kernel
 
     def segments(self) -> list[tuple[float, float]]:
-        """Times between the corners of the inputs [s]."""
+        """Return the times between the corners of the inputs [s]."""
         corners = {time for history in self.inputs.values() for time, _ in history if 0.0 < time < self.duration}
         return list(pairwise([0.0, *sorted(corners), self.duration]))
 
     def set_inputs(self, kernel: Kernel, begin: float, end: float) -> None:
-        """Inputs as straight lines from `begin` to `end`."""
+        """Set inputs as straight lines from `begin` to `end`."""
         for name, history in self.inputs.items():
             first, last = value_at(history, begin, after=True), value_at(history, end, after=False)
             kernel.set(**{name: first})
@@ -66,7 +66,9 @@ class Scene:
 
 
 def stopping(samples: Samples) -> dict[str, float]:
-    """Distance at the end [m]; time to stand [s], extended from the last samples above walking pace."""
+    """Return the distance at the end [m], and the time to rest [s], extrapolated from the last samples above walking
+    pace.
+    """
     time, speed = samples["time"], samples["frame_speed"]
     last = int(np.flatnonzero(speed > WALKING)[-1])
     deceleration = (speed[last - 1] - speed[last]) / (time[last] - time[last - 1])
@@ -77,19 +79,19 @@ def stopping(samples: Samples) -> dict[str, float]:
 
 
 def moving(samples: Samples) -> dict[str, float]:
-    """Distance [m], speed [m/s] and turns of the leading wheelset [rad] at the end."""
+    """Return distance [m], speed [m/s] and turns of the leading wheelset [rad] at the end."""
     names = {"distance": "frame_distance", "speed": "frame_speed", "rotation": "rotation_1"}
     return {name: float(samples[state][-1]) for name, state in names.items()}
 
 
 def lateral_peak(samples: Samples) -> dict[str, float]:
-    """Largest lateral displacement of the leading wheelset [m], and the distance [m]."""
+    """Return the largest lateral displacement of the leading wheelset [m], and the distance [m]."""
     peak = float(np.abs(samples["lateral_1"]).max())
     return {"peak lateral": peak, "distance": float(samples["frame_distance"][-1])}
 
 
 def cycle_peak(samples: Samples) -> dict[str, float]:
-    """Amplitude of the limit cycle: the largest lateral displacement in the last third [m]."""
+    """Return the amplitude of the limit cycle: the largest lateral displacement in the last third [m]."""
     late = samples["time"] >= samples["time"][-1] * 2 / 3
     return {"peak lateral": float(np.abs(samples["lateral_1"][late]).max())}
 
@@ -99,11 +101,11 @@ def peak_and_stop(samples: Samples) -> dict[str, float]:
 
 
 def difference(one: dict[str, float], other: dict[str, float]) -> float:
-    """Largest relative difference of two sets of measures."""
+    """Return the largest relative difference of two sets of measures."""
     return max(abs(one[name] / value - 1.0) for name, value in other.items())
 
 
-#: Speed from which a stop is extended to rest: near it, and still above the creep at rest [m/s].
+#: Speed from which a stop is extrapolated to rest: near it, and still above the creep at rest [m/s].
 WALKING = 0.5
 FULL = 20e3
 
@@ -113,7 +115,7 @@ def both(torque: History) -> dict[str, History]:
 
 
 def asymmetric(error: int) -> dict[str, History]:
-    """Brake applied within 1 s, one shoe pressing too hard by `error` %, as in chapter 9."""
+    """Return the inputs of a brake applied within 1 s, one shoe pressing too hard by `error` %, as in chapter 9."""
     ramp = [(0.0, 0.0), (BRAKE_START, 0.0), (BRAKE_START + 1.0, 1.0)]
     inputs = both([(time, BRAKE_TORQUE * share) for time, share in ramp])
     return inputs | {"yaw_torque_1": [(time, YAW_TORQUE[error] * share) for time, share in ramp]}
@@ -172,7 +174,7 @@ ON_PATCHES = replace(
     stress="model 2",
     values={"contact_model": 2},
 )
-#: Strips that begin and cease to touch bend their forces, which a smaller tolerance would meet by tiny steps.
+#: Strips that begin and cease to touch bend their forces; a smaller tolerance would need tiny steps.
 ON_STRIPS = replace(
     ON_PATCHES,
     name="asymmetric shoes, fixed yaw torque, on strips",

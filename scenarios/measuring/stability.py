@@ -1,4 +1,4 @@
-"""Stability of methods on the equations of motion: predicted from eigenvalues, and found by perturbation."""
+"""Stability of methods on the equations of motion: predicted from eigenvalues, and measured by perturbation."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,13 +12,13 @@ from scenarios.measuring.runs import Layout, layout
 
 #: Values of integration_method.
 RODAS5P, ROS34PW2, RUNGE_KUTTA = 1, 2, 3
-#: Time in which a start becomes a steady run [s].
+#: Time in which the start settles to a steady run [s].
 SETTLING = 0.3
 #: Steps over which a perturbation along the fastest mode grows or decays, by 60 at the most within 10 % of the limit.
 STEPS = 10
-#: Its size as a share of the speed: far below where creep saturates (0.3 %), far above the noise of the solution.
+#: Size of the perturbation as a share of the speed: far below saturated creep (0.3 %), far above the solution's noise.
 PERTURBATION = 3e-6
-#: Difference of two runs that is noise of the solution, as a share of the speed.
+#: Difference of two runs below which it is noise of the solution, as a share of the speed.
 NOISE = 1e-11
 
 
@@ -28,7 +28,7 @@ DRAG = 2e3
 
 @dataclass(frozen=True)
 class Machine:
-    """What is driven: an FMU's kernel with its parameters, and the wheelsets that drag."""
+    """A driven vehicle: an FMU's kernel with its parameters, and the wheelsets that drag."""
 
     name: str
     fmu: str
@@ -37,23 +37,23 @@ class Machine:
 
     @property
     def drag(self) -> dict[str, float]:
-        """Inputs that hold a speed against the brakes."""
+        """Return the inputs that keep a constant speed against the brakes."""
         radius = prepare(self.fmu)["wheel_radius"]
         torques = {f"brake_torque_{number}": DRAG for number in range(1, self.wheelsets + 1)}
         return torques | {"drawbar_force": self.wheelsets * DRAG / radius}
 
     @property
     def form(self) -> Layout:
-        """Places of its states."""
+        """Return the places of its states."""
         return layout(self.fmu, **dict(self.values))
 
 
 SPATIAL = Machine("bogie, spatial", "bogie", tuple(RIGID.items()))
 PLANAR = Machine("bogie, planar", "bogie", (("level", 2.0),))
 WHEELSET = Machine("one wheelset in a frame", "wheelset", (), 1)
-#: Those whose fastest mode is creep at every speed, so that it decays without oscillating.
+#: Vehicles whose fastest mode is creep at every speed, so that it decays without oscillating.
 MACHINES = (SPATIAL, PLANAR, WHEELSET)
-#: At contact models 2 and 3 the wheelsets bounce on their contacts, which limits explicit steps where creep is slow.
+#: With contact models 2 and 3 the wheelsets bounce on their contacts, which limits explicit steps where creep is slow.
 PATCHES, STRIPS = (
     Machine(f"bogie, {word}", "bogie", (("level", 3.0), ("contact_model", depth)))
     for word, depth in (("patches", 2.0), ("strips", 3.0))
@@ -61,17 +61,17 @@ PATCHES, STRIPS = (
 
 
 def amplification_of_rk4(z: complex | np.ndarray) -> complex | np.ndarray:
-    """Stability function of the classical Runge-Kutta method of order 4, R(z); Hairer and Wanner 1996, IV.2."""
+    """Return the stability function R(z) of the classical Runge-Kutta method, order 4; Hairer, Wanner 1996, IV.2."""
     return 1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24
 
 
 def amplification_of_dopri5(z: complex | np.ndarray) -> complex | np.ndarray:
-    """Stability function of Dormand's and Prince's method of order 5, which RK45 advances; the same, IV.2."""
+    """Return the stability function of Dormand's and Prince's method of order 5, that of RK45; the same, IV.2."""
     return 1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24 + z**5 / 120 + z**6 / 600
 
 
 def amplification_of_euler(z: complex | np.ndarray) -> complex | np.ndarray:
-    """Stability function of the explicit Euler method."""
+    """Return the stability function of the explicit Euler method."""
     return 1 + z
 
 
@@ -79,7 +79,7 @@ EXPLICIT = {"Euler": amplification_of_euler, "RK4": amplification_of_rk4, "RK45"
 
 
 def largest_stable_step(eigenvalues: np.ndarray, amplification=amplification_of_rk4) -> float:  # type: ignore[no-untyped-def]
-    """Step [s] at which the first decaying mode begins to grow under the method; others do not count."""
+    """Return the step [s] at which the first decaying mode begins to grow under the method; other modes are ignored."""
     decaying = eigenvalues[eigenvalues.real < -STILL]
 
     def growth(size: float) -> float:
@@ -91,18 +91,32 @@ def largest_stable_step(eigenvalues: np.ndarray, amplification=amplification_of_
     return float(brentq(growth, first / 1.02, first, rtol=1e-10))
 
 
-#: Decay below which a mode counts as still [1/s]: distance and rotation, and the slow fall of the speed.
+#: Decay below which a mode is ignored [1/s]: distance and rotation, and the slow fall of the speed.
 STILL = 0.5
 
 
 def start_of(machine: Machine, inputs: tuple[tuple[str, float], ...]) -> dict[str, float]:
-    """Parameters and first inputs; `inputs` come before the machine's own."""
+    """Return parameters and initial inputs; `inputs` precede the vehicle's own."""
     return dict(machine.values) | machine.drag | dict(inputs)
 
 
 @lru_cache(maxsize=256)
 def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...] = ()) -> tuple[np.ndarray, np.ndarray]:
-    """Differential states of a steady run at a speed [m/s], and the exact Jacobian there, without algebraic states."""
+    """Return a steady run at a speed [m/s].
+
+    Parameters
+    ----------
+    machine : Machine
+    speed : float
+        Speed [m/s].
+    inputs : tuple of (str, float)
+        Additional inputs.
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Differential states, and the exact Jacobian there, without algebraic states.
+    """
     kernel = prepare(machine.fmu, initial_speed=speed, tolerance=1e-10, **start_of(machine, inputs))
     kernel.advance(SETTLING)
     form = machine.form
@@ -111,13 +125,13 @@ def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...]
 
 
 def limit(machine: Machine, speed: float, method: str = "RK4", inputs: tuple[tuple[str, float], ...] = ()) -> float:
-    """Predicted largest stable step of an explicit method [s]."""
+    """Return the predicted largest stable step of an explicit method [s]."""
     return largest_stable_step(np.linalg.eigvals(steady(machine, speed, inputs)[1]), EXPLICIT[method])
 
 
 @dataclass(frozen=True)
 class Growth:
-    """How a perturbation grew in each step: measured, and what the log said."""
+    """Growth of a perturbation in each step: the measured one, and the warning in the log."""
 
     factor: float
     journal: tuple[str, ...]
@@ -130,9 +144,9 @@ class Growth:
 def growth_of_perturbation(
     machine: Machine, speed: float, step: float, method: int, inputs: tuple[tuple[str, float], ...] = ()
 ) -> Growth:
-    """Two runs with fixed steps from a steady state and from beside it, along the fastest mode.
+    """Return the mean growth of a perturbation in each step, until it is lost in noise.
 
-    Returns the mean growth of their difference in each step, until it is lost in noise.
+    Two runs with fixed steps begin in a steady state and next to it, along the fastest mode.
     """
     place, jacobian = steady(machine, speed, inputs)
     form = machine.form
@@ -151,7 +165,7 @@ def growth_of_perturbation(
 
 
 def fastest_mode(jacobian: np.ndarray) -> np.ndarray:
-    """Real part of the eigenvector of the eigenvalue with the largest magnitude."""
+    """Return the real part of the eigenvector of the eigenvalue with the largest magnitude."""
     values, vectors = np.linalg.eig(jacobian)
     vector = vectors[:, np.argmax(np.abs(values))]
     return np.real(vector / vector[np.argmax(np.abs(vector))])
@@ -165,7 +179,7 @@ def fixed_kernel(
     method: int,
     inputs: tuple[tuple[str, float], ...],
 ) -> Kernel:
-    """A kernel with fixed steps that stands at a place."""
+    """Return a kernel with fixed steps in a given state."""
     values = {"initial_speed": speed, "integration_method": method, "integration_step": step, "tolerance": 1e-2}
     kernel = prepare(machine.fmu, **values, **start_of(machine, inputs))
     kernel.initialise()
@@ -176,7 +190,7 @@ def fixed_kernel(
 def boundary(
     machine: Machine, speed: float, method: int = RUNGE_KUTTA, inputs: tuple[tuple[str, float], ...] = ()
 ) -> float:
-    """Largest stable step found by bisection on the growth of a perturbation, to 0.2 % [s]."""
+    """Return the largest stable step by bisection on the growth of a perturbation, to 0.2 % [s]."""
     low, high = 0.7 * limit(machine, speed, "RK4", inputs), 1.4 * limit(machine, speed, "RK4", inputs)
     while high / low > 1.002:
         middle = float(np.sqrt(low * high))

@@ -10,7 +10,7 @@ from scenarios.bench.drive import History
 
 @dataclass(frozen=True)
 class Stop:
-    """Steps of one FMU: parameters, inputs over time, step and length [s], and what is read after each step."""
+    """Steps of one FMU: parameters, inputs over time, step and duration [s], and the variables read after each step."""
 
     values: Mapping[str, float]
     inputs: Mapping[str, History]
@@ -24,9 +24,9 @@ class Stop:
 
 
 def stop_of(wheelsets: int, **values: float) -> Stop:
-    """From 8 m/s: the leading wheelset is locked and let go, yaw torques press flanges, all brakes bring it to rest.
+    """Return a stop from 8 m/s for an FMU with a number of wheelsets.
 
-    wheelsets: how many the FMU has.
+    The leading wheelset is locked and released, yaw torques press flanges, all brakes bring the vehicle to rest.
     """
     first, other = [(0.0, 0.0), (0.2, 60e3), (0.8, 60e3), (0.9, 5e3), (2.5, 5e3), (2.8, 24e3)], [(0.0, 5e3), (2.5, 5e3)]
     inputs: dict[str, History] = {"brake_torque_1": first}

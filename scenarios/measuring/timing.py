@@ -1,4 +1,4 @@
-"""Wall time, the least of several runs: machines are noisy."""
+"""Wall time, the least of several runs, because of noise."""
 
 import time
 from collections.abc import Callable
@@ -8,7 +8,7 @@ REPEATS = 7
 
 
 def least(action: Callable[[], object], repeats: int = REPEATS) -> float:
-    """Seconds of the fastest of several runs, after one to warm up."""
+    """Return the time of the fastest of several runs, after one to warm up [s]."""
     action()
     seconds = []
     for _ in range(repeats):

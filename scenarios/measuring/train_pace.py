@@ -1,4 +1,4 @@
-"""How fast trains run, measured now on one core: emergencies of 150 vehicles, steps of a host, the start of a train."""
+"""Speed of trains, measured now on one core: emergencies of 150 vehicles, communication steps, the start of a train."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from rbd_model.train.coupler import draft_gear
 from scenarios.measuring.timing import least
 from scenarios.reporting.report import Row
 
-#: Vehicles, and how long an emergency from SPEED is watched in one step [s].
+#: Vehicles, and simulated time of an emergency from SPEED in one step [s].
 VEHICLES, SPEED, WATCHED = 150, 27.8, 20.0
 HOST_STEP, HOST_STEPS, HOSTED = 1e-3, 500, 100
 FEW, MANY = 100, 400
-#: What the project wants to reach, printed beside the measurement; published: fluid 0.15, fitted 7.4 times real time.
+#: Targets of the project, printed with the measurement; published: fluid 0.15, fitted 7.4 times real time.
 TARGETS = {"whole, two cells": ">= 300, published 0.15", "empirical, half a cell": ">= 3000, published 7.4"}
 
 
 def braking(vehicles: int, settings: Settings) -> Train:
-    """Loaded wagons with draft gears behind a locomotive, in an emergency."""
+    """Return loaded wagons with draft gears behind a locomotive, in an emergency."""
     train = Train(block_train(vehicles - 1, coupler=draft_gear()), speed=SPEED, settings=settings)
     train.drive("emergency")
     return train
 
 
 def _emergency(vehicles: int, settings: Settings) -> float:
-    """Time that it takes [s], without its start."""
+    """Return the wall time of an emergency without its start [s]."""
 
     def once() -> float:
         train = braking(vehicles, settings)
@@ -54,7 +54,7 @@ def _host_step() -> float:
 
 
 def train_rows() -> list[Row]:
-    """Rows of the scenario `speed`."""
+    """Return rows of the scenario `speed`."""
     rows, source = [], "measured now, one core, least of several runs"
     for name, target in TARGETS.items():
         pace = WATCHED / _emergency(VEHICLES, DEPTHS_BY_COST[name].settings)

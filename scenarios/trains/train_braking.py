@@ -19,10 +19,10 @@ from scenarios.reporting.report import Report, Row, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario, Sweepable
 
 LENGTHS, SPEED = (400.0, 750.0, 1000.0, 1500.0), 100 / 3.6
-#: Positions: how all brake, and how many vehicles at the head brake in G.
+#: Positions of the distributors: common one of all vehicles, and number of vehicles at the head in G.
 MODES = {"P": ("P", 0), "five in G": ("P", 5), "G": ("G", 0)}
 COMMANDS = {"emergency": ("emergency", 0.0), "full service": ("service", 1.0)}
-#: The trains that are drawn, and asked of the wave of an emergency (UIC 540) [m/s].
+#: Length of the trains that are drawn [m], and lower limit of the wave speed of an emergency (UIC 540) [m/s].
 DRAWN, WAVE = 750.0, 250.0
 
 
@@ -51,7 +51,7 @@ class Case:
 
 
 def cases() -> list[Case]:
-    """Every length in every position, and once more with draft gears where the pictures are."""
+    """Return every length in every position, and again with draft gears for the plots."""
     found = [Case(length, mode, command) for length in LENGTHS for mode in MODES for command in COMMANDS]
     return found + [Case(DRAWN, mode, "emergency", "draft-gear") for mode in MODES]
 
@@ -80,12 +80,12 @@ def run(options: Options) -> Report:
 
 
 def judged_rows(done: Mapping[Case, tuple[Train, Course]]) -> list[Row]:
-    """What the standard asks of the wave; what an order of positions and lengths must be."""
+    """Return the rows of the standard's limit of the wave speed, and of the order of positions and lengths."""
     fresh = Case(DRAWN, "P", "emergency").train()
     fresh.drive("emergency")
     wave, standard = propagation(follow(fresh, 8.0, 0.01), fresh.consist.length), "UIC 540: at least 250 m/s"
     rows = [measured(f"{DRAWN:g} m, emergency: propagation", "m/s", wave, standard, at_least(WAVE))]
-    for length in LENGTHS[1:]:  # shorter ones hardly leave the preload of their buffers
+    for length in LENGTHS[1:]:  # shorter ones hardly exceed the preload of their buffers
         slow, fast = (done[Case(length, mode, "emergency")][0].largest_compression for mode in ("G", "P"))
         name = f"{length:g} m, emergency: compression in G over that in P"
         rows.append(measured(name, "1", slow / fast, "slow filling is what position G is for", at_most(0.8)))
@@ -115,7 +115,7 @@ def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
 
 
 def point(length: float = DRAWN, load: float = 60e3, position: float = 0.0) -> dict[str, float | None]:
-    """One emergency; position: 0 P, 1 G."""
+    """Return the results of one emergency; position: 0 P, 1 G."""
     train = Train(train_of(length, load=load, position="G" if position else "P"), speed=SPEED)
     train.drive("emergency")
     course = stop(train)

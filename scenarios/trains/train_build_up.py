@@ -28,12 +28,12 @@ from scenarios.scenario import Options, Scenario
 LENGTHS = {"P": (400.0, 500.0, 600.0), "G": (400.0, 600.0, 750.0, 900.0), "five in G": (900.0, 1200.0, 1500.0)}
 CASES = {"P": Case.EMERGENCY_FREIGHT_P, "G": Case.EMERGENCY_FREIGHT_G, "five in G": Case.EMERGENCY_FREIGHT_P}
 MODES = {"P": ("P", 0), "G": ("G", 0), "five in G": ("P", 5)}
-#: The trains whose unknowns are moved, and the time that is watched [s].
+#: The trains whose unknowns are varied, and the simulated time [s].
 VARIED, WATCHED = {"P": 600.0, "G": 750.0}, {"P": 60.0, "G": 90.0, "five in G": 90.0}
 
 
 def build_up(consist: Consist, mode: str, settings: Settings | None = None) -> tuple[float, Course]:
-    """An emergency at rest: equivalent time [s], and the course."""
+    """Run an emergency at rest; return the equivalent time [s], and the course."""
     train = Train(consist, settings=settings)
     train.drive("emergency")
     course = follow(train, WATCHED[mode], 0.1)
@@ -46,13 +46,13 @@ def consist_of(mode: str, length: float) -> Consist:
 
 
 def with_distributors(consist: Consist, **changes: float) -> Consist:
-    """All distributors changed alike."""
+    """Return the consist with all distributors changed alike."""
     vehicles = [replace(one, distributor=replace(one.distributor, **changes)) for one in consist.vehicles]
     return Consist(tuple(vehicles))
 
 
 def with_valve(consist: Consist, share: float) -> Consist:
-    """The head's valve lets out through so much of its area in an emergency."""
+    """Return the consist with a share of the emergency area of the head's valve."""
     head = consist.vehicles[0]
     assert head.valve is not None
     narrow = replace(head.valve, emergency_area=share * head.valve.emergency_area)
@@ -60,14 +60,14 @@ def with_valve(consist: Consist, share: float) -> Consist:
 
 
 def slower(consist: Consist, mode: str) -> Consist:
-    """Cylinders fill in the longest time of UIC 540: 5 s in P, 30 s in G."""
+    """Return the consist with cylinders that fill in the longest time of UIC 540: 5 s in P, 30 s in G."""
     choke = filling_choke(freight(mode), {"P": 5.0, "G": 30.0}[mode])
     return with_distributors(consist, filling_choke=choke)
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """What is changed; later: whether physics says that it takes longer (1), not as long (-1), or either (0)."""
+    """A changed parameter; later: physical sign of the effect on the time: longer (1), shorter (-1), or either (0)."""
 
     change: Callable[[Consist, str], Consist] | None
     settings: Settings
@@ -118,7 +118,7 @@ def run(options: Options) -> Report:
 
 
 def shift(mode: str, name: str) -> float:
-    """By how much an unknown moves the build-up time [s]."""
+    """Return the change of the build-up time due to an unknown [s]."""
     own, one = consist_of(mode, VARIED[mode]), UNKNOWNS[name]
     plain, _ = build_up(own, mode)
     changed, _ = build_up(one.change(own, mode) if one.change else own, mode, one.settings)

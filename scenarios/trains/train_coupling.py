@@ -20,9 +20,9 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Measure, Report, at_most, measured, near, rows_of
 from scenarios.scenario import Options, Scenario
 
-#: Speeds [m/s], standing vehicles, of which the first holds its brake, and gap before [m].
+#: Speeds [m/s], standing vehicles, of which the first has its brake applied, and initial gap [m].
 SPEEDS, STANDING, GAP = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 3, 1.0
-#: A spring without friction against its closed form, and couplings that hold behind the impact.
+#: Tolerances of a spring without friction against its closed form, and of couplings that last after the impact.
 STIFFNESS, CLOSED = 10e6, 1e-3
 LONG = 15.0
 
@@ -33,7 +33,7 @@ def spring() -> Coupler:
 
 
 def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Train, Course]:
-    """The last vehicle comes from behind, uncoupled; it is coupled once they touch."""
+    """Run the last vehicle from behind, uncoupled; it is coupled at the first contact."""
     consist = Consist(block_train(standing, coupler=coupler).vehicles[: standing + 1])
     free = tuple(_rolling(one, coupler) for one in consist.vehicles)
     train = Train(Consist(free), settings=Settings(depth="delay", share=0.02))
@@ -47,7 +47,7 @@ def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Tr
 
 
 def _rolling(one: TrainVehicle, coupler: Coupler) -> TrainVehicle:
-    """It stands or rolls without resistance."""
+    """Return a vehicle that stands or rolls without resistance."""
     return replace(one, mass=80e3, rotating_share=1e-9, resistance=(0.0, 0.0, 0.0), coupler=coupler)
 
 

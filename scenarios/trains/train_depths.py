@@ -19,13 +19,13 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, at_most, measured
 from scenarios.scenario import Options, Scenario
 
-#: Trains that the errors in products/train/brake_depth.py are from, and those that they are held against [m].
+#: Lengths of the trains behind the errors in products/train/brake_depth.py, and of the trains that test them [m].
 FITTED, HELD = (300.0, 900.0), (250.0, 400.0, 1200.0)
 SPEED, STRIDE, LONGEST = 25.0, 2.0, 250.0
-#: The train whose pace is shown [m].
+#: Length of the train whose pace is shown [m].
 SHOWN = 1200.0
 COMMANDS = {"emergency": ("emergency", 0.0), "full service": ("service", 1.0), "half service": ("service", 0.4)}
-#: Compressions below this hang on a preload and are not compared [N].
+#: Compressions below this depend on a preload and are not compared [N].
 LEAST = 60e3
 REFERENCE = "whole, eight cells"
 
@@ -39,7 +39,7 @@ class Scene:
     command: str
 
     def stop(self, depth: str) -> tuple[float, float, float]:
-        """Distance [m], largest compression [N], and how much faster than real time that ran."""
+        """Return distance [m], largest compression [N], and pace in units of real time."""
         train = Train(
             train_of(self.length, position=self.position), speed=SPEED, settings=DEPTHS_BY_COST[depth].settings
         )
@@ -57,7 +57,7 @@ def scenes(lengths: tuple[float, ...]) -> list[Scene]:
 
 @dataclass(frozen=True)
 class Error:
-    """Of a depth over scenes: largest errors of distance and force [1], and the least pace."""
+    """Errors of a brake model over cases: largest errors of distance and force [1], and the least pace."""
 
     distance: float
     force: float
@@ -67,7 +67,7 @@ class Error:
 def errors(
     depth: str, found: Mapping[tuple[Scene, str], tuple[float, float, float]], lengths: tuple[float, ...]
 ) -> Error:
-    """Against the reference; no train longer than the depth is for."""
+    """Return the errors against the reference; no train is longer than the brake model allows."""
     within = [one for one in scenes(lengths) if one.length <= DEPTHS_BY_COST[depth].longest]
     pairs = [(found[one, depth], found[one, REFERENCE]) for one in within]
     distance = max(abs(a[0] / b[0] - 1) for a, b in pairs)

@@ -21,15 +21,15 @@ from scenarios.reporting.report import Report, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 COACHES, SPEED, INTERVAL = 7, 140 / 3.6, 0.02
-#: Slip from which the protection vents, and below which it applies again [1]; between both it holds.
+#: Slip above which the protection vents, and below which it applies again [1]; between both it holds.
 VENTS, APPLIES = 0.12, 0.04
-#: Asked: no wheel locked so long [s] above this speed [m/s].
+#: Limit: duration of a lock [s] above this speed [m/s].
 LOCKED, ABOVE = 0.4, 5.0
 
 
 @dataclass(frozen=True)
 class Way:
-    """What the rail is like, whether wheels clean it, and whether protection is on."""
+    """Condition of the rail, and whether wheels clean it and protection is on."""
 
     rail: RailCondition
     cleaned: bool
@@ -45,7 +45,7 @@ WAYS = {
 
 
 def train_of(rail: RailCondition) -> Train:
-    """Locomotive and coaches; friction falls with sliding as that of the rail does (Polach 2005)."""
+    """Return a locomotive and coaches; friction falls with sliding as that of the rail does (Polach 2005)."""
     law = rail.law.values()
     left, fall = law["friction_ratio"], law["friction_decay"]
     vehicles = (locomotive(), *[coach()] * COACHES)
@@ -55,7 +55,10 @@ def train_of(rail: RailCondition) -> Train:
 
 
 def frictions(train: Train, rail: np.ndarray, way: Way) -> np.ndarray:
-    """Of each vehicle: those ahead clean by their energy of sliding per distance, as in rbd_model/track/recovery.py."""
+    """Return the friction under each vehicle.
+
+    Those ahead clean by their sliding energy per distance, as in rbd_model/track/recovery.py.
+    """
     p = assumed_recovery()
     slid = np.abs(rail * (train.speed - train.wheel_speed)) / np.maximum(train.speed, 0.1)
     ahead = np.concatenate([[0.0], np.cumsum(p.left_behind * slid)[:-1]])
@@ -76,7 +79,7 @@ class Stop:
     air: float
 
     def longest_lock(self) -> float:
-        """Of any vehicle above ABOVE [s]."""
+        """Return the longest lock of any vehicle above ABOVE [s]."""
         locked = (self.course.wheel == 0.0) & (self.course.speed > ABOVE)
         longest = 0
         for column in locked.T:
@@ -86,7 +89,7 @@ class Stop:
 
 
 def stop(way: Way) -> Stop:
-    """An emergency."""
+    """Run an emergency."""
     train = train_of(way.rail)
     train.drive("emergency")
     found: list[np.ndarray] = []

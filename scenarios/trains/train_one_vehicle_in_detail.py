@@ -30,22 +30,22 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
-#: Macro steps [s]; that of the rows, and the fine one of the reference; an emergency from SPEED for so long [s].
+#: Macro steps [s]; that of the rows, and the fine one of the reference; duration of an emergency from SPEED [s].
 STEPS = (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
 SHOWN, FINE, LONG = 1e-3, 1e-4, 12.0
-#: What is asked: of the largest compression, of the distance [m], of a boundary.
+#: Tolerances: of the largest compression [1], of the distance [m], of a boundary [1].
 FORCE, DISTANCE, BOUNDARY = 0.01, 0.01, 0.05
-#: Locked stiffness whose boundaries are looked for: screw couplers, and draft gears [N/m].
+#: Locked stiffnesses whose boundaries are determined: screw couplers, and draft gears [N/m].
 STIFFNESS = {"screw coupler, 50 MN/m": 50e6, "draft gear, 198 MN/m": 198e6}
 DEFAULT = "corrected"
-#: A compression of freight trains [N], and what is asked of the force aside in a curve.
+#: A compression of freight trains [N], and relative tolerance of the lateral force in a curve.
 HEAVY, CURVE = 300e3, 5e-3
 LEVELS = {1: "point", 2: "planar"}
 
 
 @dataclass(frozen=True)
 class Stop:
-    """What a run came to: largest compression [N], distance of the head [m], times and forces at both couplers."""
+    """Results of a run: largest compression [N], distance of the head [m], times and forces at both couplers."""
 
     compression: float
     distance: float
@@ -53,7 +53,7 @@ class Stop:
 
 
 def emergency(level: int, way: str, size: float) -> Stop:
-    """The mixed train brakes."""
+    """Brake the mixed train."""
     one = mixed(screw_coupler(), level, way)
     one.train.drive("emergency")
     for _ in range(round(LONG / size)):
@@ -67,7 +67,7 @@ def _course(one: MixedTrain, size: float) -> Recording:
 
 
 def monolithic() -> tuple[float, float]:
-    """All vehicles as points in one system: largest compression [N] and distance of the head [m]."""
+    """Return largest compression [N] and distance of the head [m] of a system with all vehicles as points."""
     train = Train(consist_of(screw_coupler()), speed=SPEED)
     train.drive("emergency")
     for _ in range(round(LONG / SHOWN)):
@@ -98,7 +98,7 @@ def run(options: Options) -> Report:
 
 
 def default_rows(whole: tuple[float, float], point: Stop, planar: Stop, shown: Stop) -> list[Row]:
-    """The default way against one system, and in the plane against a fine step of another way."""
+    """Return the default method against one system, and at the planar level against a fine step of another method."""
     rows = []
     pairs = (
         ("point", whole, point, "all in one system"),
@@ -113,7 +113,7 @@ def default_rows(whole: tuple[float, float], point: Stop, planar: Stop, shown: S
 
 
 def curve_rows(compression: float) -> list[Row]:
-    """The coach in space in a curve, pushed as in the train, and as much as freight trains push."""
+    """Return the coach in 3D in a curve, pushed as in the train, and as much as in freight trains."""
     rows = []
     free = pushed(0.0)
     for force in (compression, HEAVY):
@@ -127,14 +127,14 @@ def curve_rows(compression: float) -> list[Row]:
 
 @dataclass(frozen=True)
 class Border:
-    """Largest stable macro step [s] with a linear coupler, on paper and as it runs."""
+    """Largest stable macro step [s] with a linear coupler, by theory and by simulation."""
 
     paper: float
     found: float
 
 
 def find_boundaries() -> dict[tuple[str, str, int], Border]:
-    """Of the ways that have one, by coupler, way and level."""
+    """Return the boundaries of the methods that have one, by coupler, method and level."""
     found = {}
     places = [(level, way) for level in LEVELS for way in ("held", "extrapolated")] + [(2, DEFAULT)]
     bar = counting([(name, *place) for name in STIFFNESS for place in places], "boundaries", unit="boundary")

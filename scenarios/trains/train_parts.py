@@ -1,4 +1,4 @@
-"""A train parts on the way: the hose opens, both parts brake, and the gap between them grows or closes."""
+"""A train parts while running: the hose opens, both parts brake, and the gap between them grows or closes."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from scenarios.reporting.report import Report, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 LENGTH, SPEED = 500.0, 80 / 3.6
-#: Where it parts, as a share of the vehicles; the driver shuts his valve off so late, or never [s].
+#: Places of parting, as a share of the vehicles; time at which the driver shuts the valve off, or infinity [s].
 PLACES, SHUT = (0.2, 0.5, 0.8), (2.0, np.inf)
-#: A cylinder that brakes [Pa], and the time within which all do [s].
+#: Pressure of a cylinder that brakes [Pa], and limit of the time within which all do [s].
 BRAKES, SOON = 100e3, 12.0
 
 
 @dataclass(frozen=True)
 class Parting:
-    """Which coupling opened, and the course from then on."""
+    """The open coupling, and the course from then on."""
 
     coupling: int
     course: Course
@@ -31,19 +31,19 @@ class Parting:
 
     @property
     def gap(self) -> np.ndarray:
-        """Between both parts [m]."""
+        """Return the gap between both parts [m]."""
         ahead, behind = (self.course.distance[:, self.coupling + one] for one in (0, 1))
         return np.asarray(ahead - behind - (ahead[0] - behind[0]))
 
     @property
     def all_brake(self) -> float:
-        """When every cylinder brakes [s]."""
+        """Return the time at which every cylinder brakes [s]."""
         on = (self.course.cylinder > BRAKES).all(axis=1)
         return float(self.course.time[on.argmax()]) if on.any() else np.inf
 
 
 def part(place: float, shut: float) -> Parting:
-    """Runs, parts, and stops; behind the head's valve air is lost until it is shut off."""
+    """Run, part, and stop; air is lost through the head's valve until it is shut off."""
     train = Train(train_of(LENGTH), speed=SPEED)
     coupling = round(place * (len(train.consist.vehicles) - 1)) - 1
     train.inputs["coupling_closed"][coupling], train.inputs["hose_state"][coupling] = 0.0, 2.0

@@ -16,9 +16,9 @@ from scenarios.reporting.report import Measure, Report, at_least, at_most, betwe
 from scenarios.scenario import Options, Scenario
 
 LENGTHS, SPEED = (400.0, 750.0, 1200.0), 80 / 3.6
-#: Full service for so long, an overcharge for so long before running, and watched in all [s].
+#: Duration of full service, of an overcharge before running, and of the simulation [s].
 APPLIED, OVERCHARGED, WATCHED = 20.0, 10.0, 150.0
-#: A cylinder is released [Pa]; position P releases a lone wagon in this time [s] (UIC 540).
+#: Pressure of a released cylinder [Pa]; release time of a lone wagon in position P (UIC 540) [s].
 RELEASED, WINDOW = 40e3, (15.0, 20.0)
 WAYS = ("running", "overcharge")
 DRAWN = 750.0
@@ -27,13 +27,13 @@ GAINS = "an overcharge gains at the end"
 
 @dataclass(frozen=True)
 class Release:
-    """A course that begins with the release, and the train behind it."""
+    """A course that begins with the release, and the train at its end."""
 
     train: Train
     course: Course
 
     def released(self) -> np.ndarray:
-        """When each cylinder is empty [s]; infinity: not while it was watched."""
+        """Return the time at which each cylinder is empty [s]; infinity: not within the simulated time."""
         empty = self.course.cylinder < RELEASED
         when = self.course.time[empty.argmax(axis=0)] - self.course.time[0]
         return np.where(empty.any(axis=0), when, np.inf)
@@ -47,7 +47,7 @@ MEASURES: tuple[Measure[Release], ...] = (
 
 
 def release(length: float, way: str) -> Release:
-    """Full service, then the driver's valve in a position; an overcharge ends by itself after a while."""
+    """Run full service, then a position of the driver's valve; an overcharge ends by itself after a while."""
     train = Train(train_of(length), speed=SPEED)
     train.drive("service", 1.0)
     train.advance(APPLIED)

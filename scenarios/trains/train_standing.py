@@ -23,13 +23,13 @@ from scenarios.scenario import Options, Scenario
 
 #: Gradients [1], diameters of the leaks of each cylinder [m], and wagons.
 GRADIENTS, LEAKS, WAGONS = (0.01, 0.025), (0.5e-3, 1e-3), 20
-#: What is asked of the time at which it begins to roll; friction at rest of its shoes.
+#: Relative tolerance of the time at which the train begins to roll, and longest simulated time [s].
 ASKED, LONGEST = 0.02, 4 * 3600.0
 AMBIENT, GAS, WARM = 101325.0, 287.05287, 293.15
 
 
 def standing(gradient: float, leak: float) -> tuple[Train, Course]:
-    """Full service, then the driver's valve is shut off and the locomotive's engine stops; nothing feeds the pipe."""
+    """Run full service; then the driver's valve is shut off, the engine stops, and the pipe has no supply."""
     own = replace(freight(), cylinder_leak=leak)
     vehicles = tuple(replace(one, distributor=own, valve_delay=-1.0) for one in block_train(WAGONS).vehicles)
     rows = {"distance": np.array([-1e5, 1e5]), "gradient": np.full(2, gradient), "curvature": np.zeros(2)}
@@ -40,7 +40,7 @@ def standing(gradient: float, leak: float) -> tuple[Train, Course]:
 
 
 def holding_pressure(gradient: float) -> float:
-    """Mean gauge pressure [Pa] at which brakes and rolling resistance hold the weight's part along the track,
+    """Return the mean gauge pressure [Pa] at which brakes and rolling resistance balance the weight along the track,
     statics.
     """
     train = block_train(WAGONS)
@@ -62,8 +62,8 @@ def holding_pressure(gradient: float) -> float:
 
 
 def leaking(pressure: float, leak: float) -> float:
-    """Mass flow [kg/s] through a hole of a diameter [m] into the open, isentropic and choked (Saint-Venant and
-    Wantzel).
+    """Return the mass flow [kg/s] through a hole of a diameter [m] into the open, isentropic and choked (Saint-Venant
+    and Wantzel).
     """
     ratio = max(AMBIENT / pressure, (2 / 2.4) ** 3.5)
     shape = math.sqrt(7.0 * (ratio ** (2 / 1.4) - ratio ** (2.4 / 1.4)))
@@ -71,10 +71,11 @@ def leaking(pressure: float, leak: float) -> float:
 
 
 def time_on_paper(gradient: float, leak: float) -> float:
-    """Time [s] from full cylinders to where it rolls: isothermal, V dp/dt = -R T G(p) of all that feeds the cylinder.
+    """Return the time [s] from full cylinders to rolling: isothermal, V dp/dt = -R T G(p) of all volumes of the
+    cylinder.
 
-    First the reservoir falls to the cylinder's full pressure, which stays; then both fall together; and from the
-    pressure of the pipe on that of its vehicle falls with them.
+    First the reservoir falls to the cylinder's full pressure, which stays; then both fall together; below the pressure
+    of the pipe, that of its vehicle falls with them.
     """
     own, full, pipe = freight(), 380e3 + AMBIENT, 350e3 + AMBIENT
     reservoir = 500e3 + AMBIENT

@@ -18,10 +18,10 @@ from scenarios.reporting.plots import BOGIE, FOUR, plt, titled
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario
 
-#: Factor on the friction under each wheelset, whose rail the one before it has cleaned. Assumed.
+#: Factor on the friction under each wheelset, on a rail cleaned by the one before it. Assumed.
 CLEANED = 1.1
 RAILS = (RailCase("low", low()), RailCase("low, cleaned", low(), (("cleaned_friction", CLEANED),)))
-#: Part of that factor that must be seen from one wheelset to the next in braking force over load.
+#: Least part of that factor in the ratio of braking force over load from one wheelset to the next.
 HALF_OF_IT = 0.5
 
 
@@ -46,7 +46,7 @@ def measure() -> Findings:
 
 
 def force_over_load(stop: Stop) -> list[float]:
-    """Mean of braking force over axle load of each wheelset, while the brake was full and the vehicle ran."""
+    """Return the mean braking force over axle load of each wheelset, with the full brake on the moving vehicle."""
     course = stop.course
     chosen = (course.time > 2 * BRAKE_START) & (course.speed > ABOVE)
     used: list[float] = (-course.creep_force / course.axle_load)[chosen].mean(axis=0).tolist()
@@ -77,7 +77,7 @@ def rows_of(found: Findings) -> list[Row]:
     label = "low, cleaned: least rise of braking force over load from one wheelset to the next"
     asked = at_least(HALF_OF_IT * (CLEANED - 1.0) * used[0])
     rows.append(Row(label, "1", None, rise, asked, "leading wheelsets meet the dirtier rail", "half of the factor"))
-    return sorted(rows, key=lambda row: row.asked is None)  # what is judged comes first
+    return sorted(rows, key=lambda row: row.asked is None)  # rows with limits first
 
 
 def run(options: Options) -> Report:

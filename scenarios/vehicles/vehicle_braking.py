@@ -17,11 +17,11 @@ from scenarios.scenario import Options, Scenario
 
 PLANAR = 2
 SPEED, TORQUE, SETTLED, DURATION, INTERVAL = 50.0, 5e3, 14.0, 15.0, 0.01
-#: Of the loads, beside rigid statics: the vehicle leans a little, and still rocks a little.
+#: Tolerance of the loads against rigid statics: the vehicle leans a little, and still rocks a little.
 BAND = 1e-3
-#: Ramp up to torques that the rail cannot turn the wheels against, at this friction [N.m], [s], [1].
+#: Torque above the adhesion limit at this friction [N.m], ramp [s], friction [1].
 RAMP, RAMP_TIME, FRICTION = 9e3, 30.0, 0.12
-#: Bending of the air springs passes moments to the frames, which rigid statics do not tell.
+#: Bending of the air springs transmits moments to the frames, which rigid statics neglect.
 STATICS = {"secondary_bending_stiffness": 0.0}
 LOADS = tuple(f"axle_load_{number}" for number in NUMBERS)
 RECORDED = ("speed", *LOADS, *(f"angular_velocity_{number}" for number in NUMBERS))
@@ -29,7 +29,7 @@ REACTIONS = {"hung in the frame": 1.0, "on nothing": 0.0}
 
 
 def steady(reaction: float) -> tuple[Recording, list[float]]:
-    """All wheelsets braked until the vehicle rocks no more; and the loads that statics expect at the end [N]."""
+    """Run with all wheelsets braked until the rocking decays; return also the loads of statics at the end [N]."""
     values = STATICS | {"torque_reaction": reaction, "initial_speed": SPEED, "level": PLANAR}
     kernel = prepare("vehicle", **values)
     inputs = {name: [(0.0, torque)] for name, torque in brakes(TORQUE).items()}
@@ -40,7 +40,7 @@ def steady(reaction: float) -> tuple[Recording, list[float]]:
 
 
 def locking(reaction: float, record: Sequence[str] = RECORDED) -> tuple[Recording, dict[int, float | None]]:
-    """The torque rises until wheelsets lock; when each did [s]."""
+    """Run with a rising torque until wheelsets lock; return also the time at which each did [s]."""
     friction = {f"friction_{number}": FRICTION for number in NUMBERS}
     values = {"torque_reaction": reaction, "initial_speed": SPEED, "level": PLANAR}
     kernel = prepare("vehicle", **values, **friction)
@@ -74,14 +74,14 @@ def run(options: Options) -> Report:
 
 
 def motion() -> Motion:
-    """While the torque rises, brakes hung in the frame."""
+    """Run while the torque rises, with brakes hung in the frame."""
     vehicle = passenger_coach()
     series = locking(REACTIONS["hung in the frame"], motion_columns(vehicle))[0]
     return Motion(f"Brakes that rise to {RAMP / 1e3:g} kN.m, hung in the frame", vehicle, series)
 
 
 def order(times: dict[int, float | None]) -> str:
-    """Wheelsets in the order in which they locked."""
+    """Return the wheelsets in the order in which they locked."""
     locked = sorted((time, number) for number, time in times.items() if time is not None)
     return f"wheelsets lock in the order {', '.join(str(number) for _, number in locked)}" if locked else "none locks"
 

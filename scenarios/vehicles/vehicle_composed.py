@@ -20,25 +20,25 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
-#: Full brake from this speed [m/s] at t = 0, looked at after so long [s]: the brake is full by 95 %.
+#: Initial speed of the full brake [m/s], applied at t = 0, and simulated time [s]: the brake reaches 95 %.
 SPEED, DURATION = 25.0, 2.0
 #: Macro steps [s].
 STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
-#: Macro step of the rows [s], and what the distance may be off there, relative.
+#: Macro step of the rows [s], and relative tolerance of the distance there.
 SHOWN, ALLOWED = 1e-4, 1e-6
 #: Macro steps at which costs are compared [s].
 COSTED = (2e-3, 1e-2)
-#: Of all FMUs; their own errors are far below the coupling's. Default: what a host gets that sets nothing.
+#: Tolerances of all FMUs. With the tight one their own errors are far below the coupling's; the other is the default.
 TIGHT, DEFAULT = 1e-10, 1e-6
 MASTERS = {"held": Master(), "lines": Master(extrapolated=True)}
 ORDERS = {"held": 1.0, "lines": 2.0}
-#: Of the slopes, over steps whose next term of the series is a few percent.
+#: Tolerance of the slopes, over steps whose next term of the series is a few percent.
 ORDER_BAND = 0.1
 
 
 @dataclass(frozen=True)
 class Braking:
-    """Distance [m] after DURATION, and time that it took [s]."""
+    """Distance [m] after DURATION, and wall time [s]."""
 
     distance: float
     seconds: float
@@ -53,12 +53,12 @@ class Findings:
     reference: float
 
     def error(self, run: Braking) -> float:
-        """Of the distance, relative."""
+        """Return the relative error of the distance."""
         return abs(run.distance / self.reference - 1.0)
 
 
 def composed(slave: FmuInstance, tolerance: float, step: float) -> Braking:
-    """One FMU, one call each step."""
+    """Run one FMU, with one call each step."""
     machine = coach()
     demands = {f"pressure_demand_{number}": machine.full_pressure for number in machine.numbers}
     values = {"level": 2.0, "initial_speed": SPEED, "tolerance": tolerance}
@@ -70,7 +70,7 @@ def composed(slave: FmuInstance, tolerance: float, step: float) -> Braking:
 
 
 def coupled(machine: CoupledMachine, master: Master, step: float) -> Braking:
-    """Five FMUs: the torques of the cylinders to the vehicle, wheel speeds back."""
+    """Run five FMUs: the torques of the cylinders to the vehicle, wheel speeds back."""
     brake = {**coach_brake().values(), "tolerance": TIGHT}
     machine.start({"level": 2.0, "initial_speed": SPEED, "tolerance": TIGHT}, [brake] * len(machine.brakes))
     machine.demand(coach().full_pressure)
@@ -104,7 +104,7 @@ def measure() -> Findings:
 
 
 def order(errors: Mapping[float, float]) -> float:
-    """Slope of the error over the macro step, both as logarithms."""
+    """Return the slope of the error over the macro step, both as logarithms."""
     return float(np.polyfit(np.log(list(errors)), np.log(list(errors.values())), 1)[0])
 
 

@@ -17,25 +17,25 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
-#: Speeds of the picture [m/s].
+#: Speeds of the plot [m/s].
 SPEEDS = np.arange(5.0, 111.0, 3.0)
-#: A mode that moves body or wheelsets across the track has at least this part of its energy there.
+#: Least part of its energy across the track of a mode that moves body or wheelsets laterally.
 ACROSS = 0.5
-#: From the start until creepages have settled [s].
+#: Time from the start until creepages have settled [s].
 SETTLED = 1.0
-#: Small against the flange clearance, so that the motion is linear [m]; the run that shows its growth, and its samples,
-#: begin when the wave is behind the vehicle [s].
+#: Disturbance, small against the flange clearance, so that the motion is linear [m]. The run that shows its growth, and
+#: its samples, begin when the vehicle has passed the wave [s].
 DISTURBANCE, BEGIN, LENGTH, INTERVAL = 1e-5, 6.0, 8.0, 0.05
 TOLERANCE = 1e-9
 #: Rolling resistance of each wheelset [N.m], that of section 8.3: without any creep the creep law has no unique slope.
 DRAG = 65.0
-#: Two methods on the same equations; of the speed, relative.
+#: Relative tolerance of the speed of two methods on the same equations.
 BAND = 2e-3
 
 
 @dataclass(frozen=True)
 class Case:
-    """A vehicle, where it is expected to begin hunting [m/s], and whether its body hunts or its bogies."""
+    """A vehicle, its expected critical speed [m/s], and whether its body hunts or its bogies."""
 
     name: str
     values: Mapping[str, float]
@@ -50,14 +50,16 @@ CASES = (
 
 
 def run_at(case: Case, speed: float, **more: float) -> Kernel:
-    """The vehicle at a constant speed; small motions on the treads ask for no flange."""
+    """Return the vehicle at a constant speed; small motions on the treads need no flange."""
     values = {**RIGID, **AS_PUBLISHED, **case.values, **more, "tolerance": TOLERANCE}
     values["rolling_resistance_torque"] = DRAG
     return prepare("vehicle", **values, initial_speed=speed, constant_speed=1)
 
 
 def energies(mode: Mode) -> dict[str, float]:
-    """Parts of a mode's kinetic energy, up to one factor: of the body, frames and wheelsets across the track."""
+    """Return the parts of a mode's kinetic energy, up to one factor: of the body, frames and wheelsets across the
+    track.
+    """
     p, shape = COACH, mode.shape
 
     def of(mass: float, roll: float, yaw: float, names: tuple[str, str, str]) -> float:
@@ -85,14 +87,14 @@ def energies(mode: Mode) -> dict[str, float]:
 
 
 def body_share(mode: Mode) -> float | None:
-    """Share of the body in the energy of a motion across the track; None for motions in the vehicle's plane."""
+    """Return the body's share of the energy of a motion across the track; None for motions in the vehicle's plane."""
     parts = energies(mode)
     across = parts["body"] + parts["frames"] + parts["wheelsets"]
     return float(parts["body"] / across) if across > ACROSS * (across + parts["along"]) else None
 
 
 def hunting(case: Case, speed: float, body: bool) -> Mode | None:
-    """The least stable motion across the track in which the body has more than half of the energy, or less."""
+    """Return the least stable motion across the track in which the body has more than half of the energy, or less."""
     kernel = run_at(case, speed)
     kernel.advance(SETTLED)
     found = oscillations(system_of("vehicle", **RIGID), np.array(kernel.linearise().jacobian))
@@ -102,15 +104,15 @@ def hunting(case: Case, speed: float, body: bool) -> Mode | None:
 
 
 def growth(case: Case, speed: float) -> float:
-    """Of the motion that is expected to hunt [1/s]."""
+    """Return the growth of the motion that is expected to hunt [1/s]."""
     mode = hunting(case, speed, case.body)
     return mode.growth if mode else -np.inf
 
 
 def growth_in_time(case: Case, speed: float) -> float:
-    """Of the same motion in a run behind a small wave of the track [1/s].
+    """Return the growth of the same motion in a run after a small wave of the track [1/s].
 
-    Its amplitude is what the left eigenvector sees of the state: all other motions are orthogonal to that.
+    Its amplitude is the projection of the state on the left eigenvector, to which all other motions are orthogonal.
     """
     mode = hunting(case, speed, case.body)
     assert mode is not None

@@ -13,7 +13,7 @@ from scenarios.reporting.report import Report, measured, near
 from scenarios.scenario import Options, Scenario
 
 PLANAR, SPATIAL = 2, 3
-#: Of the vertical springs alone [Hz], from the masses and stiffnesses of Iwnicki (1998).
+#: Frequencies of the vertical springs alone [Hz], from the masses and stiffnesses of Iwnicki (1998).
 PUBLISHED = {
     "bounce of the body": 1.0739,
     "bounce of the frames": 7.4705,
@@ -23,34 +23,38 @@ PUBLISHED = {
 }
 BAND = 1e-3
 DIRECTIONS = ("longitudinal", "lateral", "vertical")
-#: No damping, level springs as good as absent, all centres and springs at one height, so that no weight leans on them.
+#: No damping, horizontal springs of negligible stiffness, all centres and springs at one height, without effects of
+#: weight.
 VERTICAL_ALONE = {
     **{f"{kind}{direction}_stiffness": 1.0 for kind in ("", "secondary_") for direction in DIRECTIONS[:2]},
     **{f"{kind}{direction}_damping": 0.0 for kind in ("", "secondary_") for direction in DIRECTIONS},
     **{f"{name}_height": 0.0 for name in ("frame", "body", "secondary")},
     **{"secondary_bending_stiffness": 0.0, "anti_roll_stiffness": 0.0},
 }
-#: Speed of the vehicle in space [m/s]: slow, so that the wheels guide and do not hunt.
+#: Speed of the vehicle in 3D [m/s]: low, so that the wheels guide and do not hunt.
 SPEED = 10.0
 #: Modes with less of critical damping than this, above the slowest frequency [Hz], are shown.
 OVERDAMPED, SLOWEST = 0.9, 0.2
 BODIES = ("body", "front_frame", "rear_frame")
 MOTIONS = ("shift", "lateral", "bounce", "roll", "pitch", "yaw")
-#: So many modes are drawn, their largest displacement as long as this [m], in a frame so wide and high [m].
+#: Number of drawn modes, size of their largest displacement [m], width and height of the frame [m].
 DRAWN, LARGEST, WIDTH, HEIGHT = 8, 1.2, 26.0, 7.2
-#: Centres of bodies and half their sizes as drawn, ahead, to the left and up [m]; only the pivots are the vehicle's.
+#: Centres of bodies and half their drawn sizes, ahead, to the left and up [m]; only the pivots are the vehicle's.
 PIVOT = COACH.pivot_distance / 2
 BOXES = {
     "body": ((0.0, 0.0, 3.2), (11.0, 1.4, 1.3)),
     "front_frame": ((PIVOT, 0.0, 0.7), (2.0, 1.0, 0.4)),
     "rear_frame": ((-PIVOT, 0.0, 0.7), (2.0, 1.0, 0.4)),
 }
-#: What is to the right and up in a view, of ahead, to the left and up, the sign of the first, and the middle's height.
+#: Axes to the right and up in each view (0 ahead, 1 to the left, 2 up), sign of the first, and height of the middle
+#: [m].
 VIEWS = {"from the side": (0, 2, 1.0, 2.4), "from above": (0, 1, 1.0, 0.0), "from behind": (1, 2, -1.0, 2.4)}
 
 
 def modes(level: int, **values: float) -> list[Mode]:
-    """Oscillations of the vehicle at a level, the slowest first; on rigid contacts, without their own vibrations."""
+    """Return the oscillations of the vehicle at a level, the slowest first; on rigid contacts, without their own
+    vibrations.
+    """
     place = RIGID | AS_PUBLISHED | {"level": level}
     kernel = prepare("vehicle", tolerance=1e-10, **place, **values)
     kernel.initialise()
@@ -59,13 +63,15 @@ def modes(level: int, **values: float) -> list[Mode]:
 
 
 def amplitude(mode: Mode, body: str, motion: str) -> complex:
-    """Of a body's motion at the reach of the body, so that angles and displacements compare [m]."""
+    """Return the amplitude of a body's motion at the reach of the body, so that angles compare with shifts [m]."""
     reach = (COACH.pivot_distance if body == "body" else COACH.wheel_base) / 2
     return mode.shape.get(f"{body}_{motion}", 0.0) * (reach if motion in ("pitch", "yaw") else 1.0)
 
 
 def name_of(mode: Mode) -> str:
-    """The body and the motion that are largest in a mode; hunting, where a wheelset moves most to the side."""
+    """Return the body and the motion that are largest in a mode; "hunting" if a wheelset has the largest lateral
+    motion.
+    """
     sizes = {(body, motion): abs(amplitude(mode, body, motion)) for body in BODIES for motion in MOTIONS}
     body, motion = max(sizes, key=lambda key: sizes[key])
     wheels = {number: abs(mode.shape.get(f"lateral_{number}", 0.0)) for number in NUMBERS}
@@ -77,7 +83,7 @@ def name_of(mode: Mode) -> str:
 
 
 def phase(one: complex, other: complex) -> str:
-    """How two motions of a mode lie to each other, in words."""
+    """Return the phase between two motions of a mode in words."""
     turn = abs(float(np.angle(one * np.conj(other), deg=True)))
     return "in phase" if turn < 45.0 else "in antiphase" if turn > 135.0 else f"{turn:.0f}° apart"
 
@@ -119,14 +125,16 @@ def draw(found: list[Mode]) -> Figure:
 
 
 def message(found: list[Mode]) -> str:
-    """At which frequency the body bounces, and the frames, and how these move to each other."""
+    """Return the title: frequencies of the bounce of body and frames, and the phase between these."""
     bounces = [mode for mode in found if name_of(mode).startswith("bounce of")]
     body, frames = (next(mode for mode in bounces if name_of(mode).endswith(word)) for word in ("body", "frame"))
     return f"The body bounces at {body.frequency:.1f} Hz, frames {phases(frames)[0]} at {frames.frequency:.1f} Hz"
 
 
 def view_of(mode: Mode) -> str:
-    """The view that shows a mode: the side for bounce and pitch, behind where more rolls than yaws, else above."""
+    """Return the view of a mode: from the side for bounce and pitch, from behind if more rolls than yaws, else from
+    above.
+    """
     sizes = {motion: max(abs(amplitude(mode, body, motion)) for body in BODIES) for motion in MOTIONS}
     if max(sizes["bounce"], sizes["pitch"]) > max(sizes["lateral"], sizes["yaw"], sizes["roll"]):
         return "from the side"
@@ -134,13 +142,15 @@ def view_of(mode: Mode) -> str:
 
 
 def displaced(mode: Mode, body: str, points: np.ndarray) -> np.ndarray:
-    """Displacements of points of a body in a mode, ahead, to the left and up; each a row."""
+    """Return the displacements of points of a body in a mode, ahead, to the left and up; each a row."""
     ahead, left, up, *turns = (mode.shape.get(f"{body}_{motion}", 0.0) for motion in MOTIONS)
     return np.array([ahead, left, up]) + np.cross(turns, points - BOXES[body][0])
 
 
 def phases(mode: Mode) -> tuple[str, str]:
-    """How front and rear frame move to each other, and body and front frame: from behind they roll; else at a pivot."""
+    """Return the phases between front and rear frame, and body and front frame: roll if viewed from behind, else at a
+    pivot.
+    """
     view = view_of(mode)
     if view == "from behind":
         front, rear, body = (mode.shape.get(f"{name}_roll", 0.0) for name in ("front_frame", "rear_frame", "body"))
@@ -154,7 +164,7 @@ def phases(mode: Mode) -> tuple[str, str]:
 
 
 def sketch(axis: Axes, mode: Mode) -> None:
-    """Body and frames where a mode displaces them most, over their places at rest, in one view."""
+    """Draw body and frames at their largest displacement, over their places at rest, in one view."""
     view = view_of(mode)
     right, up, sign, middle = VIEWS[view]
     corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)])

@@ -21,16 +21,16 @@ from scenarios.reporting.report import Report, Row, at_most, measured, near
 from scenarios.scenario import Options, Scenario
 
 SPEED, PLANAR = 30.0, 2
-#: Torque of each brake grows over so long [s]; then the vehicle is looked at for so long, and settled from then on.
+#: Ramp of each brake's torque, simulated time, start of the evaluation and recording interval [s].
 RAMP, DURATION, SETTLED, INTERVAL = 1.0, 8.0, 6.0, 0.02
-#: Wheel-rail friction, and torques as shares of what it bears under static loads.
+#: Wheel-rail friction, and torques as shares of the adhesion limit under static loads.
 FRICTIONS, SHARES = (0.05, 0.10, 0.20), (0.2, 0.4, 0.6, 0.8, 0.9, 0.95)
-#: Between these shares lies the one that just locks a wheelset before rest; it is enclosed so far. The torque grows
-#: over so long [s], so that nothing rocks.
+#: Shares that enclose the least one that locks a wheelset before rest, and the resolution. The torque grows over a long
+#: ramp [s], so that nothing rocks.
 LOWEST, HIGHEST, RESOLUTION, SLOW_RAMP = 0.5, 1.1, 5e-4, 6.0
-#: Of what rigid statics expect: the vehicle leans a little. The whole and the half differ by more.
+#: Tolerance against rigid statics: the vehicle leans a little. The whole and the half differ by more.
 BAND = 2e-3
-#: What is asked of one bogie: error of the distance, relative, while no wheel locks.
+#: Tolerance of one bogie: relative error of the distance, while no wheel locks.
 DISTANCE = 1e-3
 WHOLE = "vehicle"
 ONE = "bogie"
@@ -39,25 +39,25 @@ VALUES: dict[str, dict[str, float]] = {
     ONE: dict(one_bogie_of(COACH).values()),
 }
 OWN = {WHOLE: NUMBERS, ONE: NUMBERS[:2]}
-#: Of a traction rod that does not give way [N/m].
+#: Stiffness of a rigid traction rod [N/m].
 FAST = 1e15
-#: Wheelsets of the vehicle for which the leading one of the bogie stands.
+#: Wheelsets of the vehicle that the leading one of the bogie represents.
 LEADERS = (1, 3)
 
 
 def static_torque(friction: float) -> float:
-    """Of a wheelset's brake that uses all of the friction under its load at rest [N.m]."""
+    """Return the brake torque of a wheelset at the adhesion limit under its load at rest [N.m]."""
     return friction * rigid_axle_loads(COACH, 0.0, 0.0, 1.0)[0] * COACH.wheel_radius
 
 
 def start(name: str, friction: float, level: int = PLANAR) -> Kernel:
-    """One bogie or the vehicle at a level, not yet braked."""
+    """Return one bogie or the vehicle at a level, not yet braked."""
     frictions = {f"friction_{number}": friction for number in OWN[name]}
     return prepare(name, **{**VALUES[name], **frictions, "level": level, "initial_speed": SPEED})
 
 
 def brake(name: str, friction: float, share: float, ramp: float, duration: float) -> tuple[Kernel, Recording]:
-    """All brakes to a share of the static torque."""
+    """Run with all brakes at a share of the static torque."""
     kernel, torque = start(name, friction), share * static_torque(friction)
     read = ("speed", "distance", "acceleration", *(f"axle_load_{n}" for n in OWN[name]))
     inputs = {f"brake_torque_{n}": [(0.0, 0.0), (ramp, torque)] for n in OWN[name]}
@@ -66,7 +66,9 @@ def brake(name: str, friction: float, share: float, ramp: float, duration: float
 
 @dataclass(frozen=True)
 class Difference:
-    """One bogie against the vehicle: distance, relative; load transfer, share that is missing; deceleration [m/s2]."""
+    """One bogie against the vehicle: relative difference of distance; missing share of load transfer; deceleration
+    [m/s2].
+    """
 
     distance: float
     missing: float
@@ -74,7 +76,7 @@ class Difference:
 
 
 def differ(friction: float, share: float) -> Difference:
-    """Both braked alike."""
+    """Return the difference of bogie and vehicle, braked alike."""
     series = {name: brake(name, friction, share, RAMP, DURATION)[1] for name in OWN}
     late = series[WHOLE]["time"] > SETTLED
 
@@ -89,7 +91,7 @@ def differ(friction: float, share: float) -> Difference:
 
 
 def first_lock(name: str, friction: float) -> tuple[int, float]:
-    """Which wheelset locks first, and the least share of the static torque at which it does before rest."""
+    """Return the wheelset that locks first, and the least share of the static torque at which it does before rest."""
     low, high, first = LOWEST, HIGHEST, 0
     while high - low > RESOLUTION:
         share = (low + high) / 2
@@ -104,7 +106,7 @@ def first_lock(name: str, friction: float) -> tuple[int, float]:
 
 
 def rigid_lock(friction: float, whole: bool) -> float:
-    """Share of the static torque at which rigid statics lock the lightest wheelset; the others still roll."""
+    """Return the share of the static torque at which rigid statics lock the lightest wheelset; others still roll."""
     low, high = 0.0, HIGHEST
     for _ in range(50):
         share = (low + high) / 2
@@ -118,13 +120,15 @@ def rigid_lock(friction: float, whole: bool) -> float:
 
 
 def loads_of_one_bogie(deceleration: float, torque: float) -> list[float]:
-    """Axle loads of one bogie by rigid statics [N]: no load moves to another, half a body stands fast on the frame."""
+    """Return the axle loads of one bogie by rigid statics [N]: no load moves to another, half a body is fixed to the
+    frame.
+    """
     loads = rigid_axle_loads(replace(COACH, traction_rod_stiffness=FAST), deceleration, torque, 1.0)
     return [(front + rear) / 2 for front, rear in zip(loads[:2], loads[2:], strict=True)]
 
 
 def rigid_missing() -> float:
-    """Share of load transfer that rigid statics of one bogie leave out of those of the vehicle, at 1 m/s2."""
+    """Return the share of the vehicle's load transfer that rigid statics of one bogie neglect, at 1 m/s2."""
     braking = 1.0, static_torque(1.0 / COACH.gravity)
     at_rest, one = rigid_axle_loads(COACH, 0.0, 0.0, 1.0)[0], loads_of_one_bogie(*braking)[0]
     whole = rigid_axle_loads(COACH, *braking, 1.0)
@@ -132,7 +136,7 @@ def rigid_missing() -> float:
 
 
 def cost(name: str, level: int) -> float:
-    """Seconds to compute a braking of DURATION."""
+    """Return the wall time of a braking of DURATION [s]."""
 
     def once() -> None:
         kernel = start(name, FRICTIONS[-1], level)

@@ -1,1 +1,1 @@
-"""What is compared: integrators of SciPy, SUNDIALS and FMPy, and the code of other revisions."""
+"""Compared methods: integrators of SciPy, SUNDIALS and FMPy, and the code of other revisions."""

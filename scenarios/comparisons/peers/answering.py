@@ -1,6 +1,6 @@
-"""What a process with the code of one revision answers to old_and_new.py: jobs in, times out, a JSON line each.
+"""Process with the code of one revision that runs the jobs of old_and_new.py: jobs in, times out, a JSON line each.
 
-It is run as text in the folder of its revision, and takes nothing but what old revisions have too.
+It is run as text in the folder of its revision, and uses only interfaces that old revisions have too.
 """
 
 import json
@@ -19,7 +19,7 @@ from products.registry import model_of
 
 
 def copy_library(vehicle: str, copies: list[str]) -> dict[str, Any]:
-    """The compiled kernel of an FMU of this revision, under several names."""
+    """Copy the compiled kernel of an FMU of this revision, under several names."""
     made = build_library(model_of(vehicle))
     for copy in copies:
         shutil.copy(made, copy)
@@ -28,12 +28,14 @@ def copy_library(vehicle: str, copies: list[str]) -> dict[str, Any]:
 
 @cache
 def library(path: str) -> Library:
-    """A copy, loaded once."""
+    """Return a copy, loaded once."""
     return Library(Path(path))
 
 
 def measure(path: str, values: Mapping[str, Any], action: str, size: float, count: int, lanes: int) -> dict[str, Any]:
-    """Seconds of one call, and steps of the kernel, which is under way unless the whole stop is asked for."""
+    """Return the time of one call [s] and the steps of the kernel, which runs for 1 s first unless `action` is the
+    whole stop.
+    """
     kernel = Kernel(library(path), **values)
     if lanes:
         kernel.use_lanes(lanes)
@@ -53,7 +55,7 @@ def measure(path: str, values: Mapping[str, Any], action: str, size: float, coun
 
 
 def run_cases() -> dict[str, Any]:
-    """Seconds of all cases of chapter 9, the kernel loaded before."""
+    """Return the time of all cases of chapter 9 [s], with the kernel loaded before."""
     from scenarios.bench.asymmetric_shoes import CASES, run_all
 
     run_all(CASES[:1])
@@ -66,7 +68,7 @@ JOBS: dict[str, Callable[..., dict[str, Any]]] = {"copy": copy_library, "measure
 
 
 def main() -> None:
-    """Answers until nobody asks; what others print goes to standard error."""
+    """Run jobs until the input ends; other output goes to standard error."""
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     for line in sys.stdin:

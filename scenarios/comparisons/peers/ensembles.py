@@ -1,4 +1,4 @@
-"""Error against throughput: stops a second of one instance, of batches and, on all processors, of others' methods."""
+"""Error against throughput: stops a second of one instance, of batches, and of SciPy and CVODE on all processors."""
 
 import os
 import time as clock
@@ -23,19 +23,19 @@ from scenarios.measuring.runs import Run, layout_of
 from scenarios.measuring.scenes import SMOOTH, Samples, Scene, both
 from scenarios.reporting.progress import counting
 
-#: What chooses a level, and the system that a batch of it runs.
+#: Parameters that choose a level, and the system that a batch of it runs.
 LEVELS: dict[str, tuple[dict[str, float], str]] = {
     "planar": ({"level": 2, "contact_model": 1}, "planar"),
     "spatial": ({"level": 3, "contact_model": 2}, "spatial_patches"),
 }
-#: Simulated time of a stop [s], and least and largest torque capacity on both wheelsets [N.m]. The first stands shortly
-#: after: at rest others' methods, which switch between sliding and sticking as ours do, may do so without end.
+#: Simulated time of a stop [s], and least and largest torque capacity on both wheelsets [N.m]. The first comes to rest
+#: shortly after. At rest third-party methods may switch between sliding and sticking, as ours do, without end.
 DURATION, TORQUES = SMOOTH.duration, (16e3, 20e3)
-#: Stops whose errors are judged, at torques evenly between; stops of a batch by level.
+#: Number of stops whose errors are evaluated, at evenly spaced torques; stops of a batch by level.
 JUDGED, IN_A_BATCH = 4, {"planar": 2000, "spatial": 200}
 #: Rounds of one instance and of batches, of which the fastest counts.
 ROUNDS = 2
-#: Stops of CVODE for each thread, of SciPy for each process, and seconds after which one of them is given up.
+#: Stops of CVODE for each thread, of SciPy for each process, and time limit of one stop [s].
 OF_A_THREAD, OF_A_PROCESS, BUDGET = 8, 4, 10.0
 TOLERANCES, FIXED_STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), (1e-2, 5e-3, 2e-3)
 COARSE = (1e-3, 1e-5, 1e-7)
@@ -46,8 +46,8 @@ PEERS = (IN_THREADS, *IN_PROCESSES)
 
 @dataclass(frozen=True)
 class Rate:
-    """A way at a setting (tolerance, or step [s]): largest relative error of the distances (None: a stop failed), stops
-    a second, and why it failed.
+    """A method at a setting (tolerance, or step [s]): largest relative error of the distances (None: a stop failed),
+    stops a second, and the reason of a failure.
     """
 
     level: str
@@ -60,19 +60,21 @@ class Rate:
 
 @dataclass(frozen=True)
 class Study:
-    """All rates; by level the relative difference of two references, and how far batches are from single runs [m]."""
+    """All rates; by level the relative difference of two references, and the difference of batches from single runs
+    [m].
+    """
 
     rates: list[Rate]
     uncertainty: dict[str, float]
     apart: dict[str, float]
 
     def of(self, level: str, way: str) -> list[Rate]:
-        """Those of a way, the loosest setting first."""
+        """Return the rates of a method, the loosest setting first."""
         found = (one for one in self.rates if (one.level, one.way) == (level, way))
         return sorted(found, key=lambda one: -one.setting)
 
     def fastest(self, level: str, ways: Sequence[str], error: float) -> Rate | None:
-        """The most stops a second with at most this error."""
+        """Return the rate with the most stops a second at no more than this error."""
         every = (one for way in ways for one in self.of(level, way))
         return max((one for one in every if one.error is not None and one.error <= error), key=_stops, default=None)
 
@@ -82,12 +84,12 @@ def _stops(one: Rate) -> float:
 
 
 def distance(samples: Samples) -> dict[str, float]:
-    """What is judged: where the stop ends [m]."""
+    """Return the evaluated quantity: the distance of the stop [m]."""
     return {"distance": float(samples["frame_distance"][-1])}
 
 
 def stop(level: str, torque: float) -> Scene:
-    """A stop from 25 m/s, with no samples but at its end."""
+    """Return a stop from 25 m/s, with a sample at its end only."""
     return replace(
         SMOOTH,
         name=f"stop, {level}, {torque:g} N.m",
@@ -101,7 +103,7 @@ def stop(level: str, torque: float) -> Scene:
 
 
 def judged() -> np.ndarray:
-    """Torques of the stops whose errors are judged [N.m]."""
+    """Return the torques of the stops whose errors are evaluated [N.m]."""
     return np.linspace(*TORQUES, JUDGED)
 
 
@@ -109,7 +111,7 @@ Distances = Callable[[], np.ndarray]
 
 
 def alone(level: str, **values: float) -> Distances:
-    """Stops one after the other, by the kernel in one thread."""
+    """Run stops in sequence, by the kernel in one thread."""
 
     def run() -> np.ndarray:
         found = []
@@ -122,7 +124,7 @@ def alone(level: str, **values: float) -> Distances:
 
 
 def together(level: str, **values: float) -> tuple[Distances, np.ndarray]:
-    """Stops in a batch on all processors; and which of them are judged."""
+    """Run stops in a batch on all processors; return also the indices of the evaluated ones."""
     chosen, system = LEVELS[level]
     count = max(IN_A_BATCH[level], JUDGED)
     torques = np.linspace(*TORQUES, count)
@@ -143,7 +145,7 @@ def together(level: str, **values: float) -> tuple[Distances, np.ndarray]:
 
 
 def fastest_of(run: Distances) -> tuple[float, np.ndarray]:
-    """Stops a second, and their distances [m]."""
+    """Return stops a second, and their distances [m]."""
     best = np.inf
     for _ in range(ROUNDS):
         begin = clock.perf_counter()
@@ -153,17 +155,17 @@ def fastest_of(run: Distances) -> tuple[float, np.ndarray]:
 
 
 def of_scipy(level: str, method: str, tolerance: float, torque: float) -> Run:
-    """One stop in a process."""
+    """Run one stop in a process."""
     return scipy(stop(level, torque), method, tolerance, BUDGET)
 
 
 def of_cvode(level: str, tolerance: float, torque: float) -> Run:
-    """One stop in a thread, which Python lets go on beside others."""
+    """Run one stop in a thread; the library releases Python's lock."""
     return sundials.sundials(stop(level, torque), "CVODE", tolerance, BUDGET)
 
 
 def warm_up(_: int) -> None:
-    """What a process needs before its first stop."""
+    """Load and compile everything that a process needs before its first stop."""
     for level in LEVELS:
         library("bogie", **LEVELS[level][0])
         layout_of(stop(level, TORQUES[0]))
@@ -173,25 +175,25 @@ def warm_up(_: int) -> None:
 
 
 def settings() -> Iterator[tuple[str, float, dict[str, float]]]:
-    """Ours: what is added to the name of the way, the setting, and the values of the kernel."""
+    """Yield our settings: suffix of the method's name, the setting, and the values of the kernel."""
     yield from (("", value, {"tolerance": value}) for value in TOLERANCES)
     for step in FIXED_STEPS:
         yield f", {FIXED}", step, {"integration_method": 2, "integration_step": step}
 
 
 def error_of(found: np.ndarray, exact: np.ndarray) -> float:
-    """The largest relative error of the judged distances [m]."""
+    """Return the largest relative error of the evaluated distances [m]."""
     return float(np.abs(found / exact - 1.0).max())
 
 
 def ours(level: str, exact: np.ndarray) -> Iterator[tuple[Rate, float]]:
-    """One instance and a batch at each setting, and how far the two are apart [m]."""
+    """Yield one instance and a batch at each setting, and the difference of the two [m]."""
     for words, setting, values in settings():
         run, places = together(level, **values)
         try:
             stops, single = fastest_of(alone(level, **values))
             in_batch, every = fastest_of(run)
-        except SimulationError as error:  # steps that are too long
+        except SimulationError as error:  # the steps are too long
             yield Rate(level, ALONE + words, setting, None, 0.0, str(error)), 0.0
             yield Rate(level, BATCH + words, setting, None, 0.0, str(error)), 0.0
             continue
@@ -201,7 +203,7 @@ def ours(level: str, exact: np.ndarray) -> Iterator[tuple[Rate, float]]:
 
 
 def others(level: str, exact: np.ndarray, pool: Executor, threads: Executor, workers: int) -> Iterator[Rate]:
-    """Others' methods, one stop a worker at a time."""
+    """Yield the rates of third-party methods, one stop a worker at a time."""
     for setting in TOLERANCES if sundials.is_installed() else ():
         work = partial(of_cvode, level, setting)
         yield rate_of(level, IN_THREADS, setting, exact, threads, work, OF_A_THREAD * workers)
@@ -214,7 +216,7 @@ def others(level: str, exact: np.ndarray, pool: Executor, threads: Executor, wor
 def rate_of(
     level: str, way: str, setting: float, exact: np.ndarray, pool: Executor, work: Callable[[float], Run], count: int
 ) -> Rate:
-    """The judged stops over and over, `count` at least, by a pool of workers."""
+    """Run the evaluated stops repeatedly, `count` at least, by a pool of workers."""
     torques = np.tile(judged(), -(-count // JUDGED))
     begin = clock.perf_counter()
     runs = list(pool.map(work, torques.tolist()))
@@ -227,13 +229,15 @@ def rate_of(
 
 
 def references(level: str) -> tuple[np.ndarray, float]:
-    """Distances [m] by a method of others at a tolerance 100 times tighter, and how far ours at its tightest is off."""
+    """Return distances [m] by a third-party method at a tolerance 100 times tighter, and the largest error of our
+    method at its tightest.
+    """
     found = [refer(stop(level, torque)) for torque in judged()]
     return np.array([measures["distance"] for measures, _, _ in found]), max(off for _, off, _ in found)
 
 
 def study() -> Study:
-    """All rates, with a bar."""
+    """Return all rates, with a progress bar."""
     workers = os.cpu_count() or 1
     found = Study([], {}, {})
     per_level = 2 * len(list(settings())) + len(IN_PROCESSES) * len(COARSE)

@@ -14,12 +14,12 @@ from scenarios.comparisons.peers.scipy_methods import BUDGET
 from scenarios.measuring.runs import Run
 from scenarios.measuring.scenes import LOCK_UP, SMOOTH, Scene
 
-#: Name of this method; scenes that stay in the plane; the level that the FMU's start values choose.
+#: Name of this method; planar cases; the level that the FMU's start values choose.
 EXCHANGE, IN_THE_PLANE, LEVEL = "model exchange, FMPy's CVODE", (SMOOTH, LOCK_UP), 2
 
 
 def drive(fmu: FMU2Model, histories: Mapping[int, History]) -> dict[str, int]:
-    """Gives an instance the inputs of the time that is set, for FMPy's own are a step late; and counts its work."""
+    """Set the inputs of an instance for its present time, as FMPy's own are a step late, and count its work."""
     work = {"right_hand_sides": 0}
     set_time, get_derivatives = fmu.setTime, fmu.getDerivatives
 
@@ -36,13 +36,13 @@ def drive(fmu: FMU2Model, histories: Mapping[int, History]) -> dict[str, int]:
 
 
 def exchange(scene: Scene, tolerance: float) -> Run:
-    """A scene through FMPy's CVODE with this relative tolerance, in nominal values absolute."""
+    """Run a case through FMPy's CVODE with this relative tolerance, in nominal values absolute."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # Windows removes no loaded library
         return _exchanged(scene, tolerance, folder)
 
 
 def _exchanged(scene: Scene, tolerance: float, folder: str) -> Run:
-    """folder: what the FMU is unpacked to."""
+    """Run the case; folder: into which the FMU is unpacked."""
     path = up_to_date(scene.fmu, "native")
     about, _ = read_model_description(str(path)), extract(str(path), folder)
     fmu = instantiate_fmu(folder, about, "ModelExchange")

@@ -1,4 +1,4 @@
-"""The code here against that of another revision: both built, and measured in turns by processes of their own."""
+"""The code here against that of another revision: both built, and measured in turns by separate processes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from scenarios.reporting.report import Row
 from scenarios.scenario import BadInputError
 
 OLD, NEW = "old", "new"
-#: What a revision must have to be measured.
+#: Files that a revision needs to be measured.
 NEEDED = (
     "fmu_src/compile.py",
     "fmu_src/kernel.py",
@@ -36,30 +36,31 @@ NEEDED = (
     "scenarios/bench/asymmetric_shoes.py",
     "build_fmu.py",
 )
-#: Copies of each library, as two copies of one differ by 7 % by where they are loaded; rounds over all, least taken.
+#: Copies of each library, as two copies of one differ by 7 % by their load addresses; rounds over all, least taken.
 COPIES, ROUNDS = 4, 5
-#: Rounds of what takes seconds: the cases of chapter 9.
+#: Rounds of the jobs that take seconds: the cases of chapter 9.
 LONG_ROUNDS = 2
-#: Length of the stop [s] and of a host step [s]; calls of each job.
+#: Length of the stop [s] and of a communication step [s]; calls of each job.
 STOP, HOST_STEP = 22.9, 1e-3
 CALLS = {"right-hand side": 3000, "Jacobian": 1000, "host step": 1500, "stop": 1}
 #: Torque capacity on each wheelset by vehicle [N.m].
 TORQUE = {"bogie": 20e3, "vehicle": 8e3}
 NAMES = {"bogie": "bogie", "vehicle": "coach"}
-#: Largest wanted ratio of new to old in space by vehicle and action; elsewhere nothing may be slower.
+#: Largest allowed ratio of new to old in 3D by vehicle and action; other jobs may not be slower.
 BANDS = {
     "bogie": {"right-hand side": 0.5, "Jacobian": 0.55, "host step": 0.6, "stop": 0.5},
     "vehicle": {"right-hand side": 0.55, "Jacobian": 0.55, "host step": 0.6, "stop": 0.55},
 }
 NOT_SLOWER = 1.0
 STRAIGHT = "straight"
-#: Of a stop on a line over straight track; of chapter 9; of binaries and of building all FMUs with an empty cache.
+#: Largest allowed ratios: a stop on a line over straight track; chapter 9; binaries; and building all FMUs with an
+#: empty cache.
 ON_LINE, CASES, BINARIES, BUILD = 1.1, 0.5, 1.15, 1.15
 
 
 @dataclass(frozen=True)
 class Job:
-    """What is timed: whose kernel, with which values, and what it does; lanes: at most so many, 0 as it likes."""
+    """A timed job: its kernel, values and action; lanes: largest number, 0 for the default."""
 
     tree: str
     vehicle: str
@@ -70,7 +71,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Timed:
-    """The least seconds of one call, and the steps that the kernel has made by then."""
+    """The least time of one call [s], and the steps of the kernel until then."""
 
     seconds: float
     steps: int
@@ -78,9 +79,9 @@ class Timed:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The time of one job over that of another, and the largest ratio that is wanted.
+    """The time of one job over that of another, and the largest ratio that is allowed.
 
-    of_a_step: the ratio is that of the time of one step, where the two need not take as many.
+    of_a_step: the ratio is that of the time of one step, if the numbers of steps may differ.
     """
 
     what: str
@@ -94,7 +95,7 @@ class Comparison:
 
 
 def values_of(vehicle: str, level: int, **more: float | str) -> tuple[tuple[str, float | str], ...]:
-    """A stop from 25 m/s at a level, in space at contact model 2."""
+    """Return the values of a stop from 25 m/s at a level, in 3D with contact model 2."""
     torques = (
         brakes(TORQUE[vehicle])
         if vehicle == "vehicle"
@@ -104,7 +105,7 @@ def values_of(vehicle: str, level: int, **more: float | str) -> tuple[tuple[str,
 
 
 def against_old() -> Iterator[Comparison]:
-    """The same work by both; and where this processor is made to use two lanes."""
+    """Yield the same work by both; and comparisons with two lanes on this processor."""
     for vehicle, levels in (("bogie", (1, 2, 3)), ("vehicle", (2, 3))):
         for level in levels:
             values, name = values_of(vehicle, level), f"{NAMES[vehicle]}, {LEVELS[level]}"
@@ -122,7 +123,7 @@ def against_old() -> Iterator[Comparison]:
 
 
 def lines() -> dict[str, Line]:
-    """Files that a stop may run on: straight track, and a curve of 1000 m on either side."""
+    """Return the lines of stops: straight track, and a curve of 1000 m to either side."""
     left, right = arc(80.0, 1000.0, 0.06), arc(200.0, -1000.0, -0.06)
     before = straight(70.0)
     curved = [before, clothoid(40.0, before, left), left, clothoid(60.0, left, right), right]
@@ -130,7 +131,7 @@ def lines() -> dict[str, Line]:
 
 
 def on_lines(files: dict[str, Path]) -> Iterator[Comparison]:
-    """Stops of the new code on lines against straight track without one; curves need more steps."""
+    """Yield stops of the new code on lines against straight track without one; curves need more steps."""
     for vehicle, name in NAMES.items():
         plain = Job(NEW, vehicle, "stop", values_of(vehicle, 3))
         for words, path in files.items():
@@ -146,14 +147,14 @@ def on_lines(files: dict[str, Path]) -> Iterator[Comparison]:
 
 
 def row_of(what: str, above: float, below: float, most: float, words: str = "") -> Row:
-    """A ratio beside what is wanted of it; the clock judges no row."""
+    """Return a ratio with its target; as times vary, the row has no limit."""
     ratio = above / below
     verdict = "reached" if ratio <= most else "not reached"
     return Row(what, "1", None, ratio, None, f"measured now; to be at most {most:g}: {verdict}", words)
 
 
 def rows_of(comparisons: Iterable[Comparison], found: dict[Job, Timed]) -> list[Row]:
-    """A row for each comparison, with both times and, of stops, the numbers of steps."""
+    """Return a row for each comparison, with both times and, of stops, the numbers of steps."""
     rows = []
     for one in comparisons:
         above, below = found[one.above], found[one.below]
@@ -169,7 +170,7 @@ def rows_of(comparisons: Iterable[Comparison], found: dict[Job, Timed]) -> list[
 
 
 def git(*words: str) -> str | None:
-    """What git says about this checkout; None: it refuses, or is not there."""
+    """Return the output of git on this checkout; None if git fails or is missing."""
     try:
         done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True)
     except FileNotFoundError:
@@ -178,7 +179,7 @@ def git(*words: str) -> str | None:
 
 
 def commit_of(revision: str) -> str:
-    """The commit of a revision that can be measured. Raises BadInputError."""
+    """Return the commit of a revision that can be measured. Raises BadInputError."""
     top = git("rev-parse", "--show-toplevel")
     if top is None or Path(top).resolve() != ROOT:
         raise BadInputError("--against needs git and a checkout of the repository: run speed in one.")
@@ -194,7 +195,7 @@ def commit_of(revision: str) -> str:
 
 
 def unpack(commit: str, folder: Path) -> Path:
-    """The files of a commit in a folder that is made."""
+    """Unpack the files of a commit into a new folder."""
     archive = folder.with_suffix(".tar")
     if git("archive", "--format=tar", f"--output={archive}", commit) is None:
         raise BadInputError(f"git cannot unpack {commit}; look whether {folder.parent} has room.")
@@ -204,7 +205,7 @@ def unpack(commit: str, folder: Path) -> Path:
 
 
 class Tree:
-    """A folder with a revision, and a process with its code that answers jobs. Raises BadInputError where it cannot."""
+    """A folder with a revision, and a process with its code that runs jobs. Raises BadInputError if it fails."""
 
     def __init__(self, name: str, folder: Path, work: Path) -> None:
         self.name, self.folder, self._work = name, folder, work
@@ -221,7 +222,7 @@ class Tree:
         )
 
     def ask(self, job: str, **values: Any) -> dict[str, Any]:
-        """The answer to one job."""
+        """Return the result of one job."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:
@@ -229,7 +230,7 @@ class Tree:
             answer = self._process.stdout.readline()
         except BrokenPipeError:
             answer = ""
-        if not answer.endswith("\n"):  # it ended on the way
+        if not answer.endswith("\n"):  # the process ended early
             self._process.wait()
             self._errors.seek(0)
             last = (self._errors.read().strip() or "it said nothing").splitlines()[-1]
@@ -237,7 +238,7 @@ class Tree:
         return dict(json.loads(answer))
 
     def copy_libraries(self) -> None:
-        """Compiled kernels under the names that `measure` opens."""
+        """Copy compiled kernels under the names that `measure` opens."""
         for vehicle in NAMES:
             self.ask("copy", vehicle=vehicle, copies=[self._copy(vehicle, number) for number in range(COPIES)])
 
@@ -245,20 +246,20 @@ class Tree:
         return str(self._work / f"{self.name}-{vehicle}-{number}{library_suffix()}")
 
     def measure(self, job: Job, copy: int) -> Timed:
-        """A job with one of the copies."""
+        """Run a job with one of the copies."""
         size = STOP if job.action == "stop" else HOST_STEP
         values = {"values": dict(job.values), "action": job.action, "lanes": job.lanes, "count": CALLS[job.action]}
         return Timed(**self.ask("measure", path=self._copy(job.vehicle, copy), size=size, **values))
 
     def close(self) -> None:
-        """Ends the process."""
+        """End the process."""
         self._process.communicate()
         self._errors.close()
 
 
 @contextmanager
 def both(commit: str) -> Iterator[tuple[Path, dict[str, Tree]]]:
-    """A folder for what is needed meanwhile, and the trees by name."""
+    """Yield a temporary folder, and the trees by name."""
     with tempfile.TemporaryDirectory() as place, ExitStack() as open_trees:
         work = Path(place)
         trees = {}
@@ -272,7 +273,7 @@ def both(commit: str) -> Iterator[tuple[Path, dict[str, Tree]]]:
 
 
 def least_of_all(jobs: Sequence[Job], measure: Callable[[Job, int], Timed]) -> dict[Job, Timed]:
-    """The least time of each job, over rounds and copies of its library, the jobs in turns."""
+    """Return the least time of each job, over rounds and copies of its library, the jobs in turns."""
     found: dict[Job, Timed] = {}
     with counting(total=ROUNDS * COPIES * len(jobs), text="old and new", unit="job") as bar:
         for number in range(ROUNDS * COPIES):
@@ -284,7 +285,7 @@ def least_of_all(jobs: Sequence[Job], measure: Callable[[Job, int], Timed]) -> d
 
 
 def case_rows(trees: dict[str, Tree]) -> list[Row]:
-    """All cases of chapter 9, in threads."""
+    """Return the rows of all cases of chapter 9, in threads."""
     runs = [(name, tree.ask("cases")) for _ in range(LONG_ROUNDS) for name, tree in trees.items()]
     old, new = (min(run["seconds"] for name, run in runs if name == wanted) for wanted in (OLD, NEW))
     words = f"{runs[-1][1]['cases']} cases, {new:.3g} and {old:.3g} s"
@@ -292,7 +293,9 @@ def case_rows(trees: dict[str, Tree]) -> list[Row]:
 
 
 def build(tree: Tree, work: Path, built: Callable[[], object]) -> tuple[float, dict[str, int]]:
-    """Seconds in which a revision builds all FMUs with an empty cache, and bytes of their native binaries by FMU."""
+    """Return the time in which a revision builds all FMUs with an empty cache [s], and bytes of their native binaries
+    by FMU.
+    """
     out, cache = work / f"{tree.name}-fmus", work / f"{tree.name}-cache"
     environment = os.environ | {"PYTHONPATH": str(tree.folder), "BOGIE_BRAKING_CACHE": str(cache)}
     command, begin = [sys.executable, "build_fmu.py", "--out", str(out)], time.perf_counter()
@@ -308,20 +311,20 @@ def build(tree: Tree, work: Path, built: Callable[[], object]) -> tuple[float, d
 
 
 def binaries_in(fmu: Path) -> int:
-    """Bytes of the binaries in an FMU."""
+    """Return the bytes of the binaries in an FMU."""
     with zipfile.ZipFile(fmu) as archive:
         return sum(one.file_size for one in archive.infolist() if one.filename.startswith("binaries/"))
 
 
 def build_rows(trees: dict[str, Tree], work: Path) -> list[Row]:
-    """Size of the binaries, and the cold build, once each."""
+    """Return the size of the binaries, and the cold build, once each."""
     with counting(total=len(trees) * len(FMUS) * len(KINDS), text="building all FMUs", unit="FMU") as bar:
         (old, sizes), (new, now) = (build(trees[name], work, bar.update) for name in (OLD, NEW))
     return rows_of_builds(old, sizes, new, now)
 
 
 def rows_of_builds(old: float, sizes: dict[str, int], new: float, now: dict[str, int]) -> list[Row]:
-    """Ratios of the binaries that both have, and of the seconds."""
+    """Return the ratios of the binaries that both have, and of the times."""
     shared = sorted(sizes.keys() & now.keys())
     rows = [
         row_of(
@@ -338,7 +341,7 @@ def rows_of_builds(old: float, sizes: dict[str, int], new: float, now: dict[str,
 
 
 def rows(commit: str) -> list[Row]:
-    """All of it: minutes, most of them for the FMUs."""
+    """Return all rows; this takes minutes, most of them for the FMUs."""
     with both(commit) as (work, trees):
         for tree in trees.values():
             tree.copy_libraries()

@@ -1,4 +1,4 @@
-"""What chapter 3 as printed costs on the smooth stop: one point for the picture of speed against accuracy."""
+"""Cost of the thesis's chapter 3 on the smooth stop: one point for the plot of speed against accuracy."""
 
 import time as clock
 
@@ -13,12 +13,12 @@ from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_
 from scenarios.comparisons.peers.work_precision import Point
 from scenarios.measuring.scenes import FULL, SMOOTH
 
-#: Time that is integrated, and step [s]; Runge-Kutta is unstable above 0.8 ms at 25 m/s.
+#: Integrated time and step [s]; Runge-Kutta is unstable above 0.8 ms at 25 m/s.
 SHOWN, STEP = 0.1, 5e-4
 
 
 def oracle_point() -> Point:
-    """Relative error of distance and speed after `SHOWN`; the time is extended to the whole scene."""
+    """Return the relative error of distance and speed after `SHOWN`; the time is extrapolated to the whole case."""
     mechanism = Mechanism(as_printed(tables_5_1_and_5_2()), thesis_pair(), 2, derivatives_along(section_5_3()))
     inputs, state = Inputs(brake_torque=(FULL, FULL)), rolling(mechanism, 25.0)
     begin = clock.perf_counter()

@@ -1,4 +1,4 @@
-"""SciPy's integrators on the compiled equations; each runs a scene at one accuracy."""
+"""SciPy's integrators on the compiled equations; each runs a case at one accuracy."""
 
 import time as clock
 from contextlib import suppress
@@ -12,14 +12,14 @@ from fmu_src.kernel import Kernel, SimulationError
 from scenarios.measuring.runs import Run, failed, finish, layout_of
 from scenarios.measuring.scenes import Scene
 
-#: Seconds after which a run is given up; the point then says so.
+#: Time limit of a run [s]; the point then states this reason.
 BUDGET = 5.0
 
 
 class _Bdf(BDF):
-    """Its first step subtracts a row that SciPy 1.17 has not set, and never uses the result.
+    """BDF whose work array begins with zeros: its first step subtracts a row that SciPy 1.17 has not set.
 
-    What memory held there may warn of an invalid value, by chance; zeros do not.
+    The result is never used, but arbitrary memory may raise a warning of an invalid value.
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:
@@ -28,12 +28,12 @@ class _Bdf(BDF):
 
 
 METHODS = {"RK45": RK45, "Radau": Radau, "BDF": _Bdf, "LSODA": LSODA}
-#: Rounds of bisection that locate a switch within a step: to its 2^-40th part.
+#: Bisection steps that locate a switch within a step: to its 2^-40th part.
 LOCATING_ROUNDS = 40
 
 
 class GivenUpError(Exception):
-    """A run that cannot go on; the text says why."""
+    """A run that cannot continue; the text states the reason."""
 
 
 @dataclass
@@ -66,7 +66,7 @@ class _Equations:
 
 
 def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -> Run:
-    """SciPy's integrators between corners and switches; absolute tolerance in nominal values, as ours."""
+    """Run SciPy's integrators between corners and switches; the absolute tolerance is in nominal values, as ours."""
     kernel, form = scene.kernel(), layout_of(scene)
     columns = [form.kept.index(name) for name in scene.read]
     place = np.array(kernel.linearise().state)[form.differential]
@@ -97,11 +97,11 @@ def scipy(scene: Scene, method: str, tolerance: float, budget: float = BUDGET) -
 def _to_switch(
     solver: OdeSolver, equations: _Equations, scene: Scene, columns: list[int], rows: list[np.ndarray]
 ) -> tuple[float, np.ndarray]:
-    """Steps to the next switch or the end; time and place from which to go on. Appends samples to `rows`."""
+    """Step to the next switch or the end; return the time and the state there. Samples are appended to `rows`."""
     while solver.status == "running":
         try:
             message = solver.step()
-        except ValueError as error:  # its linear equations, where a trial has led to what is no number
+        except ValueError as error:  # linear equations of the method after a trial with NaN
             raise GivenUpError(f"{error} at t = {solver.t:.4g} s") from None
         if solver.status == "failed":
             raise GivenUpError(f"{message} at t = {solver.t:.4g} s")

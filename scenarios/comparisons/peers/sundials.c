@@ -1,6 +1,6 @@
-/* CVODE and IDA of SUNDIALS 7 on a kernel's equations, without Python in between. CVODE takes them without algebraic
- * states, IDA with them; both with the exact Jacobian. Prototypes as in the SUNDIALS manual; the libraries come from the
- * wheel of scikit-SUNDAE, which brings no headers. */
+/* CVODE and IDA of SUNDIALS 7 on a kernel's equations, called from C. CVODE takes them without algebraic states, IDA
+ * with them; both with the exact Jacobian. Prototypes as in the SUNDIALS manual; the libraries come from the wheel of
+ * scikit-SUNDAE, which contains no headers. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -43,23 +43,23 @@ extern int IDASetStopTime(object, double), IDAReInit(object, double, object, obj
 extern void IDAFree(object *);
 
 enum { BDF = 2, ONE_STEP = 2, ROOT_RETURN = 2, MOST_STEPS = 2000000, MISSED = -1000 };
-/* A margin is at zero where something has just switched; below this a switch has been passed. */
+/* A margin is at zero directly after a switch; below this value a switch has been passed. */
 static const double PASSED = 1e-6;
 static const double FIRST_STEP = 1e-6; /* s; the error control takes over */
 
-/* A run that stands at `time` and goes to `end`; samples every `interval` s, counted from time 0. */
+/* A run from `time` to `end`; samples every `interval` s from time 0. */
 typedef struct {
     kernel *machine;
     int (*slopes_at)(kernel *, double, const double *, double *, double *);
     int (*equations_at)(kernel *, double, const double *, double *, double *);
     int (*margin_at)(kernel *, double, const double *, double *);
-    int size;             /* of the place: the differential states for CVODE, all for IDA */
-    int differentials;    /* of them */
+    int size;             /* of `place`: the differential states for CVODE, all for IDA */
+    int differentials;    /* number of differential states */
     const int *chosen;    /* IDA: indices of the differential states */
     const double *inertia; /* IDA: 1 for a differential state, else 0 */
     double time, end, interval, tolerance, longest_step;
     const double *nominal;
-    double *place, *slope; /* where the run stands; IDA: the derivatives there */
+    double *place, *slope; /* present state; IDA: its derivatives */
     double *samples;       /* `capacity` rows of `size` */
     long int written, capacity;
     int rooted; /* the last advance ended at a switch */
@@ -188,13 +188,14 @@ void cvode_open(run *of) {
     if (isfinite(of->longest_step)) CVodeSetMaxStep(of->memory, of->longest_step);
 }
 
-/* Its search for roots once passed a switch at a tolerance of 1e-10 without a word, between others that found it. */
+/* CVODE's root search once missed a switch at a tolerance of 1e-10 without an error; at other tolerances it found
+   it. */
 static int has_passed_a_switch(run *of) {
     double margin = 0.0;
     return !of->rooted && !cvode_root(of->time, of->vector, &margin, of) && margin < -PASSED;
 }
 
-/* Starts anew at of->place and of->time and goes to of->end or to a switch. Returns SUNDIALS's flag; negative: failed. */
+/* Restarts at of->place and of->time and runs to of->end or to a switch. Returns SUNDIALS's flag; negative: failed. */
 int cvode_advance(run *of) {
     memcpy(N_VGetArrayPointer(of->vector), of->place, (size_t)of->size * sizeof(double));
     CVodeReInit(of->memory, of->time, of->vector);
@@ -219,8 +220,8 @@ void cvode_close(run *of) {
     close_common(of);
 }
 
-/* What a host does that gives two inputs new values at each of its steps: with our kernel, and with CVODE, which must start
- * anew each time. Returns 0, or what stopped it. */
+/* Simulates a host that sets two inputs at each communication step: with our kernel, and with CVODE, which must restart
+ * each time. Returns 0, or the flag of the failure. */
 int own_hosted(run *of, int (*set)(kernel *, int, double), int (*step)(kernel *, double, double), const int *input,
                const double *value, long int steps, double size) {
     for (long int i = 0; i < steps; ++i) {
@@ -253,7 +254,7 @@ void ida_open(run *of) {
     if (isfinite(of->longest_step)) IDASetMaxStep(of->memory, of->longest_step);
 }
 
-/* The same; of->slope holds the derivatives that belong to of->place. */
+/* The same; of->slope holds the derivatives at of->place. */
 int ida_advance(run *of) {
     memcpy(N_VGetArrayPointer(of->vector), of->place, (size_t)of->size * sizeof(double));
     memcpy(N_VGetArrayPointer(of->rate), of->slope, (size_t)of->size * sizeof(double));

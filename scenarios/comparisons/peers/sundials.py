@@ -1,4 +1,4 @@
-"""CVODE and IDA of SUNDIALS on the compiled equations, called from C (sundials.c) so that Python costs them nothing."""
+"""CVODE and IDA of SUNDIALS on the compiled equations, called from C (sundials.c) without Python's overhead."""
 
 import ctypes
 import hashlib
@@ -50,13 +50,13 @@ class Session(ctypes.Structure):
 
 
 def is_installed() -> bool:
-    """Whether scikit-SUNDAE, whose wheel brings the libraries, is there; it needs Python 3.11."""
+    """Return whether scikit-SUNDAE, whose wheel contains the libraries, is installed; it needs Python 3.11."""
     return find_spec("sksundae") is not None
 
 
 @lru_cache
 def driver() -> ctypes.CDLL:
-    """sundials.c, compiled unless the cache has it. Raises CompilerError."""
+    """Return sundials.c, compiled unless it is in the cache. Raises CompilerError."""
     import sksundae
 
     folder = Path(sksundae.__file__).parent.parent / "scikit_sundae.libs"
@@ -76,7 +76,7 @@ def _address(function: Callable[..., int]) -> int | None:
 
 
 class Integrator:
-    """CVODE or IDA on one kernel of a scene, from where the kernel stands; `samples` rows go into `rows`."""
+    """CVODE or IDA on one kernel of a case, from the kernel's present state; `samples` rows go into `rows`."""
 
     def __init__(self, method: str, kernel: Kernel, scene: Scene, tolerance: float, samples: int) -> None:
         form, functions = layout_of(scene), kernel.library.functions
@@ -117,7 +117,7 @@ class Integrator:
         self._begin(ctypes.byref(self.session))
 
     def _look(self) -> None:
-        """Place, and for IDA the derivatives there, where the kernel stands."""
+        """Read the kernel's present state, and for IDA its derivatives."""
         found = self.kernel.linearise()
         state, slope = np.array(found.state), np.array(found.slope)
         self._place[:] = state if self.whole else state[self.differential]
@@ -125,7 +125,7 @@ class Integrator:
             self._slope[:] = np.where(self.differential, slope, 0.0)
 
     def advance(self, end: float) -> None:
-        """Starts anew with the kernel's present inputs, goes to `end` [s], through switches. Raises SimulationError."""
+        """Restart with the kernel's present inputs, and run to `end` [s], through switches. Raises SimulationError."""
         session = self.session
         while session.time < end and not self.kernel.ended:
             session.end = end
@@ -148,7 +148,7 @@ class Integrator:
 
 
 def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET / 2) -> Run:
-    """CVODE ("CVODE") or IDA ("IDA") through a scene, anew at each corner of the inputs and each switch."""
+    """Run CVODE ("CVODE") or IDA ("IDA") through a case, restarted at each corner of the inputs and each switch."""
     kernel, wanted = scene.kernel(), scene.times()
     integrator = Integrator(method, kernel, scene, tolerance, wanted.size)
     begin = clock.perf_counter()
@@ -168,14 +168,15 @@ def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET
     return finish(scene, integrator.rows[: session.written, columns], seconds, work, kernel)
 
 
-#: A host that changes the torque at each of its steps: mean and swing [N.m], swing's frequency [Hz], length [s].
+#: A host that changes the torque at each communication step: mean and swing [N.m], swing's frequency [Hz], length [s].
 TORQUE, SWING, FREQUENCY, HOSTED = 16e3, 4e3, 0.5, 8.0
 
 
 def hosted_seconds(method: str, step: float, tolerance: float) -> tuple[float, float]:
-    """Wall time of one host step [s], and distance [m] after all: "CVODE" started anew at each step, or "own".
+    """Return the wall time of one communication step [s], and the final distance [m]: "CVODE" restarted at each step,
+    or "own".
 
-    Both loops run in C, so that neither pays for Python.
+    Both loops run in C, without Python's overhead.
     """
     kernel = SMOOTH.kernel(tolerance=tolerance if method == "own" else 1e-6)
     integrator = Integrator("CVODE", kernel, SMOOTH, tolerance, 0)

@@ -1,7 +1,7 @@
-/* A train as a differential equation for methods of others, and in steps that are linearly implicit; the product's own
- * steps are those of motion.h. The law of a coupler is written here once more, as a rate.
+/* A train as a differential equation for third-party methods, and in linearly implicit steps; the product's own steps
+ * are those of motion.h. The law of a coupler is implemented here independently, as a rate.
  *
- * A state: place of the head [m], ways of the couplers [m], speeds [m/s], places of rest of the couplers [m]. */
+ * A state: place of the head [m], strokes of the couplers [m], speeds [m/s], rest positions of the couplers [m]. */
 #include <math.h>
 #include <string.h>
 
@@ -9,14 +9,15 @@
 #include "train.h" /* TRAIN_SHOWN */
 
 enum { POINTS = 6, MOST_VEHICLES = 256 };
-/* Bounds this close are one, and a force this close to a bound is on it [N]; below this speed brakes are viscous [m/s]. */
+/* Bounds this close are equal, and a force this close to a bound is on it [N]; below this speed brakes are viscous
+   [m/s]. */
 static const double NEAR = 1e-6, REST = 0.01;
 
 typedef struct {
     long long int vehicles;
-    const double *mass;       /* with what rotates [kg] */
+    const double *mass;       /* including rotation [kg] */
     const double *resistance; /* rows of constant, linear and square [N], [N.s/m], [N.s2/m2] */
-    const double *coupler;    /* constants of every coupler, as motion.h has them */
+    const double *coupler;    /* constants of every coupler, as in motion.h */
     const double *brake;      /* rows of capacities [N], `interval` s apart */
     long long int rows;
     double interval;
@@ -25,9 +26,9 @@ typedef struct {
 } train_equations;
 
 typedef struct {
-    double force, slope; /* [N]; how it changes with the way in the present sense [N/m] */
-    double yields;       /* how much of a way the place of rest goes along [1] */
-    double along;        /* the slope at a rest that is held [N/m] */
+    double force, slope; /* [N]; its slope over the stroke in the present direction [N/m] */
+    double yields;       /* rate of the rest position over that of the stroke [1] */
+    double along;        /* the slope at a fixed rest position [N/m] */
 } law;
 
 static double curve(const double *bends, double way, double *slope) {
@@ -57,7 +58,7 @@ static law coupler_law(const double *given, double way, double rest, double rate
     return found;
 }
 
-/* Of many couplers at once: forces [N] and how much of a way their rests go along. */
+/* Laws of many couplers at once: forces [N], and rates of their rest positions over those of the strokes. */
 TRAIN_SHOWN void equations_laws(const double *given, long long int count, const double *way, const double *rest,
                                 const double *rate, double *force, double *yields) {
     for (long long int i = 0; i < count; ++i) {
@@ -74,7 +75,7 @@ static double brake_at(const train_equations *self, double time, long long int v
     return (1.0 - part) * at[0] + part * at[self->vehicles];
 }
 
-/* What brakes and resistance take [N], and its slope over the speed. */
+/* Returns the force of brakes and resistance [N]; slope: over the speed. */
 static double held(const train_equations *self, double time, long long int i, double speed, double *slope) {
     const double *resistance = self->resistance + i, fast = fabs(speed), sense = fmin(fmax(speed / REST, -1.0), 1.0);
     const double linear = resistance[self->vehicles], square = resistance[2 * self->vehicles];
@@ -121,7 +122,7 @@ TRAIN_SHOWN int equations_slopes(train_equations *self, double time, const doubl
     return 0;
 }
 
-/* A symmetric tridiagonal matrix, right side in and solution out (Thomas). */
+/* Solves a symmetric tridiagonal matrix; right side in, solution out (Thomas). */
 static void solve(long long int n, double *diagonal, const double *beside, double *right) {
     for (long long int i = 1; i < n; ++i) {
         const double factor = beside[i - 1] / diagonal[i - 1];
@@ -132,7 +133,7 @@ static void solve(long long int n, double *diagonal, const double *beside, doubl
     for (long long int i = n - 1; i-- > 0;) right[i] = (right[i] - beside[i] * right[i + 1]) / diagonal[i];
 }
 
-/* So many solutions, to be timed; returns what no compiler may leave out. */
+/* Runs `count` solutions for timing; the result prevents their elimination by the compiler. */
 TRAIN_SHOWN double equations_solutions(long long int n, long long int count) {
     double diagonal[MOST_VEHICLES], beside[MOST_VEHICLES], right[MOST_VEHICLES] = {1.0};
     for (long long int k = 0; k < count; ++k) {
@@ -146,7 +147,7 @@ TRAIN_SHOWN double equations_solutions(long long int n, long long int count) {
     return right[0];
 }
 
-/* The play operator at new ways; looks for the largest compression. */
+/* Applies the play operator at new strokes, and updates the largest compression. */
 static void settle(train_equations *self, double *state) {
     const long long int n = self->vehicles;
     for (long long int i = 0; i + 1 < n; ++i) {
@@ -156,7 +157,7 @@ static void settle(train_equations *self, double *state) {
     }
 }
 
-/* One step; forces hold at a share of it, 1 (Euler) or 1/2 (midpoint), and are straight lines from the present state. */
+/* One step; forces hold at a share of it, 1 (Euler) or 1/2 (midpoint), and are linear from the present state. */
 static void implicit_step(train_equations *self, double *state, double braked, double step, double share) {
     const long long int n = self->vehicles;
     double diagonal[MOST_VEHICLES], beside[MOST_VEHICLES] = {0}, gained[MOST_VEHICLES], slope, *speed = state + n;
@@ -184,7 +185,8 @@ static void implicit_step(train_equations *self, double *state, double braked, d
     self->solves++;
 }
 
-/* held: brakes stay for so many steps as they are in the middle of these, as in a step of the pipe; 1: none. */
+/* held_for: number of steps with constant brakes, those in the middle of these steps, as in a step of the pipe; 1:
+   each. */
 TRAIN_SHOWN void equations_implicit(train_equations *self, double *state, long long int steps, double step, double share,
                                     long long int held_for) {
     for (long long int k = 0; k < steps; ++k) {
@@ -193,8 +195,8 @@ TRAIN_SHOWN void equations_implicit(train_equations *self, double *state, long l
     }
 }
 
-/* The product's steps, with brakes as they are in the middle of each; no wheel slides. given: constants of the motion, and
- * those of all couplers; moving: a state of motion.h. Returns 0, or 1: there is no memory. */
+/* The product's steps, with brakes as in the middle of each; no wheel slides. given: constants of the motion, and those
+ * of all couplers; moving: a state of motion.h. Returns 0, or 1 if out of memory. */
 TRAIN_SHOWN int equations_explicit(train_equations *self, const double *given, const double *couplers, double *moving,
                                    long long int steps, double step) {
     motion *moves = motion_create(self->vehicles, given, couplers);

@@ -1,7 +1,7 @@
 """One braked train by several methods: the product's explicit steps, linearly implicit ones, CVODE and LSODA.
 
 Work is counted and not timed: evaluations of all couplers and vehicles, and solutions of their tridiagonal equations.
-What one of each costs in C is measured on the spot.
+The cost of each in C is measured in every run.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ from rbd_model.train.coupler import Coupler, draft_gear, fastest
 from scenarios.comparisons.peers import sundials
 
 SOURCE = Path(__file__).with_suffix(".c")
-#: Speed at which the train brakes [m/s]; how long it is followed [s]; wagons; their loads by name [kg].
+#: Speed at which the train brakes [m/s]; simulated time [s]; number of wagons; their loads by name [kg].
 SPEED, LONG, WAGONS = 25.0, 12.0, 40
 LOADS = {"loaded, 80 t": 60e3, "empty, 20 t": 0.0}
-#: Times at which forces of brakes are recorded, and at which states of CVODE and LSODA are looked at [s].
+#: Recording interval of brake forces, and sampling interval of the states of CVODE and LSODA [s].
 RECORDED, LOOKED = 0.01, 2.5e-4
-#: What tolerances are relative to: places, ways and rests of couplers [m], speeds [m/s].
+#: Nominal values of tolerances: places, strokes and rest positions of couplers [m], speeds [m/s].
 NOMINAL_PLACE, NOMINAL_WAY, NOMINAL_SPEED = 1.0, 0.1, 1.0
-#: Solutions and repetitions of what is timed.
+#: Timed solutions, and their repetitions.
 TIMED, REPEATED = 20_000, 5
-#: Least relative tolerances that LSODA and CVODE take; evaluations or steps after which they are given up.
+#: Least relative tolerances that LSODA and CVODE accept; limit of evaluations or steps.
 LEAST, NONE, MOST = 1e-13, 1e-15, 500_000
-#: Of the reference: tolerance of CVODE; step [s] where that is not there.
+#: Reference: tolerance of CVODE; step [s] of the midpoint method without CVODE.
 REFERENCE, FINE = 1e-10, 2e-5
-#: Vehicles for which train_couplers.c has room.
+#: Largest number of vehicles in train_couplers.c.
 MOST_VEHICLES = 256
 Matrix = NDArray[np.float64]
 _pointer = ctypes.POINTER(ctypes.c_double)
@@ -63,7 +63,7 @@ class Equations(ctypes.Structure):
 
 @lru_cache
 def functions() -> ctypes.CDLL:
-    """The train's own C and train_couplers.c, compiled once."""
+    """Return the train's own C and train_couplers.c, compiled once."""
     library = loaded(plain_library(sources() | {SOURCE.name: SOURCE.read_text(encoding="utf-8")}))
     pointer, count, number = ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double
     signatures: dict[str, tuple[Any, list[Any]]] = {
@@ -80,7 +80,21 @@ def functions() -> ctypes.CDLL:
 
 
 def rates(coupler: Coupler, way: Matrix, rest: Matrix, rate: Matrix) -> tuple[Matrix, Matrix]:
-    """Of equal couplers: forces [N], and how much of a way [m] their rests [m] go along [1]; rate: of ways [m/s]."""
+    """Evaluate the laws of equal couplers.
+
+    Parameters
+    ----------
+    coupler : Coupler
+    way, rest : numpy.ndarray, shape (n,)
+        Strokes and rest positions [m].
+    rate : numpy.ndarray, shape (n,)
+        Rates of the strokes [m/s].
+
+    Returns
+    -------
+    tuple of numpy.ndarray, shape (n,)
+        Forces [N], and rates of the rest positions over those of the strokes [1].
+    """
     given = np.array(coupler.constants())
     force, yields = np.empty(len(way)), np.empty(len(way))
     arrays = [np.ascontiguousarray(one, float) for one in (way, rest, rate)]
@@ -90,7 +104,7 @@ def rates(coupler: Coupler, way: Matrix, rest: Matrix, rate: Matrix) -> tuple[Ma
 
 @dataclass(frozen=True)
 class Found:
-    """What a run came to: largest compression [N], distance of the head [m], evaluations, solves; reason: it failed."""
+    """Results of a run: largest compression [N], distance of the head [m], evaluations, solves; reason of a failure."""
 
     compression: float
     distance: float
@@ -104,7 +118,7 @@ class GivenUpError(Exception):
 
 
 class BrakedTrain:
-    """A consist with equal couplers at SPEED, couplers without force, and what its brakes can hold over time [N]."""
+    """A consist with equal couplers at SPEED, couplers without force, and the capacity of its brakes over time [N]."""
 
     def __init__(self, consist: Consist, long: float = LONG) -> None:
         if len(consist.vehicles) > MOST_VEHICLES:
@@ -122,13 +136,13 @@ class BrakedTrain:
         self.bound = 2.0 / fastest([self.coupler] * (self.vehicles - 1), masses)
 
     def equations(self) -> Equations:
-        """As C takes them, nothing counted."""
+        """Return the equations as a C structure, with counters at zero."""
         own = {"mass": self._mass, "resistance": self._resistance, "coupler": self._constants, "brake": self.brake}
         arrays = {name: value.ctypes.data_as(_pointer) for name, value in own.items()}
         return Equations(vehicles=self.vehicles, rows=len(self.brake), interval=RECORDED, **arrays)
 
     def state(self) -> Matrix:
-        """Place of the head, ways, speeds, rests."""
+        """Return place of the head, strokes, speeds, rest positions."""
         n = self.vehicles
         return np.concatenate([np.zeros(n), np.full(n, SPEED), np.zeros(n - 1)])
 
@@ -140,7 +154,7 @@ class BrakedTrain:
     # ---- our own steps -----------------------------------------------------------------------------------------------
 
     def explicit(self, share: float) -> Found:
-        """Motion of the product alone, in steps of a share of the longest stable one."""
+        """Run the product's motion alone, in steps of a share of the longest stable one."""
         equations, steps = self.equations(), math.ceil(self.long / (share * self.bound))
         moving = np.zeros((4, self.vehicles))
         moving[1:3] = SPEED
@@ -150,7 +164,9 @@ class BrakedTrain:
         return Found(equations.compression, float(moving[0, 0]), equations.evaluations)
 
     def implicit(self, size: float, share: float = 1.0, held_for: int = 1) -> Found:
-        """Linearly implicit steps [s], forces at a share of them, 1 (Euler) or 1/2; brakes held for several steps."""
+        """Run linearly implicit steps [s], forces at a share of them, 1 (Euler) or 1/2; brakes are constant for several
+        steps.
+        """
         equations, state = self.equations(), self.state()
         steps = math.ceil(self.long / size * (1 - 1e-12))
         functions().equations_implicit(
@@ -159,11 +175,13 @@ class BrakedTrain:
         return Found(equations.compression, float(state[0]), equations.evaluations, equations.solves)
 
     def split(self, count: int) -> Found:
-        """Euler's implicit steps, so many in a step of the pipe, in which brakes are held."""
+        """Run Euler's implicit steps, `count` in a step of the pipe, in which brakes are constant."""
         return self.implicit(self.pipe_step / count, 1.0, count)
 
     def scatter(self, share: float, changes: Sequence[float]) -> float:
-        """By how much the largest compression differs where all brakes are changed by so little [1]; explicit steps."""
+        """Return the relative scatter of the largest compression if all brakes change by these shares [1]; explicit
+        steps.
+        """
         kept, found = self.brake, []
         try:
             for change in (0.0, *changes):
@@ -179,7 +197,7 @@ class BrakedTrain:
         return np.linspace(0.0, self.long, round(self.long / LOOKED) + 1)
 
     def forces(self, states: Matrix) -> Matrix:
-        """Of all couplers [N], a row for each state."""
+        """Return the forces of all couplers [N], a row for each state."""
         n = self.vehicles
         ways, rests = states[:, 1:n].ravel(), states[:, 2 * n :].ravel()
         return rates(self.coupler, ways, rests, np.zeros(len(ways)))[0].reshape(len(states), n - 1)
@@ -188,7 +206,10 @@ class BrakedTrain:
         return Found(-float(self.forces(states).min()), float(states[-1, 0]), evaluations, solves)
 
     def lsoda(self, tolerance: float) -> Found:
-        """SciPy's LSODA; a Jacobian counts as an evaluation and a solution, Newton's iterations are not told."""
+        """Run SciPy's LSODA.
+
+        A Jacobian adds an evaluation and a solution; LSODA does not report Newton's iterations.
+        """
         equations, call = self.equations(), functions().equations_slopes
         slopes, jacobian = np.empty(3 * self.vehicles - 1), np.empty((3 * self.vehicles - 1,) * 2)
         own, to, rows, counts = ctypes.byref(equations), slopes.ctypes.data, jacobian.ctypes.data, [0]
@@ -214,7 +235,7 @@ class BrakedTrain:
         return self._seen(states, equations.evaluations, counts[0])
 
     def cvode(self, tolerance: float) -> Found:
-        """CVODE by scikit-SUNDAE; each evaluation is one of Newton's and brings a solution, as a Jacobian does."""
+        """Run CVODE by scikit-SUNDAE; each evaluation is one of Newton's and brings a solution, as a Jacobian does."""
         from sksundae.cvode import CVODE
 
         equations, call, state = self.equations(), functions().equations_slopes, self.state()
@@ -234,7 +255,7 @@ class BrakedTrain:
         return self._seen(found.y, equations.evaluations, equations.evaluations)
 
     def reference(self) -> tuple[Found, str]:
-        """By a method that shares nothing with the product's, and its name."""
+        """Return a run by a method that is independent of the product's, and its name."""
         if sundials.is_installed():
             return self.cvode(REFERENCE), f"CVODE, tolerance {REFERENCE:g}"
         return self.implicit(FINE, 0.5), f"implicit midpoint, {1e3 * FINE:g} ms"
@@ -245,7 +266,9 @@ def failed(equations: Equations, reason: str) -> Found:
 
 
 def recorded(consist: Consist, long: float) -> tuple[Matrix, float]:
-    """What brakes can hold [N] in an emergency of the whole train, every RECORDED s; mean step of its pipe [s]."""
+    """Return the capacity of the brakes [N] in an emergency of the whole train, every RECORDED s; mean step of its pipe
+    [s].
+    """
     train = Train(consist, speed=SPEED)
     train.drive("emergency")
     rows = [np.zeros(len(consist.vehicles))]
@@ -256,7 +279,7 @@ def recorded(consist: Consist, long: float) -> tuple[Matrix, float]:
 
 
 def braked_train(load: float, wagons: int = WAGONS, long: float = LONG, coupler: Coupler | None = None) -> BrakedTrain:
-    """A locomotive and wagons with this load each [kg], followed so long [s]; draft gears unless told."""
+    """Return a locomotive and wagons with this load each [kg], for `long` s; draft gears by default."""
     own = coupler or draft_gear()
     vehicles = [replace(one, coupler=own) for one in block_train(wagons, load=load).vehicles]
     return BrakedTrain(Consist(tuple(vehicles)), long)
@@ -273,12 +296,12 @@ class Costs:
     solve: float
 
     def of(self, found: Found) -> float:
-        """Counted work times what it costs [s]."""
+        """Return the cost of the counted work [s]."""
         return found.evaluations * self.evaluation + found.solves * self.solve
 
 
 def _fastest(work: Callable[[], object]) -> float:
-    """Wall time [s], the least of several."""
+    """Return the wall time [s], the least of several."""
     times = []
     for _ in range(REPEATED):
         begin = clock.perf_counter()
@@ -288,7 +311,7 @@ def _fastest(work: Callable[[], object]) -> float:
 
 
 def _step_cost(consist: Consist) -> float:
-    """Of one step of the couplers [s]: two trains that differ in nothing but how many they take."""
+    """Return the cost of one step of the couplers [s], from two trains that differ only in the number of steps."""
     spent, steps = [], []
     for share in (0.1, 0.005):
         train = Train(consist, speed=SPEED, settings=Settings(depth="delay", share=share))
@@ -298,7 +321,7 @@ def _step_cost(consist: Consist) -> float:
 
 
 def _solve_cost(n: int) -> float:
-    """Of one tridiagonal solution of n unknowns [s]."""
+    """Return the cost of one tridiagonal solution of n unknowns [s]."""
     return _fastest(lambda: functions().equations_solutions(n, TIMED)) / TIMED
 
 

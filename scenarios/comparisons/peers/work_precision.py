@@ -1,4 +1,4 @@
-"""Runs of one scene by all methods: error, wall time, right-hand sides, and why a run failed."""
+"""Runs of one case by all methods: error, wall time, right-hand sides, and the reason of a failure."""
 
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
@@ -15,14 +15,14 @@ from scenarios.comparisons.peers.scipy_methods import BUDGET, scipy
 from scenarios.measuring.runs import Run, own
 from scenarios.measuring.scenes import LOCK_UP, SMOOTH, STANDING, Scene, difference
 
-#: Runs shorter than this together are repeated, others once, and the fastest counts [s].
+#: Total time up to which runs are repeated [s]; the fastest counts. Longer ones run once.
 REPEATED, MOST_REPEATS = 0.5, 5
-#: Methods whose time only grows with finer settings, so that one that was given up ends the line.
+#: Methods whose time only grows with finer settings, so that one over the time limit ends the line.
 GROWING = ("RK4, fixed step", "RK45 (SciPy)")
 DEFAULT = "default: RODAS5P"
-#: Methods of others, which the default is measured against.
+#: Third-party methods, with which the default is compared.
 PEERS = ("RK45 (SciPy)", "Radau (SciPy)", "BDF (SciPy)", "LSODA (SciPy)", "CVODE", "IDA")
-#: Host steps of the FMUs [s].
+#: Communication steps of the FMUs [s].
 HOST_STEPS = (1e-4, 5e-4, 2.5e-3, 1e-2, 2.5e-2)
 OMITTED = (
     "Omitted: the FMUs beyond the smooth stop, as the kernel inside is the same; the point and the planar level, and "
@@ -35,7 +35,9 @@ OMITTED = (
 
 @dataclass(frozen=True)
 class Point:
-    """One method at one setting: relative error (None: it failed), seconds, right-hand sides, and the reason."""
+    """One method at one setting: relative error (None: it failed), time [s], right-hand sides, and the reason of a
+    failure.
+    """
 
     method: str
     setting: float
@@ -47,7 +49,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Study:
-    """All points of a scene; `uncertainty`: relative difference of two references of different methods."""
+    """All points of a case; `uncertainty`: relative difference of two references of different methods."""
 
     scene: Scene
     points: list[Point]
@@ -61,13 +63,13 @@ class Study:
         return next(point for point in self.of(method) if point.setting == setting)
 
     def fastest(self, methods: Sequence[str], error: float) -> Point | None:
-        """The fastest point with at most this error."""
+        """Return the fastest point with at most this error."""
         good = [p for m in methods for p in self.of(m) if p.error is not None and p.error <= error]
         return min(good, key=lambda point: point.seconds, default=None)
 
 
 def reference_of(scene: Scene) -> tuple[Run, str]:
-    """A run by a method of others, at least 100 times tighter than what is judged, and its name."""
+    """Return a run by a third-party method, at least 100 times tighter than the compared ones, and its name."""
     tolerance = scene.references[0]
     if sundials.is_installed():
         method = "CVODE"
@@ -80,7 +82,7 @@ def reference_of(scene: Scene) -> tuple[Run, str]:
 
 
 def refer(scene: Scene) -> tuple[dict[str, float], float, tuple[str, str]]:
-    """Measures of the reference, its uncertainty, and the names of both references."""
+    """Return the measures of the reference, its uncertainty, and the names of both references."""
     (first, word), tolerance = reference_of(scene), scene.references[1]
     second = own(scene, tolerance=tolerance)
     if first.failure or second.failure:
@@ -90,7 +92,7 @@ def refer(scene: Scene) -> tuple[dict[str, float], float, tuple[str, str]]:
 
 
 def repeated(work: Callable[[], Run]) -> Run:
-    """The fastest of several runs, two at least: a machine may stand still for seconds."""
+    """Return the fastest of several runs, two at least: a computer may pause for seconds."""
     best = work()
     spent = best.seconds
     for number in range(1, MOST_REPEATS):
@@ -106,7 +108,7 @@ Work = tuple[str, float, Callable[[], Run]]
 
 
 def works(scene: Scene, short: bool) -> Iterator[Work]:
-    """Name, setting (tolerance, or step [s]) and work of all runs; `short`: one setting of each."""
+    """Yield name, setting (tolerance, or step [s]) and work of all runs; `short`: one setting of each."""
     tolerances = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
     every = (DEFAULT_TOLERANCE,) if short else tolerances
     coarse = (1e-5,) if short else (1e-3, 1e-5, 1e-7)
@@ -138,7 +140,7 @@ def works(scene: Scene, short: bool) -> Iterator[Work]:
 
 
 def hosted(scene: Scene, kind: str, step: float) -> Run:
-    """The FMU at host steps through fmpy; constant inputs; samples where a host step ends."""
+    """Run the FMU at communication steps through fmpy; constant inputs; samples at the ends of communication steps."""
     rows, inputs = [], {name: history[0][1] for name, history in scene.inputs.items()}
     with FmuInstance(up_to_date(scene.fmu, kind), **scene.parameters) as slave:
         slave.start(**inputs)
@@ -157,12 +159,12 @@ def hosted(scene: Scene, kind: str, step: float) -> Run:
 
 
 def in_the_plane(scene: Scene) -> dict[str, float]:
-    """Measures at the level of model exchange, which differ by what the level leaves out."""
+    """Return the measures at the level of model exchange, which lacks some effects of level 3."""
     return scene.measure(own(scene, level=LEVEL, tolerance=scene.references[1]).samples)
 
 
 def study(scene: Scene, short: bool = False, done: Callable[[str], None] = lambda name: None) -> Study:
-    """All methods on one scene; `done` hears the name of each."""
+    """Run all methods on one case; `done` is called with the name of each."""
     measures, uncertainty, references = refer(scene)
     planar = in_the_plane(scene) if scene in IN_THE_PLANE else {}
     points, late = [], set()
