@@ -42,14 +42,27 @@ class ArchiveError(ValueError):
 
 
 def write_archive(path: Path, contents: Mapping[str, bytes]) -> None:
-    """Write the archive in one go: a failed build leaves the old file. Raises StorageError."""
+    """Write the archive in one go: a failed build leaves the old file.
+
+    Parameters
+    ----------
+    path : Path
+        The archive.
+    contents : mapping of str to bytes
+        Files by their names in the archive.
+
+    Raises
+    ------
+    StorageError
+        If the file cannot be written.
+    """
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, archive_bytes(contents))
 
 
 def archive_bytes(contents: Mapping[str, bytes]) -> bytes:
-    """The archive itself."""
+    """Return the archive itself."""
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED, compresslevel=COMPRESSION) as archive:
         for name in sorted(contents):
@@ -121,7 +134,13 @@ def check_entry(entry: zipfile.ZipInfo) -> None:
 
 
 def parts_of(name: str) -> list[str]:
-    """Return the parts of an entry's name. Raises ArchiveError for a name that leaves the folder it is unpacked to."""
+    """Return the parts of an entry's name.
+
+    Raises
+    ------
+    ArchiveError
+        If the name leaves the folder to which it is unpacked.
+    """
     parts = [part for part in name.split("/") if part]
     control = any(ord(letter) < 32 for letter in name)
     if not parts or name.startswith("/") or any(part in (".", "..") for part in parts) or control:
@@ -134,7 +153,13 @@ def parts_of(name: str) -> list[str]:
 
 
 def read_entry(archive: zipfile.ZipFile, name: str, take: Callable[[bytes], object]) -> None:
-    """Hand an entry's bytes to `take` in chunks. Raises ArchiveError where there are not as many as it claims."""
+    """Pass an entry's bytes to `take` in chunks.
+
+    Raises
+    ------
+    ArchiveError
+        If the entry does not have the claimed number of bytes.
+    """
     found, claimed = 0, archive.getinfo(name).file_size
     with archive.open(name) as packed, suppress(EOFError):
         while chunk := packed.read(CHUNK):
@@ -147,7 +172,22 @@ def read_entry(archive: zipfile.ZipFile, name: str, take: Callable[[bytes], obje
 def files_in(
     archive: zipfile.ZipFile, wanted: Callable[[str], bool] = bool, largest: int = LARGEST_TOTAL
 ) -> dict[str, bytes]:
-    """Return the files of an archive by name, those that are wanted. largest: of all [bytes]. Raises ArchiveError."""
+    """Return the wanted files of an archive by name.
+
+    Parameters
+    ----------
+    archive : ZipFile
+        The open archive.
+    wanted : callable
+        Returns whether a name is wanted.
+    largest : int
+        Largest size of all together [bytes].
+
+    Raises
+    ------
+    ArchiveError
+        If the files are larger or damaged.
+    """
     asked = [one for one in archive.infolist() if not one.is_dir() and wanted(one.filename)]
     if sum(one.file_size for one in asked) > largest:
         names = ", ".join(shown(one.filename) for one in asked[:3])
@@ -167,7 +207,15 @@ def contents_of(path: Path) -> dict[str, bytes]:
 
 
 def unpack(archive: zipfile.ZipFile, folder: Path, wanted: Callable[[str], bool]) -> None:
-    """Unpack the wanted entries into a folder that is there and empty. Raises ArchiveError, StorageError."""
+    """Unpack the wanted entries into an empty folder.
+
+    Raises
+    ------
+    ArchiveError
+        If the archive is damaged.
+    StorageError
+        If the folder cannot be written.
+    """
     for entry in archive.infolist():
         if not wanted(entry.filename):
             continue

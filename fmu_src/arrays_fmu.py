@@ -67,7 +67,7 @@ def _faces() -> dict[str, str]:
 
 
 def all_sources(given: ArraysInC) -> dict[str, str]:
-    """C files by name: the object, both faces, the runtime's headers, and the table of arrays."""
+    """Return C files by name: the object, both faces, the runtime's headers, and the table of arrays."""
     return _with_headers(dict(given.sources) | _faces() | {"arrays_about.c": _about(given)})
 
 
@@ -91,7 +91,7 @@ def _about(given: ArraysInC) -> str:
 
 
 def binary_of_arrays(given: ArraysInC, targets: Sequence[str] = ()) -> bytes:
-    """The binary for targets of zig, one file for two; none: for this platform. Raises CompilerError."""
+    """Return the binary for targets of zig, one file for two; none: for this platform. Raises CompilerError."""
     return binary_for(targets, lambda target: plain_library(all_sources(given), target=target))
 
 
@@ -108,9 +108,10 @@ class Lengths:
 def build_arrays_fmu(
     given: ArraysInC, of: Lengths, path: Path, version: int, binaries: Mapping[str, bytes], extras: Mapping[str, bytes]
 ) -> None:
-    """Writes the FMU of an object with arrays of these lengths.
+    """Write the FMU of an object with arrays of these lengths.
 
-    binaries: by their places in binaries/; extras: by their names in the archive, among them resources that it reads.
+    binaries: by their places in binaries/. extras: by their names in the archive, including the resources of the
+    object.
     """
     about = (description2 if version == 2 else description3)(given, of)
     files = {"modelDescription.xml": about.encode()}
@@ -124,13 +125,13 @@ def build_arrays_fmu(
 
 
 def sources_for(given: ArraysInC, version: int) -> dict[str, str]:
-    """C files by name, without the face of the other version."""
+    """Return C files by name, without the face of the other version."""
     other = {2: ("fmi3.c",), 3: ("fmi2.c", "fmi2Functions.h")}[version]
     return {name: text for name, text in all_sources(given).items() if name not in other}
 
 
 def _with_headers(texts: Mapping[str, str]) -> dict[str, str]:
-    """C files by name with the headers of the runtime that they include, and that these include."""
+    """Return C files by name with the headers of the runtime that they include, and that these include."""
     found, waiting = dict(texts), list(texts.values())
     while waiting:
         for name in re.findall(r'#include "(\w+\.h)"', waiting.pop()):
@@ -141,7 +142,7 @@ def _with_headers(texts: Mapping[str, str]) -> dict[str, str]:
 
 
 def _listed(given: ArraysInC, version: int) -> list[str]:
-    """Which of the sources are compiled."""
+    """Return the names of the sources that are compiled."""
     return [name for name in sources_for(given, version) if name.endswith(".c")]
 
 
@@ -209,7 +210,7 @@ def _nature(one: ArrayVariable) -> dict[str, str]:
 
 
 def description2(given: ArraysInC, of: Lengths) -> str:
-    """modelDescription.xml of FMI 2.0: a variable for each element."""
+    """Return modelDescription.xml of FMI 2.0: a variable for each element."""
     root = _root(given, {"fmiVersion": "2.0", "guid": token_of(given)})
     slave = ET.SubElement(root, "CoSimulation", _claims(given, 2) | {"canNotUseMemoryManagementFunctions": "true"})
     files = ET.SubElement(slave, "SourceFiles")
@@ -242,7 +243,7 @@ def description2(given: ArraysInC, of: Lengths) -> str:
 
 
 def _unit(one: ArrayVariable) -> dict[str, str]:
-    """Unit, and nominal value if its unit has one."""
+    """Return the unit, and nominal value if its unit has one."""
     nominal = {"nominal": repr(NOMINAL[one.unit])} if one.unit in NOMINAL else {}
     return {"unit": one.unit} | nominal
 
@@ -258,7 +259,7 @@ def _dependencies(given: ArraysInC, places: tuple[str, str]) -> Iterator[tuple[s
 
 
 def description3(given: ArraysInC, of: Lengths) -> str:
-    """modelDescription.xml of FMI 3.0: a variable for each array."""
+    """Return modelDescription.xml of FMI 3.0: a variable for each array."""
     root = _root(given, {"fmiVersion": "3.0", "instantiationToken": token_of(given)})
     ET.SubElement(root, "CoSimulation", _claims(given, 3))
     _units(root, given)

@@ -156,13 +156,13 @@ class BatchLibrary(Library):
         self.file = model.table_file.variable.name if model.table_file else None
 
     def numbers(self, names: Sequence[str]) -> ctypes.Array[ctypes.c_int]:
-        """Places of variables. Raises SimulationError."""
+        """Return the numbers of variables. Raises SimulationError for an unknown name."""
         kernel = Kernel(self)
         return (ctypes.c_int * len(names))(*(kernel.number_of(name) for name in names))
 
 
 def lanes_here(kernel: Path) -> int:
-    """The most lanes that this processor has, at least 2 and at most 8; kernel: any library of one."""
+    """Return the most lanes of this processor, at least 2 and at most 8; kernel: any compiled kernel library."""
     return max(2, Kernel(Library(kernel)).use_lanes(8))
 
 
@@ -313,7 +313,30 @@ class Instances:
         path: str | None = None,
         **values: ArrayLike,
     ) -> None:
-        """values: parameters and first inputs, one for all or `count` of them. Raises SimulationError, ValueError."""
+        """Initialise all instances at 0 s.
+
+        Parameters
+        ----------
+        library : BatchLibrary
+            The compiled system.
+        count : int
+            Number of instances.
+        inputs, outputs : sequence of str
+            Names of the variables that are set and returned at every step.
+        threads : int or None
+            Number of threads; None: the number of processors.
+        path : str or None
+            Table file of all instances.
+        **values : float or array_like
+            Parameters and first inputs, one for all or an array of shape (count,).
+
+        Raises
+        ------
+        SimulationError
+            If a name is unknown or a value is refused.
+        ValueError
+            If an array has another length.
+        """
         self._library, self._threads, self._path = library, threads or os.cpu_count() or 1, path
         self.at_close: Callable[[], None] | None = None
         self._start = {name: _for_each(name, value, count) for name, value in values.items()}
@@ -345,7 +368,7 @@ class Instances:
         self.close()
 
     def close(self) -> None:
-        """Gives threads and memory back."""
+        """Free threads and memory."""
         self._pool.shutdown()
         for group in self._groups:
             self._library.functions.batch_free(group)
@@ -398,10 +421,24 @@ class Instances:
         self._given[row] = [kernel[name] for name in self.inputs]
 
     def step(self, size: float, inputs: Mapping[str, ArrayLike] | None = None) -> dict[str, Numbers]:
-        """A step of `size` seconds; outputs at its end. Inputs that are not given stay as they are.
+        """Make a step of `size` seconds and return the outputs at its end, in the same arrays at every step.
 
-        The arrays are those of every step. Raises SimulationError where a step fails, after all others have made
-        theirs; the one that failed stays where it was.
+        Parameters
+        ----------
+        size : float
+            Size of the step [s].
+        inputs : mapping of str to array_like
+            New values of inputs; all others are unchanged.
+
+        Returns
+        -------
+        dict of str to ndarray
+            Outputs by name, shape (count,).
+
+        Raises
+        ------
+        SimulationError
+            If a step fails. All other instances have made theirs; the failed one stays where it was.
         """
         for name, value in (inputs or {}).items():
             if name not in self.inputs:
@@ -415,21 +452,21 @@ class Instances:
         return {name: self._found[:, number] for number, name in enumerate(self.outputs)}
 
     def go_on(self, size: float) -> None:
-        """A step from `told` to `shown`; `status` is above 1 where an instance ended or failed, and stays there."""
+        """Make a step from `told` to `shown`; `status` is above 1 if an instance ended or failed, and stays there."""
         self._in_shares(lambda first, end: self._step_some(first, end, size))
 
     def look(self, first: int, end: int) -> None:
-        """Reads all outputs into `shown` where the instances from the first up to the end stand."""
+        """Read all present outputs of the instances from `first` up to `end` into `shown`."""
         self._library.functions.batch_look(self._steps(first, end, 0.0))
 
     @property
     def shown(self) -> Numbers:
-        """Outputs, shape (count, outputs), the same array at every step."""
+        """Return the outputs, shape (count, outputs), the same array at every step."""
         return self._found
 
     @property
     def told(self) -> Numbers:
-        """Inputs of the next step, shape (count, inputs); to be changed in place."""
+        """Return the inputs of the next step, shape (count, inputs); to be changed in place."""
         return self._given
 
     @property
@@ -455,7 +492,7 @@ class Instances:
         return str(self._library.functions.kernel_message(self._handles[row]).decode())
 
     def _in_shares(self, work: Callable[[int, int], None]) -> None:
-        """Work for all instances, shared among the threads by whole groups."""
+        """Do the work for all instances, shared among the threads by whole groups."""
         shares = self._shares()
         done = [self._pool.submit(work, *one) for one in shares[1:]]
         work(*shares[0])  # waking a thread takes as long as hundreds of steps

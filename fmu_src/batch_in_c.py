@@ -12,7 +12,7 @@ FUNCTIONS = ("ode", "jacobian", "output", "drive", "capacity", "condition_margin
 
 
 def batch_source(model: Model, system: System) -> dict[str, str]:
-    """The C file, by its name, of a system of a model in BATCH_LANES lanes."""
+    """Return the C file, by its name, of a system of a model in BATCH_LANES lanes."""
     every, name = functions(system), system.name
     ranks = [f"table_argument_{rank}" for rank in range(table_ranks(system))]
     made = {one: every[one] for one in (*FUNCTIONS, *ranks) if one in every}

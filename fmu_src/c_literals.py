@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 
 def c_number(value: float) -> str:
-    """A number to its last digit."""
+    """Return C of a number, with all digits."""
     if math.isnan(value):
         return "NAN"
     if math.isinf(value):
@@ -16,14 +16,12 @@ def c_number(value: float) -> str:
 
 
 def c_text(value: str) -> str:
-    """A C string of plain letters; all others are written as the bytes of their UTF-8, and no two question marks are a
-    trigraph.
-    """
+    """Return a C string of plain letters; all others are written as the bytes of their UTF-8, without trigraphs."""
     plain = (chr(byte) if 32 <= byte < 127 and chr(byte) not in '"\\?' else f"\\{byte:03o}" for byte in value.encode())
     return f'"{"".join(plain)}"'
 
 
 def c_array(kind: str, name: str, values: Iterable[str]) -> str:
-    """A constant array at the scope of its file; nothing where it would have no entries."""
+    """Return a constant array at the scope of its file; empty if it would have no entries."""
     entries = list(values)
     return f"static const {kind} {name}[] = {{{', '.join(entries)}}};" if entries else ""

@@ -28,7 +28,7 @@ class Group:
 
     @property
     def lanes(self) -> int:
-        """Calls that have room: of a group an even number, the last one is computed twice where they are odd."""
+        """Return the number of places: even for a group, which computes the last of an odd number of calls twice."""
         return 1 if self.alone else len(self.calls) + len(self.calls) % 2
 
     @property
@@ -48,7 +48,7 @@ class Group:
 
     @property
     def function(self) -> str:
-        """The part's function with this distance between the numbers of a call."""
+        """Return the part's function with this distance between the numbers of a call."""
         return f"{part_name(self.part, self.slopes)}{'' if self.alone else f'_of_{self.lanes}'}"
 
     @property
@@ -108,7 +108,7 @@ def _groups(one: Generated, rank: int, side_by_side: bool) -> Iterator[Group]:
 
 
 def call_of_group(name: str, rank: int, group: Group) -> str:
-    """In a function of one number: `mem` is how many lanes the processor has."""
+    """Return C of a group's call in a function of one number: `mem` is the number of lanes of the processor."""
     if group.part.flat:
         return f"real_look_up(&{group.part.name}, given_{rank} + {group.given}, left + {group.left})"
     if group.part.source:
@@ -117,7 +117,7 @@ def call_of_group(name: str, rank: int, group: Group) -> str:
 
 
 def _call_of_c(rank: int, group: Group) -> str:
-    """A part that is given in C, in a function of one number."""
+    """Return C of a call of a part given in C, in a function of one number."""
     when = ""
     if group.conditional:
         # Cleared before: a call that is left out leaves 0.
@@ -129,7 +129,7 @@ def _call_of_c(rank: int, group: Group) -> str:
 
 
 def call_in_lanes(name: str, rank: int, group: Group) -> str:
-    """In a function of several lanes, each of which calls the part."""
+    """Return C of a call in a function of several lanes, each of which calls the part."""
     given = [f"given_{rank} + {group.given + place} * LANES" for place in (0, group.arguments, group.numbers)]
     left = f"left + {group.left} * LANES"
     if group.part.flat:
@@ -160,7 +160,7 @@ def where(call: str, condition: str, left: str, leaves: int, distance: str | int
 
 
 def entry_of_group(name: str, group: Group) -> str:
-    """The function that computes LANES lanes of a group, for functions of one number."""
+    """Return the function that computes LANES lanes of a group, for functions of one number."""
     distance = group.lanes
     call = f"LANES_NAME({name}_{group.function})(given, given + {group.arguments * distance}, left)"
     if group.conditional:
@@ -170,7 +170,7 @@ def entry_of_group(name: str, group: Group) -> str:
 
 
 def group_at(name: str, group: Group, widths: tuple[int, ...]) -> str:
-    """The function that computes a group in as many lanes at once as the processor has, `lanes`."""
+    """Return the function that computes a group in as many lanes as the processor has, `lanes`."""
     wide = [lanes for lanes in reversed(widths) if lanes <= group.lanes]
     declared, tried = "", ""
     for lanes in wide:
@@ -191,7 +191,7 @@ def group_at(name: str, group: Group, widths: tuple[int, ...]) -> str:
 
 
 def part_in_c_in_lanes(name: str, part: Part, slopes: Slopes) -> str:
-    """A part that is given in C, called lane by lane."""
+    """Return C of a part given in C, called lane by lane."""
     counts = part.arguments.numel(), part.constants.numel(), part.results.numel(), part.slope.nnz()
     arrays = ", ".join(f"{one}[{max(size, 1)}]" for one, size in zip("acrs", counts, strict=True))
 

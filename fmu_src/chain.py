@@ -21,7 +21,7 @@ ONE_WRITES = RLock()
 
 
 def function_of(name: str, given: list[ca.SX], result: ca.SX) -> ca.Function:
-    """A function whose inputs are called like their symbols, for `equations_in_c.function_of_cells`."""
+    """Return a function whose inputs are called like their symbols, for `equations_in_c.function_of_cells`."""
     names = [str(one[0]).rpartition("_")[0] if one.numel() > 1 else str(one) for one in given]
     return ca.Function(name, given, [ca.densify(result)], names, ["result"])
 
@@ -55,14 +55,14 @@ class Part:
 
     @cached_property
     def slope(self) -> ca.SX:
-        """Derivatives of the results by the arguments, shape (results, arguments), structural nonzeros only."""
+        """Return derivatives of the results by the arguments, shape (results, arguments), structural nonzeros only."""
         if self.flat:
             return ca.SX(self.results.numel(), self.arguments.numel())
         return self.chain.jacobian(self.results, self.arguments)
 
     @cached_property
     def needed(self) -> list[list[int]]:
-        """For each result the places of the numbers that it depends on, counted over arguments and constants."""
+        """Return, for each result, the places of the arguments and constants on which it depends."""
         given = ca.vertsplit(ca.vertcat(self.arguments, self.constants))
         if self.flat:
             return [list(range(len(given)))] * self.results.numel()
@@ -71,7 +71,7 @@ class Part:
 
     @cached_property
     def function(self) -> ca.Function:
-        """The results, and the nonzeros of their slopes, of arguments and constants."""
+        """Return the results, and the nonzeros of their slopes, of arguments and constants."""
         both = [ca.densify(self.chain.expand(one)) for one in (self.results, self.slope.nz[:])]
         return ca.Function(self.name, [self.arguments, self.constants], both)
 
@@ -127,17 +127,17 @@ class Call:
 
     @cached_property
     def own(self) -> frozenset[int]:
-        """Its symbols, as `symbols_in` has them."""
+        """Return its symbols, as `symbols_in` has them."""
         return symbols_in(self.symbols)
 
     @cached_property
     def own_slopes(self) -> frozenset[int]:
-        """Symbols of its slopes."""
+        """Return symbols of its slopes."""
         return symbols_in(self.slopes)
 
     @cached_property
     def found_from(self) -> list[frozenset[int]]:
-        """For each result the symbols that it depends on at this place, as `symbols_in` has them."""
+        """Return, for each result, the symbols on which it depends at this place, as `symbols_in` returns them."""
         taken = [symbols_in(one) for one in ca.vertsplit(self.taken)]
         always = frozenset[int]().union(*taken[self.given.numel() + self.constants.numel() :])
         return [always.union(*(taken[place] for place in places)) for places in self.part.needed]
@@ -185,12 +185,12 @@ class Waist:
 
     @cached_property
     def own(self) -> frozenset[int]:
-        """Its symbols, as `symbols_in` has them."""
+        """Return its symbols, as `symbols_in` has them."""
         return symbols_in(self.symbols)
 
     @cached_property
     def found_from(self) -> list[frozenset[int]]:
-        """For each value the symbols that are in it, as `symbols_in` has them."""
+        """Return, for each value, the symbols in it, as `symbols_in` returns them."""
         return [symbols_in(one) for one in ca.vertsplit(self.values)]
 
 
@@ -270,7 +270,7 @@ class Chain:
 
     @property
     def calls(self) -> list[Call]:
-        """The links that are parts."""
+        """Return the links that are parts."""
         return [link for link in self.links if isinstance(link, Call)]
 
     def without_waists(self, expression: ca.SX) -> ca.SX:
@@ -280,7 +280,7 @@ class Chain:
         return ca.substitute(ca.SX(expression), *known) if waists else ca.SX(expression)
 
     def expand(self, expression: ca.SX) -> ca.SX:
-        """The same expression without symbols of links, the equations of all parts in their place."""
+        """Return the same expression without symbols of links, the equations of all parts in their place."""
         expression = self.without_waists(expression)
         for call in reversed(self.calls):
             if not symbols_in(expression).isdisjoint(call.own | call.own_slopes):
@@ -289,7 +289,7 @@ class Chain:
         return expression
 
     def jacobian(self, expression: ca.SX, symbols: ca.SX) -> ca.SX:
-        """Derivatives of an expression by symbols by the chain rule, link by link: each from those before it."""
+        """Return derivatives of an expression by symbols by the chain rule, link by link."""
         known: list[tuple[Link, ca.SX]] = []
 
         def slope_of(one: ca.SX) -> ca.SX:
@@ -309,7 +309,7 @@ class Chain:
         return self.without_waists(slope_of(expression))
 
     def _own_slope(self, one: ca.SX, symbols: ca.SX) -> ca.SX:
-        """Derivatives by symbols and by the constants that change with them, in one run along each symbol."""
+        """Return derivatives by symbols and by the constants that change with them, in one run along each symbol."""
         if not self.following:
             return ca.jacobian(one, symbols)
         together = ca.vertcat(symbols, *[constants.symbols for constants in self.following])
@@ -317,7 +317,7 @@ class Chain:
         return ca.sparsify(ca.jtimes(one, together, ca.densify(ca.vertcat(ca.SX.eye(symbols.numel()), *along))))
 
     def _needed_by(self, expression: ca.SX) -> list[Link]:
-        """The links on the way from symbols to an expression, in their order."""
+        """Return the links on the way from symbols to an expression, in their order."""
         found: list[Link] = []
         users = symbols_in(expression)
         for link in reversed(self.links):
@@ -329,7 +329,7 @@ class Chain:
         return found
 
     def along(self, expression: ca.SX, symbols: ca.SX, seed: ca.SX) -> ca.SX:
-        """Derivative of an expression along a direction of the symbols, through the parts by the chain rule."""
+        """Return the derivative of an expression along a direction of the symbols, by the chain rule."""
         known, rates = [symbols], [seed]
         for call in self.calls:
             given = ca.jtimes(self.without_waists(call.given), ca.vertcat(*known), ca.vertcat(*rates))
@@ -352,12 +352,12 @@ class Bundle:
 
     @property
     def vector(self) -> ca.SX:
-        """All of them, one below the other."""
+        """Return all of them as one column."""
         return ca.vertcat(*[getattr(self, item.name) for item in fields(self)])
 
     @classmethod
     def of(cls: type[AnyBundle], vector: ca.SX) -> AnyBundle:
-        """The bundle of a vector."""
+        """Return the bundle of a vector."""
         ends = [0]
         for item in fields(cls):
             ends.append(ends[-1] + item.metadata["rows"])
@@ -367,5 +367,5 @@ class Bundle:
 
     @classmethod
     def symbols(cls: type[AnyBundle], name: str) -> AnyBundle:
-        """A bundle of new symbols."""
+        """Return a bundle of new symbols."""
         return cls.of(ca.SX.sym(name, sum(item.metadata["rows"] for item in fields(cls))))

@@ -118,7 +118,7 @@ KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEA
 
 
 def generate(model: Model) -> dict[str, str]:
-    """C sources by file name: equations and their elimination, a file of each for each system, and model.c,
+    """Return C sources by file name: equations and their elimination, a file of each for each system, and model.c,
     the description; made once for each model.
     """
     return dict(_sources(model))
@@ -143,24 +143,24 @@ def _sources(model: Model) -> dict[str, str]:
 
 @lru_cache(maxsize=256)
 def _idle(model: Model, name: str) -> list[str]:
-    """Parameters without an effect in the system of this name."""
+    """Return the parameters without an effect in the system of this name."""
     return without_effect(model, next(system for system in model.systems if system.name == name))
 
 
 def guid_of(sources: Mapping[str, str]) -> str:
-    """GUID in generated sources; changes with the content of the model and with nothing else."""
+    """Return the GUID in generated sources; changes with the content of the model and with nothing else."""
     found = re.search(r"\{[0-9a-f-]{36}\}", sources["model.c"])
     assert found
     return found.group()
 
 
 def content_guid(texts: Iterable[str]) -> str:
-    """A GUID that is a function of the content, the runtime included, so that equal builds are equal."""
+    """Return a GUID that is a function of the content, the runtime included, so that equal builds are equal."""
     return identifier([*texts, *((RUNTIME / name).read_bytes() for name in (*RUNTIME_SOURCES, *RUNTIME_HEADERS))])
 
 
 def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterable[str]:
-    """The constants of a system."""
+    """Return the constants of a system."""
     prefix = system.name
     outputs = [variable.name for variable in system.variables if variable.causality == "output"]
     for suffix, names in (
@@ -216,13 +216,13 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
 
 
 def _algebraic_nonzeros(system: System, solving: Elimination) -> list[int]:
-    """Which nonzeros of the Jacobian are derivatives of residuals by algebraic states."""
+    """Return the nonzeros of the Jacobian that are derivatives of residuals by algebraic states."""
     algebraic = [state.algebraic for state in system.states.values()]
     return [number for number, (row, column) in enumerate(solving.nonzeros) if algebraic[row] and algebraic[column]]
 
 
 def _steady_arrays(system: System, start: SteadyStart) -> Iterable[str]:
-    """The description of a steady start, its members by position."""
+    """Return the description of a steady start, its members by position."""
     prefix = f"{system.name}_steady"
     states, inputs, parameters = list(system.states), list(system.input_symbols), list(system.parameter_symbols)
     places = {

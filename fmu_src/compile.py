@@ -112,7 +112,7 @@ def compiler(target: str | None = None) -> list[str]:
 
 
 def library_suffix() -> str:
-    """Ending of a shared library's name on this machine, with its dot."""
+    """Return the ending of a shared library's name on this machine, with its dot."""
     return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
@@ -169,7 +169,7 @@ def _zig_is_missing(target: str | None) -> str:
 
 
 def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | None = None) -> list[Path]:
-    """Object files of C files that include the runtime's headers, each compiled now unless the cache has it.
+    """Return object files of C files that include the runtime's headers, each compiled unless the cache has it.
 
     One file for each processor is compiled at once, the longest first, so that none is left over at the end.
     """
@@ -189,7 +189,7 @@ def objects_of(sources: Mapping[str, str], flags: Sequence[str], target: str | N
 
 
 def headers_of(name: str, sources: Mapping[str, str]) -> dict[str, str]:
-    """Those of the sources that a file includes, and that these include."""
+    """Return the sources that a file includes, and those that these include."""
     found: dict[str, str] = {}
     waiting = [name]
     while waiting:
@@ -201,7 +201,7 @@ def headers_of(name: str, sources: Mapping[str, str]) -> dict[str, str]:
 
 
 def _object_of(name: str, files: Mapping[str, str], flags: Sequence[str], target: str | None) -> Path:
-    """files: the one of that name and the headers that it includes."""
+    """Return the object file of a C file; files: the file and the headers that it includes."""
 
     def compiled(folder: Path) -> Path:
         for file, text in files.items():
@@ -237,7 +237,7 @@ def in_cache(name: str, make: Callable[[Path], Path]) -> Path:
 
 
 def noted(name: str, make: Callable[[], str], good: Callable[[str], bool] = bool) -> str:
-    """Return the text that the cache has by this name, made again where it is not there, not whole or not `good`.
+    """Return the text that the cache has by this name, made again if it is missing, damaged or not `good`.
 
     Raises CompilerError.
     """
@@ -258,7 +258,7 @@ def path_from(text: str) -> Path | None:
 
 @contextmanager
 def workshop() -> Iterator[Path]:
-    """Yield a temporary folder to compile in. Raises CompilerError where it cannot be written."""
+    """Yield a temporary folder for compiling. Raises CompilerError if it cannot be written."""
     try:
         with tempfile.TemporaryDirectory() as folder:
             yield Path(folder)
@@ -348,18 +348,18 @@ def compile_library(
 
 
 def _unit(name: str, files: Sequence[str]) -> dict[str, str]:
-    """One C file of several of the runtime: a compiler reads what they include once, which is half of its work."""
+    """Return one C file of several of the runtime: a compiler reads common headers once, half of its work."""
     return {name: "".join(f'#line 1 "{file}"\n{(RUNTIME / file).read_text()}' for file in files)}
 
 
 def _flags_for(target: str | None, flags: Sequence[str]) -> list[str]:
-    """Those of a target of zig."""
+    """Return the flags for a target of zig."""
     windows, old = bool(target) and "windows" in str(target), str(target).startswith("x86-")
     return [*(flag for flag in flags if not (windows and flag == "-fPIC")), *(FLAGS_X86 if old else ())]
 
 
 def _linking(flags: Sequence[str], target: str | None) -> list[str]:
-    """Flags that make a library of objects; without an optimisation zig would add what unoptimised code needs."""
+    """Return flags that make a library of objects; unoptimised, zig would add what only unoptimised code needs."""
     place = target or sys.platform
     bound = ["-Wl,-Bsymbolic"] if "linux" in place else []  # the other formats bind inside by themselves
     if target and "windows" in target:
@@ -374,7 +374,7 @@ def library_of(
     fmu: bool = False,
     lanes: int = 0,
 ) -> Path:
-    """Path of the compiled library of these sources, compiled now unless the cache has it; see compile_library."""
+    """Return the path of the compiled library of these sources; see compile_library."""
     words = [*compiler(target), *_linking(flags, target), OPTIMISE_GENERATED, str(fmu), str(lanes)]
     content = _content(words, sources, (*RUNTIME_SOURCES, *BATCH_SOURCES, *RUNTIME_HEADERS))
 
@@ -386,7 +386,7 @@ def library_of(
 
 
 def batch_library(sources: Mapping[str, str], lanes: int) -> Path:
-    """Compiled kernel of a model with one of its systems in lanes, for batch.py."""
+    """Return the compiled kernel of a model with one of its systems in lanes, for batch.py."""
     return library_of(sources, lanes=lanes)
 
 
@@ -397,7 +397,7 @@ FOREIGN_FLAGS = tuple(flag for flag in FLAGS if not flag.startswith("-W"))
 def plain_library(
     sources: Mapping[str, str], foreign: Mapping[str, str] | None = None, target: str | None = None
 ) -> Path:
-    """Path of a shared library of C files that need nothing of the runtime, compiled now unless the cache has it.
+    """Return the path of a shared library of C files that need nothing of the runtime.
 
     foreign: files of a user; target: of zig. Raises CompilerError.
     """
@@ -420,7 +420,7 @@ WEB_TARGET = "wasm32-wasi"
 
 
 def web_module(model: Model, beside: Mapping[str, str] | None = None) -> Path:
-    """Path of a WebAssembly module with the functions of kernel.h, and malloc, compiled now unless the cache has it.
+    """Return the path of a WebAssembly module with the functions of kernel.h, and malloc.
 
     beside: C files that need nothing of the runtime, whose functions a page calls too.
     """
@@ -429,9 +429,7 @@ def web_module(model: Model, beside: Mapping[str, str] | None = None) -> Path:
 
 
 def web_library(sources: Mapping[str, str]) -> Path:
-    """Path of a WebAssembly module of C files that need nothing of the runtime, with malloc, compiled unless it is
-    cached.
-    """
+    """Return the path of a WebAssembly module of C files that need nothing of the runtime, with malloc."""
     return _web({}, sources)
 
 
@@ -453,5 +451,5 @@ def _web(generated: Mapping[str, str], others: Mapping[str, str]) -> Path:
 
 
 def build_library(model: Model) -> Path:
-    """Compiled kernel of a model, for kernel.py."""
+    """Return the compiled kernel of a model, for kernel.py."""
     return library_of(generate(model))

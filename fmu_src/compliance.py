@@ -18,7 +18,7 @@ class Check:
 
 
 def native(fmi2: str, fmi3: str) -> dict[str, str]:
-    """A rule of the native FMUs: the functions it belongs to, without the prefixes fmi2 and fmi3."""
+    """Return a rule of the native FMUs: the functions it belongs to, without the prefixes fmi2 and fmi3."""
     return {"native": f"fmi2{fmi2}", "fmi3": f"fmi3{fmi3}"}
 
 
@@ -28,7 +28,7 @@ def both(name: str) -> dict[str, str]:
 
 
 def everywhere(name: str) -> dict[str, str]:
-    """A rule of all kinds of FMU: the element of the description that it belongs to."""
+    """Return a rule of all kinds of FMU: the element of the description that it belongs to."""
     return dict.fromkeys(("native", "fmi3", "python"), name)
 
 

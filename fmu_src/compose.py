@@ -97,7 +97,7 @@ def _same(symbol: ca.SX, value: ca.SX, text: str = "") -> _Link:
 
 
 def _share_parameters(whole: System, part: System) -> list[_Link]:
-    """Adds the parameters of a part to the whole; those that an earlier part has too are linked to that part's."""
+    """Add the parameters of a part to the whole; those that an earlier part has too are linked to that part's."""
     shared = []
     declared = {variable.name: variable for variable in whole.variables}
     for variable in part.variables:
@@ -118,7 +118,7 @@ def _share_parameters(whole: System, part: System) -> list[_Link]:
 
 
 def _connected(name: str, parts: Sequence[System], outputs: Mapping[str, Variable], target: str, source: str) -> _Link:
-    """The link of one connection."""
+    """Return the link of one connection."""
     inputs = {variable.name: variable for part in parts for variable in part.variables if variable.causality == "input"}
     for asked, there, word in ((target, inputs, "input"), (source, outputs, "output")):
         if asked not in there:
@@ -132,7 +132,7 @@ def _connected(name: str, parts: Sequence[System], outputs: Mapping[str, Variabl
 
 
 def _take(whole: System, part: System, connections: Mapping[str, str]) -> None:
-    """Everything of a part but its links, tables and parameters."""
+    """Take everything of a part except its links, tables and parameters."""
 
     def add(kind: str, entries: Mapping[str, Any]) -> None:
         known = getattr(whole, kind)
@@ -152,7 +152,7 @@ def _take(whole: System, part: System, connections: Mapping[str, str]) -> None:
 
 
 def _put_in_order(whole: System, links: Sequence[_Link], tables: Sequence[Table]) -> None:
-    """Each link and table behind those that it needs, with its rank among its like."""
+    """Put each link and table after those that it needs, with its rank among those of its kind."""
     nodes: list[Call | Waist | Table] = [*(one.link for one in links), *tables]
     needs = _needs([_needed_by(node) for node in nodes], [node.symbols for node in nodes])
     place: dict[int, int] = {}
@@ -186,7 +186,7 @@ def _needed_by(node: Call | Waist | Table) -> ca.SX:
 
 
 def _needs(values: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> list[set[int]]:
-    """For each value the numbers of those whose symbols are in it."""
+    """Return, for each value, the numbers of those whose symbols are in it."""
     rows, columns = ([i for i, one in enumerate(all_) for _ in range(one.numel())] for all_ in (values, symbols))
     pattern = ca.jacobian_sparsity(ca.vertcat(*[ca.vec(one) for one in values]), ca.vertcat(*symbols))
     needs: list[set[int]] = [set() for _ in values]

@@ -16,12 +16,12 @@ Equations = Sequence[tuple[ca.SX, ca.SX | frozenset[int]]]
 
 
 def direct_inputs(system: System) -> dict[str, set[str]]:
-    """For each output the inputs that reach it without passing through a state."""
+    """Return, for each output, the inputs that reach it without passing through a state."""
     return known_behind(system.outputs, system.input_symbols, link_equations(system))
 
 
 def integrated_knowns(system: System) -> dict[str, set[str]]:
-    """For each output and each derivative of a state the inputs and states that it follows from between events."""
+    """Return, for each output and derivative of a state, the inputs and states on which it depends between events."""
     known = system.input_symbols | {state_variable(state.name): state.symbol for state in system.states.values()}
     tables = [(table.symbols, table.argument) for table in system.tables]
     return known_behind(system.outputs | _derivatives(system), known, [*link_equations(system), *tables])
@@ -32,10 +32,10 @@ def _derivatives(system: System) -> dict[str, ca.SX]:
 
 
 def start_knowns(system: System) -> dict[str, set[str]]:
-    """For each output, state and derivative the inputs and parameters that its value at the start depends on.
+    """Return, for each output, state and derivative, the inputs and parameters on which its start value depends.
 
-    States begin at their start values, algebraic states are solved for, and a friction at rest sticks or slides as its
-    drive and its capacity decide. The tolerance, to which algebraic states are solved for, is not counted.
+    States begin at their start values, and algebraic states are solved for. A friction at rest sticks or slides
+    according to its drive and capacity. The tolerance of the solution for algebraic states is not listed.
     """
     states = {state_variable(state.name): state.symbol for state in system.states.values()}
     unknown = system.outputs | states | _derivatives(system)
@@ -43,7 +43,7 @@ def start_knowns(system: System) -> dict[str, set[str]]:
 
 
 def known_behind(unknown: Mapping[str, ca.SX], known: Mapping[str, ca.SX], equations: Equations) -> dict[str, set[str]]:
-    """For each `unknown` the names of those `known` that reach it, also through symbols that equations stand for."""
+    """Return, for each `unknown`, the names of the `known` symbols that reach it, also through those of `equations`."""
     names = list(known)
     symbols = ca.vertcat(*known.values(), *[symbol for symbol, _ in equations])
     place = {symbol.element_hash(): number for number, symbol in enumerate(ca.vertsplit(symbols))}
@@ -87,7 +87,9 @@ def start_equations(system: System) -> Equations:
 
 
 def settled_equations(system: System) -> list[tuple[ca.SX, ca.SX]]:
-    """States that a steady start looks for, each with all by which nothing changes while nothing drives or holds."""
+    """Return the states that a steady start finds, each with the derivatives, without drives and frictions, that must
+    vanish.
+    """
     steady = system.steady_start
     if steady is None:
         return []
@@ -107,7 +109,7 @@ def link_equations(system: System) -> Equations:
 
 
 def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:
-    """All that can be reached from a set, itself included."""
+    """Return all that can be reached from a set, itself included."""
     reached, waiting = set[int](), set(begin)
     while waiting:
         reached |= waiting
@@ -117,13 +119,13 @@ def closure(begin: Iterable[int], needed: list[set[int]]) -> set[int]:
 
 @lru_cache(maxsize=32)
 def input_dependencies(model: Model) -> Mapping[str, set[str]]:
-    """For each unknown of a model the inputs that reach it directly in any of its systems; found once."""
+    """Return, for each unknown of a model, the inputs that reach it directly in any of its systems; found once."""
     return union(model, model.systems, direct_inputs)
 
 
 @lru_cache(maxsize=32)
 def step_dependencies(model: Model) -> Mapping[str, set[str]]:
-    """The same, and the inputs and states that it follows from where the host integrates."""
+    """Return the same, with the inputs and states on which it depends if the host integrates."""
     found = {name: set(names) for name, names in input_dependencies(model).items()}
     integrated = [system for system in model.systems if serves_exchange(model, system)]
     for name, names in union(model, integrated, integrated_knowns).items():
@@ -133,7 +135,7 @@ def step_dependencies(model: Model) -> Mapping[str, set[str]]:
 
 @lru_cache(maxsize=32)
 def start_dependencies(model: Model) -> Mapping[str, set[str]]:
-    """For each unknown what it depends on at the start in any of the model's systems, and what chooses among them."""
+    """Return, for each unknown, its dependencies at the start in any system of the model, selectors included."""
     found = union(model, model.systems, start_knowns)
     for names in found.values():
         names |= set(model.selectors)
@@ -141,14 +143,14 @@ def start_dependencies(model: Model) -> Mapping[str, set[str]]:
 
 
 def unknowns(model: Model) -> list[str]:
-    """Outputs, and where the host integrates states and derivatives."""
+    """Return the outputs and, if the host integrates, states and derivatives."""
     outputs = [variable.name for variable in model.variables if variable.causality == "output"]
     states = [state.name for state in exchanged_states(model)]
     return [*outputs, *map(state_variable, states), *map(derivative_name, states)]
 
 
 def union(model: Model, systems: Iterable[System], of: Callable[[System], dict[str, set[str]]]) -> dict[str, set[str]]:
-    """For each unknown of a model the names that `of` finds in any of the systems."""
+    """Return, for each unknown of a model, the names that `of` finds in any of the systems."""
     found: dict[str, set[str]] = {name: set() for name in unknowns(model)}
     for system in systems:
         for name, names in of(system).items():

@@ -16,9 +16,9 @@ NOTHING = 1e-9
 
 
 def without_effect(model: Model, system: System) -> list[str]:
-    """Names of the parameters that no expression of a system depends on, in the order of the model's table.
+    """Return the parameters on which no expression of a system depends, in the order of the model's table.
 
-    Not those that choose a system or name a table file, nor those of the integration.
+    Parameters that choose a system or name a table file, and those of the integration, are not listed.
     """
     named = [model.table_file.variable.name] if model.table_file else []
     common = {*model.selectors, *named, *(variable.name for variable in integration_variables(1e-6))}
@@ -27,7 +27,7 @@ def without_effect(model: Model, system: System) -> list[str]:
 
 
 def with_effect(system: System) -> set[str]:
-    """Names of the parameters that some expression of a system depends on, at once or through parts and constants."""
+    """Return the parameters on which some expression of a system depends, directly or through parts and constants."""
     needed = symbols_in(system.without_waists(ca.vertcat(*[ca.vec(one) for one in expressions_of(system)])))
     for call in reversed(system.calls):
         if not needed.isdisjoint(call.own):
@@ -41,9 +41,9 @@ def with_effect(system: System) -> set[str]:
 
 
 def what_moves_constants(system: System) -> list[frozenset[int]]:
-    """The parameters on which each constant that is made of parameters depends, seen where all have random values.
+    """Return the parameters on which each constant made of parameters depends, tested at random values.
 
-    Many cancel in statics: half of the weight rests on each of two springs, how far apart they ever are.
+    Many cancel in statics: half of the weight rests on each of two springs, at any distance between them.
     """
     parameters = ca.vertcat(*system.parameter_symbols.values())
     constants = ca.vertcat(*system.derived_expressions.values())
@@ -65,13 +65,13 @@ def what_moves_constants(system: System) -> list[frozenset[int]]:
 
 
 def start_values(system: System) -> np.ndarray:
-    """Return a system's parameters at the start, 1 instead of 0, so that each can be made larger and smaller."""
+    """Return the start values of parameters, 1 instead of 0, so that each can be made larger and smaller."""
     known = {variable.name: variable.start for variable in system.variables}
     return np.array([known[name] or 1.0 for name in system.parameter_symbols], float)
 
 
 def expressions_of(system: System) -> list[ca.SX]:
-    """All that the runtime computes of a system, without the observables, which it does not."""
+    """Return all expressions that the runtime computes of a system; it does not compute the observables."""
     conditions = (*system.end_conditions, *system.warnings)
     return [
         *([system.steady_start.course] if system.steady_start else []),
@@ -86,6 +86,6 @@ def expressions_of(system: System) -> list[ca.SX]:
 
 
 def places_that_matter(part: Part, count: int) -> list[int]:
-    """Which of the numbers that a part is given, `when` among them, its results depend on."""
+    """Return the places of a part's arguments, `when` included, on which its results depend."""
     within = {place for places in part.needed for place in places}
     return [*sorted(within), *range(part.arguments.numel() + part.constants.numel(), count)]

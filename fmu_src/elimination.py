@@ -49,7 +49,9 @@ class Elimination:
         return {(self.position[row], self.position[column]): n for n, (row, column) in enumerate(self.nonzeros)}
 
     def entry(self, row: int, column: int) -> str:
-        """C of an entry of the matrix: `d` is its diagonal by states without the Jacobian, whose nonzeros are `j`."""
+        """Return C of an entry of the matrix: `d` is its diagonal by states without the Jacobian, `j` the nonzeros of
+        that.
+        """
         nonzero = self._number.get((row, column))
         less = "" if nonzero is None else f"-j[{nonzero}]"
         if row != column:
@@ -58,7 +60,9 @@ class Elimination:
 
     @cached_property
     def place(self) -> dict[tuple[int, int], int]:
-        """Where each entry (row, column) of the factors is stored: the diagonal, below it by rows, above it by rows."""
+        """Return the place of each entry (row, column) of the factors: the diagonal, below it by rows, above it by
+        rows.
+        """
         count = len(self.order)
         lower = sorted((row, pivot) for pivot, rows in enumerate(self.below) for row in rows)
         upper = [(pivot, column) for pivot, columns in enumerate(self.right) for column in columns]
@@ -71,7 +75,7 @@ class Elimination:
         return sum(map(len, self.below))
 
     def factors(self) -> Iterator[str]:
-        """C that leaves the packed factors L U = A in `e`: L below the diagonal, 1 / U on it, U above it."""
+        """Return C that leaves the packed factors L U = A in `e`: L below the diagonal, 1 / U on it, U above it."""
         left_of, above = _pivots(self.below), _pivots(self.right)
 
         def reduced(row: int, column: int) -> str:
@@ -88,7 +92,7 @@ class Elimination:
                 yield f"e[{self.place[row, pivot]}] = ({reduced(row, pivot)}) * e[{diagonal}];"
 
     def substitution(self) -> Iterator[str]:
-        """C that solves L U x = v in place; `v` is in the order of the states."""
+        """Return C that solves L U x = v in place; `v` is in the order of the states."""
         count, left_of = len(self.order), _pivots(self.below)
 
         def less(row: int, columns: Iterable[int]) -> str:
@@ -103,15 +107,16 @@ class Elimination:
 
 
 def _less(value: str, products: list[str]) -> str:
-    """C of a value less products, those known first before the others, some at a time: sums that need not wait for one
-    another. A processor has several additions under way.
+    """Return C of a value minus products, in independent sums of a few, with the known ones first.
+
+    A processor computes several additions at a time.
     """
     sums = [products[start : start + TOGETHER] for start in range(0, len(products), TOGETHER)]
     return value + "".join(f" - ({' + '.join(one)})" for one in sums)
 
 
 def _pivots(lists: list[list[int]]) -> list[set[int]]:
-    """For each row or column the pivots that have it in their lists."""
+    """Return, for each row or column, the pivots that have it in their lists."""
     found: list[set[int]] = [set() for _ in lists]
     for pivot, members in enumerate(lists):
         for member in members:
@@ -120,7 +125,7 @@ def _pivots(lists: list[list[int]]) -> list[set[int]]:
 
 
 def elimination(system: System) -> Elimination:
-    """Symbolic factorisation of I/(gamma h) - J without exchanges, the pivot with the least work first (Markowitz)."""
+    """Factorise I/(gamma h) - J symbolically without exchanges, the pivot with the least work first (Markowitz)."""
     pattern = system.jacobian(system.ode, system.arguments[1]).sparsity()
     count = len(system.states)
     row_states: list[set[int]] = [{state} for state in range(count)]
@@ -142,13 +147,13 @@ def elimination(system: System) -> Elimination:
 
 
 def elimination_source(name: str, solving: Elimination) -> str:
-    """C of the functions NAME_factorise(jacobian, diagonal, entry) and NAME_substitute(entry, vector) of a system."""
+    """Return C of NAME_factorise(jacobian, diagonal, entry) and NAME_substitute(entry, vector) of a system."""
     head = ['#pragma GCC diagnostic ignored "-Wunused-parameter"', '#include "model.h"', ""]
     return "\n".join([*head, *_functions(name, solving, "RUNTIME_LOCAL void {}", "double")])
 
 
 def elimination_in_lanes(name: str, solving: Elimination) -> list[str]:
-    """The same over several instances, LANES_NAME(NAME_factorise) and so on, of numbers that lie LANES apart."""
+    """Return the same over several instances, LANES_NAME(NAME_factorise) and so on, of numbers that lie LANES apart."""
     return _functions(name, solving, "static void LANES_NAME({})", "lanes_loose")
 
 

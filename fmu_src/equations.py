@@ -33,13 +33,13 @@ class Generated:
         return 1 + max((call.rank for call in self.calls), default=-1)
 
     def sizes(self, number: int) -> tuple[int, int]:
-        """Numbers that a call is given and that it leaves; number: of the call."""
+        """Return how many numbers a call is given and how many it leaves; number: of the call."""
         call = self.calls[number]
         return call.taken.numel(), call.symbols.numel() + len(self.slopes[number])
 
 
 def functions(system: System) -> dict[str, Generated]:
-    """The generated functions of a system; all take its `arguments`, those along a direction one more, the seed."""
+    """Return the generated functions of a system; all take its `arguments`, those along a direction also the seed."""
     arguments = system.arguments
     time, states, inputs, rates = arguments[:4]
     ode = system.ode
@@ -93,7 +93,7 @@ SHARED = "shared_"
 
 
 def _shared(name: str, one: Generated) -> Generated:
-    """The function under a name that its instructions give it."""
+    """Return the function under a name that follows from its instructions."""
     function, given = one.function, one.function.sx_in()
     own = f"{SHARED}{name}_{digest_of(function)}"
     return replace(one, function=ca.Function(own, given, function.call(given, True, False)))
@@ -105,7 +105,7 @@ def is_shared(one: Generated) -> bool:
 
 
 def function_of(chain: Chain, name: str, expressions: list[ca.SX], given: list[ca.SX]) -> Generated:
-    """A function with the calls that its expressions need, in the order of their ranks."""
+    """Return a function with the calls that its expressions need, in the order of their ranks."""
     needed: list[Call] = []
     users = symbols_in(ca.vertcat(*[ca.vec(expression) for expression in expressions]))
     for call in reversed(chain.calls):

@@ -81,7 +81,7 @@ def equations_in_c(name: str, made: Mapping[str, Generated]) -> dict[str, str]:
 
 
 def _by_file(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Group]) -> dict[str, dict[str, Group]]:
-    """Groups by the file that they stand in: a long part that calls no other has one of its own.
+    """Return groups by their files: a long part that calls no other has a file of its own.
 
     So vehicles with the same wheels and other springs have files in common, which are compiled once.
     """
@@ -97,13 +97,13 @@ def _by_file(name: str, parts: Mapping[str, Generated], groups: Mapping[str, Gro
 
 
 def _alone(one: Generated) -> str:
-    """The file of a function that several systems have."""
+    """Return the file of a function that several systems have."""
     body = _of_one_number(one.function.name(), one)
     return "\n".join([*HEAD, '#include "lanes_pairs.h"', "#define LANES 1", *_in_lanes([_written(body)]), ""])
 
 
 def _in_lanes(functions: Iterable[str]) -> list[str]:
-    """Functions of a `real` of LANES lanes."""
+    """Return functions of a `real` of LANES lanes."""
     return ['#include "lanes.h"', *functions, '#include "lanes_end.h"']
 
 
@@ -127,7 +127,7 @@ def _given(in_c: Sequence[Part]) -> list[str]:
 
 
 def _tables(functions: Sequence[Generated]) -> dict[str, str]:
-    """A file for each table that is looked up, whoever looks."""
+    """Return a file for each table that is looked up."""
     head = '#include "model.h"\n#include "piecewise.h"\n'
     found = {call.part.name: call.part for one in functions for call in one.calls if call.part.flat}
     return {f"{TABLE_FILE}{name}.c": head + part.source for name, part in found.items()}
@@ -261,14 +261,14 @@ def _of_one_number(name: str, one: Generated) -> Body:
 
 
 def _of_part(name: str, one: Generated, own_name: str, distance: str) -> Body:
-    """A part in lanes: distance, C of a number, is how far the numbers of a lane are from each other."""
+    """Return a part in lanes: distance, C of a number, is how far the numbers of a lane are from each other."""
     parameters = "const double *arguments, const double *constants, double *results"
     face = LanesFace(parameters, "arguments, constants, results", ["arguments", "constants"], ["results"])
     return _of_lanes(name, one, own_name, face, distance)
 
 
 def _of_all_lanes(name: str, one: Generated) -> Body:
-    """A function of a system in lanes, `lanes_function` in batch.h."""
+    """Return a function of a system in lanes, `lanes_function` in batch.h."""
     inputs = [f"arg[{number}]" for number in range(one.function.n_in())]
     results = [f"res[{number}]" for number in range(one.function.n_out() - one.ranks)]
     face = LanesFace("const double *const *arg, double *const *res", "arg, res", inputs, results)
@@ -276,10 +276,10 @@ def _of_all_lanes(name: str, one: Generated) -> Body:
 
 
 def function_of_cells(function: ca.Function) -> str:
-    """C of a function of many cells, LANES at a time: LANES_NAME(cells_NAME)(INPUT, ..., result, stride).
+    """Return C of a function of many cells, LANES at a time: LANES_NAME(cells_NAME)(INPUT, ..., result, stride).
 
-    Each input and the result is where the first of its numbers stands for the first cell; the number of the next cell
-    stands behind it, the next number of a cell `stride` further. Raises ValueError where an operation has no C.
+    Each input and the result is a pointer to the first number of the first cell. The number of the next cell follows
+    it, and the next number of a cell is `stride` further. Raises ValueError if an operation has no C.
     """
     names = function.name_in()
     parameters = ", ".join([*(f"const double *{name}" for name in names), "double *result", "long long int stride"])
@@ -332,7 +332,7 @@ def _of_lanes(name: str, one: Generated, own_name: str, face: LanesFace, distanc
 
 
 def given_where_asked(statements: Sequence[Statement], gives: set[str], call: str) -> list[Statement]:
-    """The same with the statements of these forms inside the call, behind ASKED, and what they load loaded there."""
+    """Return the statements with those of these forms moved into the call, after ASKED, and their loads with them."""
     stores = [one for one in statements if one.form in gives]
     loads = {one.values[0]: one.form for one in statements if one.form.startswith("real_load(") and not one.operands}
     given = [
@@ -351,7 +351,7 @@ def given_where_asked(statements: Sequence[Statement], gives: set[str], call: st
 
 
 def _plain(text: str) -> str:
-    """A form without operands."""
+    """Return a form without operands."""
     return text.replace("{", "{{").replace("}", "}}")
 
 
@@ -373,7 +373,7 @@ def _written(body: Body) -> str:
 
 
 def _locals(statements: Sequence[Statement]) -> dict[int, str]:
-    """A local for each value; one whose value is no longer read is used again. Those of masks begin with m."""
+    """Return a local name for each value; names are reused after the last read. Those of masks begin with m."""
     last = {value: number for number, one in enumerate(statements) for value in one.reads}
     masks = {value for one in statements if one.mask for value in one.values}
     names: dict[int, str] = {}

@@ -37,24 +37,24 @@ def _shape(system: System) -> list[tuple[object, ...]]:
 
 
 def exchanged_states(model: Model) -> list[State]:
-    """The states that a host integrates, in their order."""
+    """Return the states that a host integrates, in their order."""
     of = exchanged(model)
     return list(of.states.values()) if of else []
 
 
 def reset_at_events(model: Model) -> set[str]:
-    """Names of the states that an event may set to another value: velocities that begin to stick."""
+    """Return the names of the states that an event may set to another value: velocities that begin to stick."""
     of = exchanged(model)
     return {friction.states[0] for friction in of.frictions} if of else set()
 
 
 def derivative_name(state: str) -> str:
-    """Name of the variable that shows the derivative of a state."""
+    """Return the name of the variable that shows the derivative of a state."""
     return f"der({state_variable(state)})"
 
 
 def derivatives(model: Model) -> list[Variable]:
-    """Derivatives of the states that a host integrates, in their order."""
+    """Return the derivatives of the states that a host integrates, in their order."""
     return [
         Variable(derivative_name(state.name), "local", rate_unit(state.unit), f"Derivative of state {state.name}")
         for state in exchanged_states(model)
@@ -62,7 +62,7 @@ def derivatives(model: Model) -> list[Variable]:
 
 
 def indicators(model: Model) -> list[Variable]:
-    """Event indicators: of each dry friction, and of each condition that ends a run."""
+    """Return the event indicators: one for each dry friction, and one for each condition that ends a run."""
     of = exchanged(model)
     if not of:
         return []
@@ -75,10 +75,10 @@ def indicators(model: Model) -> list[Variable]:
 
 
 def first_reference(model: Model) -> int:
-    """Value reference of the first derivative; the others, and the indicators, go on from there."""
+    """Return the value reference of the first derivative; those of the others, and of the indicators, follow."""
     return len(model.variables) + 1
 
 
 def rate_unit(unit: str) -> str:
-    """Unit of a derivative by time, "m/s2" for "m/s"."""
+    """Return the unit of a derivative by time, "m/s2" for "m/s"."""
     return f"{unit}2" if unit.endswith("/s") else f"{unit}/s"

@@ -125,7 +125,7 @@ def kept_files(folder: Path) -> Iterator[Path]:
 
 
 def own_folder(folder: Path, remedy: str) -> Path:
-    """Return a folder that nobody else can write to, made where it is missing. Raises StorageError."""
+    """Return a folder to which nobody else can write, created if missing. Raises StorageError."""
     with writing(folder, remedy):
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)

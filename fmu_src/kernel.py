@@ -156,9 +156,17 @@ class Kernel:
             self._handle = None
 
     def set(self, **values: float | str) -> None:
-        """Sets parameters (before the first step) or inputs, by name. Raises SimulationError, the old value kept.
+        """Set parameters (before the first step) or inputs, by name, in their units.
 
-        A text is the path of a file, which is read at once.
+        Parameters
+        ----------
+        **values : float or str
+            A string is the path of a file, which is read at once.
+
+        Raises
+        ------
+        SimulationError
+            If a name is unknown or a value is refused; the old value is kept.
         """
         for name, value in values.items():
             if isinstance(value, str):
@@ -181,7 +189,7 @@ class Kernel:
         return os.fsdecode(found.value or b"")
 
     def set_rate(self, **rates: float) -> None:
-        """Set rates of change of inputs for the next step, which makes ramps of stairs. Raises SimulationError."""
+        """Set rates of change of inputs for the next step, so that steps become ramps. Raises SimulationError."""
         for name, rate in rates.items():
             self._check(self._call.kernel_set_rate(self._handle, self.number_of(name), rate))
 
@@ -248,20 +256,42 @@ class Kernel:
         self._call.kernel_reopen(self._handle)
 
     def step(self, time: float, size: float) -> None:
-        """Advance from `time` by `size` seconds. Raises SimulationError; after an error nothing was advanced."""
+        """Advance by one step.
+
+        Parameters
+        ----------
+        time : float
+            Start of the step [s].
+        size : float
+            Size of the step [s].
+
+        Raises
+        ------
+        SimulationError
+            If the step fails; after an error nothing was advanced.
+        """
         self._check(self._call.kernel_step(self._handle, time, size))
 
     def advance(self, size: float) -> None:
-        """Advances by `size` seconds from wherever the kernel stands, initialising it when needed."""
+        """Advance by `size` seconds from the present time; initialise if needed."""
         if not self.initialised:
             self.initialise()
         self.step(self.time, size)
 
     def record(self, size: float, interval: float, names: Sequence[str]) -> dict[str, list[float]]:
-        """Advances by `size` s; returns the named variables every `interval` s, `time` included.
+        """Advance and return the named variables at equal intervals, `time` included.
 
-        Recording uses the continuous extension of the method and does not shorten its steps. A run that ends early
-        keeps what came before.
+        Recording uses the continuous extension of the method and does not shorten its steps. If a run ends early, the
+        rows before its end are returned.
+
+        Parameters
+        ----------
+        size : float
+            Duration [s].
+        interval : float
+            Recording interval [s].
+        names : sequence of str
+            The variables.
         """
         if not self.initialised:
             self.initialise()
@@ -284,24 +314,24 @@ class Kernel:
         return table | {name: buffer[column : kept * columns : columns] for column, name in enumerate(names)}
 
     def save(self) -> bytes:
-        """The complete state, bit for bit, sealed: changed bytes are refused."""
+        """Return the complete state, sealed: changed bytes are refused."""
         buffer = ctypes.create_string_buffer(self._call.kernel_state_size(self._handle))
         self._call.kernel_save(self._handle, buffer)
         return buffer.raw
 
     def restore(self, state: bytes) -> None:
-        """Go back to a state from `save` of the same model. Raises SimulationError, and changes nothing then."""
+        """Restore a state from `save` of the same model. Raises SimulationError, and changes nothing then."""
         self._check(self._call.kernel_restore(self._handle, state, len(state)))
 
     @property
     def counts(self) -> dict[str, int]:
-        """Work done since the last reset."""
+        """Return the work done since the last reset."""
         numbers = (ctypes.c_longlong * len(COUNTERS))()
         self._call.kernel_counts(self._handle, numbers)
         return dict(zip(COUNTERS, numbers, strict=True))
 
     def linearise(self) -> Linearisation:
-        """The equations at the present state."""
+        """Return the linearised equations at the present state."""
         count = self._call.kernel_state_count(self._handle)
         state, slope, jacobian = ((ctypes.c_double * size)() for size in (count, count, count * count))
         self._check(self._call.kernel_linearise(self._handle, state, slope, jacobian))
@@ -309,10 +339,11 @@ class Kernel:
         return Linearisation(list(state), list(slope), rows)
 
     def slopes_at(self, time: float, place: Sequence[float]) -> list[float]:
-        """Slopes of the differential states at a time and place, the algebraic ones solved for.
+        """Return the slopes of the differential states at a time and place, the algebraic ones solved for.
 
-        For other methods, which start where the kernel stands: inputs go on along their ramps, modes stay. `place` and
-        the result have the order of the system's states without the algebraic ones. See `margin_at` and `arrive`.
+        It is for other methods, which start at the present state: inputs continue along their ramps, modes stay.
+        `place` and the result have the order of the system's states without the algebraic ones. See `margin_at` and
+        `arrive`.
         """
         count = len(place)
         given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
@@ -320,7 +351,7 @@ class Kernel:
         return list(slope)
 
     def jacobian_at(self, time: float, place: Sequence[float]) -> list[list[float]]:
-        """Derivatives of `slopes_at` by `place`, by rows; exact."""
+        """Return the exact derivatives of `slopes_at` by `place`, by rows."""
         count = len(place)
         given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
         jacobian = (ctypes.c_double * (count * count))()
@@ -328,15 +359,15 @@ class Kernel:
         return [jacobian[row * count : (row + 1) * count] for row in range(count)]
 
     def margin_at(self, time: float, place: Sequence[float]) -> float:
-        """Margin of the next switch of a mode, or of the end of the run; negative beyond it."""
+        """Return the margin of the next switch of a mode, or of the end of the run; negative beyond it."""
         given = (ctypes.c_double * len(place))(*place)
         self._check(self._call.kernel_margin_at(self._handle, time, given, ctypes.byref(self._number)))
         return self._number.value
 
     def arrive(self, time: float, place: Sequence[float], crossed: bool = False) -> list[float]:
-        """Goes there, switches what has crossed, and returns the place to go on from, unless the run has `ended`.
+        """Go to a time and place, switch what has crossed, and return the next place, unless the run has `ended`.
 
-        crossed: the place was located as that of a switch, which round-off may leave on this side.
+        crossed: the place was located as that of a switch; round-off may leave it on this side.
         """
         given = (ctypes.c_double * len(place))(*place)
         self._check(self._call.kernel_arrive(self._handle, time, given, crossed))
@@ -344,7 +375,7 @@ class Kernel:
 
     @property
     def handle(self) -> int:
-        """The instance in C, for callers of the library's functions; it lives as long as this object."""
+        """Return the instance in C, for callers of the library's functions; it lives as long as this object."""
         return int(self._handle)
 
     def rates(self, names: Sequence[str]) -> list[float]:

@@ -124,7 +124,7 @@ def model_description(model: Model, guid: str, binary: str = KERNEL, source_file
 
 
 def add_categories_and_experiment(root: ET.Element, model: Model) -> None:
-    """Log categories and default experiment; those of FMI 2.0 and 3.0 are the same."""
+    """Add log categories and default experiment; those of FMI 2.0 and 3.0 are the same."""
     categories = ET.SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=description)
@@ -136,7 +136,7 @@ def add_categories_and_experiment(root: ET.Element, model: Model) -> None:
 
 
 def add_units(root: ET.Element, variables: Iterable[Variable]) -> None:
-    """Unit definitions with display units; those of FMI 2.0 and 3.0 are the same."""
+    """Add unit definitions with display units; those of FMI 2.0 and 3.0 are the same."""
     used = {variable.unit for variable in variables if variable.kind == "real"}
     displayed = {variable.display_unit for variable in variables if variable.display_unit}
     definitions = ET.SubElement(root, "UnitDefinitions")
@@ -182,14 +182,14 @@ def _variable(parent: ET.Element, reference: int, variable: Variable) -> None:
 
 
 def variability(variable: Variable) -> str:
-    """When its value may change, in the words of FMI."""
+    """Return the variability of a variable: when its value may change, in the words of FMI."""
     if variable.causality == "parameter":
         return "fixed"
     return "continuous" if variable.kind == "real" else "discrete"
 
 
 def limits(variable: Variable) -> dict[str, str]:
-    """The attributes min and max that its type has."""
+    """Return the attributes min and max that its type has."""
     if variable.kind in ("boolean", "string"):
         return {}
     both = {"min": variable.minimum, "max": variable.maximum}
@@ -197,7 +197,7 @@ def limits(variable: Variable) -> dict[str, str]:
 
 
 def number_text(variable: Variable, value: float) -> str:
-    """A value as its type is written in XML."""
+    """Return a value as its type is written in XML."""
     if variable.kind == "string":
         return ""
     return repr(float(value)) if variable.kind == "real" else str(int(value))
@@ -220,7 +220,7 @@ def cells(variable: Variable) -> dict[str, str]:
 
 
 def variable_table(model: Model) -> str:
-    """The variables as Markdown, for people: a table of the inputs, one of the outputs, one of the parameters."""
+    """Return the variables as Markdown: a table of the inputs, one of the outputs, one of the parameters."""
     parts = []
     for causality in ("input", "output", "parameter"):
         rows = [cells(variable) for variable in model.variables if variable.causality == causality]
@@ -230,7 +230,7 @@ def variable_table(model: Model) -> str:
 
 
 def _markdown(rows: Sequence[Mapping[str, str]]) -> str:
-    """A table of these rows, without columns that are empty in all of them."""
+    """Return a table of these rows, without columns that are empty in all of them."""
     heads = [head for head in rows[0] if any(row[head] for row in rows)]
     lines = [heads, ["---"] * len(heads)]
     lines += [[f"`{row[head]}`" if head == "name" else row[head] for head in heads] for row in rows]

@@ -23,7 +23,7 @@ TYPES = {"real": "Float64", "integer": "Int32", "boolean": "Boolean", "string": 
 
 
 def model_description3(model: Model, token: str) -> str:
-    """The XML text; value references are those of FMI 2.0, the time has the one behind the table's last."""
+    """Return the XML text; value references are those of FMI 2.0, and the time has the one after the table's last."""
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="3.0",

@@ -96,7 +96,7 @@ def build_native_fmu(
 def build_native_fmu3(
     model: Model, path: Path, platforms: Sequence[str] = (), extras: Mapping[str, bytes] | None = None
 ) -> None:
-    """The same for FMI 3.0; platforms: names in PLATFORMS3."""
+    """Write the native FMU of FMI 3.0, as `build_native_fmu`; platforms: names in PLATFORMS3."""
     sources = generate(model)
     about = model_description3(model, guid_of(sources))
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})
@@ -120,7 +120,7 @@ def _documentation(
 
 
 def one_unit(model: Model, names: Sequence[str], version: int) -> str:
-    """C that makes one unit of the files, so that nothing but the functions of FMI has a name outside."""
+    """Return C that makes one unit of the files, so that only the functions of FMI have external names."""
     # The model comes first: the others read it, and in one unit it is not declared before.
     tables = [name for name in names if name.startswith(TABLE_FILE) and name not in KERNEL_SOURCES]
     first = ["model.c", *tables]
@@ -140,7 +140,7 @@ def _binaries(
     platforms: Sequence[str],
     known: Mapping[str, tuple[tuple[str, ...], str]],
 ) -> dict[str, bytes]:
-    """Libraries by their names in the archive; a platform that is not `known` is this one, with its own compiler."""
+    """Return libraries by their names in the archive; an unknown platform is this one, with its own compiler."""
     found = {}
     for name in platforms:
         targets, suffix = known.get(name, ((), library_suffix()))
@@ -149,7 +149,7 @@ def _binaries(
 
 
 def binary_of(sources: Mapping[str, str], targets: Sequence[str], fmu: bool) -> bytes:
-    """A library for targets of zig, one file for two; none: for this machine, with its own compiler."""
+    """Return a library for targets of zig, one file for two; none: for this machine, with its own compiler."""
     return binary_for(targets, lambda target: library_of(sources, target=target, fmu=fmu))
 
 
@@ -172,7 +172,7 @@ def build_description(model: Model) -> str:
 
 
 def hosts(model: Model, guid: str, version: int) -> dict[str, bytes]:
-    """Programs in C, C++, C# and Python that run the FMU, by their places in the archive."""
+    """Return programs in C, C++, C# and Python that run the FMU, by their places in the archive."""
     listed = [(v, number) for number, v in enumerate(model.variables) if v.kind in ("real", "integer")]
     lists = {}
     for name, causalities in (("SETTABLE", ("parameter", "input")), ("OUTPUT", ("output",))):
@@ -192,7 +192,7 @@ def hosts(model: Model, guid: str, version: int) -> dict[str, bytes]:
 
 
 def universal(libraries: Mapping[str, bytes]) -> bytes:
-    """One Mach-O file for several CPUs; each part begins on a page of 16 kB."""
+    """Return one Mach-O file for several CPUs; each part begins on a page of 16 kB."""
     page = 1 << 14
     header, parts, offset = struct.pack(">II", 0xCAFEBABE, len(libraries)), b"", page
     for target, library in libraries.items():

@@ -10,9 +10,9 @@ PREFIX = "in_c_"
 
 
 def with_own_names(sources: Sequence[str], prefix: str = PREFIX) -> list[str]:
-    """The sources, which know each other's names, with `prefix` before each name that one of them has at file scope.
+    """Return the sources with `prefix` before each name that one of them has at file scope.
 
-    Two files of one unit may have the same static name only where they are compiled apart; FMI 2.0 wants one file.
+    Two files of one unit may have the same static name only if they are compiled separately; FMI 2.0 requires one file.
     """
     names = set().union(*(names_at_file_scope(source) for source in sources)) if sources else set()
     if not names:
@@ -22,9 +22,9 @@ def with_own_names(sources: Sequence[str], prefix: str = PREFIX) -> list[str]:
 
 
 def names_at_file_scope(source: str) -> set[str]:
-    """Functions, constants, types, tags, enumerators and macros of a C file.
+    """Return the functions, constants, types, tags, enumerators and macros of a C file.
 
-    It may find more, such as an argument that is a pointer: what is changed wherever it stands stays the same thing.
+    It may find more, such as an argument that is a pointer: a name that is changed in all places has the same meaning.
     """
     text = re.sub(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', " ", source, flags=re.DOTALL)
     names = set(re.findall(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", text, flags=re.MULTILINE))

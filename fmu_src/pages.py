@@ -41,13 +41,13 @@ PICTURE = "documentation/picture.png"
 
 
 def pages(model: Model, kind: str, beside: Collection[str] = ()) -> dict[str, bytes]:
-    """The pages of one `kind` of FMU (a key of ENDS), by their names in the archive; beside: other files in it."""
+    """Return the pages of one `kind` of FMU (a key of ENDS), by name; beside: other files in the archive."""
     found = {"index": documentation(model, kind, beside), "compliance": compliance(model, kind)}
     return {f"documentation/{name}.html": text.encode() for name, text in found.items()}
 
 
 def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
-    """A page about the FMU: what it is, how a run ends, and its variables."""
+    """Return a page about the FMU: what it is, how a run ends, and its variables."""
     told = [cells(variable) for variable in model.variables]
     heads = "".join(f'<th scope="col">{head}</th>' for head in told[0])
     rows = [row(list(one.values())) for one in told]
@@ -65,7 +65,7 @@ def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
 
 
 def row(texts: Sequence[str]) -> str:
-    """A variable in the table: its name heads the row."""
+    """Return a variable in the table: its name heads the row."""
     name, *others = map(html.escape, texts)
     return f'<tr><th scope="row"><code>{name}</code></th>{"".join(f"<td>{text}</td>" for text in others)}</tr>'
 
@@ -80,7 +80,7 @@ def integrated(model: Model) -> str:
 
 
 def compliance(model: Model, kind: str) -> str:
-    """A page about what the FMU keeps of its standard, each with the test that holds it to it."""
+    """Return a page about the tested rules of the standard, each with its test."""
     rows = [
         f"<tr><td>{check.of[kind]}</td><td>{html.escape(check.what)}</td><td><code>{check.test}</code></td></tr>"
         for check in CHECKS

@@ -12,7 +12,7 @@ _PAIRED[SIN_COS] = "pair_sin_cos"
 
 
 def paired(statements: Sequence[Statement]) -> list[Statement]:
-    """The statements, in pairs where two may be computed together; what the second needs is moved before it.
+    """Return the statements, in pairs if two may be computed together; what the second needs is moved before it.
 
     Nothing is moved across a statement that neither reads nor gives a value, a call that others follow.
     """
@@ -71,7 +71,7 @@ class _Segment:
         return True
 
     def emit_needed(self, number: int) -> None:
-        """Writes what a statement needs."""
+        """Write what a statement needs."""
         needed, waiting = set[int](), self.producers(number)
         while waiting:
             one = waiting.pop()
@@ -87,7 +87,7 @@ class _Segment:
 
 
 def _pair(first: Statement, second: Statement) -> Statement:
-    """One statement of two with one form."""
+    """Return one statement of two with one form."""
     targets = len(first.values) + len(second.values)
     places = ", ".join(f"&{{{2 + number}}}" for number in range(targets))
     form = f"{_PAIRED[first.form]}({{0}}, {{1}}, {places})"

@@ -14,7 +14,22 @@ NAMESPACES = {"xmlns:ssc": f"{_NAMESPACE}Common", "xmlns:ssv": f"{_NAMESPACE}Par
 
 
 def parameter_file(name: str, description: str, values: Mapping[str, float], variables: Iterable[Variable]) -> bytes:
-    """A set of values in SI units, for an FMU with these variables. Raises ValueError for a name that none has."""
+    """Return a set of values in SI units for an FMU.
+
+    Parameters
+    ----------
+    name, description : str
+        Name and description of the set.
+    values : mapping of str to float
+        Values by name [SI].
+    variables : iterable of Variable
+        Variables of the FMU.
+
+    Raises
+    ------
+    ValueError
+        If a name is not a variable.
+    """
     known = {variable.name: variable for variable in variables}
     root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "description": description} | NAMESPACES)
     parameters = ET.SubElement(root, "ssv:Parameters")
@@ -35,7 +50,7 @@ def parameter_file(name: str, description: str, values: Mapping[str, float], var
 def add_parameter(
     parent: ET.Element, name: str, value: float, real: bool, more: Mapping[str, str] | None = None
 ) -> None:
-    """One parameter of a set; a value that is not real is an integer."""
+    """Add one parameter to a set; a value that is not real is an integer."""
     parameter = ET.SubElement(parent, "ssv:Parameter", name=name)
     text = repr(float(value)) if real else str(int(value))
     ET.SubElement(parameter, "ssv:Real" if real else "ssv:Integer", {"value": text} | dict(more or {}))

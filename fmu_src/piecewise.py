@@ -18,13 +18,13 @@ EQUAL = 1e-9
 
 
 def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Breakpoints and coefficients of the straight lines through the points, for `look_up`."""
+    """Return the breakpoints and coefficients of the straight lines through the points, for `look_up`."""
     x, y = np.asarray(breakpoints, float), np.asarray(values, float)
     return x, np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
 
 
 def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
-    """Value and derivatives up to `order` of a piece, (origin, c0, ..., c_degree), by Horner's rule."""
+    """Return value and derivatives up to `order` of a piece, (origin, c0, ..., c_degree), by Horner's rule."""
     distance = argument - piece[0]
     terms = [piece[1 + power] for power in range(piece.numel() - 1)]
     values = []
@@ -38,11 +38,27 @@ def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
 
 
 def look_up(chain: Chain, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
-    """The piece (origin, c0, ..., c_degree) of a piecewise polynomial at `argument`, for `polynomials`.
+    """Return the piece (origin, c0, ..., c_degree) of a piecewise polynomial at `argument`, for `polynomials`.
 
-    breakpoints: shape (pieces + 1,), increasing. coefficients: shape (pieces, degree + 1), lowest power first, of
-    (argument - left breakpoint). Outside the breakpoints it keeps its end value. name: the table's name in the message
-    of a ValueError.
+    Outside the breakpoints it keeps its end value.
+
+    Parameters
+    ----------
+    chain : Chain
+        The equations.
+    name : str
+        Name of the table in messages.
+    breakpoints : ndarray
+        Shape (pieces + 1,), increasing.
+    coefficients : ndarray
+        Shape (pieces, degree + 1), lowest power first, of (argument - left breakpoint).
+    argument : SX
+        The place.
+
+    Raises
+    ------
+    ValueError
+        If breakpoints do not increase or the shapes do not fit.
     """
     breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
     if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
@@ -53,7 +69,7 @@ def look_up(chain: Chain, name: str, breakpoints: np.ndarray, coefficients: np.n
 
 @lru_cache(maxsize=256)
 def _piece_at(breakpoints: bytes, coefficients: bytes, terms: int) -> Part:
-    """The look-up in these tables, one part for all that have the same."""
+    """Return the look-up in these tables, one part for all that have the same."""
     rows = rows_of(np.frombuffer(breakpoints), np.frombuffer(coefficients).reshape(-1, terms))
     name = f"piece_{hashlib.sha256(breakpoints + coefficients).hexdigest()[:12]}"
     at = ca.SX.sym("at")
@@ -61,7 +77,7 @@ def _piece_at(breakpoints: bytes, coefficients: bytes, terms: int) -> Part:
 
 
 def rows_of(breakpoints: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-    """A row (origin, c0, ..., c_degree) for each piece, between those of the end values, which hold outside."""
+    """Return a row (origin, c0, ..., c_degree) for each piece, between those of the constant end values."""
     last = np.polynomial.polynomial.polyval(breakpoints[-1] - breakpoints[-2], coefficients[-1])
     held = np.zeros((2, coefficients.shape[1]))
     held[:, 0] = coefficients[0, 0], last
@@ -78,7 +94,7 @@ def _chosen(rows: np.ndarray, at: ca.SX) -> ca.SX:
 
 
 def _in_c(name: str, rows: np.ndarray) -> str:
-    """C of the table, a `piecewise` (piecewise.h)."""
+    """Return C of the table, a `piecewise` (piecewise.h)."""
     pieces, terms, origins = len(rows) - 2, rows.shape[1], rows[1:, 0]
     equal = np.allclose(np.diff(origins), (origins[-1] - origins[0]) / pieces, rtol=EQUAL, atol=0.0)
     per_unit = c_number(pieces / (origins[-1] - origins[0]))

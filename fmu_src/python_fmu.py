@@ -30,7 +30,7 @@ HERE = Path(__file__).parent
 
 
 def build_python_fmu(model: Model, path: Path) -> None:
-    """Writes the pythonfmu FMU of a model. It needs Python on the host, but neither CasADi nor a compiler."""
+    """Write the pythonfmu FMU of a model. It needs Python on the host, but neither CasADi nor a compiler."""
     sources = generate(model)
     guid = guid_of(sources)
     with tempfile.TemporaryDirectory() as name:
@@ -59,7 +59,7 @@ def packed(script: Path, files: Sequence[Path] = ()) -> dict[str, bytes]:
 
 
 def joined(sources: Sequence[str], own: Sequence[str]) -> str:
-    """One module from several, without the imports that they make from each other."""
+    """Return one module from several, without the imports that they make from each other."""
     text = "\n".join(source.replace(FUTURE, "") for source in sources)
     for module in own:
         text = re.sub(rf"^from {re.escape(module)} import (\([^)]*\)|[^\n]*)\n", "", text, flags=re.M)
@@ -67,7 +67,7 @@ def joined(sources: Sequence[str], own: Sequence[str]) -> str:
 
 
 def slave_module(model: Model, guid: str) -> str:
-    """One self-contained module: what python_slave.py is made of, and the class named like the model."""
+    """Return one self-contained module: what python_slave.py is made of, and the class named like the model."""
     files = [HERE / f"{name}.py" for name in ("kernel", "telling_slave", "python_slave")]
     own = [f"{__package__}.{name}" for name in ("kernel", "telling_slave")]
     body = joined([file.read_text(encoding="utf-8") for file in files], own)

@@ -41,7 +41,7 @@ class KernelSlave(TellingSlave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
-        """fmi2SetupExperiment; a value that is refused is logged and remembered."""
+        """Set start, stop and tolerance (fmi2SetupExperiment); a refused value is logged and kept as a problem."""
         try:
             self.kernel.plan(start_time, stop_time, tolerance)
         except SimulationError as error:
@@ -52,11 +52,11 @@ class KernelSlave(TellingSlave):
         self._tell(Fmi2Status.warning)
 
     def enter_initialization_mode(self) -> None:
-        """fmi2EnterInitializationMode."""
+        """Enter the initialisation (fmi2EnterInitializationMode)."""
         self.initialising = True
 
     def exit_initialization_mode(self) -> None:
-        """fmi2ExitInitializationMode; computes the state at the start."""
+        """Compute the state at the start (fmi2ExitInitializationMode)."""
         self._initialise()
         self.initialising = False
 
@@ -85,23 +85,23 @@ class KernelSlave(TellingSlave):
             return [0.0] * len(vrs)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
-        """fmi2GetInteger, as `get_real`."""
+        """Return integers (fmi2GetInteger), as `get_real`."""
         return [int(value) for value in self.get_real(vrs)]
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
-        """fmi2GetBoolean, as `get_real`."""
+        """Return booleans (fmi2GetBoolean), as `get_real`."""
         return [bool(value) for value in self.get_real(vrs)]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """fmi2SetReal; a value that is refused is logged and remembered until a good one comes."""
+        """Set values (fmi2SetReal); a refused value is logged, and a problem until a good one comes."""
         self._set(self.kernel.set_number, vrs, values)
 
     def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """fmi2SetString, as `set_real`."""
+        """Set strings (fmi2SetString), as `set_real`."""
         self._set(self.kernel.set_text, vrs, values)
 
     def get_string(self, vrs: list[int]) -> list[str]:
-        """fmi2GetString."""
+        """Return strings (fmi2GetString)."""
         return [self.kernel.get_text(reference) for reference in vrs]
 
     set_integer = set_real

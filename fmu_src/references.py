@@ -51,7 +51,7 @@ class Experiment:
 
 
 def reference_files(model: Model, sets: Mapping[str, bytes], experiments: Sequence[Experiment]) -> dict[str, bytes]:
-    """All files by their places in the archive; sets: parameter files by name. Runs the experiments."""
+    """Return all files by their places in the archive; sets: parameter files by name. Runs the experiments."""
     if not (sets or experiments):
         return {}
     files = dict(sets) | (experiment_files(model, experiments) if experiments else {})
@@ -60,7 +60,7 @@ def reference_files(model: Model, sets: Mapping[str, bytes], experiments: Sequen
 
 
 def experiment_files(model: Model, experiments: Sequence[Experiment]) -> dict[str, bytes]:
-    """The experiments by name: what they are, their parameters, inputs and results."""
+    """Return the experiments by name: what they are, their parameters, inputs and results."""
     files = {EXPERIMENTS_FILE: experiments_file(model, experiments)}
     kernel = Kernel(Library(library_of(generate(model))))
     for one in experiments:
@@ -73,7 +73,7 @@ def experiment_files(model: Model, experiments: Sequence[Experiment]) -> dict[st
 
 
 def results(kernel: Kernel, experiment: Experiment) -> list[list[float]]:
-    """Time and outputs at each step of a host."""
+    """Return the time and outputs at each step of a host."""
     kernel.reset()
     kernel.set(**experiment.parameters, **experiment.inputs)
     kernel.initialise()
@@ -86,7 +86,7 @@ def results(kernel: Kernel, experiment: Experiment) -> list[list[float]]:
 
 
 def table(names: Sequence[str], rows: Sequence[Sequence[float]]) -> bytes:
-    """A table as text: a line of names, and the numbers, rounded to DIGITS of the largest of their column."""
+    """Return a table as text: a line of names, and the numbers, rounded to DIGITS of the largest of their column."""
     columns = np.array(rows, float).T
     sizes = np.abs(columns).max(axis=1)
     places = DIGITS - 1 - np.floor(np.log10(np.where(sizes > 0.0, sizes, 1.0))).astype(int)
@@ -96,7 +96,7 @@ def table(names: Sequence[str], rows: Sequence[Sequence[float]]) -> bytes:
 
 
 def experiments_file(model: Model, experiments: Sequence[Experiment]) -> bytes:
-    """The experiments of an FMU, with the names of their files."""
+    """Return the experiments of an FMU, with the names of their files."""
     root = ET.Element("Experiments", name=model.name, description=f"Reference experiments of {model.name}")
     for one in experiments:
         element = ET.SubElement(root, "Experiment", name=one.name, description=one.description)

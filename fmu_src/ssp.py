@@ -51,7 +51,7 @@ def write_ssp(
     connections: Sequence[Wire],
     experiment: tuple[float, float],
 ) -> None:
-    """Writes the archive; experiment: stop time and macro step [s]."""
+    """Write the archive; experiment: stop time and macro step [s]."""
     contents = {
         f"resources/{component.fmu.name}": with_start_values(component.fmu, component.parameters)
         for component in components
@@ -114,7 +114,7 @@ def _component(elements: ET.Element, system: str, component: Component, connecti
 
 
 def _types(component: Component) -> dict[str, str]:
-    """Types of the variables of a component's FMU."""
+    """Return the types of the variables of a component's FMU."""
     return {v.name: v.type for v in description_of(component.fmu).modelVariables}
 
 

@@ -68,11 +68,11 @@ class Statement:
 
     @cached_property
     def reads(self) -> tuple[int, ...]:
-        """Numbers of the values that it reads."""
+        """Return the numbers of the values that it reads."""
         return tuple(operand for operand in self.operands if isinstance(operand, int))
 
     def text(self, names: Mapping[int, str]) -> str:
-        """The statement, with the names of values."""
+        """Return the statement, with the names of values."""
         targets = [names[value] for value in self.values]
         text = self.form.format(
             *(names[one] if isinstance(one, int) else one for one in self.operands), *(targets if self.written else ())
@@ -89,7 +89,7 @@ class Values:
     masks: set[int] = field(default_factory=set)
 
     def of(self, form: str, operands: Sequence[int | str] = (), mask: bool = False) -> int:
-        """The value that the form gives."""
+        """Return the value that the form gives."""
         key = form, tuple(operands)
         if key not in self.known:
             self.known[key] = len(self.known)
@@ -99,11 +99,11 @@ class Values:
         return self.known[key]
 
     def as_mask(self, one: int | str) -> int:
-        """A number as a mask, true where it is not 0."""
+        """Return a number as a mask, true if it is not 0."""
         return one if one in self.masks and isinstance(one, int) else self.of("real_is({})", (one,), mask=True)
 
     def as_number(self, one: int | str) -> int | str:
-        """A mask as a number, 1 where it is true."""
+        """Return a mask as a number, 1 if it is true."""
         return self.of("real_of_mask({})", (one,)) if one in self.masks else one
 
 
@@ -150,7 +150,7 @@ def statements_of(
 
 
 def called(name: str) -> str:
-    """The form of a function of one number."""
+    """Return the form of a function of one number."""
     return f"real_{name}({{}})"
 
 
@@ -159,7 +159,7 @@ SIN_COS = "real_sin_cos({0}, &{1}, &{2})"
 
 
 def _with_sines_beside_cosines(statements: Sequence[Statement]) -> list[Statement]:
-    """Sine and cosine of one angle by one statement, where the first of them stood."""
+    """Compute sine and cosine of one angle by one statement, at the place of the first of them."""
     forms = called("sin"), called("cos")
     found: dict[tuple[int | str, ...], dict[str, int]] = {}
     for one in statements:
@@ -210,7 +210,7 @@ def _divisors(function: ca.Function) -> set[int]:
 
 
 def constant(value: float) -> str:
-    """C of a number, one that stays a number behind any sign."""
+    """Return C of a number that remains a number after any sign."""
     if math.isnan(value):
         return "real_of(NAN)"
     text = "INFINITY" if math.isinf(value) else repr(abs(value))

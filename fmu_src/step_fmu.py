@@ -31,7 +31,7 @@ def build_step_fmu(step: StepInPython, path: Path) -> None:
 
 
 def slave_class(step: StepInPython, guid: str) -> str:
-    """Text of the class that pythonfmu instantiates, named after the FMU."""
+    """Return the text of the class that pythonfmu instantiates, named after the FMU."""
     return (
         f"\n\nclass {step.name}(StepSlave):\n"
         f'    guid_of_content = "{guid}"\n'

@@ -15,10 +15,9 @@ from fmu_src.system import StepInC, Variable
 
 
 def build_step_fmu_in_c(step: StepInC, path: Path, platforms: Sequence[str] = (), version: int = 2) -> None:
-    """Writes the FMU with its sources, for FMI 2 or 3.
+    """Write the FMU with its sources, for FMI 2 or 3.
 
-    platforms: names in PLATFORMS or PLATFORMS3, compiled with zig; none: the platform it is built on. Raises
-    CompilerError.
+    platforms: names in PLATFORMS or PLATFORMS3, compiled with zig; none: this platform. Raises CompilerError.
     """
     known, own = (PLATFORMS, fmpy.platform) if version == 2 else (PLATFORMS3, fmpy.platform_tuple)
     given, binaries = step_in_c(step), {}
@@ -31,14 +30,14 @@ def build_step_fmu_in_c(step: StepInC, path: Path, platforms: Sequence[str] = ()
 
 
 def _library(step: StepInC, target: str | None) -> Path:
-    """Path of the binary; the files of a user may have warnings. Raises CompilerError."""
+    """Return the path of the binary; the files of a user may have warnings. Raises CompilerError."""
     texts = all_sources(step_in_c(step))
     ours = {name: text for name, text in texts.items() if name not in step.sources or name.endswith(".h")}
     return plain_library(ours, step.sources, target)
 
 
 def step_in_c(step: StepInC) -> ArraysInC:
-    """The three functions as an object whose arrays have one element each."""
+    """Return the three functions as an object whose arrays have one element each."""
     own = {"step_object.c": (RUNTIME / "step_object.c").read_text(encoding="utf-8"), "step_model.h": _numbers(step)}
     arrays = tuple(_array(one) for one in step.model.variables)
     return ArraysInC(step.name, step.description, arrays, {**step.sources, **own}, stride=1, starts_alone=True)
@@ -53,7 +52,7 @@ def _array(one: Variable) -> ArrayVariable:
 
 
 def _numbers(step: StepInC) -> str:
-    """step_model.h: the numbers and the functions that step_object.c is compiled with."""
+    """Return step_model.h: the numbers and functions with which step_object.c is compiled."""
     least, most = ({int(getattr(one, limit)) for one in step.outputs} for limit in ("minimum", "maximum"))
     return f"""/* What step_object.c is compiled with. */
 #include "{step.header}"

@@ -21,7 +21,7 @@ class Stepper(Protocol):
     """The object inside the FMU."""
 
     def step(self, time: float, inputs: Sequence[float]) -> Sequence[float]:
-        """Outputs from inputs, in the order of the description; time in s. May raise."""
+        """Return outputs from inputs, in the order of the description; time in s. May raise."""
         ...
 
 
@@ -46,13 +46,13 @@ class StepSlave(TellingSlave):
         self.start_time, self.asked, self.failure = 0.0, 0, ""
 
     def make(self) -> Stepper:
-        """A new object for this instance."""
+        """Return a new object for this instance."""
         raise NotImplementedError
 
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
-        """fmi2SetupExperiment, start time in s."""
+        """Set the start time [s] (fmi2SetupExperiment)."""
         self.start_time = start_time
 
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -85,14 +85,14 @@ class StepSlave(TellingSlave):
             self.failure = str(error)
 
     def get_real(self, vrs: list[int]) -> list[float]:
-        """fmi2GetReal."""
+        """Return values (fmi2GetReal)."""
         return [self.values[reference] for reference in vrs]
 
     def get_integer(self, vrs: list[int]) -> list[int]:
-        """fmi2GetInteger."""
+        """Return integers (fmi2GetInteger)."""
         return [int(value) for value in self.get_real(vrs)]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """fmi2SetReal."""
+        """Set values (fmi2SetReal)."""
         for reference, value in zip(vrs, values, strict=True):
             self.values[reference] = value

@@ -69,7 +69,7 @@ def choice(description: str, choices: Mapping[int, str]) -> Any:
 def quantity(
     unit: str, description: str, minimum: float = -math.inf, maximum: float = math.inf, kind: Kind = "real"
 ) -> Any:
-    """A field of a `ParameterSet`: unit, meaning (with the source's symbol) and limits."""
+    """Return a field of a `ParameterSet`: unit, meaning (with the source's symbol) and limits."""
     return field(
         metadata={"unit": unit, "description": description, "minimum": minimum, "maximum": maximum, "kind": kind}
     )
@@ -120,11 +120,11 @@ class ParameterSet:
                 )
 
     def values(self) -> dict[str, float]:
-        """All fields by name, in SI units."""
+        """Return all fields by name, in SI units."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     def variable(self, name: str) -> Variable:
-        """The FMU parameter of one field, with this set's value as its start value."""
+        """Return the FMU parameter of one field, with this set's value as its start value."""
         item = next(item for item in fields(self) if item.name == name)
         return Variable(name, "parameter", start=getattr(self, name), **item.metadata)
 
@@ -231,11 +231,11 @@ class TableFile:
             raise ValueError(f"Table file {self.noun}: columns must be numbers, one in each row; got {', '.join(odd)}.")
 
     def piece(self, name: str) -> Piece:
-        """One of the pieces by its name."""
+        """Return one of the pieces by its name."""
         return next(piece for piece in self.pieces if piece.name == name)
 
     def column(self, name: str) -> Column:
-        """One of the columns by its name."""
+        """Return one of the columns by its name."""
         return next(column for column in self.columns if column.name == name)
 
 
@@ -385,15 +385,15 @@ class System(Chain):
     # -- symbols ------------------------------------------------------------------------------------------------
 
     def input(self, variable: Variable) -> ca.SX:
-        """Symbol of an input; constant or linear in time within a step."""
+        """Return the symbol of an input; constant or linear in time within a step."""
         return self._declare(variable, "input", self.input_symbols)
 
     def parameter(self, variable: Variable) -> ca.SX:
-        """Symbol of a parameter; fixed from initialisation on."""
+        """Return the symbol of a parameter; fixed from initialisation on."""
         return self._declare(variable, "parameter", self.parameter_symbols)
 
     def derived(self, name: str, expression: ca.SX) -> ca.SX:
-        """Symbol of a constant that is computed once from the parameters, at initialisation."""
+        """Return the symbol of a constant that is computed once from the parameters, at initialisation."""
         symbol = ca.SX.sym(name)
         known = list(self.derived_symbols.values())
         values = list(self.derived_expressions.values())
@@ -410,7 +410,7 @@ class System(Chain):
         return self._add_state(name, unit, start, nominal, algebraic=False)
 
     def algebraic(self, name: str, unit: str, guess: Start, nominal: float) -> ca.SX:
-        """Symbol of an algebraic state, which an equation given with `residual` determines at every instant."""
+        """Return the symbol of an algebraic state, which an equation from `residual` determines at every instant."""
         return self._add_state(name, unit, guess, nominal, algebraic=True)
 
     def _add_state(self, name: str, unit: str, start: Start, nominal: float, algebraic: bool) -> ca.SX:
@@ -422,17 +422,17 @@ class System(Chain):
         return symbol
 
     def table(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
-        """Value of a piecewise polynomial at `argument` (see `look_up`); derivatives of it are exact."""
+        """Return the value of a piecewise polynomial at `argument` (see `look_up`); derivatives of it are exact."""
         return self.curve(name, breakpoints, coefficients, argument, 0)[0]
 
     def curve(
         self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, order: int
     ) -> list[ca.SX]:
-        """A table's value and its derivatives by the argument up to `order`."""
+        """Return a table's value and its derivatives by the argument up to `order`."""
         return polynomials(self.look_up(name, breakpoints, coefficients, argument), argument, order)
 
     def look_up(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
-        """A table's piece at `argument`, for `polynomials`."""
+        """Return a table's piece at `argument`, for `polynomials`."""
         return look_up(self, name, breakpoints, coefficients, argument)
 
     def from_file(self, file: TableFile, name: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
@@ -443,7 +443,7 @@ class System(Chain):
         return polynomials(self._piece_of_file(file, name, argument), argument, order)
 
     def _piece_of_file(self, file: TableFile, name: str, argument: ca.SX) -> ca.SX:
-        """Symbols of a piece of a table file, for `polynomials`; all pieces at one place are looked up as one."""
+        """Return the symbols of a piece of a table file, for `polynomials`; one search finds all pieces at a place."""
         there = (i for i, t in enumerate(self.tables) if ca.is_equal(t.argument, argument, SAME_PLACE))
         place = next(there, len(self.tables))
         if place == len(self.tables):
@@ -464,17 +464,17 @@ class System(Chain):
         return next((table.file for table in self.tables), None)
 
     def direction(self, name: str) -> ca.SX:
-        """Symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
+        """Return the symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
         return ca.SX.sym(name)
 
     # -- equations ----------------------------------------------------------------------------------------------
 
     def derivative(self, state: ca.SX, expression: ca.SX) -> None:
-        """The equation of a state: its derivative by time, in its unit per second."""
+        """Set the equation of a state: its derivative by time, in its unit per second."""
         self.derivatives[self.name_of(state)] = ca.SX(expression)
 
     def residual(self, algebraic: ca.SX, expression: ca.SX) -> None:
-        """The equation `expression` = 0 of an algebraic state; together they must be solvable for all of them."""
+        """Set the equation `expression` = 0 of an algebraic state; together they must be solvable for all of them."""
         self.derivatives[self.name_of(algebraic)] = ca.SX(expression)
 
     def dry_friction(
@@ -489,10 +489,26 @@ class System(Chain):
         whole: str = "",
         told: tuple[ca.SX | float, ca.SX | float] | None = None,
     ) -> None:
-        """Declare a friction that sticks and slides, see `Friction`; its direction is a symbol from `direction`.
+        """Declare a friction that sticks and slides, see `Friction`.
 
-        velocity: the state that it acts on, or two with that sum. words: the messages when it sticks and when it
-        slides, after the label, or after the name of `whole`.
+        Parameters
+        ----------
+        label : str
+            Its name in messages.
+        direction : SX
+            A symbol from `direction`.
+        velocity : sequence of SX
+            The state that it acts on, or two with that sum.
+        drive, capacity : SX
+            Load to balance, and the largest that it can balance, in one unit.
+        words : tuple of str
+            Messages when it sticks and when it slides, after the label, or after the name of `whole`.
+        still : SX or float
+            Largest speed at which it sticks.
+        whole : str
+            The vehicle that it holds as a whole.
+        told : tuple or None
+            Margins above 0 if sticking counts and if sliding counts.
         """
         states, limits = tuple(self.name_of(state) for state in velocity), (ca.SX(capacity), *words, ca.SX(still))
         self.frictions.append(Friction(label, direction, states, drive, *limits, whole, told))
@@ -522,18 +538,26 @@ class System(Chain):
         return name
 
     def start_steady(self, start: SteadyStart) -> None:
-        """Lets runs start in a steady state. `compose` leaves it out: what it joins may have none together."""
+        """Let runs start in a steady state. `compose` drops it: the joined systems may not have one together."""
         self.steady_start = start
 
     def output(self, variable: Variable, expression: ca.SX | float) -> None:
-        """An output and the expression it has at every instant. Raises ValueError for a variable that is none."""
+        """Declare an output and its expression at every instant. Raises ValueError if the variable is not an output."""
         if variable.causality != "output":
             raise ValueError(f"{variable.name} is declared as {variable.causality}, not as output.")
         self.variables.append(variable)
         self.outputs[variable.name] = ca.SX(expression)
 
     def end_when_negative(self, margin: ca.SX, sentence: str) -> None:
-        """End the run when `margin` falls below 0, with a message: `sentence` with its %s replaced by the time [s]."""
+        """End the run when `margin` falls below 0.
+
+        Parameters
+        ----------
+        margin : SX
+            Dimensionless, of order 1.
+        sentence : str
+            The message; its %s is the time [s].
+        """
         self.end_conditions.append(Condition(margin, sentence))
 
     def warn_when_negative(self, margin: ca.SX, sentence: str, candidate: ca.SX | None = None) -> None:
@@ -548,12 +572,12 @@ class System(Chain):
 
     @property
     def ranked_tables(self) -> list[Table]:
-        """The tables as the runtime looks them up: those of a lower rank first."""
+        """Return the tables in their order at run time: those of a lower rank first."""
         return sorted(self.tables, key=lambda table: table.rank)
 
     @property
     def arguments(self) -> list[ca.SX]:
-        """The symbols in the order of `ARGUMENTS`, as column vectors."""
+        """Return the symbols in the order of `ARGUMENTS`, as column vectors."""
         inputs = ca.vertcat(*self.input_symbols.values())
         return [
             self.time,
@@ -568,14 +592,14 @@ class System(Chain):
 
     @property
     def ode(self) -> ca.SX:
-        """Derivatives of the states, and residuals of the algebraic ones, in the order of the states."""
+        """Return derivatives of the states, and residuals of the algebraic ones, in the order of the states."""
         missing = [name for name in self.states if name not in self.derivatives]
         if missing:
             raise ValueError(f"System {self.name}: the states {', '.join(missing)} have no equation.")
         return ca.vertcat(*[self.derivatives[name] for name in self.states])
 
     def with_integrals(self, names: Sequence[str]) -> System:
-        """A copy that also integrates the named observables; `integral_NAME` is then a state and an output."""
+        """Return a copy that also integrates the named observables; `integral_NAME` is then a state and an output."""
         copy = replace(
             self,
             variables=list(self.variables),
@@ -595,7 +619,7 @@ class System(Chain):
         return copy
 
     def with_outputs(self, names: Sequence[str]) -> System:
-        """A copy that has the named observables as outputs."""
+        """Return a copy that has the named observables as outputs."""
         copy = replace(self, variables=list(self.variables), outputs=dict(self.outputs))
         for name in names:
             observable = self.observables[name]
@@ -619,7 +643,7 @@ METHODS = {
 
 
 def integration_variables(tolerance: float) -> tuple[Variable, Variable, Variable]:
-    """The parameters that every model has: `tolerance` with this start value, and how the equations are integrated."""
+    """Return the parameters of every model: `tolerance`, with this start value, and those of the integration."""
     return (
         Variable(
             "tolerance",
@@ -643,7 +667,7 @@ def integration_variables(tolerance: float) -> tuple[Variable, Variable, Variabl
 
 
 def state_variable(state: str) -> str:
-    """Name of the local variable that shows a state."""
+    """Return the name of the local variable that shows a state."""
     return f"state_{state}"
 
 
@@ -714,7 +738,7 @@ class Model:
             raise ValueError(f"Model {self.name}: add integration_variables(...) to the table.")
 
     def _check_table_file(self) -> None:
-        """Every system reads the same one, and its variable is the one string that the kernel knows."""
+        """Check that every system reads the same table file, and that its variable is the only string."""
         for table in (table for system in self.systems for table in system.tables):
             if table.file != self.table_file:
                 raise ValueError(f"Model {self.name}: give its systems one table file, which its instances read.")
@@ -725,7 +749,7 @@ class Model:
             raise ValueError(f"Model {self.name}: strings name table files; have {named} in the table, not {given}.")
 
     def _state_variables(self) -> list[Variable]:
-        """The states that have a derivative, as local variables: hosts may read them and differentiate by them."""
+        """Return the states with a derivative as local variables: hosts may read them and differentiate by them."""
         found: dict[str, Variable] = {}
         known = {variable.name for variable in self.variables}
         for system in self.systems:
@@ -737,11 +761,11 @@ class Model:
 
     @property
     def table_file(self) -> TableFile | None:
-        """The table file of its systems; None: they read none."""
+        """Return the table file of its systems, or None."""
         return next((system.table_file for system in self.systems if system.table_file), self.reads)
 
     def index(self, name: str) -> int:
-        """Value reference of a variable."""
+        """Return the value reference of a variable."""
         return self._indices[name]
 
     @cached_property
@@ -750,7 +774,7 @@ class Model:
 
 
 def model_of(system: System, tolerance: float, step_size: float = 1e-3, stop_time: float = 10.0) -> Model:
-    """The FMU of a system that stands alone, with the variable that names its table file where it reads one."""
+    """Return the FMU of one system, with the variable that names its table file if it reads one."""
     named = [system.table_file.variable] if system.table_file else []
     variables = (*system.variables, *named, *integration_variables(tolerance))
     choice = (0,) * (1 + len(named))
@@ -769,7 +793,7 @@ def model_of_choices(
     step_size: float = 1e-3,
     stop_time: float = 10.0,
 ) -> Model:
-    """Several systems as one FMU, chosen as `Model` says: their inputs, outputs and parameters, each once.
+    """Return several systems as one FMU, chosen as `Model` says: their inputs, outputs and parameters, each once.
 
     A system may have a selector among its parameters, if several of its values choose that system. others: such as the
     name of the file that a system reads.
@@ -800,7 +824,7 @@ class StepModel:
 
     @property
     def model(self) -> Model:
-        """The table of variables, in the order of StepSlave and of step_object.c."""
+        """Return the table of variables, in the order of StepSlave and of step_object.c."""
         period = Variable("period", "parameter", "s", "Time between two answers", self.period, 1e-6, 1.0)
         variables = (*self.inputs, period, *self.outputs)
         return Model(self.name, self.description, variables, (), step_size=self.period)

@@ -13,7 +13,7 @@ PREFIX = "of_table_"
 
 
 def table_file_source(file: TableFile, variable: int) -> str:
-    """C of TABLE_FILE, a `table_file_description`; variable: place of the one that names the file."""
+    """Return C of TABLE_FILE, a `table_file_description`; variable: place of the one that names the file."""
     columns = [*(column.name for column in file.columns), *file.added]
     places = [
         f"enum {{ {', '.join(f'{kind}_{name.upper()}' for name in names)} }};"

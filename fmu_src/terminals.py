@@ -28,7 +28,7 @@ class Terminal:
 
 
 def terminals_and_icons(terminals: Sequence[Terminal]) -> bytes:
-    """The file of an FMU with these terminals and with the icon at ICON."""
+    """Return the file of an FMU with these terminals and with the icon at ICON."""
     root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     drawing = ET.SubElement(root, "GraphicalRepresentation")
     ET.SubElement(drawing, "CoordinateSystem", CORNERS | {"suggestedScalingFactorTo_mm": "0.1"})

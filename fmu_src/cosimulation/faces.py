@@ -82,7 +82,7 @@ class Face2:
         self.fmu.doStep(time, size)
 
     def rate(self, reference: int) -> float:
-        """First derivative of an output by time."""
+        """Return the first derivative of an output by time."""
         return float(self.fmu.getRealOutputDerivatives([reference], [1])[0])
 
     def set_rate(self, reference: int, rate: float) -> None:
@@ -103,8 +103,9 @@ class Face2:
 
 
 def undecoded(folder: str) -> str | None:
-    """The resources of an FMU made by pythonfmu, whose binary decodes of a URI no more than blanks and ends the process
-    where it finds no module; None for any other FMU.
+    """Return the resources of an FMU made by pythonfmu, or None for any other FMU.
+
+    Its binary decodes only blanks of a URI, and ends the process if it finds no module.
     """
     resources = Path(folder, "resources")
     if not (resources / "slavemodule.txt").exists():
@@ -157,22 +158,22 @@ class Face3:
             raise EndedError
 
     def rate(self, reference: int) -> float:
-        """First derivative of an output by time."""
+        """Return the first derivative of an output by time."""
         return float(self.fmu.getOutputDerivatives([reference], [1])[0])
 
     def set_rate(self, reference: int, rate: float) -> None:
-        """Without effect, see `takes_rates`."""
+        """Do nothing, see `takes_rates`."""
 
     def save(self) -> Any:
-        """The state."""
+        """Return the state."""
         return self.fmu.getFMUState()
 
     def restore(self, state: Any) -> None:
-        """Back to it."""
+        """Restore a state."""
         self.fmu.setFMUState(state)
 
     def forget(self, state: Any) -> None:
-        """Frees it."""
+        """Free a state."""
         self.fmu.freeFMUState(state)
 
 
@@ -188,5 +189,5 @@ FACES: dict[str, type[Face2] | type[Face3]] = {"2.0": Face2, "3.0": Face3}
 
 
 def face_of(about: ModelDescription, folder: str, name: str, listen: Listener) -> Face2 | Face3:
-    """An instance's face, by the version of its standard. Raises KeyError for another one."""
+    """Return the FMI functions of an instance, by the version of its standard. Raises KeyError for another version."""
     return FACES[about.fmiVersion](about, folder, name, listen)

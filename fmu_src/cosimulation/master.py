@@ -27,11 +27,11 @@ class Connection(NamedTuple):
         return self.factor * self.source[self.output]
 
     def rate(self) -> float:
-        """First derivative of `value` by time; 0 where the source provides none."""
+        """Return the first derivative of `value` by time; 0 if the source provides none."""
         return self.factor * self.source.rate(self.output)
 
     def nominal(self) -> float:
-        """Typical size of `value`."""
+        """Return the typical size of `value`."""
         return abs(self.factor) * self.source.nominal(self.output)
 
 
@@ -139,7 +139,7 @@ class Coupling:
         return begin, end
 
     def error_of(self, lines: Mapping[Connection, tuple[float, float, float, float]]) -> float:
-        """Largest distance of an input from its source within the step, in nominal values."""
+        """Return the largest distance of an input from its source within the step, in nominal values."""
         return max(
             (
                 max(abs(a - begin), abs(b - end)) / connection.nominal()
@@ -149,7 +149,7 @@ class Coupling:
         )
 
     def step(self, time: float, size: float) -> tuple[float, float]:
-        """One accepted macro step from `time`, at most `size` long: its length, and a proposal for the next one."""
+        """Make one accepted macro step from `time` of at most `size` [s]; return its size and the next proposal [s]."""
         tolerance = self.master.coupling_tolerance
         while True:
             flows = {bond: bond[1][0][bond[1][1]] for bond in self.bonds}
@@ -176,9 +176,9 @@ class Coupling:
                     slave.forget(state)
 
     def _try(self, time: float, size: float) -> tuple[dict[Connection, tuple[float, float, float, float]], float]:
-        """A macro step and its error in units of the tolerance; infinite where a slave refused a step too long.
+        """Make a macro step; return its error in units of the tolerance, infinite if an FMU refused so long a step.
 
-        A line may, for example, lead a capacity below zero.
+        For example, a line may lead a capacity below zero.
         """
         tolerance = self.master.coupling_tolerance
         try:
@@ -247,11 +247,39 @@ def cosimulate(
     coupling: Coupling | None = None,
     instants: Sequence[float] = (),
 ) -> Recording:
-    """Runs started slaves together from t = 0 and records outputs after every macro step.
+    """Run started FMUs together from t = 0 and record outputs after every macro step.
 
-    In each step the slaves go in the given order, each with the newest outputs of the others, or as `coupling` says.
-    `drive(time)` may set inputs before each step. The columns are named as `column_names` says. Raises
-    CosimulationError.
+    In each step the instances go in the given order, each with the newest outputs of the others, or as `coupling` says.
+    The columns are named by `column_names`.
+
+    Parameters
+    ----------
+    slaves : sequence of FmuInstance
+        The instances, started.
+    connections : sequence of Connection
+        Outputs that become inputs.
+    duration, step : float
+        Duration of the run and macro step [s].
+    record : sequence of tuple
+        Instance and output of each column.
+    drive : callable or None
+        Called as `drive(time)` before each step; it may set inputs.
+    label : str
+        Text of the progress bar.
+    coupling : Coupling or None
+        Method and statistics; None: Gauss-Seidel with the fixed macro step.
+    instants : sequence of float
+        Times that no step of adaptive size may cross [s].
+
+    Returns
+    -------
+    Recording
+        Time and outputs, a row for each step.
+
+    Raises
+    ------
+    CosimulationError
+        If an FMU fails or two columns have one name.
     """
     coupling = coupling or Coupling(slaves, connections)
     by_slave = {slave: [name for owner, name in record if owner is slave] for slave in slaves}

@@ -25,7 +25,7 @@ IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
 def description_of(path: Path) -> ModelDescription:
-    """Return what an FMU says of itself, without unpacking it. Raises ArchiveError."""
+    """Return the model description of an FMU, without unpacking it. Raises ArchiveError."""
     with opened(path) as archive:
         return description_in(archive)
 
@@ -51,9 +51,14 @@ def description_in(archive: ZipFile) -> ModelDescription:
 
 
 def unpacked(path: Path, folder: Path) -> ModelDescription:
-    """Return the description of an FMU for co-simulation, whose binary for this platform and resources are unpacked.
+    """Return the description of an FMU for co-simulation; its resources and its binary for this platform are unpacked.
 
-    Raises ArchiveError, also for a binary that cannot be loaded, StorageError.
+    Raises
+    ------
+    ArchiveError
+        If the archive is damaged or its binary cannot be loaded.
+    StorageError
+        If the folder cannot be written.
     """
     with opened(path) as archive:
         about = description_in(archive)
@@ -67,7 +72,7 @@ def unpacked(path: Path, folder: Path) -> ModelDescription:
 
 
 def is_needed(name: str) -> bool:
-    """Whether an instance may ask for an entry: not for sources, documentation and binaries of other platforms."""
+    """Return whether an instance may need an entry: not sources, documentation and binaries of other platforms."""
     first, second, *_ = *name.split("/"), ""
     return second in FOLDERS.values() if first == "binaries" else first not in ("sources", "documentation")
 

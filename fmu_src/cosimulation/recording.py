@@ -44,7 +44,7 @@ class Recording:
         self._columns = dict(zip(self.units, table.T, strict=True))
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column, shape (rows,), in its unit. Raises KeyError."""
+        """Return a column, shape (rows,), in its unit. Raises KeyError."""
         return self._columns[self._known(name)]
 
     def _known(self, name: str) -> str:
@@ -67,22 +67,22 @@ class Recording:
         return " ".join(self.sentences)
 
     def add(self, name: str, unit: str, values: np.ndarray) -> None:
-        """Adds a column with as many rows as `time`, for example of a second run."""
+        """Add a column with as many rows as `time`, for example of a second run."""
         self.units[name] = unit
         self._columns[name] = values
 
     def add_from(self, name: str, other: Recording, column: str) -> None:
-        """Adds a column of another run at the times of this one; NaN after that run's end."""
+        """Add a column of another run at the times of this one; NaN after that run's end."""
         values = np.interp(self["time"], other["time"], other[column], right=math.nan)
         self.add(name, other.units[column], values)
 
     def first_time(self, condition: np.ndarray) -> float | None:
-        """Time of the first row where the condition holds; None when it never does."""
+        """Return the time of the first row that meets the condition; None if no row does."""
         rows = np.flatnonzero(condition)
         return float(self["time"][rows[0]]) if rows.size else None
 
     def plot(self, *names: str) -> Figure:
-        """Columns over the first one, by default all: a chart for each unit, in the order in which units come."""
+        """Return a figure of columns over the first one, by default all: a chart for each unit, in their order."""
         from matplotlib.figure import Figure  # heavy
 
         first, *others = self.names
@@ -100,11 +100,21 @@ class Recording:
         return figure
 
     def write(self, path: str | Path) -> Path:
-        """The table as a file: .csv, ten digits, names with units in its head, or .parquet, units as metadata of its
-        columns. It is there as a whole, or as it was before.
+        """Write the table to a file; a failed write leaves the file that was there.
 
-        Raises ValueError for another ending, ImportError where Parquet has no package, StorageError where it cannot be
-        written; what was there before stays then.
+        Parameters
+        ----------
+        path : Path
+            .csv: ten digits, names with units in its head. .parquet: units as metadata of its columns.
+
+        Raises
+        ------
+        ValueError
+            If the name has another ending.
+        ImportError
+            If no package for Parquet is installed.
+        StorageError
+            If the file cannot be written.
         """
         path = Path(path)
         write = {".csv": self._write_csv, ".parquet": self._write_parquet}.get(path.suffix)
@@ -115,7 +125,7 @@ class Recording:
         return path
 
     def to_pandas(self) -> Any:
-        """A data frame; `attrs["units"]` has the units. Raises ImportError where pandas is not installed."""
+        """Return a data frame; `attrs["units"]` has the units. Raises ImportError if pandas is not installed."""
         try:
             import pandas
         except ImportError as error:

@@ -57,7 +57,7 @@ class FmuInstance:
         self._parameters: dict[str, Value] = parameters
 
     def _open(self, path: Path, instance: str | None) -> None:
-        """Unpacks, loads and instantiates the FMU. Raises CosimulationError."""
+        """Unpack, load and instantiate the FMU. Raises CosimulationError."""
         with writing(Path(self._folder), ANOTHER_TEMPORARY):
             Path(self._folder).mkdir(mode=0o700)
         try:
@@ -81,7 +81,7 @@ class FmuInstance:
             raise CosimulationError(f"{self.name}: {self.messages[-1] if self.messages else error}") from error
 
     def _loaded(self, path: Path, description: ModelDescription) -> Face2 | Face3:
-        """The functions of the FMU's binary. Raises CosimulationError."""
+        """Return the functions of the FMU's binary. Raises CosimulationError."""
         here = os.getcwd()
         try:
             return face_of(description, self._folder, self.name, self.messages.append)
@@ -100,18 +100,52 @@ class FmuInstance:
         self._clear()
 
     def start(self, time: float = 0.0, **inputs: Value) -> None:
-        """Sets parameters and first inputs and initialises."""
+        """Set parameters and first inputs, and initialise.
+
+        Parameters
+        ----------
+        time : float
+            Start time [s].
+        **inputs : float, str or sequence
+            First inputs by name, in their units.
+
+        Raises
+        ------
+        CosimulationError
+            If the FMU refuses a value or cannot be initialised.
+        """
         self._call(self._face.begin, time, lambda: self.set(**self._parameters), lambda: self.set(**inputs))
 
     def restart(self, parameters: Mapping[str, Value], time: float = 0.0, **inputs: Value) -> None:
-        """Resets the instance and starts it with other parameters."""
+        """Reset the instance and start it with other parameters.
+
+        Parameters
+        ----------
+        parameters : mapping
+            Parameters by name, in their units.
+        time : float
+            Start time [s].
+        **inputs : float, str or sequence
+            First inputs by name, in their units.
+
+        Raises
+        ------
+        CosimulationError
+            If the FMU refuses a value or cannot be initialised.
+        """
         self._call(self.fmu.reset)
         self.messages.clear()
         self._parameters = dict(parameters)
         self.start(time, **inputs)
 
     def set(self, **values: Value) -> None:
-        """Sets variables. Raises CosimulationError with the FMU's sentence where it refuses a value."""
+        """Set variables by name, in their units.
+
+        Raises
+        ------
+        CosimulationError
+            With the FMU's message, if it refuses a value.
+        """
         for name, value in values.items():
             reference, kind = self._reference(name)
             self._call(self._face.set, kind, reference, self._as(kind, name, value))
@@ -120,7 +154,7 @@ class FmuInstance:
         return self.get([name])[0]
 
     def array(self, name: str) -> np.ndarray:
-        """Values of a variable that is an array, in its shape. Raises CosimulationError."""
+        """Return the values of an array variable, in its shape. Raises CosimulationError for an unknown name."""
         reference, kind = self._reference(name)
         shape = self._shapes.get(name, ())
         return np.array(self._call(self._face.get, kind, [reference], self._size(name))).reshape(shape)
@@ -135,7 +169,7 @@ class FmuInstance:
         return found
 
     def _plan(self, names: tuple[str, ...]) -> list[tuple[str, list[int], list[int]]]:
-        """The calls that read some variables: kind, value references, and their places among the names."""
+        """Return the calls that read some variables: kind, value references, and their places among the names."""
         for name in names:
             if self._reference(name)[1] == "String" or self._size(name) != 1:
                 raise CosimulationError(f"{name} of {self.name} is no single number; take `array` for an array.")
@@ -151,7 +185,7 @@ class FmuInstance:
         return int(np.prod(self._shapes.get(name, ())))
 
     def _as(self, kind: str, name: str, value: Value) -> list[Any]:
-        """A value as a call takes it. Raises CosimulationError where an array has another length."""
+        """Return a value in the form of a call. Raises CosimulationError if an array has another length."""
         if kind == "String":
             return [value]
         given = np.ravel(value).tolist()
@@ -160,7 +194,14 @@ class FmuInstance:
         return given if kind in self._face.reals else [int(one) for one in given]
 
     def step(self, time: float, size: float) -> None:
-        """Advance from `time` by `size` [s].
+        """Advance by one step.
+
+        Parameters
+        ----------
+        time : float
+            Start of the step [s].
+        size : float
+            Size of the step [s].
 
         Raises
         ------
@@ -175,7 +216,7 @@ class FmuInstance:
         return self._nominals[name]
 
     def rate(self, name: str) -> float:
-        """First derivative of an output by time; 0 where the FMU provides none."""
+        """Return the first derivative of an output by time; 0 if the FMU provides none."""
         if not self._face.provides_rates:
             return 0.0
         return float(self._call(self._face.rate, self._reference(name)[0]))
@@ -186,17 +227,17 @@ class FmuInstance:
             self._call(self._face.set_rate, self._reference(name)[0], rate)
 
     def save(self) -> object:
-        """The FMU's state; `forget` it when it is no longer needed. Raises CosimulationError where it cannot."""
+        """Return the FMU's state; `forget` it afterwards. Raises CosimulationError if it cannot be saved."""
         if not self._face.saves:
             raise CosimulationError(f"{self.name} cannot save its state: give no tolerance, or take the native FMU.")
         return self._call(self._face.save)
 
     def restore(self, state: object) -> None:
-        """Takes the instance back to a saved state."""
+        """Restore a saved state."""
         self._call(self._face.restore, state)
 
     def forget(self, state: object) -> None:
-        """Frees a saved state."""
+        """Free a saved state."""
         self._call(self._face.forget, state)
 
     def _reference(self, name: str) -> tuple[int, str]:
