@@ -1,4 +1,4 @@
-/* Algebraic states: solved for where a step starts, and eliminated for methods and studies that know none. */
+/* Algebraic states: solved for where a step starts, and eliminated for methods and studies without them. */
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@ enum { MAXIMUM_NEWTON_STEPS = 20 };
 static const double ROUND_OFF = 1e-9;
 /* The same with factors that are not exact, which converge by less at a time. */
 static const double ROUND_OFF_FOLLOWING = 1e-11;
-/* A correction that shrinks less than this from one step to the next asks for a new Jacobian. */
+/* A correction that shrinks less than this from one step to the next requires a new Jacobian. */
 static const double SLOW = 0.1;
 
 /* Solves for the correction of the algebraic states with the factors at hand; its largest entry in nominal values. */

@@ -15,7 +15,7 @@ extern const unsigned ARRAYS_STRIDE;
 /* Token and name of the model. modelDescription.xml must have the same. */
 extern const char ARRAYS_TOKEN[], ARRAYS_NAME[];
 
-/* ---- what an object gives ---- */
+/* ---- functions of the object ---- */
 
 typedef struct arrays_object arrays_object;
 /* Make the object from the files in a folder. The path ends without a separator; NULL if the host gave no folder. Returns
@@ -38,7 +38,7 @@ size_t arrays_numbers(const arrays_object *self);
 void arrays_save(const arrays_object *self, double *numbers);
 void arrays_load(arrays_object *self, const double *numbers);
 
-/* ---- what is there for objects (arrays_object.c) ---- */
+/* ---- functions for objects (arrays_object.c) ---- */
 
 /* Return the numbers in a file of a folder. NULL, with the reason in `problem`, if it cannot be read, is empty or contains
  * other data. */

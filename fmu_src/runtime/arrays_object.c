@@ -1,4 +1,4 @@
-/* An object of arrays (arrays.h) behind the faces. */
+/* An object of arrays (arrays.h) with the FMI interfaces. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ typedef struct {
 struct fmu_object {
     arrays_object *own;
     run now;
-    double stop; /* infinite: the host named none */
+    double stop; /* infinite: not set */
     kernel_sentence said; /* NULL: all messages were delivered */
     char sentence[MESSAGE_SIZE];
 };
@@ -64,7 +64,7 @@ unsigned long long arrays_mark_of(const double *numbers, size_t count) {
     return seal_hash(SEAL_BEGIN, numbers, count * sizeof *numbers);
 }
 
-/* ---- what the object is, and what it says ---- */
+/* ---- description and messages of the object ---- */
 
 static const char *object_token(void) { return ARRAYS_TOKEN; }
 static const char *object_name(void) { return ARRAYS_NAME; }

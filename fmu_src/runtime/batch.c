@@ -120,7 +120,7 @@ static void begin_in_lane(batch *self, int l, const known_place *all) {
     if (one->begins) stepper_begin(one->self, &one->run, one->size);
     one->begins = false;
     stepper_ask(one->self, &one->run);
-    /* Otherwise a step alone has led elsewhere, or a mode was another one. */
+    /* False if a step alone has led elsewhere, or a mode was another one. */
     one->linearised = all && one->run.offset == offset && stands_at(self, l, self->numbers.state);
     know(self, l, NULL, NULL);
 }
@@ -181,7 +181,7 @@ static void try_steps(batch *self) {
         one->together = false;
         if (!asks(one) || !one->linearised) continue;
         const rosenbrock_tableau *method = one->self->work.method == METHOD_REUSED ? &ROS34PW2 : &RODAS5P;
-        if (!self->tableau) self->tableau = method; /* lanes with the other method go alone */
+        if (!self->tableau) self->tableau = method; /* lanes with the other method step alone */
         one->together = method == self->tableau;
         self->numbers.wanted[l] = one->run.size;
     }
@@ -213,7 +213,7 @@ static void round_of_steps(batch *self, void *work, void (*end)(batch *self, voi
     }
 }
 
-/* A kernel_step of an instance in a lane; whether it may begin. */
+/* Make a kernel_step of an instance in a lane; return whether it may begin. */
 static kernel_status begin_step(batch *self, int l, kernel *own, double size) {
     lane *one = &self->lane[l];
     one->noted = own->journal.noted;
@@ -323,7 +323,7 @@ bool batch_run(batch *self, const batch_runs *runs) {
 
 /* ---- steps of instances --------------------------------------------------------------------------------------- */
 
-/* Read the outputs, from the lanes where they are known there. */
+/* Read the outputs, from the lanes if they are known there. */
 static void leave_step(batch *self, const batch_steps *steps, int l, kernel_status status) {
     const lane *one = &self->lane[l];
     kernel *own = one->self;
@@ -345,7 +345,7 @@ static void end_steps(batch *self, void *work, int l, kernel_status status) {
     self->lane[l].self = NULL;
 }
 
-/* Whether an input has this value, bit for bit: it was checked when it was set. */
+/* Return whether an input has this value, bit for bit: it was checked when it was set. */
 static bool has_input(const kernel *own, int variable, double value) {
     return MODEL.variable[variable].causality == CAUSALITY_INPUT && own->run.input_rate[variable] == 0.0 &&
            memcmp(&own->run.value[variable], &value, sizeof value) == 0;

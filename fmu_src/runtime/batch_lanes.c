@@ -153,7 +153,7 @@ static bool asks_for_drive(const batch *self, const double *state, const double 
     return false;
 }
 
-/* Capacities, and drives where a lane asks for them. */
+/* Capacities, and drives if a lane requires them. */
 static void find_modes(batch *self, known_place *known, const double *state, double *capacity, double *drive) {
     const system_description *system = self->system;
     if (!system->frictions) return;

@@ -36,7 +36,7 @@ struct batch {
     lane_numbers numbers;
     known_place start, end;
     known_function of_start[MOST_KNOWN], of_end[MOST_KNOWN];
-    double *room, *constants; /* the numbers; room null: those of another batch */
+    double *room, *constants; /* the numbers; if `room` is NULL, they are in that of another batch */
     int *place; /* of each variable among the outputs; -1: it is none */
     bool ends;  /* whether outputs are known at the end of the trial */
 };

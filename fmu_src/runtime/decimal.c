@@ -17,7 +17,7 @@ static const double POWER_OF_TEN[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  
 /* A number in decimal writing: digits times ten to an exponent. */
 typedef struct {
     unsigned long long whole; /* of the first 19 digits */
-    int count, exponent;      /* of all digits behind zeros in front; of ten */
+    int count, exponent;      /* of all digits after leading zeros; of ten */
     char mark;                /* the decimal mark; 0: none */
     const char *first, *end;  /* of those digits, the mark may be among them */
 } decimal;
@@ -31,7 +31,7 @@ static const char *read_sign(const char *text, bool *negative) {
     return text + 3;
 }
 
-/* Read digits on one side of the mark; behind them. */
+/* Read digits on one side of the mark; return the place after them. */
 static const char *digits_of_part(const char *text, decimal *found) {
     unsigned long long whole = found->whole;
     int count = found->count;
@@ -72,7 +72,7 @@ static const char *read_exponent(const char *text, decimal *found) {
     return text;
 }
 
-/* whole / 10^-exponent as a sum of two doubles, Dekker (1971): whether its error cannot change how it is rounded. */
+/* Compute whole / 10^-exponent as a sum of two doubles, Dekker (1971); return whether its error cannot change the rounding. */
 static bool quotient(const decimal *found, double *size) {
     const double divisor = POWER_OF_TEN[-found->exponent], split = 134217729.0; /* 2^27 + 1 */
     const double high = (double)found->whole;

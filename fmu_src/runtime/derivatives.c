@@ -26,7 +26,7 @@ static kernel_status differentiate_outputs(kernel *self, const double *place) {
     return KERNEL_OK;
 }
 
-/* Where the derivatives are taken, linearised, with an empty seed; null: nowhere, which is said. */
+/* Return the place of the derivatives, linearised, with an empty seed; NULL, with an error, if that fails. */
 static const double *prepare_derivatives(kernel *self) {
     char when[TIME_TEXT];
     if (!self->system) {

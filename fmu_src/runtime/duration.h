@@ -1,4 +1,4 @@
-/* When a host may let an instance go on, and how long at once: the same for all objects, told in the same words. */
+/* When and by how much a host may advance an instance: the same rules and messages for all objects. */
 #ifndef DURATION_H
 #define DURATION_H
 
@@ -55,7 +55,7 @@ static inline bool size_is_wrong(double size, char problem[DURATION_PROBLEM]) {
 
 /* Return whether a step cannot begin at `time`, if the one before ended at `now` and the run is to stop at `stop`. */
 static inline bool time_is_wrong(double time, double size, double now, double stop, char problem[DURATION_PROBLEM]) {
-    const double end = time + size, surely = 1e-3 * size; /* asked at every step of a host */
+    const double end = time + size, surely = 1e-3 * size; /* evaluated at every step of a host */
     if (fabs(time - now) <= surely && end > time && end <= stop + surely) return false;
     char here[TIME_TEXT], there[TIME_TEXT];
     const double slack = time_slack(now, size);

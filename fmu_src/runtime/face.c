@@ -73,7 +73,7 @@ bool face_missing(const component *self, size_t count, const void *one, const vo
     return count && (!one || !other) && face_error(self, "An array is missing: a null pointer was given for its values.");
 }
 
-/* Event mode and the end are of both interfaces: what only one of them may do asks for it. */
+/* Event mode and the end belong to both interfaces: functions of only one of them check the interface. */
 bool face_is_cosimulation(const component *self) {
     return !self->exchange && face_error(self, "This instance is one of co-simulation, not of model exchange.");
 }
@@ -141,7 +141,7 @@ component *face_instantiate(const component *log, const char *name, const char *
         listen(self);
         if (face_reset(self) <= KERNEL_WARNING) return self;
     } else if (self->name) {
-        make_readable(problem); /* it may quote a path, which may be anything */
+        make_readable(problem); /* it may quote a path with any content */
         (void)face_error(self, problem);
     }
     face_free(self);
@@ -384,7 +384,7 @@ kernel_status face_get_directional(component *self, const unsigned *unknown, siz
     return face_report(self, OBJECT.get_directional(self->object, unknowns, unknown, knowns, known, change, result));
 }
 
-/* ---- saved states: behind the seal the phase, and the object's block ---- */
+/* ---- saved states: after the seal the phase, and the object's block ---- */
 
 typedef struct {
     double start_time;

@@ -37,21 +37,21 @@ struct component {
     fmu_object *object;
     phase now;
     unsigned logged;           /* one bit for each category that the host logs */
-    kernel_status last_step;   /* what fmi2GetStatus answers: the status of the last step */
+    kernel_status last_step;   /* result of fmi2GetStatus: the status of the last step */
     bool exchange;             /* model exchange, not co-simulation */
-    bool events;               /* co-simulation whose host asked for event mode */
+    bool events;               /* co-simulation with event mode, requested by the host */
     unsigned variables, stride; /* of the object */
     double start_time;
     char *name;
     const face_standard *standard;
-    void (*logger)(void);      /* the host's callback, of the type that `tell` knows */
+    void (*logger)(void);      /* the host's callback, of the type that `tell` calls */
     void *environment;
 };
 
 /* Bits of the categories of warnings and errors. */
 enum { WARNINGS = 1u << KERNEL_WARNING, ERRORS = 1u << KERNEL_ERROR };
 
-/* A new instance, or null after `tell` has said why. The caller fills in standard, log and interface first. */
+/* A new instance, or NULL after `tell` has logged the reason. The caller fills in standard, log and interface first. */
 RUNTIME_LOCAL component *face_instantiate(const component *log, const char *name, const char *token, const char *resources,
                                           int logging);
 RUNTIME_LOCAL void face_free(component *self);
@@ -75,8 +75,8 @@ RUNTIME_LOCAL kernel_status face_initialise(component *self);
 RUNTIME_LOCAL kernel_status face_enter(component *self, phase next);
 RUNTIME_LOCAL kernel_status face_reset(component *self);
 
-/* Numbers of variables of one kind, which fill `size` values: `put` and `take` are from and to the type of these, and null
- * where they are doubles. None is set where one cannot be, which is said. */
+/* Numbers of variables of one kind, which fill `size` values. `put` and `take` convert to and from their type; NULL for
+ * doubles. If one cannot be set, none is, and the reason is logged. */
 typedef void face_put(void *values, size_t place, double number);
 typedef double face_take(const void *values, size_t place);
 RUNTIME_LOCAL kernel_status face_get(component *self, int kind, const unsigned *reference, size_t count, void *values,

@@ -19,7 +19,7 @@ static kernel_status guard_error(kernel *self, double time, double size, double 
                        size, error, self->run.value[MODEL.tolerance], time_text(time, 6, when));
 }
 
-/* 1 + index of an end condition that is reached at the state, 0: none, -1: it is no number. */
+/* Return 1 + index of an end condition that is reached at the state; 0: none, -1: it is not a number. */
 static int find_end(kernel *self, double offset) {
     const system_description *system = self->system;
     double *margin = self->modes.margin + system->frictions;

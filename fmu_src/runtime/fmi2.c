@@ -8,7 +8,7 @@
 
 /* The message is passed as the format itself, so that hosts that do not expand arguments show it too; hence % is doubled. */
 static void tell_host(const component *self, kernel_status status, const char *category, const char *sentence) {
-    char text[2 * MESSAGE_SIZE]; /* even of nothing but % */
+    char text[2 * MESSAGE_SIZE]; /* sufficient if all are % */
     size_t length = 0;
     for (const char *c = sentence; *c; ++c) {
         if (*c == '%') text[length++] = '%';
@@ -18,7 +18,7 @@ static void tell_host(const component *self, kernel_status status, const char *c
     ((fmi2CallbackLogger)self->logger)(self->environment, self->name, (fmi2Status)status, category, text);
 }
 
-/* Section 2.1.3: warnings and errors are always told. */
+/* Section 2.1.3: warnings and errors are always logged. */
 static const face_standard FMI2 = {"FMI 2.0, section 4.2.4", WARNINGS | ERRORS, true, resources_of_uri, tell_host};
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -163,7 +163,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
         self->now = STOPPED;
         return (fmi2Status)face_report(self, self->last_step);
     }
-    /* The object is as it was: behind fmi2Discard hosts would go on from a time that they have to ask for. */
+    /* The object is unchanged: after fmi2Discard hosts would continue from a time that they have to query. */
     return (fmi2Status)(self->last_step = face_refuse(self));
 }
 

@@ -322,7 +322,7 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *number)
     return (fmi3Status)face_count(self, READ_INDICATORS, number);
 }
 
-/* ---- what no FMU here has ---- */
+/* ---- functions that no FMU here has ---- */
 
 #define DEFINE_ABSENT(function, ...)                                                                                           \
     fmi3Status function(fmi3Instance instance, __VA_ARGS__) {                                                                  \

@@ -17,7 +17,7 @@ void kernel_enter_system(kernel *self) {
     self->kept.ready = KEPT_NOTHING;
     for (int i = 0; i < system->states; ++i) self->work.differential[i] = 1.0;
     for (int i = 0; i < system->algebraics; ++i) self->work.differential[system->algebraic[i]] = 0.0;
-    for (int i = 0; i < 2 * system->tables; ++i) self->given.held[i] = NAN; /* nothing is held anywhere */
+    for (int i = 0; i < 2 * system->tables; ++i) self->given.held[i] = NAN; /* no range is valid yet */
 }
 
 /* Return the index of the chosen system in the model, with another value of one selector (-1: none); below 0 if it does not
@@ -41,7 +41,7 @@ static void add_text(char text[MESSAGE_SIZE], const char *format, ...) {
     va_end(arguments);
 }
 
-/* Add what one selector could be set to, the others as they are. */
+/* Add the values that one selector could have, with the others unchanged. */
 static void add_remedy(const kernel *self, int selector, char remedies[MESSAGE_SIZE]) {
     const variable_description *variable = &MODEL.variable[MODEL.selector[selector]];
     bool named = false;

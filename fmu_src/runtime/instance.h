@@ -1,5 +1,4 @@
-/* An instance: a constant model, the state of its run, and the workspaces of methods; and what the files of the runtime ask
- * of each other. */
+/* An instance: a constant model, the state of its run, and the workspaces of methods; and internal functions of the runtime. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
@@ -23,7 +22,7 @@ enum { MOST_TRIALS = 5000000 }; /* steps tried in one kernel_step; a run that ne
 /* Values of integration_method. */
 enum { METHOD_EXACT = 1, METHOD_REUSED = 2, METHOD_EXPLICIT = 3 };
 
-/* Room for the arrays of an instance: the largest of each number over the systems that it may run. */
+/* Memory for the arrays of an instance: the largest of each number over the systems that it may run. */
 typedef struct {
     int states, algebraics, nonzeros, factors, inputs, parameters, derived, frictions, outputs, tables, table_coefficients;
     int limits, conditions;
@@ -33,13 +32,13 @@ typedef struct {
 typedef struct {
     bool stops_at_events, whole_steps;
     unsigned unheard; /* a bit for each status whose messages are not written */
-    double stop_time; /* infinite: the host named none */
+    double stop_time; /* infinite: not set */
 } host_wishes;
 
 struct kernel {
     const system_description *system; /* the chosen one; null before initialisation */
-    int lanes;                        /* how many copies of a repeated component generated functions compute at once */
-    table_file *table;                /* null: none */
+    int lanes; /* how many copies of a repeated component generated functions compute at once */
+    table_file *table; /* null: none */
     char *table_path;
     dimensions room;
     run_state run;
@@ -51,14 +50,14 @@ struct kernel {
     steady_workspace steady;
     host_workspace host;
     host_wishes asked;
-    const known_place *known[2]; /* where a step begins and where its trial ends; null: nothing is known there */
-    bool reads_outputs_later;    /* a step leaves outputs to be computed when they are read */
+    const known_place *known[2]; /* where a step begins and where its trial ends; NULL: no results are known there */
+    bool reads_outputs_later; /* a step leaves outputs to be computed when they are read */
     kernel_counters counters;
     kernel_recorder *recorder;
     sentence_journal journal;
-    char *warned;    /* one flag per variable: "has no effect here" is said once */
-    double *backup;  /* of the block of the run, at the start of a step */
-    double *scratch; /* what the workspaces are in */
+    char *warned; /* one flag per variable: the warning "has no effect here" was given */
+    double *backup; /* of the block of the run, at the start of a step */
+    double *scratch; /* memory of the workspaces */
     int *pivots;
 };
 
@@ -69,7 +68,7 @@ RUNTIME_LOCAL kernel_status kernel_fail(kernel *self, kernel_status status, cons
 RUNTIME_LOCAL bool kernel_is_heard(const kernel *self, kernel_status status);
 /* As kernel_fail, with a model's message: it is not a format, but its first %s is replaced by a time. */
 RUNTIME_LOCAL kernel_status kernel_say_when(kernel *self, kernel_status status, const char *sentence, const char *when);
-/* Forgets what was noted since there were `noted` records. */
+/* Take back the messages since there were `noted` records. */
 RUNTIME_LOCAL void kernel_take_back(kernel *self, unsigned long long noted);
 /* Checks of variables return a status, with a message. */
 RUNTIME_LOCAL kernel_status kernel_check_reference(kernel *self, int variable);
@@ -77,16 +76,16 @@ RUNTIME_LOCAL const char *kernel_name_of_table_file(void);
 RUNTIME_LOCAL kernel_status kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
 RUNTIME_LOCAL kernel_status kernel_warn_without_effect(kernel *self, int variable);
 RUNTIME_LOCAL kernel_status kernel_warn_of_idle_parameters(kernel *self);
-/* Says that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
+/* Report that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
 RUNTIME_LOCAL kernel_status kernel_discard(kernel *self, unsigned long long noted, double reached);
 RUNTIME_LOCAL void kernel_leave_table(kernel *self);
-/* Set what follows from the chosen system and the parameters and is not restored with them. */
+/* Set the data that follow from the chosen system and the parameters and are not restored with them. */
 RUNTIME_LOCAL void kernel_enter_system(kernel *self);
 RUNTIME_LOCAL void kernel_gather_inputs(kernel *self);
 RUNTIME_LOCAL void kernel_compute_outputs(kernel *self, double offset, const double *state);
 /* First output that is not a finite number, or null. */
 RUNTIME_LOCAL const char *kernel_output_not_finite(const kernel *self);
-/* Inputs and table pieces that hold `offset` seconds after the start of the step; and the table pieces alone. */
+/* Inputs and table pieces that are valid `offset` seconds after the start of the step; and the table pieces alone. */
 RUNTIME_LOCAL void kernel_locate(kernel *self, double offset, const double *state);
 RUNTIME_LOCAL void kernel_look_up(kernel *self, double offset, const double *state);
 /* A generated function at a place: with the inputs and table pieces located before, or locating them; with one result. */

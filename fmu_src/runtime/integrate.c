@@ -79,7 +79,7 @@ static double size_by_trials(rejected_trial before, rejected_trial last) {
     return last.size * fmax(0.9 * own_pow(last.error, -1.0 / power), 0.1);
 }
 
-/* A step whose error is controlled: asks for its first trial. */
+/* Begin a step with error control: request its first trial. */
 static void ask_adaptive(kernel *self, stepper *run) {
     run->phase = STEPPER_TRIES;
     run->proposed = self->run.now->proposed_step;
@@ -119,7 +119,7 @@ static bool is_stuck(kernel *self, stepper *run) {
     return true;
 }
 
-/* Asks for a shorter trial, or fails. */
+/* Request a shorter trial, or fail. */
 static void shorten(kernel *self, stepper *run, double error, double next) {
     char when[TIME_TEXT];
     const double time = self->given.step_origin + run->offset;
@@ -136,7 +136,7 @@ static void shorten(kernel *self, stepper *run, double error, double next) {
     }
 }
 
-/* A step of integration_step seconds with the explicit method; whether it has an end. */
+/* Make a step of integration_step seconds with the explicit method; return whether its end is finite. */
 static bool explicit_step(kernel *self, stepper *run) {
     run->size = fixed_size(self, run->remaining);
     if (runge_kutta_guard(self, run->offset, run->size) != KERNEL_OK) run->status = KERNEL_WARNING;

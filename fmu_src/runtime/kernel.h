@@ -56,7 +56,7 @@ KERNEL_EXPORT kernel_status kernel_plan(kernel *self, const double *tolerance, d
  * a step within which the run ends is discarded, and the state is the one before it. If this is never called, the state is the
  * one at the end of the run. */
 KERNEL_EXPORT void kernel_stop_at_events(kernel *self, bool stops);
-/* Model exchange: how many states and event indicators it has; none of a model without it. */
+/* Model exchange: number of states and of event indicators; 0 for a model without it. */
 KERNEL_EXPORT int kernel_exchange_states(void);
 KERNEL_EXPORT int kernel_exchange_indicators(void);
 /* Scales of these states, which are those of the model at any time. */

@@ -1,4 +1,4 @@
-/* A kernel behind the faces: its variables are scalars, and its own files may give start values and a table. */
+/* A kernel with the FMI interfaces: its variables are scalars, and its own files may give start values and a table. */
 #include "instance.h"
 #include "object.h"
 #include "resources.h"
@@ -13,7 +13,7 @@ static const char START_VALUES[] = "/start_values.csv"; /* among the resources *
 struct fmu_object {
     kernel *machine;
     bool exchange;
-    char *resources; /* folder of the FMU's own files, with room for their names; null: the host named none */
+    char *resources; /* folder of the FMU's own files, with room for their names; NULL: not given */
     size_t folder_length;
 };
 

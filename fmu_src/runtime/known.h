@@ -1,4 +1,4 @@
-/* Results of generated functions that are known at a place, since several instances computed them together. */
+/* Results of generated functions at a place, computed for several instances together. */
 #ifndef KNOWN_H
 #define KNOWN_H
 

@@ -49,7 +49,7 @@
 #endif
 #endif
 
-/* The last statement of a function of many lanes that scalar code calls: old SSE code behind it would be slow. */
+/* The last statement of a function of many lanes that scalar code calls: old SSE code after it would be slow. */
 #if LANES > 2
 #define LANES_LEAVE __builtin_ia32_vzeroupper()
 #else

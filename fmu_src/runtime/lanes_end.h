@@ -1,4 +1,4 @@
-/* Ends what lanes.h began: the instructions of this width, and LANES. */
+/* End the scope of lanes.h: the instructions of this width, and LANES. */
 #if LANES > 2 && defined(__clang__)
 #pragma clang attribute pop
 #elif LANES > 2

@@ -167,7 +167,7 @@ LANES_FUNCTION real lanes_reduce(real x, real *low, lanes_word *turns) {
     return high;
 }
 
-/* sin(high + low), |high| up to pi/4, and what its rounding loses. */
+/* sin(high + low), |high| up to pi/4; `lost` is the rounding error of the result. */
 LANES_FUNCTION real lanes_sin_core(real high, real low, real *lost) {
     const real z = high * high, v = z * high, w = z * z;
     const real r = (8.33333333332248946124e-03 + z * -1.98412698298579493134e-04) +
@@ -252,7 +252,7 @@ LANES_FUNCTION real lanes_sum(real base, real tail, real t, real rest) {
     return sum + ((lost + tail) + rest);
 }
 
-#define LANES_ATAN_HALF 4.63647609000806093515e-01 /* atan(1/2), and what it lacks */
+#define LANES_ATAN_HALF 4.63647609000806093515e-01 /* atan(1/2), and its rounding error */
 #define LANES_ATAN_HALF_TAIL 2.26987774529616870924e-17
 
 /* atan(x) = atan(c) + atan(t), t = (x - c) / (1 + c x), with c one of 0, 1/2, 1 and infinity. */
@@ -438,7 +438,7 @@ LANES_APART void lanes_cbrt_edge(const double *argument, double *value) {
     real_store(value, real_select(x == 0.0, real_of(0.0), positive));
 }
 
-/* x to the power of a third, as pow has it: a negative number has none. */
+/* x to the power of a third, as pow computes it: NaN for a negative number. */
 LANES_FUNCTION real real_cbrt(real x) {
     if (real_any(real_not((x >= LANES_SMALLEST_NORMAL) & (x < HUGE_VAL)))) return lanes_call(lanes_cbrt_edge, x);
     return lanes_cbrt_part(x);

@@ -7,7 +7,7 @@
 
 #include "method.h"
 
-/* Factors of a matrix by columns, in place; whether it is regular. */
+/* Factorise a matrix by columns, in place; return whether it is regular. */
 static bool factorise_dense(dense_factors *of) {
     const int n = of->size;
     for (int pivot = 0; pivot < n; ++pivot) {

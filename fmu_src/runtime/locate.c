@@ -42,7 +42,7 @@ static void look_along_extension(kernel *self, stepper *run) {
     run->size = within.right;
 }
 
-/* Asks for the next length. */
+/* Request the next length. */
 static void ask(stepper *run, double by_extension) {
     const bracket *of = &run->within;
     run->phase = STEPPER_LOCATES;

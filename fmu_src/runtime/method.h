@@ -7,8 +7,8 @@
 typedef struct rosenbrock_tableau rosenbrock_tableau; /* tableau.h */
 typedef struct stepper stepper;                       /* stepper.h */
 
-/* Largest ratio of a column's entries to the diagonal one at which the diagonal still serves as the pivot. The rows have
- * different units, so only a diagonal that is next to nothing is refused. */
+/* Largest ratio of a column's entries to the diagonal one at which the diagonal is still used as the pivot. The rows have
+ * different units, so only a diagonal that is almost zero is refused. */
 static const double PIVOT_RATIO = 1e8;
 /* Linear equations: factors of M diagonal - J, in the order of the states; and of the algebraic part of J. Return whether the
  * matrix is regular. */
@@ -16,7 +16,7 @@ RUNTIME_LOCAL bool linear_factorise_step(kernel *self, step_factors *of, const d
 RUNTIME_LOCAL void linear_solve_step(kernel *self, const step_factors *of, double *vector);
 RUNTIME_LOCAL bool linear_factorise_algebraic(const kernel *self, dense_factors *of, const double *jacobian);
 RUNTIME_LOCAL void linear_solve_algebraic(const dense_factors *of, double *vector);
-/* Whether factors stand that were made before: others may have taken their place in the dense matrix. */
+/* Return whether factors made before still exist: others may have taken their place in the dense matrix. */
 RUNTIME_LOCAL bool linear_has_factors(const kernel *self, const step_factors *of);
 /* Add the present Jacobian times a vector; and write it as a matrix by rows. */
 RUNTIME_LOCAL void linear_add_product(const kernel *self, const double *vector, double *sum);
@@ -85,7 +85,8 @@ RUNTIME_LOCAL int exchange_state(const kernel *self, int number);
 RUNTIME_LOCAL bool modes_settle(kernel *self, double offset);
 /* Write the rows that are due by the time `until`, from a step that began at `offset`; of size 0: from the state. */
 RUNTIME_LOCAL void record_until(kernel *self, double offset, double size, double until);
-/* A kernel_step before its steps and behind them, which reached so far with this status; `noted`: records before it. */
+/* Begin a kernel_step before its steps; and end it after them, `reached` seconds on with this status. `noted`: records before
+ * it. */
 RUNTIME_LOCAL kernel_status step_begin(kernel *self, double time, double size);
 RUNTIME_LOCAL kernel_status step_end(kernel *self, unsigned long long noted, double size, double reached, kernel_status status);
 /* All steps of a kernel_step of `size`; reached: where they end. */

@@ -66,10 +66,10 @@ typedef struct {
     int factors, lower_factors; /* entries of a step's factors, and of those below the diagonal */
     int inputs, parameters, derived, frictions, outputs;
     int tables, table_ranks, table_coefficients;
-    int limits;           /* what may not change too far within a step */
+    int limits;           /* states with a limited change within a step */
     int ends, conditions; /* the conditions that end a run, and with those that only warn */
     int exchanged;        /* whether its states and switches are those of model exchange */
-    int idles;            /* the model's parameters that nothing in it depends on */
+    int idles;            /* the model's parameters on which nothing in it depends */
     const int *input_variable, *parameter_variable, *output_variable; /* indices into the model's variables */
     const int *state_variable;                                        /* the same; -1: an algebraic state */
     const int *idle;
@@ -134,10 +134,10 @@ typedef struct {
     const char *known; /* for a message: the columns that there may be */
     double least_growth; /* of the first column from row to row */
     double rounding; /* length on either side of a row over which a corner is rounded; 0: none is */
-    int columns, added; /* in the file, and behind them those that `complete` computes */
+    int columns, added; /* in the file, and after them those that `complete` computes */
     const column_description *column;
     const piece_description *piece;
-    /* The model's rule for a row and the one before it: whether it is met, or else a problem in words. */
+    /* The model's rule for a row and the one before it: return whether it is met, and a message in `problem` if not. */
     bool (*check_row)(const table_file *self, int row, char *problem, size_t size);
     void (*complete)(const table_file *self);
     /* Coefficients of a piece on a part of the way from a row to the next (table_file.h), lowest power first; all are 0

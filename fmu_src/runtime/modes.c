@@ -88,14 +88,14 @@ static void renew_mode(kernel *self, int i, double offset) {
     if (self->run.mode[i] == 0.0) modes_stop(friction, self->run.state);
 }
 
-/* Keep the modes that there were; nothing has passed zero. */
+/* Keep the present modes; nothing has passed zero. */
 static void begin_round(kernel *self) {
     const int n = self->system->frictions;
     memcpy(self->modes.before, self->run.mode, (size_t)n * sizeof(double));
     memset(self->modes.overshoot, 0, (size_t)n * sizeof(double));
 }
 
-/* Modes by the present state and the modes that there were; returns whether one became or ceased to be stuck. */
+/* Set the modes by the present state and the modes before; return whether one became or ceased to be stuck. */
 static bool refresh_once(kernel *self, double offset) {
     kernel_locate(self, offset, self->run.state);
     find_drive_and_capacity(self, offset, self->run.state);
@@ -104,7 +104,7 @@ static bool refresh_once(kernel *self, double offset) {
     return has_switched(self);
 }
 
-/* A friction may hold only what another holds already: a wheelset stands on its rails where it does not turn. */
+/* A friction may depend on another that holds already: a wheelset stands on its rails if it does not turn. */
 void modes_refresh(kernel *self, double offset) {
     if (self->system->frictions == 0) return;
     bool switched = false;
@@ -133,7 +133,7 @@ static bool hold_what_crossed(kernel *self, bool begun) {
     return begun;
 }
 
-/* Whether all slide on in their directions: then drives have no say. */
+/* Return whether all slide on in their directions: then drives do not matter. */
 static bool all_slide(const kernel *self) {
     for (int i = 0; i < self->system->frictions; ++i) {
         const double velocity = modes_velocity(&self->system->friction[i], self->run.state);
@@ -142,7 +142,7 @@ static bool all_slide(const kernel *self) {
     return true;
 }
 
-/* Whether a mode stays as it is, seen without much work: sticks up to a share of the capacity, or slides on. */
+/* Return whether a mode stays unchanged, by a quick test: sticks up to a share of the capacity, or slides on. */
 static inline bool stays(const kernel *self, int i, double share) {
     const double mode = self->run.mode[i], capacity = self->modes.capacity[i];
     if (mode == 0.0) return capacity > 0.0 && fabs(self->modes.drive[i]) <= share * capacity;
@@ -250,7 +250,7 @@ int modes_switch(kernel *self, double offset, double least) {
     (void)modes_margin(self, offset, self->run.state);
     for (int i = 0; i < system->ends; ++i)
         if (!(self->modes.margin[system->frictions + i] >= 0.0)) return 1 + i;
-    for (int i = 0; i < system->frictions; ++i) /* what is still below a speed stops where it is found to stick */
+    for (int i = 0; i < system->frictions; ++i) /* with a speed `still`, it stops once it is found to stick */
         if ((self->modes.margin[i] < 0.0 || self->modes.margin[i] == least) && self->run.mode[i] != 0.0 &&
             self->modes.still[i] == 0.0)
             modes_stop(&system->friction[i], self->run.state);

@@ -25,7 +25,7 @@ typedef struct {
 
 /* Members that are not marked as optional must be set. `hear` returns the messages to a status. */
 typedef struct {
-    const char *(*token)(void); /* what modelDescription.xml has as well */
+    const char *(*token)(void); /* the same as in modelDescription.xml */
     const char *(*name)(void);
     /* Number of variables in the table, and the description of one; NULL if it does not exist. The next number is the time's in
      * FMI 3.0, and numbers after it may be read. */
@@ -41,7 +41,7 @@ typedef struct {
     /* Set the statuses, a bit for each, whose messages are read (optional); return the oldest unread message. */
     void (*listen)(fmu_object *self, unsigned statuses);
     bool (*hear)(fmu_object *self, kernel_sentence *heard);
-    /* Elements of a variable; some of them; whether they may be set to values, which changes nothing; and sets them. */
+    /* Number of elements of a variable; get some of them; check values, which changes nothing; and set them. */
     size_t (*length)(const fmu_object *self, unsigned variable);
     kernel_status (*get)(fmu_object *self, unsigned variable, size_t first, size_t count, double *value);
     kernel_status (*check)(fmu_object *self, unsigned variable, size_t first, size_t count, const double *value);

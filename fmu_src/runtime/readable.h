@@ -1,10 +1,10 @@
-/* Text that may come from anyone, made one that may be shown: valid UTF-8 on one line. */
+/* Make text from any source safe to show: valid UTF-8 on one line. */
 #ifndef READABLE_H
 #define READABLE_H
 
 #include <stddef.h>
 
-/* Bytes of the letter that begins here; 0: it is none, or steers a terminal. Unicode 15, table 3-7. */
+/* Return the bytes of the letter that begins here; 0 if none does, or if it is a control character. Unicode 15, table 3-7. */
 static inline size_t length_of_letter(const unsigned char *c) {
     if (c[0] < 0x80) return c[0] >= ' ' && c[0] != 0x7F;
     if (c[0] < 0xC2 || c[0] > 0xF4) return 0;

@@ -31,7 +31,7 @@ static inline bool resources_begins(const char *text, const char *letters) {
     return !*letters;
 }
 
-/* Length of the scheme of a URI, RFC 3986, section 3.1; 0: the text has none. One letter is that of a drive. */
+/* Return the length of the scheme of a URI, RFC 3986, section 3.1; 0 if it has none. One letter is that of a drive. */
 static inline size_t resources_scheme(const char *text) {
     size_t length = 0;
     if (!isalpha((unsigned char)*text)) return 0;

@@ -38,7 +38,7 @@ static inline size_t sealed_size(size_t block) { return sizeof(seal) + block; }
 static inline void *sealed_block(void *state) { return (char *)state + sizeof(seal); }
 static inline const void *sealed_content(const void *state) { return (const char *)state + sizeof(seal); }
 
-/* Puts the seal in front of a block that lies behind its place. */
+/* Put the seal in front of a block, for which there is room before it. */
 static inline void seal_state(void *state, unsigned long long model, size_t block) {
     seal head;
     head.size = sealed_size(block);

@@ -14,7 +14,7 @@ enum { MOST_STEPS = 300, MOST_CORRECTIONS = 8, QUICK = 4 };
 /* Sizes of steps [s]: the first; the smallest, below which the search fails; the size from which on a change in a step is all
  * of the remaining change. */
 static const double FIRST = 1e-3, LEAST = 1e-8, LONG = 1e6;
-/* Scaled changes: corrections at which an implicit step is solved, and a long step that changes nothing any more. */
+/* Scaled changes: corrections at which an implicit step is solved, and a long step without further change. */
 static const double SOLVED_STEP = 1e-6, SETTLED = 1e-9;
 /* Directions of a friction that has no velocity to oppose: it gives way with this share of its capacity. */
 static const double GIVES_WAY = 1e-4;
@@ -77,7 +77,7 @@ static int implicit_step(kernel *self, double size) {
     return 0;
 }
 
-/* Until nothing changes any more. 0: that is never so. */
+/* Step until nothing changes any more; return whether that is reached. */
 static bool find_rest(kernel *self) {
     double size = FIRST;
     for (int count = 0; count < MOST_STEPS && size > LEAST; ++count) {
@@ -117,7 +117,7 @@ static void hold(kernel *self, const int *state, int count, double mass) {
         if (self->work.differential[state[i]] != 0.0) self->work.differential[state[i]] = mass; /* algebraic states have none */
 }
 
-/* Whether a parameter says where what comes to rest last stands: there it stays. */
+/* Return whether a parameter sets the place of the states that come to rest last: then they stay there. */
 static bool is_placed(const kernel *self) {
     const steady_start *steady = self->system->steady;
     for (int i = 0; i < steady->places; ++i)
@@ -131,7 +131,7 @@ static void leave_drives(kernel *self) {
     for (int i = 0; i < steady->drives; ++i) self->given.input[steady->drive[i]] = self->given.rate[steady->drive[i]] = 0.0;
 }
 
-/* From the start values, in self->run.state: first all but what comes to rest last, then all. */
+/* Find the state from the start values, in self->run.state: first all states except those that come to rest last, then all. */
 static bool find(kernel *self) {
     const steady_start *steady = self->system->steady;
     double *pace = self->steady.pace;

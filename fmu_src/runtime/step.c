@@ -1,4 +1,4 @@
-/* A step as the host sees it: all of it or nothing. Its loop is in integrate.c. */
+/* A complete step for the host: all of it or nothing. Its loop is in integrate.c. */
 #include <math.h>
 #include <string.h>
 

@@ -16,7 +16,7 @@ enum { FIRST_OUTPUT = INPUTS + 1, VARIABLES = INPUTS + 1 + OUTPUTS };
 /* Rounding that a host's times may have [s]. */
 static const double ROUNDING = 1e-9;
 
-/* All that a run changes; the memory of the three functions lies behind it, where any type may begin. */
+/* Everything that a run changes; the memory of the three functions follows it, aligned for any type. */
 typedef struct {
     double value[VARIABLES], start_time;
     long long int asked;
@@ -74,7 +74,7 @@ void arrays_start(arrays_object *self, double time) {
     START(memory_of(self), COUNT, self->now->value[INPUTS]);
 }
 
-/* Asks the object at a time; false: it gave what no output may be. */
+/* Call the object's step at a time; false if an output is outside its limits. */
 static bool ask(arrays_object *self, double time, char problem[MESSAGE_SIZE]) {
     double *output = self->now->value + FIRST_OUTPUT;
     int answer[OUTPUTS];

@@ -47,11 +47,11 @@ static inline void stepper_go_on(stepper *run) {
     run->offset = run->size == run->remaining ? run->whole : run->offset + run->size;
     run->phase = run->offset < run->whole ? STEPPER_BEGINS : STEPPER_DONE;
 }
-/* At the beginning of a step: asks for a trial, or is done. */
+/* At the beginning of a step: request a trial, or be done. */
 RUNTIME_LOCAL void stepper_ask(kernel *self, stepper *run);
 /* Make the requested trial; the new state is in work.trial. */
 RUNTIME_LOCAL double stepper_try(kernel *self, const stepper *run);
-/* Takes a trial with its error in units of the tolerance: asks for another one, begins the next step, or is done. */
+/* Take a trial with its error in units of the tolerance: request another one, begin the next step, or be done. */
 RUNTIME_LOCAL void stepper_take(kernel *self, stepper *run, double error);
 /* The same functions for steps of a fixed size. */
 RUNTIME_LOCAL void fixed_begin(kernel *self, stepper *run);
@@ -61,7 +61,7 @@ RUNTIME_LOCAL void fixed_take(kernel *self, stepper *run, double error);
 RUNTIME_LOCAL double fixed_size(const kernel *self, double remaining);
 /* Fail with the message that a fixed step has no finite end. */
 RUNTIME_LOCAL void fixed_failed(kernel *self, stepper *run);
-/* A step that crosses a switch: asks for shorter ones until the first margin has just turned negative. */
+/* A step that crosses a switch: request shorter ones until the first margin has just turned negative. */
 RUNTIME_LOCAL void locate_begin(kernel *self, stepper *run);
 RUNTIME_LOCAL void locate_take(kernel *self, stepper *run);
 

@@ -26,8 +26,8 @@ KERNEL_EXPORT kernel_status kernel_margin_at(kernel *self, double time, const do
 /* slopes, and residuals of algebraic states, of all n states, and their Jacobian (n x n, by rows) unless null. */
 KERNEL_EXPORT kernel_status kernel_equations_at(kernel *self, double time, const double *state, double *slope,
                                                 double *jacobian);
-/* The kernel goes there and switches what has crossed; with `crossed`, what is nearest to it, if it is on this side.
- * `place` is what it is afterwards. */
+/* Move the kernel there and switch what has crossed; with `crossed`, also the switch nearest to it on this side. `place` is the
+ * state afterwards. */
 KERNEL_EXPORT kernel_status kernel_arrive(kernel *self, double time, double *place, bool crossed);
 /* For benchmarks: call the right-hand side, the Jacobian or the step function `repeat` times at the present state. */
 KERNEL_EXPORT kernel_status kernel_repeat_right_hand_side(kernel *self, long long int repeat);

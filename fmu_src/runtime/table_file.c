@@ -1,5 +1,5 @@
-/* A table from a user's file, as FMUs and kernels read it: the C twin of readers/tables.py inside FMUs. Its rules stand
- * there; tests give the same files to both. */
+/* A table from a user's file, as FMUs and kernels read it: the C twin of readers/tables.py inside FMUs, which defines its
+ * rules. Tests give the same files to both. */
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -29,11 +29,11 @@ typedef struct {
     text_rows rows;
     const char *path;
     char *problem;
-    const char *in; /* the column that is read, null: none */
+    const char *in; /* the column that is read, NULL: none */
     char separator, mark; /* of columns; the decimal mark, 0: none was read */
     bool decimal; /* a number has shown that the mark is none of thousands */
     cell_place place[MOST_COLUMNS]; /* in their order */
-    int places, room; /* rows that there is room for */
+    int places, room; /* capacity in rows */
     table_file *made;
 } reader;
 

@@ -24,13 +24,13 @@ RUNTIME_LOCAL bool table_read_number(const char *text, double *value, char *mark
 RUNTIME_LOCAL void table_look_up(const table_file *self, const table_description *table, double at, int *guess, double held[2],
                                  double *coefficient);
 
-/* A part of the way from a row to the next one, from and to so far behind the row, on which every piece is one polynomial.
+/* A part of the way from a row to the next one, from `from` to `to` after the row, on which every piece is one polynomial.
  * Values are straight between rows; a corner at a row is rounded over the `rounding` of the description on either side, and
  * rows that are less than twice that apart are joined by one curve. */
 struct table_part {
     int row;
     double from, to;
-    double rounded; /* so far behind its row a corner is rounded */
+    double rounded; /* distance after its row over which a corner is rounded */
     bool straight;
 };
 

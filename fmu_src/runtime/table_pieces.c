@@ -9,12 +9,12 @@ static const double STRAIGHT = 1e-12;
 
 static double width_of(const table_file *self, int row) { return self->column[0][row + 1] - self->column[0][row]; }
 
-/* Slope from a row to the next; beyond the ends nothing changes. */
+/* Return the slope from a row to the next; 0 beyond the ends. */
 static double secant(const table_file *self, const double *value, int row) {
     return row < 0 || row > self->rows - 2 ? 0.0 : (value[row + 1] - value[row]) / width_of(self, row);
 }
 
-/* Whether the corners at both ends of the way from a row to the next meet: then one curve joins them. */
+/* Return whether the corners at both ends of an interval meet: then one curve joins them. */
 static bool meets(const table_file *self, int row) {
     return row >= 0 && row <= self->rows - 2 && width_of(self, row) <= 2.0 * MODEL.table_file->rounding;
 }
@@ -68,7 +68,7 @@ static double share_of_end(double straight, double slope, double bend, double re
 
 /* Value, slope and bend at a row, for quintics that do not leave the values of two rows. */
 static void quintic_end(const table_file *self, const double *value, int row, double end[3]) {
-    enum { WAYS = 4 }; /* from row to row, two before this one and two behind */
+    enum { WAYS = 4 }; /* intervals, two before this row and two after */
     double straight[WAYS], width[WAYS], slope[WAYS - 1];
     for (int way = 0; way < WAYS; ++way) {
         straight[way] = secant(self, value, row - 2 + way);
@@ -156,7 +156,7 @@ void table_integral(const table_file *self, int column, const table_part *part, 
     const double first = begins ? cubic_slope(self, value, part->row) : slope;
     const double last = ends ? cubic_slope(self, value, part->row + 1) : slope;
     c[0] = start;
-    if (part->from > 0.0) { /* below the straight line, and what the corner at the row takes of it or adds */
+    if (part->from > 0.0) { /* below the straight line, and the change by the corner at the row */
         c[0] += part->from * (value[part->row] + slope * part->from / 2.0);
         if (part->rounded > 0.0) c[0] += part->rounded * part->rounded * (cubic_slope(self, value, part->row) - slope) / 12.0;
     }
@@ -194,7 +194,7 @@ static int row_before(const table_file *self, double at, int guess) {
     return low;
 }
 
-/* Beyond the ends a piece keeps its value there, or goes on straight with its slope. width: to the end. */
+/* Beyond the ends a piece keeps its value there, or continues straight with its slope. width: to the end. */
 static void leave(bool goes_on, double width, double *c) {
     const double slope = goes_on ? table_slope(c, width) : 0.0;
     c[0] = table_value(c, width);

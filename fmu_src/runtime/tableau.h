@@ -1,4 +1,4 @@
-/* A Rosenbrock method, and what its stages are computed in. */
+/* A Rosenbrock method, and the work arrays of its stages. */
 #ifndef TABLEAU_H
 #define TABLEAU_H
 
@@ -11,7 +11,7 @@ struct rosenbrock_tableau {
     double alpha[MOST_STAGES], time_weight[MOST_STAGES];
     double a[MOST_STAGES][MOST_STAGES], c[MOST_STAGES][MOST_STAGES];
     double error[MOST_STAGES];  /* weights of the stages in the difference of the two methods */
-    bool adds_one[MOST_STAGES]; /* whether a stage stands where the one before does, and one stage further */
+    bool adds_one[MOST_STAGES]; /* whether a stage is at the place of the one before, plus one stage */
 };
 
 /* numbers: how many doubles each array has. `evaluate` computes the right-hand side at a share of the step. */

@@ -78,7 +78,7 @@ static size_t write_letter(int letter, char *to) {
 static int letters_in(const char *text, size_t length) {
     int count = 0;
     for (const unsigned char *c = (const unsigned char *)text, *end = c + length; c < end; ++count) {
-        const size_t bytes = *c < 0x80 ? 1 : length_of_letter(c); /* behind the text stands a zero */
+        const size_t bytes = *c < 0x80 ? 1 : length_of_letter(c); /* a zero follows the text */
         if (!bytes) return -1;
         c += bytes;
     }
@@ -110,7 +110,7 @@ static reading refuse_length(text_rows *self) {
     return refuse_row(self, "a row must have at most %d characters. Check that this is a table", LONGEST_ROW);
 }
 
-/* The text of a row that was read: in UTF-8, without marks, and no longer than it may be. */
+/* Finish the text of a row that was read: in UTF-8, without marks, and not too long. */
 static reading complete_row(text_rows *self, size_t length, bool plain, bool ends) {
     while (ends && length && self->text[length - 1] == '\x1A') --length; /* the end of files of DOS */
     self->text[length] = '\0';
@@ -196,7 +196,7 @@ char text_separator(const char *text) {
     return tab ? '\t' : semicolon ? ';' : ',';
 }
 
-/* A cell that begins with quotes: two of them stand for one. */
+/* Read a cell that begins with quotes: two of them mean one. */
 static cell_reading next_in_quotes(char *start, char **rest, char separator, char **cell) {
     char *from = start + 1, *to = start;
     for (; *from && (from[0] != '"' || from[1] == '"'); *to++ = *from++) from += *from == '"';

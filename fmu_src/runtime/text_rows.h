@@ -20,7 +20,7 @@ typedef struct {
     FILE *file;
     text_encoding encoding;
     int number;              /* of the row that was read last, from 1 */
-    bool behind_return;      /* the last character was a carriage return: a line feed behind it is the same row end */
+    bool behind_return;      /* the last character was a carriage return: a line feed after it is the same row end */
     size_t at, end;          /* in chunk */
     unsigned long long size; /* bytes that were read */
     char problem[ROW_PROBLEM_SIZE]; /* of a row that is refused */

@@ -5,14 +5,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Names that files share: known within the one unit that all.c makes of them, and otherwise between them. */
+/* Names that files share: local to the one unit that all.c makes of them, and otherwise between them. */
 #ifdef ONE_UNIT
 #define RUNTIME_LOCAL static
 #else
 #define RUNTIME_LOCAL
 #endif
 
-/* Of a function whose nth argument is a format, with values behind it: compilers look whether they fit. */
+/* For a function whose nth argument is a format, with values after it: compilers check that they fit. */
 #if defined(__GNUC__) && !defined(_WIN32)
 #define LIKE_PRINTF(nth) __attribute__((format(printf, nth, nth + 1)))
 #else
@@ -27,7 +27,7 @@ typedef struct {
     const char *unit;
     int kind, causality;
     double start, minimum, maximum;
-    double when_lost; /* what the equations see when a NaN arrives; NaN: a NaN is refused */
+    double when_lost; /* value for the equations when a NaN arrives; NaN: a NaN is refused */
 } variable_description;
 
 /* Return the reason why a variable cannot be set, to follow its name in a message; NULL if it can. */

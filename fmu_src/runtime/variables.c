@@ -17,7 +17,7 @@ const char *kernel_name_of_table_file(void) {
     return MODEL.table_file ? MODEL.variable[MODEL.table_file->variable].name : "the table file";
 }
 
-/* Unit with a blank before it; nothing for pure numbers. */
+/* Return the unit with a blank before it; empty for pure numbers. */
 static const char *after_number(const variable_description *variable, char text[32]) {
     const bool pure = strcmp(variable->unit, "1") == 0;
     snprintf(text, 32, "%s%s", pure ? "" : " ", pure ? "" : variable->unit);
@@ -42,7 +42,7 @@ static const char *other_unit(const variable_description *variable, double value
 }
 
 kernel_status kernel_check_value(kernel *self, const variable_description *variable, double value, double kept) {
-    if (is_allowed(variable, value)) return KERNEL_OK; /* asked at every step of a host */
+    if (is_allowed(variable, value)) return KERNEL_OK; /* evaluated at every step of a host */
     const char *name = variable->name;
     char text[32], other[120];
     const char *unit = after_number(variable, text);
@@ -59,7 +59,7 @@ kernel_status kernel_check_value(kernel *self, const variable_description *varia
                        kept);
 }
 
-/* Says once that an input does nothing in the chosen system, so that it is not ignored in silence. */
+/* Warn once that an input has no effect in the chosen system, so that it is not ignored in silence. */
 kernel_status kernel_warn_without_effect(kernel *self, int variable) {
     if (!self->system || self->warned[variable] || self->run.value[variable] == MODEL.variable[variable].start)
         return KERNEL_OK;
@@ -70,7 +70,7 @@ kernel_status kernel_warn_without_effect(kernel *self, int variable) {
                        MODEL.variable[variable].name, self->system->name);
 }
 
-/* Write a name behind others, as far as there is room; whether there was. */
+/* Write a name after others if there is room; return whether there was. */
 static bool add_name(char *names, size_t size, const char *before, const char *name) {
     const size_t length = strlen(names);
     if (length + strlen(before) + strlen(name) >= size) return false;

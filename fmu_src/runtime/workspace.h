@@ -46,7 +46,7 @@ typedef struct {
     dense_factors algebraic;
     bool algebraic_serve; /* its factors are good enough for Newton's method */
     double *correction, *guess, *follow; /* of algebraic states: Newton's, their values before, what follows from others */
-    double *direction, *image;           /* a change of all states, and what J makes of it */
+    double *direction, *image;           /* a change of all states, and its product with J */
 } step_workspace;
 
 typedef enum { KEPT_NOTHING, KEPT_JACOBIAN, KEPT_FACTORS } kept_parts;
