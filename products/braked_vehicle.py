@@ -25,10 +25,11 @@ BRAKES = {
     DISCS: "pads on discs, cylinders by flow of air from a reservoir through magnet valves",
 }
 BRAKE = Variable("brake_kind", "parameter", start=float(TIMED), **choosing("Brake of each wheelset", BRAKES))
-#: Systems of the vehicle whose cylinders also fill by flow of air: those in the plane. One in space would make the FMU
-#: half as large again.
+#: Systems of the vehicle whose cylinders can also fill by flow of air: the planar ones. A 3D system would make the FMU
+#: larger by half.
 WITH_FLOW = places_of(level=2)
-#: Which system serves, as CHOICE_ON_LINE has it, `brake_kind` last. Those by flow of air have numbers behind EVERY.
+#: Number of the system for each choice, as in CHOICE_ON_LINE, with `brake_kind` last. Systems with flow of air have
+#: numbers after EVERY.
 CHOICE = tuple(
     place if brake == TIMED else len(EVERY) + WITH_FLOW.index(place) if place in WITH_FLOW else NONE
     for place in CHOICE_ON_LINE
@@ -38,9 +39,9 @@ PLACES = tuple(sorted(set(CHOICE) - {NONE}))
 
 
 def braked_vehicle(places: Sequence[int] = PLACES) -> Model:
-    """Pressure demands and valves in; speed, wheel speeds and pressures out; the coach on treads or discs.
+    """Return the coach on treads or discs: inputs are pressure demands and valves.
 
-    places: which of the systems of CHOICE it has; those that it lacks cannot be chosen.
+    Outputs are speed, wheel speeds, pressures. places: the included systems of CHOICE; the others cannot be selected.
     """
     systems = tuple(_system(place) for place in places)
     text = "Four-axle railway vehicle with a brake cylinder on each wheelset: pressure in, speed and slip out"

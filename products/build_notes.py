@@ -1,4 +1,4 @@
-"""What was made from the sources as they are: equations are not written again only to find their files in the cache."""
+"""Notes on products of the current sources: their files are found in the cache without writing the equations again."""
 
 import hashlib
 import inspect
@@ -19,10 +19,10 @@ Makers = Sequence[Callable[..., object]]
 def remembered(
     name: str, what: str, makers: Makers, make: Callable[[], str], good: Callable[[str], bool] = bool
 ) -> str:
-    """The text that `make` gave for an FMU of the registry when the same sources, compiler and packages were here.
+    """Return the text that `make` gave for an FMU of the registry with the same sources, compiler and packages.
 
-    makers: functions that make it of the FMU's model; sources are all that their modules and the model's are made
-    from. It is asked again where that text is not `good` any more, and each time for a model that other sources write.
+    makers: functions that make it from the FMU's model; its sources are those of their modules and of the model's.
+    `make` is called again if the text is no longer `good`, and each time for a model from other sources.
     """
     if not written_here(name):
         return make()
@@ -34,7 +34,7 @@ def remembered(
 
 
 def noted(what: str, make: Callable[[], str], good: Callable[[str], bool] = bool, sources: str = "") -> str:
-    """The same for whatever functions of this project make; sources: a digest of them, by default of all."""
+    """Return the same for any functions of this project; sources: a digest of their sources, by default of all."""
     words = [sources or sources_here(), what, here(), *compiler(), *map(version, ("casadi", "fmpy"))]
     return compiling.noted(f"{hashlib.sha256(repr(words).encode()).hexdigest()[:24]}.made", make, good)
 
@@ -50,17 +50,17 @@ def remembered_path(name: str, what: str, makers: Makers, make: Callable[[], Pat
 
 
 def place_of(path: Path) -> str:
-    """A file's place from the cache's folder on: a cache that is copied or moved serves its own files."""
+    """Return the path of a file relative to the cache's folder: a copied or moved cache stays valid."""
     return path.relative_to(cache()).as_posix()
 
 
 def is_there(text: str) -> bool:
-    """Whether a text is the place of a file of the cache that is whole."""
+    """Return whether a text is the path of a complete file of the cache."""
     return path_from(text) is not None
 
 
 def written_here(name: str) -> bool:
-    """Whether the function behind an FMU is among the sources that are looked at."""
+    """Return whether the function of an FMU is in the watched sources."""
     function = FMUS[name].model
     if not inspect.isfunction(function):
         return False

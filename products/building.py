@@ -35,13 +35,13 @@ from products.terminals import terminals_of
 from readers.storage import write_whole, writing
 from readers.text import BadInputError
 
-#: Native for FMI 2.0 and for FMI 3.0, and pythonfmu, which has binaries of its own.
+#: Native for FMI 2.0 and for FMI 3.0; pythonfmu brings its own binaries.
 NATIVE = ("native", "fmi3")
 KINDS = (*NATIVE, "python")
 
 
 def license_text() -> bytes:
-    """The license, from the checkout or from what pip has installed."""
+    """Return the license, from the checkout or from the installed package."""
     beside = ROOT / "LICENSE"
     if beside.exists():
         return beside.read_bytes()
@@ -56,8 +56,10 @@ def license_text() -> bytes:
 
 
 def extras(name: str, kind: str) -> dict[str, bytes]:
-    """What a native archive holds besides the model: license, terminals and icon, the page's picture if any, parameter
-    sets and experiments with their results.
+    """Return the further contents of a native archive by name.
+
+    They are license, terminals and icon, the figure of its page if any, parameter sets, and experiments with their
+    results.
     """
     files = {
         "documentation/licenses/license.txt": license_text(),
@@ -71,7 +73,7 @@ def extras(name: str, kind: str) -> dict[str, bytes]:
 
 
 def fmu_path(name: str, kind: str, out: Path) -> Path:
-    """OUT/KIND/Model.fmu of an FMU of the registry."""
+    """Return OUT/KIND/Model.fmu of an FMU of the registry."""
     return out / kind / f"{model_of(name).name}.fmu"
 
 
@@ -105,14 +107,14 @@ def copy_fmu(name: str, kind: str, out: Path) -> Path:
 
 
 def up_to_date(name: str, kind: str) -> Path:
-    """Path of an FMU that came with the package or lies in the cache of the user, built now unless one is there."""
+    """Return the path of an FMU from the package or the user's cache; build it if needed."""
     file = f"{kind}/{name}.fmu"
     with ONE_WRITES:
         return prebuilt(name, file) or remembered_path(name, file, [write_fmu], lambda: _in_cache(name, kind))
 
 
 def _in_cache(name: str, kind: str) -> Path:
-    """Equal content has one place."""
+    """Return the path in the cache; equal content has one path."""
     words = hashlib.sha256(" ".join([content_of(name), here(), *compiler()]).encode()).hexdigest()
 
     def written(folder: Path) -> Path:
@@ -122,7 +124,7 @@ def _in_cache(name: str, kind: str) -> Path:
 
 
 def kernel_of(name: str) -> Path:
-    """Path of the library of an FMU's equations for fmu_src/kernel.py, likewise."""
+    """Return the path of the library of an FMU's equations for fmu_src/kernel.py, likewise."""
     file = _kernel_file(name)
     with ONE_WRITES:
         return prebuilt(name, file) or remembered_path(
@@ -135,7 +137,10 @@ def _kernel_file(name: str) -> str:
 
 
 def whole_kernel(name: str) -> Path | None:
-    """Path of the library of all equations of an FMU if one came with the package and no source has changed since."""
+    """Return the path of the library of all equations of an FMU from the package.
+
+    None is returned if a source has changed since.
+    """
     return prebuilt_from_these(_kernel_file(name))
 
 
@@ -163,7 +168,7 @@ def kernel_at(name: str, place: int, before: Callable[[], None] | None = None) -
 
 @lru_cache
 def variables_of(name: str) -> dict[str, Variable]:
-    """The variables of an FMU by name, known without writing its equations anew."""
+    """Return the variables of an FMU by name, without writing its equations again."""
 
     def written() -> str:
         return json.dumps([asdict(variable) for variable in written_variables(name)])
@@ -174,12 +179,12 @@ def variables_of(name: str) -> dict[str, Variable]:
 
 
 def units_of(name: str) -> dict[str, str]:
-    """Units of the variables of an FMU."""
+    """Return the units of the variables of an FMU."""
     return {key: variable.unit for key, variable in variables_of(name).items()}
 
 
 def announce(path: Path, seconds: float) -> list[str]:
-    """Validates an FMU with fmpy, prints its line, and the problems, which it returns."""
+    """Validate an FMU with fmpy, print its line and its problems, and return the problems."""
     problems = validate_fmu(str(path))
     verdict = "valid" if not problems else f"{len(problems)} problems"
     print(f"{path}  {path.stat().st_size / 1000:.0f} kB  {seconds:.1f} s  {verdict}")

@@ -1,9 +1,9 @@
-"""The coach, the complete vehicle of the FMU `vehicle`: its numbers, and what brakes all its wheelsets."""
+"""The coach, the complete vehicle of the FMU `vehicle`: its parameters, and the brake torque on all its wheelsets."""
 
 from rbd_model.vehicle.parameters import coach_with_traction_rods, manchester_vehicle_1
 
 COACH = coach_with_traction_rods()
-#: What makes the published vehicle of the coach: it has no traction rods.
+#: Parameters of the published vehicle without the traction rods of the coach.
 AS_PUBLISHED = {key: value for key, value in manchester_vehicle_1().values().items() if value != COACH.values()[key]}
 NUMBERS = (1, 2, 3, 4)
 

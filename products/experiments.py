@@ -1,4 +1,4 @@
-"""The experiments that travel inside the FMUs with their results, so that a host can be asked whether it runs them."""
+"""Experiments in the FMUs with their results, to check an importing host."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from products.coach import brakes
 from products.machine import FULL_PRESSURE, FULL_TORQUE
 from products.parameter_sets import PARAMETER_SETS
 
-#: What is recorded of motion along the track, of a wheelset beside the track's middle, and of a brake.
+#: Recorded outputs of the motion along the track, of a wheelset's lateral motion, and of a brake.
 ALONG = (
     *("speed", "distance", "angular_velocity_1", "angular_velocity_2", "locked_1", "locked_2"),
     *("axle_load_1", "axle_load_2"),
@@ -19,7 +19,7 @@ BRAKE = ("cylinder_pressure", "shoe_force", "brake_torque")
 
 @dataclass(frozen=True)
 class Scene:
-    """An experiment of the FMU of a parameter set: what else it sets, constant inputs, what is recorded.
+    """An experiment of the FMU of a parameter set: further values, constant inputs, recorded outputs.
 
     duration and step [s]: of the run and of its host.
     """
@@ -33,7 +33,7 @@ class Scene:
     step: float
 
 
-#: By name; those of one FMU, that of their parameter set, go into its archive.
+#: Experiments by name; those of an FMU, that of their parameter set, are in its archive.
 SCENES: dict[str, Scene] = {
     "lock-up": Scene(
         "60 kN.m on the leading wheelset, which locks (Fig. 5.44)",

@@ -61,7 +61,7 @@ def in_order(equipment: Iterable[str]) -> tuple[str, ...]:
 class Machine:
     """A vehicle with a brake on each wheelset and additional equipment.
 
-    name: one of VEHICLES. full_pressure [Pa], full_torque [N.m]: of the full brake of one wheelset; supply_pressure
+    name: one of VEHICLES. full_pressure [Pa], full_torque [N.m]: of the full brake of one wheelset. supply_pressure
     [Pa]: largest output of its regulator. by_flow: cylinders fill by flow of air from a reservoir, through magnet
     valves with switching times; else by application and release time. equipment: some of EQUIPMENT. Raises ValueError
     if equipment is unknown, or if it requires cylinders by flow of air.

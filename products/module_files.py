@@ -1,4 +1,4 @@
-"""Which files an FMU is made from: those of the modules that its makers import, and what these may read."""
+"""The source files of an FMU: those of the modules that its makers import, and the files that these may read."""
 
 import re
 from collections.abc import Iterator
@@ -7,11 +7,11 @@ from pathlib import Path
 
 from products.sources import HOUSE, KINDS, PREBUILT, ROOT, digest
 
-#: An import from a module of the rooms, in the one form that they have.
+#: An import from a module of the packages, in their only form.
 IMPORT = re.compile(r"^[ \t]*from ([\w.]+) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
 
 
-#: The list of FMUs imports them all: what is made of one is made from the list, not from the others.
+#: The list imports all FMUs: the product of one depends on the list, not on the others.
 LIST = ROOT / "products" / "registry.py"
 #: Sources of this room travel in FMUs, and some are read as text: all of it counts for each.
 WHOLE = ROOT / "fmu_src"
@@ -24,10 +24,10 @@ def digest_of(*modules: str) -> str:
 
 
 def files_of(*modules: str) -> set[Path]:
-    """Return the files that modules are made from, all of `fmu_src`, and the list of FMUs without what that imports.
+    """Return the files that modules are made from, all of `fmu_src`, and the list of FMUs without its imports.
 
-    A module may read what is not Python in its folder, and in the folders below that hold no Python. Who takes an
-    entry of the list gives its modules too.
+    A module may read files other than Python in its folder, and in the folders below that hold no Python. Modules of an
+    entry of the list are to be given in addition.
     """
     found = {path for path in WHOLE.rglob("*") if path.suffix in KINDS} | {LIST}
     followed: set[Path] = set()
@@ -42,7 +42,7 @@ def files_of(*modules: str) -> set[Path]:
 
 
 def imports_of(path: Path) -> set[Path]:
-    """Return the files of the rooms that a module imports, also below a condition or within a function."""
+    """Return the files of the packages that a module imports, also below a condition or within a function."""
     found: set[Path] = set()
     for module, names in IMPORT.findall(path.read_text(encoding="utf-8")):
         for name in (module, *(f"{module}.{one}" for one in re.findall(r"\w+", names))):
@@ -52,7 +52,7 @@ def imports_of(path: Path) -> set[Path]:
 
 @cache
 def _files_of(module: str) -> tuple[Path, ...]:
-    """Return the file of a module of the rooms, and those of the packages that it lies in."""
+    """Return the file of a module of the packages, and those of the packages that contain it."""
     parts = module.split(".")
     if parts[0] == HOUSE[-1] and not (ROOT / parts[0]).is_dir():  # in a wheel all rooms are below the one name
         parts = parts[1:] or [""]

@@ -13,11 +13,11 @@ from rbd_model.vehicle.description import relations_of
 
 
 def place_of(name: str, table: Mapping[str, Variable], values: Mapping[str, Any], on_line: bool = False) -> int | None:
-    """Return which system of an FMU the values choose: its number in `Fmu.choice`, NONE if there is no such system.
+    """Return the number in `Fmu.choice` of the system that the values select; NONE if it does not exist.
 
-    None: the FMU is no vehicle at several levels. Of a value that a run will refuse the start value counts. table:
-    variables of the FMU; one without a line's file runs on none. on_line: whether it runs on one whose file is not
-    among the values.
+    None: the FMU is not a vehicle with several levels. An invalid value, which a run will refuse, is replaced by the
+    start value. table: variables of the FMU; without the variable of a line's file, it runs without a line. on_line:
+    whether it runs on a line whose file is not among the values.
     """
     fmu = FMUS[name]
     if fmu.vehicle is None:

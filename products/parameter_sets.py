@@ -23,7 +23,7 @@ from rbd_model.vehicle.parameters import (
 )
 from readers.storage import write_whole
 
-#: What a file says of itself, with the pressure of the experiment.
+#: Description in a file, with the pressure of the experiment.
 QR30 = "Brake of one wheelset in the experiment at {} kPa, chapters 6 and 7"
 
 
@@ -33,7 +33,7 @@ def recovery_under_coach() -> RecoveryParameters:
 
 
 class NamedSet:
-    """A set for an FMU of the registry: what it is, in a line, the functions that give its values, and its rail."""
+    """A set for an FMU of the registry: its description in a line, the functions that give its values, and its rail."""
 
     def __init__(
         self,
@@ -45,7 +45,7 @@ class NamedSet:
         self.fmu, self.description, self.sources, self.rail = fmu, description, sources, rail
 
     def values(self) -> dict[str, float]:
-        """Of all sources and the rail under four wheelsets, SI units; without those that the FMU does not have."""
+        """Return the values of all sources and the rail under four wheelsets that the FMU has, in SI units."""
         values = {key: value for one in self.sources for key, value in one().values().items()}
         return values_for(self.fmu, values | (self.rail.values(4) if self.rail else {}))
 
@@ -90,13 +90,13 @@ MACHINES: dict[str, NamedSet] = {
         "rail", "Low adhesion that sliding wheels clean away, under a bogie of the coach", recovery_under_coach
     ),
 }
-#: The sets of vehicles that are also given on rails whose friction falls as the wheels slide, and these rails.
+#: Vehicle sets that are also provided on rails whose friction decreases with sliding speed, and these rails.
 VEHICLES = ("bogie-chapter-5", "wheelset-chapter-4", "coach", "coal-wagon", "braked-coach")
 RAILS = {"dry-rail": dry, "wet-rail": wet, "low-adhesion": low, "very-low-adhesion": very_low}
 
 
 def on_rail(machine: NamedSet, condition: Callable[[], RailCondition]) -> NamedSet:
-    """A vehicle's set with a condition of the rail, whose friction coefficients are start values of inputs."""
+    """Return a vehicle's set with a condition of the rail; its friction coefficients are start values of inputs."""
     rail = condition()
     about = f"{machine.description}. Rail: {rail.source}{'' if rail.verified else '; unverified'}"
     return NamedSet(machine.fmu, about, *machine.sources, rail=rail)
@@ -111,7 +111,7 @@ PARAMETER_SETS: dict[str, NamedSet] = MACHINES | {
 
 
 def values_for(fmu: str, values: Mapping[str, float]) -> dict[str, float]:
-    """Those of the values that an FMU of the registry has as parameters or inputs."""
+    """Return those values that an FMU of the registry has as parameters or inputs."""
     known = {variable.name for variable in model_of(fmu).variables if variable.causality in ("parameter", "input")}
     return {name: value for name, value in values.items() if name in known}
 

@@ -1,8 +1,7 @@
-"""What a release has compiled and a wheel brings: FMUs and kernels of its platform, and the live page, in a folder that
-is only read.
+"""Compiled files of a release in a wheel: FMUs and kernels of its platform, and the live page, in a read-only folder.
 
-A file of it serves as long as the sources here would make the same. Where no source has changed that is known at once;
-else the C is generated, which takes seconds, and compared, so that nothing is compiled but what has changed.
+A file is valid as long as the present sources would make the same. If no source has changed, this is known at once. If
+one has, the C is generated, which takes seconds, and compared: only changed files are compiled.
 """
 
 import hashlib
@@ -19,13 +18,13 @@ from products.terminals import terminals_of
 from readers.documents import read_document
 
 CONTENTS = "contents.json"
-#: What makes files of FMUs.
+#: Source of the makers of FMU files.
 MAKERS = ROOT / "fmu_src"
-#: Pictures on the pages inside FMUs, and their icon.
+#: Figures on the pages inside FMUs, and their icon.
 PICTURES = Path(__file__).parent / "pictures"
-#: What FMUs and kernels are made from.
+#: Sources of FMUs and kernels.
 SOURCES = ("readers", "fmu_src", "rbd_model", "brake_controller", "products")
-#: The live page in the folder, and what it is made from.
+#: The live page in the folder, and its sources.
 PAGE = "live.html"
 PAGE_SOURCES = (*SOURCES, "scenarios/live", "scenarios/web", "scenarios/reporting/motion.py")
 
@@ -36,9 +35,7 @@ def sources_here() -> str:
 
 
 def content_of(name: str) -> str:
-    """A name for what an FMU of the registry is made from: its C with the runtime, what travels with it, and what makes
-    files of these.
-    """
+    """Return a name for the content of an FMU of the registry: its C and runtime, its further files, and its makers."""
     found = hashlib.sha256(guid_of(generate(model_of(name))).encode())
     found.update(repr([terminals_of(model_of(name)), set_files(name), experiments_of(name)]).encode())
     for source in (*sorted([*MAKERS.glob("*.py"), *MAKERS.glob("hosts/*.*")]), *sorted(PICTURES.glob("*.png"))):
@@ -47,7 +44,7 @@ def content_of(name: str) -> str:
 
 
 def write_contents(folder: Path, platform: str, names: list[str]) -> None:
-    """Says in a folder for which platform its files are, from what they were made, and their checksums."""
+    """Write the platform, the sources and the checksums of the files of a folder into it."""
     made = {"contents": {name: content_of(name) for name in names}, "page": digest(*PAGE_SOURCES)}
     files = [path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != CONTENTS]
     sums = {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
@@ -56,7 +53,7 @@ def write_contents(folder: Path, platform: str, names: list[str]) -> None:
 
 
 def contents() -> dict:
-    """What `write_contents` has said; nothing where no release has filled the folder, or what it said is damaged."""
+    """Return the contents that `write_contents` wrote; empty without a release, or if they are damaged."""
     file = PREBUILT / CONTENTS
     try:
         about = read_document(file)
@@ -78,12 +75,12 @@ def shipped(file: str) -> Path | None:
 
 @cache
 def _same(path: Path, checksum: str, size: int, changed: int) -> bool:
-    """Whether a file has a checksum, looked at once; size, changed [ns]: of the file, which is another one then."""
+    """Return whether a file has a checksum, computed once; size, changed [ns]: of the file, which identify it."""
     return hashlib.sha256(path.read_bytes()).hexdigest() == checksum
 
 
 def damaged() -> list[str]:
-    """Files of the folder that are not as the release made them."""
+    """Return the files of the folder that differ from the release."""
     return [file for file in contents().get("files", {}) if shipped(file) is None]
 
 
@@ -95,7 +92,7 @@ def prebuilt(name: str, file: str) -> Path | None:
 
 
 def prebuilt_from_these(file: str) -> Path | None:
-    """A file that a release made from sources that are as they are here, which is known at once."""
+    """Return a file that a release made from the present sources, or None if a source has changed."""
     path = shipped(file)
     return path if path and contents().get("sources") == sources_here() else None
 

@@ -1,6 +1,6 @@
-"""What is promised of the variables of the FMUs: the table of the last version, and what has changed since.
+"""Compatibility of the variables of the FMUs: the table of the last version, and the changes since.
 
-`python -m products.promised_variables`, in a checkout, writes the table anew, as a version is made.
+`python -m products.promised_variables`, in a checkout, writes the table for a new version.
 """
 
 import csv
@@ -16,20 +16,20 @@ from products.registry import FMUS, model_of
 
 TABLE = Path(__file__).parent / "variables.csv"
 COLUMNS = ("version", "fmu", "name", "causality", "unit", "start", "meaning")
-#: What a host can be built upon: causality, unit, start value, empty for what is computed, and what true means, empty
+#: Properties that a host may rely on: causality, unit, start value, empty for outputs, and the meaning of true, empty
 #: for numbers.
 Promise = tuple[str, str, str, str]
 
 
 def promise_of(variable: Variable) -> Promise:
-    """Of one variable; a text starts as none."""
+    """Return the properties of one variable; a string has no start value."""
     start = f"{variable.start:.12g}" if variable.causality in ("input", "parameter") else ""
     return variable.causality, variable.unit, start, variable.description if variable.kind == "boolean" else ""
 
 
 @lru_cache
 def last_version() -> tuple[str, dict[str, dict[str, Promise]]]:
-    """Which one it was, and what it promised by FMU and variable."""
+    """Return the last version, and its properties by FMU and variable."""
     version, promised = "", dict[str, dict[str, Promise]]()
     with TABLE.open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
@@ -40,7 +40,7 @@ def last_version() -> tuple[str, dict[str, dict[str, Promise]]]:
 
 
 def changes(name: str, variables: Iterable[Variable] | None = None) -> list[str]:
-    """What has changed in an FMU's variables since the last version, a sentence each; variables: as they are now."""
+    """Return the changes of an FMU's variables since the last version as messages; variables: the present ones."""
     version, promised = last_version()
     if name not in promised:
         return []  # nothing was promised of an FMU that there was not

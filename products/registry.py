@@ -21,17 +21,17 @@ from rbd_model.track.recovery import rail_adhesion
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle_bogie
 
-#: What chooses the equations of a vehicle.
+#: Parameters that select the equations of a vehicle.
 SELECTORS = ("level", "contact_model")
 
 
 @dataclass(frozen=True)
 class Fmu:
-    """What becomes an FMU, and the picture on the page inside it, a file in pictures/ beside this one.
+    """The source of an FMU, and the figure of its page, a file in pictures/ in this folder.
 
-    alike: the FMU whose equations and variables it has, with other numbers. vehicle: that which it has at all levels;
-    its `model` takes the `places` of those that are asked for. named_by: of those which have all of its variables.
-    selectors, choice: of all its systems, as `Model` has them, by the numbers that `places` are.
+    alike: the FMU with the same equations and variables and other parameters. vehicle: its vehicle at all levels;
+    `model` takes the `places` of the required systems. named_by: numbers of the systems that have all of its variables.
+    selectors, choice: of all its systems, as in `Model`, by the numbers in `places`.
     """
 
     model: Callable[..., Model]
@@ -43,11 +43,11 @@ class Fmu:
     choice: tuple[int, ...] = CHOICE_ON_LINE
 
 
-#: Systems that have all variables of a vehicle, in their order: strips have those of patches, lower levels on a line
-#: those of the highest there. And that with brakes by flow of air, on level track.
+#: Systems that together have all variables of a vehicle, in their order: strips include those of patches, the highest
+#: level on a line those of lower ones. Then the system with brakes by flow of air, on level track.
 ON_LINES, BY_FLOW_OF_AIR = (0, 1, 2, 3, 7), len(EVERY)
 
-#: By the name that the command line and the scenarios know.
+#: FMUs by their names on the command line and in scenarios.
 FMUS: dict[str, Fmu] = {
     "bogie": Fmu(bogie_dynamics, "qr30-180kpa.png", vehicle=two_axle_bogie, named_by=ON_LINES),
     "vehicle": Fmu(vehicle_dynamics, vehicle=passenger_coach, named_by=ON_LINES),
@@ -69,7 +69,7 @@ ALIASES = {"coach": "vehicle"}
 
 
 def fmu_named(name: str) -> str:
-    """Return the name in the list of what people may call otherwise; another name as it is."""
+    """Return the name in the list for an alias; another name unchanged."""
     return ALIASES.get(name, name) if isinstance(name, str) else name
 
 

@@ -10,19 +10,19 @@ from pathlib import Path
 from fmu_src import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
-#: The rooms of the house; each knows those ahead of it.
+#: The packages; each may import those before it.
 ROOMS = ("readers", "fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
-#: And the public face over them.
+#: All packages with the public API.
 HOUSE = (*ROOMS, "bogie_braking")
-#: Of all that computes; and with what travels in an FMU or makes a page.
+#: Kinds of source files that affect results; and with further files of FMUs and pages.
 CODE = {".py", ".c", ".h"}
 KINDS = CODE | {".cpp", ".cs", ".png", ".js", ".css", ".jinja", ".npz", ".toml"}
-#: What a release has made from them, empty in a checkout; `make release` fills it in wheels.
+#: Compiled files of a release, empty in a checkout; `make release` fills it in wheels.
 PREBUILT = ROOT / "products" / "prebuilt"
 
 
 def digest(*places: str, kinds: Collection[str] = KINDS) -> str:
-    """Of the sources of some kinds in folders, and of files, by their places from the root."""
+    """Return a digest of the sources of some kinds in folders, and of files, by their paths from the root."""
     found = hashlib.sha256()
     for path in sorted((path for place in places for path in _sources(ROOT / place, kinds)), key=_name):
         found.update(_name(path).encode())
@@ -31,7 +31,7 @@ def digest(*places: str, kinds: Collection[str] = KINDS) -> str:
 
 
 def content(path: Path) -> bytes:
-    """Of a source file, the same in a checkout as in a wheel, where imports name rooms below the one name."""
+    """Return the content of a source file, equal in a checkout and in a wheel, where all packages are in one."""
     return path.read_bytes().replace(b"from bogie_braking.", b"from ") if path.suffix == ".py" else path.read_bytes()
 
 
@@ -45,7 +45,7 @@ def _name(path: Path) -> str:
 
 
 def versions() -> dict[str, str]:
-    """What a result came out of; zig is an extra."""
+    """Return the versions that determine a result; zig is an optional dependency."""
     packages = ["casadi", "fmpy", "matplotlib", "numpy", "pythonfmu", "scipy"]
     packages += [name for name in ["ziglang"] if find_spec(name)]
     return {"bogie-braking": __version__, "python": platform.python_version()} | {

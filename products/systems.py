@@ -16,14 +16,14 @@ from rbd_model.vehicle.parameters import tables_8_1_and_8_2
 
 #: At this friction the full brake slides; it does not fall. Assumed.
 SLIDING_FRICTION = 0.08
-#: What is shown of a vehicle besides what is connected.
+#: Outputs of a vehicle that are shown in addition to the connected ones.
 SHOWN = ("speed", "distance", "cylinder_pressure_1", "cylinder_pressure_4")
 
 
 def heard(name: str, values: Mapping[str, float]) -> dict[str, float]:
-    """These values without the parameters that have no effect at the `level` among them; name: of a registered FMU.
+    """Return these values without parameters that have no effect at their `level`; name: of a registered FMU.
 
-    Of those it would warn as it is initialised, which strict hosts take for an error.
+    An FMU warns about them at its initialisation, and strict hosts treat a warning as an error.
     """
     model = model_of(name)
     unheard = without_effect(model, model.systems[int(values["level"]) - 1])

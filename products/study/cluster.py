@@ -59,7 +59,7 @@ def client_of(address: str) -> Iterator[Client]:
 
 
 def check_form(address: str) -> None:
-    """Refuses what is no address; a client would try it, and try again."""
+    """Raise BadInputError if it is not an address; a client would retry it."""
     from distributed.comm.addressing import parse_address, parse_host_port
     from distributed.comm.registry import get_backend
 
@@ -72,7 +72,7 @@ def check_form(address: str) -> None:
 
 
 def check_sources(client: Client) -> None:
-    """Refuses workers that would compute with other equations."""
+    """Raise BadInputError if workers have other equations."""
     answers: dict[str, Any] = client.run(sources, on_error="return")
     own = sources()
     for worker, answer in answers.items():
@@ -84,13 +84,16 @@ def check_sources(client: Client) -> None:
 
 @contextmanager
 def cluster(address: str) -> Iterator[Evaluator]:
-    """Outcomes of points from the workers of a scheduler. Raises BadInputError, before any point is run."""
+    """Yield a function that gives outcomes of points from a scheduler's workers.
+
+    Raises BadInputError before any run.
+    """
     with client_of(address) as client:
         yield partial(on_cluster, client)
 
 
 def on_cluster(client: Client, evaluate_point: Evaluate, points: Mapping[int, Point]) -> Outcomes:
-    """Outcomes as they come; a point that as many workers die of as Dask allows has failed."""
+    """Yield outcomes as they arrive; a point has failed if it ends as many workers as Dask allows."""
     from distributed.scheduler import KilledWorker
 
     executor = client.get_executor()

@@ -36,7 +36,7 @@ def grid_of(texts: Sequence[str], parameters: Mapping[str, str], scenario: str) 
 
 
 def values_of(text: str, values: str) -> list[float]:
-    """Values of one --vary; `text` is the whole of it, for the sentence."""
+    """Return the values of one --vary; `text` is all of it, for the message."""
     if ":" not in values:
         found = [number(text, part) for part in values.split(",")]
         if len(set(found)) < len(found):
@@ -69,18 +69,18 @@ def number(text: str, part: str) -> float:
 
 
 def evenly_spaced(first: float, last: float, count: int) -> list[float]:
-    """From first to last; the first alone for a count of 1."""
+    """Return equally spaced values from first to last; the first alone for a count of 1."""
     # As decimals, so that 0:0.3:4 holds 0.1 and 0.2 and not their neighbours.
     begin, end = Fraction(repr(first)), Fraction(repr(last))
     return [float(begin + (end - begin) * Fraction(i, max(1, count - 1))) for i in range(count)]
 
 
 def size(grid: Grid) -> int:
-    """Number of points."""
+    """Return the number of points."""
     return math.prod(len(values) for values in grid.values())
 
 
 def points_of(grid: Grid) -> Iterator[dict[str, float]]:
-    """All points by parameter name, in the order of the table."""
+    """Yield all points by parameter name, in the order of the table."""
     for values in product(*grid.values()):
         yield dict(zip(grid, values, strict=True))

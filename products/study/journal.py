@@ -1,7 +1,8 @@
-"""The journal of a sweep: a head line that says what is swept, then a line for each finished point, on disk at once.
+"""The log of a sweep.
 
-Each line ends with a check, a digest of the line and of the head: lines of other sweeps, lines that were cut, joined or
-edited are refused by their number. The last line alone may be cut off, as a process that is killed leaves it.
+A head line that describes the sweep, then a line for each finished point, written to disk at once. Each line ends with
+a digest of the line and of the head. Lines of other sweeps, and lines that were cut, joined or edited are refused by
+their number. Only the last line may be cut off, by a killed process.
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ from readers.text import BadInputError, shown
 JOURNAL = "journal.jsonl"
 #: Version of its lines.
 FORM = 2
-#: What to do where it is not of the sweep that is asked for.
+#: Remedy if it belongs to another sweep.
 ADVICE = "Give another --out and both stay; --restart begins anew in its place."
-#: Infinite results, by their texts in a line: JSON has no number for them.
+#: Infinite results, by their strings in a line: JSON has no number for them.
 INFINITE = {"inf": math.inf, "-inf": -math.inf}
 #: Largest count of damaged lines whose numbers a message lists.
 TOLD = 5
@@ -51,7 +52,7 @@ class Journal:
             self._read()
 
     def _read(self) -> None:
-        """Takes what the file holds."""
+        """Read the file."""
         if not self._path.is_file():
             raise BadInputError(f"{self._path} must be a file; got a folder or a device. {ADVICE}")
         damaged: dict[int, str] = {}
@@ -76,7 +77,7 @@ class Journal:
             raise BadInputError(self._told(damaged))
 
     def _whole_lines(self, file: BinaryIO) -> Iterator[bytes]:
-        """Lines that were written to their end, one at a time."""
+        """Yield complete lines, one at a time."""
         while text := file.readline(LARGEST + 2):
             if text.endswith(b"\n"):
                 self._length += len(text)
@@ -128,7 +129,7 @@ class Journal:
         return number, Outcome(numbers, point=point, said=text_in(found, "said", what) if "said" in found else "")
 
     def _told(self, damaged: Mapping[int, str]) -> str:
-        """One message on all damaged lines."""
+        """Return one message on all damaged lines."""
         line, reason = next(iter(damaged.items()))
         others = [str(one) for one in damaged if one != line]
         few = ", ".join(others[:TOLD]) + (" and more" if len(others) > TOLD else "")
@@ -155,7 +156,7 @@ class Journal:
         self._file.close()
 
     def add(self, outcomes: Mapping[int, Outcome]) -> None:
-        """Keep finished points; when this returns, they survive a loss of power.
+        """Store finished points; when this returns, they survive a loss of power.
 
         Raises SweepError if the file was moved or deleted.
         """
@@ -218,17 +219,17 @@ def _differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str
         for name in _names(now, was):
             if was.get(name) != now.get(name):
                 yield f"{key} {name} ({_short(was.get(name))}, now {_short(now.get(name))})"
-        if was == now and list(was) != list(now):  # the numbers of the points hang on it
+        if was == now and list(was) != list(now):  # the numbers of the points depend on it
             yield f"the order of {key} ({', '.join(was)}, now {', '.join(now)})"
 
 
 def _names(first: Iterable[str], second: Iterable[str]) -> list[str]:
-    """Names of both, each once."""
+    """Return the names of both, each once."""
     return list(dict.fromkeys([*first, *second]))
 
 
 def _short(value: object) -> str:
-    """A value of the head for a sentence."""
+    """Return a value of the head for a message."""
     if value is None:
         return "absent"
     if isinstance(value, list) and len(value) > 3:

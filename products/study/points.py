@@ -1,6 +1,6 @@
-"""Evaluates points of a sweep in worker processes or on a Dask cluster; whatever a point does, the sweep goes on.
+"""Evaluate points of a sweep in worker processes or on a Dask cluster; a failed point does not end the sweep.
 
-Light to import: every worker process does.
+Every worker process imports this module, so its imports are light.
 """
 
 import multiprocessing
@@ -31,21 +31,22 @@ AHEAD = 2
 MOST_JOBS = 61 if sys.platform == "win32" else sys.maxsize
 #: Longest message on a failure [characters]; longer ones are cut off.
 LONGEST_FAILURE = 2000
-#: What building a kernel needs is not made for threads; a Dask worker may have several.
+#: Building a kernel is not thread-safe; a Dask worker may have several threads.
 ONE_AT_A_TIME = threading.Lock()
 
 Point = Mapping[str, float]
 
 
 class SweepError(RuntimeError):
-    """The sweep itself cannot go on; the text says why, and what to do."""
+    """The sweep itself cannot continue; the text states the reason and the remedy."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a point: its results (None: did not happen), or in a sentence why there are none.
+    """Outcome of a point: its results (None: did not happen), or a message with the reason of its failure.
 
-    point: the parameters that the worker was given, which must be those of the row. said: a status beside results.
+    point: the parameters that the worker received, which must be those of the row. said: a status in addition to
+    results.
     """
 
     results: Mapping[str, float | None] | None = None
@@ -85,7 +86,7 @@ def one_line(text: str) -> str:
 
 
 def judge(found: Any, promised: Sequence[str]) -> Outcome:
-    """The results as plain numbers, or what is wrong with them."""
+    """Return the results as plain numbers, or the reason why they are invalid."""
     if not isinstance(found, Mapping):
         return Outcome(failure=f"The point returned a {type(found).__name__}; results by name were promised.")
     if set(found) != set(promised):
@@ -102,9 +103,9 @@ def judge(found: Any, promised: Sequence[str]) -> Outcome:
 
 
 def sources() -> str:
-    """A digest of all equations, scenarios and C sources of this checkout: points of two of them share no table.
+    """Return a digest of all equations, scenarios and C sources of this checkout; points of two digests share no table.
 
-    How results look, pictures and styles of pages, changes none.
+    Layout of results, figures and styles of pages do not change it.
     """
     return digest("build_fmu.py", *HOUSE, kinds=CODE)
 
@@ -122,7 +123,10 @@ def check_point(point: Point, outcome: Outcome) -> None:
 def outcomes_from(
     executor: Executor, work: Callable[[Task], Answer], tasks: Mapping[int, Task], window: int
 ) -> Iterator[tuple[int, Future[Answer]]]:
-    """Tasks as they are done, by their number; at most `window` of them are under way. What is left is cancelled."""
+    """Yield tasks as they finish, by their number; at most `window` of them run at once.
+
+    The others are cancelled at the end.
+    """
     waiting, done = iter(tasks.items()), SimpleQueue[Future[Answer]]()
     under_way: dict[Future[Answer], int] = {}
     try:
@@ -141,7 +145,7 @@ def outcomes_from(
 
 
 def leave_with_parent() -> None:
-    """Ends this process when its parent is gone; a killed parent cannot say so, and the pool would wait for ever."""
+    """End this process when its parent has ended; otherwise the pool would wait indefinitely after a killed parent."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
@@ -149,7 +153,7 @@ def leave_with_parent() -> None:
 
 
 def prepare_worker() -> None:
-    """The parent says what there is to say: Ctrl-C ends a worker without a word, and it shows no bars."""
+    """Prepare a worker: Ctrl-C ends it without output, and it shows no bars. The parent reports."""
     hide_bars()
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     threading.Thread(target=leave_with_parent, daemon=True).start()
@@ -157,7 +161,7 @@ def prepare_worker() -> None:
 
 @contextmanager
 def process_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Worker processes that start afresh (spawn), on every system alike."""
+    """Yield worker processes that start from scratch (spawn), on every system alike."""
     spawn = multiprocessing.get_context("spawn")
     executor = ProcessPoolExecutor(jobs, spawn, prepare_worker)
     try:
@@ -167,9 +171,9 @@ def process_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def in_processes(jobs: int, evaluate_point: Evaluate, points: Mapping[int, Point]) -> Outcomes:
-    """Outcomes from worker processes of this machine.
+    """Yield outcomes from worker processes of this computer.
 
-    When a worker dies, the points that were under way are repeated one by one: what kills its worker again has failed.
+    If a worker dies, the running points are repeated one by one. A point whose worker dies again has failed.
     """
     left = dict(points)
     while left:
@@ -187,7 +191,7 @@ def in_processes(jobs: int, evaluate_point: Evaluate, points: Mapping[int, Point
 
 
 def alone(evaluate_point: Evaluate, point: Point) -> Outcome:
-    """One point in a process of its own."""
+    """Evaluate one point in a separate process."""
     with process_pool(1) as executor:
         try:
             return executor.submit(evaluate_point, point).result()
@@ -197,7 +201,10 @@ def alone(evaluate_point: Evaluate, point: Point) -> Outcome:
 
 
 def point_function(run: Callable[..., Mapping[str, float | None]], promised: Sequence[str]) -> Evaluate:
-    """One point as a function of its parameters alone, for any worker. Raises SweepError where none could load it."""
+    """Return the evaluation of one point as a function of its parameters alone, for any worker.
+
+    Raises SweepError if workers could not load it.
+    """
     try:
         pickle.dumps(run)
     except (pickle.PicklingError, AttributeError, TypeError) as error:

@@ -21,9 +21,9 @@ from readers.storage import is_full, sync_folder
 class Study:
     """A function of named numbers, and the points at which it is evaluated.
 
-    name: that of its folder and of its bar. units: of what is varied, then of the results. results: their names.
-    points: what is varied, by the numbers of the points. head: what must be the same for two points to stand in one
-    table, beside the code that computes them.
+    name: of its folder and its bar. units: of the varied parameters, then of the results. results: their names. points:
+    varied values, by the numbers of the points. head: settings that all points of one table share, in addition to the
+    code.
     """
 
     name: str
@@ -35,9 +35,9 @@ class Study:
 
 
 def outcomes_of(study: Study, run_points: Evaluator, journal: Journal | None = None) -> dict[int, Outcome]:
-    """Evaluate the points that the journal does not have; return the outcomes of all by the numbers of the points.
+    """Evaluate the points that the log does not have; return the outcomes of all by the numbers of the points.
 
-    Raises SweepError if a worker returns the results of another point, and KeyboardInterrupt with a sentence.
+    Raises SweepError if a worker returns the results of another point, and KeyboardInterrupt with a message.
     """
     found = dict(journal.outcomes) if journal else {}
     left = {number: point for number, point in enumerate(study.points) if number not in found}
@@ -71,10 +71,34 @@ def kept_outcomes_of(
     restart: bool = False,
     tell: Callable[[Journal], None] = lambda journal: None,
 ) -> tuple[list[Outcome], list[str]]:
-    """Run or resume a study in a folder; return the outcomes in the order of the points, and the files of the table.
+    """Run or resume a study in a folder.
 
-    restart: drops the points of an earlier study. tell: is given the journal as an earlier run has left it. evaluator:
-    is entered only if points are left. Raises BadInputError, SweepError, KeyboardInterrupt.
+    Parameters
+    ----------
+    study : Study
+        The function and its points.
+    evaluator : context manager
+        Gives the function that runs points; it is entered only if points are left.
+    folder : Path
+        Folder of the log and the table.
+    restart : bool
+        Drop the points of an earlier study.
+    tell : callable
+        Receives the log of an earlier run.
+
+    Returns
+    -------
+    tuple
+        The outcomes in the order of the points, and the files of the table.
+
+    Raises
+    ------
+    BadInputError
+        If the folder holds another study.
+    SweepError
+        If the study cannot continue.
+    KeyboardInterrupt
+        If the user interrupts it; the finished points are kept.
     """
     head = {**study.head, "versions": versions() | {"sources": sources()}}
     with _saying_where_room_is_missing(folder), ExitStack() as held:
@@ -98,7 +122,7 @@ def kept_outcomes_of(
 
 
 def _forget(folder: Path) -> None:
-    """Drops what an earlier sweep left, before anything of another one is written."""
+    """Delete the files of an earlier sweep before another one writes any."""
     remove_table(folder)
     (folder / JOURNAL).unlink(missing_ok=True)
     sync_folder(folder)
@@ -106,7 +130,7 @@ def _forget(folder: Path) -> None:
 
 @contextmanager
 def _saying_where_room_is_missing(folder: Path) -> Iterator[None]:
-    """Raises SweepError, with the folder and what to do, where a disk is full."""
+    """Raise SweepError, with the folder and the remedy, if a disk is full."""
     try:
         yield
     except OSError as error:

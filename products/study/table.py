@@ -35,7 +35,7 @@ def write_table(folder: Path, units: Mapping[str, str], rows: Rows, summary: Map
 
 
 def remove_table(folder: Path) -> None:
-    """A table of an earlier sweep does not stay beside the journal of another, nor what a kill left of one."""
+    """Delete a table of an earlier sweep, and partial files of a killed one, before another log begins."""
     for name in reversed(FILES):
         (folder / name).unlink(missing_ok=True)
     remove_partial(folder)
@@ -48,7 +48,7 @@ def _value(name: str, point: Point, outcome: Outcome) -> float | None:
 def _csv(
     units: Mapping[str, str], columns: Mapping[str, Sequence[float | None]], failures: Iterable[str | None]
 ) -> bytes:
-    """Floats with all their digits (repr); an empty cell where there is no value."""
+    """Return the table as CSV: floats with all their digits (repr); an empty cell if a value is missing."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*(f"{name} [{unit}]" for name, unit in units.items()), FAILURE])
@@ -60,7 +60,7 @@ def _csv(
 def _parquet(
     units: Mapping[str, str], columns: Mapping[str, Sequence[float | None]], failures: Sequence[str | None]
 ) -> bytes | None:
-    """Columns of doubles, each with its unit in the metadata of its field; None without pyarrow."""
+    """Return columns of doubles, each with its unit in the metadata of its field; None without pyarrow."""
     try:
         import pyarrow
         import pyarrow.parquet

@@ -1,5 +1,5 @@
-/* Whether numbers are those of a train (train.h): as many as their head says, finite, and within limits that keep every place
- * within what it counts and every step long enough that a run comes to an end. */
+/* Checks the numbers of a train (train.h): their count agrees with the head, they are finite, places are within their ranges,
+ * and steps are long enough for a run to end. */
 #include <math.h>
 #include <stddef.h>
 
@@ -8,7 +8,7 @@
 
 enum { FIELD_COUNT = sizeof FIELDS / sizeof *FIELDS };
 
-/* Not so of what is no number. */
+/* False for NaN. */
 static int within(double value, const layout_field *of, double most) {
     return value >= of->least && value <= most && (!of->whole || value == floor(value));
 }
@@ -22,7 +22,7 @@ static int all_within(const double *values, const layout_field *of, const long l
     return 1;
 }
 
-/* Whether as many vehicles have each kind of distributor as the head says. */
+/* True if the vehicles with each kind of distributor are as many as in the head. */
 static int kinds_are_counted(const double *kind, const double *head, long long int vehicles) {
     long long int left[KINDS];
     for (int k = 0; k < KINDS; ++k) left[k] = (long long int)head[HEAD_FIRST_KIND + k];

@@ -1,4 +1,4 @@
-/* One coupler as an object of arrays (arrays.h): from the way of its coupling to its tension; curves from
+/* One coupler as an object of arrays (arrays.h): from the displacement of its coupling to its tension; curves from
  * resources/coupler.bin. */
 #include <math.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@
 #include "lanes.h"
 #include "coupler_cells.h"
 
-/* Between the ways of two steps the coupler goes evenly, in so many parts. */
+/* Between the displacements of two steps the coupler moves at constant speed, in this many parts. */
 enum { PARTS = 64 };
 
 struct arrays_object {
@@ -21,15 +21,15 @@ struct arrays_object {
     unsigned long long mark; /* of its curves as they were read */
 };
 
-/* Its curves, if they are as many as they should be and each within the limits of its field, as in a train; null: and one
- * sentence that says why. */
+/* Returns its curves if their number is right and each is within the limits of its field, as in a train; otherwise NULL, and a
+ * message with the reason. */
 static double *read_curves(const char *folder, char *problem) {
     size_t count = 0;
     double *found = arrays_read(folder, "coupler.bin", &count, problem);
     if (!found) return NULL;
     int good = count == COUPLER_ROWS && found[0] > 0.0;
     for (size_t n = 0; good && n < COUPLER_ROWS; ++n)
-        good = found[n] >= COUPLER_LIMITS[n].least && found[n] <= COUPLER_LIMITS[n].most; /* not so of what is no number */
+        good = found[n] >= COUPLER_LIMITS[n].least && found[n] <= COUPLER_LIMITS[n].most; /* false for NaN */
     if (good) return found;
     snprintf(problem, MESSAGE_SIZE, "The coupler's curves in %.200s/coupler.bin are damaged; build the FMU again.", folder);
     free(found);
@@ -61,7 +61,7 @@ void arrays_reset(arrays_object *self) {
     self->rest = self->way = self->force = 0.0;
 }
 
-/* Tension at a way, and where the locked force is zero from then on. */
+/* Tension at a displacement; moves the point of zero locked force. */
 static double pull(arrays_object *self, double way) {
     const double behind = 0.0;
     double found[2];
@@ -87,7 +87,7 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     (void)time, (void)step, (void)ended, (void)problem;
     const double begin = self->way, gone = self->values[WAY] - begin;
     double sum = 0.0, before = self->force;
-    /* Coupled, it holds from when the vehicles touch. */
+    /* A coupled joint acts from the time when the vehicles touch. */
     if (self->values[COUPLING_CLOSED] == 0.0 || begin <= 0.0 || self->values[WAY] <= 0.0)
         self->constants[COUPLER_COUPLING_CLOSED] = self->values[COUPLING_CLOSED];
     for (int n = 1; n <= PARTS; ++n) {
@@ -102,7 +102,7 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     return KERNEL_OK;
 }
 
-/* Its mark is the same wherever a state may be taken back. */
+/* Its mark is equal wherever a state may be restored. */
 size_t arrays_numbers(const arrays_object *self) { return sizeof *self / sizeof(double); }
 void arrays_save(const arrays_object *self, double *numbers) { memcpy(numbers, self, sizeof *self); }
 void arrays_load(arrays_object *self, const double *numbers) { memcpy(self, numbers, sizeof *self); }

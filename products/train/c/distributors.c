@@ -1,4 +1,4 @@
-/* Distributors of a pipe's vehicles: rows of each kind, as rows.h lays them. */
+/* Distributors of a pipe's vehicles: rows of each kind, in the layout of rows.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "pipe_inside.h"
 #include "rows.h"
 
-/* Of those kinds that a vehicle has. */
+/* The kinds that a vehicle has. */
 #define EACH_KIND(self, one)                                                                                                   \
     for (distributors *one = (self)->own; one < (self)->own + KINDS; ++one)                                                    \
         if (one->count)
@@ -22,7 +22,7 @@ void distributors_free(pipe *self) {
     memset(self->own, 0, sizeof self->own);
 }
 
-/* Memory of so many; 0: there is none. */
+/* Allocates memory for `count` distributors; returns 0 if out of memory. */
 static int lay(distributors *self, long long int count) {
     const int states = KIND[self->kind].states, given = KIND[self->kind].given;
     const struct {
@@ -47,7 +47,7 @@ static int lay(distributors *self, long long int count) {
     return 1;
 }
 
-/* Air at rest, behind the last one. */
+/* Air at rest, after the last one. */
 static void put_air(distributors *self) {
     static const double air[PIPE_STATES] = {1.2, 0.0, 2.5e5};
     for (int n = 0; n < PIPE_STATES; ++n) rows_fill(self->air + n * self->stride, self->stride, air[n]);

@@ -1,10 +1,10 @@
-/* Gravity and curves on a train's vehicles. Corners at the line's points, which vehicles on their own round over 1 m
- * (docs/line.md), stay: that would change the mean gradient over a length L by the change of slope times 1 m2 / (12 L). */
+/* Gravity and curves on a train's vehicles. Single vehicles round the corners at the line's points over 1 m (docs/line.md);
+ * corners stay here. Rounding would change the mean gradient over a length L by the change of slope times 1 m2 / (12 L). */
 #include <math.h>
 
 #include "train_inside.h"
 
-/* The row before a place, searched from where it was found last. */
+/* The row before a place, searched from the last one found. */
 static long long int row_at(const train *self, double at, long long int guess) {
     const double *distance = self->line[POINT_DISTANCE];
     while (guess + 1 < self->points - 1 && distance[guess + 1] <= at) ++guess;
@@ -12,7 +12,7 @@ static long long int row_at(const train *self, double at, long long int guess) {
     return guess;
 }
 
-/* Height of the line [m], with straight lines of gradient between its points, and its ends' gradients beyond them. */
+/* Height of the line [m], linear in the gradient's pieces between its points, with the gradients of its ends beyond them. */
 static double height_at(const train *self, double at, long long int row) {
     const double *distance = self->line[POINT_DISTANCE], *gradient = self->line[POINT_GRADIENT], *height = self->height;
     const double first = distance[0], last = distance[self->points - 1];
@@ -35,11 +35,11 @@ static double roeckl(double curvature) {
     return radius >= 300.0 ? 0.65 / (radius - 55.0) : 0.5 / (fmax(radius, 60.0) - 30.0);
 }
 
-/* The whole vehicle's weight lies on its length: its force is its mean gradient's. */
+/* A vehicle's weight is distributed over its length: its force is that of its mean gradient. */
 void line_act(train *self, double step) {
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves);
     double *slope = motion_acting(self->moves, ACTING_SLOPE), *curve = motion_acting(self->moves, ACTING_CURVE);
-    if (self->level) return; /* nothing has ever been written there */
+    if (self->level) return; /* nothing has been written there */
     for (long long int i = 0; i < self->vehicles; ++i) {
         const double middle = place[i] + self->centre[i] + speed[i] * step / 2.0, half = self->length[i] / 2.0;
         const double weight = self->mass[i] * GRAVITY;

@@ -117,8 +117,7 @@ void motion_mean(const motion *self, double *force) {
 void motion_extremes(const motion *self, double found[4]) { memcpy(found, self->extremes, sizeof self->extremes); }
 void motion_forget(motion *self) { memset(self->extremes, 0, sizeof self->extremes); }
 
-/* Behind the states: couplings that are and that are wished, forces, speeds that are given, sums of forces; extremes; steps
- * that are summed. */
+/* After the states: present and requested couplings, forces, prescribed speeds, sums of forces; extremes; summed steps. */
 enum { KEPT_ROWS = 5 };
 
 long long int motion_numbers(const motion *self) { return (MOTION_STATES + KEPT_ROWS) * self->vehicles + EXTREMES + 1; }
@@ -148,7 +147,7 @@ void motion_load(motion *self, const double *numbers) {
     count_led(self);
 }
 
-/* Couplers that wait to be coupled are, where the vehicles touch. */
+/* Couples waiting couplers of vehicles that touch. */
 static void couple_what_touches(motion *self) {
     for (long long int i = 0; i + 1 < self->vehicles; ++i)
         if (self->wish[i] > 0.0 && !motion_is_coupled(self, i) && self->state[i] <= self->state[i + 1]) {
@@ -157,7 +156,7 @@ static void couple_what_touches(motion *self) {
         }
 }
 
-/* Looks for the largest forces so far. */
+/* Updates the largest forces so far. */
 static void find_extremes(motion *self) {
     double most = 0.0, least = 0.0;
     const double *force = self->force;
@@ -196,14 +195,14 @@ void motion_force_now(motion *self, double *force) {
     memcpy(force, self->found, (size_t)(self->vehicles - 1) * sizeof(double));
 }
 
-/* Speeds behind a step; wheels that slide have their own law. */
+/* Speeds after a step; sliding wheels have their own law. */
 static void find_speeds(motion *self) {
     double *speed = self->found, *over = speed + self->stride;
     IN_LANES(motion_speed);
     for (long long int i = 0; i < self->vehicles; ++i) {
         double wheel = speed[i];
         if (over[i] > 0.0) {
-            motion_slide_1(self, i, self->found + i); /* speed, speed of the wheels, what the rail gives */
+            motion_slide_1(self, i, self->found + i); /* speed, speed of the wheels, rail force */
             wheel = over[i];
         }
         self->wheel[i] = wheel;
@@ -216,7 +215,7 @@ static void find_speeds(motion *self) {
 void motion_go(motion *self, long long int steps, double step) {
     for (long long int i = 0; i < self->vehicles; ++i) self->step[i] = step;
     for (long long int n = 0; n < steps; ++n) {
-        go_ways(self, n ? step : step / 2.0); /* the second half of the step before, and the first of this one */
+        go_ways(self, n ? step : step / 2.0); /* the second half of the previous step, and the first of this one */
         find_forces(self);
         find_speeds(self);
     }

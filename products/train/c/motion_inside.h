@@ -1,4 +1,4 @@
-/* The motion from inside: rows as rows.h lays them. */
+/* The motion, internal: rows in the layout of rows.h. */
 #ifndef MOTION_INSIDE_H
 #define MOTION_INSIDE_H
 
@@ -8,11 +8,11 @@ enum { MOTION_FOUND = 3, COUPLER_FOUND = 2 };
 
 struct motion {
     long long int vehicles, stride;
-    int lanes, waiting; /* couplers that are to be coupled */
+    int lanes, waiting; /* couplers to be coupled */
     double *memory;
     double *state, *speed, *wheel, *rest, *acting, *given, *coupler, *step, *found, *force, *wish, *lead,
         *sum; /* first cells of first rows */
-    int led; /* whether any vehicle's speed is given */
+    int led; /* true if a vehicle's speed is prescribed */
     double extremes[4];
     long long int summed;
 };

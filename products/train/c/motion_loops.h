@@ -1,5 +1,5 @@
-/* All vehicles and couplers, LANES at a time; included once for each width. Behind the last one lanes compute what nobody
- * reads. */
+/* All vehicles and couplers, LANES at a time; included once for each width. After the last one, lanes compute values that are
+ * not used. */
 #include "lanes.h"
 #include "motion_cells.h"
 

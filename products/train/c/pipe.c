@@ -9,15 +9,15 @@
 #include "pipe_inside.h"
 #include "rows.h"
 
-/* Air that rests, for cells that are none. */
+/* Air at rest, for cells outside the pipe. */
 static const double AIR[PIPE_STATES] = {1.2, 0.0, 2.5e5};
-/* A step so far below what waves allowed in the step before is not measured again: air that flows at the speed of sound
- * doubles their speed. */
+/* A step that is shorter than this share of the limit by waves in the previous step is not checked again: air flow at the speed
+ * of sound doubles the speed of waves. */
 static const double WELL_BELOW = 0.4;
-/* How often a step is halved at most. */
+/* Largest number of halvings of a step. */
 enum { MOST_HALVED = 12 };
 enum { ROWS = 4 * PIPE_STATES + CELL_ROWS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 2 };
-/* Of the area of the pipe, what a hose that has parted opens. Assumed. */
+/* Opening of a parted hose, as a share of the pipe's area. Assumed. */
 static const double HOSE = 0.9;
 
 static double volume(const pipe *self, long long int i) {
@@ -120,7 +120,7 @@ void pipe_load(pipe *self, const double *numbers) {
     distributors_load(self, numbers);
     numbers += distributors_numbers(self);
     memcpy(&self->passed, numbers, sizeof self->passed);
-    self->fastest = self->looked = 0.0; /* that was of another state: it is looked for again */
+    self->fastest = self->looked = 0.0; /* it belonged to another state and is searched again */
     for (int valve = 0; valve < MOST_VALVES; ++valve)
         self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
 }
@@ -132,7 +132,7 @@ void pipe_state(const pipe *self, double *state) {
 
 const pipe_passed *pipe_has_passed(const pipe *self) { return &self->passed; }
 
-/* Cells beyond a closed end are the mirror of those inside, beyond an open one the same as those. */
+/* Cells beyond a closed end mirror those inside; beyond an open end they are equal to those. */
 static void mirror(pipe *self) {
     const long long int n = self->cells;
     for (int row = 0; row < PIPE_STATES; ++row) {
@@ -142,7 +142,7 @@ static void mirror(pipe *self) {
     }
 }
 
-/* What passes the first (0) or the last end of a cell outwards, per square metre, and how fast. */
+/* Flux per square metre out of the first (0) or the last end of a cell, and its speed. */
 static void pass_end(const pipe *self, long long int place, int end, const pipe_outside *o, double *out) {
     const double outwards = end ? 1.0 : -1.0, *side = self->side + (end ? PIPE_STATES : 0) * self->stride + place;
     const double air[PIPE_STATES] = {side[0], outwards * side[self->stride], side[2 * self->stride]};
@@ -151,7 +151,7 @@ static void pass_end(const pipe *self, long long int place, int end, const pipe_
     else pipe_ending_1(air, outside, out);
 }
 
-/* Takes from the rates what leaks. */
+/* Subtracts leakage from the rates. */
 static void leak(pipe *self, pipe_passed *passed) {
     IN_LANES(pipe_leaks);
     double *mass = self->leak, *energy = mass + self->stride;
@@ -177,7 +177,7 @@ void pipe_valve(pipe *self, int valve, long long int face, const double numbers[
     if (valve >= self->valves) self->valves = valve + 1;
 }
 
-/* Cells at faces that are not joined see nothing beyond them. */
+/* Cells at separated faces have the same state beyond them. */
 static void look_at_joints(pipe *self) {
     for (long long int face = 1; face < self->cells; ++face)
         for (int ahead = 0; ahead < 2 && self->joint[face]; ++ahead) {
@@ -195,7 +195,7 @@ static void look_at_joints(pipe *self) {
         }
 }
 
-/* The pressure at a driver's valve at which the waves meet what passes it: Newton's method within a bracket. */
+/* The pressure at a driver's valve at which the waves match its flow: Newton's method within a bracket. */
 static double meet(valve_at *own, const double *behind, const double *ahead) {
     enum { MOST = 60 };
     double low = 0.02 * fmin(behind[2], ahead[2]),
@@ -212,7 +212,8 @@ static double meet(valve_at *own, const double *behind, const double *ahead) {
     return own->at = at;
 }
 
-/* Puts the fluxes on both sides of a face: of a joint or a valve; what a rate is ahead of it beyond its shared flux. */
+/* Sets the fluxes on both sides of a face of a joint or a valve; stores the excess of the cell before it over the shared
+ * flux. */
 static void split_flux(pipe *self, long long int face, const double *behind, const double *ahead) {
     for (int n = 0; n < PIPE_STATES; ++n) {
         self->flux[face + n * self->stride] = face > 0 ? behind[n] : ahead[n];
@@ -238,7 +239,7 @@ static void pass_valves(pipe *self, pipe_passed *passed) {
     }
 }
 
-/* Between cells that are not joined: nothing passes, or all that waves bring leaves the pipe. */
+/* Between separated cells: no flow, or all air leaves the pipe. */
 static void pass_joints(pipe *self, pipe_passed *passed) {
     for (long long int face = 1; face < self->cells; ++face) {
         if (!self->joint[face]) continue;
@@ -259,7 +260,7 @@ static void pass_joints(pipe *self, pipe_passed *passed) {
     }
 }
 
-/* What the rate of the cell ahead of a face lacks. */
+/* Adds the missing part of the rate of the cell before a face. */
 static void add_jump(pipe *self, long long int face) {
     const double length = self->given[face], branch = self->given[face + CELL_BRANCH * self->stride];
     for (int n = 0; n < PIPE_STATES; ++n)
@@ -275,7 +276,7 @@ static void add_jumps(pipe *self) {
         if (self->joint[face]) add_jump(self, face);
 }
 
-/* How fast waves and air change the cells beside valves at most [1/s]. */
+/* Largest rate of change by waves and air in the cells next to valves [1/s]. */
 static double fastest_at_valves(const pipe *self) {
     double fastest = 0.0;
     for (int valve = 0; valve < self->valves; ++valve)
@@ -291,7 +292,8 @@ static double fastest_at_valves(const pipe *self) {
     return fastest;
 }
 
-/* Looks at the sides of cells and at the ends; how fast waves and vehicles change at most [1/s]. passed: through the ends. */
+/* Updates the sides of cells and the ends; returns the largest rate of change by waves and vehicles [1/s]. passed: through the
+ * ends. */
 static double look(pipe *self, pipe_passed *passed) {
     if (self->depth == DEPTH_DELAY) return self->pace / 2.0;
     double through[2];
@@ -314,7 +316,7 @@ static double look(pipe *self, pipe_passed *passed) {
     return fmax(fastest, fmax((wave[0] + through[0]) / length[0], (wave[last] + through[1]) / length[last]));
 }
 
-/* Rates of all cells and vehicles. passed: what leaves in a second. */
+/* Rates of all cells and vehicles. passed: outflow per second. */
 static void rates(pipe *self, pipe_passed *passed) {
     memset(passed, 0, sizeof *passed);
     if (self->depth == DEPTH_DELAY) {
@@ -348,7 +350,7 @@ static void add(pipe_passed *to, const pipe_passed *more, double time) {
     to->let_in += time * more->let_in;
 }
 
-/* Heat exchange with the walls for a time. */
+/* Heat exchange with the walls over a time. */
 static void warm(pipe *self, double time) {
     if (self->depth == DEPTH_DELAY) return;
     for (long long int i = 0; i < self->cells; ++i) self->time[i] = time;
@@ -364,7 +366,7 @@ void pipe_mix(double *u, const double *first, const double *rate, long long int 
     for (long long int i = 0; i < count; ++i) u[i] = share * first[i] + (1.0 - share) * (u[i] + step * rate[i]);
 }
 
-/* state = share of what was before, and the rest of what the rates make of it in a step. */
+/* state = share of the previous state, and the rest of the state after a step with these rates. */
 static void go_on(pipe *self, double share, double step) {
     for (int row = 0; row < PIPE_STATES; ++row)
         pipe_mix(self->state + row * self->stride, self->before + row * self->stride, self->rate + row * self->stride,
@@ -406,7 +408,7 @@ static void step_on(pipe *self, double step) {
     warm(self, step / 2.0);
 }
 
-/* Of what is left, a step that waves allow, or half of it as often as that leads nowhere; how long it was, 0: there is none. */
+/* Takes a step of the remaining time that waves allow, halved until its result is valid; returns its length, 0: failed. */
 static double step_of(pipe *self, double left, double courant) {
     pipe_passed passed = self->passed, unused;
     const int slow = left * self->fastest < WELL_BELOW * courant && self->fastest > 0.0;

@@ -1,7 +1,6 @@
-/* A brake pipe of many cells: the loop over them and over time; what happens in a cell is generated (brake_pipe.py).
- *
- * The method is Heun's, which keeps total variation (Shu and Osher 1988), with heat exchange split off on both sides of it
- * (Strang 1968); steps are as long as waves allow. */
+/* A brake pipe of many cells: the loop over them and over time; the equations of a cell are generated (brake_pipe.py). The
+ * method is Heun's, which keeps total variation (Shu and Osher 1988), with heat exchange split off on both sides of it (Strang
+ * 1968); steps are as long as waves allow. */
 #ifndef PIPE_H
 #define PIPE_H
 
@@ -16,13 +15,13 @@
 /* Numbers of a cell: density, momentum, energy. Of a driver's valve: the first of TAP_ROWS. */
 enum { PIPE_STATES = 3, VALVE_NUMBERS = TAP_AREA_BEHIND };
 
-/* What is outside an end: effective opening [m2], inner area of the pipe [m2], pressure [Pa], temperature [K]. */
+/* Conditions outside an end: effective opening [m2], inner area of the pipe [m2], pressure [Pa], temperature [K]. */
 typedef struct {
     double opening, area, pressure, temperature;
 } pipe_outside;
 
-/* What has left since the beginning [kg], [J]: through each end, by leaks, to vehicles; heat that walls have given [J]; and air
- * that cylinders have taken [kg]; net by driver's valves, and air that they have let in [kg]. */
+/* Total outflow [kg], [J]: through each end, by leaks, to vehicles. Heat from the walls [J]. Air that cylinders took [kg]. Net
+ * flow through driver's valves, and the air that they supplied [kg]. */
 typedef struct {
     double end_mass[2], end_energy[2], leak_mass, leak_energy, vehicle_mass, vehicle_energy, heat, cylinder_mass;
     double valve_mass, valve_energy, let_in;
@@ -30,42 +29,42 @@ typedef struct {
 
 typedef struct pipe pipe;
 
-/* state: PIPE_STATES rows of so many cells; constants: CELL_ROWS rows; both are copied. null: there is no memory. */
+/* state: PIPE_STATES rows of all cells; constants: CELL_ROWS rows; both are copied. Returns NULL if out of memory. */
 PIPE_SHOWN pipe *pipe_create(long long int cells, const double *state, const double *constants);
 PIPE_SHOWN void pipe_free(pipe *self);
-/* Vehicles with distributors of these kinds take air from these cells; given: of each kind, rows of parameters of its vehicles;
- * all is copied. depth: of the brake; pace: how fast a state of theirs comes to rest at most [1/s]. 0: there is no memory. */
+/* Connects vehicles with distributors of these kinds to these cells. given: for each kind, rows of parameters of its vehicles;
+ * all is copied. depth: brake model. pace: fastest decay rate of their states [1/s]. Returns 0 if out of memory. */
 PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
                              const double *const given[KINDS], int depth, double pace);
-/* How all distributors begin: pressures that reservoirs are charged to, around, and in the cylinders [Pa]. */
+/* Initial state of all distributors: pressure of the charged reservoirs, ambient pressure, pressure in the cylinders [Pa]. */
 PIPE_SHOWN void pipe_charge(pipe *self, double charged, double around, double cylinder);
-/* What wheel-slide protection of each vehicle commands, PROTECTION_APPLY, ... */
+/* Commands of the wheel-slide protection of each vehicle, PROTECTION_APPLY, ... */
 void pipe_protect(pipe *self, const double *protection);
-/* With DEPTH_DELAY: the pressure in a cell [Pa]. */
+/* With DEPTH_DELAY: sets the pressure in a cell [Pa]. */
 void pipe_give(pipe *self, long long int cell, double pressure);
-/* Air at rest in all cells, of a density [kg/m3] and pressure [Pa]; nothing has passed. */
+/* Air at rest in all cells, of a density [kg/m3] and pressure [Pa]; resets the outflow. */
 void pipe_fill(pipe *self, double density, double pressure);
-/* States of the distributors of one kind: rows of so many vehicles as have it. */
+/* States of the distributors of one kind: rows of the vehicles that have it. */
 PIPE_SHOWN void pipe_vehicle_states(const pipe *self, int kind, double *state);
-/* Of each vehicle: the pressure in its cell and in its cylinder [Pa]; null: not asked for. */
+/* Of each vehicle: the pressure in its cell and in its cylinder [Pa]; NULL: not required. */
 PIPE_SHOWN void pipe_pressures(const pipe *self, double *line, double *cylinder);
 PIPE_SHOWN void pipe_end(pipe *self, int end, const pipe_outside *outside);
-/* A driver's valve, one of MOST_VALVES, at the face before a cell, or behind the last one; numbers: the first of VALVE in
- * brake_pipe.py. What it was before is gone. */
+/* Sets a driver's valve, one of MOST_VALVES, at the face before a cell, or after the last one; numbers: the first of VALVE in
+ * brake_pipe.py. Its previous values are lost. */
 PIPE_SHOWN void pipe_valve(pipe *self, int valve, long long int face, const double numbers[VALVE_NUMBERS]);
-/* How the cells before and behind a face are joined. */
+/* Sets the joint of the cells at a face. */
 PIPE_SHOWN void pipe_join(pipe *self, long long int face, int how);
-/* All that a run changes but ends, valves and joints: how many numbers, and from and to a place for them. */
+/* Complete state of a run except ends, valves and joints: its size, and copies from and to memory. */
 PIPE_SHOWN long long int pipe_numbers(const pipe *self);
 PIPE_SHOWN void pipe_save(const pipe *self, double *numbers);
 PIPE_SHOWN void pipe_load(pipe *self, const double *numbers);
-/* How long a step waves and vehicles allow now [s]. */
+/* Longest step that waves and vehicles allow now [s]. */
 PIPE_SHOWN double pipe_longest(pipe *self, double courant);
 /* Density, momentum and energy of all cells. */
 PIPE_SHOWN void pipe_state(const pipe *self, double *state);
 PIPE_SHOWN const pipe_passed *pipe_has_passed(const pipe *self);
-/* Goes on by a time [s] in steps of at most `courant` of what a wave needs through a cell; how many steps that took, or
- * -1: some number is not finite, or a density or pressure is not above 0, and the pipe is as it was. */
+/* Advances by a time [s] in steps of at most `courant` times the travel time of a wave through a cell. Returns the number of
+ * steps, or -1 if a number is not finite, or a density or pressure is not above 0; the pipe is unchanged then. */
 PIPE_SHOWN long long int pipe_advance(pipe *self, double time, double courant);
 
 #endif

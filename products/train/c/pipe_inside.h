@@ -1,4 +1,4 @@
-/* A pipe from inside. Rows hold a number of all cells, as rows.h lays them. */
+/* A pipe, internal. Rows hold a number of all cells, in the layout of rows.h. */
 #ifndef PIPE_INSIDE_H
 #define PIPE_INSIDE_H
 
@@ -18,7 +18,7 @@ enum { TAP_FOUND = 2, TAPPED = 9, VALVE_OUT = 6, ENERGY_OUT = 7, LET_IN = 8 };
 /* Distributors of one kind, of the vehicles of the pipe that have it. */
 typedef struct {
     int lanes, kind, form; /* form: of DISTRIBUTOR_FORMS */
-    long long int count, stride, *vehicle, *cell; /* which vehicle each is of, and which cell it takes its air from */
+    long long int count, stride, *vehicle, *cell; /* vehicle of each, and cell that it is connected to */
     double *memory, *state, *before, *kept, *first, *given, *air, *command, *rate; /* the first cell of each first row */
 } distributors;
 
@@ -30,9 +30,9 @@ struct pipe {
     double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump,
         *over_volume; /* the first cell of each first row */
     distributors own[KINDS];
-    double pace, fastest, looked; /* of vehicles; of all in the last step; as looked for since, or 0 [1/s] */
+    double pace, fastest, looked; /* of vehicles; of all in the last step; as found since, or 0 [1/s] */
     pipe_outside outside[2];
-    int valves, joints; /* how many are valves, and how many faces are not joined */
+    int valves, joints; /* number of valves, and of separated faces */
     valve_at valve[MOST_VALVES];
     unsigned char *joint;
     double end_flux[2][PIPE_STATES];
@@ -59,16 +59,16 @@ PIPE_LOOPS(8);
 
 /* ---- distributors.c ---- */
 
-/* Rates of all distributors; takes from those of their cells what goes to vehicles. */
+/* Rates of all distributors; subtracts their air from the rates of their cells. */
 void distributors_act(pipe *self, pipe_passed *passed);
-/* state = share of what was before, and the rest of what the rates make of it in a step. */
+/* state = share of the previous state, and the rest of the state after a step with these rates. */
 void distributors_go_on(pipe *self, double share, double step);
 /* Copies a block of all states, from and to one of these. */
 enum { STATE, BEFORE, KEPT, FIRST };
 void distributors_copy(pipe *self, int to, int from);
-/* Whether all states are finite and above zero. */
+/* True if all states are finite and above zero. */
 bool distributors_sound(const pipe *self);
-/* All states: how many, and from and to a place for them. */
+/* All states: their number, and copies from and to memory. */
 long long int distributors_numbers(const pipe *self);
 void distributors_save(const pipe *self, double *numbers);
 void distributors_load(pipe *self, const double *numbers);

@@ -1,4 +1,4 @@
-/* All cells, LANES at a time; included once for each width. Behind the last cell lanes compute what nobody reads. */
+/* All cells, LANES at a time; included once for each width. After the last cell, lanes compute values that are not used. */
 #include "lanes.h"
 #include "pipe_cells.h"
 

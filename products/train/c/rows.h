@@ -1,5 +1,5 @@
-/* Rows of numbers for functions of cells: a row holds one number of all cells, behind ROWS_EDGE of them that are no cells,
- * and so many lie behind the last; the next row begins a stride further. */
+/* Rows of numbers for functions of cells. A row holds one number of all cells, after ROWS_EDGE numbers that do not belong to
+ * cells. As many follow the last cell; the next row begins a stride further. */
 #ifndef ROWS_H
 #define ROWS_H
 
@@ -12,8 +12,8 @@ enum { ROWS_EDGE = 8 };
 
 static inline long long int rows_stride(long long int count) { return (count + 7) / 8 * 8 + 3 * ROWS_EDGE; }
 
-/* Where the first cell of the first row lies in memory that has room for ROWS_SPARE more numbers: at a line of the cache, as
- * all other rows then do. */
+/* Place of the first cell of the first row in memory with ROWS_SPARE spare numbers: at a line of the cache, as then in all
+ * other rows. */
 enum { ROWS_SPARE = ROWS_EDGE };
 static inline double *rows_first(double *memory) {
     const size_t over = (uintptr_t)memory / sizeof(double) % ROWS_EDGE;
@@ -25,7 +25,7 @@ static inline void rows_fill(double *row, long long int stride, double value) {
     for (long long int i = -ROWS_EDGE; i < stride - ROWS_EDGE; ++i) row[i] = value;
 }
 
-/* A function of rows for the lanes of this processor, of its forms for one, two, four and eight. */
+/* A function of rows for the lanes of this processor, from its variants for one, two, four and eight. */
 #define ROWS_CALL(lanes, self, one, two, four, eight)                                                                          \
     ((lanes) >= 8 ? (eight) : (lanes) >= 4 ? (four) : (lanes) >= 2 ? (two) : (one))(self)
 #if LANES_WIDEST >= 8

@@ -8,9 +8,9 @@
 #include "rows.h"
 #include "train_inside.h"
 
-/* A step in which brakes and line stay as they are is as long as waves in the pipe allow, from and to [s]; assumed. */
+/* Brakes and line are constant during a step. It is as long as waves in the pipe allow, within these limits [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
-/* Rows of brakes: constants, and three in which all lanes compute. */
+/* Rows of brakes: constants, and three results of all lanes. */
 enum { ROWS = BRAKE_ROWS + 3 };
 
 static double *take(double **from, long long int count) {
@@ -44,7 +44,7 @@ static void put_heights(train *self) {
         height[i] = height[i - 1] + (distance[i] - distance[i - 1]) * (gradient[i - 1] + gradient[i]) / 2.0;
 }
 
-/* Memory for all that is no number of a vehicle in the pipe or in motion; 0: there is none. */
+/* Allocates memory for all numbers outside pipe and motion; returns 0 if out of memory. */
 static int take_memory(train *self) {
     const long long int n = self->vehicles, run = RUN_VALVES + OF_VALVE * self->valves;
     long long int outputs = TRAIN_SUMS;
@@ -95,7 +95,7 @@ static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS]) {
     }
 }
 
-/* The pipe with its distributors; 0: there is no memory. */
+/* The pipe with its distributors; 0 if out of memory. */
 static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS]) {
     double *air = (double *)calloc((size_t)(PIPE_STATES * self->cells), sizeof(double));
     long long int *kind = (long long int *)calloc((size_t)self->vehicles, sizeof(long long int));
@@ -173,7 +173,7 @@ static void begin_air(train *self, double pressure, double cylinder) {
     pipe_charge(self->air, fmax(pressure, self->valve[VALVE_RUNNING]), self->valve[VALVE_AROUND], cylinder);
 }
 
-/* `saved` is no more than a place here. */
+/* `saved` is only a buffer here. */
 static void begin_motion(train *self, double speed, double distance) {
     double *at = self->saved;
     fill(at, MOTION_STATES * self->vehicles, 0.0);
@@ -189,7 +189,7 @@ static void begin_motion(train *self, double speed, double distance) {
     for (long long int i = 0; i < self->vehicles; ++i) motion_lead(self->moves, i, NAN);
 }
 
-/* What brakes hold at pressures of cylinders and speeds of wheels. */
+/* Brake forces at pressures of cylinders and speeds of wheels. */
 static void find_brakes(train *self) {
     memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
     IN_LANES(train_brake);
@@ -201,7 +201,7 @@ static void find_forces(train *self) {
     memcpy(self->output[OUT_RAIL_FORCE], motion_rail(self->moves), (size_t)self->vehicles * sizeof(double));
 }
 
-/* What hangs on the state alone. */
+/* Outputs that depend on the state alone. */
 static void find_outputs(train *self) {
     double *sums = self->output[OUT_SUMS];
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
@@ -219,7 +219,7 @@ static void find_outputs(train *self) {
     motion_extremes(self->moves, sums + SUM_LARGEST_TENSION);
 }
 
-/* Joints as inputs had them in the last step. */
+/* Joints of the last step's inputs. */
 static void put_joints(train *self) {
     const double *joined = self->given_before + (self->input[IN_HOSE_STATE] - self->input[0]);
     for (long long int i = 0; i + 1 < self->vehicles; ++i)
@@ -234,7 +234,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     self->run[RUN_TIME] = time;
     self->run[RUN_TOLD] = floor(time / HISTORY_STEP);
     for (long long int v = 0; v < self->valves; ++v) {
-        static const double closed[VALVE_NUMBERS] = {0.0}; /* until a step commands it; how long that may be hangs on it */
+        static const double closed[VALVE_NUMBERS] = {0.0}; /* until a step sets it; the longest step depends on it */
         double *own = valves_run(self, v);
         pipe_valve(self->air, (int)v, (long long int)self->valve[v * VALVE_ROWS + VALVE_FACE], closed);
         fill(own, 1 + HISTORY, pressure);
@@ -249,7 +249,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     find_outputs(self);
 }
 
-/* Vehicles that are computed in detail elsewhere. */
+/* Vehicles that are simulated in detail elsewhere. */
 static void lead(train *self) {
     const double *led = self->input[IN_EXTERNAL_VEHICLE], *speed = self->input[IN_EXTERNAL_VEHICLE_SPEED];
     const double *before = self->given_before + (led - self->input[0]);
@@ -260,7 +260,7 @@ static void lead(train *self) {
     }
 }
 
-/* Couplings and joints that have been changed from outside. */
+/* Couplings and joints that were changed from outside. */
 static void take_inputs(train *self) {
     const long long int couplings = self->vehicles - 1;
     const double *coupled = self->input[IN_COUPLING_CLOSED], *joined = self->input[IN_HOSE_STATE];
@@ -281,7 +281,7 @@ static void take_inputs(train *self) {
     memcpy(motion_acting(self->moves, ACTING_FRICTION), self->input[IN_FRICTION], (size_t)self->vehicles * sizeof(double));
 }
 
-/* One step in which brakes and line stay as they are in its middle; 0: it leads nowhere. */
+/* One step with brakes and line of its middle; returns 0 if its result is not finite. */
 static int step_on(train *self, double step) {
     valves_command(self, step);
     pipe_pressures(self->air, NULL, self->cylinder);
@@ -302,7 +302,7 @@ static int step_on(train *self, double step) {
     return motion_sound(self->moves);
 }
 
-/* What a step changes that may lead nowhere. */
+/* Saves the numbers of a step that may fail. */
 static void keep(const train *self) {
     double *at = self->saved;
     pipe_save(self->air, at);
@@ -321,7 +321,7 @@ static void restore(train *self) {
     find_outputs(self);
 }
 
-/* Of all that a step has found. */
+/* True if all results of a step are finite. */
 static int outputs_finite(const train *self) {
     const double *rail = motion_rail(self->moves), *found = self->output[0];
     int finite = 1;

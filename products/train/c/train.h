@@ -9,35 +9,35 @@
 #define TRAIN_SHOWN __attribute__((visibility("default")))
 #endif
 
-/* A train is given as numbers, groups of rows; what they are, and inputs and outputs, is said in products/train/layout.py. */
+/* A train is given as numbers, groups of rows; products/train/layout.py defines them, its inputs and its outputs. */
 #include "train_layout.h"
 
 typedef struct train train;
 
-/* What of these numbers is not that of a train, or null (check.c). */
+/* Returns a message on the first invalid number of a train, or NULL (check.c). */
 TRAIN_SHOWN const char *train_wrong(const double *numbers, long long int count);
-/* null: there is no memory, or the numbers are not those of a train. */
+/* Returns NULL if out of memory, or if the numbers are not those of a train. */
 TRAIN_SHOWN train *train_create(const double *numbers, long long int count);
 TRAIN_SHOWN void train_free(train *self);
-/* From the start: speed [m/s], distance of the head [m], pressures of the pipe and of the cylinders [Pa]; control chambers and
- * auxiliary reservoirs are charged to the running pressure, or to the pipe's where that is more. */
+/* Sets the initial state: speed [m/s], distance of the head [m], pressures of the pipe and of the cylinders [Pa]. Control
+ * chambers and auxiliary reservoirs are charged to the running pressure, or to the pipe's if that is higher. */
 TRAIN_SHOWN void train_begin(train *self, double time, double speed, double distance, double pipe, double cylinder);
 TRAIN_SHOWN double *train_input(train *self, int row, long long int *count);
 TRAIN_SHOWN const double *train_output(const train *self, int row, long long int *count);
-/* Goes on by a time [s]; 0, or -1: that leads nowhere, -2: an input is wrong, and the train is as it was. */
+/* Advances by a time [s]. Returns 0; -1 if the result is not finite, -2 if an input is invalid; the train is unchanged then. */
 TRAIN_SHOWN int train_go(train *self, double time);
-/* Row of an input that is beyond its limits, or that cannot be where the pipe has
- * no face behind a vehicle, and the element; -1: there is none. */
+/* Row and element of an input beyond its limits, or not possible without a face of the pipe after a vehicle; -1: all are
+ * valid. */
 TRAIN_SHOWN int train_input_wrong(const train *self, long long int *element);
-/* All that a run changes, inputs too: how many numbers, and from and to a place for them. */
+/* Complete state of a run with its inputs: its size, and copies from and to memory. */
 TRAIN_SHOWN long long int train_numbers(const train *self);
 TRAIN_SHOWN void train_save(const train *self, double *numbers);
 TRAIN_SHOWN void train_load(train *self, const double *numbers);
-/* Steps of pipe and of couplers so far. */
+/* Number of steps of the pipe and of the couplers so far. */
 TRAIN_SHOWN void train_steps(const train *self, long long int *steps);
 /* The pipe, for its balances (pipe.h). */
 TRAIN_SHOWN struct pipe *train_air(train *self);
-/* State of the motion: rows of place, speed, speed of wheels, rest of couplers (motion.h), to read and to set. */
+/* State of the motion: rows of position, speed, wheel speed, coupler rest position (motion.h), to read and to set. */
 TRAIN_SHOWN void train_motion(const train *self, double *state);
 TRAIN_SHOWN void train_set_motion(train *self, const double *state);
 

@@ -10,7 +10,7 @@
 
 struct arrays_object {
     train *own;
-    double *values; /* of all arrays, one behind the other */
+    double *values; /* of all arrays, one after the other */
     size_t place[ARRAYS_MOST + 1];
     unsigned long long mark; /* of the consist */
 };
@@ -110,7 +110,7 @@ void arrays_start(arrays_object *self, double time) {
 }
 
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
-    (void)ended; /* it never does */
+    (void)ended; /* it never ends */
     put_inputs(self);
     long long int element;
     const int wrong = train_input_wrong(self->own, &element);
@@ -137,7 +137,7 @@ unsigned long long arrays_mark(const arrays_object *self) { return self->mark; }
 size_t arrays_numbers(const arrays_object *self) { return (size_t)train_numbers(self->own) + self->place[ARRAYS]; }
 
 void arrays_save(const arrays_object *self, double *numbers) {
-    put_inputs(self); /* as they would be in the next step */
+    put_inputs(self); /* values for the next step */
     memcpy(numbers, self->values, self->place[ARRAYS] * sizeof(double));
     train_save(self->own, numbers + self->place[ARRAYS]);
 }

@@ -1,16 +1,16 @@
-/* Driver's valves: the pressure that each holds, its history, and what a second valve or a pipe without flow is told of it. */
+/* Driver's valves: the pressure of each, its history, and the effect on a second valve or a pipe without flow. */
 #include <math.h>
 
 #include "train_inside.h"
 
 double *valves_run(train *self, long long int valve) { return self->run + RUN_VALVES + valve * OF_VALVE; }
 
-/* What a valve was at a time: pressure (0), position (1) or step (2); between the multiples of HISTORY_STEP a straight line. */
+/* State of a valve at a time: pressure (0), position (1) or step (2); linear between the multiples of HISTORY_STEP. */
 static double told(train *self, long long int valve, int what, double time) {
     const double *row = valves_run(self, valve) + 1 + what * HISTORY, newest = self->run[RUN_TOLD];
     const double at = fmin(fmax(time / HISTORY_STEP, newest - HISTORY + 2.0), newest), before = floor(at);
     const long long int place = (long long int)fmod(before, HISTORY), own = place < 0 ? place + HISTORY : place;
-    if (what) return row[own]; /* positions have nothing in between */
+    if (what) return row[own]; /* positions have no intermediate values */
     return row[own] + (at - before) * (row[(own + 1) % HISTORY] - row[own]);
 }
 
@@ -21,7 +21,7 @@ static double position_of(train *self, long long int valve, double *step) {
     return follows ? told(self, 0, 1, time) : self->input[IN_POSITION][valve];
 }
 
-/* The pressure that a valve is to hold. */
+/* Demanded pressure of a valve. */
 static double wanted(const double *given, double position, double step) {
     if (position == POSITION_OVERCHARGE) return given[VALVE_OVERCHARGE];
     if (position == POSITION_SERVICE)
@@ -40,7 +40,7 @@ static double moved(const double *given, double held, double position, double st
                                    time);
 }
 
-/* How a valve stands in the middle of a step. */
+/* State of a valve in the middle of a step. */
 void valves_command(train *self, double time) {
     for (long long int v = 0; v < self->valves; ++v) {
         const double *given = self->valve + v * VALVE_ROWS;
@@ -61,7 +61,7 @@ void valves_command(train *self, double time) {
     }
 }
 
-/* Where no air flows: pressures in all vehicles' cells are those of the nearest open valve, so much earlier. */
+/* Without air flow: pressures in all vehicles' cells are those of the nearest open valve, with its delay. */
 static void give_pressures(train *self, double time) {
     for (long long int i = 0; i < self->vehicles; ++i) {
         double nearest = INFINITY, pressure = NAN, step;
@@ -75,7 +75,7 @@ static void give_pressures(train *self, double time) {
     }
 }
 
-/* Writes what valves were in a step into their history. */
+/* Writes the states of valves in a step into their history. */
 void valves_tell(train *self, double step) {
     const double end = self->run[RUN_TIME] + step, newest = floor(end / HISTORY_STEP);
     for (double k = self->run[RUN_TOLD] + 1.0; k <= newest; ++k) {
