@@ -41,14 +41,14 @@ from rbd_model.train.coupler import COUPLERS
 from readers.command_line import CommandLine, check_folder, quantity, whole
 from readers.text import BadInputError
 
-#: What can be built.
+#: Names of FMUs and systems.
 NAMES = (*FMUS, "train", "coupler", "ssp", "all")
 #: Exit status.
 DONE, NOT_VALID, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
 
 def main(arguments: Sequence[str] | None = None, program: str | None = None) -> int:
-    """Build what a command line asks for; return the exit status."""
+    """Build the FMUs of a command line; return the exit status."""
     try:
         chosen = parser_of(program).parse_args(arguments)
         kinds = kinds_of(chosen)
@@ -111,7 +111,7 @@ def kinds_of(chosen: argparse.Namespace) -> list[str]:
 
 
 def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
-    """Build what is asked for; return whether something is wrong with it. Raises ValueError, CompilerError, OSError."""
+    """Build the chosen FMUs; return whether one is not valid. Raises ValueError, CompilerError, OSError."""
     every = chosen.platforms == "all"
     if chosen.model == "coupler":
         return bool(build_coupler(chosen.out, kinds, chosen.coupler, every))

@@ -1,6 +1,6 @@
-"""Wheels: all of the house below one name, `bogie_braking`, for which imports between its rooms are rewritten.
+"""Wheels: all packages below one name, `bogie_braking`; imports between them are rewritten.
 
-With what `make release` has compiled inside, a wheel belongs to one platform; without, it serves all.
+A wheel with the compiled files of `make release` is for one platform; without them it is for all.
 """
 
 import json
@@ -12,7 +12,7 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 NAME = "bogie_braking"
-#: Rooms of the house and what stands beside them in a checkout; in a wheel they are below NAME.
+#: Packages and the modules next to them in a checkout; in a wheel they are below NAME.
 ROOMS = ("readers", "fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
 BESIDE = ("build_fmu.py",)
 #: Experiments that need a checkout.
@@ -22,7 +22,7 @@ IMPORTS = re.compile(rf"^(\s*from )((?:{'|'.join([*ROOMS, *(name[:-3] for name i
 
 
 def below_one_name(text: str) -> str:
-    """A source file as it stands in a wheel."""
+    """Return a source file as in a wheel."""
     return IMPORTS.sub(rf"\1{NAME}.\2", text)
 
 
@@ -49,7 +49,7 @@ class CustomBuildHook(BuildHookInterface):
             self.add(root / name, f"{NAME}/{name}", build_data)
 
     def add(self, path: Path, inside: str, build_data: dict[str, Any]) -> None:
-        """Puts a file into the wheel, Python rewritten."""
+        """Add a file to the wheel, with its imports rewritten if it is Python."""
         if path.suffix == ".py":
             written = Path(self.copy.name) / inside
             written.parent.mkdir(parents=True, exist_ok=True)

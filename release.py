@@ -1,11 +1,13 @@
-"""Makes what a release consists of: a wheel for each platform with its FMUs, kernels and the live page inside, one
-without for all others, the sdist, an archive of the FMUs for all platforms with parameter sets and systems, the live
-page with that of the train, and SHA256SUMS.
+"""Makes a release.
+
+It consists of a wheel for each platform with its FMUs, kernels and the live page, and a wheel without them for all
+others. Further files are the sdist, an archive of the FMUs for all platforms with parameter sets and systems, the live
+pages, and SHA256SUMS.
 
   python release.py              into dist/
   python release.py --out FOLDER
 
-The files of the checkout that git knows go in as they are now. Everything is compiled with zig from PyPI; equal sources
+It contains the files that git tracks, in their present state. Everything is compiled with zig from PyPI; equal sources
 make equal files, byte for byte, on any day and in any folder.
 """
 
@@ -50,7 +52,7 @@ WHEELS = {
 
 
 def copy_sources(folder: Path) -> None:
-    """Copies what git knows of the checkout; nothing else may get into a release."""
+    """Copy the files that git tracks; a release contains no others."""
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     for name in filter(None, listed.split("\0")):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -85,7 +87,7 @@ def pack(kind: str, sources: Path, out: Path) -> None:
 
 
 def write_wheels(platforms: Iterable[str], out: Path) -> None:
-    """The sdist, the wheel that serves all platforms, and one for each of the given."""
+    """Write the sdist, the wheel for all platforms, and one for each given platform."""
     with tempfile.TemporaryDirectory() as name:
         copy = Path(name)
         copy_sources(copy)
@@ -114,14 +116,14 @@ def write_fmus(out: Path) -> None:
 
 
 def write_checksums(out: Path) -> None:
-    """SHA256SUMS as `sha256sum --check` reads it."""
+    """Write SHA256SUMS in the format of `sha256sum --check`."""
     files = sorted(path for path in out.iterdir() if path.name != "SHA256SUMS")
     lines = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in files]
     (out / "SHA256SUMS").write_text("".join(lines))
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit status: 0, 2 bad input, 3 after a failure, 130 interrupted."""
+    """Make the release and return the exit status: 0, 2 bad input, 3 after a failure, 130 interrupted."""
     parser = CommandLine(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("dist"), help="a new or empty folder (default: dist)")
     try:

@@ -129,8 +129,12 @@ def instances(
         If `inputs` is a string.
     ValueError
         If `count` is not an integer of at least 1, or for the reasons given in `batch`.
-    KeyError, SimulationError, CompilerError
-        As in `batch`.
+    KeyError
+        If a name is unknown.
+    SimulationError
+        If a value is invalid.
+    CompilerError
+        If no C compiler works.
     """
     if not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"Give a whole number of instances, at least 1: it was {shown(count)}.")

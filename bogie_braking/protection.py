@@ -109,8 +109,12 @@ def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **
 
     Raises
     ------
-    TypeError, KeyError, ValueError
-        As in `protected_stops`.
+    TypeError
+        If `controller` has no `step` method, or is an object and not a class.
+    KeyError
+        If the vehicle, the rail or a setting is unknown.
+    ValueError
+        If a setting is out of its limits.
     """
     [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, recorded=True)
     radius = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]().parameters.wheel_radius

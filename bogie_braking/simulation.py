@@ -313,9 +313,14 @@ def run(
 
     Raises
     ------
-    KeyError, TypeError, ValueError, SimulationError
-        As in `Simulation` and `Simulation.advance`. SimulationError also if the first point of an input over time is
-        after the end of the run.
+    KeyError
+        If a name is unknown.
+    TypeError
+        If `what` cannot be run.
+    ValueError
+        If the duration or the interval is not above 0.
+    SimulationError
+        If a value is invalid, a step fails, or the first point of an input over time is after the end of the run.
     """
     one = Simulation(what, line, **values)
     for history in one.histories:

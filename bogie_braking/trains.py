@@ -55,8 +55,10 @@ def train(
 
     Raises
     ------
-    TypeError, ValueError
-        If an argument is invalid.
+    TypeError
+        If an argument has a wrong type.
+    ValueError
+        If a value is out of its limits.
     OSError
         If the file cannot be read.
     """

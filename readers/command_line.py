@@ -1,4 +1,4 @@
-"""Command lines: options with units and limits, and one sentence for each input that is refused."""
+"""Command lines: options with units and limits, and one message for each refused input."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 NEAR = 0.7
 #: Options of other names in earlier versions, by the old ones.
 RENAMED = {"--teeth": "--pulses"}
-#: What argparse says, and the sentence in its place. Each takes the groups of its pattern.
+#: Messages of argparse, and their replacements, functions of the groups of the pattern.
 SENTENCES: tuple[tuple[str, Callable[..., str]], ...] = (
     (r"the following arguments are required: (.*)", lambda names: f"{names} must be given; got nothing."),
     (r"argument (\S+): expected (?:one argument|\d+ arguments?)", lambda name: f"{name} must have a value; got none."),
@@ -45,10 +45,10 @@ SENTENCES: tuple[tuple[str, Callable[..., str]], ...] = (
 
 
 class CommandLine(argparse.ArgumentParser):
-    """An `ArgumentParser` that raises BadInputError with one sentence, without its usage, for what it refuses."""
+    """An `ArgumentParser` that raises BadInputError with one message, without its usage."""
 
     def error(self, message: str) -> NoReturn:
-        """Raise BadInputError with the sentence for a message of argparse."""
+        """Raise BadInputError with the replacement of a message of argparse."""
         for pattern, sentence in SENTENCES:
             if found := re.fullmatch(pattern, message, re.DOTALL):
                 message = sentence(*found.groups())
@@ -60,7 +60,7 @@ class CommandLine(argparse.ArgumentParser):
         raise BadInputError(message)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse; refuse what this parser does not take, also where it serves one command of another parser."""
+        """Parse; refuse unknown arguments, also if this parser belongs to a command of another parser."""
         found, left = super().parse_known_args(args, namespace)
         if left:
             self.error(self._unknown(left[0]))
@@ -95,9 +95,9 @@ def quantity(
     Parameters
     ----------
     name : str
-        The option, as messages name it.
+        The option in messages.
     unit : str
-        Unit of the result, and of a number without a unit; "1" for a number that takes none.
+        Unit of the result, and of a number without a unit; "1" for a pure number.
     least, most : float
         Limits [unit].
     above : bool
@@ -106,7 +106,7 @@ def quantity(
     Returns
     -------
     Callable
-        Takes a text, returns a number [unit]. It raises `argparse.ArgumentTypeError` with one sentence.
+        Function of a string that returns a number [unit]. It raises `argparse.ArgumentTypeError` with one message.
     """
 
     def read(text: str) -> float:
@@ -124,7 +124,7 @@ def quantity(
 
 
 def whole(name: str, least: int, most: int | None = None) -> Callable[[str], int]:
-    """Return the reader of an option's value that is a whole number from `least` to `most`, as `quantity` does."""
+    """Return the reader of an option's value that is an integer from `least` to `most`, as `quantity` does."""
 
     def read(text: str) -> int:
         with suppress(ValueError):
@@ -163,7 +163,7 @@ def _units(unit: str) -> str:
 
 
 def check_folder(folder: Path, option: str = "--out") -> None:
-    """Refuse a folder in which nothing can be written, before the work whose results go there. Leave nothing behind.
+    """Refuse a folder that cannot be written, before the work for it starts. The check leaves nothing behind.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from typing import Any
 
 from readers.text import FileError, shown
 
-#: Largest document, or line of a journal [bytes]. The head of a sweep over a million values has 27 MB.
+#: Largest document, or line of a log [bytes]. The head of a sweep over a million values has 27 MB.
 LARGEST = 64_000_000
 #: Deepest nesting of brackets. Documents of this project have six levels.
 DEEPEST = 64
@@ -20,7 +20,7 @@ LARGEST_INTEGER = 2**53
 
 
 def read_document(path: Path, what: str = "") -> Any:
-    """Return what a JSON file holds; `what` names it in messages, by default its path.
+    """Return the content of a JSON file; `what` is its name in messages, by default its path.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def read_document(path: Path, what: str = "") -> Any:
 
 
 def document(text: bytes, what: str) -> Any:
-    """Return what a JSON text holds: finite numbers, each name once, brackets at most DEEPEST deep.
+    """Return the content of a JSON text: finite numbers, each name once, brackets at most DEEPEST deep.
 
     Raises FileError. Its message begins with `what`.
     """

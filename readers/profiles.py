@@ -1,8 +1,8 @@
-"""Contours of wheels and rails as people have them: tables of y and z, MiniProf and SIMPACK files.
+"""Contours of wheels and rails in common forms: tables of y and z, MiniProf and SIMPACK files.
 
 A file holds rows of two numbers, by the rules of `readers.tables`, and may begin with a header. Keys of the header that
-change what the numbers mean are obeyed or refused: units, numbers of points, columns, mirrors, offsets, turns. Of
-MiniProf (.whl, .ban) and SIMPACK (.prw, .prr) that is all that is read.
+change the meaning of the numbers are applied or refused: units, numbers of points, columns, mirrors, offsets, turns.
+The rest of MiniProf (.whl, .ban) and SIMPACK (.prw, .prr) files is ignored.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ LARGEST, LEAST_BREADTH, LARGEST_BREADTH = 1000.0, 20.0, 500.0
 SAMPLE = 50
 #: Share of a contour's breadth by which its ends are apart at least, and that no step from point to point exceeds.
 ENDS_APART, LONGEST_STEP = 0.25, 0.5
-#: A key of a header, and what is between it and its value.
+#: A key of a header, and the sign before its value.
 KEY, ASSIGNS = re.compile(r"[A-Za-z][\w .()/-]*"), re.compile("[=:]")
 #: Keys that change what points mean, unless their value is neutral.
 CHANGES = re.compile(r"scal|factor|mirror|flip|inver|swap|offset|shift|rotat|tilt|zoom|bound|axis|axes|coord", re.I)
 COUNTS = ("xypoints", "points", "npoints", "numpoints", "numberofpoints", "pointcount")
 NEUTRAL = ("", "no", "none", "off", "false", "n")
-#: Words of a free text that tell of another unit or of a change.
+#: Words of a free text that indicate another unit or a change.
 TELLING = re.compile(r"\b(inch(es)?|met(er|re)s?|microns?|feet|mirrored|scaled|rotated|shifted)\b", re.I)
 SIMPACK_TYPES = {0.0: "rail", 1.0: "wheel"}
 MINIPROF = re.compile(r"miniprof|wheelprof|railprof|^[^\S\n]*(ColumnDef|XYPoints)\s*=", re.I | re.M)
@@ -73,7 +73,7 @@ class Contour:
 
 @dataclass
 class _Header:
-    """What a header says: factor to mm, numbers of points, columns, mirrors of y and z."""
+    """Content of a header: factor to mm, numbers of points, columns, mirrors of y and z."""
 
     source: str
     unit: tuple[float, float] = (1.0, 1.0)
@@ -85,7 +85,7 @@ class _Header:
         return TableError(f"{self.source}, row {row}: {text}")
 
     def take(self, row: int, key: str, value: str) -> None:
-        """Obey a key, pass over one that changes nothing, or refuse it."""
+        """Apply a key, ignore one without effect, or refuse it."""
         tidy = re.sub(r"[^a-z]", "", key.lower())
         value = value.strip().strip("'\"").strip()
         if tidy in COUNTS:
@@ -114,7 +114,7 @@ class _Header:
         return int(value)
 
     def check_count(self, found: int) -> None:
-        """Check the number of points against what the header says."""
+        """Compare the number of points with that in the header."""
         if self.count and self.count[0] != found:
             raise self.refusal(
                 self.count[1],
@@ -148,7 +148,7 @@ def read_contour(path: str | Path, kind: str) -> Contour:
     Raises
     ------
     FileError
-        If it is not the contour of one profile as it is meant; the message names file, row, value and remedy.
+        If it is not the contour of one profile; the message names file, row, value and remedy.
     """
     return contour_of(text_of(path, LARGEST_FILE), str(path), kind)
 

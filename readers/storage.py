@@ -1,4 +1,4 @@
-"""Files are written whole or not at all; what cannot be written is told with place, reason and remedy."""
+"""Files are written whole or not at all; a failure is reported with place, reason and remedy."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ else:
 PARTIAL = ".partial"
 #: Windows locks bytes, which nobody else can read then: this one is behind all that a locked file says.
 LOCKED_BYTE = 2_000_000_000
-#: What a system says where a disk, a quota or a limit is full.
+#: Error numbers of a full disk, quota or limit.
 FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
-#: What to do where a place cannot be written, unless a caller knows better.
+#: Default remedy if a place cannot be written.
 ANOTHER_FOLDER = "choose another folder"
 ANOTHER_TEMPORARY = "name another folder for temporary files in the environment, TMPDIR"
 
@@ -34,7 +34,7 @@ class StorageError(OSError):
 
 
 def is_full(error: BaseException | None) -> bool:
-    """Whether an error, or one that it came from, is that of a full disk."""
+    """Return whether an error, or its cause, is that of a full disk."""
     while error is not None:
         if getattr(error, "full", False) or (isinstance(error, OSError) and error.errno in FULL):
             return True
@@ -43,7 +43,7 @@ def is_full(error: BaseException | None) -> bool:
 
 
 def cannot_write(place: Path, error: OSError, remedy: str = ANOTHER_FOLDER) -> StorageError:
-    """Return the error for a place that cannot be written. remedy: how to name another one, as a part of a sentence."""
+    """Return the error for a place that cannot be written. remedy: advice to choose another place."""
     if isinstance(error, StorageError) and isinstance(error.__cause__, OSError):
         error = error.__cause__
     advice = f"free space on its disk, or {remedy}" if is_full(error) else remedy
@@ -59,7 +59,7 @@ def sentence(words: str) -> str:
 
 @contextmanager
 def writing(place: Path, remedy: str = ANOTHER_FOLDER) -> Iterator[None]:
-    """Tell an OSError with the place that was written to. Raises StorageError."""
+    """Convert an OSError to StorageError with the written place."""
     try:
         yield
     except StorageError:
@@ -102,9 +102,9 @@ def write_whole(path: Path, data: bytes, remedy: str = ANOTHER_FOLDER, *, synced
 
 
 def sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to disk, where the system can; Windows does so by itself.
+    """Write the names in a folder to disk, if the system can; Windows does so itself.
 
-    Raises OSError where the disk is full or broken. Some file systems refuse (EINVAL), some folders cannot be read.
+    Raises OSError if the disk is full or broken. Some file systems refuse (EINVAL), some folders cannot be read.
     """
     if sys.platform == "win32":
         return
@@ -120,7 +120,7 @@ def sync_folder(folder: Path) -> None:
 
 
 def remove_partial(folder: Path, age: float = 0.0) -> None:
-    """Remove the files that were being written when their processes were killed; age: of the last write [s]."""
+    """Remove partial files of killed processes; age: least age of the last write [s]."""
     for partial in folder.glob(f".*{PARTIAL}"):
         with suppress(OSError):
             if time.time() - partial.lstat().st_mtime >= age:
@@ -128,7 +128,7 @@ def remove_partial(folder: Path, age: float = 0.0) -> None:
 
 
 def hold(file: int, *, wait: bool) -> None:
-    """Lock an open file until it is closed, also by the end of its process; Windows waits for ten seconds at most.
+    """Lock an open file until it is closed, or its process ends; Windows waits for ten seconds at most.
 
     Raises
     ------

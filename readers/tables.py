@@ -1,10 +1,10 @@
-"""Tables that users bring: columns under names with units, or by position. One set of rules for all of them.
+"""Tables of users: columns under names with units, or by position. One set of rules for all of them.
 
-A table is text with rows. Columns are separated by tabs, semicolons or commas, and by blanks where the first row holds
+A table is text with rows. Columns are separated by tabs, semicolons or commas, and by blanks if the first row has
 numbers. Numbers have a decimal point or, unless commas separate columns, a decimal comma; a file has one of the two. A
-name may carry its unit, `cant [mm]` or `cant (mm)`, which is converted. In names upper and lower case are alike, and so
-are underscores, blanks and hyphens. Empty rows, rows of nothing but separators and remarks (`#`, `%`, `!`, `//`) are
-passed over. A cell may stand in quotes. `fmu_src/runtime/table_file.c` is the twin of this module in C.
+name may carry its unit, `cant [mm]` or `cant (mm)`, which is converted. Names are not case-sensitive; underscores,
+blanks and hyphens are equal in them. Empty rows, rows of separators alone and remarks (`#`, `%`, `!`, `//`) are
+ignored. A cell may be in quotes. `fmu_src/runtime/table_file.c` is the twin of this module in C.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]")
 HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]+)(\((?P<unit>[^()]*)\))?")
 #: A row with which some spreadsheets declare their separator.
 DECLARED = re.compile(rf"sep=([,;\t|:])[{BLANK}]*", re.IGNORECASE | re.ASCII)
-#: A cell in quotes, by its separator; and what is one underscore in names.
+#: A cell in quotes, by its separator; and characters that are equal to an underscore in names.
 IN_QUOTES = {
     one: re.compile(rf'[{BLANK.replace(one, "")}]*"((?:[^"]|"")*)"[{BLANK.replace(one, "")}]*({re.escape(one)}|\Z)')
     for one in ("\t", ";", ",", "|", ":")
@@ -54,7 +54,7 @@ MINUS = "\u2212"
 
 
 class TableError(FileError):
-    """A table that cannot be read as it is meant; the message names file, row, column, value, limit and remedy."""
+    """A table that cannot be read; the message names file, row, column, value, limit and remedy."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +72,11 @@ class Column:
     required : bool
         Whether the table must have it.
     filled : bool
-        Whether every row must have a value; otherwise an empty cell is NaN, or an empty text.
+        Whether every row must have a value; otherwise an empty cell is NaN, or an empty string.
     words : tuple of str
-        What a column of words may hold; empty: it holds numbers.
+        Allowed words of a column of words; empty: it holds numbers.
     whole : bool
-        Whether its numbers are whole.
+        Whether its numbers are integers.
     """
 
     name: str
@@ -91,7 +91,7 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """What a file holds.
+    """Content of a file.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Table:
     numbers : dict
         Columns of numbers by name, shape (rows,), in the unit of `units`.
     words : dict
-        Columns of words by name, a text a row.
+        Columns of words by name, a string a row.
     units : dict
         Unit of each column of numbers.
     places : array of int, shape (rows,)
@@ -125,11 +125,11 @@ class Table:
         return self.numbers[name] * numerator / denominator
 
     def refusal(self, row: int, column: str, text: str) -> TableError:
-        """Return the error for a value; row counts from 0, text says limit, value and remedy."""
+        """Return the error for a value; `row` is numbered from 0, `text` gives limit, value and remedy."""
         return TableError(f"{self.source}, row {self.places[row]}, column {shown(column)}: {text}")
 
     def check_rows(self, least: int = 2) -> None:
-        """Check that there are so many rows.
+        """Check the number of rows.
 
         Raises
         ------
@@ -178,18 +178,19 @@ def read_table(
     path : str or Path
         The file.
     columns : sequence of Column
-        What it may hold.
+        Allowed columns.
     others : bool
         Whether further columns of numbers are kept, each in the unit that its name carries ("1" without one).
     by_position : bool
         Whether the row of names may be missing or hold other names: columns then follow in the order of `columns`.
     most_rows : int
-        Most rows of values.
+        Largest number of rows of values.
 
     Raises
     ------
     TableError
-        If a name is unknown, missing or there twice, a unit unknown, a value missing, not a number, outside its limits.
+        If a name is unknown, missing or repeated, a unit is unknown, or a value is missing, not a number or out of its
+        limits.
     FileError
         If the file is not readable as text.
     """
@@ -255,7 +256,10 @@ def cells_of(row: str, separator: str, place: str) -> list[str]:
 
 
 def _separator_of(rows: Sequence[str]) -> str:
-    """Return what separates columns: of names the first of SEPARATORS that is there, of numbers what leaves numbers."""
+    """Return the separator of columns.
+
+    For names the first of SEPARATORS in the row, for numbers the one that leaves numbers.
+    """
     first = rows[0] if rows else ""
     if any(letter.isalpha() for letter in re.sub(r"\d[eE][+-]?\d", "0", first)):
         bare = re.sub(r'"[^"]*"', "", first)
@@ -264,7 +268,7 @@ def _separator_of(rows: Sequence[str]) -> str:
 
 
 def separator_of_numbers(rows: Sequence[str]) -> str | None:
-    """Return what separates the numbers of rows, or None if some hold anything else."""
+    """Return the separator of rows of numbers, or None if some hold anything else."""
     for one in (*SEPARATORS, BLANKS):
         parts = [cells_of(row.replace('"', ""), one, "") for row in rows]
         if all(len(cells) > 1 and all(not cell or number_in(cell) for cell in cells) for cells in parts):
@@ -292,7 +296,7 @@ def number_of(value: object) -> float:
 
 @dataclass(frozen=True)
 class _Place:
-    """A column of the file: place in a row, what it is, the factor to its unit."""
+    """A column of the file: its place in a row, its definition, the factor to its unit."""
 
     at: int
     column: Column
@@ -388,7 +392,7 @@ def _factor(column: Column, unit: str, place: str) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class _Body:
-    """The rows behind the names."""
+    """The rows after the names."""
 
     source: str
     separator: str
@@ -424,7 +428,7 @@ class _Body:
         return Table(self.source, numbers, {}, units, np.array(places) + 1)
 
     def _plain_block(self, lines: Sequence[str]) -> tuple[NDArray[np.float64] | None, str]:
-        """Return the values of rows and their decimal mark; None where a cell is no plain number."""
+        """Return the values of rows and their decimal mark; None if a cell is not a plain number."""
         text = "".join(lines)
         mark = "," if self.separator != "," and "," in text else "." if "." in text else ""
         if text.encode().translate(None, PLAIN_BYTES + f"{self.separator}{mark}".encode()):
@@ -518,7 +522,7 @@ class _Cells:
 
     @property
     def column(self) -> Column:
-        """What they are read as."""
+        """The definition of the column."""
         return self.place.column
 
     def refusal(self, row: int, text: str) -> TableError:

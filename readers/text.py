@@ -16,9 +16,9 @@ from pathlib import Path
 LARGEST = 1_000_000_000
 #: Longest row [characters].
 LONGEST_ROW = 20_000
-#: What a file may begin with, and the encoding that this means; without a mark it is UTF-8 or Windows-1252.
+#: Marks at the beginning of a file, and the encodings they mean; without a mark it is UTF-8 or Windows-1252.
 MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
-#: What counts as blank: space, tab, form feed and the two spaces that hold numbers together.
+#: Blanks: space, tab, form feed and the two spaces that hold numbers together.
 BLANK = " \t\f\u00a0\u202f"
 #: Characters that text does not have; DOS ends files with \x1a.
 ODD = re.compile(r"[\x00-\x08\x0b\x0e-\x19\x1b-\x1f]")
@@ -29,11 +29,11 @@ REMARKS = ("#", "%", "!", "//")
 
 
 class BadInputError(ValueError):
-    """Something the user gave cannot be used; the text says why, and what to do."""
+    """An input of the user that cannot be used; the text states the reason and the remedy."""
 
 
 class FileError(ValueError):
-    """A user's file that cannot be read as it is meant; the message names file, place, value and remedy."""
+    """A user's file that cannot be read; the message names file, place, value and remedy."""
 
 
 class MissingFileError(FileError, FileNotFoundError):
@@ -41,7 +41,7 @@ class MissingFileError(FileError, FileNotFoundError):
 
 
 def shown(value: object, longest: int = QUOTED) -> str:
-    """Return a value for a message, as files write it: as it is if it is short and on one line, otherwise quoted."""
+    """Return a value for a message, as in files: unchanged if it is short and on one line, otherwise quoted."""
     of_json = value is None or isinstance(value, bool | list | dict)
     try:
         text = json.dumps(value, default=str) if of_json else str(value)
@@ -116,14 +116,14 @@ def _row_decoded(row: bytes) -> str:
 
 
 def lines_of(text: str) -> list[str]:
-    """Return all lines of a text, as an editor or a spreadsheet counts them."""
+    """Return all lines of a text, numbered as in an editor or a spreadsheet."""
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 def rows_of(text: str, source: str) -> Iterator[tuple[int, str]]:
-    """Yield number and text of each row that holds something, numbered from 1 as an editor or a spreadsheet does.
+    """Yield number and text of each row with content, numbered from 1 as in an editor or a spreadsheet.
 
-    Empty rows and remarks are passed over.
+    Empty rows and remarks are ignored.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def rows_of(text: str, source: str) -> Iterator[tuple[int, str]]:
 
 
 def rows_in(lines: Sequence[str], source: str, behind: int = 0) -> Iterator[tuple[int, str]]:
-    """Yield what `rows_of` does of lines, those behind so many of them."""
+    """Yield the same as `rows_of` for lines after the first `behind` lines."""
     for number in range(behind + 1, len(lines) + 1):
         row = lines[number - 1]
         if len(row) > LONGEST_ROW:

@@ -18,7 +18,7 @@ LARGEST = 4_000_000
 
 
 def toml_of(path: str | Path) -> dict[str, Any]:
-    """Return what a TOML file holds: finite numbers, brackets not too deep.
+    """Return the content of a TOML file: finite numbers, brackets not too deep.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def toml_of(path: str | Path) -> dict[str, Any]:
         raise FileError(f"{path} must be TOML; got a fault: {str(error).rstrip('.')}. Correct it.") from None
     except RecursionError:
         raise too_deep(str(path)) from None
-    except ValueError:  # a whole number of thousands of digits, or a day that no month has
+    except ValueError:  # an integer of thousands of digits, or a day that no month has
         raise FileError(f"{path} must have numbers and dates that can be; got another. Correct it.") from None
     check_tree(found, str(path))
     return found

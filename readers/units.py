@@ -107,7 +107,7 @@ def _common(one: float, other: float) -> float:
 
 
 def twins_of(unit: str) -> tuple[str, ...]:
-    """Return a unit as it is known and, if micro is in it, with the Greek letter in its place."""
+    """Return a unit and, if micro is in it, its form with the Greek letter."""
     return (unit, unit.replace(_MICRO, _GREEK_MU)) if _MICRO in unit else (unit,)
 
 
@@ -118,7 +118,7 @@ def spellings_for(target: str) -> dict[str, tuple[float, float]]:
     return {target: (1.0, 1.0)} | {one: both for one, both in found.items() if both is not None}
 
 
-#: Units that people use for a quantity in place of the SI unit, the likeliest first.
+#: Common units of a quantity instead of the SI unit, the likeliest first.
 USUAL = {
     "m": ("mm",),
     "m/s": ("km/h",),

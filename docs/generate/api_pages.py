@@ -1,4 +1,4 @@
-"""The reference of the public face: a page for each row of the table in docs/public.md, and for what its names give."""
+"""Pages of the API: one for each row of the table in docs/public.md, with the classes that its functions return."""
 
 import inspect
 import re
@@ -12,26 +12,26 @@ from pages import DOCS
 import bogie_braking as bb
 from products.sources import HOUSE
 
-#: A row of the table of names: the names, and what they are.
+#: A row of the table of names: the names, and their description.
 ROW = re.compile(r"^\| (`\w+`(?:, `\w+`)*) \| (.+) \|$", re.MULTILINE)
 
 
 def api_pages() -> dict[str, str]:
-    """Pages by their names on the site, in the order of the table. The version has none: its row says all of it."""
+    """Return pages by their names on the site, in the order of the table. The version has no page: its row suffices."""
     rows = ROW.findall((DOCS / "public.md").read_text(encoding="utf-8"))
     named = [(re.findall(r"\w+", names), what) for names, what in rows]
     return {f"api/{names[0]}.md": api_page(names, what) for names, what in named if names != ["__version__"]}
 
 
 def api_page(names: list[str], what: str) -> str:
-    """A row as a page: its sentence, each name with its doc string, and the classes that it gives."""
+    """Return a row as a page: its description, each name with its docstring, and the classes that functions return."""
     sentence = what[0].upper() + what[1:].replace("](", "](../") + "."
     places = [place for name in names for place in places_of(name)]
     return "\n\n".join([f"# {', '.join(names)}", sentence, *(f"::: {place}" for place in places)]) + "\n"
 
 
 def places_of(name: str) -> Iterator[str]:
-    """Dotted names of a public name, or of what a module holds, and of the class of ours that a function gives."""
+    """Yield the dotted names of a public name, or of a module's classes, and of our class that a function returns."""
     found, place = getattr(bb, name), f"{bb.__name__}.{name}"
     if isinstance(found, ModuleType):
         yield from (f"{place}.{inner}" for inner in classes_in(found))
@@ -44,12 +44,12 @@ def places_of(name: str) -> Iterator[str]:
 
 
 def classes_in(module: ModuleType) -> dict[str, type]:
-    """What a module names."""
+    """Return the classes in a module by name."""
     return {name: found for name, found in vars(module).items() if inspect.isclass(found)}
 
 
 def class_given_by(found: Any) -> type | None:
-    """Class of ours that a function gives; None where it gives none, or is none."""
+    """Return our class that a function returns, or None."""
     if not inspect.isfunction(found):
         return None
     given = inspect.signature(found).return_annotation

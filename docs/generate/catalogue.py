@@ -39,7 +39,7 @@ def scenarios_of(module: ModuleType) -> list[Scenario]:
 
 
 def options(scenario: Scenario) -> str:
-    """What can be chosen on the command line, and varied in a sweep."""
+    """Return the options on the command line, and the parameters of a sweep."""
     given = ", ".join(f"`--{name.replace('_', '-')}`" for name in sorted(scenario.takes))
     if scenario.sweep is None:
         return given
@@ -48,7 +48,7 @@ def options(scenario: Scenario) -> str:
 
 
 def table(files: list[ModuleType]) -> list[str]:
-    """The rows of one room: what a file says about itself, or of each of several scenarios in it what it says."""
+    """Return the rows of one folder: the docstring of a file with one scenario, or the summary of each of several."""
     lines = ["| scenario | content | options |", "|---|---|---|"]
     for module in files:
         held = scenarios_of(module)

@@ -1,11 +1,11 @@
-"""Puts the pictures of `make charts` beside the text, and what they measured into it.
+"""Copies the figures of `make charts` next to the text, and their measured values into it.
 
-  python docs/generate/charts.py              docs/choosing.md anew, from the JSON in docs/data/
-  python docs/generate/charts.py --collect    first the pictures and the JSON, from results/ to docs/
-  python docs/generate/charts.py --check      exit status 1 when a text does not hold the numbers of the JSON
+  python docs/generate/charts.py              updates docs/choosing.md from the JSON in docs/data/
+  python docs/generate/charts.py --collect    first copies the figures and the JSON from results/ to docs/
+  python docs/generate/charts.py --check      exit status 1 if a text differs from the numbers of the JSON
 
-In the template here, `[[scenario | quantity | format]]` stands for what a scenario measured: choosing.md.in
-becomes docs/choosing.md.
+In the template here, `[[scenario | quantity | format]]` is replaced by a measured value: choosing.md.in becomes
+docs/choosing.md.
 """
 
 import json
@@ -35,7 +35,7 @@ WIDTH = 118
 
 
 def collect() -> None:
-    """Pictures and tables of the scenarios, from results/ to docs/; of the JSON what the text needs."""
+    """Copy figures and tables of the scenarios, and the needed values of the JSON, from results/ to docs/."""
     for name in CHARTS:
         folder = ROOT / "results" / name
         summary = read_document(folder / "summary.json")
@@ -47,7 +47,7 @@ def collect() -> None:
 
 
 def measured() -> dict[tuple[str, str], float]:
-    """What the JSON in docs/data/ holds, by scenario and quantity."""
+    """Return the values of the JSON in docs/data/, by scenario and quantity."""
     found = {}
     for name in CHARTS:
         summary = json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))
@@ -69,7 +69,7 @@ def filled(template: Path, values: dict[tuple[str, str], float]) -> str:
 
 
 def wrapped(block: str) -> str:
-    """A paragraph or list with lines of even length; tables, headings and pictures as they are."""
+    """Return a paragraph or list with lines of even length; tables, headings and figures are not changed."""
     if block.startswith(("|", "#", "!", "<")):
         return block
     items = re.split(r"\n(?=\* )", block)
@@ -86,7 +86,7 @@ def wrapped(block: str) -> str:
 
 
 def texts() -> dict[Path, str]:
-    """The texts as they should be."""
+    """Return the updated pages."""
     return {DOCS / "choosing.md": filled(HERE / "choosing.md.in", measured())}
 
 

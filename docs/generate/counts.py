@@ -1,6 +1,6 @@
-"""Puts numbers that tests and scenarios know into the sentences of the pages that say them. --check only compares.
+"""Updates numbers of tests and scenarios in the text of pages. --check only compares.
 
-A sentence says a number in the words of `PHRASES`, wherever it stands; the number before them is written anew.
+A phrase of `PHRASES` marks a number on any page; the number before it is replaced.
 """
 
 import ast
@@ -14,14 +14,14 @@ from pages import DOCS, ROOT, write_or_check
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
 STATES = "tests/thesis/test_against_kernel.py"
 CALLS = "tests/fmu/test_state_machine.py"
-#: What is small, and the scenario that measured by how much [%].
+#: The scenario that measured a small slip error, and its quantity [%].
 SLIP = "planar: largest error of peak slip of the trailing wheelset, no lock-up"
 #: A number in the text, its thousands parted.
 NUMBER = r"\d+(?: \d{3})*"
 
 
 def constant(file: str, name: str) -> Any:
-    """The value of a constant of a test. Raises KeyError where there is none of that name."""
+    """Return the value of a constant of a test. Raises KeyError if it does not exist."""
     for node in ast.parse((ROOT / file).read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Assign):
             (target,) = node.targets
@@ -36,7 +36,7 @@ def constant(file: str, name: str) -> Any:
 
 
 def slip_that_is_missing() -> float:
-    """Share of its slip that the planar level leaves out [%]."""
+    """Return the share of its slip that the planar level leaves out [%]."""
     rows = json.loads((DOCS / "data" / "levels.json").read_text(encoding="utf-8"))["rows"]
     return next(float(row["simulated"]) for row in rows if row["quantity"] == SLIP)
 

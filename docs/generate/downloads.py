@@ -1,4 +1,4 @@
-"""The files of a release on the site: what `make release` left in dist/, with sizes and checksums."""
+"""The files of a release on the site: the contents of dist/ after `make release`, with sizes and checksums."""
 
 import hashlib
 import re
@@ -7,17 +7,17 @@ from pathlib import Path
 from pages import ROOT
 
 DIST = ROOT / "dist"
-#: Of docs/downloads.md, what stands here in its place where there is a release.
+#: The part of docs/downloads.md that the table replaces if a release exists.
 PLACE = re.compile(r"<!-- files: begin -->.*<!-- files: end -->", re.DOTALL)
 
 
 def files() -> list[Path]:
-    """What the release consists of; nothing where none was made."""
+    """Return the files of the release; empty without one."""
     return sorted(path for path in DIST.iterdir() if path.is_file()) if DIST.is_dir() else []
 
 
 def filled(page: str) -> str:
-    """The page with a link to each file of the release; as it is where there is none."""
+    """Return the page with a link to each file of the release; without a release it is not changed."""
     found = files()
     if not found:
         return page
@@ -26,11 +26,11 @@ def filled(page: str) -> str:
 
 
 def size(path: Path) -> str:
-    """Of a file, in kB or MB."""
+    """Return the size of a file in kB or MB."""
     count = path.stat().st_size
     return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
 
 
 def checksum(path: Path) -> str:
-    """SHA-256 of a file, as SHA256SUMS has it."""
+    """Return the SHA-256 of a file, as in SHA256SUMS."""
     return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -1,10 +1,10 @@
-"""Writes EQUATIONS.md: where each equation of the thesis lives in the code, and which tests cover it.
+"""Writes EQUATIONS.md: the place of each equation of the thesis in the code, and the tests that cover it.
 
   python docs/generate/equations.py            write EQUATIONS.md
-  python docs/generate/equations.py --check    exit with 1 if it is not what the code says now
+  python docs/generate/equations.py --check    exit with 1 if it differs from the code
 
-An equation is cited by its number in parentheses, in a doc string or a comment; "(3.82)-(3.88)" cites all between. The
-page names the function or class around a citation and no line, so that it changes only where equations move.
+An equation is cited by its number in parentheses, in a docstring or a comment; "(3.82)-(3.88)" cites all between. The
+page names the function or class around a citation and no line, so that it changes only if equations move.
 """
 
 import ast
@@ -22,7 +22,7 @@ PAGE = ROOT / "EQUATIONS.md"
 HOMES, TESTS = ("rbd_model", "brake_controller", "scenarios"), "tests"
 #: Number of the last equation of each chapter of the thesis.
 LAST = {2: 16, 3: 124, 4: 2, 5: 4, 6: 7, 7: 3, 9: 1}
-#: What must have a home or a reason: sections 2.4 and 2.5, chapters 3, 4 and 5.
+#: Equations that require a place or a reason: sections 2.4 and 2.5, chapters 3, 4 and 5.
 EXPECTED = [*((2, n) for n in range(4, 13)), *((c, n) for c in (3, 4, 5) for n in range(1, LAST[c] + 1))]
 #: Equations without a home, and why.
 REASONS = {
@@ -36,7 +36,7 @@ _RANGE = re.compile(r"\((\d)\.(\d+)(?:\.?[a-d])?\)(?:\s*(?:-|to)\s*\((\d)\.(\d+)
 
 
 def cited(text: str) -> set[Number]:
-    """Equation numbers in a text."""
+    """Return the equation numbers in a text."""
     found = set()
     for chapter, first, other, last in _RANGE.findall(text):
         end = int(last) if other == chapter else int(first)
@@ -45,7 +45,7 @@ def cited(text: str) -> set[Number]:
 
 
 def scopes(tree: ast.Module) -> list[tuple[int, int, str]]:
-    """First line, last line and name of each function and class of a file, an outer one before those within it."""
+    """Return first line, last line and name of each function and class of a file, outer ones first."""
     found: list[tuple[int, int, str]] = []
 
     def visit(node: ast.AST, outer: str) -> None:
@@ -60,7 +60,7 @@ def scopes(tree: ast.Module) -> list[tuple[int, int, str]]:
 
 
 def texts(path: Path) -> Iterator[tuple[str, str]]:
-    """Each doc string and comment block of a Python file, behind the name around it; "" for the file itself."""
+    """Yield each docstring and comment block of a Python file, after the name around it; "" for the file itself."""
     source = path.read_text(encoding="utf-8")
     tree = ast.parse(source)
     known = scopes(tree)
@@ -74,7 +74,7 @@ def texts(path: Path) -> Iterator[tuple[str, str]]:
 
 
 def comments(source: str) -> list[tuple[int, str]]:
-    """First line and text of each block of comments."""
+    """Return first line and text of each block of comments."""
     blocks: list[tuple[int, str]] = []
     end = -1
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
@@ -90,7 +90,7 @@ def comments(source: str) -> list[tuple[int, str]]:
 
 
 def homes() -> dict[Number, list[str]]:
-    """Places in the code by equation: the file, and the function or class where it is not the file as a whole."""
+    """Return places in the code by equation: the file, and the function or class unless it is the whole file."""
     found: dict[Number, list[str]] = defaultdict(list)
     for package in HOMES:
         for path in sorted((ROOT / package).rglob("*.py")):
@@ -112,7 +112,7 @@ def tests() -> dict[Number, list[str]]:
 
 
 def complaints() -> list[str]:
-    """What is wrong, a sentence each: numbers that do not exist, equations without home and reason, without test."""
+    """Return messages on numbers that do not exist, equations without place and reason, equations without test."""
     known, covered = homes(), tests()
     wrong = [
         f"({c}.{n}) is cited in {', '.join(places)} and does not exist in the thesis."

@@ -1,4 +1,4 @@
-"""The picture on the first page of the site: one printed number over the step of the explicit method."""
+"""The figure on the first page of the site: one published number over the step of the explicit method."""
 
 import io
 import json
@@ -13,7 +13,7 @@ NUMBER = "lateral wave, 15 m/s: spectral peak of the hunting"
 
 
 def svg() -> str:
-    """The number at each step, beside what the thesis and VAMPIRE print, as docs/data/ has them."""
+    """Return the number at each step, with the values of the thesis and VAMPIRE from docs/data/."""
     rows = json.loads((DOCS / "data" / "thesis-step.json").read_text(encoding="utf-8"))["rows"]
     found = {row["quantity"].removeprefix(f"{NUMBER}, "): row for row in rows if row["quantity"].startswith(NUMBER)}
     accurate = found.pop("accurate")

@@ -1,12 +1,12 @@
-"""Puts numbers with a mark behind them into the pages, as a run measured them. --check only compares.
+"""Updates marked numbers on the pages from measured values. --check only compares.
 
-  python docs/generate/numbers_of_pages.py              the numbers of all pages anew, from docs/data/
-  python docs/generate/numbers_of_pages.py --collect    first the rows that they cite, from results/ to docs/data/
+  python docs/generate/numbers_of_pages.py              the numbers of all pages, from docs/data/
+  python docs/generate/numbers_of_pages.py --collect    first the cited rows, from results/ to docs/data/
 
-A mark is a comment behind a number, which no reader sees: `14<!--= contact-manchester | QUANTITY | .0f -->` is the row
+A mark is a comment after a number, invisible on the page: `14<!--= contact-manchester | QUANTITY | .0f -->` is the row
 of a scenario's summary.json, `10 000<!--= tests/test_rare.py | RUNS | -->` a constant of a test. Templates
-(docs/generate/charts.py) name rows in the same words, `[[scenario | quantity | format]]`. When tests run a cited
-scenario they compare its rows with what is kept (tests/scenarios/test_scenarios.py).
+(docs/generate/charts.py) name rows in the same words, `[[scenario | quantity | format]]`. Tests that run a cited
+scenario compare its rows with the stored ones (tests/scenarios/test_scenarios.py).
 """
 
 import json
@@ -29,7 +29,7 @@ TEMPLATE = re.compile(r"\[\[([^\]|]+\|[^\]|]+\|[^\]|]*)\]\]")
 
 
 class Mark(NamedTuple):
-    """What a number is: of which scenario or test's file, which row or constant, in which format."""
+    """Source of a number: scenario or file of a test, row or constant, and format."""
 
     source: str
     name: str
@@ -37,12 +37,12 @@ class Mark(NamedTuple):
 
     @classmethod
     def of(cls, text: str) -> "Mark":
-        """From the words between bars."""
+        """Return the mark of the words between bars."""
         return cls(*(part.strip() for part in text.split("|")))
 
     @property
     def of_a_test(self) -> bool:
-        """Whether it is a constant of a test."""
+        """True if it is a constant of a test."""
         return self.source.endswith(".py")
 
     def printed(self, value: Any) -> str:
@@ -52,7 +52,7 @@ class Mark(NamedTuple):
 
 
 def marks() -> Iterator[Mark]:
-    """Of all pages and templates."""
+    """Yield the marks of all pages and templates."""
     for page in PAGES:
         yield from (Mark.of(one["mark"]) for one in MARKED.finditer(page.read_text("utf-8")))
     for template in HERE.glob("*.in"):
@@ -60,7 +60,7 @@ def marks() -> Iterator[Mark]:
 
 
 def cited() -> dict[str, set[str]]:
-    """Rows by scenario that pages cite and that `make charts` does not keep."""
+    """Return rows by scenario that pages cite and that `make charts` does not store."""
     found: dict[str, set[str]] = {}
     for one in marks():
         if not one.of_a_test and one.source not in CHARTS:
@@ -69,12 +69,12 @@ def cited() -> dict[str, set[str]]:
 
 
 def kept() -> dict[str, dict[str, float]]:
-    """Rows by scenario, as they were measured."""
+    """Return the measured rows by scenario."""
     return json.loads(KEPT.read_text("utf-8"))
 
 
 def collect() -> None:
-    """Keep the rows that pages cite, of scenarios that have results; of the others what was kept."""
+    """Store the rows that pages cite, of scenarios that have results; the others keep their stored rows."""
     found = {}
     for scenario, names in sorted(cited().items()):
         path = ROOT / "results" / scenario / "summary.json"
@@ -89,12 +89,12 @@ def collect() -> None:
 
 
 def values() -> dict[tuple[str, str], float]:
-    """All rows that are kept, by scenario and quantity."""
+    """Return all stored rows, by scenario and quantity."""
     return measured()
 
 
 def filled(text: str, rows: Mapping[tuple[str, str], float]) -> str:
-    """Return a page with its numbers. Raises KeyError for a row or a constant that there is not."""
+    """Return a page with its numbers. Raises KeyError if a row or a constant does not exist."""
 
     def number(match: re.Match[str]) -> str:
         one = Mark.of(match["mark"])
@@ -105,7 +105,7 @@ def filled(text: str, rows: Mapping[tuple[str, str], float]) -> str:
 
 
 def moved(scenario: str, rows: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Return a sentence for each cited row of a run that prints another number than the one kept.
+    """Return a message for each cited row of a run whose number on the page would differ from the stored one.
 
     A value at the edge between two numbers may differ by half a unit of the last digit.
     """
@@ -120,7 +120,7 @@ def moved(scenario: str, rows: Iterable[Mapping[str, Any]]) -> list[str]:
 
 
 def half_a_unit(one: Mark, value: float) -> float:
-    """Of the last digit that a page shows."""
+    """Return half a unit of the last digit on a page."""
     digits = one.printed(value).partition(".")[2]
     return 0.5 * 10.0 ** -len(digits) if "e" not in digits else 0.05 * abs(value)
 

@@ -1,4 +1,4 @@
-"""Generated pages are written, or compared with what they should be."""
+"""Writes generated pages, or compares them."""
 
 import sys
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ DOCS = ROOT / "docs"
 
 
 def write_or_check(pages: Mapping[Path, str], arguments: list[str]) -> int:
-    """Writes each text into its file; with --check only compares. Exit status 1, with a sentence, for a stale page."""
+    """Write each text into its file; with --check only compare. Return 1, with a message, for an outdated page."""
     wrong = {path: text for path, text in pages.items() if not path.exists() or path.read_text("utf-8") != text}
     for path, text in wrong.items():
         if "--check" in arguments:

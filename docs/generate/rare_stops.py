@@ -1,6 +1,6 @@
-"""Measures what docs/rare.md tells of splitting, against ten million plain runs of the point level, and draws it.
+"""Measures the values of docs/rare.md by splitting and by ten million plain runs of the point level, and plots them.
 
-python docs/generate/rare_stops.py              the picture anew, from docs/data/rare-stops.json
+python docs/generate/rare_stops.py              the figure, from docs/data/rare-stops.json
 python docs/generate/rare_stops.py --plain      first the plain runs, five to fifteen minutes
 python docs/generate/rare_stops.py --seeds      first the intervals of 200 seeds, as long
 """
@@ -41,7 +41,7 @@ SEEDS = range(200)
 
 
 def plain_distances(part: int) -> np.ndarray:
-    """Stopping distances of one part of the plain runs [m], shape (PART,)."""
+    """Return stopping distances of one part of the plain runs [m], shape (PART,)."""
     random, values = np.random.default_rng([SEED, part]), {}
     for names, one in VARY.items():
         drawn = one.rvs(PART, random_state=random)
@@ -53,7 +53,7 @@ def plain_distances(part: int) -> np.ndarray:
 
 
 def plain_counts() -> dict[str, int]:
-    """How many of all plain runs are longer than each limit."""
+    """Return the number of all plain runs that are longer than each limit."""
     counts = np.zeros(len(LIMITS), int)
     for part in counting(range(RUNS // PART), "plain runs", unit="part"):
         counts += np.sum(plain_distances(part)[:, None] > np.array(LIMITS), axis=0)
@@ -66,13 +66,13 @@ def splitting(limit: float, seed: int, **more: Any) -> Rare:
 
 
 def intervals() -> list[list[float]]:
-    """Probability and interval of each seed at the limit of 1e-4, and how many runs they took."""
+    """Return probability and interval of each seed at the limit of 1e-4, and the number of its runs."""
     found = [splitting(LIMIT_4, seed) for seed in counting(SEEDS, "seeds", unit="seed")]
     return [[one.probability, *one.interval, one.runs] for one in found]
 
 
 def picture(data: dict[str, Any]) -> Figure:
-    """Probability of a longer stop over distance, by plain runs and by splitting."""
+    """Plot the probability of a longer stop over distance, by plain runs and by splitting."""
     far = splitting(FAR, 0)
     title = f"With one run for {RUNS / far.runs:.0f}, splitting goes on where plain ones end"
     figure, axis = plots.single(title, "stopping distance [m]", "probability of a longer stop")

@@ -1,8 +1,8 @@
-"""A page for each scenario on the site: what it shows, its pictures and table, as its last run left them.
+"""A page for each scenario on the site: its purpose, and the figures and table of its last run.
 
-  python docs/generate/scenario_pages.py    runs those that left no results in results/ yet
+  python docs/generate/scenario_pages.py    runs scenarios that have no results in results/ yet
 
-The scenarios of `make charts` take some ten minutes and have their pictures and numbers in docs/.
+The scenarios of `make charts` take some ten minutes and have their figures and numbers in docs/.
 """
 
 import subprocess
@@ -26,7 +26,7 @@ HEADS = ("quantity", "unit", "thesis", "simulated", "asked", "holds", "source")
 
 
 def pictures_of(name: str) -> dict[str, Path]:
-    """Pictures of a scenario by their names on the site, the main one first; none where it was not run."""
+    """Return the figures of a scenario by their names on the site, the main one first; empty without a run."""
     main = RESULTS / name / "figure.png"
     if not main.exists():
         main = DOCS / "pictures" / f"{name}.png"
@@ -36,7 +36,7 @@ def pictures_of(name: str) -> dict[str, Path]:
 
 
 def summary_of(name: str) -> Mapping[str, Any] | None:
-    """What a scenario measured; None where it was not run."""
+    """Return the summary of a scenario; None without a run."""
     for path in (RESULTS / name / "summary.json", DOCS / "data" / f"{name}.json"):
         if path.exists():
             found: Mapping[str, Any] = read_document(path)
@@ -45,7 +45,10 @@ def summary_of(name: str) -> Mapping[str, Any] | None:
 
 
 def messages_of(name: str) -> dict[str, str]:
-    """What the pictures of a scenario say, by their names on the site; its own name where a run has kept none."""
+    """Return the messages of a scenario's figures, by their names on the site.
+
+    The scenario's name if a run stored none.
+    """
     said = (summary_of(name) or {}).get("pictures", {})
     files = {one: "figure.png" if one == f"{name}.png" else path.name for one, path in pictures_of(name).items()}
     return {one: said.get(file, name) for one, file in files.items()}
@@ -66,7 +69,7 @@ def scenario_page(scenario: Scenario, module: ModuleType) -> str:
 
 
 def tables(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What is judged, those rows first that do not hold; the others folded."""
+    """Return the evaluated rows, failed ones first; the others folded."""
     judged, others = parted(rows, lambda one: one["holds"])
     printed = any(one["thesis"] is not None for one in rows)
     heads = [head for head in HEADS if printed or head != "thesis"]
@@ -78,12 +81,12 @@ def tables(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def line(cells: Iterable[str]) -> str:
-    """Of a table."""
+    """Return a row of a table in Markdown."""
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 def row(one: Mapping[str, Any], heads: Sequence[str]) -> str:
-    """One comparison as a line of the table."""
+    """Return one comparison as a row of the table."""
     source = f"{one['source']}; {one['assumption']}" if one["assumption"] else one["source"]
     cells = (one["quantity"], one["unit"], number(one["thesis"]), number(one["simulated"]), one["asked"])
     shown = dict(zip(HEADS, (*cells, VERDICTS[one["holds"]], source), strict=True))
@@ -96,7 +99,7 @@ def main() -> int:
         progress.set_postfix_str(name)
         command = [sys.executable, "-m", "bogie_braking", "run", name]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-        if done.returncode > DOES_NOT_HOLD:  # a row that does not hold is said on the page
+        if done.returncode > DOES_NOT_HOLD:  # the page shows a failed row
             print(f"{name} failed. {done.stderr}", file=sys.stderr)
             return done.returncode
     return 0

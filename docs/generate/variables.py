@@ -45,7 +45,7 @@ native FMU has its states as local variables `state_...`, to read and to differe
 
 
 def friction_note() -> str:
-    """What the laws of shoe friction take, and a table of one's own for the last."""
+    """Return the inputs of the shoe friction laws, and your own table for the last."""
     points = zip(EXAMPLE_TABLE.speeds, EXAMPLE_TABLE.frictions, strict=True)
     rows = "\n".join(f"| {KILOMETRES_PER_HOUR * speed:.0f} km/h | {friction:g} |" for speed, friction in points)
     return f"""Law 0 is `constant_shoe_friction` at any speed. Law 4 begins there and falls with speed, by
@@ -90,12 +90,12 @@ NOTES = {
 
 @lru_cache
 def models() -> list[Model]:
-    """Of all FMUs, in the order of the page."""
+    """Return the models of all FMUs, in the order of the page."""
     return [*map(model_of, FMUS), wheel_slide_protection().model]
 
 
 def choices() -> str:
-    """What the numbers of each integer that chooses mean, once for all FMUs that have it."""
+    """Return the meanings of the values of each selecting integer, once for all FMUs that have it."""
     found: dict[str, tuple[tuple[tuple[int, str], ...], list[str]]] = {}
     for model in models():
         for variable in model.variables:
@@ -115,7 +115,7 @@ def choices() -> str:
 
 
 def section(model: Model, alike: str | None) -> str:
-    """Of one FMU; one that is like another has its variables, with other start values."""
+    """Return the section of one FMU; an FMU that is like another has the same variables with other start values."""
     table = variable_table(model)
     if alike:
         table = (
@@ -125,12 +125,12 @@ def section(model: Model, alike: str | None) -> str:
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Markdown of a table."""
+    """Return a table in Markdown."""
     return "\n".join(f"| {' | '.join(row)} |" for row in [heads, ["---"] * len(heads), *rows]) + "\n"
 
 
 def arrays(given: ArraysInC) -> str:
-    """Of an FMU whose variables are arrays."""
+    """Return the section of an FMU whose variables are arrays."""
 
     def limit(value: float) -> str:
         return f"{value:g}" if math.isfinite(value) else ""
@@ -153,7 +153,7 @@ and the message says which.
 
 
 def numbers_of_a_train() -> str:
-    """Rows of train.bin; those that are numbered are one line."""
+    """Return the rows of train.bin; numbered ones are one row."""
     rows: dict[str, Sequence[str]] = {}
     for group in layout():
         for one in group.fields:

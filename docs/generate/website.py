@@ -1,7 +1,7 @@
-"""Hooks of MkDocs: what the site has beside the pages in docs/, and what becomes of their links, places and formulas.
+"""Hooks of MkDocs: pages in addition to those in docs/, and changes of links, places in the code and formulas.
 
-Added are the README, EQUATIONS.md and the changelog, a page for each scenario and for each public name, the notebooks
-with what they show when they run, the live pages, the files of a release, and a search that works from a disk.
+Additional pages are the README, EQUATIONS.md, the changelog, a page for each scenario and for each public name, and the
+notebooks with their output. The live pages, the files of a release, and a search that works from a disk are added too.
 """
 
 import html
@@ -34,12 +34,12 @@ from scenarios.live.train_page import PAGE as TRAIN_PAGE
 from scenarios.live.train_page import train_page
 
 LIVE = "live.html"
-#: Files beside docs/ by their names on the site, whose start is docs/index.md.
+#: Files outside docs/ by their names on the site, which starts at docs/index.md.
 OUTSIDE = {"inside/README.md": "README.md", "EQUATIONS.md": "EQUATIONS.md", "CHANGELOG.md": "CHANGELOG.md"}
-#: Of a Python file of ours, and a name in it; the same as a name with dots.
+#: Path of a Python file of the project, and a name in it; the same as a name with dots.
 PLACE = rf"(?<![\w/])((?:{'|'.join(HOUSE)})/[\w/]+|build_fmu)\.py(?::\s(\w+(?:\.\w+)*))?"
 DOTTED = rf"((?:{'|'.join(HOUSE)})(?:\.\w+)+)"
-#: How pages stand in the search, by the beginnings of their names: guides first, then tables, the rest last.
+#: Weights of pages in the search, by the beginnings of their names: guides first, then tables, then the others.
 BOOST = {
     **dict.fromkeys(("scenarios", "variables", "architecture", "checking", "limits"), 0.3),
     **dict.fromkeys(("api/", "inside/", "ways", "EQUATIONS", "CHANGELOG"), 0.1),
@@ -60,7 +60,7 @@ WORDS = {
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Scenarios and public names enter the navigation, which mkdocs.yml leaves empty there."""
+    """Add scenarios and public names to the navigation, which is empty there in mkdocs.yml."""
     rooms = [
         {room: [f"scenarios/{one.name}.md" for module in files for one in catalogue.scenarios_of(module)]}
         for room, files in catalogue.modules().items()
@@ -70,7 +70,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
 
 
 def filled(nav: Any, added: dict[str, list[Any]]) -> Any:
-    """A navigation or a page of it, whose empty sections of these names have what is added."""
+    """Return a navigation or a page of it, with the empty sections of these names filled."""
     if not isinstance(nav, list):
         return nav
     return [
@@ -80,7 +80,7 @@ def filled(nav: Any, added: dict[str, list[Any]]) -> Any:
 
 
 def contents() -> Iterator[tuple[str, str | Path]]:
-    """What is added, by its name on the site: a text, or the file that it is."""
+    """Yield the added contents by name on the site: a text or a file."""
     yield from ((name, ROOT / path) for name, path in OUTSIDE.items())
     yield from ((path.relative_to(ROOT).as_posix(), path) for path in ROOT.glob("products/pictures/*.png"))
     yield from ((f"downloads/{path.name}", path) for path in downloads.files())
@@ -99,7 +99,7 @@ def contents() -> Iterator[tuple[str, str | Path]]:
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Adds what is not in docs/."""
+    """Add the files outside docs/."""
     for name, content in contents():
         given = {"abs_src_path": str(content)} if isinstance(content, Path) else {"content": content}
         files.append(File.generated(config, name, **given))
@@ -107,7 +107,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def run_notebook(path: Path) -> str:
-    """A notebook as a page, with what it shows when it runs. Raises CellExecutionError where a cell fails."""
+    """Return a notebook as a page with its output. Raises CellExecutionError if a cell fails."""
     exporter = MarkdownExporter()
     exporter.register_preprocessor(ExecutePreprocessor(extra_arguments=["--log-level=ERROR"]), enabled=True)
     text, _ = exporter.from_notebook_node(nbformat.read(path, 4), {"metadata": {"path": str(ROOT)}})
@@ -151,16 +151,16 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
 
 
 def thumbnail(name: str) -> str:
-    """The first cell of a scenario in the table of all: its main picture and what that says."""
+    """Return the first cell of a scenario in the table of all: its main figure and the message of that."""
     message = messages_of(name).get(f"{name}.png")
     picture = f'<br>![](scenarios/{name}.png){{ width="240" loading="lazy" }}<br>*{message}*' if message else ""
     return f"| [`{name}`](scenarios/{name}.md){picture} "
 
 
 def on_page_content(content: str, page: Page, **_: Any) -> str:
-    """Formulas become MathML, which browsers draw by themselves; public places in the code lead to the API.
+    """Convert formulas to MathML, which browsers draw, and link public names in the code to the API.
 
-    What may scroll can be reached by keys. The numbers of scenarios are not searched: they would hide the pages that
+    Scrolling elements can be reached by keys. The numbers of scenarios are not searched: they would hide the pages that
     explain them.
     """
     if page.file.src_uri.startswith("scenarios"):
@@ -174,7 +174,7 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
 
 
 def formula(match: re.Match[str]) -> str:
-    """MathML of a formula that arithmatex found: in a line, or in one of its own, which may scroll."""
+    """Return the MathML of a formula that arithmatex found: in a line, or a separate one, which may scroll."""
     source = html.unescape(match.group(2))
     if match.group(1) == "span":
         return str(convert(source))
@@ -187,5 +187,5 @@ def reference(match: re.Match[str]) -> str:
 
 
 def to_api(name: str, shown: str) -> str:
-    """What is shown, as a link to the entry of a dotted name in the API; as it is where it has none."""
+    """Return a link to the entry of a dotted name in the API; without an entry the shown text is not changed."""
     return f'<autoref identifier="{name}" optional>{shown}</autoref>'

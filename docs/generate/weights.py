@@ -1,6 +1,6 @@
-"""Prints what an installation weighs, package by package, as docs/installation.md shows it.
+"""Prints the size of an installation, package by package, as in docs/installation.md.
 
-Run it with the Python of a new environment that holds nothing but bogie-braking: python docs/generate/weights.py
+Run it with the Python of a new environment with bogie-braking alone: python docs/generate/weights.py
 """
 
 import sys
@@ -13,19 +13,19 @@ PROJECT = "bogie-braking"
 
 
 def megabytes(one: Distribution) -> float:
-    """What the files of a distribution take on the disk, compiled Python among them."""
+    """Return the disk space of a distribution's files, including compiled Python [MB]."""
     paths = [Path(str(file.locate())) for file in one.files or []]
     return sum(path.stat().st_size for path in paths if path.is_file()) / 1e6
 
 
 def asked_by(name: str) -> list[str]:
-    """Names of what a distribution needs on this machine, without its extras."""
+    """Return the names of a distribution's requirements on this platform, without its extras."""
     asked = [Requirement(text) for text in distribution(name).requires or []]
     return [one.name for one in asked if one.marker is None or one.marker.evaluate({"extra": ""})]
 
 
 def brought_by(name: str, known: set[str]) -> list[str]:
-    """What a distribution needs and none before it did, with what these need, one after the other."""
+    """Return the new requirements of a distribution, with their own requirements, one after the other."""
     found: list[str] = []
     for one in asked_by(name):
         if one.lower() not in known:
