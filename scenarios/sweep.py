@@ -8,8 +8,8 @@
                                                                              on a Dask cluster
 
 results/sweep-NAME/ has table.csv, table.parquet, summary.json, and journal.jsonl with each point that is done: after an
-interruption the same command continues from there. Points that failed stay in the table with their reason. A second sweep
-into the same folder is refused while the first one runs.
+interruption the same command continues from there. Points that failed stay in the table with their reason. A second
+sweep into the same folder is refused while the first one runs.
 """
 
 import argparse
