@@ -21,7 +21,7 @@ static long long int last_edge(const encoder *self, const encoder_settings *sett
     return place_of(self, settings, edge) <= place ? edge : edge - 1;
 }
 
-/* When an edge passed on the way from one place to another, to the resolution of the timer [s]. */
+/* Time at which an edge passed during a rotation from one place to another, to the resolution of the timer [s]. */
 static double time_of(const encoder *self, const encoder_settings *settings, long long int edge, const encoder_passage *of) {
     const double share = (place_of(self, settings, edge) - of->begin) / (of->place - of->begin);
     return floor((of->start + share * (of->end - of->start)) / settings->timer) * settings->timer;
@@ -31,7 +31,7 @@ static encoder_passage *passage_at(encoder *self, int number) {
     return &self->passage[(self->oldest + number) % ENCODER_LOOKS];
 }
 
-/* Drops looks that are a gate before the last edge and have others behind them that are so too. */
+/* Drops samples that are a gate before the last edge if later ones are so too. */
 static void forget(encoder *self, double since) {
     while (self->passages > 1 && passage_at(self, 1)->first_time <= since) {
         self->oldest = (self->oldest + 1) % ENCODER_LOOKS;
@@ -39,8 +39,8 @@ static void forget(encoder *self, double since) {
     }
 }
 
-/* Keeps the looks between which edges passed. Where room gets scarce, one that follows the last one sooner than its share of the
- * gate counts as a part of it. */
+/* Stores samples with edges between them. If room is scarce, a sample that follows the last one sooner than its share of
+ * the gate is merged with it. */
 static void keep(encoder *self, const encoder_settings *settings, const encoder_passage *now) {
     const bool is_scarce = self->passages > ENCODER_LOOKS / 2, is_full = self->passages == ENCODER_LOOKS;
     encoder_passage *last = passage_at(self, is_scarce ? self->passages - 1 : 0);
@@ -50,7 +50,7 @@ static void keep(encoder *self, const encoder_settings *settings, const encoder_
     } else *passage_at(self, self->passages++) = *now;
 }
 
-/* Edges a second up to the last edge; 0 as long as there is none a gate before it. */
+/* Edges a second up to the last edge; 0 until an edge is at least a gate before it. */
 static double mean_of(const encoder *self, const encoder_settings *settings, double since) {
     const encoder_passage *of = &self->passage[self->oldest];
     if (of->first_time > since) return 0.0;

@@ -7,8 +7,8 @@
 
 #include "wheel_slide.h"
 
-/* Behind the memory of a controller, and behind its valves, lie so many bytes and numbers that it may not change; the numbers are no
- * commands. */
+/* Guard bytes after the memory of a controller, and guard numbers after its valves, which it must not change. The numbers
+ * are invalid commands. */
 enum { GUARD = 1024, GUARD_VALVES = 64, GUARDED = 0x5a };
 
 /* A kernel_status above this: the step failed, or the run has ended by itself. */
@@ -89,7 +89,7 @@ void rig_free(rig *self) {
     free(self);
 }
 
-/* Whether a controller in C changed nothing behind its memory, nor behind its valves. */
+/* True if a controller in C changed nothing beyond its memory, nor beyond its valves. */
 static bool kept_to_itself(const rig *self, const rig_run *one, const int *valve) {
     return !memcmp((const char *)one->memory + self->controller.size, self->guard, GUARD) &&
            (!valve || !memcmp(valve + self->settings.wheelsets, self->guard, GUARD_VALVES * sizeof *valve));
@@ -126,14 +126,14 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
     if (!kept_to_itself(self, one, NULL)) gone_beyond(self, row);
 }
 
-/* Numbers that a machine shows. */
+/* Number of outputs of a vehicle. */
 static size_t width(const rig_settings *s) { return (size_t)(2 + 5 * s->wheelsets + (s->reservoir ? 2 : 0)); }
 
 const rig_score *rig_scores(const rig *self) { return self->score; }
 
 void rig_write_down(rig *self, const rig_notes *notes) { self->notes = *notes; }
 
-/* Writes a look down if it is due. */
+/* Records a sample if it is due. */
 static void note(rig *self, long long int row, double time, const double *shown) {
     const rig_notes *notes = &self->notes;
     const rig_run *one = &self->run[row];
@@ -154,7 +154,7 @@ static void note(rig *self, long long int row, double time, const double *shown)
     }
 }
 
-/* What this look adds to the score of a run. */
+/* Adds a sample to the score of a run. */
 static void judge(rig *self, long long int row, double time, const double *shown) {
     const rig_settings *s = &self->settings;
     const int n = s->wheelsets;
@@ -189,7 +189,7 @@ static void judge(rig *self, long long int row, double time, const double *shown
     else if (time >= s->longest) score->state = RIG_TOO_LONG;
 }
 
-/* What the sensor of a wheelset shows at a time: the circumferential speed of its wheels, unless it fails [m/s]. */
+/* Reading of a wheelset's sensor at a time: the circumferential speed of its wheels, unless the sensor fails [m/s]. */
 static double seen(const rig_settings *s, const rig_run *one, int i, double time, double reading) {
     const rig_wheelset *of = &one->wheelset[i];
     const double speed = s->radius * of->radius * reading;
@@ -197,7 +197,7 @@ static double seen(const rig_settings *s, const rig_run *one, int i, double time
     return fails == SENSOR_STUCK ? one->seen[i] : fails == SENSOR_ZERO ? 0.0 : fails == SENSOR_DOUBLED ? 2.0 * speed : speed;
 }
 
-/* Whether the run goes on behind this look. */
+/* Samples a row; returns true if its run continues after this sample. */
 static bool look(rig *self, long long int row, int status, const double *shown, double *wheel_speed) {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
@@ -211,7 +211,7 @@ static bool look(rig *self, long long int row, int status, const double *shown, 
     return self->score[row].state == RIG_RUNS;
 }
 
-/* Sets what the machine of a row is told, at the time of the last look, and lets it go on. */
+/* Sets the inputs of a row's vehicle at the time of the last sample, and lets it continue. */
 static void set(rig *self, long long int row, double *told) {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
@@ -224,7 +224,7 @@ static void set(rig *self, long long int row, double *told) {
     ++one->looks;
 }
 
-/* Takes the answer of a controller, or gives it up; valves that stick stay where they stand. */
+/* Takes the answer of a controller, or gives the controller up; valves that stick stay in their position. */
 static void take(rig *self, long long int row, const int *valve) {
     rig_run *one = &self->run[row];
     rig_score *score = &self->score[row];

@@ -1,59 +1,59 @@
-/* The wheel-slide protection that comes with the brake: slide_protection.h.
+/* The built-in wheel-slide protection: slide_protection.h.
  *
- * Holds the slip of each wheelset in a band around that of the best adhesion, once there is evidence of sliding.
+ * It keeps the slip of each wheelset in a band around that of the best adhesion, once there is evidence of sliding.
  *
- * Without evidence the reference speed is that of the fastest wheel, at any deceleration that wheels which roll reach on any rail,
- * and no valve leaves "apply". Evidence is a wheel that falls behind the reference: it disagrees with another wheel, or all slow
- * faster than any rail allows. From then on the reference falls as fast as the bogie last did, and a wheelset is released until it
- * rolls and shows the true speed: at once the slowest, later, from time to time, the fastest. Where no wheel has gained speed since
- * the last such release, as braked wheels that roll never do, the evidence ends.
+ * Without evidence the reference speed is that of the fastest wheel, at any deceleration that rolling wheels reach on any
+ * rail, and no valve leaves "apply". Evidence is a wheel that falls below the reference: it disagrees with another wheel, or
+ * all slow faster than any rail allows. After evidence the reference falls at the last deceleration of the bogie. A wheelset
+ * is released until it rolls and shows the true speed: at once the slowest, later, from time to time, the fastest. The
+ * evidence ends if no wheel has gained speed since the last such release. Braked wheels that roll never gain speed.
  *
- * A wheel whose sensor has not yet shown a speed for a while is braked, and so are all below the slowest reference. One whose sensor
- * shows what no wheel does gets the commands of the others, until it agrees with them again.
+ * A wheel is braked until its sensor has shown a speed for a while, and so are all below the slowest reference. If a sensor
+ * shows a reading that no wheel can produce, its wheel gets the commands of the others until it agrees with them again.
  *
- * A reading that is not finite is that of no wheel: the sensor is not believed, and what it showed before stays. */
+ * A reading that is not finite is invalid: the sensor is rejected, and its previous reading remains. */
 #include "slide_protection.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
-/* Acceleration below which a wheel let go has caught up with the bogie, and above which it speeds up [m/s2]. */
+/* Acceleration below which a released wheel has caught up with the bogie, and above which it speeds up [m/s2]. */
 static const double ROLLING = 0.3, SPEEDING = 0.6;
-/* Gain of speed that only a wheel shows which had slid, as a share of its speed. */
+/* Gain of speed by which a wheel is known to have slid, as a share of its speed. */
 static const double GAIN = 0.02;
-/* Share of the speed by which all wheels fall behind what any rail allows when they slide together. */
+/* Share of the speed by which all wheels fall below the limit of any rail if they slide together. */
 static const double TOGETHER = 0.02;
-/* Times of venting after which a wheel is believed to roll, where it was seen to speed up and where not [s]. */
+/* Times of venting after which a wheel is treated as rolling, if it was seen to speed up and if not [s]. */
 static const double SHORTEST_RELEASE = 0.25, LONGEST_RELEASE = 0.8;
-/* Time of braking without a command after which the wheels may show that the bogie slows faster than it did [s]. */
+/* Time of braking without a command after which the wheels may show that the bogie slows faster than before [s]. */
 static const double FREELY_BRAKED = 0.3;
-/* Time between two true speeds that gives a deceleration [s], and the least that is believed [m/s2]. */
+/* Least time between two true speeds for a deceleration [s], and least valid deceleration [m/s2]. */
 static const double SHORTEST_BETWEEN = 0.5, LEAST_DECELERATION = 0.1;
-/* Time for which a sensor is only listened to, between speeds that are kept while nothing slides, and from the first true speed of a
- * slide to the second [s]. */
+/* Time for which a new sensor is only observed. Time between stored speeds while nothing slides. Time from the first true
+ * speed of a slide to the second [s]. */
 static const double SETTLING = 0.5, KEEPING = 1.0, SECOND_LOOK = 1.5;
-/* A sensor that shows what no wheel does is not believed. Change of the largest of so many readings from one look to the next [m/s],
- * and more of it for each second between [m/s2]: the strongest brake stops a wheel at some 100 m/s2, and a tooth that comes late is
- * seen as slowness at few looks on end. */
+/* Limits for the rejection of a sensor. Change of the largest of the RECENT last readings between two samples [m/s], and
+ * its increase for each second between them [m/s2]. The strongest brake stops a wheel at some 100 m/s2, and a late tooth
+ * appears as low speed in only a few consecutive samples. */
 enum { RECENT = 5 };
 static const double JUMP = 4.0, JUMPING = 150.0;
-/* Time for which a reading stays the same to the last digit [s], while others change by so much [m/s]. */
+/* Time for which a reading stays bit-identical [s], while others change by more than STAYS [m/s]. */
 static const double STAYING = 0.3, STAYS = 0.5;
-/* Time for which others have turned [s], and faster than this [m/s], while a sensor has shown nothing. */
+/* Time for which others have turned [s], and faster than this [m/s], while a sensor has shown 0. */
 static const double BLIND = 1.0, BLIND_ABOVE = 3.0;
-/* Share of the speed, and time [s], for which a sensor must agree with the others to be believed again. */
+/* Share of the speed, and time [s], for which a sensor must agree with the others to be accepted again. */
 static const double AGREES = 0.05, AGREEING = 2.0;
 
 enum { APPLY = WHEEL_SLIDE_APPLY, HOLD = WHEEL_SLIDE_HOLD, VENT = WHEEL_SLIDE_VENT, NOBODY = -1 };
 
-/* What the protection knows of a wheelset: speeds [m/s] and slopes [m/s2], filtered; times [s] of what happened, each behind whether
- * it did. */
+/* State of a wheelset: filtered speeds [m/s] and slopes [m/s2]; times [s] of events, each valid if the flag of the event is
+ * set. */
 typedef struct {
     double reading, speed, acceleration, calm_speed, calm_acceleration, lowest;
     double turns_since, vents_since, blocked_until;
-    /* The last readings; when the reading last changed, and the fastest other wheel then; since when a sensor that is not believed
-     * agrees with the others. */
+    /* The last readings; time of the last change of the reading, and the fastest other wheel then; time since which a rejected
+     * sensor agrees with the others. */
     double recent[RECENT], changed_at, others, agrees_since;
     int readings;
     bool turns, vents, speeds_up, believed, agrees;
@@ -78,10 +78,10 @@ static double largest_of(const double *numbers, int count) {
     return found;
 }
 
-/* Whether a wheel counts: its sensor is believed, or none is. */
+/* True if a wheel is used: its sensor is accepted, or all are rejected. */
 static bool is_seen(const protection *self, const wheel *one) { return one->believed || !self->any_believed; }
 
-/* The number of the fastest wheel that counts, or of the slowest one. */
+/* The number of the fastest or of the slowest wheel that is used. */
 static int chosen(const protection *self, bool fastest) {
     int found = NOBODY;
     for (int i = 0; i < self->wheelsets; ++i) {
@@ -93,12 +93,12 @@ static int chosen(const protection *self, bool fastest) {
     return found;
 }
 
-/* Whether a sensor has shown something for a while. */
+/* True if a sensor has shown a speed for longer than SETTLING. */
 static bool is_judged(const protection *self, const wheel *one) {
     return one->turns && self->time - one->turns_since > SETTLING;
 }
 
-/* A sensor that agrees with the others for a while, and changes, is believed again. */
+/* Accepts a sensor again that agrees with the others for a while, and changes. */
 static void agree(const protection *self, wheel *one, double speed, double others) {
     if (speed == one->reading || fabs(one->calm_speed - others) > AGREES * others) {
         one->agrees = false;
@@ -111,7 +111,7 @@ static void agree(const protection *self, wheel *one, double speed, double other
     }
 }
 
-/* Whether a sensor has shown nothing while others have turned for a while. */
+/* True if a sensor has shown 0 while others have turned for a while. */
 static bool is_blind(const protection *self, double others) {
     const wheel *first = NULL;
     for (const wheel *one = self->wheels; one < self->wheels + self->wheelsets; ++one)
@@ -119,7 +119,7 @@ static bool is_blind(const protection *self, double others) {
     return first && self->time - first->turns_since > BLIND && others > BLIND_ABOVE;
 }
 
-/* Whether the largest of the recent readings changes as no wheel does; keeps the reading. */
+/* True if the largest of the recent readings changes more than a wheel can; stores the reading. */
 static bool jumps(wheel *one, double speed, double size) {
     const bool whole = one->readings == RECENT;
     const double before = whole ? largest_of(one->recent, RECENT) : 0.0;
@@ -129,7 +129,7 @@ static bool jumps(wheel *one, double speed, double size) {
     return whole && fabs(largest_of(one->recent, RECENT) - before) > JUMP + JUMPING * size;
 }
 
-/* A sensor is not believed from now on. */
+/* Rejects a sensor from now on. */
 static void lose(protection *self, wheel *one, double size) {
     one->believed = one->agrees = false;
     self->released = NOBODY;
@@ -137,9 +137,9 @@ static void lose(protection *self, wheel *one, double size) {
     self->evident = self->evident && self->time - self->evident_at > (RECENT + 0.5) * size;
 }
 
-/* Looks whether a sensor shows what no wheel does: a jump, the same while others change, nothing at all. */
+/* Checks whether a sensor shows a reading that no wheel can produce: a jump, a constant while others change, 0. */
 static void believe(protection *self, wheel *one, double speed, double size) {
-    const wheel *fastest = NULL; /* of the others that are believed */
+    const wheel *fastest = NULL; /* of the other, accepted ones */
     for (const wheel *other = self->wheels; other < self->wheels + self->wheelsets; ++other)
         if (other != one && other->believed && (!fastest || other->calm_speed > fastest->calm_speed)) fastest = other;
     if (size == 0.0 || !fastest) return;
@@ -160,7 +160,7 @@ static void believe(protection *self, wheel *one, double speed, double size) {
     if (jumps(one, speed, size) || stays) lose(self, one, size);
 }
 
-/* Takes a reading; a wheel whose sensor has shown nothing yet starts with the first that it shows. */
+/* Takes a reading; a wheel whose sensor has shown only 0 starts with the first other reading. */
 static void filter(const protection *self, wheel *one, double speed, double size) {
     const slide_thresholds *t = &self->thresholds;
     if (!one->turns) {
@@ -172,7 +172,7 @@ static void filter(const protection *self, wheel *one, double speed, double size
         one->speed += change;
         one->acceleration += (change / size - one->acceleration) * size / (size + t->slope_time);
         const double share = size / (size + t->calm_time);
-        /* A tooth that comes late is seen as slowness at one look; a wheel that slows is slow at the next one too. */
+        /* A late tooth appears as low speed in one sample; a wheel that slows is slow in the next one too. */
         change = (larger(speed, one->reading) - one->calm_speed) * share;
         one->calm_speed += change;
         one->calm_acceleration += (change / size - one->calm_acceleration) * share;
@@ -180,18 +180,18 @@ static void filter(const protection *self, wheel *one, double speed, double size
     one->reading = speed;
 }
 
-/* A deceleration within what can be [m/s2]. */
+/* A deceleration limited to the possible range [m/s2]. */
 static double possible(const protection *self, double deceleration) {
     return smaller(larger(deceleration, LEAST_DECELERATION), self->thresholds.largest_deceleration);
 }
 
-/* The mean deceleration since the last true speed. */
+/* Sets the mean deceleration since the last true speed. */
 static void measure(protection *self, double speed) {
     const double elapsed = larger(self->time - self->synchronised_at, SHORTEST_BETWEEN);
     self->deceleration = possible(self, (self->synchronised_speed - speed) / elapsed);
 }
 
-/* Keeps a speed every now and then; the one before the last was true though a slide may have begun since. */
+/* Stores a speed every KEEPING seconds; the one before the last was true though a slide may have begun since. */
 static void keep(protection *self, double speed) {
     const bool known = self->kept_speed > 0.0;
     if (known && self->time - self->kept_at < KEEPING) return;
@@ -224,23 +224,23 @@ static void roll(protection *self, double size, const wheel *fastest) {
     measure(self, self->reference);
 }
 
-/* As the bogie last slowed, or as the fastest wheel does while all are braked freely [m/s2]. */
+/* The last deceleration of the bogie or, while all are braked freely, that of the fastest wheel [m/s2]. */
 static double known_deceleration(const protection *self, const wheel *fastest) {
     if (self->time - self->acted_at < FREELY_BRAKED) return self->deceleration;
     return larger(self->deceleration, possible(self, -fastest->calm_acceleration));
 }
 
-/* The speed below which slips count in m/s [m/s]. */
+/* The speed below which slips are measured in m/s [m/s]. */
 static double slow(const protection *self) { return self->thresholds.least_slip / self->thresholds.upper_slip; }
 
-/* Remembers that a wheel has gained speed since the last true speed, or since it was let go. */
+/* Records that a wheel has gained speed since the last true speed, or since its release. */
 static void look_for_gain(protection *self, wheel *one) {
     one->lowest = smaller(one->lowest, one->calm_speed);
     const double gain = GAIN * larger(one->calm_speed, slow(self));
     if (one->calm_acceleration > SPEEDING && one->calm_speed - one->lowest > gain) self->gained = one->speeds_up = true;
 }
 
-/* A wheel that is vented speeds up until it rolls; one that never slid is believed after a while. */
+/* A vented wheel speeds up until it rolls; one that never slid is treated as rolling after a while. */
 static bool has_caught_up(const protection *self, const wheel *one) {
     const double longest = one->speeds_up ? SHORTEST_RELEASE : LONGEST_RELEASE;
     return one->vents && one->calm_acceleration < ROLLING && self->time - one->vents_since > longest;
@@ -253,7 +253,7 @@ static void synchronise(protection *self, double speed) {
         self->synchronised_at = self->kept_at = self->time;
         self->synchronised_speed = self->kept_speed = speed;
         ++self->looks;
-        /* The first two follow too soon for wheels to slide in between; slowly run wheels lock before new evidence. */
+        /* The first two are too close for wheels to slide in between; at low speed wheels lock before new evidence. */
         if (self->looks > 2 && speed > slow(self)) {
             self->evident = self->gained;
             self->gained = false;
@@ -264,7 +264,7 @@ static void synchronise(protection *self, double speed) {
     self->released = NOBODY;
 }
 
-/* Wheels slide: the reference falls as fast as the bogie last did, until a wheel that is let go rolls. */
+/* Wheels slide: the reference falls at the last deceleration of the bogie, until a released wheel rolls. */
 static void slide(protection *self, double size, const wheel *fastest) {
     const double falls = known_deceleration(self, fastest);
     const wheel *shows = NULL; /* the true speed */
@@ -281,7 +281,7 @@ static void slide(protection *self, double size, const wheel *fastest) {
     }
 }
 
-/* Whether this wheelset is the one that is let go so that it shows the true speed: first one that slides. */
+/* True if this wheelset is released to show the true speed: first one that slides. */
 static bool is_released(protection *self, int number) {
     const double due = self->looks == 0 ? 0.0 : self->looks == 1 ? SECOND_LOOK : self->thresholds.synchronising_period;
     if (self->released == NOBODY && self->time - self->synchronised_at > due) self->released = chosen(self, self->looks > 0);

@@ -1,6 +1,6 @@
-/* The wheel-slide protection that comes with the brake: a controller of wheel_slide.h, and what may be set and read of it.
+/* The built-in wheel-slide protection: a controller of wheel_slide.h, with functions for its settings and state.
  *
- * memory: of a controller behind wheel_slide_start. slide_thresholds.h is written from SlideProtectionParameters
+ * memory: of a controller after wheel_slide_start. slide_thresholds.h is written from SlideProtectionParameters
  * (brake_controller/slide_protection.py), which has their units and limits. */
 #ifndef SLIDE_PROTECTION_H
 #define SLIDE_PROTECTION_H
@@ -12,7 +12,7 @@
 WHEEL_SLIDE_SHOWN void slide_set_thresholds(void *memory, const slide_thresholds *thresholds);
 /* Reference speed [m/s]. */
 WHEEL_SLIDE_SHOWN double slide_reference(const void *memory);
-/* Whether the sensor of a wheelset is believed. */
+/* Returns 1 if the sensor of a wheelset is accepted, else 0. */
 WHEEL_SLIDE_SHOWN int slide_believes(const void *memory, int wheelset);
 
 #endif

@@ -3,7 +3,7 @@
  *     cc -O2 -o client udp_client.c mine.c            (Windows: cl udp_client.c mine.c ws2_32.lib)
  *     ./client 192.168.0.7 5005                       (without arguments: 127.0.0.1 5005)
  *
- * It ends with 0 when the rig says that the run is over, with 1 where the rig falls silent or cannot be reached. */
+ * It ends with 0 if the rig reports the end of the run, with 1 if the rig stops sending or cannot be reached. */
 #if defined(_WIN32)
 #include <winsock2.h>
 #include <ws2tcpip.h>
@@ -27,7 +27,7 @@ typedef int SOCKET;
 #include "wheel_slide.h"
 
 enum { HELLO = 1, SPEEDS = 2, ANSWER = 3, END = 4 };
-/* Bytes before the speeds and before the valves, most wheelsets, hellos a second, and seconds until the rig counts as silent. */
+/* Bytes before the speeds and before the valves, most wheelsets, hellos a second, seconds after which the rig is silent. */
 enum { HEADER = 12, QUESTION = 28, MOST = 16, EVERY = 5, SILENCE = 10 };
 
 static uint64_t whole(const unsigned char *from, int bytes) {
@@ -51,7 +51,7 @@ static void head(unsigned char *to, int kind, int wheelsets, uint32_t sequence) 
     for (int i = 0; i < 4; ++i) to[8 + i] = (unsigned char)(sequence >> 8 * i);
 }
 
-/* A socket that hears the rig alone, or INVALID_SOCKET. */
+/* A socket that receives from the rig alone, or INVALID_SOCKET. */
 static SOCKET reached(const char *host, const char *port) {
     struct addrinfo wanted, *found = NULL;
     memset(&wanted, 0, sizeof wanted);
@@ -64,7 +64,7 @@ static SOCKET reached(const char *host, const char *port) {
     return failed ? INVALID_SOCKET : own;
 }
 
-/* The length of the next packet; 0: none came for a while, or nobody listens there. */
+/* The length of the next packet; 0: none came for a while, or the rig does not listen. */
 static int heard(SOCKET own, unsigned char *packet, int most) {
     fd_set ready;
     struct timeval wait = {0, 1000000 / EVERY};
@@ -79,7 +79,7 @@ static int heard(SOCKET own, unsigned char *packet, int most) {
     return 0;
 }
 
-/* The controller answers a question; its memory is taken at the first one. 0: there is no memory. */
+/* Lets the controller answer a question; its memory is allocated at the first one. Returns 0 if out of memory. */
 static int answer(SOCKET own, const unsigned char *packet, int n, void **memory) {
     unsigned char reply[HEADER + MOST];
     double speed[MOST];
@@ -98,7 +98,7 @@ static int answer(SOCKET own, const unsigned char *packet, int n, void **memory)
     return 1;
 }
 
-/* Until the run is over: 0; or the rig is silent for too long within a run: 1. */
+/* Returns 0 at the end of the run, or 1 if the rig is silent for too long within a run. */
 static int serve(SOCKET own) {
     unsigned char packet[2048], hello[HEADER];
     void *memory = NULL;
