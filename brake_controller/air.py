@@ -1,7 +1,7 @@
 """Air: an ideal gas, and its flow through a restriction.
 
-Isentropic flow to the narrowest section, choked where the pressure behind it is below the critical share of the
-pressure before it; a discharge coefficient covers contraction and friction (any text on gas dynamics, and ISO 6358-1).
+Isentropic flow to the narrowest section. It is choked if the pressure behind it is below the critical share of the
+pressure before it. A discharge coefficient covers contraction and friction (any text on gas dynamics, and ISO 6358-1).
 """
 
 import math
@@ -10,7 +10,8 @@ import casadi as ca
 
 #: Dry air: gas constant [J/(kg.K)] (ISO 2533) and ratio of the heat capacities (kappa).
 GAS_CONSTANT, HEAT_CAPACITY_RATIO = 287.05287, 1.4
-#: In trains: discharge coefficient of all chokes, temperature of all walls [K] and pressure around [Pa]. Assumed.
+#: Values for trains: discharge coefficient of all chokes, temperature of all walls [K] and ambient pressure [Pa].
+#: Assumed.
 DISCHARGE, WALL, AMBIENT = 0.8, 293.15, 101325.0
 
 _K = HEAT_CAPACITY_RATIO
@@ -23,27 +24,28 @@ CHOKED_FLOW = math.sqrt(_K) * (2 / (_K + 1)) ** ((_K + 1) / (2 * (_K - 1)))
 #: Relative pressure difference below which the root of the isentropic law, whose slope grows without bound, is replaced
 #: by a parabola of the same value and slope there. Real restrictions turn laminar near it.
 LAMINAR_DIFFERENCE = 1e-3
-#: Place on the ellipse of ISO 6358-1 of that difference, value and slope there.
+#: Place of that difference on the ellipse of ISO 6358-1, with value and slope there.
 _PLACE = 1 - LAMINAR_DIFFERENCE / (1 - CRITICAL_RATIO)
 _ELLIPSE = CHOKED_FLOW * math.sqrt(1 - _PLACE**2)
 _ELLIPSE_SLOPE = CHOKED_FLOW**2 * _PLACE / (1 - CRITICAL_RATIO) / _ELLIPSE
 
 
 def _isentropic(ratio: ca.SX | float) -> ca.SX:
-    """Flow function between the critical ratio and 1, without a limit on either side."""
+    """Return the flow function between the critical ratio and 1, without a limit on either side."""
     return ca.sqrt(2 * _K / (_K - 1) * (ratio ** (2 / _K) - ratio ** ((_K + 1) / _K)))
 
 
 def _joined(value: float, slope: float) -> tuple[float, float]:
-    """Coefficients of the difference and of its square that join a law of this value and slope at
-    LAMINAR_DIFFERENCE.
+    """Return coefficients of the difference and of its square for a parabola at LAMINAR_DIFFERENCE.
+
+    It has the value and slope of a law there.
     """
     d = LAMINAR_DIFFERENCE
     return (2 * value - slope * d) / d, (slope * d - value) / d**2
 
 
 def _parabola() -> tuple[float, float]:
-    """The same of the isentropic law."""
+    """Return the same for the isentropic law."""
     r = 1 - LAMINAR_DIFFERENCE
     value = float(_isentropic(r))
     slope = _K / (_K - 1) * ((_K + 1) / _K * r ** (1 / _K) - 2 / _K * r ** (2 / _K - 1)) / value
@@ -51,13 +53,14 @@ def _parabola() -> tuple[float, float]:
 
 
 def flow_function(ratio: ca.SX) -> ca.SX:
-    """Mass flow over C_d A p / sqrt(R T), as a function of pressure behind over pressure before [1] (ISO 6358-1).
+    """Return mass flow over C_d A p / sqrt(R T), by the ratio of pressure behind to pressure before [1] (ISO 6358-1).
 
-    Differentiable: the parabola near 1 and the choked flow join the isentropic law with its slope; no flow backwards.
+    It is differentiable: the parabola near 1 and the choked flow join the isentropic law with its slope. There is no
+    backward flow.
     """
     linear, square = _parabola()
     difference = 1 - ratio
-    # Kept where the law holds, because the branches that are not taken are evaluated too.
+    # Limited to the law's range, because the branches that are not taken are evaluated too.
     inside = ca.fmin(ca.fmax(ratio, CRITICAL_RATIO), 1 - LAMINAR_DIFFERENCE)
     near = difference * (linear + square * difference)
     forward = ca.if_else(difference < LAMINAR_DIFFERENCE, near, _isentropic(inside))
@@ -65,9 +68,9 @@ def flow_function(ratio: ca.SX) -> ca.SX:
 
 
 def elliptic_flow_function(ratio: ca.SX) -> ca.SX:
-    """The same by the ellipse of ISO 6358-1, choked at the same ratio: a root in place of powers, at most 0.31 % away.
+    """Return the same by the ellipse of ISO 6358-1, choked at the same ratio: a root, with an error of at most 0.31 %.
 
-    For what is computed for hundreds of valves at once.
+    It replaces powers, for the computation of hundreds of valves at once.
     """
     linear, square = _joined(_ELLIPSE, _ELLIPSE_SLOPE)
     difference = 1 - ratio
@@ -78,20 +81,20 @@ def elliptic_flow_function(ratio: ca.SX) -> ca.SX:
 
 
 def elliptic_flow(area: ca.SX, pressure: ca.SX, temperature: ca.SX, pressure_behind: ca.SX) -> ca.SX:
-    """Mass flow [kg/s] as `mass_flow`, by the ellipse of ISO 6358-1."""
+    """Return the mass flow [kg/s] as `mass_flow`, by the ellipse of ISO 6358-1."""
     shape = elliptic_flow_function(pressure_behind / pressure)
     return area * pressure / ca.sqrt(GAS_CONSTANT * temperature) * shape
 
 
 def mass_flow(area: ca.SX, pressure: ca.SX, temperature: ca.SX, pressure_behind: ca.SX) -> ca.SX:
-    """Mass flow [kg/s] through a restriction of effective area C_d A [m2] from absolute pressure [Pa], temperature [K].
+    """Return the mass flow [kg/s] through a restriction of effective area C_d A [m2].
 
-    Isentropic up to the narrowest section, and choked there as in ISO 6358-1. Nothing flows back where the pressure
-    behind is the larger one.
+    The flow is isentropic up to the narrowest section, and choked there as in ISO 6358-1. It is 0 if the pressure
+    behind is the larger one. Pressures are absolute [Pa], the temperature in K is that before the restriction.
     """
     return area * pressure / ca.sqrt(GAS_CONSTANT * temperature) * flow_function(pressure_behind / pressure)
 
 
 def effective_area(diameter: ca.SX, discharge_coefficient: ca.SX) -> ca.SX:
-    """C_d A of a round restriction [m2]: the area that isentropic flow would need; diameter in m."""
+    """Return C_d A of a round restriction [m2]: the area that isentropic flow would need; diameter in m."""
     return discharge_coefficient * math.pi / 4 * diameter**2

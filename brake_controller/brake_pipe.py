@@ -1,12 +1,12 @@
-"""The brake pipe: air in a long pipe that is cut into cells, by finite volumes.
+"""The brake pipe: air in a long pipe that is divided into cells, by finite volumes.
 
 One-dimensional flow of an ideal gas with friction and heat at the wall: Euler's equations of gas dynamics (E. F. Toro,
 Riemann Solvers and Numerical Methods for Fluid Dynamics, 3rd ed. (2009), section 1.6). Densities, speeds and pressures
-are straight lines in each cell, with slopes limited as van Leer (1977) does (MUSCL); what passes a face is the flux of
-Harten, Lax and van Leer (1983), with the speeds of Davis (1988). First order cannot meet the friction of a steady flow
-at two cells a vehicle.
+are linear in each cell, with slopes limited as in van Leer (1977) (MUSCL). The flux through a face is that of Harten,
+Lax and van Leer (1983), with the speeds of Davis (1988). A first-order method cannot reproduce the friction of a steady
+flow with two cells a vehicle.
 
-Functions here are of one cell, one face or one end. C computes them for all cells, several at a time
+Functions here are for one cell, one face or one end. C code computes them for all cells, several at a time
 (products/train/c/pipe.c).
 """
 
@@ -30,9 +30,9 @@ VISCOSITY, CONDUCTIVITY = 1.81e-5, 0.026
 BLASIUS, LAMINAR_NUSSELT = 0.3164, 3.66
 
 
-#: Mass flow [kg/s] and area [m2] below which nothing is divided by them.
+#: Least mass flow [kg/s] and area [m2] in denominators.
 LEAST_MASS, LEAST_AREA = 1e-12, 1e-9
-#: Turns of Newton's method at an end; and of its pressure, below which none falls within a step.
+#: Steps of Newton's method at an end; least ratio of its pressure after a step to that before.
 TURNS, LEAST_SHARE = 4, 0.05
 
 
@@ -46,7 +46,7 @@ class Air:
 
     @property
     def temperature(self) -> ca.SX:
-        """Of an ideal gas [K]."""
+        """Temperature of an ideal gas [K]."""
         return self.pressure / (self.density * GAS_CONSTANT)
 
     @property
@@ -62,27 +62,31 @@ class Air:
 
     @property
     def flux(self) -> ca.SX:
-        """What the flow carries of each through a square metre in a second, Toro (2009), section 1.6.2."""
+        """Flow of each conserved quantity per square metre and second, Toro (2009), section 1.6.2."""
         _, momentum, energy = ca.vertsplit(self.conserved)
         return ca.vertcat(momentum, momentum * self.speed + self.pressure, self.speed * (energy + self.pressure))
 
 
 def air_of(conserved: ca.SX) -> Air:
-    """Air of its density, momentum and energy, Toro (2009), section 1.6.2."""
+    """Return the air with this density, momentum and energy, Toro (2009), section 1.6.2."""
     density, momentum, energy = ca.vertsplit(conserved)
     speed = momentum / density
     return Air(density, speed, (_K - 1) * (energy - momentum * speed / 2))
 
 
 def limited(behind: ca.SX, ahead: ca.SX) -> ca.SX:
-    """Slope of a cell from its differences to its neighbours: harmonic mean, or 0 at an extreme; van Leer (1977)."""
+    """Return the slope of a cell from differences to its neighbours: harmonic mean, 0 at an extreme; van
+    Leer (1977).
+    """
     product = behind * ahead
     together = behind + ahead
     return ca.if_else(product > 0, 2 * product / ca.if_else(together == 0, 1, together), 0)
 
 
 def sides() -> ca.Function:
-    """Of three cells: air at the two sides of the middle one, and how fast a wave there is at most, van Leer (1977)."""
+    """Return the function of three cells for air at both sides of the middle one and its fastest wave, van
+    Leer (1977).
+    """
     cells = [ca.SX.sym(name, 3) for name in ("before", "own", "behind")]
     before, own, behind = (ca.vertcat(one.density, one.speed, one.pressure) for one in map(air_of, cells))
     differences = zip(ca.vertsplit(own - before), ca.vertsplit(behind - own), strict=True)
@@ -97,7 +101,10 @@ def _air(name: str) -> tuple[ca.SX, Air]:
 
 
 def passing() -> ca.Function:
-    """Of the air on both sides of a face: the flux of Harten, Lax and van Leer (1983), Toro (2009), section 10.3."""
+    """Return the function of the air on both sides of a face for the flux of Harten, Lax and van Leer (1983).
+
+    Toro (2009), section 10.3.
+    """
     (left_symbols, left), (right_symbols, right) = _air("behind"), _air("ahead")
     slow = ca.fmin(ca.fmin(left.speed - left.sound, right.speed - right.sound), 0)
     fast = ca.fmax(ca.fmax(left.speed + left.sound, right.speed + right.sound), 0)
@@ -106,7 +113,7 @@ def passing() -> ca.Function:
     return function_of("passing", [left_symbols, right_symbols], flux)
 
 
-#: What is constant in a cell. Shares of friction and heat at the wall are 1 as they are; areas are effective.
+#: Constants of a cell. Shares of friction and heat at the wall are 1 without scaling; areas are effective.
 CELL = (
     Field("length", "m", 1e-3, 1e6, "the length of a cell"),
     Field("diameter", "m", 1e-4, 10.0, "the diameter of the pipe"),
@@ -120,11 +127,11 @@ CELL = (
 
 
 def rates() -> ca.Function:
-    """Of a cell, the fluxes at its two faces, and its constants: rates of density, momentum and energy.
+    """Return the function of a cell, the fluxes at its faces, and its constants for rates of density, momentum, energy.
 
-    Air in branches rests and is that of the cell: it adds to what the cell holds, not to what flows.
+    Air in branches is at rest and has the state of the cell: it increases the volume of the cell, not the flow.
 
-    Conservation laws with wall friction (Darcy and Weisbach, f of Blasius (1913) or laminar, 64 / Re); the heat of the
+    Conservation laws with wall friction (Darcy and Weisbach, f of Blasius (1913) or laminar, 64 / Re). The heat of the
     wall is in `warmed`, leaks are in `leaking`.
     """
     cell, behind, ahead, given = (
@@ -142,7 +149,7 @@ def rates() -> ca.Function:
 
 
 def leaking() -> ca.Function:
-    """Of a cell and its constants: mass [kg/(m3.s)] and energy [W/m3] that leave through its leaks (ISO 6358-1)."""
+    """Return the function of a cell for mass [kg/(m3.s)] and energy [W/m3] that leave through leaks (ISO 6358-1)."""
     cell, given = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CELL))
     length, diameter, _, _, _, leak_area, ambient, branch = ca.vertsplit(given)
     air = air_of(cell)
@@ -152,10 +159,11 @@ def leaking() -> ca.Function:
 
 
 def warmed() -> ca.Function:
-    """Of a cell, its constants and a time [s]: its energy behind heat exchange with the wall for so long [J/m3].
+    """Return the function of a cell, its constants and a time [s] for its energy after heat exchange with the wall
+    [J/m3].
 
     First law, m c_v dT/dt = h S (T_w - T), solved exactly; h by the Reynolds analogy with friction, or laminar. With a
-    large share of heat the air is isothermal, with none adiabatic.
+    large share of heat the air is isothermal, without heat adiabatic.
     """
     cell, given, time = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CELL)), ca.SX.sym("time")
     _, diameter, wall, _, heat, _, _, _ = ca.vertsplit(given)
@@ -169,23 +177,25 @@ def warmed() -> ca.Function:
 
 
 def _wall_pressure(air: Air) -> ca.SX:
-    """Of air that runs against a wall, p + rho c u, Toro (2009), section 9.3 [Pa]."""
+    """Return the pressure of air that runs against a wall, p + rho c u, Toro (2009), section 9.3 [Pa]."""
     return ca.fmax(air.pressure + air.density * air.sound * air.speed, LEAST_SHARE * air.pressure)
 
 
 def walled() -> ca.Function:
-    """Of the air at an end that is shut, as `ending`: a wall takes momentum alone, Toro (2009), section 9.3."""
+    """Return the function of the air at a shut end, as `ending`: a wall takes momentum alone, Toro (2009),
+    section 9.3.
+    """
     symbols, air = _air("air")
     return function_of("walled", [symbols], ca.vertcat(0, _wall_pressure(air), 0, 0))
 
 
 def ending() -> ca.Function:
-    """Of the air at an end, its speed outwards, and of what is outside: the flux outwards, mass [kg/(m2.s)] first;
-    and how fast air passes [m/s].
+    """Return the function of the air at an end, its speed outwards, and the air outside, for the flux outwards.
 
-    Outside: opening [m2], effective, of a pipe of an area [m2] to air of a pressure [Pa] and temperature [K]. The wave
-    that the end sends back and isentropic flow through the opening (ISO 6358-1) meet at a pressure between that outside
-    and that of a wall, p + rho c u: by Newton's method, from where they would meet without compressibility.
+    Mass [kg/(m2.s)] is the first component. The second result is the speed of the passing air. Outside is an effective
+    opening [m2] of a pipe of an area [m2] to air of a pressure [Pa] and temperature [K]. The wave reflected at the end
+    and isentropic flow through the opening (ISO 6358-1) have one pressure. It is between the outside pressure and that
+    of a wall, p + rho c u. Newton's method finds it, starting from the pressure without compressibility.
     """
     symbols, air = _air("air")
     outside = ca.SX.sym("outside", 4)
@@ -214,9 +224,9 @@ def ending() -> ca.Function:
     return function_of("ending", [symbols, outside], ca.vertcat(mass, meet + mass * through, energy, ca.fabs(through)))
 
 
-#: What a driver's valve is at a moment: effective areas that feed, let out, and let out in an emergency [m2], pressure
-#: that it holds and band in which it opens [Pa], pressure and temperature [K] of what feeds it, pressure around it
-#: [Pa], inner areas of the pipe behind and ahead of it [m2], 0 where the pipe ends.
+#: State of a driver's valve at a moment. Effective areas that feed, vent, and vent in an emergency [m2]. Controlled
+#: pressure, and band in which the valve opens [Pa]. Pressure [Pa] and temperature [K] of its supply, ambient pressure
+#: [Pa]. Inner areas of the pipe behind and ahead of it [m2], 0 at an end of the pipe.
 VALVE = (
     *("feeding", "exhaust", "emergency", "held", "band", "supply_pressure", "supply_temperature", "ambient_pressure"),
     *("area_behind", "area_ahead"),
@@ -224,7 +234,7 @@ VALVE = (
 
 
 def _valve_between(at: ca.SX) -> tuple[list[ca.SX], Air, Air, dict[str, ca.SX], ca.SX, ca.SX]:
-    """Symbols; air behind and ahead; the valve; and the mass [kg/s] that it lets out and in at a pressure (ISO
+    """Return symbols; air behind and ahead; the valve; and its mass flows out and in at a pressure [kg/s] (ISO
     6358-1).
     """
     (first, behind), (last, ahead) = _air("behind"), _air("ahead")
@@ -240,15 +250,15 @@ def _valve_between(at: ca.SX) -> tuple[list[ca.SX], Air, Air, dict[str, ca.SX], 
 
 
 def _arriving(air: Air, area: ca.SX, at: ca.SX) -> ca.SX:
-    """Mass [kg/s] that comes to a place of a pressure, by the wave that it sends back, Toro (2009), section 9.3."""
+    """Return the mass flow [kg/s] to a place of a pressure, by the wave that it reflects, Toro (2009), section 9.3."""
     return area * (air.density * air.speed + (air.pressure - at) / air.sound)
 
 
 def tapping() -> ca.Function:
-    """Of a pressure at a driver's valve, of the air behind and ahead of it and of the valve: mass that is missing
-    [kg/s], and its slope.
+    """Return the function of a pressure at a driver's valve for the mass that is missing [kg/s], and its slope.
 
-    Waves from both sides meet the flow through the valve (Toro (2009), section 9.3, and ISO 6358-1).
+    Other arguments are the air behind and ahead of it, and the valve. Waves from both sides meet the flow through the
+    valve (Toro (2009), section 9.3, and ISO 6358-1).
     """
     at = ca.SX.sym("at")
     symbols, behind, ahead, valve, out, into = _valve_between(at)
@@ -258,9 +268,10 @@ def tapping() -> ca.Function:
 
 
 def tapped() -> ca.Function:
-    """Fluxes behind and ahead of a driver's valve; mass [kg/s] and energy [W] out of it, and mass in; Toro (2009).
+    """Return the function for fluxes behind and ahead of a driver's valve; mass [kg/s], energy [W] out, mass in.
 
-    What leaves has the temperature of the side that it comes from, what enters mixes with what passes.
+    Toro (2009). The air that leaves has the temperature of the side that it comes from. The air that enters mixes with
+    the air in the pipe.
     """
     at = ca.SX.sym("at")
     symbols, behind, ahead, valve, _, into = _valve_between(at)

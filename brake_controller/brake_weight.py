@@ -1,8 +1,9 @@
 """Brake weight percentage and stopping distance: the conversion model of trains, and the assessment of single vehicles.
 
-The brake weight percentage lambda is the braked weight over the mass, in %. The conversion model makes decelerations
-and a build-up time of it (SUBSET-026 A.3.7 to A.3.9); it is valid from 30 to 250 %, up to 200 km/h. The assessment
-makes lambda of a measured or computed stopping distance (EN 16834, UIC 544-1). SI units, but for lambda in %.
+The brake weight percentage lambda is the braked weight over the mass, in %. The conversion model converts it to
+decelerations and a build-up time (SUBSET-026 A.3.7 to A.3.9). It is valid from 30 to 250 %, up to 200 km/h. The
+assessment converts a measured or computed stopping distance to lambda (EN 16834, UIC 544-1). SI units, except for
+lambda in %.
 """
 
 from __future__ import annotations
@@ -13,14 +14,14 @@ from dataclasses import dataclass
 from enum import Enum
 
 KILOMETRES_PER_HOUR = 3.6
-#: Of the conversion model (SUBSET-026): percentages [%] and the highest speed [m/s] for which it is valid.
+#: Limits of the conversion model (SUBSET-026): percentages [%] and the highest speed [m/s] for which it is valid.
 LEAST_PERCENTAGE, MOST_PERCENTAGE, MOST_SPEED = 30.0, 250.0, 200.0 / KILOMETRES_PER_HOUR
-#: Full service is braked with this percentage at most [%] (SUBSET-026 A.3.7).
+#: Largest percentage with which full service is computed [%] (SUBSET-026 A.3.7).
 SERVICE_PERCENTAGE = 135.0
-#: Up to this length the first constants of a build-up time hold [m] (SUBSET-026 A.3.8, A.3.9).
+#: Largest length for which the first constants of a build-up time apply [m] (SUBSET-026 A.3.8, A.3.9).
 SHORT_TRAIN = 900.0
-#: Upper edge of each band of speed [km/h], and the deceleration in it [m/s2] as a polynomial of lambda, constant
-#: first (SUBSET-026 A.3.7). From 100 to 120 km/h it is larger than just below, at every lambda up to 98 %.
+#: Upper edge of each band of speed [km/h], and the deceleration in it [m/s2] as a polynomial of lambda, constant first
+#: (SUBSET-026 A.3.7). It is larger from 100 to 120 km/h than just below, at every lambda up to 98 %.
 BANDS = (
     (100.0, (0.0663, 4.72e-3, 6.10e-5, -6.30e-7)),
     (120.0, (0.1300, 5.14e-3, -4.54e-6, 2.73e-7)),
@@ -32,7 +33,7 @@ BANDS = (
 BASIC = (0.076, 0.0075)
 #: The limit speed [km/h] is FACTOR lambda^POWER.
 LIMIT_FACTOR, LIMIT_POWER = 16.85, 0.428
-#: Equivalent time in which a single vehicle's brake comes on [s] (EN 14531-1).
+#: Equivalent build-up time of a single vehicle's brake [s] (EN 14531-1).
 VEHICLE_BUILD_UP = 2.0
 
 
@@ -40,8 +41,8 @@ VEHICLE_BUILD_UP = 2.0
 class BuildUp:
     """Equivalent build-up time T = a + b l + c l^2 [s] with l in 100 m (SUBSET-026 A.3.8, A.3.9).
 
-    short, longer: a, b, c up to SHORT_TRAIN and above it; None: no longer train. least_length: shorter trains count as
-    this long [m]. reaction_time: until the brakes begin to act [s], a part of T.
+    `short` and `longer` are a, b, c up to SHORT_TRAIN and above it; None: no longer train. `least_length` [m] is used
+    for shorter trains. `reaction_time` [s] is the time until the brakes begin to act, a part of T.
     """
 
     service: bool
@@ -60,7 +61,7 @@ _LONG_EMERGENCY, _LONG_SERVICE = (-0.40, 1.60, 0.03), (10.50, 0.32, 0.18)
 
 
 class Case(Enum):
-    """What brakes how: emergency or full service, of a passenger train in P or a freight train in P or G."""
+    """Kinds of braking: emergency or full service, of a passenger train in P or a freight train in P or G."""
 
     EMERGENCY_PASSENGER_P = BuildUp(False, (2.30, 0.0, 0.17), None, 400.0, 1.42)
     EMERGENCY_FREIGHT_P = BuildUp(False, (2.30, 0.0, 0.17), _LONG_EMERGENCY, 400.0, 2.99)
@@ -81,20 +82,20 @@ class DecelerationStep:
 
 @dataclass(frozen=True)
 class Assessment:
-    """How a single vehicle is assessed: speed [m/s], C [% m] and D [%] of lambda = C / S - D (EN 16834, UIC 544-1)."""
+    """Assessment of a single vehicle: speed [m/s], C [% m] and D [%] of lambda = C / S - D (EN 16834, UIC 544-1)."""
 
     speed: float
     constant: float
     offset: float
 
 
-#: From 100 and from 120 km/h. Assumed until read in the standard itself.
+#: Assessments with 100 and 120 km/h. They are assumed, because the standard itself was not read.
 FROM_100 = Assessment(100.0 / KILOMETRES_PER_HOUR, 52840.0, 10.0)
 FROM_120 = Assessment(120.0 / KILOMETRES_PER_HOUR, 83634.0, 19.0)
 
 
 def _within(name: str, value: float, unit: str, least: float, most: float, advice: str) -> float:
-    """A value that lies within two limits. Raises ValueError, for NaN too."""
+    """Return a value that lies within two limits. Raises ValueError, for NaN too."""
     if least <= value <= most and math.isfinite(value):
         return value
     limit = f"from {least:g} to {most:g} {unit}" if math.isfinite(most) else f"finite and at least {least:g} {unit}"
@@ -102,7 +103,7 @@ def _within(name: str, value: float, unit: str, least: float, most: float, advic
 
 
 def _above_zero(name: str, value: float, unit: str, advice: str) -> float:
-    """A finite value above 0. Raises ValueError, for NaN too."""
+    """Return a finite value above 0. Raises ValueError, for NaN too."""
     if value > 0.0 and math.isfinite(value):
         return value
     raise ValueError(f"The {name} is {value:g} {unit}, but must be finite and above 0 {unit}: {advice}.")
@@ -122,7 +123,7 @@ def _valid_speed(speed: float) -> float:
 
 
 def build_up_time(case: Case, length: float) -> float:
-    """Equivalent time until the brakes of a train are on [s], of its length [m] (SUBSET-026 A.3.8, A.3.9)."""
+    """Return the equivalent build-up time of a train's brakes [s], by its length [m] (SUBSET-026 A.3.8, A.3.9)."""
     of = case.value
     advice = f"give a length for which {case.name} has a build-up time, or another case"
     _within("length of the train", length, "m", 0.0, of.most_length, advice)
@@ -132,14 +133,14 @@ def build_up_time(case: Case, length: float) -> float:
 
 
 def limit_speed(percentage: float) -> float:
-    """Speed up to which the deceleration is the basic one [m/s] (SUBSET-026 A.3.7), of lambda [%]."""
+    """Return the speed [m/s] up to which the deceleration is the basic one (SUBSET-026 A.3.7), by lambda [%]."""
     return float(LIMIT_FACTOR * _valid_percentage(percentage) ** LIMIT_POWER / KILOMETRES_PER_HOUR)
 
 
 def deceleration_steps(case: Case, percentage: float) -> tuple[DecelerationStep, ...]:
-    """Decelerations over speed, slowest band first (SUBSET-026 A.3.7), of lambda [%].
+    """Return decelerations over speed, slowest band first (SUBSET-026 A.3.7), of lambda [%].
 
-    Bands that end below the limit speed fall away, and the first that is left begins there.
+    Bands of speed that end below the limit speed are omitted. The first remaining one begins there.
     """
     of = _valid_percentage(percentage)
     if case.value.service:
@@ -156,14 +157,14 @@ def deceleration_steps(case: Case, percentage: float) -> tuple[DecelerationStep,
 
 
 def braking_distance(steps: Sequence[DecelerationStep], speed: float) -> float:
-    """Distance under full deceleration [m] (EN 14531-1), the sum of v dv / a over the steps, from a speed [m/s]."""
+    """Return the distance under full deceleration [m] (EN 14531-1), the sum of v dv / a, from a speed [m/s]."""
     _valid_speed(speed)
     passed = [(min(speed, step.most), step) for step in steps if step.least < speed]
     return sum((fastest**2 - step.least**2) / (2 * step.deceleration) for fastest, step in passed)
 
 
 def stopping_distance(case: Case, speed: float, percentage: float, length: float) -> float:
-    """Distance of a train from the demand to the stop [m], v T and the braking distance (SUBSET-026 A.3.7 to A.3.9).
+    """Return the distance of a train from demand to stop [m], v T plus braking distance (SUBSET-026 A.3.7 to A.3.9).
 
     speed [m/s], percentage [%], length of the train [m]; level track.
     """
@@ -172,7 +173,7 @@ def stopping_distance(case: Case, speed: float, percentage: float, length: float
 
 
 def train_percentage(braked_weights: Sequence[float], masses: Sequence[float]) -> float:
-    """Brake weight percentage of a train [%]: all braked weights over all masses, both [kg] (UIC 544-1).
+    """Return the brake weight percentage of a train [%]: all braked weights over all masses, both [kg] (UIC 544-1).
 
     A vehicle whose brake is cut out has a braked weight of 0.
     """
@@ -188,7 +189,7 @@ def train_percentage(braked_weights: Sequence[float], masses: Sequence[float]) -
 
 
 def braked_weight(percentage: float, mass: float) -> float:
-    """Braked weight of a vehicle [kg], lambda times its mass [kg] (UIC 544-1)."""
+    """Return the braked weight of a vehicle [kg], lambda times its mass [kg] (UIC 544-1)."""
     _above_zero("brake weight percentage", percentage, "%", "give that of the assessment")
     return percentage / 100.0 * _above_zero("mass", mass, "kg", "give that of the vehicle with its load")
 
@@ -197,7 +198,7 @@ def braked_weight(percentage: float, mass: float) -> float:
 
 
 def percentage_of_vehicle(distance: float, assessment: Assessment) -> float:
-    """Percentage of a single vehicle [%] from its stopping distance [m], C / S - D (EN 16834, UIC 544-1)."""
+    """Return the percentage of a single vehicle [%] from its stopping distance [m], C / S - D (EN 16834, UIC 544-1)."""
     _above_zero("stopping distance", distance, "m", "give that from the demand to the stop")
     longest = assessment.constant / assessment.offset
     if distance >= longest:
@@ -209,13 +210,13 @@ def percentage_of_vehicle(distance: float, assessment: Assessment) -> float:
 
 
 def distance_of_vehicle(percentage: float, assessment: Assessment) -> float:
-    """Stopping distance of a single vehicle [m] from its percentage [%], C / (lambda + D) (EN 16834, UIC 544-1)."""
+    """Return the stopping distance of a vehicle [m] from its percentage [%], C / (lambda + D) (EN 16834, UIC 544-1)."""
     _above_zero("brake weight percentage", percentage, "%", "give that of the vehicle's assessment")
     return assessment.constant / (percentage + assessment.offset)
 
 
 def mean_deceleration(speed: float, distance: float, build_up: float = VEHICLE_BUILD_UP) -> float:
-    """Mean deceleration once the brake is on [m/s2], v^2 / (2 (S - T v)) (EN 14531-1).
+    """Return the mean deceleration once the brake is on [m/s2], v^2 / (2 (S - T v)) (EN 14531-1).
 
     speed v [m/s], stopping distance S [m], build-up time T [s].
     """
@@ -231,9 +232,9 @@ def mean_deceleration(speed: float, distance: float, build_up: float = VEHICLE_B
 
 
 def force_of_percentage(percentage: float, turning_mass: float, assessment: Assessment) -> float:
-    """Mean brake force at the rims [N] that gives a vehicle a percentage [%] (EN 14531-1, EN 16834).
+    """Return the mean brake force at the rims [N] for which a vehicle has a percentage [%] (EN 14531-1, EN 16834).
 
-    turning_mass: mass with what its wheelsets add as they turn [kg].
+    turning_mass: mass including the equivalent mass of rotating wheelsets [kg].
     """
     _above_zero("mass", turning_mass, "kg", "give that of the vehicle with its load and its rotating masses")
     return turning_mass * mean_deceleration(assessment.speed, distance_of_vehicle(percentage, assessment))

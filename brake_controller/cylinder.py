@@ -30,7 +30,7 @@ DEFAULT_TOLERANCE = 1e-6
 NOMINAL_PRESSURE, NOMINAL_MASS = 1e5, 1e-3
 #: Kinds of `cylinder_model`, by their numbers.
 PNEUMATICS = {1: "by application and release time", 2: "by flow of air through restrictions"}
-#: Parameters that only the timed law has: its times, and what the piston's spring takes, which by flow follows from it.
+#: Parameters of the timed law alone: its times, and the pressure of the piston's spring, which the flow law computes.
 TIMES = ("application_time", "release_time", "touch_pressure")
 
 
@@ -46,13 +46,13 @@ class Brake:
     beside: ca.SX
 
 
-#: A brake beside the cylinder: from the system, the demand [Pa], the valve and the angular velocity [rad/s] to the
-#: demand that it leaves to the cylinder [Pa] and its own torque capacity [N.m].
+#: A brake in addition to the cylinder. It is a function of the system, the demand [Pa], the valve and the angular
+#: velocity [rad/s]. Results: the remaining demand for the cylinder [Pa] and its own torque capacity [N.m].
 Blending = Callable[[System, ca.SX, ca.SX, ca.SX], tuple[ca.SX, ca.SX]]
 
 
 def alone(_: System, demand: ca.SX, __: ca.SX, ___: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """There is no other brake."""
+    """Return the demand unchanged: no other brake exists."""
     return demand, ca.SX(0)
 
 
@@ -63,9 +63,9 @@ def _begin(
     without: tuple[str, ...] = (),
     blending: Blending = alone,
 ) -> Brake:
-    """Inputs and parameters. Fail-safe: a demand that is lost (NaN), or never given, counts as the full supply.
+    """Declare inputs and parameters. Fail-safe: a demand that is lost (NaN), or never set, is treated as full supply.
 
-    So does the de-energised solenoid of the experiment, which opens the line to the cylinders (section 6.3.9).
+    The de-energised solenoid of the experiment has the same effect: it opens the line to the cylinders (section 6.3.9).
     """
     system = System(name, description)
     full = defaults.supply_pressure
@@ -98,10 +98,11 @@ def _begin(
 
 @dataclass(frozen=True)
 class Rubbing:
-    """What a cylinder presses, and on what.
+    """Friction pairs on which a cylinder acts.
 
-    without: fields of BrakeParameters that it has no use for. torque: adds its equations and outputs to a system and
-    gives the torque capacity [N.m], from the system, its parameters, the force [N] and the angular velocity [rad/s].
+    `without` holds fields of BrakeParameters that it does not use. `torque` adds its equations and outputs to a system
+    and returns the torque capacity [N.m]. Arguments: the system, its parameters, the force [N] and the angular velocity
+    [rad/s].
     """
 
     without: tuple[str, ...]
@@ -109,7 +110,7 @@ class Rubbing:
 
 
 def treads(table: FrictionTable = EXAMPLE_TABLE) -> Rubbing:
-    """Shoes on the treads of the wheels, eq. (2.7). table: for friction law 5."""
+    """Return shoes on the treads of the wheels, eq. (2.7). table: for friction law 5."""
 
     def torque(system: System, p: Mapping[str, ca.SX], force: ca.SX, angular_velocity: ca.SX) -> ca.SX:
         speed = sliding_speed(angular_velocity, p["wheel_radius"])
@@ -123,7 +124,7 @@ def treads(table: FrictionTable = EXAMPLE_TABLE) -> Rubbing:
 
 
 def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, rubbing: Rubbing) -> System:
-    """From cylinder pressure to the outputs; spring_pressure: what of it the return spring of the piston takes."""
+    """Return the system with outputs from cylinder pressure on; spring_pressure: its part for the piston's spring."""
     system, p = brake.system, brake.parameter
     per_pressure = p["force_per_pressure"] * p["wheelset_share"]
     counter_force = p["slack_adjuster_force"] + per_pressure * spring_pressure
@@ -137,7 +138,7 @@ def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, rubbing: Rubb
 
 
 def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
-    """Pressure follows its demand with an application and a release time, section 2.4.2."""
+    """Return a brake whose pressure follows its demand with an application and a release time, section 2.4.2."""
     brake = _begin("timed", "Cylinder pressure by application and release time", defaults)
     p = brake.parameter
     pressure = brake.system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
@@ -147,7 +148,7 @@ def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE)
 
 
 def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
-    """Pressure from the air that flows through the restrictions (section 6.3.9), and from the travel of the piston."""
+    """Return a brake whose pressure follows from air flow through restrictions (section 6.3.9) and piston travel."""
     brake = _begin("flow", "Cylinder pressure by flow of air through restrictions", defaults, TIMES)
     cylinder = _filled(brake, air, Regulator(brake.target, brake.target), commanded(brake.valve))
     return _finish(brake, cylinder.pressure, cylinder.spring_pressure, treads(table))
@@ -160,10 +161,10 @@ def reservoir_brake(
     rubbing: Rubbing | None = None,
     blending: Blending = alone,
 ) -> System:
-    """As `flow_brake` (section 6.3.9), with air from a reservoir, an input, through valves that take their time.
+    """Return a brake as `flow_brake` (section 6.3.9), with air from a reservoir, an input, through valves with a delay.
 
-    Nothing flows back into a reservoir that has less pressure than the cylinder. rubbing: by default shoes on treads;
-    blending: of a dynamic brake with it.
+    There is no flow back into a reservoir that has less pressure than the cylinder. rubbing: by default shoes on
+    treads; blending: of a dynamic brake with it.
     """
     rubbing = rubbing or treads()
     text = "Cylinder pressure by flow of air from a reservoir, through valves that take time"
@@ -187,7 +188,7 @@ class _Cylinder:
 
 
 def _filled(brake: Brake, air: FlowParameters, regulator: Regulator, valves: Openings) -> _Cylinder:
-    """The air in the cylinder as two states, and what is observed of it."""
+    """Return the air in the cylinder as two states, with its observables."""
     system = brake.system
     flow = {name: system.parameter(air.variable(name)) for name in air.values()}
     empty = flow["ambient_pressure"] * piston(ca.SX(0), flow).volume / (GAS_CONSTANT * flow["air_temperature"])
@@ -215,7 +216,7 @@ def _filled(brake: Brake, air: FlowParameters, regulator: Regulator, valves: Ope
 
 
 def brake_model(systems: tuple[System, ...]) -> Model:
-    """The systems, in the order of the parameter `cylinder_model`, as one FMU."""
+    """Return the systems, in the order of the parameter `cylinder_model`, as one FMU."""
     known = {number: PNEUMATICS[number] for number in range(1, len(systems) + 1)}
     chosen = Variable("cylinder_model", "parameter", start=1.0, **choosing("Cylinder pressure", known))
     text = "Pneumatic brake cylinder, rigging and shoes of one wheelset, after Handoko (2006)"
@@ -227,7 +228,7 @@ def brake_cylinder(
     air: FlowParameters | None = None,
     table: FrictionTable = EXAMPLE_TABLE,
 ) -> Model:
-    """The brake cylinder as one FMU, by default that of the QR30 experiment at 180 kPa (section 7.4).
+    """Return the brake cylinder as one FMU, by default that of the QR30 experiment at 180 kPa (section 7.4).
 
     table: shoe friction over sliding speed, for friction law 5.
     """

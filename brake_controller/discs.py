@@ -1,9 +1,9 @@
 """Brake discs on an axle: torque from the force on their pads, friction over speed and temperature, heat.
 
-Friction falls in straight lines with the sliding speed and with the disc's temperature, as regressions of bench tests
-have it: W. Sawczuk, A.-M. Rilo Canas, D. Ulbrich, J. Kowalczyk (2021), Modeling the average and instantaneous friction
-coefficient of a disc brake on the basis of bench tests, Materials 14, 4766. Its coefficients could not be read, so that
-the numbers below are assumed, but for the mean of 0.35 that UIC 541-3 asks of organic pads (secondary literature).
+Friction falls linearly with the sliding speed and with the disc's temperature, as in regressions of bench tests: W.
+Sawczuk, A.-M. Rilo Canas, D. Ulbrich, J. Kowalczyk (2021), Modeling the average and instantaneous friction coefficient
+of a disc brake on the basis of bench tests, Materials 14, 4766. Its coefficients could not be read. The values below
+are therefore assumed, except for the mean of 0.35 that UIC 541-3 requires of organic pads (secondary literature).
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from brake_controller.shoe_friction import sliding_speed
 from fmu_src.system import ParameterSet, System, Variable, quantity
 
 NOMINAL_TEMPERATURE = 10.0
-#: Friction for which a brake with discs is laid out: the mean that UIC 541-3 asks for (secondary literature).
+#: Design friction of a brake with discs: the mean that UIC 541-3 requires (secondary literature).
 MEAN_PAD_FRICTION = 0.35
-#: Of `BrakeParameters`, what only shoes on treads have.
+#: Fields of `BrakeParameters` that only shoes on treads use.
 TREADS_ALONE = ("shoes", "wheel_radius", "friction_law", "constant_shoe_friction", "falling_friction_constant")
 
 
@@ -43,7 +43,9 @@ class DiscParameters(ParameterSet):
 
 
 def axle_discs() -> DiscParameters:
-    """Two ventilated discs of cast iron, 640 mm across. Assumed, all but the heat capacity of cast iron."""
+    """Return two ventilated discs of cast iron, 640 mm across. All values are assumed, except cast iron's heat
+    capacity.
+    """
     return DiscParameters(
         friction_radius=0.247,
         pad_friction_at_rest=0.38,
@@ -61,14 +63,14 @@ def axle_discs() -> DiscParameters:
 
 
 def pad_friction(p: Mapping[str, ca.SX], speed: ca.SX, temperature: ca.SX) -> ca.SX:
-    """mu - a v - b (T - T_0), of the form of Sawczuk (2021), never below the least; speed in m/s, temperature in K."""
+    """Return mu - a v - b (T - T_0), the form of Sawczuk (2021), limited from below; speed in m/s, temperature in K."""
     warmer = temperature - p["surroundings_temperature"]
     fallen = p["pad_friction_over_speed"] * speed + p["pad_friction_over_temperature"] * warmer
     return ca.fmax(p["pad_friction_at_rest"] - fallen, p["least_pad_friction"])
 
 
 def discs(defaults: DiscParameters | None = None) -> Rubbing:
-    """Pads on discs: T = mu F r; First law: m c d(theta)/dt = (share) T w - (cooling) (theta - theta_0)."""
+    """Return pads on discs: T = mu F r; First law: m c d(theta)/dt = (share) T w - (cooling) (theta - theta_0)."""
     given = defaults or axle_discs()
 
     def torque(system: System, _: Mapping[str, ca.SX], force: ca.SX, angular_velocity: ca.SX) -> ca.SX:
@@ -81,7 +83,7 @@ def discs(defaults: DiscParameters | None = None) -> Rubbing:
 def treads_or_discs(
     choice: Variable, number: int, pads: float = 1.0, defaults: DiscParameters | None = None
 ) -> Rubbing:
-    """Shoes on treads, eq. (2.7); or, if the parameter has this number, pads on discs, as `discs` has them.
+    """Return shoes on treads, eq. (2.7); or, if the parameter has this number, pads on discs, as in `discs`.
 
     pads: their force over that of the shoes.
     """
@@ -101,7 +103,7 @@ def _parameters(system: System, given: DiscParameters) -> dict[str, ca.SX]:
 
 
 def _rub(system: System, p: Mapping[str, ca.SX], force: ca.SX, angular_velocity: ca.SX) -> ca.SX:
-    """Torque of pads on discs under a force [N.m], their temperature, and what both show."""
+    """Return the torque of pads on discs under a force [N.m]; adds their temperature and outputs."""
     speed = sliding_speed(angular_velocity, p["friction_radius"])
     temperature = system.state("disc_temperature", "K", p["initial_disc_temperature"], NOMINAL_TEMPERATURE)
     friction = pad_friction(p, speed, temperature)

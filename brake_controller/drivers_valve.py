@@ -1,7 +1,8 @@
-"""The driver's brake valve: a relay that holds the pipe at a pressure which the driver commands.
+"""The driver's brake valve: a relay that keeps the pipe at the pressure commanded by the driver.
 
-Values of Dako BS2 as train simulators print them: it feeds through 22 mm less a core of 10 mm, lets out through 10 mm
-and, in an emergency, through an annulus of 26 and 8 mm; 5.4 bar of overcharge fall to 5 bar within 180 s.
+Values are those of Dako BS2 as published by train simulators. It feeds through 22 mm less a core of 10 mm, vents
+through 10 mm and, in an emergency, through an annulus of 26 and 8 mm. An overcharge of 5.4 bar falls to 5 bar within
+180 s.
 """
 
 from __future__ import annotations
@@ -12,14 +13,14 @@ from dataclasses import dataclass
 from brake_controller.air import AMBIENT, DISCHARGE, WALL
 from fmu_src.system import Field, ParameterSet, quantity
 
-#: Positions, by the number that a host sets.
+#: Positions, by the value that a host sets.
 POSITIONS = {"shut-off": 0, "running": 1, "overcharge": 2, "service": 3, "emergency": 4}
 _AREA, _PRESSURE, _STEP = "an area of a driver's valve", "a pressure of a driver's valve", "a step of a driver's valve"
 _RATE = "a rate of a driver's valve"
-#: A valve as C takes it, pressures absolute and areas effective: before which cell it stands; areas; band, supply and
-#: its warmth, pressure around; running pressure and overcharge; falls of the first step and of full service; rates of
-#: service, release, overcharge and emergency; place from the head, backwards below 0; delay behind the first valve,
-#: while its own position is 0, below 0 never.
+#: Data of a valve in C, pressures absolute and areas effective: the cell after it; areas; band, supply and its
+#: temperature, ambient pressure. Running pressure and overcharge; falls of the first step and of full service; rates of
+#: service, release, overcharge and emergency. Place from the head, measured backwards below 0. Delay after the first
+#: valve while its own position is 0, below 0 never.
 VALVE = (
     Field("face", "1", 0.0, 0.0, "a driver's valve's place at the pipe", whole=True, counts="cells"),
     *(Field(name, "m2", 0.0, 1.0, _AREA) for name in ("feeding", "exhaust", "emergency")),
@@ -80,9 +81,10 @@ class DriversValve(ParameterSet):
 
 
 def drivers_valve() -> DriversValve:
-    """Areas and overcharge of Dako BS2; pipe 5 bar, 0.4 bar at the first step, 1.5 at full service (UIC 540, excerpts).
+    """Return areas and overcharge of Dako BS2; pipe 5 bar, 0.4 bar at the first step, 1.5 at full service (UIC 540).
 
-    Assumed: main reservoir 8 bar, band 10 kPa, 0.5 bar/s down and 1 bar/s up, and 3 bar/s in an emergency without flow.
+    UIC 540 was read in excerpts. Assumed: main reservoir 8 bar, band 10 kPa, 0.5 bar/s down and 1 bar/s up, and 3 bar/s
+    in an emergency without flow.
     """
     return DriversValve(
         feeding_area=math.pi / 4 * (0.022**2 - 0.010**2),

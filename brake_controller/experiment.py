@@ -1,4 +1,4 @@
-"""What the thesis prints about the brake of the experiment, the QR30 bogie, chapters 6 and 7."""
+"""Values of the thesis for the brake of the experiment, the QR30 bogie, chapters 6 and 7."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ APPLICATION_TIME = 0.8
 
 @dataclass(frozen=True)
 class ExperimentCase:
-    """What the thesis prints for one pressure of the experiment."""
+    """Values of the thesis for one pressure of the experiment."""
 
     rigging_efficiency: float
     shoe_friction: float
@@ -20,8 +20,8 @@ class ExperimentCase:
     highest_shoe_friction: float
 
 
-#: By pressure [kPa]: efficiency of the refurbished rigging (rod force 18, 19, 15 % below the specification, sections
-#: 7.2.1, 7.3.1, 7.4.1), average shoe friction (section 7.5) and its range (sections 7.2.1, 7.3.1, 7.4.1).
+#: Cases by pressure [kPa]: efficiency of the refurbished rigging (rod force 18, 19, 15 % below the specification,
+#: sections 7.2.1, 7.3.1, 7.4.1), average shoe friction (section 7.5) and its range (sections 7.2.1, 7.3.1, 7.4.1).
 EXPERIMENT = {
     130: ExperimentCase(0.82, 0.30, 0.27, 0.33),
     150: ExperimentCase(0.81, 0.27, 0.23, 0.30),

@@ -1,8 +1,8 @@
 """Brake cylinder filled and emptied by the flow of air: supply, restrictions and valve of section 6.3.9 (Fig. 6.25).
 
-The regulator keeps the demanded pressure before the application restriction; above the demand it opens the exhaust.
-The state of the air is its mass and its pressure. The piston stands where air and return spring balance, so that its
-inertia and friction, which matter within milliseconds, are left out.
+The regulator keeps the demanded pressure before the application restriction; above the demand it opens the exhaust. The
+state of the air is its mass and its pressure. The piston is in balance of air and return spring. Its inertia and
+friction, with effects within milliseconds, are not modelled.
 """
 
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ Values = Mapping[str, ca.SX]
 
 @dataclass(frozen=True)
 class Piston:
-    """Where the piston stands at a pressure: travel [m], how fast it grows with pressure [m/Pa], volume of air [m3]."""
+    """Position of the piston at a pressure: travel [m], its derivative by pressure [m/Pa], volume of air [m3]."""
 
     travel: ca.SX
     travel_per_pressure: ca.SX
@@ -32,7 +32,7 @@ class Piston:
 
 
 def piston(pressure: ca.SX, flow: Values) -> Piston:
-    """The piston in balance with its return spring at a gauge pressure [Pa], from its rest to the touch of the shoes.
+    """Return the piston in balance with its return spring at a gauge pressure [Pa], from rest to contact of the shoes.
 
     The travel is (p A - preload) / stiffness, p A being the thrust (2.5), limited to 0 and to the slack by two
     hyperbolas of width STROKE_BLEND.
@@ -46,47 +46,49 @@ def piston(pressure: ca.SX, flow: Values) -> Piston:
 
 
 def spring_force(position: Piston, flow: Values) -> ca.SX:
-    """Force of the return spring [N], by Hooke's law, which the piston must overcome before the shoes press."""
+    """Return the return spring's force [N], by Hooke's law; the piston must exceed it before the shoes press."""
     return flow["spring_preload"] + flow["spring_stiffness"] * position.travel
 
 
 def air_temperature(pressure: ca.SX, mass: ca.SX, position: Piston, flow: Values) -> ca.SX:
-    """Temperature of the air in the cylinder [K], an ideal gas: T = p V / (m R); gauge pressure [Pa], mass [kg]."""
+    """Return the temperature of the cylinder's air [K], an ideal gas: T = p V / (m R); gauge pressure [Pa], mass
+    [kg].
+    """
     return (pressure + flow["ambient_pressure"]) * position.volume / (mass * GAS_CONSTANT)
 
 
 def inflow(pressure: ca.SX, target: ca.SX, flow: Values) -> ca.SX:
-    """Mass flow from the regulator through the application restriction (section 6.3.9) [kg/s]; gauge pressures [Pa]."""
+    """Return the mass flow [kg/s] through the application restriction (section 6.3.9); gauge pressures [Pa]."""
     area = effective_area(flow["application_orifice"], flow["discharge_coefficient"])
     ambient = flow["ambient_pressure"]
     return mass_flow(area, target + ambient, flow["air_temperature"], pressure + ambient)
 
 
 def outflow(pressure: ca.SX, temperature: ca.SX, orifice: ca.SX, flow: Values) -> ca.SX:
-    """Mass flow [kg/s] to the surroundings through an opening of a diameter [m], isentropic; gauge pressure [Pa]."""
+    """Return the mass flow [kg/s] to the surroundings through an opening [m], isentropic; gauge pressure [Pa]."""
     area = effective_area(orifice, flow["discharge_coefficient"])
     return mass_flow(area, pressure + flow["ambient_pressure"], temperature, flow["ambient_pressure"])
 
 
 @dataclass(frozen=True)
 class Openings:
-    """How far the valves of a cylinder are open, from 0 to 1: to the regulator, and to the surroundings."""
+    """Openings of a cylinder's valves, from 0 to 1: to the regulator, and to the surroundings."""
 
     refill: ca.SX
     dump: ca.SX
 
 
 def commanded(valve: ca.SX) -> Openings:
-    """Valves that follow their command at once: the solenoid valve of section 6.3.9 applies when it is de-energised.
+    """Return valves that follow their command at once: the solenoid of section 6.3.9 applies when it is de-energised.
 
-    Differs from the thesis: the valve also holds and vents.
+    This differs from the thesis: the valve also holds and vents.
     """
     return Openings(ca.if_else(valve == APPLY, 1, 0), ca.if_else(valve == VENT, 1, 0))
 
 
 @dataclass(frozen=True)
 class Regulator:
-    """Gauge pressures [Pa]: what is demanded, above which it opens the exhaust, and what stands before the cylinder."""
+    """Gauge pressures [Pa]: the demand, above which the exhaust opens, and the supply before the cylinder."""
 
     demand: ca.SX
     supply: ca.SX
@@ -95,7 +97,7 @@ class Regulator:
 def valve_flows(
     pressure: ca.SX, temperature: ca.SX, regulator: Regulator, valves: Openings, flow: Values
 ) -> tuple[ca.SX, ca.SX]:
-    """Mass flows into and out of the cylinder [kg/s] (section 6.3.9); gauge pressure [Pa], temperature [K]."""
+    """Return mass flows into and out of the cylinder [kg/s] (section 6.3.9); gauge pressure [Pa], temperature [K]."""
     opening = ca.fmax(ca.fmin((pressure - regulator.demand) / REGULATING_BAND, 1), 0)
     release = opening * outflow(pressure, temperature, flow["release_orifice"], flow)
     vent = outflow(pressure, temperature, flow["vent_orifice"], flow)
@@ -116,11 +118,11 @@ class AirRates:
 def air_rates(
     pressure: ca.SX, temperature: ca.SX, position: Piston, flows: tuple[ca.SX, ca.SX], flow: Values
 ) -> AirRates:
-    """First law for the air in the cylinder, an open system: dU/dt = H_in - H_out - p dV/dt - Q.
+    """Return the First law for the air in the cylinder, an open system: dU/dt = H_in - H_out - p dV/dt - Q.
 
-    The heat Q that the walls take is the share of the rest that makes V dp/dt = n (R T_s m_in - R T m_out - p dV/dt),
-    n the polytropic exponent: none at n = kappa, all of the compression at n = 1, where the air stays at the
-    temperature of the supply. It is exchanged only while air flows: hot air that is held stays hot.
+    The heat Q to the walls is the share of the rest for which V dp/dt = n (R T_s m_in - R T m_out - p dV/dt), with the
+    polytropic exponent n. It is 0 at n = kappa. It is all of the compression at n = 1, so that the air stays at the
+    temperature of the supply. Heat is exchanged only while air flows: hot air that is held stays hot.
     """
     n, k = flow["polytropic_exponent"], HEAT_CAPACITY_RATIO
     absolute = pressure + flow["ambient_pressure"]

@@ -1,7 +1,7 @@
-"""The two magnet valves between regulator and cylinder that a wheel-slide protection commands, which take their time.
+"""The two magnet valves between regulator and cylinder that a wheel-slide protection commands, with their delay.
 
-One lets air in, the other lets it out. Each follows its command with a first-order lag of its open area, which is
-assumed: it has no dead time.
+One lets air in, the other lets it out. Each follows its command with a first-order lag of its open area. This form,
+without dead time, is assumed.
 """
 
 from dataclasses import dataclass
@@ -15,19 +15,19 @@ from fmu_src.system import ParameterSet, System, quantity
 
 @dataclass(frozen=True)
 class ValveParameters(ParameterSet):
-    """How fast the valves are, both alike."""
+    """Opening and closing times of the valves, which are equal."""
 
     valve_opening_time: float = quantity("s", "Time from the command until 95 % of a valve's area is open", 1e-3)
     valve_closing_time: float = quantity("s", "Time from the command until 95 % of a valve's area is closed", 1e-3)
 
 
 def common_valves() -> ValveParameters:
-    """Valves of 30 ms. Assumed."""
+    """Return valves of 30 ms. Assumed."""
     return ValveParameters(valve_opening_time=0.03, valve_closing_time=0.03)
 
 
 def following(system: System, valve: ca.SX, defaults: ValveParameters) -> Openings:
-    """Openings as states of a system; the valves apply at the start, as the de-energised one of section 6.3.9 does."""
+    """Return openings as states of a system; valves apply at the start, as the de-energised one of section 6.3.9."""
     opens, closes = (system.parameter(defaults.variable(name)) for name in defaults.values())
     wanted, start = commanded(valve), commanded(ca.SX(APPLY))
 

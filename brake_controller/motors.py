@@ -1,8 +1,8 @@
-"""Electric motors on wheelsets: a dynamic brake that blends with the cylinders, and traction; both let go when asked.
+"""Electric motors on wheelsets: a dynamic brake that blends with the cylinders, and traction, both with protection.
 
-A protection tells the motor of a wheelset what it tells its valve: 0 as demanded, 1 hold, 2 let go. The torque follows
-as a first-order lag, up to the motor's largest torque and, at speed, its largest power. Lag, limits and numbers are
-assumed: motors differ more than any mean of them.
+A protection commands the motor of a wheelset like its valve: 0 as demanded, 1 hold, 2 release. The torque follows as a
+first-order lag. It is limited by the motor's largest torque and, at speed, its largest power. Lag, limits and values
+are assumed, because motors differ widely from their mean.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from brake_controller.pneumatics import APPLY, HOLD, TIME_CONSTANTS_TO_95_PERCEN
 from fmu_src.system import ParameterSet, System, Variable, choosing, quantity
 
 NOMINAL_TORQUE = 1e3
-#: Corner of |w|, and where a dynamic brake begins to fade [rad/s]; the second assumed: 8 km/h on common wheels.
+#: Corner of |w|, and speed below which a dynamic brake fades [rad/s]; the second is assumed: 8 km/h on common wheels.
 REST, FADE_SPEED = 0.02, 5.0
 
 
 @dataclass(frozen=True)
 class MotorParameters(ParameterSet):
-    """The motor of one wheelset, its numbers at the wheelset."""
+    """The motor of one wheelset; its values are referred to the wheelset."""
 
     motor_torque: float = quantity("N.m", "Largest torque of the motor on its wheelset", 0.0)
     motor_power: float = quantity("W", "Largest power of the motor", 0.0)
@@ -32,7 +32,9 @@ class MotorParameters(ParameterSet):
 
 
 def motor_of(full_torque: float, radius: float) -> MotorParameters:
-    """Half of a full brake's torque [N.m], up to 15 m/s on wheels of this radius [m]; then its power. Assumed."""
+    """Return a motor with half of a full brake's torque [N.m] up to 15 m/s at this radius [m], then its power.
+    Assumed.
+    """
     torque = full_torque / 2
     return MotorParameters(
         motor_torque=torque, motor_power=torque / radius * 15.0, motor_rise_time=0.3, motor_release_time=0.15
@@ -44,15 +46,15 @@ def _given(system: System, defaults: MotorParameters) -> dict[str, ca.SX]:
 
 
 def available(p: Mapping[str, ca.SX], angular_velocity: ca.SX) -> ca.SX:
-    """Largest torque of the motor at this angular velocity [N.m]."""
+    """Return the largest torque of the motor at this angular velocity [N.m]."""
     turning = ca.sqrt(angular_velocity**2 + REST**2)
     return ca.fmin(p["motor_torque"], p["motor_power"] / turning)
 
 
 def follow(system: System, name: str, p: Mapping[str, ca.SX], wanted: ca.SX, largest: ca.SX, valve: ca.SX) -> ca.SX:
-    """The motor's torque as a state of this name [N.m], to 95 % in its times, as section 2.4.2 counts a cylinder's.
+    """Return the motor's torque as a state of this name [N.m]; it reaches 95 % in its times, as in section 2.4.2.
 
-    wanted, largest: what is asked for and what there is [N.m].
+    wanted, largest: demanded and available torque [N.m].
     """
     torque = system.state(name, "N.m", 0.0, NOMINAL_TORQUE)
     held = ca.if_else(valve == HOLD, torque, wanted)
@@ -63,10 +65,10 @@ def follow(system: System, name: str, p: Mapping[str, ca.SX], wanted: ca.SX, lar
 
 
 def dynamic_brake(defaults: MotorParameters, full_pressure: float, full_torque: float) -> Blending:
-    """Takes what it can of the brake that is demanded, and leaves the cylinder the rest.
+    """Return a blending with this motor: it takes as much of the demand as it can, and leaves the cylinder the rest.
 
     It fades below `fade_speed`, so that the cylinder brings the wheelset to rest. full_pressure [Pa], full_torque
-    [N.m]: of the friction brake, in whose pressure the demand counts.
+    [N.m]: of the friction brake, whose pressure is the unit of the demand.
     """
 
     def blend(system: System, demand: ca.SX, valve: ca.SX, turning: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -86,7 +88,7 @@ def dynamic_brake(defaults: MotorParameters, full_pressure: float, full_torque: 
 
 
 def traction_motor(defaults: MotorParameters) -> System:
-    """The share of its torque that is demanded in, the torque that drives the wheelset out."""
+    """Return a system with the demanded share of torque as input and the torque on the wheelset as output."""
     system = System("traction_motor", "Motor that drives a wheelset")
     p = _given(system, defaults)
     text = "Demanded share of the largest torque; NaN counts as a lost signal: no traction"

@@ -38,13 +38,13 @@ class BrakeParameters(ParameterSet):
 
 
 def qr30(pressure_kpa: int = 180) -> BrakeParameters:
-    """The brake of the QR30 bogie in the experiment, trailing wheelset, at one of its three pressures.
+    """Return the brake of the QR30 bogie in the experiment, trailing wheelset, at one of its three pressures.
 
-    Printed: application time 0.8 s (section 7.1), at most 350 kPa, 0.164 kN of normal force for each kPa over all four
-    shoes (section 6.2.3), two shoes on the braked wheelset, wheel radius 0.398 m (Table 8.2), efficiency and shoe
-    friction of each pressure (chapter 7); touch_pressure 0, as the efficiency counts the return spring.
-    Assumed: release as fast as application, no counter-force of the slack adjuster; for law 4 a fall by half within
-    35 m/s, because section 2.5.2 gives no number.
+    Reported: application time 0.8 s (section 7.1) and at most 350 kPa. Normal force of 0.164 kN for each kPa over all
+    four shoes (section 6.2.3), two shoes on the braked wheelset. Wheel radius 0.398 m (Table 8.2). Efficiency and shoe
+    friction of each pressure (chapter 7). Touch_pressure 0, because the efficiency includes the return spring.
+    Assumed: release as fast as application, no counter-force of the slack adjuster. For law 4 a fall by half within 35
+    m/s, because section 2.5.2 gives no number.
     """
     if pressure_kpa not in EXPERIMENT:
         known = ", ".join(str(pressure) for pressure in EXPERIMENT)
@@ -70,7 +70,7 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
 def uic(
     pressure: float, piston_area: float, spring_force: float, application_time: float, release_time: float
 ) -> BrakeParameters:
-    """One wheelset of a two-axle bogie of a UIC freight wagon with double-sided cast-iron shoes.
+    """Return one wheelset of a two-axle bogie of a UIC freight wagon with double-sided cast-iron shoes.
 
     pressure [Pa]; piston_area [m2], spring_force [N]: of the cylinder, the spring as the shoes touch.
 

@@ -5,7 +5,7 @@ import math
 import casadi as ca
 
 APPLY, HOLD, VENT = 0, 1, 2
-#: What these do, for people.
+#: Descriptions of these values.
 VALVE = {APPLY: "apply (de-energised)", HOLD: "hold", VENT: "vent"}
 
 #: A first-order lag covers 95 % of the way in ln(20) time constants.
@@ -13,12 +13,12 @@ TIME_CONSTANTS_TO_95_PERCENT = math.log(20.0)
 
 
 def regulated_pressure(demand: ca.SX, supply_pressure: ca.SX) -> ca.SX:
-    """The regulator of section 6.3.9 passes the demand on, up to the supply [Pa]."""
+    """Return the demand, limited to the supply [Pa], as passed by the regulator of section 6.3.9."""
     return ca.fmin(demand, supply_pressure)
 
 
 def pressure_rate(pressure: ca.SX, target: ca.SX, valve: ca.SX, application_time: ca.SX, release_time: ca.SX) -> ca.SX:
-    """dp/dt in the cylinder [Pa/s]: flow through a restriction, taken as proportional to the pressure difference.
+    """Return dp/dt in the cylinder [Pa/s]: flow through a restriction, proportional to the pressure difference.
 
     application_time [s] is from 0 to 95 % of the target (section 2.4.2), release_time from 100 to 5 %.
     """

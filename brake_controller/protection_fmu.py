@@ -1,4 +1,6 @@
-"""WheelSlideProtection: any wheel-slide controller as the content of an FMU. Names and texts only, FMI is elsewhere."""
+"""WheelSlideProtection: any wheel-slide controller as the content of an FMU. Names and descriptions only, without
+FMI.
+"""
 
 import re
 from collections.abc import Mapping
@@ -11,29 +13,33 @@ from fmu_src.system import StepInC, StepInPython, Variable, choosing
 #: Place of the protocol and the supervision, which travel with a class.
 SUPERVISION = Path(__file__).parent / "wheel_slide.py"
 OWN_MODULE, OWN_CLASS = f"{__package__}.wheel_slide", "SlideProtection"
-#: An import of that class, from wherever it stands or stood.
+#: An import of that class from any module.
 OWN_IMPORT = re.compile(rf"^from [\w.]+ import (\([^)]*|[^\n(]*)\b{OWN_CLASS}\b", re.MULTILINE)
 PERIOD = 5e-3
-#: What a controller in C includes, and bytes of its memory at most, as it says.
+#: Header of a controller in C, and the largest size of memory that it may request [bytes].
 HEADER, LARGEST_MEMORY = "wheel_slide.h", 1 << 20
 #: Wheelsets of a bogie, and the most that one controller protects.
 BOGIE, MOST_WHEELSETS = 2, 16
 
 
 def wheel_slide_protection(wheelsets: int = BOGIE, parameters: SlideProtectionParameters | None = None) -> StepInC:
-    """Return the FMU of the protection that comes with the brake, by default with its common thresholds.
+    """Return the FMU of the built-in protection, by default with its common thresholds.
 
-    wheelsets: how many it protects; where they are not a bogie's two, the name of the FMU ends with their number.
+    wheelsets: number of protected wheelsets; unless it is that of a bogie, 2, the name of the FMU ends with it.
     """
     return _in_c("WheelSlideProtection", OWN_CLASS, slide_sources(parameters), wheelsets)
 
 
 def wheel_slide_in_python(file: Path, name: str, wheelsets: int = BOGIE) -> StepInPython:
-    """Return the FMU of the class `name` in `file`, called like it.
+    """Return the FMU of the class `name` in `file`, with the same name.
 
-    wheelsets: as for `wheel_slide_protection`. The file may import from brake_controller.wheel_slide and from what the
-    host's Python has; nothing else travels with it. Raises ValueError if it has no such class, or imports the
-    protection that comes with the brake.
+    wheelsets: as for `wheel_slide_protection`. The file may import from brake_controller.wheel_slide and from packages
+    of the host's Python; nothing else is included.
+
+    Raises
+    ------
+    ValueError
+        If the file has no such class, or imports the built-in protection.
     """
     text = file.read_text(encoding="utf-8")
     if f"class {name}" not in text:
@@ -46,7 +52,7 @@ def wheel_slide_in_python(file: Path, name: str, wheelsets: int = BOGIE) -> Step
         *faces(wheelsets),
         PERIOD,
         [float(APPLY)] * wheelsets,
-        # The class behind its own name, which may be that of the FMU.
+        # The class after its own definition, because its name may be that of the FMU.
         [SUPERVISION.read_text(encoding="utf-8"), text, f"Chosen = {name}\n"],
         [OWN_MODULE],
         f"Supervised(Chosen(), {wheelsets})",
@@ -54,9 +60,12 @@ def wheel_slide_in_python(file: Path, name: str, wheelsets: int = BOGIE) -> Step
 
 
 def wheel_slide_in_c(file: Path, wheelsets: int = BOGIE) -> StepInC:
-    """The FMU of a controller in C, the three functions of wheel_slide.h, called like its file.
+    """Return the FMU of a controller in C, the three functions of wheel_slide.h, with the name of its file.
 
-    Raises ValueError for a file whose name is no name of a model.
+    Raises
+    ------
+    ValueError
+        If the name of the file cannot be that of a model.
     """
     if not re.fullmatch(r"[A-Za-z_]\w*", file.stem, re.ASCII):
         raise ValueError(f"Name the file by letters, digits and _, as the FMU is called like it: it was {file.name}.")
@@ -65,7 +74,7 @@ def wheel_slide_in_c(file: Path, wheelsets: int = BOGIE) -> StepInC:
 
 
 def _in_c(name: str, about: str, sources: Mapping[str, str], wheelsets: int) -> StepInC:
-    """The FMU of the three functions of wheel_slide.h in these sources."""
+    """Return the FMU of the three functions of wheel_slide.h in these sources."""
     return StepInC(
         named(name, wheelsets),
         f"Wheel-slide protection: {about}",
@@ -83,12 +92,12 @@ def _in_c(name: str, about: str, sources: Mapping[str, str], wheelsets: int) -> 
 
 
 def named(name: str, wheelsets: int) -> str:
-    """The name of an FMU, which tells the number of wheelsets where they are not a bogie's."""
+    """Return the name of an FMU, which ends with the number of wheelsets unless that is a bogie's."""
     return name + (str(wheelsets) if wheelsets != BOGIE else "")
 
 
 def faces(wheelsets: int) -> tuple[list[Variable], list[Variable]]:
-    """Inputs and outputs."""
+    """Return inputs and outputs."""
     numbers = range(1, wheelsets + 1)
     inputs = [
         Variable(f"wheel_speed_{number}", "input", "m/s", f"Circumferential speed of the wheels of wheelset {number}")

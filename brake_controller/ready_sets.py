@@ -1,4 +1,4 @@
-"""Brakes ready to use: rigging, friction and times together with the restrictions that make these times by flow."""
+"""Built-in brakes: rigging, friction and times, together with restrictions that give these times by flow."""
 
 import math
 from dataclasses import dataclass, replace
@@ -8,8 +8,8 @@ from brake_controller.flow_parameters import FlowParameters
 from brake_controller.parameters import BrakeParameters, qr30, uic
 from brake_controller.timing import with_application_time, with_release_time, with_vent_time
 
-#: Largest pressure of the cylinder, 3.8 bar, and the pressure to which a release counts, 0.4 bar [Pa]: UIC 540 and 543,
-#: both quoted from memory.
+#: Largest pressure of the cylinder, 3.8 bar, and the pressure at which a release is complete, 0.4 bar [Pa]: UIC 540 and
+#: 543, both quoted from memory.
 UIC_PRESSURE, UIC_RELEASED = 380e3, 40e3
 #: Piston of a tread-braked vehicle in the example of EN 14531: area [m2] and counter-force of its spring [N].
 UIC_PISTON_AREA, UIC_SPRING_FORCE = 346e-4, 300.0
@@ -26,19 +26,19 @@ class Window:
 
     @property
     def middle(self) -> float:
-        """What a ready set aims at [s]."""
+        """Target of a built-in set [s]."""
         return (self.shortest + self.longest) / 2
 
 
 @dataclass(frozen=True)
 class Timing:
-    """What a standard asks for: application from 0 to 95 %, release from full to 0.4 bar."""
+    """Times by a standard: application from 0 to 95 %, release from full to 0.4 bar."""
 
     application: Window
     release: Window
 
 
-#: UIC 543, from secondary literature; section 2.4.2 prints the windows of position G.
+#: UIC 543, from secondary literature; section 2.4.2 gives the windows of position G.
 UIC_P = Timing(Window(3.0, 5.0), Window(15.0, 20.0))
 UIC_G = Timing(Window(18.0, 30.0), Window(45.0, 60.0))
 #: A dump valve of a wheel-slide protection, from full to 0.4 bar. Assumed.
@@ -53,12 +53,12 @@ class ReadySet:
     flow: FlowParameters
 
     def values(self) -> dict[str, float]:
-        """All parameters by name, in SI units."""
+        """Return all parameters by name, in SI units."""
         return self.rigging.values() | self.flow.values()
 
 
 def _air(**cylinder: float) -> FlowParameters:
-    """A cylinder in dry air of 20 degrees, its restrictions of 1 mm still to be set.
+    """Return a cylinder in dry air of 20 degrees, with preliminary restrictions of 1 mm.
 
     Assumed: discharge coefficient 0.8, between a sharp edge (0.6) and a nozzle (0.98). Only its product with the areas
     matters.
@@ -78,13 +78,14 @@ def _air(**cylinder: float) -> FlowParameters:
 
 
 def qr30_experiment(pressure_kpa: int = 180) -> ReadySet:
-    """The brake of the experiment at one of its pressures.
+    """Return the brake of the experiment at one of its pressures.
 
-    Printed: application time 0.8 s, set by the flow restriction for each pressure (sections 6.3.9 and 7.1); the rod
-    forces do not lag behind the pressure and lie at the printed share below the specification, so the piston has no
-    slack and its spring is part of the efficiency (sections 7.2.1, 7.3.1, 7.4.1).
-    Assumed: piston of 200 mm, as the ratio of 5.22 that makes 0.164 N/Pa; 3 litres of air in cylinders and line; an
-    exponent of 1.2, because 0.8 s are too short for the walls to take all heat; release as fast as application.
+    Reported: application time 0.8 s, set by the flow restriction for each pressure (sections 6.3.9 and 7.1). The rod
+    forces do not lag behind the pressure and lie at the reported share below the specification. The piston therefore
+    has no slack, and its spring is part of the efficiency (sections 7.2.1, 7.3.1, 7.4.1).
+    Assumed: piston of 200 mm, because with the ratio of 5.22 it gives 0.164 N/Pa. Also 3 litres of air in cylinders and
+    line, and release as fast as application. The exponent is 1.2, because 0.8 s are too short for the walls to take all
+    heat.
     """
     flow = _air(
         polytropic_exponent=1.2,
@@ -100,12 +101,12 @@ def qr30_experiment(pressure_kpa: int = 180) -> ReadySet:
 
 
 def _uic(timing: Timing) -> ReadySet:
-    """A UIC freight wagon in one brake position, its times in the middle of their windows.
+    """Return a UIC freight wagon in one brake position, its times in the middle of their windows.
 
-    Literature: pressure 3.8 bar, windows of the times (UIC), piston of 346 cm2, its spring with 300 N at the
-    shoes' touch and efficiency 0.95 (example of EN 14531).
+    Literature: pressure 3.8 bar, windows of the times (UIC), piston of 346 cm2, its spring with 300 N at the shoes'
+    touch and efficiency 0.95 (example of EN 14531).
     Assumed: stroke of 100 mm, preload two thirds of the spring's force, 1 litre of dead volume, air at the temperature
-    of the walls (exponent 1); rigging as `parameters.uic` says.
+    of the walls (exponent 1); rigging as in `parameters.uic`.
     """
     preload = 2 / 3 * UIC_SPRING_FORCE
     flow = _air(
@@ -118,21 +119,23 @@ def _uic(timing: Timing) -> ReadySet:
     application, release = timing.application.middle, timing.release.middle
     flow = with_application_time(flow, UIC_PRESSURE, application)
     flow = with_release_time(flow, UIC_PRESSURE, release, UIC_RELEASED)
-    # The timed law falls by a constant share per second; its release time counts to 5 %.
+    # The timed law falls by a constant share per second; its release time ends at 5 %.
     to_five_percent = release * math.log(20.0) / math.log(UIC_PRESSURE / UIC_RELEASED)
     return ReadySet(uic(UIC_PRESSURE, UIC_PISTON_AREA, UIC_SPRING_FORCE, application, to_five_percent), flow)
 
 
 def uic_p() -> ReadySet:
-    """UIC brake in position P (passenger), UIC 543: application in 3 to 5 s, release in 15 to 20 s."""
+    """Return a UIC brake in position P (passenger), UIC 543: application in 3 to 5 s, release in 15 to 20 s."""
     return _uic(UIC_P)
 
 
 def uic_g() -> ReadySet:
-    """UIC brake in position G (freight), section 2.4.2: application in 18 to 30 s, release in 45 to 60 s."""
+    """Return a UIC brake in position G (freight), section 2.4.2: application in 18 to 30 s, release in 45 to 60 s."""
     return _uic(UIC_G)
 
 
 def with_dump_valve(ready: ReadySet) -> ReadySet:
-    """The same brake with a fast valve for wheel-slide protection (EN 15595), open while `valve` is 2; time assumed."""
+    """Return the brake with a fast valve for wheel-slide protection (EN 15595), open while `valve` is 2; time
+    assumed.
+    """
     return replace(ready, flow=with_vent_time(ready.flow, ready.rigging.supply_pressure, DUMP.middle, UIC_RELEASED))

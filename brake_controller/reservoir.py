@@ -1,4 +1,4 @@
-"""The reservoir that brake cylinders are filled from: air that is taken, and air that the main pipe feeds back."""
+"""The reservoir of brake cylinders: it supplies their air, and the main pipe feeds it."""
 
 from dataclasses import dataclass
 
@@ -21,10 +21,11 @@ class ReservoirParameters(ParameterSet):
 
 
 def air_reservoir(defaults: ReservoirParameters, ambient: Variable, temperature: Variable, cylinders: int) -> System:
-    """Mass flows to cylinders 1, 2, ... in; pressure and air taken out. An ideal gas at the temperature of its walls.
+    """Return a reservoir of an ideal gas at wall temperature: mass flows to cylinders 1, 2, ... in; pressure, air used
+    out.
 
-    ambient, temperature: the parameters of that name that the cylinders have. The discharge coefficient of the feed is
-    part of its orifice.
+    ambient, temperature: the cylinders' parameters of that name. The discharge coefficient of the feed is part of its
+    orifice.
     """
     system = System("reservoir", "Air reservoir that brake cylinders are filled from")
     p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}

@@ -11,7 +11,7 @@ from fmu_src.system import System
 
 #: Numbers of the laws, parameter `friction_law`.
 CONSTANT, MEASURED_AGAINST_FORCE, KARWATZKI, COMPOSITE, FALLING, TABULATED = range(6)
-#: What these are, for people.
+#: Descriptions of these laws.
 LAWS = {
     CONSTANT: "constant",
     MEASURED_AGAINST_FORCE: "measured against shoe force (chapter 7)",
@@ -28,13 +28,13 @@ MEASURED_FRICTION = [case.shoe_friction for case in EXPERIMENT.values()]
 KILOMETRES_PER_HOUR = 3.6
 #: Radius of the corner that the sliding speed |w| r has at rest [m/s].
 REST_SPEED = 0.01
-#: Composite shoes: friction at rest, its fall per km/h, and the speed from which on it is held [km/h].
+#: Composite shoes: friction at rest, its fall per km/h, and the speed from which it is constant [km/h].
 COMPOSITE_AT_REST, COMPOSITE_FALL, COMPOSITE_UP_TO = 0.3, 0.00081, 200.0
 
 
 @dataclass(frozen=True)
 class FrictionTable:
-    """Shoe friction over sliding speed [m/s], straight lines between the points, held outside; for law 5."""
+    """Shoe friction over sliding speed [m/s], linear between the points, constant outside; for law 5."""
 
     speeds: Sequence[float]
     frictions: Sequence[float]
@@ -47,51 +47,51 @@ class FrictionTable:
 
 
 def sliding_speed(angular_velocity: ca.SX, wheel_radius: ca.SX) -> ca.SX:
-    """Speed of the tread under the shoe, r_w |w| [m/s], section 2.5.2.
+    """Return the speed of the tread below the shoe, r_w |w| [m/s], section 2.5.2.
 
-    Without a corner at rest: at most REST_SPEED too small.
+    It has no corner at rest, where it is too small by at most REST_SPEED.
     """
     return ca.sqrt((wheel_radius * angular_velocity) ** 2 + REST_SPEED**2) - REST_SPEED
 
 
 def karwatzki(force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
-    """Cast iron after Karwatzki; force in N, speed in m/s, the formula itself in kN and km/h.
+    """Return friction of cast iron after Karwatzki; force in N, speed in m/s, the formula itself in kN and km/h.
 
-    mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), with the rounded constants of the train
-    simulator MaSzyna; the literature has 16 / g and 80 / g in place of 1.6 and 8, less than 1 % away up to 40 kN.
+    mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), with the rounded constants of the train simulator
+    MaSzyna. The literature has 16 / g and 80 / g instead of 1.6 and 8, with a difference below 1 % up to 40 kN.
     """
     force, fast = force_of_one_shoe / 1e3, KILOMETRES_PER_HOUR * speed
     return 0.60 * (1.6 * force + 100) / (8 * force + 100) * (fast + 100) / (5 * fast + 100)
 
 
 def composite(speed: ca.SX) -> ca.SX:
-    """Composite shoes of type K: 0.3 - 0.00081 V [km/h], speed in m/s.
+    """Return friction of composite shoes of type K: 0.3 - 0.00081 V [km/h], speed in m/s.
 
-    A fit of the train simulator MaSzyna, which names no source of it. Assumed: it is held from 200 km/h on.
+    This is a fit of the train simulator MaSzyna, which gives no source of it. Assumed: it is constant from 200 km/h on.
     """
     return COMPOSITE_AT_REST - COMPOSITE_FALL * ca.fmin(KILOMETRES_PER_HOUR * speed, COMPOSITE_UP_TO)
 
 
 def falling(friction_at_rest: ca.SX, constant: ca.SX, speed: ca.SX) -> ca.SX:
-    """Friction that falls with sliding speed v_s [m/s], Barwell's formula of section 2.5.2: mu_0 exp(-c_f v_s).
+    """Return friction that falls with sliding speed v_s [m/s], Barwell's formula of section 2.5.2: mu_0 exp(-c_f v_s).
 
     Assumed: the exponential form. The thesis names the constant c_f [s/m], which depends on the material, but its
-    formula stands in the picture of Fig. 2.17 only.
+    formula is given only in Fig. 2.17.
     """
     return friction_at_rest * ca.exp(-constant * speed)
 
 
-#: Of law 5 unless another is given: Karwatzki at 20 kN, at 0, 10, 50 and 100 km/h.
+#: Default table of law 5: Karwatzki at 20 kN, at 0, 10, 50 and 100 km/h.
 EXAMPLE_TABLE = FrictionTable([v / KILOMETRES_PER_HOUR for v in (0, 10, 50, 100)], [0.3046, 0.2234, 0.1305, 0.1015])
 
 
 def shoe_friction(
     system: System, p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX, table: FrictionTable
 ) -> ca.SX:
-    """Shoe friction coefficient mu_b; force of one shoe in N, sliding speed in m/s.
+    """Return the shoe friction coefficient mu_b; force of one shoe in N, sliding speed in m/s.
 
-    Law 1: straight lines through the three measured averages (section 7.5); below and above the measured forces the end
-    values are held, because nothing was measured there.
+    Law 1: linear between the three measured averages (section 7.5). Below and above the measured forces it is constant,
+    because no measurements exist there.
     """
     measured = system.table("measured_friction", *interpolation(MEASURED_FORCE, MEASURED_FRICTION), force_of_one_shoe)
     constant = p["constant_shoe_friction"]

@@ -1,12 +1,12 @@
-"""Thresholds of the wheel-slide protection that comes with the brake, and its C (rig/slide_protection.c)."""
+"""Thresholds of the built-in wheel-slide protection, and its C code (rig/slide_protection.c)."""
 
 import math
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
-#: Where the C lies.
+#: Folder of the C code.
 RIG = Path(__file__).parent / "rig"
-#: The C of the protection, without the header that is written from its thresholds.
+#: The C code of the protection, without the header that is written from its thresholds.
 FILES = ("slide_protection.c", "slide_protection.h", "wheel_slide.h")
 
 
@@ -14,10 +14,10 @@ FILES = ("slide_protection.c", "slide_protection.h", "wheel_slide.h")
 class SlideProtectionParameters:
     """Thresholds of `SlideProtection`; all finite and not below 0."""
 
-    #: Slip below which the brake is applied further, and above which it is vented; in between it is held [1].
+    #: Slip below which the brake is applied further, and above which it is vented; between them it is held [1].
     lower_slip: float
     upper_slip: float
-    #: The upper slip in m/s at low speed, below which wheels are not told apart.
+    #: The upper slip in m/s at low speed, below which wheels are not distinguished.
     least_slip: float
     #: Slip that is evidence of sliding [1], and the same in m/s at low speed.
     evident_slip: float
@@ -26,11 +26,11 @@ class SlideProtectionParameters:
     lead_time: float
     filter_time: float
     slope_time: float
-    #: Time constant of the calmer speeds that evidence, the reference and its gains are taken from [s].
+    #: Time constant of the calmer speeds for evidence, the reference and gains of speed [s].
     calm_time: float
-    #: Deceleration that wheels which roll exceed on no rail [m/s2].
+    #: Largest deceleration of rolling wheels on any rail [m/s2].
     largest_deceleration: float
-    #: Longest time of sliding without a look at the true speed, and longest time of venting at a stretch [s].
+    #: Longest time of sliding without a sample of the true speed, and longest time of continuous venting [s].
     synchronising_period: float
     watchdog: float
     #: Reference speed below which no wheel is protected: all brakes apply [m/s].
@@ -46,7 +46,7 @@ class SlideProtectionParameters:
 
 
 def common_protection() -> SlideProtectionParameters:
-    """Assumed throughout, and chosen on half of the rails of scenarios/bench/rail_programme.py; docs/fitted.md has how.
+    """Return assumed thresholds, chosen on half of the rails of scenarios/bench/rail_programme.py; see docs/fitted.md.
 
     The slip is that of (2.10), with the reference speed as that of the car.
     """
@@ -68,7 +68,7 @@ def common_protection() -> SlideProtectionParameters:
 
 
 def slide_sources(parameters: SlideProtectionParameters | None = None) -> dict[str, str]:
-    """Return the C of the protection by file name, with these thresholds or `common_protection()`."""
+    """Return the C code of the protection by file name, with these thresholds or `common_protection()`."""
     chosen = parameters or common_protection()
     names = ", ".join(item.name for item in fields(chosen))
     header = (

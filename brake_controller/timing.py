@@ -1,7 +1,8 @@
-"""Application and release times of a cylinder filled by flow, and the restrictions that give wanted times.
+"""Application and release times of a cylinder filled by flow, and the restrictions that give required times.
 
-The equations of `flow`, integrated over pressure instead of time: a quadrature in place of a simulation. All flows are
-proportional to the area of their restriction, so a time is inverse to the area and the way back needs no search.
+The equations of `flow` are integrated over pressure instead of time: a quadrature instead of a simulation. All flows
+are proportional to the area of their restriction. A time is thus inverse to the area, and the restriction follows
+without a search.
 """
 
 import itertools
@@ -16,14 +17,14 @@ from brake_controller.air import GAS_CONSTANT
 from brake_controller.flow import air_rates, inflow, outflow, piston
 from brake_controller.flow_parameters import FlowParameters
 
-#: Of the demanded pressure, where an application counts as done and a release begins to count as one (section 2.4.2).
+#: Shares of the demanded pressure at which an application and a release are complete (section 2.4.2).
 APPLIED_SHARE, RELEASED_SHARE = 0.95, 0.05
 #: No flow; and the temperature of air that does not flow.
 NONE = ca.SX(0)
 
 
 def filling_time(flow: FlowParameters, target: float, pressure: float) -> float:
-    """Time from empty to a gauge pressure [s], the regulator (section 6.3.9) at `target` [Pa]."""
+    """Return the time from empty to a gauge pressure [s], the regulator (section 6.3.9) at `target` [Pa]."""
     p = ca.SX.sym("pressure")
     values = _symbols(flow)
     flows = (inflow(p, ca.SX(target), values), NONE)
@@ -32,9 +33,10 @@ def filling_time(flow: FlowParameters, target: float, pressure: float) -> float:
 
 
 def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float) -> float:
-    """Time from one gauge pressure to a lower one [s] through an opening [m], after the cylinder was filled to `start`.
+    """Return the time from one gauge pressure to a lower one [s] through an opening [m].
 
-    The air that stays, an ideal gas, expands along its polytrope, T ~ p^((n - 1) / n), the piston's return included.
+    The cylinder was filled to `start` before. The remaining air, an ideal gas, expands along its polytrope, T ~ p^((n -
+    1) / n), including the piston's return.
     """
     p = ca.SX.sym("pressure")
     values, n = _symbols(flow), flow.polytropic_exponent
@@ -46,7 +48,9 @@ def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float
 
 
 def temperature_after_filling(flow: FlowParameters, pressure: float) -> float:
-    """Temperature [K] of the air, an ideal gas, when the cylinder was filled from empty to a gauge pressure [Pa]."""
+    """Return the air's temperature [K], an ideal gas, after the cylinder was filled from empty to a gauge pressure
+    [Pa].
+    """
     p = ca.SX.sym("pressure")
     values = _symbols(flow)
     empty, full = (float(piston(ca.SX(x), values).volume) for x in (0.0, pressure))
@@ -58,41 +62,58 @@ def temperature_after_filling(flow: FlowParameters, pressure: float) -> float:
 
 
 def application_time(flow: FlowParameters, pressure: float) -> float:
-    """Time from 0 to 95 % of a demanded gauge pressure [Pa], section 2.4.2 [s]."""
+    """Return the time from 0 to 95 % of a demanded gauge pressure [Pa], section 2.4.2 [s]."""
     return filling_time(flow, pressure, APPLIED_SHARE * pressure)
 
 
 def release_time(flow: FlowParameters, pressure: float, end: float | None = None) -> float:
-    """Time from a gauge pressure [Pa] to 5 % of it, or to `end` [Pa], through the exhaust, section 2.4.2 [s]."""
+    """Return the time from a gauge pressure [Pa] to 5 % of it, or to `end` [Pa], through the exhaust, section 2.4.2
+    [s].
+    """
     return emptying_time(flow, flow.release_orifice, pressure, _end(pressure, end))
 
 
 def vent_time(flow: FlowParameters, pressure: float, end: float | None = None) -> float:
-    """As `release_time`, through the opening of the venting valve, which wheel-slide protection has (EN 15595) [s]."""
+    """Return a time as `release_time`, through the venting valve of a wheel-slide protection (EN 15595) [s]."""
     return emptying_time(flow, flow.vent_orifice, pressure, _end(pressure, end))
 
 
 def with_application_time(flow: FlowParameters, pressure: float, time: float) -> FlowParameters:
-    """The same cylinder with the application restriction that fills it to 95 % of `pressure` [Pa] in `time` [s].
+    """Return the cylinder with the application restriction that fills it to 95 % of `pressure` [Pa] in `time` [s].
 
-    The restriction sets the time as in section 6.3.9. Raises ValueError for a time that is not above 0.
+    The restriction sets the time as in section 6.3.9.
+
+    Raises
+    ------
+    ValueError
+        If the time is not above 0.
     """
     return replace(flow, application_orifice=_scaled(flow.application_orifice, application_time(flow, pressure), time))
 
 
 def with_release_time(flow: FlowParameters, pressure: float, time: float, end: float | None = None) -> FlowParameters:
-    """The same cylinder with the exhaust that releases it from `pressure` to 5 % or `end` [Pa] in `time` [s].
+    """Return the cylinder with the exhaust that releases it from `pressure` to 5 % or `end` [Pa] in `time` [s].
 
-    Times as in section 2.4.2; the venting valve opens the same exhaust. Raises ValueError for one that is not above 0.
+    Times are as in section 2.4.2; the venting valve opens the same exhaust.
+
+    Raises
+    ------
+    ValueError
+        If the time is not above 0.
     """
     orifice = _scaled(flow.release_orifice, release_time(flow, pressure, end), time)
     return replace(flow, release_orifice=orifice, vent_orifice=orifice)
 
 
 def with_vent_time(flow: FlowParameters, pressure: float, time: float, end: float | None = None) -> FlowParameters:
-    """The same cylinder with a valve that vents it from `pressure` to 5 % or `end` [Pa] in `time` [s].
+    """Return the cylinder with a valve that vents it from `pressure` to 5 % or `end` [Pa] in `time` [s].
 
-    For wheel-slide protection (EN 15595). Raises ValueError for a time that is not above 0.
+    It is for wheel-slide protection (EN 15595).
+
+    Raises
+    ------
+    ValueError
+        If the time is not above 0.
     """
     return replace(flow, vent_orifice=_scaled(flow.vent_orifice, vent_time(flow, pressure, end), time))
 
@@ -106,14 +127,14 @@ def _end(pressure: float, end: float | None) -> float:
 
 
 def _scaled(diameter: float, takes: float, wanted: float) -> float:
-    """Diameter [m] that takes the wanted time, to a tenth of a micrometre: the same start values on every machine."""
+    """Return the diameter [m] for the required time, rounded to 0.1 um: the same start values on every computer."""
     if not wanted > 0.0:
         raise ValueError(f"Set the time to a value above 0 s: it was {wanted:g} s.")
     return round(diameter * math.sqrt(takes / wanted), 7)
 
 
 def _integral(expression: ca.SX, p: ca.SX, start: float, end: float, flow: FlowParameters) -> float:
-    """Integral over gauge pressure [Pa], with care where the piston starts and where the shoes touch."""
+    """Return the integral over gauge pressure [Pa], split where the piston starts and where the shoes touch."""
     integrand: Callable[[float], ca.DM] = ca.Function("integrand", [p], [expression])
     touch = flow.spring_preload + flow.spring_stiffness * flow.piston_slack
     corners = [force / flow.piston_area for force in (flow.spring_preload, touch)]

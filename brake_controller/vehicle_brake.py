@@ -1,4 +1,4 @@
-"""From the cylinders of a train's vehicle to what its brake can hold at the rim: rigging, shoes, weighing."""
+"""Brake force at the rim of a train's vehicle by its cylinder pressure: rigging, shoes, load weighing."""
 
 from __future__ import annotations
 
@@ -26,8 +26,10 @@ class VehicleBrake(ParameterSet):
 
 
 def braking() -> ca.Function:
-    """Of the pressure in a vehicle's cylinder [Pa], the speed of its wheels at the rim [m/s], and its brake: what the
-    brake can hold there [N], eqs (2.4), (2.6) and (2.7); friction by the laws of `shoe_friction`.
+    """Return the function for the brake force at the rim of a vehicle [N], eqs (2.4), (2.6) and (2.7).
+
+    Arguments: cylinder pressure [Pa], speed of the wheels at the rim [m/s], and the brake. Friction is by the laws of
+    `shoe_friction`.
     """
     fields = list(VehicleBrake.__dataclass_fields__)
     cylinder, wheel, given = ca.SX.sym("cylinder"), ca.SX.sym("wheel"), ca.SX.sym("given", len(fields))

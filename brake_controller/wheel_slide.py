@@ -1,8 +1,7 @@
 """Wheel-slide protection: from the speeds of the wheels to commands for the valves of the brake cylinders.
 
-A controller is any object with `step(time, wheel_speeds) -> valve commands`. The one that comes with the brake is C
-(rig/slide_protection.c). `Supervised` stands between any controller and the valves and keeps the brake applied when it
-fails.
+A controller is any object with `step(time, wheel_speeds) -> valve commands`. The built-in one is C code
+(rig/slide_protection.c). `Supervised` calls any controller and keeps the brake applied if it fails.
 """
 
 import math
@@ -16,17 +15,17 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-#: What a valve does, as the input `valve` of the brake cylinder. This file needs nothing but Python, so that it can
-#: travel inside an FMU.
+#: Commands of a valve, the input `valve` of the brake cylinder. This file needs only Python, so that it can be included
+#: in an FMU.
 APPLY, HOLD, VENT = 0, 1, 2
 COMMANDS = (APPLY, HOLD, VENT)
 
 
 class WheelSlideController(Protocol):
-    """What a controller of one's own must have."""
+    """Interface of a user's controller."""
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
-        """Valve commands of all wheelsets (0 apply, 1 hold, 2 vent) from their circumferential speeds [m/s].
+        """Return valve commands of all wheelsets (0 apply, 1 hold, 2 vent) from their circumferential speeds [m/s].
 
         Called at a fixed period with the time [s] since the start of the run.
         """
@@ -34,11 +33,11 @@ class WheelSlideController(Protocol):
 
 
 class ControllerError(Exception):
-    """A controller failed; the text says how, and that the brake stays applied."""
+    """A controller failed; the message gives the cause, and that the brake stays applied."""
 
 
 class NotJudgedError(ControllerError):
-    """A controller used little processor time and gave no answer for long; the text says that it is not judged."""
+    """A controller used little processor time and gave no answer within the wall time; it is not evaluated."""
 
 
 class LateError(BaseException):
@@ -46,20 +45,20 @@ class LateError(BaseException):
 
 
 class SilentError(BaseException):
-    """Raised inside a controller that gives no answer for long, whatever it or the machine waits for."""
+    """Raised inside a controller that gives no answer within the wall time, for any reason."""
 
 
-#: Processor time [s] that one answer may use, and wall time [s] after which a controller without one is not judged.
+#: Processor time [s] for one answer, and wall time [s] after which a controller without an answer is not evaluated.
 PATIENCE, GUARD = 1.0, 60.0
-#: Processor time ahead of a call that its watch may count too [s]; shortest time between two readings of clocks [s].
+#: Processor time before a call that its watch may include [s]; shortest time between two readings of clocks [s].
 SHARED, LEAST_WAIT = 0.01, 0.01
 
 
 class Watch:
     """Limits of a call: `limit` [s] of processor time of its thread, `guard` [s] of wall time.
 
-    Processor time is the controller's own. Wall time is that of the machine too: a busy one must fail no controller.
-    begun: when its clocks were last started, on `time.monotonic` [s].
+    Processor time is the controller's own. Wall time includes other programs: a busy computer must not fail a
+    controller. begun: last start of its clocks, on `time.monotonic` [s].
     """
 
     def __init__(self, limit: float, guard: float = GUARD) -> None:
@@ -71,12 +70,12 @@ class Watch:
         self.begun, self._used = clock.monotonic(), clock.thread_time()
 
     def next(self) -> None:
-        """Start the clocks anew for the next of many short calls, if they are old: reading them costs a system call."""
+        """Restart the clocks for the next of many short calls, if they are old: reading them costs a system call."""
         if clock.monotonic() - self.begun > SHARED:
             self.begin()
 
     def end(self) -> None:
-        """Judge a call that has answered, in its thread. Raises LateError."""
+        """Check the processor time of a completed call, in its thread. Raises LateError."""
         if clock.monotonic() - self.begun >= self.limit and clock.thread_time() - self._used >= self.limit:
             raise LateError
 
@@ -94,10 +93,10 @@ class Watch:
 
 
 def within(watch: Watch, call: Callable[[], object]) -> object:
-    """Return the result of a call. Raises LateError, SilentError beyond the limits of `watch`, or what it raises.
+    """Return the result of a call. Raises LateError, SilentError beyond the limits of `watch`, or the call's exception.
 
-    Outside the main thread and on Windows no alarm can ring: there the call runs in a thread of its own, which is left
-    alone when it is late.
+    Alarms are not available outside the main thread and on Windows. The call then runs in a thread of its own, which is
+    abandoned if it is late.
     """
     if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
         return _under_an_alarm(watch, call)
@@ -105,7 +104,7 @@ def within(watch: Watch, call: Callable[[], object]) -> object:
 
 
 def _under_an_alarm(watch: Watch, call: Callable[[], object]) -> object:
-    """Call in this thread; an alarm looks at its processor time, as often as that may be used up."""
+    """Call in this thread; an alarm checks its processor time, at intervals in which the limit may be reached."""
 
     def ring(*_: object) -> None:
         signal.setitimer(signal.ITIMER_REAL, watch.check(clock.thread_time()))
@@ -123,7 +122,7 @@ def _under_an_alarm(watch: Watch, call: Callable[[], object]) -> object:
 
 
 def _in_a_thread(watch: Watch, call: Callable[[], object]) -> object:
-    """Call in a new thread; its processor time is read from here, or where no system call does so, when it answers."""
+    """Call in a new thread; its processor time is read from here, or after its answer if no system call reads it."""
     answers: list[tuple[bool, object]] = []
     clocks: list[int] = []
 
@@ -154,7 +153,7 @@ def _in_a_thread(watch: Watch, call: Callable[[], object]) -> object:
 
 
 def failure(error: BaseException, controller: Any) -> str:
-    """What was raised, and on which line of the file that has the controller's `step`, the last that was reached."""
+    """Return the exception with the last line reached in the file of the controller's `step`."""
     own = getattr(getattr(getattr(type(controller), "step", None), "__code__", None), "co_filename", None)
     reached = traceback.extract_tb(error.__traceback__)
     lines = [f", {os.path.basename(one.filename)}, line {one.lineno}" for one in reached if one.filename == own]
@@ -163,9 +162,9 @@ def failure(error: BaseException, controller: Any) -> str:
 
 @dataclass
 class Supervised:
-    """A controller whose failures do not reach the valves. Raises ControllerError with a sentence.
+    """A controller whose failures do not reach the valves. Raises ControllerError with a message.
 
-    patience [s]: processor time that one answer may use; guard [s]: wall time after which it is not judged.
+    patience [s]: processor time for one answer; guard [s]: wall time after which it is not evaluated.
     """
 
     controller: WheelSlideController
@@ -176,7 +175,7 @@ class Supervised:
 
     @property
     def name(self) -> str:
-        """What sentences call the controller."""
+        """Name of the controller in messages."""
         return str(getattr(self.controller, "__name__", type(self.controller).__name__))
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
@@ -194,7 +193,7 @@ class Supervised:
         return answer
 
     def unhurried(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
-        """The same, however long it takes. Raises ControllerError."""
+        """Return the same, without a limit of time. Raises ControllerError."""
         try:
             given: object = self.controller.step(time, wheel_speeds)
             answer: list[Any] = [] if given is None else list(given)  # type: ignore[call-overload]
@@ -224,10 +223,10 @@ class Supervised:
         return NotJudgedError(silence(f"The controller {self.name}", self.guard, f" at {time:.6g} s"))
 
 
-#: What is said of a controller that gave no answer for long.
+#: End of the message on a controller that gave no answer.
 NOT_JUDGED = "and is not judged. Remove what it waits for, or run it on a machine with less load."
 
 
 def silence(who: str, guard: float, at: str = "") -> str:
-    """Say that a controller is not judged which gave no answer within a wall time [s]."""
+    """Return the message on a controller that gave no answer within a wall time [s]."""
     return f"{who} gave no answer within {guard:g} s of wall time{at} {NOT_JUDGED}"

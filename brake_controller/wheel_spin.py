@@ -1,7 +1,7 @@
 """Wheel-slip protection of driven wheels: from the speeds of the wheels to commands for their motors.
 
-It has the form of a wheel-slide controller (wheel_slide.py): 0 as demanded, 1 hold, 2 let go. This file needs nothing
-but Python, so that it can travel inside an FMU.
+It has the form of a wheel-slide controller (wheel_slide.py): 0 as demanded, 1 hold, 2 release. This file needs only
+Python, so that it can be included in an FMU.
 """
 
 from __future__ import annotations
@@ -11,26 +11,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 DEMANDED, HOLD, LET_GO = 0, 1, 2
-#: A wheel that is let go rolls once it has not slowed by more than this [m/s2] over a while, at the earliest after a
-#: time [s]; it is believed to roll after the longest time [s].
+#: A released wheel rolls once it has not slowed by more than ROLLING [m/s2] over WHILE [s], at the earliest after
+#: SHORTEST [s]. It is treated as rolling after LONGEST [s].
 ROLLING, WHILE, SHORTEST, LONGEST = 0.3, 0.1, 0.25, 2.0
-#: Time for which sensors are only listened to behind a reading of 0 [s].
+#: Time for which sensors are only observed after a reading of 0 [s].
 SETTLING = 0.5
-#: A sensor that shows 0 while another shows more than this is lost [m/s]: no wheel that is driven locks.
+#: A sensor that shows 0 while another shows more than this is lost [m/s]: no driven wheel locks.
 BLIND_ABOVE = 2.0
-#: Time constants of the filters of speeds: for slips, and for the slowest wheel, as teeth err [s]. Chosen among five on
-#: 16 starts with friction from 0.03 to 0.1 below each wheelset.
+#: Time constants of the filters of speeds: for slips, and for the slowest wheel, because of errors of teeth [s]. Chosen
+#: among five on 16 starts with friction from 0.03 to 0.1 below each wheelset.
 CALM, SLOW = 0.02, 0.3
-#: From the first true speed to the second, and between later ones [s].
+#: Times from the first true speed to the second, and between later ones [s].
 SECOND_LOOK, LOOKS = 1.0, 3.0
-#: What the vehicle may gain beside what it gained between two true speeds [m/s2].
+#: Possible increase of the vehicle's acceleration over that between two true speeds [m/s2].
 MARGIN = 0.1
 #: A true speed this near the reference, as a share of it, shows that nothing spins [1].
 NEAR = 0.02
 
 
 def filtered(before: Sequence[float], speeds: Sequence[float], share: float) -> list[float]:
-    """First-order lags, a share of their time constant further; without one, or at first, the speeds."""
+    """Return first-order lags after a step of `share` time constants; at share 1 or at first, the speeds."""
     if not before or not share:
         return list(speeds)
     return [old + min(share, 1.0) * (speed - old) for old, speed in zip(before, speeds, strict=True)]
@@ -40,12 +40,12 @@ def filtered(before: Sequence[float], speeds: Sequence[float], share: float) -> 
 class SpinProtectionParameters:
     """Thresholds of `SpinProtection`; all finite and above 0."""
 
-    #: Slip below which a motor gives what is demanded, and above which it is let go; in between it holds [1].
+    #: Slip below which a motor gives its demanded torque, and above which it is released; between them it holds [1].
     lower_slip: float
     upper_slip: float
     #: Speed below which slips are those at this speed [m/s].
     slowest: float
-    #: Acceleration that no vehicle has, and the one that is believed of a vehicle whose wheels begin to spin [m/s2].
+    #: Acceleration that no vehicle has, and the one assumed of a vehicle whose wheels begin to spin [m/s2].
     largest_acceleration: float
     first_acceleration: float
 
@@ -58,18 +58,20 @@ class SpinProtectionParameters:
 
 
 def common_spin_protection() -> SpinProtectionParameters:
-    """Assumed, and not tuned: the band of slips in which braked wheels are held; no vehicle here gains 1.5 m/s2."""
+    """Return assumed thresholds, not tuned: the slips at which braked wheels are held; no vehicle here gains 1.5
+    m/s2.
+    """
     return SpinProtectionParameters(
         lower_slip=0.05, upper_slip=0.10, slowest=3.0, largest_acceleration=1.5, first_acceleration=0.5
     )
 
 
 class SpinProtection:
-    """Holds the slip of driven wheels in a band, over a reference that no wheel is slower than.
+    """Hold the slip of driven wheels in a band, over a reference that is at most the speed of the slowest wheel.
 
-    Where all spin at once the slowest gains speed faster than any vehicle: the reference follows it no further. From
-    then on one wheelset after the other is let go until it rolls, which shows the true speed, and how fast it grows. A
-    sensor that shows nothing while others turn is lost: its motor is let go while the others spin.
+    If all spin at once, the slowest gains speed faster than any vehicle, and the reference stops following it. Then one
+    wheelset after the other is released until it rolls, which shows the true speed and its growth. A sensor that shows
+    0 while others turn is lost: its motor is released while the others spin.
     """
 
     def __init__(self, parameters: SpinProtectionParameters | None = None) -> None:
@@ -82,7 +84,7 @@ class SpinProtection:
         self._slow: list[float] = []
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
-        """Commands of all motors from the circumferential speeds of their wheels [m/s]; time [s]."""
+        """Return commands of all motors from the circumferential speeds of their wheels [m/s]; time [s]."""
         blind = [speed == 0.0 and max(wheel_speeds) > BLIND_ABOVE for speed in wheel_speeds]
         size = max(time - self.time, 0.0)
         if any(speed == 0.0 and not lost for speed, lost in zip(wheel_speeds, blind, strict=True)):
@@ -110,14 +112,14 @@ class SpinProtection:
         return LET_GO if slip > p.upper_slip else DEMANDED if slip < p.lower_slip else HOLD
 
     def _look(self, time: float, wheel_speeds: Sequence[float], blind: Sequence[bool]) -> None:
-        """Lets the slowest wheelset go where the true speed is due, and takes it once the wheelset rolls."""
+        """Release the slowest wheelset if a true speed is due, and take it once the wheelset rolls."""
         due = (0.0, SECOND_LOOK)[self.looks] if self.looks < 2 else LOOKS
         if self.rolls is None:
             if self.spins and time - self.looked_at >= due:
                 slowest = min(range(len(wheel_speeds)), key=lambda one: (blind[one], wheel_speeds[one]))
                 self.rolls, self._since, self._course = slowest, time, []
             return
-        if blind[self.rolls]:  # its sensor is lost: look at another
+        if blind[self.rolls]:  # its sensor is lost: take another
             self.rolls = None
             return
         speed = wheel_speeds[self.rolls]
@@ -128,7 +130,7 @@ class SpinProtection:
             self._take(time, speed)
 
     def _take(self, time: float, speed: float) -> None:
-        """Takes a true speed, and from two of them how fast it grows."""
+        """Take a true speed, and from two of them its growth."""
         p = self.parameters
         if self.looks:
             gained = (speed - self.true_speed) / (time - self.looked_at)

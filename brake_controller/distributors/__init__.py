@@ -3,14 +3,14 @@
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.distributors.uic import UIC
 
-#: All that the C of trains holds; a test may add to them.
+#: All distributors in the C code of trains; a test may add to them.
 DISTRIBUTORS: dict[str, Distributor] = {
     UIC.name: UIC,
 }
 
 
 def kind_of(parameters: object) -> Distributor:
-    """Return the kind of a vehicle's distributor, of these parameters. Raises ValueError for parameters of none."""
+    """Return the kind of a vehicle's distributor by its parameters. Raises ValueError for parameters of no kind."""
     for one in DISTRIBUTORS.values():
         if type(parameters) is one.parameters:
             return one

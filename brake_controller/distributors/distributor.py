@@ -1,7 +1,7 @@
-"""What a distributor is: data, and functions of a moment, of which the C of trains is generated.
+"""Definition of a distributor: data, and functions of a moment from which the C code of trains is generated.
 
-A file beside this one has a parameter set, the function `whole` and, where it is cheaper, `empirical`, and a
-`Distributor` that holds them. `uic.py` is the example. Trains may mix distributors.
+A file in this folder has a parameter set, the function `whole` and, if it is cheaper, `empirical`, and a `Distributor`
+that holds them. `uic.py` is the example. Trains may mix distributors.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from brake_controller.brake_pipe import Air, air_of
 from fmu_src.chain import function_of
 from fmu_src.system import ParameterSet, quantity
 
-#: What wheel-slide protection commands, as shares: no air into the cylinder nor out; the cylinder open to the
+#: Commands of wheel-slide protection, as shares: no air into or out of the cylinder; the cylinder open to the
 #: surroundings.
 COMMANDED = ("held", "vented")
-#: How a state may begin: charged as the pipe, at the pressure around, at that of the cylinders [Pa].
+#: Initial pressures of a state: charged as the pipe, ambient, that of the cylinders [Pa].
 STARTS = ("charged", "around", "cylinder")
 #: The state that presses the brake.
 CYLINDER = "cylinder"
@@ -35,7 +35,7 @@ class DistributorParameters(ParameterSet):
 
 @dataclass(frozen=True)
 class Moment:
-    """What a distributor is given: its states [Pa, absolute], air in the pipe, parameters and commands by name."""
+    """Arguments of a distributor: its states [Pa, absolute], air in the pipe, parameters and commands by name."""
 
     states: Mapping[str, ca.SX]
     pipe: Air
@@ -44,8 +44,9 @@ class Moment:
 
 @dataclass(frozen=True)
 class Answer:
-    """What it gives: rates of its states [Pa/s]; from the pipe air [kg/s] and its enthalpy [W]; air to the cylinder
-    [kg/s].
+    """Results of a distributor: rates of its states [Pa/s]; air from the pipe [kg/s] and its enthalpy [W].
+
+    filling: air to the cylinder [kg/s].
     """
 
     rates: Mapping[str, ca.SX | float]
@@ -54,7 +55,7 @@ class Answer:
     filling: ca.SX
 
 
-#: Numbers of an answer behind its rates.
+#: Numbers of an answer after its rates.
 ANSWERED = ("taken", "enthalpy", "filling")
 
 
@@ -66,16 +67,23 @@ class Distributor:
     ----------
     name : str
         Its name in consists and in C: small letters, digits, underscores.
+
     parameters : type of DistributorParameters
-        The set that a vehicle holds, by which its kind is found.
+        The set that a vehicle holds. It determines the kind.
+
     states : tuple of (str, str)
-        Its states, absolute pressures [Pa] above zero, and how each begins, one of STARTS. One is `cylinder`.
+        Its states, absolute pressures [Pa] above zero, each with its start, one of STARTS. One is `cylinder`.
+
     ready : callable
-        From the position ("P" or "G") to a ready set of parameters.
+        Function of the position ("P" or "G") for a built-in set of parameters.
+
     whole, empirical : callable
-        From a `Moment` to an `Answer`; empirical: for the cheaper depths of a train's brake, if there is such a form.
+        Functions of a `Moment` for an `Answer`. The empirical form, if it exists, is for the cheaper brake models of
+        trains.
+
     pace, empirical_pace : callable, float
-        How fast a state comes to rest at most [1/s], of parameters and of the empirical form; steps follow from it.
+        Largest rate at which a state comes to rest [1/s], by parameters and for the empirical form; it determines
+        steps.
 
     Raises
     ------
@@ -106,11 +114,11 @@ class Distributor:
             )
 
     def depths(self) -> tuple[str, str]:
-        """Return the form that serves the whole depth of a train's brake, and that of the cheaper ones."""
+        """Return the form for the full brake model of a train, and that for the cheaper ones."""
         return ("whole", "empirical" if self.empirical else "whole")
 
     def fastest(self, parameters: DistributorParameters, depth: str) -> float:
-        """Return how fast a state comes to rest at most [1/s] in a depth of the brake."""
+        """Return the largest rate at which a state comes to rest [1/s] in a brake model."""
         return self.pace(parameters) if depth == "whole" or not self.empirical else self.empirical_pace
 
     def fields(self) -> tuple[str, ...]:

@@ -1,9 +1,9 @@
 """The distributor of UIC 540: from the pressure in the brake pipe to that in the brake cylinder.
 
 Control chamber, accelerator, auxiliary reservoir and cylinder are volumes of air at the temperature of their walls (an
-ideal gas), between which chokes let air pass (ISO 6358-1). The cylinder follows the difference between control chamber
-and pipe, through relays without inertia. Values are those that UIC 540 and 541-1 ask for where a comment says so, from
-excerpts and from memory; all else is assumed.
+ideal gas). Chokes connect them (ISO 6358-1). The cylinder follows the difference between control chamber and pipe,
+through relays without inertia. Values marked by a comment are those of UIC 540 and 541-1, from excerpts and from
+memory; all others are assumed.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ from brake_controller.distributors.distributor import Answer, Distributor, Distr
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.system import quantity
 
-#: Over this difference a relay opens [Pa]: the cylinder is held to a few kPa.
+#: Pressure difference over which a relay opens [Pa]: the cylinder is controlled to a few kPa.
 RELAY = 5e3
-#: States, absolute pressures [Pa], and how each begins.
+#: States, absolute pressures [Pa], each with its start.
 STATES = (("control", "charged"), ("accelerator", "around"), ("auxiliary", "charged"), ("cylinder", "cylinder"))
 
 
@@ -61,13 +61,12 @@ class UicDistributor(DistributorParameters):
 
 @lru_cache
 def freight(position: str = "P") -> UicDistributor:
-    """Of a wagon, whose cylinder fills and empties in the middle of the times of UIC 540, to 95 % and to 0.4 bar.
+    """Return the distributor of a wagon whose filling and release are in the middle of the times of UIC 540.
 
-    P: 4 and 17.5 s, G: 24 and 52.5 s. 3.8 bar at a difference of 1.5 bar (UIC 540); auxiliary reservoir 100 l,
-    accelerator 0.46 l, in-shot 0.69 bar, chokes of control chamber 0.59 and auxiliary reservoir 2.3 mm (data of Dako
-    BV1 as train simulators print them). Assumed: volumes of control chamber 4 l and cylinder 10.3 l, sensitivity 10
-    kPa, 1 s in which the accelerator
-    fills, 10 mm for wheel-slide protection.
+    The times are to 95 % and to 0.4 bar. P: 4 and 17.5 s, G: 24 and 52.5 s. 3.8 bar at a difference of 1.5 bar (UIC
+    540). Auxiliary reservoir 100 l, accelerator 0.46 l, in-shot 0.69 bar, chokes of control chamber 0.59 and auxiliary
+    reservoir 2.3 mm: data of Dako BV1 as published by train simulators. Assumed: volumes of control chamber 4 l and
+    cylinder 10.3 l, sensitivity 10 kPa, 1 s in which the accelerator fills, 10 mm for wheel-slide protection.
     """
     filling, release = {"P": (4.0, 17.5), "G": (24.0, 52.5)}[position]
     bare = UicDistributor(
@@ -96,16 +95,15 @@ def freight(position: str = "P") -> UicDistributor:
 
 
 def _flow_of_a_metre(pressure: float, behind: float) -> float:
-    """Mass flow [kg/s] through a choke of 1 m, both pressures absolute (ISO 6358-1)."""
+    """Return the mass flow [kg/s] through a choke of 1 m, both pressures absolute (ISO 6358-1)."""
     area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
     return float(ca.evalf(elliptic_flow(area, ca.SX(pressure), ca.SX(WALL), ca.SX(behind))))
 
 
 def filling_choke(p: UicDistributor, time: float) -> float:
-    """Diameter [m] with which a cylinder comes to 95 % in a time [s] (UIC 540), from 5 bar that stay.
+    """Return the diameter [m] with which a cylinder reaches 95 % in a time [s] (UIC 540), from a constant 5 bar.
 
-    Isothermal: t = V / (R T) int dp / (G of a metre) / d^2. What the in-shot takes is left out, which takes its share
-    of the way at once.
+    Isothermal: t = V / (R T) int dp / (G of a metre) / d^2. The in-shot is omitted, because it fills its share at once.
     """
     supply, full = 500e3 + AMBIENT, p.full_pressure
     integral = quad(lambda x: 1.0 / _flow_of_a_metre(supply, x + AMBIENT), p.inshot, 0.95 * full, limit=200)[0]
@@ -113,16 +111,16 @@ def filling_choke(p: UicDistributor, time: float) -> float:
 
 
 def release_choke(p: UicDistributor, time: float) -> float:
-    """Diameter [m] with which a cylinder comes from full to 0.4 bar in a time [s] (UIC 540), isothermal."""
+    """Return the diameter [m] with which a cylinder falls from full to 0.4 bar in a time [s] (UIC 540), isothermal."""
     integral = quad(lambda x: 1.0 / _flow_of_a_metre(x + AMBIENT, AMBIENT), 40e3, p.full_pressure, limit=200)[0]
     return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
 
 
 def fastest_change(p: UicDistributor) -> float:
-    """How fast a state comes to rest at most [1/s]: an explicit step of more than two over it lies.
+    """Return the largest rate at which a state comes to rest [1/s]: an explicit step must not exceed two over it.
 
-    A choke of an area A into a volume V: sqrt(R T) A / V times the steepest slope of the flow (ISO 6358-1); behind a
-    relay, the choked flow over the relay's band, if that is more: a flow is steep where there is next to none. No
+    A choke of an area A into a volume V has sqrt(R T) A / V times the steepest slope of the flow (ISO 6358-1). After a
+    relay it is the choked flow over the relay's band, if that is larger. The slope is steepest near zero flow. No
     cylinder fills and empties at once.
     """
     specific = GAS_CONSTANT * WALL
@@ -142,9 +140,9 @@ def _share(value: ca.SX) -> ca.SX:
 
 
 def _accelerating(p: Mapping[str, ca.SX], line: ca.SX, chamber: ca.SX, brakes: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Rate of the accelerator's pressure [Pa/s], and air that it takes from the pipe [kg/s].
+    """Return the rate of the accelerator's pressure [Pa/s], and its air flow from the pipe [kg/s].
 
-    Braking, the chamber fills from the pipe; released, it empties to the surroundings, as fast.
+    During braking, the chamber fills from the pipe; after release, it empties to the surroundings at the same rate.
     """
     pace = TIME_CONSTANTS_TO_95_PERCENT / p["accelerator_time"]
     into = ca.fmax(line - chamber, 0) * pace * brakes
@@ -154,8 +152,8 @@ def _accelerating(p: Mapping[str, ca.SX], line: ca.SX, chamber: ca.SX, brakes: c
 def whole(moment: Moment) -> Answer:
     """Return rates and flows of the whole distributor.
 
-    Ideal gas at the temperature of the walls, V dp/dt = R T G; flows by ISO 6358-1. What comes back is as warm as the
-    walls.
+    Ideal gas at the temperature of the walls, V dp/dt = R T G; flows by ISO 6358-1. Air that returns to the pipe has
+    the temperature of the walls.
     """
     p = moment.given
     control, accelerator, auxiliary, cylinder = moment.states.values()
@@ -165,7 +163,7 @@ def whole(moment: Moment) -> Answer:
         return elliptic_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
 
     fallen = control - line
-    # From half of the sensitivity on the control chamber is shut off more and more.
+    # Above half of the sensitivity the control chamber is gradually shut off.
     brakes = _share(2 * fallen / p["sensitivity"] - 1)
     to_control = through(p["control_choke"], line, warmth, control)
     from_control = (1 - brakes) * through(p["control_choke"], control, WALL, line)
@@ -190,16 +188,16 @@ def whole(moment: Moment) -> Answer:
     return Answer(rates, taken, enthalpy, fills)
 
 
-#: How fast an empirical valve comes to what is wanted at most [1/s]. Assumed: a relay that is near gives way.
+#: Largest rate at which an empirical valve reaches its target [1/s]. Assumed: a relay near balance opens less.
 EMPIRICAL_PACE = 10.0
 
 
 def empirical(moment: Moment) -> Answer:
-    """As `whole`, of a valve that follows the pipe and takes nothing from it but what its accelerator takes.
+    """Return the answer of a valve that follows the pipe and takes air from it only for its accelerator.
 
-    The cylinder fills from 5 bar and empties by its chokes, as ISO 6358-1 has it with sqrt(1 - y^2) as 1 - y^2 / 2, and
-    comes to what is wanted with EMPIRICAL_PACE; the auxiliary reservoir stays full; the control chamber fills with a
-    time constant of its choke. Without the roots and volumes of the whole valve; fails where a reservoir is not full.
+    The cylinder fills from 5 bar and empties by its chokes, by ISO 6358-1 with sqrt(1 - y^2) replaced by 1 - y^2 / 2.
+    It reaches its target with EMPIRICAL_PACE. The auxiliary reservoir stays full. The control chamber fills with a time
+    constant of its choke. This omits the roots and volumes of the whole valve, and is wrong if a reservoir is not full.
     """
     p, line = moment.given, moment.pipe.pressure
     control, accelerator, auxiliary, cylinder = moment.states.values()

@@ -1,1 +1,1 @@
-"""C of the test rig: sensors, controllers between the steps of many machines, scores."""
+"""C code of the test rig: sensors, controllers between the steps of many vehicles, scores."""

@@ -39,9 +39,8 @@ typedef struct {
 /* Output of a sensor from a given time on: the true speed; its last reading; 0; twice the true speed. */
 enum { SENSOR_WORKS = 0, SENSOR_STUCK = 1, SENSOR_ZERO = 2, SENSOR_DOUBLED = 3 };
 
-/* Faults of one wheelset. radius: assumed radius of its wheels over the true one. sensor_from, valve_from: times at which
- * the sensor begins to fail, and the valve sticks in its position [s]. phase: initial rotation of its wheel in shares of a
- * tooth. */
+/* Faults of one wheelset. `radius`: assumed radius of its wheels over the true one. sensor_from, valve_from: times at which
+ * the sensor begins to fail, and the valve sticks in its position [s]. phase: initial rotation of its wheel [teeth]. */
 typedef struct {
     double radius, sensor_from, valve_from, phase;
     int sensor, valve_sticks;

@@ -5,7 +5,7 @@
 
     answer(PI(), "192.168.0.7", 5005)
 
-This file needs nothing but Python, so that it can be copied to another machine. `udp_client.c` is the same for C.
+This file needs only Python, so that it can be copied to another computer. `udp_client.c` is the same for C.
 """
 
 from __future__ import annotations
@@ -17,34 +17,36 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 HOST, PORT = "127.0.0.1", 5005
-#: What each packet begins with; the last character is the version.
+#: First bytes of each packet; the last character is the version.
 MAGIC = b"WSP1"
-#: Kinds of packets: a client shows itself; the rig asks; a client answers; the run is over.
+#: Kinds of packets: a client registers; the rig sends speeds; a client answers; the run is over.
 HELLO, SPEEDS, ANSWER, END = 1, 2, 3, 4
 #: Magic, kind, wheelsets, sequence number; of SPEEDS then the time of the run and the period [s].
 HEADER, TIMES = struct.Struct("<4sHHI"), struct.Struct("<dd")
-#: More than any packet has [bytes].
+#: Larger than any packet [bytes].
 LARGEST = 2048
-#: A client shows itself so often, and waits for the next packet so long [s].
+#: Interval at which a client registers, and time for which it waits for the next packet [s].
 EVERY, SILENCE = 0.2, 10.0
 
 
 class Controller(Protocol):
-    """A controller of one's own."""
+    """Interface of a user's controller."""
 
     def step(self, time: float, wheel_speeds: Sequence[float]) -> Sequence[int]:
-        """Valve commands (0 apply, 1 hold, 2 vent) from circumferential speeds [m/s] at a time of the run [s]."""
+        """Return valve commands (0 apply, 1 hold, 2 vent) from circumferential speeds [m/s] at a time of the run
+        [s].
+        """
         ...
 
 
 def question(sequence: int, time: float, period: float, speeds: Sequence[float]) -> bytes:
-    """What the rig asks at a look: time and period [s], a speed for each wheelset [m/s]."""
+    """Return a packet of the rig with a sample: time and period [s], a speed for each wheelset [m/s]."""
     head = HEADER.pack(MAGIC, SPEEDS, len(speeds), sequence)
     return head + TIMES.pack(time, period) + struct.pack(f"<{len(speeds)}d", *speeds)
 
 
 def answer_to(packet: bytes, controller: Controller) -> bytes | None:
-    """The answer to a packet of the rig; None for one that is no question."""
+    """Return the answer to a packet of the rig, or None if the packet has no speeds."""
     if len(packet) < HEADER.size:
         return None
     magic, kind, wheelsets, sequence = HEADER.unpack_from(packet)
@@ -57,17 +59,21 @@ def answer_to(packet: bytes, controller: Controller) -> bytes | None:
 
 
 def is_end(packet: bytes) -> bool:
-    """Whether the rig says that the run is over."""
+    """Return True if the packet reports the end of the run."""
     return len(packet) == HEADER.size and HEADER.unpack(packet)[:2] == (MAGIC, END)
 
 
 def answer(
     controller: Controller, host: str = HOST, port: int = PORT, said: Callable[[str], object] = lambda text: None
 ) -> int:
-    """Shows itself to the rig until it asks, answers until it says that the run is over; how many answers it gave.
+    """Register with the rig, answer its packets until the end of the run, and return the number of answers.
 
-    said: is told when the run begins. Raises TimeoutError where the rig falls silent within a run, and what the
-    controller raises.
+    said: is called with a message when the run begins.
+
+    Raises
+    ------
+    TimeoutError
+        If the rig stops sending within a run. Exceptions of the controller are raised too.
     """
     given, heard = 0, time.monotonic()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
