@@ -271,7 +271,7 @@ def test_refusal_without_a_sentence_is_not_explained_by_an_older_one(fmus: dict)
 
 def test_build_into_a_file_gets_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "taken").write_text("")
-    assert main(["brake", "--kind", "native", "--out", str(tmp_path / "taken")]) == 1
+    assert main(["brake", "--kind", "native", "--out", str(tmp_path / "taken")]) == 2
     assert "Choose another folder with --out" in capsys.readouterr().err
 
 
