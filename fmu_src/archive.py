@@ -1,4 +1,4 @@
-"""FMU archives: written equal byte for byte when their contents are equal, read within limits whoever made them."""
+"""FMU archives: byte-identical for equal contents, and read within limits from any source."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def opened(path: Path) -> Iterator[zipfile.ZipFile]:
 
 
 def check_entries(entries: Sequence[zipfile.ZipInfo]) -> None:
-    """Raise ArchiveError where entries are too many, too large, encrypted, links, or would meet in one place."""
+    """Raise ArchiveError if entries are too many, too large, encrypted, links, or would have one place."""
     if len(entries) > MOST_ENTRIES:
         raise ArchiveError(f"it has {len(entries)} entries; at most {MOST_ENTRIES} are read")
     total = sum(entry.file_size for entry in entries)
@@ -118,7 +118,7 @@ def check_entries(entries: Sequence[zipfile.ZipInfo]) -> None:
 
 
 def check_entry(entry: zipfile.ZipInfo) -> None:
-    """Raise ArchiveError where an entry is too large, cannot be read, or has a name that leaves the folder."""
+    """Raise ArchiveError if an entry is too large, cannot be read, or has a name that leaves the folder."""
     name, size = shown(entry.filename), entry.file_size
     parts_of(entry.filename)
     if size > LARGEST_ENTRY:

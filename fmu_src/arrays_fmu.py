@@ -42,10 +42,10 @@ class ArrayVariable:
 
 @dataclass(frozen=True)
 class ArraysInC:
-    """An object in C behind arrays.h: its C files by name, and its arrays in the order in which it numbers them.
+    """An object in C that implements arrays.h: its C files by name, and its arrays in the order of their numbers.
 
-    stride: between value references of FMI 2.0 from array to array. starts_alone: outputs at the start depend on no
-    input and no parameter.
+    stride: between value references of FMI 2.0 from array to array. starts_alone: True if outputs at the start do not
+    depend on inputs and parameters.
     """
 
     name: str
@@ -97,7 +97,7 @@ def binary_of_arrays(given: ArraysInC, targets: Sequence[str] = ()) -> bytes:
 
 @dataclass(frozen=True)
 class Lengths:
-    """Of one object: how long each array is, and start values of parameters and inputs, in the order of the arrays."""
+    """Lengths of the arrays of one object, and start values of parameters and inputs, in the order of the arrays."""
 
     lengths: Sequence[int]
     starts: Sequence[Sequence[float]]
@@ -108,10 +108,22 @@ class Lengths:
 def build_arrays_fmu(
     given: ArraysInC, of: Lengths, path: Path, version: int, binaries: Mapping[str, bytes], extras: Mapping[str, bytes]
 ) -> None:
-    """Write the FMU of an object with arrays of these lengths.
+    """Write the FMU of an object with arrays.
 
-    binaries: by their places in binaries/. extras: by their names in the archive, including the resources of the
-    object.
+    Parameters
+    ----------
+    given : ArraysInC
+        The object.
+    of : Lengths
+        Lengths of its arrays, their start values and the default experiment.
+    path : Path
+        The FMU.
+    version : int
+        2 or 3, of FMI.
+    binaries : mapping of str to bytes
+        By their places in binaries/.
+    extras : mapping of str to bytes
+        Further files by their names in the archive, including the resources of the object.
     """
     about = (description2 if version == 2 else description3)(given, of)
     files = {"modelDescription.xml": about.encode()}

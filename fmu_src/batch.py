@@ -129,7 +129,7 @@ Kept = Callable[[str, Callable[[], Path]], Path]
 
 
 def made_now(what: str, make: Callable[[], Path]) -> Path:
-    """Make the file: nothing is known beforehand."""
+    """Make the file; it is not known beforehand."""
     return make()
 
 
@@ -190,7 +190,7 @@ def _in_threads(library: BatchLibrary, count: int, runs: _Runs, queue: ctypes.c_
                     if not all(one.result() for one in done):
                         raise MemoryError(NO_MEMORY)
                     bar.update(min(queue.value, runs.count) - bar.n)
-            except BaseException:  # nobody begins another run
+            except BaseException:  # no thread begins another run
                 queue.value = runs.count
                 raise
     finally:

@@ -14,8 +14,8 @@ from fmu_src.own_names import PREFIX
 class Group:
     """Calls of a part that are computed side by side: each number of a call is next to that of the call before.
 
-    calls: their numbers in the function; given, left: where their numbers begin in `given_RANK` and in `left`. alone: a
-    call that has no others beside it.
+    calls: their numbers in the function; given, left: where their numbers begin in `given_RANK` and in `left`. alone:
+    True for a single call.
     """
 
     part: Part

@@ -196,9 +196,9 @@ class Waist:
 
 @dataclass(frozen=True)
 class Following:
-    """Constants of a part that change with `given` all the same, as `slope` says, shape (symbols, given).
+    """Constants of a part that change with `given`; `slope` has their derivatives, shape (symbols, given).
 
-    A sine that several parts need is so computed once.
+    So a sine that several parts need is computed once.
     """
 
     given: ca.SX

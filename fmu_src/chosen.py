@@ -1,4 +1,4 @@
-"""The one system of a model that given values choose, alone behind the whole table of variables."""
+"""The one system of a model that given values choose, with the whole table of variables."""
 
 from __future__ import annotations
 
@@ -11,9 +11,23 @@ from fmu_src.system import NONE, Model, Variable
 
 
 def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> Model:
-    """Return the model with only the system that the values of its selectors, and a table file, choose.
+    """Return the model with only the system that its selectors and a table file choose.
 
-    Its runs have the same numbers and messages. Raises ValueError if they choose no system.
+    Its runs have the same numbers and messages.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    values : mapping of str to object
+        Values of the selectors by name; start values for all others.
+    with_file : bool
+        Whether a table file is set.
+
+    Raises
+    ------
+    ValueError
+        If they choose no system.
     """
     selectors = [next(one for one in model.variables if one.name == name) for name in model.selectors]
     reads = model.table_file is not None

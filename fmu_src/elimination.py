@@ -1,7 +1,7 @@
-"""How the linear equations of a step are solved: Gaussian elimination as C without a loop or a search.
+"""Solution of the linear equations of a step: Gaussian elimination as C without a loop or a search.
 
-Which entries of I/(gamma h) - J are not zero is known beforehand, and so is every multiplication of its factors. In the
-order that fills least they are written one behind another, each entry with all that it loses at once.
+The nonzero entries of I/(gamma h) - J are known beforehand, and so is every multiplication of its factors. They are
+written one after another in the order that fills least. Each entry is written once, with all its subtractions.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ def _functions(name: str, solving: Elimination, head: str, number: str) -> list[
         casts = [f"({kind}{number} *){pointer}" for pointer, kind in pointers.items()]
         given = ", ".join(casts if as_numbers else pointers)
         pieces = [body[start : start + LONGEST] for start in range(0, len(body), LONGEST)]
-        # Numbers of lanes are what names end with.
+        # Names must end with the number of lanes.
         names = [f"piece_{place}_of_{name}_{task}" for place in range(len(pieces))]
         for own, piece in zip(names, pieces, strict=True):
             lines += [f"static void {own}({taken}) {{", *(f"    {line}" for line in piece), "}"]

@@ -19,8 +19,8 @@ Slopes = tuple[int, ...]
 class Generated:
     """A function as the runtime calls it: `function` takes the arguments of the system and the results of its `calls`.
 
-    Its first results are what the calls of each rank are given; behind its results a call leaves those of its part's
-    nonzero slopes that are needed, by their numbers in `slopes`.
+    Its first results are the arguments of the calls of each rank. After its results, a call leaves the needed ones of
+    its part's nonzero slopes, by their numbers in `slopes`.
     """
 
     function: ca.Function

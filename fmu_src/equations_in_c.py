@@ -219,9 +219,9 @@ def functions_in_lanes(name: str, made: Mapping[str, Generated]) -> tuple[list[s
 
 @dataclass(frozen=True)
 class Body:
-    """A function: how it is declared, how its pieces are and what they are given, its statements and arrays.
+    """A function: its declaration, the parameters and arguments of its pieces, its statements and arrays.
 
-    lanes: C of how many; groups: of its calls.
+    lanes: C of the number of lanes; groups: of its calls.
     """
 
     name: str

@@ -1,6 +1,6 @@
 """Files that stay on disk between runs, and are checked before they are used.
 
-A kept file has its checksum in a file beside it, NAME.sha256, as `sha256sum --check` reads it.
+The checksum of a kept file is in a file next to it, NAME.sha256, as `sha256sum --check` reads it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from readers.storage import ANOTHER_FOLDER, StorageError, hold, remove_partial, 
 
 #: Ending of the names of checksums and of locks.
 CHECKSUM, LOCK = ".sha256", ".lock"
-#: Age at which nobody writes a partial file any more [s]: its process was killed.
+#: Age from which a partial file is abandoned [s]: its process was killed.
 STALE = 86400.0
 #: Write permissions of others than the owner.
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
@@ -29,8 +29,8 @@ def keep(data: bytes, path: Path, remedy: str = ANOTHER_FOLDER) -> None:
     with writing(path, remedy):
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.is_symlink():
-            path.unlink()  # what it names is not ours
-        write_whole(path, data, remedy, synced=False)  # a checksum shows what a power cut left
+            path.unlink()  # the target of the link is not ours
+        write_whole(path, data, remedy, synced=False)  # a checksum reveals a file cut by a power failure
         path.chmod(0o644)  # independent of the umask
         write_whole(checksum_file(path), checksum_line(path.name, data).encode(), remedy, synced=False)
 

@@ -320,7 +320,13 @@ class Kernel:
         return buffer.raw
 
     def restore(self, state: bytes) -> None:
-        """Restore a state from `save` of the same model. Raises SimulationError, and changes nothing then."""
+        """Restore a state from `save` of the same model.
+
+        Raises
+        ------
+        SimulationError
+            If the bytes have changed or belong to another model; the present state is kept.
+        """
         self._check(self._call.kernel_restore(self._handle, state, len(state)))
 
     @property
@@ -341,9 +347,20 @@ class Kernel:
     def slopes_at(self, time: float, place: Sequence[float]) -> list[float]:
         """Return the slopes of the differential states at a time and place, the algebraic ones solved for.
 
-        It is for other methods, which start at the present state: inputs continue along their ramps, modes stay.
-        `place` and the result have the order of the system's states without the algebraic ones. See `margin_at` and
-        `arrive`.
+        It is for other methods, which start at the present state: inputs continue along their ramps, modes stay. See
+        `margin_at` and `arrive`.
+
+        Parameters
+        ----------
+        time : float
+            Time [s].
+        place : sequence of float
+            States in the order of the system, without the algebraic ones.
+
+        Returns
+        -------
+        list of float
+            Slopes in the same order, in their units per second.
         """
         count = len(place)
         given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
@@ -385,7 +402,20 @@ class Kernel:
         return list(found)
 
     def directional(self, outputs: Sequence[str], change: Mapping[str, float]) -> list[float]:
-        """Return derivatives of outputs along a change of inputs and states (`state_NAME`); other states are held."""
+        """Return derivatives of outputs along a change of inputs and states; other states are held.
+
+        Parameters
+        ----------
+        outputs : sequence of str
+            Names of the outputs.
+        change : mapping of str to float
+            Changes of inputs and states (`state_NAME`), in their units.
+
+        Raises
+        ------
+        SimulationError
+            If a name is unknown or the derivative is not finite.
+        """
         found, values = (ctypes.c_double * len(outputs))(), (ctypes.c_double * len(change))(*change.values())
         self._check(
             self._call.kernel_get_directional(

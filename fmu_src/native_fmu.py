@@ -22,8 +22,8 @@ from fmu_src.pages import pages
 from fmu_src.system import Model
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
-#: that of CentOS 7; the macOS is the first on ARM, where zig by itself would ask for one of four years later. FMI 2.0
-#: has no name for Linux on ARM; this is the one of FMI 3.0, which FMPy looks for as well.
+#: that of CentOS 7. The macOS is the first on ARM; zig by default would require one of four years later. FMI 2.0 has no
+#: name for Linux on ARM; this is the one of FMI 3.0, which FMPy uses as well.
 PLATFORMS: dict[str, tuple[tuple[str, ...], str]] = {
     "linux64": (("x86_64-linux-gnu.2.17",), ".so"),
     "win64": (("x86_64-windows-gnu",), ".dll"),
@@ -96,7 +96,20 @@ def build_native_fmu(
 def build_native_fmu3(
     model: Model, path: Path, platforms: Sequence[str] = (), extras: Mapping[str, bytes] | None = None
 ) -> None:
-    """Write the native FMU of FMI 3.0, as `build_native_fmu`; platforms: names in PLATFORMS3."""
+    """Write the native FMU of FMI 3.0.
+
+    Parameters
+    ----------
+    model, path, extras
+        As in `build_native_fmu`.
+    platforms : sequence of str
+        Names in PLATFORMS3, compiled with zig; empty: this platform.
+
+    Raises
+    ------
+    CompilerError
+        If the compiler is missing or fails.
+    """
     sources = generate(model)
     about = model_description3(model, guid_of(sources))
     binaries = _binaries(model, sources, platforms or [fmpy.platform_tuple], PLATFORMS3 if platforms else {})

@@ -10,7 +10,7 @@ from pathlib import Path
 RUNTIME = Path(__file__).parent / "runtime"
 #: The files that fill in the table; "": pythonfmu, whose binary is not ours.
 KERNEL, ARRAYS, PYTHON = "kernel_object.c", "arrays_object.c", ""
-#: The faces of both standards, behind the file of their object: in one unit its table has to be known before.
+#: The FMI functions of both standards, after the file of their object: in one unit its table must come first.
 FACES = ("face.c", "fmi2.c", "fmi3.c")
 #: Attributes of both interfaces, and of co-simulation alone, with the member of the table that an FMU needs for them.
 OF_BOTH = {

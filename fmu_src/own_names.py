@@ -1,4 +1,4 @@
-"""Names of their own for C that is given, so that one unit may hold it beside the runtime and other files."""
+"""Unique names for given C, so that one unit may contain it together with the runtime and other files."""
 
 from __future__ import annotations
 

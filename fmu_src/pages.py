@@ -1,4 +1,4 @@
-"""The pages inside an FMU: what it is and its variables, and what of the standards it keeps."""
+"""The pages inside an FMU: its description, its variables, and the tested rules of the standards."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def pages(model: Model, kind: str, beside: Collection[str] = ()) -> dict[str, by
 
 
 def documentation(model: Model, kind: str, beside: Collection[str] = ()) -> str:
-    """Return a page about the FMU: what it is, how a run ends, and its variables."""
+    """Return a page about the FMU: its description, how a run ends, and its variables."""
     told = [cells(variable) for variable in model.variables]
     heads = "".join(f'<th scope="col">{head}</th>' for head in told[0])
     rows = [row(list(one.values())) for one in told]

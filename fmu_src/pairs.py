@@ -12,9 +12,9 @@ _PAIRED[SIN_COS] = "pair_sin_cos"
 
 
 def paired(statements: Sequence[Statement]) -> list[Statement]:
-    """Return the statements, in pairs if two may be computed together; what the second needs is moved before it.
+    """Return the statements, in pairs if two may be computed together; operands of the second are moved before it.
 
-    Nothing is moved across a statement that neither reads nor gives a value, a call that others follow.
+    Nothing is moved across a statement that neither reads nor gives a value: a call, on which others depend.
     """
     made: list[Statement] = []
     begin = 0
@@ -71,7 +71,7 @@ class _Segment:
         return True
 
     def emit_needed(self, number: int) -> None:
-        """Write what a statement needs."""
+        """Write the operands of a statement."""
         needed, waiting = set[int](), self.producers(number)
         while waiting:
             one = waiting.pop()

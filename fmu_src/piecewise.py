@@ -12,13 +12,24 @@ import numpy as np
 from fmu_src.c_literals import c_array, c_number
 from fmu_src.chain import Chain, Part
 
-#: Pieces are equally wide that differ by less than this share: where one stands for its neighbour, both polynomials
-#: differ by round-off alone.
+#: Pieces are treated as equally wide if they differ by less than this share: exchanging neighbours then changes a value
+#: by round-off alone.
 EQUAL = 1e-9
 
 
 def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the breakpoints and coefficients of the straight lines through the points, for `look_up`."""
+    """Return the straight lines through points, for `look_up`.
+
+    Parameters
+    ----------
+    breakpoints, values : sequence of float
+        The points, shape (n,) each.
+
+    Returns
+    -------
+    tuple of ndarray
+        Breakpoints, shape (n,), and coefficients, shape (n - 1, 2).
+    """
     x, y = np.asarray(breakpoints, float), np.asarray(values, float)
     return x, np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
 

@@ -1,7 +1,7 @@
-"""The pythonfmu FMU: the same kernel behind pythonfmu's slave interface, for hosts that have Python.
+"""The pythonfmu FMU: the same kernel with pythonfmu's slave interface, for hosts with Python.
 
-pythonfmu packs it; then its modelDescription.xml, which has no units and no initial unknowns, is replaced by ours, and
-the archive is compressed with fixed dates.
+pythonfmu packs it. Then its modelDescription.xml, which lacks units and initial unknowns, is replaced by ours, and the
+archive is compressed with fixed dates.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ HERE = Path(__file__).parent
 
 
 def build_python_fmu(model: Model, path: Path) -> None:
-    """Write the pythonfmu FMU of a model. It needs Python on the host, but neither CasADi nor a compiler."""
+    """Write the pythonfmu FMU of a model. The host needs Python, but neither CasADi nor a compiler."""
     sources = generate(model)
     guid = guid_of(sources)
     with tempfile.TemporaryDirectory() as name:
@@ -67,7 +67,7 @@ def joined(sources: Sequence[str], own: Sequence[str]) -> str:
 
 
 def slave_module(model: Model, guid: str) -> str:
-    """Return one self-contained module: what python_slave.py is made of, and the class named like the model."""
+    """Return one self-contained module: the parts of python_slave.py, and the class named like the model."""
     files = [HERE / f"{name}.py" for name in ("kernel", "telling_slave", "python_slave")]
     own = [f"{__package__}.{name}" for name in ("kernel", "telling_slave")]
     body = joined([file.read_text(encoding="utf-8") for file in files], own)

@@ -1,7 +1,7 @@
 """The slave class of the pythonfmu FMU: the FMI calls of pythonfmu on one side, the compiled kernel on the other.
 
-`python_fmu.py` joins this file behind kernel.py into the one module that travels inside the FMU, so that several FMUs
-can live in one Python process without sharing module names.
+`python_fmu.py` joins kernel.py and this file into the one module inside the FMU, so that several FMUs can run in one
+Python process without sharing module names.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from fmu_src.parameter_file import parameter_file
 from fmu_src.system import Model
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
-#: Recommended by the standard: a page about what is there.
+#: Recommended by the standard: a page that lists the content.
 PAGE = "documentation/fmi-ls-ref.html"
 EXPERIMENTS_FILE = "experiments.exp"
 #: Digits of the largest value of a column, on which compilers and mathematical libraries agree: builds are equal.
@@ -60,7 +60,7 @@ def reference_files(model: Model, sets: Mapping[str, bytes], experiments: Sequen
 
 
 def experiment_files(model: Model, experiments: Sequence[Experiment]) -> dict[str, bytes]:
-    """Return the experiments by name: what they are, their parameters, inputs and results."""
+    """Return the experiments by name: their descriptions, parameters, inputs and results."""
     files = {EXPERIMENTS_FILE: experiments_file(model, experiments)}
     kernel = Kernel(Library(library_of(generate(model))))
     for one in experiments:

@@ -1,4 +1,4 @@
-"""Shared libraries of strangers: whether a file can be loaded without ending the process."""
+"""Checks of third-party shared libraries: whether a file can be loaded without ending the process."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ def fault_of(data: bytes, system: str = sys.platform) -> str:
         return ""
     try:
         return _fault_of_elf(data)
-    except (struct.error, OverflowError):  # places beyond what a machine can address
+    except (struct.error, OverflowError):  # places beyond the address range
         return f"is cut off at {len(data)} bytes"
 
 
 def _fault_of_elf(data: bytes) -> str:
-    """Compare the places that headers name with the length of the file, and what a loader reads with its segments."""
+    """Compare the places in headers with the length of the file, and the tables of the loader with its segments."""
     wide, order = data[4:5] == b"\x02", ">" if data[5:6] == b"\x02" else "<"
     if data[4:6] not in (b"\x01\x01", b"\x01\x02", b"\x02\x01", b"\x02\x02"):
         return "has a damaged header"

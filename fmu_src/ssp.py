@@ -51,7 +51,26 @@ def write_ssp(
     connections: Sequence[Wire],
     experiment: tuple[float, float],
 ) -> None:
-    """Write the archive; experiment: stop time and macro step [s]."""
+    """Write the archive.
+
+    Parameters
+    ----------
+    path : Path
+        The archive.
+    name : str
+        Name of the system.
+    components : sequence of Component
+        The FMUs.
+    connections : sequence of Wire
+        Outputs that become inputs.
+    experiment : tuple of float
+        Stop time and macro step [s].
+
+    Raises
+    ------
+    ValueError
+        If an FMU has no variable of a name.
+    """
     contents = {
         f"resources/{component.fmu.name}": with_start_values(component.fmu, component.parameters)
         for component in components

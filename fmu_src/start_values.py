@@ -1,4 +1,4 @@
-"""A native FMU with start values of its own, for masters that set none: the same binary, a file in its resources."""
+"""A native FMU with its own start values, for masters that set none: the same binary, a file in its resources."""
 
 from __future__ import annotations
 

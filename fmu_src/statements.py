@@ -14,7 +14,7 @@ _CALLED = (
     *("asinh", "acosh", "atanh", "floor", "ceil", "fabs", "erf"),
 )
 _CALLED_WITH_TWO = ("pow", "atan2", "fmod", "remainder", "copysign", "hypot")
-#: C of each operation. Minima and maxima take the second number where one is NaN.
+#: C of each operation. Minima and maxima return the second number if one is NaN.
 OPERATIONS: Mapping[int, str] = {
     **{getattr(ca, f"OP_{name.upper()}"): f"real_{name}({{}})" for name in _CALLED},
     **{getattr(ca, f"OP_{name.upper()}"): f"real_{name}({{}}, {{}})" for name in _CALLED_WITH_TWO},
@@ -56,7 +56,7 @@ _UNCHANGED = (ca.OP_ASSIGN, ca.OP_LIFT)
 class Statement:
     """C that reads its operands, numbers of values or C of constants, in the braces of `form`.
 
-    values: numbers of the values that the form gives. written: it writes them itself, in the braces behind those of the
+    values: numbers of the values that the form gives. written: it writes them itself, in the braces after those of the
     operands; otherwise it is an expression. mask: whether its value is a mask.
     """
 
@@ -82,7 +82,7 @@ class Statement:
 
 @dataclass
 class Values:
-    """The statements so far, and which value each expression has: equal ones are computed once."""
+    """The statements until now, and the value of each expression: equal ones are computed once."""
 
     made: list[Statement] = field(default_factory=list)
     known: dict[tuple[str, tuple[int | str, ...]], int] = field(default_factory=dict)
@@ -120,7 +120,7 @@ def statements_of(
 ) -> list[Statement]:
     """Return the instructions of a function in their order.
 
-    behind: statements that follow the last number of a result, by its number. CasADi computes results in their order
+    `behind`: statements that follow the last number of a result, by its number. CasADi computes results in their order
     and reads inputs when they are first needed, so nothing that follows from them comes before. If several divisions
     have one divisor, they multiply with its reciprocal, with every compiler, so that all results are bit-identical.
     """

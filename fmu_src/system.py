@@ -1,8 +1,8 @@
 """The contract between equations and everything made from them.
 
-A `System` is one machine at one level of detail: variables, states, equations, as CasADi symbols. C code, Jacobians,
-FMUs, Python bindings and tables of variables are derived from it and from nothing else. A `Model` is what becomes one
-FMU: a table of variables and one or more systems for it, chosen by an integer parameter.
+A `System` is one vehicle at one level of detail: variables, states, equations, as CasADi symbols. C code, Jacobians,
+FMUs, Python bindings and tables of variables are derived from it alone. A `Model` is one FMU: a table of variables and
+one or more systems for it, chosen by an integer parameter.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ class ParameterSet:
         return Variable(name, "parameter", start=getattr(self, name), **item.metadata)
 
 
-#: A start value, or what returns it.
+#: A start value, or a function that returns it.
 Start = ca.SX | float | Callable[[], ca.SX]
 
 
@@ -351,7 +351,7 @@ class SteadyStart:
 
 @dataclass(frozen=True)
 class Observable:
-    """An expression that is not a variable of the FMU but of interest to tests and studies."""
+    """An expression that is not a variable of the FMU, for tests and studies."""
 
     unit: str
     expression: ca.SX
@@ -402,10 +402,23 @@ class System(Chain):
         return symbol
 
     def state(self, name: str, unit: str, start: Start, nominal: float) -> ca.SX:
-        """Return the symbol of a state; `nominal` (> 0, in `unit`) is the size to which the tolerance refers.
+        """Return the symbol of a state.
 
-        start: its value, or a function that returns it and is called once, for a start value that takes time to find.
         Equations, frictions and limits take the symbol; states are not referred to by name elsewhere.
+
+        Parameters
+        ----------
+        name, unit : str
+            Name and unit.
+        start : SX, float or callable
+            Start value, or a function that returns it and is called once, for a value that takes time to find.
+        nominal : float
+            Size to which the tolerance refers, above 0, in `unit`.
+
+        Raises
+        ------
+        ValueError
+            If `nominal` is not above 0.
         """
         return self._add_state(name, unit, start, nominal, algebraic=False)
 
@@ -428,7 +441,7 @@ class System(Chain):
     def curve(
         self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, order: int
     ) -> list[ca.SX]:
-        """Return a table's value and its derivatives by the argument up to `order`."""
+        """Return a table's value and its derivatives by the argument up to `order`; parameters as in `look_up`."""
         return polynomials(self.look_up(name, breakpoints, coefficients, argument), argument, order)
 
     def look_up(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
@@ -436,9 +449,25 @@ class System(Chain):
         return look_up(self, name, breakpoints, coefficients, argument)
 
     def from_file(self, file: TableFile, name: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
-        """Return a piece of a table file at a place in its first column: its value and derivatives up to `order`.
+        """Return a piece of a table file at a place in its first column.
 
         An instance reads the content of the table from its file; a system with such a piece runs only with a file.
+
+        Parameters
+        ----------
+        file : TableFile
+            Description of the file.
+        name : str
+            Name of the piece.
+        argument : SX
+            The place.
+        order : int
+            Highest derivative.
+
+        Returns
+        -------
+        list of SX
+            Value and derivatives up to `order`.
         """
         return polynomials(self._piece_of_file(file, name, argument), argument, order)
 
@@ -774,7 +803,17 @@ class Model:
 
 
 def model_of(system: System, tolerance: float, step_size: float = 1e-3, stop_time: float = 10.0) -> Model:
-    """Return the FMU of one system, with the variable that names its table file if it reads one."""
+    """Return the model of one system.
+
+    Parameters
+    ----------
+    system : System
+        The system; the variable that names its table file is added if it reads one.
+    tolerance : float
+        Start value of the tolerance.
+    step_size, stop_time : float
+        The default experiment [s].
+    """
     named = [system.table_file.variable] if system.table_file else []
     variables = (*system.variables, *named, *integration_variables(tolerance))
     choice = (0,) * (1 + len(named))
@@ -793,10 +832,26 @@ def model_of_choices(
     step_size: float = 1e-3,
     stop_time: float = 10.0,
 ) -> Model:
-    """Return several systems as one FMU, chosen as `Model` says: their inputs, outputs and parameters, each once.
+    """Return the model of several systems: their inputs, outputs and parameters, each once.
 
-    A system may have a selector among its parameters, if several of its values choose that system. others: such as the
-    name of the file that a system reads.
+    A system may have a selector among its parameters, if several of its values choose that system.
+
+    Parameters
+    ----------
+    name, description : str
+        Name and description of the model.
+    systems : tuple of System
+        The systems.
+    selectors, choice
+        Integer parameters and the systems that they choose, as in `Model`.
+    tolerance : float
+        Start value of the tolerance.
+    *others : Variable
+        Further parameters, such as the name of a table file.
+    relations : tuple of Relation
+        Checked before each start.
+    step_size, stop_time : float
+        The default experiment [s].
     """
     declared = {v.name: v for system in systems for v in system.variables}
     inputs, outputs, parameters = (
@@ -832,10 +887,10 @@ class StepModel:
 
 @dataclass(frozen=True)
 class StepInPython(StepModel):
-    """Around a Python object with `step(time, inputs) -> outputs`.
+    """A step model around a Python object with `step(time, inputs) -> outputs`.
 
-    sources: text of Python files that need nothing beyond Python and each other; `own` names the modules that they
-    import from each other. expression: makes the object, from names in the sources.
+    sources: text of Python files that need only Python and each other; `own` names the modules that they import from
+    each other. expression: makes the object, from names in the sources.
     """
 
     sources: Sequence[str]

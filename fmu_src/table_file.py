@@ -1,4 +1,4 @@
-"""C of a table file: its description for the runtime, and what the model gives in C, under names of its own."""
+"""C of a table file: its description for the runtime, and the model's own C, with unique names."""
 
 from __future__ import annotations
 

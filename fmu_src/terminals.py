@@ -1,4 +1,4 @@
-"""Terminals: variables that belong together where another FMU connects; FMI 3.0, 2.4.9, which FMI 2.0.4 takes over."""
+"""Terminals: groups of variables for the connection to another FMU; FMI 3.0, 2.4.9, adopted by FMI 2.0.4."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from fmu_src.archive import xml_file
 
-#: Places in the archive, and corners of the icon: those that are taken where nothing is said.
+#: Places in the archive, and default corners of the icon.
 FILE, ICON = "terminalsAndIcons/terminalsAndIcons.xml", "terminalsAndIcons/icon.png"
 CORNERS = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 

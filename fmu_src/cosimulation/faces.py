@@ -1,4 +1,4 @@
-"""The calls of FMI 2.0 and 3.0 that a slave needs, each standard behind the same few functions."""
+"""The calls of FMI 2.0 and 3.0 that an instance needs, with the same few functions for both standards."""
 
 from __future__ import annotations
 

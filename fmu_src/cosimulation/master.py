@@ -111,7 +111,18 @@ class Coupling:
     account: Account = field(default_factory=Account)
 
     def advance(self, time: float, size: float) -> dict[Connection, tuple[float, float, float, float]]:
-        """Make one macro step; return, for each connection, the ends of its input's line and of its source's line."""
+        """Make one macro step.
+
+        Parameters
+        ----------
+        time, size : float
+            Start and size of the step [s].
+
+        Returns
+        -------
+        dict of Connection to tuple
+            Both ends of the line of its input, and both of the line of its source.
+        """
         begin = {c: c.value() for c in self.connections}
         # Read before any instance steps: a source that went first would otherwise return its rate at the end of the
         # step.
@@ -208,7 +219,22 @@ class Coupling:
         drive: Callable[[float], None] | None = None,
         instants: Sequence[float] = (),
     ) -> Iterator[float]:
-        """Yield the time after each accepted step; with a tolerance, `instants` are times that no step may cross."""
+        """Yield the time after each accepted step.
+
+        Parameters
+        ----------
+        duration, step : float
+            Duration of the run and first macro step [s].
+        drive : callable or None
+            Called as `drive(time)` before each step; it may set inputs.
+        instants : sequence of float
+            Times that no step of adaptive size may cross [s].
+
+        Raises
+        ------
+        CosimulationError
+            If the step is not above 0 s, or the run has too many steps.
+        """
         if not (math.isfinite(step) and step > 0.0):
             raise CosimulationError(f"Give a macro step above 0 s: it was {step:g} s.")
         if not duration / step <= MOST_STEPS:

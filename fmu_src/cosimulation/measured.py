@@ -34,9 +34,9 @@ def table_from(path: Path) -> Recording:
 
 
 def in_units_of(table: Recording, units: Mapping[str, str]) -> Recording:
-    """Return a table whose columns have the names and units of variables, where they name one and can be converted.
+    """Return a table whose columns have the names and units of variables, if these exist and can be converted to.
 
-    units: of the variables, by name. Other columns stay as they are, as do those in a unit of another quantity.
+    units: of the variables, by name. Other columns are unchanged, as are those in a unit of another quantity.
     """
     known = {tidy(name): name for name in units} | {name: name for name in units}
     names = {name: known.get(name, known.get(tidy(name), name)) for name in table.names}

@@ -1,4 +1,4 @@
-"""Time series by name, with units: what every run gives."""
+"""Time series by name, with units: the result of every run."""
 
 from __future__ import annotations
 

@@ -33,8 +33,8 @@ class CosimulationError(RuntimeError):
 class FmuInstance:
     """One instance of an FMU, with variables by name. A context manager: it cleans up after itself.
 
-    instance: its name where several of one FMU are coupled; by default that of the model. Raises CosimulationError for
-    an FMU that is damaged, is not for co-simulation, has no binary for this platform, or refuses to be instantiated.
+    instance: its name if several of one FMU are coupled; by default that of the model. Raises CosimulationError if the
+    FMU is damaged, is not for co-simulation, has no binary for this platform, or cannot be instantiated.
 
     >>> with FmuInstance("build/native/BogieDynamics.fmu", initial_speed=25.0) as bogie:
     ...     bogie.start(brake_torque_1=20e3)
@@ -88,7 +88,7 @@ class FmuInstance:
         except Exception as error:  # FMPy has no class for it
             raise CosimulationError(f"{path} cannot be loaded: {str(error).rstrip('.')}.") from error
         finally:
-            os.chdir(here)  # FMPy stays in the FMU's folder where a library is none
+            os.chdir(here)  # FMPy stays in the FMU's folder if a library cannot be loaded
 
     def __enter__(self) -> FmuInstance:
         return self
@@ -250,6 +250,6 @@ class FmuInstance:
         try:
             return function(*arguments, **named)
         except (FMICallException, EndedError) as error:
-            # Only what this call said: an older sentence is no reason.
+            # Only messages of this call: an older one is not the reason.
             sentence = self.messages[-1] if len(self.messages) > heard else str(error)
             raise CosimulationError(f"{self.name}: {sentence}") from error
