@@ -137,13 +137,13 @@ def instances(
         If no C compiler works.
     """
     if not isinstance(count, int | np.integer) or count < 1:
-        raise ValueError(f"Give a whole number of instances, at least 1: it was {shown(count)}.")
+        raise ValueError(f"The number of instances must be a whole number of at least 1; got {shown(count)}.")
     at_most("instances", int(count), MOST_INSTANCES)
     library, given = prepared(what, line, values)
     variables = variables_of_batch(library)
     takes = [one.name for one in variables.values() if one.causality == "input"]
     if isinstance(inputs, str):
-        raise TypeError(f'Give the names of inputs as a list, such as ["{inputs}"]: it was the text {inputs!r}.')
+        raise TypeError(f'inputs must be a list of names, such as ["{inputs}"]; got the text {inputs!r}.')
     names = once([known(name, takes, "input") for name in inputs], "input"), names_of(outputs, variables)
     with ExitStack() as kept:
         folder = kept.enter_context(tempfile.TemporaryDirectory())
@@ -175,7 +175,7 @@ def _numbers(name: str, value: ArrayLike) -> np.ndarray:
     """Return one number or a row of them as an array. Raises ValueError."""
     found = np.asarray(value)
     if found.ndim > 1 or found.dtype.kind not in "biuf" or np.ma.is_masked(value):
-        raise ValueError(f"Give {name} one number, or a list of numbers, one for each run: it was {shown(value)}.")
+        raise ValueError(f"{name} must be one number, or a list of numbers, one for each run; got {shown(value)}.")
     return found.astype(float)
 
 
@@ -187,7 +187,7 @@ def variables_of_batch(library: BatchLibrary) -> dict[str, Variable]:
 def threads_or_none(count: int | None) -> int | None:
     """Return the number of threads, or None for one per processor. Raises ValueError."""
     if count is not None and (not isinstance(count, int | np.integer) or count < 1):
-        raise ValueError(f"Give a whole number of threads, at least 1: it was {shown(count)}.")
+        raise ValueError(f"The number of threads must be a whole number of at least 1; got {shown(count)}.")
     return None if count is None else at_most("threads", int(count), MOST_THREADS)
 
 

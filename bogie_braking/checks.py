@@ -40,7 +40,7 @@ def known(name: str, those: Iterable[str], what: str) -> str:
         If it is not a string.
     """
     if not isinstance(name, str):
-        raise TypeError(f"Give the name of the {what} as a text: it was {shown(name)}.")
+        raise TypeError(f"The name of the {what} must be a text; got {shown(name)}.")
     those = list(those)
     if fmu_named(name) in those:
         return fmu_named(name)
@@ -63,7 +63,7 @@ def seconds(what: str, value: Any, most: float = LONGEST_TIME) -> float:
         with suppress(ValueError):
             found = float(durations(value))
     if not 0.0 < found < math.inf:
-        raise ValueError(f"Give {what} as a number of seconds above 0: it was {value!r}.")
+        raise ValueError(f"{what[0].upper()}{what[1:]} must be a number of seconds above 0; got {value!r}.")
     if found > most:
         raise ValueError(f"{what[0].upper()}{what[1:]} must be at most {most:g} s, a day; got {found:g} s.")
     return found
@@ -111,7 +111,7 @@ def names_of(names: Sequence[str] | None, variables: Mapping[str, Variable]) -> 
     Raises TypeError, KeyError, ValueError.
     """
     if isinstance(names, str):
-        raise TypeError(f'Give the names of variables as a list, such as ["{names}"]: it was the text {names!r}.')
+        raise TypeError(f'names must be a list of variables, such as ["{names}"]; got the text {names!r}.')
     outputs = [one.name for one in variables.values() if one.causality == "output"]
     found = outputs if names is None else [known(name, variables, "variable") for name in names]
     if not found:
@@ -123,7 +123,9 @@ def line_or_none(line: Any) -> Line | None:
     """Return the line of a run. Raises TypeError if it is not a line."""
     if line is None or isinstance(line, Line):
         return line
-    raise TypeError(f"Give the line as line_of(...) makes it, or None for straight, level track: it was {shown(line)}.")
+    raise TypeError(
+        f"The line must be what line_of(...) returns, or None for straight, level track; got {shown(line)}."
+    )
 
 
 def shown(value: Any) -> str:

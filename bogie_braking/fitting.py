@@ -102,7 +102,7 @@ def measured_from(path: str | Path) -> Recording:
         If `path` is not a path.
     """
     if not isinstance(path, str | Path):
-        raise TypeError(f"Give what was measured as a Recording or as the path of a CSV file: it was {shown(path)}.")
+        raise TypeError(f"The log must be a Recording or the path of a CSV file; got {shown(path)}.")
     return table_from(Path(path))
 
 
@@ -212,7 +212,7 @@ def rows_until(until: float | None, times: np.ndarray) -> int:
     if until is None:
         return times.size
     if not number(until) >= times[1]:
-        raise ValueError(f"Set until to at least {times[1]:.12g} s, the time of the second row: it was {until!r}.")
+        raise ValueError(f"until must be at least {times[1]:.12g} s, the time of the second row; got {until!r}.")
     return int(np.searchsorted(times, float(until), "right"))
 
 
@@ -222,7 +222,7 @@ def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence
     Raises ValueError if a parameter cannot be fitted.
     """
     if not isinstance(parameters, Mapping) or not parameters:
-        raise ValueError(f"Give the parameters with values to begin with, by their names: it was {shown(parameters)}.")
+        raise ValueError(f"parameters must have start values by name; got {shown(parameters)}.")
     constant = [one for one in machine.variables.values() if one.causality in ("parameter", "input")]
     able = [one.name for one in constant if one.kind == "real" and one.name not in driven]
     for name, value in parameters.items():

@@ -82,7 +82,7 @@ def write_fmu(what: Vehicle | System | Model, path: str | Path, kind: str = "nat
             f"{what} is a name: fmu gives the FMUs of the list; write_fmu takes a Vehicle, a System or a Model."
         )
     if level not in (None, *LEVELS):
-        raise ValueError(f"Give level 1, 2 or 3, or leave it out for all of them: it was {level!r}.")
+        raise ValueError(f"level must be 1, 2 or 3, or left out for all of them; got {level!r}.")
     if path.suffix != ".fmu":
         raise ValueError(f"{path} must end with .fmu, the only name under which hosts take an FMU.")
     with ONE_WRITES:

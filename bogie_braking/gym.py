@@ -45,9 +45,9 @@ def made(
     count.
     """
     if not callable(rails):
-        raise TypeError(f"Give rails as a function of a generator and a number of wheelsets: it was {rails!r}.")
+        raise TypeError(f"rails must be a function of a generator and a number of wheelsets; got {rails!r}.")
     if not isinstance(count, int | np.integer) or count < 1:
-        raise ValueError(f"Give a whole number of environments, at least 1: it was {count!r}.")
+        raise ValueError(f"The number of environments must be a whole number of at least 1; got {count!r}.")
     at_most("environments", int(count), MOST_INSTANCES)
     machine = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
     return Environment(machine, settings_from(settings), int(count), rails, privileged, threads)

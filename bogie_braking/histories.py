@@ -79,4 +79,4 @@ class History:
         if one.minimum <= found <= one.maximum and math.isfinite(found):
             return found
         limits = f"from {one.minimum:g} to {one.maximum:g} {one.unit}"
-        raise refused(f"Give {one.name} a finite value {limits} at all times: at {time:g} s it was {value!r}.")
+        raise refused(f"{one.name} must be a finite value {limits} at all times; got {value!r} at {time:g} s.")

@@ -175,7 +175,7 @@ def _one_level(what: Vehicle, level: int, depth: int, on_line: bool) -> Model:
 def _check_places(what: Vehicle, places: Sequence[int], level: int, depth: int) -> None:
     """Raise ValueError if the system does not exist, or if its contact does not suit the profiles."""
     if not places:
-        raise ValueError(f"Set contact_model to {DEPTH_ON_LINE} on a line: it was {depth}.")
+        raise ValueError(f"contact_model must be {DEPTH_ON_LINE} on a line; got {depth}.")
     for pair in {one.equal_sides for one in what.wheelsets} if (level, depth) == (3, 1) else ():
         check_one_contact(pair)
 
@@ -203,13 +203,13 @@ def model_from(what: Model | System | Vehicle, places: Sequence[int] = EVERY) ->
         return model_of(what, TOLERANCE)
     if isinstance(what, Model):
         return what
-    raise TypeError(f"Give the name of an FMU, a Vehicle, a System or a Model: it was {shown(what)}.")
+    raise TypeError(f"What runs must be the name of an FMU, a Vehicle, a System or a Model; got {shown(what)}.")
 
 
 def _chosen(name: str, values: Mapping[str, Any], start: int) -> int:
     value = values.get(name, start)
     if value not in LEVELS:
-        raise ValueError(f"Set {name} to {', '.join(map(str, LEVELS[:-1]))} or {LEVELS[-1]}: it was {value!r}.")
+        raise ValueError(f"{name} must be {', '.join(map(str, LEVELS[:-1]))} or {LEVELS[-1]}; got {value!r}.")
     return int(value)
 
 

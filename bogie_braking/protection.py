@@ -126,7 +126,7 @@ def _stops_of(
 ) -> list[tuple[RailCase, Stop]]:
     """Return the rails with the stop on each, run on the test rig. Raises the errors of `protected_stops`."""
     if isinstance(rails, str):
-        raise TypeError(f'Give the rails as a list, such as ["{rails}"]: it was the text {rails!r}.')
+        raise TypeError(f'rails must be a list of names, such as ["{rails}"]; got the text {rails!r}.')
     make, cases, chosen = maker_of(controller), {rail.name: rail for rail in RAILS}, settings_from(settings)
     on = [cases[known(name, cases, "rail")] for name in rails]
     machine = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
@@ -150,7 +150,7 @@ def maker_of(controller: Controller) -> Callable[[], WheelSlideController] | Non
     steps = callable(getattr(controller, "step", None))
     if isinstance(controller, str) or not callable(controller):
         if not steps:
-            raise TypeError(f'Give a controller\'s class, "protection" or None: it was {controller!r}.')
+            raise TypeError(f'The controller must be a class, "protection" or None; got {controller!r}.')
         name = type(controller).__name__
         raise TypeError(f"Give the class {name} and no object of it: each stop begins with a new controller.")
     if isinstance(controller, type) and not steps:

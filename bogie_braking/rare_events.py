@@ -288,7 +288,7 @@ def distributions_of(vary: Mapping[str | tuple[str, ...], Distribution]) -> dict
     """Return distributions by the names that share each. Raises TypeError, ValueError."""
     if not isinstance(vary, Mapping) or not vary:
         such = "{'friction_1': scipy.stats.norm(0.15, 0.02)}"
-        raise TypeError(f"Give what varies by its names, such as {such}: it was {shown(vary)}.")
+        raise TypeError(f"vary must have distributions by name, such as {such}; got {shown(vary)}.")
     found = {(names,) if isinstance(names, str) else tuple(names): one for names, one in vary.items()}
     every = [name for names in found for name in names]
     for names, one in found.items():
@@ -368,12 +368,12 @@ def one_task(
 def finite(what: str, value: Any) -> float:
     """Return a finite number. Raises ValueError."""
     if not np.isfinite(number(value)):
-        raise ValueError(f"Give {what} as a finite number: it was {shown(value)}.")
+        raise ValueError(f"{what[0].upper()}{what[1:]} must be a finite number; got {shown(value)}.")
     return float(value)
 
 
 def whole(what: str, value: Any, least: int) -> int:
     """Return an integer of at least `least`. Raises ValueError."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise ValueError(f"Give {what} as a whole number, at least {least}: it was {shown(value)}.")
+        raise ValueError(f"{what[0].upper()}{what[1:]} must be a whole number of at least {least}; got {shown(value)}.")
     return int(value)

@@ -261,7 +261,7 @@ class Simulation:
             If it is a state of another FMU.
         """
         if not isinstance(state, bytes):
-            raise TypeError(f"Give the bytes that save gave: it was {shown(state)}.")
+            raise TypeError(f"A saved state must be the bytes that save returned; got {shown(state)}.")
         name, own = self._machine.name, self._machine.place
         places = [own] if own is None else sorted({*FMUS[name].choice, NONE})
         found = [one for one in places if state.startswith(_mark(name, one))]

@@ -240,7 +240,7 @@ def head_of(
 def check_executor(executor: Any, what: Runnable) -> None:
     """Raise TypeError if it is not an executor, or if the equations cannot be sent to one."""
     if not (executor is None or callable(getattr(executor, "submit", None))):
-        raise TypeError(f"Give an executor of concurrent.futures, or none: it was {shown(executor)}.")
+        raise TypeError(f"executor must be an executor of concurrent.futures, or None; got {shown(executor)}.")
     if executor and isinstance(what, System | Model):
         raise TypeError("Equations of your own cannot be sent to an executor; leave it out, and threads run them here.")
 
@@ -248,12 +248,12 @@ def check_executor(executor: Any, what: Runnable) -> None:
 def columns_of(vary: Mapping[str, Column]) -> dict[str, list[float]]:
     """Return the varied columns as numbers. Raises TypeError without names, ValueError if not numeric."""
     if not isinstance(vary, Mapping):
-        raise TypeError(f"Give what varies by its names, such as {{'friction_1': [0.1, 0.2]}}: it was {shown(vary)}.")
+        raise TypeError(f"vary must have columns by name, such as {{'friction_1': [0.1, 0.2]}}; got {shown(vary)}.")
     columns = {}
     for name, column in vary.items():
         values = np.array(column)
         if values.ndim != 1 or values.size == 0 or values.dtype.kind not in "biuf" or np.ma.is_masked(column):
-            raise ValueError(f"Give {name} a list of numbers, one for each run: it was {shown(column)}.")
+            raise ValueError(f"{name} must be a list of numbers, one for each run; got {shown(column)}.")
         columns[name] = values.astype(float).tolist()
     counts = sorted({len(column) for column in columns.values()})
     if len(counts) != 1:

@@ -342,8 +342,12 @@ def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> N
         (lambda: bb.batch("bogey", 1.0, ["speed"]), KeyError, "There is no FMU bogey; did you mean bogie?"),
         (lambda: bb.batch("bogie", 1.0, ["sped"]), KeyError, "no variable sped; did you mean speed?"),
         (lambda: bb.batch("bogie", 1.0, ["speed"], frction_1=[0.1]), KeyError, "did you mean friction_1?"),
-        (lambda: bb.batch("bogie", 0.0, ["speed"]), ValueError, "Give the duration as a number of seconds above 0"),
-        (lambda: bb.batch("bogie", 1.0, ["speed"], threads=0), ValueError, "Give a whole number of threads"),
+        (lambda: bb.batch("bogie", 0.0, ["speed"]), ValueError, "The duration must be a number of seconds above 0"),
+        (
+            lambda: bb.batch("bogie", 1.0, ["speed"], threads=0),
+            ValueError,
+            "The number of threads must be a whole number",
+        ),
         (
             lambda: bb.batch("bogie", 1.0, ["speed"], friction_1=[0.1, 0.2], friction_2=[0.1]),
             ValueError,
@@ -352,12 +356,16 @@ def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> N
         (
             lambda: bb.batch("bogie", 1.0, ["speed"], brake_torque_1=lambda time: time),
             ValueError,
-            "Give brake_torque_1 one number, or a list of numbers",
+            "brake_torque_1 must be one number, or a list of numbers",
         ),
         (lambda: bb.batch("bogie", 1.0, ["speed"], level=[1, 2]), ValueError, "Give level one number for all runs"),
-        (lambda: bb.batch("bogie", 1.0, ["speed"], level=4), ValueError, "Set level to 1, 2 or 3: it was 4."),
+        (lambda: bb.batch("bogie", 1.0, ["speed"], level=4), ValueError, "level must be 1, 2 or 3; got 4."),
         (lambda: bb.batch("bogie", 1.0, ["speed"])["sped"], KeyError, "no output sped; did you mean speed?"),
-        (lambda: bb.instances("bogie", 0, [], ["speed"]), ValueError, "a whole number of instances, at least 1"),
+        (
+            lambda: bb.instances("bogie", 0, [], ["speed"]),
+            ValueError,
+            "number of instances must be a whole number of at least 1",
+        ),
         (lambda: bb.instances("bogie", 2, ["brake_torqe_1"], ["speed"]), KeyError, "did you mean brake_torque_1?"),
         (
             lambda: bb.instances("bogie", 2, [], ["speed"], friction_1=[0.1, -1.0]),

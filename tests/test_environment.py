@@ -270,7 +270,7 @@ def test_what_is_no_command_is_refused_before_anything_moves(commands: Any, sent
     ("kwargs", "sentence"),
     [
         ({"vehicle": "tram"}, "There is no vehicle with brakes tram;"),
-        ({"rails": None}, "Give rails as a function of a generator and a number of wheelsets: it was None."),
+        ({"rails": None}, "rails must be a function of a generator and a number of wheelsets; got None."),
         ({"rails": only(None)}, "Let the rails give a Run: it was a NoneType."),
         ({"rails": only(Run({}, speed=0.0))}, "Draw a speed above 0 and up to 100 m/s: it was 0.0."),
         ({"rails": only(Run({}, speed=np.nan))}, "Draw a speed above 0 and up to 100 m/s: it was nan."),
@@ -279,7 +279,7 @@ def test_what_is_no_command_is_refused_before_anything_moves(commands: Any, sent
         ({"rails": only(Run({}, faults=(Fault(3, radius=1.1),)))}, "Give faults of wheelsets 1 to 2: it was 3."),
         ({"pulse": 80}, "There is no setting pulse; did you mean pulses?"),
         ({"period": 1e-6}, "Set period to at least 1e-05 s: it was 1e-06 s."),
-        ({"num_envs": 0}, "Give a whole number of environments, at least 1: it was 0."),
+        ({"num_envs": 0}, "The number of environments must be a whole number of at least 1; got 0."),
     ],
 )
 def test_what_cannot_be_made_is_refused_in_a_sentence(kwargs: dict[str, Any], sentence: str) -> None:

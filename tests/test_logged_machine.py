@@ -97,7 +97,7 @@ def test_without_its_pull_it_is_the_bogie_with_these_torques(log: bb.Recording) 
 def test_what_cannot_be_fitted_is_refused(log: bb.Recording) -> None:
     with pytest.raises(ValueError, match="LoggedMachine has no real parameter or free input pressure_1"):
         fitted(log, {"pressure_1": 1e5})
-    with pytest.raises(ValueError, match=re.escape("Set until to at least 0.02 s, the time of the second row")):
+    with pytest.raises(ValueError, match=re.escape("until must be at least 0.02 s, the time of the second row")):
         bb.fit(logged_machine("bogie"), log, BEGIN, until=0.0)
     with pytest.raises(KeyError, match="There is no machine bogey with a log; did you mean bogie"):
         logged_machine("bogey")

@@ -252,7 +252,7 @@ def test_inputs_without_effect_runs_that_fail_and_runs_that_still_move_are_told(
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
-        ({"vary": {}}, "Give what varies by its names"),
+        ({"vary": {}}, "vary must have distributions by name"),
         ({"vary": {"friction_1": 0.2}}, "Give friction_1 a distribution of scipy.stats"),
         ({"vary": {"friction_1": norm(0.2, -1.0)}}, "a distribution that there is"),
         (
@@ -261,11 +261,11 @@ def test_inputs_without_effect_runs_that_fail_and_runs_that_still_move_are_told(
         ),
         ({"vary": {"friction": norm(0.2, 0.01)}}, "There is no variable friction; did you mean friction_2"),
         ({"friction_1": 0.1}, "Give friction_1 a distribution or a number, not both"),
-        ({"limit": float("nan")}, "Give the limit of distance as a finite number: it was nan"),
-        ({"particles": 3}, "Give particles as a whole number, at least 10: it was 3"),
-        ({"moves": 0}, "Give moves as a whole number, at least 1: it was 0"),
-        ({"seed": -1}, "Give the seed as a whole number, at least 0: it was -1"),
-        ({"executor": 2}, "Give an executor of concurrent.futures"),
+        ({"limit": float("nan")}, "The limit of distance must be a finite number; got nan"),
+        ({"particles": 3}, "Particles must be a whole number of at least 10; got 3"),
+        ({"moves": 0}, "Moves must be a whole number of at least 1; got 0"),
+        ({"seed": -1}, "The seed must be a whole number of at least 0; got -1"),
+        ({"executor": 2}, "executor must be an executor of concurrent.futures"),
         ({"vary": {"friction_1": norm(-9.0, 0.1)}}, "None of 100 runs could be made: Set friction_1 to at least 0"),
     ],
 )

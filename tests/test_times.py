@@ -164,10 +164,10 @@ def test_a_duration_has_its_unit(duration: Any) -> None:
 
 @pytest.mark.parametrize("duration", [np.timedelta64(2), np.datetime64("2026-01-01"), "2", 10**400, math.inf])
 def test_a_duration_that_is_none_is_refused(duration: Any) -> None:
-    with pytest.raises(ValueError, match="Give the duration as a number of seconds above 0"):
+    with pytest.raises(ValueError, match="The duration must be a number of seconds above 0"):
         bb.run(sled(), duration)
 
 
 def test_columns_of_a_sweep_are_numbers() -> None:
-    with pytest.raises(ValueError, match="Give brake a list of numbers, one for each run"):
+    with pytest.raises(ValueError, match="brake must be a list of numbers, one for each run"):
         bb.sweep(sled(), 1.0, ["speed"], {"brake": MILLISECONDS})

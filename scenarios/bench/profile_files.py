@@ -56,7 +56,7 @@ def left_and_right(option: str, given: Sequence[Given]) -> tuple[Given, Given]:
 
 def within(option: str, value: float, unit: str, least: float, most: float) -> float:
     if not (math.isfinite(value) and least <= value <= most):
-        raise BadInputError(f"Give {option} a value from {least:g} to {most:g}{unit}: it was {value:g}{unit}.")
+        raise BadInputError(f"{option} must be from {least:g} to {most:g}{unit}; got {value:g}{unit}.")
     return value
 
 

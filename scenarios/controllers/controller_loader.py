@@ -56,7 +56,7 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
         return in_python["name"], form_of(class_in(Path(in_python["file"]), in_python["name"]))
     path = Path(text)
     if path.suffix not in KINDS:
-        raise BadInputError(f"Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was {text}.")
+        raise BadInputError(f"A controller must be FILE.py:CLASS, a shared library, a C file or an FMU; got {text}.")
     if not path.is_file():
         raise BadInputError(f"There is no file {path}; give the path of a controller.")
     if path.suffix == ".fmu":

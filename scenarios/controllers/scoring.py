@@ -192,9 +192,9 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run
                 instead = OF_THE_RIG.get(name, "what it gives is no input")
                 raise BadInputError(f"The case {case.name} may not set {name}: {instead}.")
             if not (of.minimum <= value <= of.maximum and math.isfinite(value)):
-                words = f"In the case {case.name} set {name} to a finite value from {of.minimum:g} to {of.maximum:g}"
+                words = f"{name} of the case {case.name} must be a finite value from {of.minimum:g} to {of.maximum:g}"
                 unit = "" if of.unit == "1" else f" {of.unit}"
-                raise BadInputError(f"{words}{unit}: it was {value:g}.")
+                raise BadInputError(f"{words}{unit}; got {value:g}.")
     return runs
 
 

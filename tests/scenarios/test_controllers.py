@@ -124,7 +124,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         (["bad.py:Good"], "bad.py has no class Good with a method step(time, wheel_speeds); give one that has."),
         (["none.py:Good"], "There is no file none.py; give FILE.py:CLASS."),
         (["libnone.so"], "There is no file libnone.so; give the path of a controller."),
-        (["LetGo"], "Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was LetGo."),
+        (["LetGo"], "A controller must be FILE.py:CLASS, a shared library, a C file or an FMU; got LetGo."),
         (["let_go.py:LetGo", "--rails", "slow"], "There is no rail slow; give some of dry, wet, low, changing."),
         (
             ["let_go.py:LetGo", "--speed", "25knots"],
@@ -148,7 +148,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         ),
         (
             ["gains.py:Gains(1"],
-            "Give FILE.py:CLASS, a shared library, a C file or an FMU as a controller: it was ",
+            "A controller must be FILE.py:CLASS, a shared library, a C file or an FMU; got ",
         ),
         (["gains.py:Gains(1, 2)"], "Gains of gains.py cannot be made with (1, 2) (TypeError: "),
         (["gains.py:Gains(share=1)"], "Gains of gains.py cannot be made with (share=1) (TypeError: "),
@@ -222,7 +222,7 @@ def test_starts_are_compared_with_a_protection_of_their_own(folder: Path, capsys
         ('equipment = ["traction"]', "mixes starts such as b with stops; give each a file of its own."),
         (
             'values = { sand_rate_1 = -1.0 }\nequipment = ["sanders"]',
-            "In the case b set sand_rate_1 to a finite value from 0 to 1 kg/s: it was -1.",
+            "sand_rate_1 of the case b must be a finite value from 0 to 1 kg/s; got -1.",
         ),
         ("values = { gradient = nan }", "my.toml must have finite numbers; got nan."),
         ("values = { sand_rate_1 = 0.03 }", "The case b sets sand_rate_1; give it equipment = ['sanders'] too."),

@@ -126,7 +126,7 @@ def test_rail_that_stands_upright_in_its_file_is_laid_inclined_without_what_over
         (["--wheel", "README", "--rail", "RAIL"], "README.md has 0 points; a wheel profile needs at least 20 rows"),
         (
             ["--wheel", "A", "--rail", "RAIL", "--gauge", "1.435"],
-            "Give --gauge a value from 500 to 2000 mm: it was 1.4",
+            "--gauge must be from 500 to 2000 mm; got 1.4",
         ),
         (
             ["--wheel", "A", "--rail", "RAIL", "--gauge", "nan"],
@@ -141,10 +141,10 @@ def test_rail_that_stands_upright_in_its_file_is_laid_inclined_without_what_over
             "a wheel stands on its flange or an end of a profile",
         ),
         (["--wheel", "A", "--rail", "RAIL", "--gauge", "1700"], "to the left a wheel stands beside its rail"),
-        (["--wheel", "A", "--rail", "RAIL", "--flange-back", "0"], "Give --flange-back a value from 500 to 2000 mm"),
-        (["--wheel", "A", "--rail", "RAIL", "--diameter", "0.92"], "Give --diameter a value from 200 to 2000 mm"),
+        (["--wheel", "A", "--rail", "RAIL", "--flange-back", "0"], "--flange-back must be from 500 to 2000 mm"),
+        (["--wheel", "A", "--rail", "RAIL", "--diameter", "0.92"], "--diameter must be from 200 to 2000 mm"),
         (["--wheel", "A", "--rail", "RAIL", "--diameter", "920", "800"], "the wheels nowhere roll on equal radii"),
-        (["--wheel", "A", "--rail", "RAIL", "--inclination", "0.05"], "Give --inclination a value from 5 to 1000"),
+        (["--wheel", "A", "--rail", "RAIL", "--inclination", "0.05"], "--inclination must be from 5 to 1000"),
         (
             ["--wheel", "A", "--rail", "METRES"],
             "metres.csv: y must span 20 to 500 mm; got 0.0715 mm. Give y and z in ",

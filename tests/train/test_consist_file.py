@@ -260,7 +260,7 @@ def test_what_is_no_line_is_told_in_one_sentence(tmp_path: Path, capsys: pytest.
         (1, {"force_error": "5 %"}, r"Ask for an error of the force of at least 0, a share: it was '5 %'\."),
         (1, {"distance_error": None}, r"Ask for an error of the distance of at least 0, a share: it was None\."),
         (1, {"releases": "no"}, r"releases must be True or False; got 'no'\."),
-        (1, {"line": "line.csv"}, r"Give the line as line_of\(\.\.\.\) makes it, .* it was 'line\.csv'\."),
+        (1, {"line": "line.csv"}, r"The line must be what line_of\(\.\.\.\) returns, .* got 'line\.csv'\."),
     ],
 )
 def test_what_makes_no_train_is_told_in_a_sentence(given: Any, more: dict[str, Any], sentence: str) -> None:
