@@ -22,6 +22,7 @@ RENAMED = {
     "led_speed": "external_vehicle_speed",
     "pneumatics": "cylinder_model",
     "smallest_level": "recommend_level",
+    "teeth": "pulses",
     "track-yields": "flexible-track",
     "track_yields": "flexible_track",
 }
