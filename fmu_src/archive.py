@@ -144,7 +144,7 @@ def parts_of(name: str) -> list[str]:
     parts = [part for part in name.split("/") if part]
     control = any(ord(letter) < 32 for letter in name)
     if not parts or name.startswith("/") or any(part in (".", "..") for part in parts) or control:
-        raise ArchiveError(f"{shown(name)} is no name of an entry")
+        raise ArchiveError(f"{shown(name)} is not a valid name of an entry")
     if "\\" in name or ":" in name:
         raise ArchiveError(f"{shown(name)} has a backslash or a colon in its name")
     if len(name) > LONGEST_NAME or max(len(part.encode(errors="replace")) for part in parts) > 255:

@@ -141,7 +141,7 @@ class BatchLibrary(Library):
         own = lanes or most
         if own not in (2, 4, 8) or own > most:
             raise ValueError(
-                f"Give 2, 4 or 8 lanes, at most {most} on this processor, or 0 for these; there were {lanes}."
+                f"lanes must be 2, 4 or 8, at most {most} on this processor, or 0 for the most; got {lanes}."
             )
         super().__init__(
             kept(
@@ -205,7 +205,7 @@ def table_of(values: Mapping[str, ArrayLike]) -> Numbers:
     for name, one in given.items():
         if one.ndim and one.shape != (count,):
             raise ValueError(
-                f"Give {name} one number, or {count} of them as others have: it was an array of shape {one.shape}."
+                f"{name} must be one number, or {count} of them as others are; got an array of shape {one.shape}."
             )
     table = np.empty((count, len(given)))
     for column, one in enumerate(given.values()):
@@ -547,5 +547,5 @@ def _one_or_each(name: str, value: ArrayLike, count: int) -> Numbers:
     if np.ma.is_masked(value):
         raise ValueError(f"{name} must be numbers that are not masked; got {value!r}. Fill in the masked ones.")
     if given.shape not in ((), (count,)):
-        raise ValueError(f"Give {name} one number, or {count} of them: it was an array of shape {given.shape}.")
+        raise ValueError(f"{name} must be one number, or {count} of them; got an array of shape {given.shape}.")
     return given

@@ -314,7 +314,7 @@ class Kernel:
         return table | {name: buffer[column : kept * columns : columns] for column, name in enumerate(names)}
 
     def save(self) -> bytes:
-        """Return the complete state, sealed: changed bytes are refused."""
+        """Return the complete state bit for bit, sealed: changed bytes are refused."""
         buffer = ctypes.create_string_buffer(self._call.kernel_state_size(self._handle))
         self._call.kernel_save(self._handle, buffer)
         return buffer.raw

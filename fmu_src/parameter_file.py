@@ -35,7 +35,7 @@ def parameter_file(name: str, description: str, values: Mapping[str, float], var
     parameters = ET.SubElement(root, "ssv:Parameters")
     for key, value in values.items():
         if key not in known:
-            raise ValueError(f"The parameter set {name} has {key}, which is no variable of the FMU.")
+            raise ValueError(f"The parameter set {name} has {key}, which is not a variable of the FMU.")
         real = known[key].kind == "real"
         add_parameter(parameters, key, value, real, {"unit": known[key].unit} if real else {})
     used = {known[key].unit for key in values if known[key].kind == "real"}

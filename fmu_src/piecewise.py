@@ -73,7 +73,7 @@ def look_up(chain: Chain, name: str, breakpoints: np.ndarray, coefficients: np.n
     """
     breakpoints, coefficients = np.asarray(breakpoints, float), np.asarray(coefficients, float)
     if np.any(np.diff(breakpoints) <= 0.0) or coefficients.shape[0] != breakpoints.size - 1:
-        raise ValueError(f"Table {name}: give increasing breakpoints and one row of coefficients for each piece.")
+        raise ValueError(f"Table {name} must have increasing breakpoints and one row of coefficients for each piece.")
     part = _piece_at(breakpoints.tobytes(), coefficients.tobytes(), coefficients.shape[1])
     return chain.call(part, ca.SX(argument), ca.SX(0, 1))
 

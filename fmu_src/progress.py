@@ -1,4 +1,4 @@
-"""Progress bars: on terminals alone, and only for what takes longer than PATIENCE."""
+"""Progress bars: on terminals alone, and only for runs longer than PATIENCE."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -13,7 +13,7 @@ PATIENCE = 2.0
 
 @dataclass
 class _Switch:
-    """Whether this process shows bars."""
+    """Setting of this process for all bars."""
 
     hidden: bool = False
 

@@ -34,7 +34,7 @@ def fault_of(data: bytes, system: str = sys.platform) -> str:
     Linux maps a file that is cut off and ends the process where it reads beyond its end. Windows and macOS refuse it.
     """
     if not data.startswith(BEGINNINGS.get(system, (b"",))):
-        return "is no shared library of this system"
+        return "is not a shared library of this system"
     if system != "linux":
         return ""
     try:
@@ -52,7 +52,7 @@ def _fault_of_elf(data: bytes) -> str:
         f"{order}HHI{'QQQ' if wide else 'III'}IHHHHHH", data, 16
     )
     if kind != ET_DYN:
-        return "is no shared library"
+        return "is not a shared library"
     segments = [_segment(data, programs + number * each, wide, order) for number in range(count)]
     ends = [one.offset + one.in_file for one in segments if one.in_file]
     end = max([programs + count * each, sections + section_count * each_section if sections else 0, *ends])

@@ -303,7 +303,7 @@ class Condition:
 
     def __post_init__(self) -> None:
         if self.sentence.count("%s") != 1:
-            raise ValueError(f"Give the sentence {self.sentence!r} one %s, where the time stands.")
+            raise ValueError(f"The message {self.sentence!r} must have one %s, for the time.")
 
     @property
     def first_look(self) -> ca.SX:
@@ -562,7 +562,7 @@ class System(Chain):
         name = one.name() if one.is_valid_input() and one.is_scalar() else ""
         if name not in self.states or not ca.is_equal(self.states[name].symbol, one):
             raise ValueError(
-                f"{state} is no state of {self.name}; give the symbol that state() or algebraic() returned."
+                f"{state} is not a state of {self.name}; give the symbol that state() or algebraic() returned."
             )
         return name
 
@@ -713,7 +713,7 @@ class Relation:
 
     def __post_init__(self) -> None:
         if not self.terms or self.sentence.replace("%%", "").count("%s") != 1:
-            raise ValueError(f"Give the relation {self.sentence!r} parameters, and one %s, where what lacks stands.")
+            raise ValueError(f"The relation {self.sentence!r} must have parameters, and one %s for the missing amount.")
 
 
 @dataclass(frozen=True, eq=False)

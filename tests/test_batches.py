@@ -351,7 +351,7 @@ def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> N
         (
             lambda: bb.batch("bogie", 1.0, ["speed"], friction_1=[0.1, 0.2], friction_2=[0.1]),
             ValueError,
-            "Give friction_2 one number, or 2 of them as others have: it was an array of shape (1,).",
+            "friction_2 must be one number, or 2 of them as others are; got an array of shape (1,).",
         ),
         (
             lambda: bb.batch("bogie", 1.0, ["speed"], brake_torque_1=lambda time: time),

@@ -68,10 +68,10 @@ class Master:
 
     def __post_init__(self) -> None:
         if self.method not in (JACOBI, GAUSS_SEIDEL):
-            raise CosimulationError(f"Couple with {JACOBI} or {GAUSS_SEIDEL}: {self.method} was given.")
+            raise CosimulationError(f"method must be {JACOBI} or {GAUSS_SEIDEL}; got {self.method}.")
         tolerance = self.coupling_tolerance
         if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0.0):
-            raise CosimulationError(f"Give a coupling tolerance above 0: it was {tolerance:g}.")
+            raise CosimulationError(f"coupling_tolerance must be finite and above 0; got {tolerance:g}.")
 
 
 @dataclass
@@ -236,7 +236,7 @@ class Coupling:
             If the step is not above 0 s, or the run has too many steps.
         """
         if not (math.isfinite(step) and step > 0.0):
-            raise CosimulationError(f"Give a macro step above 0 s: it was {step:g} s.")
+            raise CosimulationError(f"step must be finite and above 0 s; got {step:g} s.")
         if not duration / step <= MOST_STEPS:
             raise CosimulationError(
                 f"A run must have at most {MOST_STEPS:g} macro steps; got {duration:g} s with steps of {step:g} s. "
@@ -333,7 +333,7 @@ def column_names(record: Sequence[tuple[FmuInstance, str]]) -> list[str]:
     twice = [name for name, count in Counter(names).items() if count > 1 or name == "time"]
     if twice:
         raise CosimulationError(
-            f"Two columns would be called {twice[0]}: give each slave a name of its own, FmuInstance(path, name), "
-            "and ask for each output once."
+            f"Each column must have its own name; two are {twice[0]}. Name each instance, FmuInstance(path, name), "
+            "and record each output once."
         )
     return names

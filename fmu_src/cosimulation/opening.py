@@ -84,7 +84,7 @@ def fault_of_description(about: ModelDescription) -> str:
     if about.coSimulation is None:
         return "is for model exchange only; export it for co-simulation"
     if not IDENTIFIER.fullmatch(about.coSimulation.modelIdentifier or ""):
-        return f"is not a valid FMU: its modelIdentifier {about.coSimulation.modelIdentifier!r} is no name in C"
+        return f"is not a valid FMU: its modelIdentifier {about.coSimulation.modelIdentifier!r} is not a name in C"
     for one in about.modelVariables:
         count = 1
         for size in one.shape:

@@ -172,7 +172,7 @@ class FmuInstance:
         """Return the calls that read some variables: kind, value references, and their places among the names."""
         for name in names:
             if self._reference(name)[1] == "String" or self._size(name) != 1:
-                raise CosimulationError(f"{name} of {self.name} is no single number; take `array` for an array.")
+                raise CosimulationError(f"{name} of {self.name} is not a single number; use `array` for an array.")
         kinds = dict.fromkeys(self._reference(name)[1] for name in names)
         plan = []
         for kind in kinds:
@@ -190,7 +190,7 @@ class FmuInstance:
             return [value]
         given = np.ravel(value).tolist()
         if len(given) != self._size(name):
-            raise CosimulationError(f"Give {name} of {self.name} {self._size(name)} numbers; there are {len(given)}.")
+            raise CosimulationError(f"{name} of {self.name} must have {self._size(name)} numbers; got {len(given)}.")
         return given if kind in self._face.reals else [int(one) for one in given]
 
     def step(self, time: float, size: float) -> None:

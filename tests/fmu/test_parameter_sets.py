@@ -51,7 +51,7 @@ def test_fmu_takes_its_set_and_gives_it_back(fmus: dict, files: dict[str, Parame
 
 
 def test_parameter_of_another_fmu_is_refused() -> None:
-    with pytest.raises(ValueError, match="The parameter set odd has frame_mass, which is no variable of the FMU"):
+    with pytest.raises(ValueError, match="The parameter set odd has frame_mass, which is not a variable of the FMU"):
         parameter_file("odd", "", {"frame_mass": 1.0}, model_of("brake").variables)
 
 

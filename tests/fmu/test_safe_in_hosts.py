@@ -106,7 +106,7 @@ def test_a_sentence_of_a_model_is_no_format(sentence: str, ends: bool) -> None:
 
 def test_a_sentence_without_a_place_for_its_time_is_refused() -> None:
     for sentence in ("No time.", "%s and %s."):
-        with pytest.raises(ValueError, match="one %s, where the time stands"):
+        with pytest.raises(ValueError, match="one %s, for the time"):
             saying(sentence)
 
 

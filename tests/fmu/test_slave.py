@@ -68,9 +68,9 @@ def test_arrays_go_in_and_come_out_row_by_row(arrays: Path) -> None:
 def test_what_an_array_is_not_is_told(arrays: Path) -> None:
     with FmuInstance(arrays) as slave:
         slave.start()
-        with pytest.raises(CosimulationError, match="Give u of Arrays 3 numbers; there are 2"):
+        with pytest.raises(CosimulationError, match="u of Arrays must have 3 numbers; got 2"):
             slave.set(u=[1.0, 2.0])
-        with pytest.raises(CosimulationError, match="y of Arrays is no single number; take `array` for an array"):
+        with pytest.raises(CosimulationError, match="y of Arrays is not a single number; use `array` for an array"):
             slave["y"]
         slave.step(0.0, 1.0)
         with pytest.raises(CosimulationError, match="Arrays: The FMU asked to end the run"):

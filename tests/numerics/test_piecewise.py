@@ -149,5 +149,5 @@ def test_polynomials_have_their_derivatives_and_interpolation_its_points() -> No
 
 @pytest.mark.parametrize(("breakpoints", "rows"), [([0.0, 0.0, 1.0], 2), ([0.0, 2.0, 1.0], 2), ([0.0, 1.0], 2)])
 def test_a_table_that_is_none_is_refused(breakpoints: list[float], rows: int) -> None:
-    with pytest.raises(ValueError, match="Table friction: give increasing breakpoints and one row of coefficients"):
+    with pytest.raises(ValueError, match="Table friction must have increasing breakpoints and one row of coefficients"):
         look_up(Chain(), "friction", np.array(breakpoints), np.ones((rows, 2)), AT)

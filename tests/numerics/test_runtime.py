@@ -451,5 +451,5 @@ def test_an_equation_of_what_is_no_state_is_refused() -> None:
     one, other = System("one", "a state"), System("other", "a state of the same name")
     x = one.state("x", "1", 0.0, 1.0)
     for wrong in (2 * x, other.state("x", "1", 0.0, 1.0)):
-        with pytest.raises(ValueError, match=r"is no state of one; give the symbol that state\(\) or algebraic\(\)"):
+        with pytest.raises(ValueError, match=r"is not a state of one; give the symbol that state\(\) or algebraic\(\)"):
             one.derivative(wrong, x)
