@@ -48,7 +48,7 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
     """
     if pressure_kpa not in EXPERIMENT:
         known = ", ".join(str(pressure) for pressure in EXPERIMENT)
-        raise ValueError(f"Choose a pressure of the experiment, {known} kPa: it was {pressure_kpa} kPa.")
+        raise ValueError(f"pressure_kpa must be one of {known}; got {pressure_kpa}. Choose one of these.")
     row = EXPERIMENT[pressure_kpa]
     return BrakeParameters(
         application_time=APPLICATION_TIME,

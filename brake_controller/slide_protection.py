@@ -40,9 +40,11 @@ class SlideProtectionParameters:
         for item in fields(self):
             value = getattr(self, item.name)
             if not (math.isfinite(value) and value >= 0.0):
-                raise ValueError(f"Set {item.name} to a finite value of at least 0: it was {value}.")
+                raise ValueError(f"{item.name} must be finite and at least 0; got {value}. Give such a number.")
         if not self.upper_slip > self.lower_slip:
-            raise ValueError(f"Set upper_slip above lower_slip, {self.lower_slip}: it was {self.upper_slip}.")
+            raise ValueError(
+                f"upper_slip must be above lower_slip, {self.lower_slip}; got {self.upper_slip}. Increase it."
+            )
 
 
 def common_protection() -> SlideProtectionParameters:

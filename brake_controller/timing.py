@@ -129,7 +129,7 @@ def _end(pressure: float, end: float | None) -> float:
 def _scaled(diameter: float, takes: float, wanted: float) -> float:
     """Return the diameter [m] for the required time, rounded to 0.1 um: the same start values on every computer."""
     if not wanted > 0.0:
-        raise ValueError(f"Set the time to a value above 0 s: it was {wanted:g} s.")
+        raise ValueError(f"The time must be above 0 s; got {wanted:g} s. Give a longer time.")
     return round(diameter * math.sqrt(takes / wanted), 7)
 
 

@@ -52,9 +52,11 @@ class SpinProtectionParameters:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"Set {name} to a finite number above 0: it was {value}.")
+                raise ValueError(f"{name} must be finite and above 0; got {value}. Give such a number.")
         if self.lower_slip >= self.upper_slip:
-            raise ValueError(f"Set lower_slip below upper_slip, {self.upper_slip}: it was {self.lower_slip}.")
+            raise ValueError(
+                f"lower_slip must be below upper_slip, {self.upper_slip}; got {self.lower_slip}. Reduce it."
+            )
 
 
 def common_spin_protection() -> SpinProtectionParameters:

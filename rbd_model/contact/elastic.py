@@ -26,7 +26,7 @@ class StiffnessFit:
 def stiffness_fit() -> StiffnessFit:
     """Return the least-squares fit of the exact force of Johnson (1985), section 4.2.
 
-    delta = 3 N K / (2 pi a E*), a b^2 = 3 N E / (2 pi E* (A + B)), with a >= b, g = b/a. From these
+    delta = 3 N K / (2 pi a E*), a b^2 = 3 N E / (2 pi E* (A + B)), with a >= b, g = b/a. They give
     N = (2 pi / 3) E* (delta / K)^1.5 (E / (g^2 (A + B)))^0.5. E* = G / (1 - nu) for two equal bodies.
     """
     g = ca.SX.sym("g")

@@ -215,8 +215,8 @@ def contact_at(pair: Sides, shift: float, rolls: bool = True) -> ContactAtShift:
 
     shift [m]: of the axle. rolls: if false, the wheelset stays level, as EN 15302 assumes for the equivalent conicity.
 
-    Beyond the flange contact no balance exists. As the wheel climbs by dz, the roll moves its contact sideways by r/2b
-    dz. This is more than the flange recedes, and the search ends on the flange's tip.
+    Beyond the flange contact no balance exists. The roll of a wheel that climbs by dz moves its contact sideways by
+    r/2b dz. This is more than the flange recedes, and the search ends on the flange's tip.
     """
     left, right = (np.arange(*side.wheel.limits, GRID) for side in pair.both)
     return _touch(pair, shift, (left, right))[0] if rolls else _contact(pair, shift, 0.0, (left, right))[0]
@@ -478,7 +478,7 @@ def equivalent_conicity(
     """
     amplitudes = np.asarray(amplitudes, float)
     if not np.all(amplitudes > 0.0):
-        raise ValueError(f"Give amplitudes above 0 m: the smallest was {np.min(amplitudes):g} m.")
+        raise ValueError(f"All amplitudes must be above 0 m; got {np.min(amplitudes):g} m. Leave it out.")
     along = guidance(pair, float(np.max(amplitudes)), points, rolls)
     moved = [np.interp(side * amplitudes, along.shift, along.moved) for side in (LEFT, RIGHT)]
     return np.array([along.conicity(float(reach)) for reach in (moved[0] - moved[1]) / 2])

@@ -259,7 +259,7 @@ def read_profile(path: str | Path, kind: str, inclination: float = 0.0, side: st
     inclination : float
         Slope by which a rail that stands upright in the file is laid towards the middle of the track.
     side : str, optional
-        The side of the file's y towards the middle of the track, "y-" or "y+". By default it is that of the flange. For
+        The side of the file's y towards the middle of the track, "y-" or "y+". The default is that of the flange. For
         a rail it is the side to which the rail leans, or whose corner is worn. `Profile.gauge_side` holds the side and
         the reason.
 

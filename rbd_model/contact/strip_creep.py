@@ -7,7 +7,7 @@ friction times pressure.
 The flexibility of a strip depends on its length and on the stress beside it, not on the patch as a whole. If a patch
 has a long shoulder, one ellipse for all of it has errors of up to 21 % of mu N, with any number of strips. Therefore
 the flexibility follows from the deformation of the surfaces, as the loads do in `normal`. If nothing slides, the stress
-on each strip is that of Carter (1926), t G ((a - x) / (a + x))^(1/2). By Cerruti it stretches both surfaces in the
+on each strip is that of Carter (1926), t G ((a - x) / (a + x))^(1/2). It stretches, by Cerruti, both surfaces in the
 middles of all strips. The t are those for which the stretch equals the creepage. They give c = pi^2 / 2 t. In an
 ellipse this is everywhere Kalker's coefficient of bodies with Poisson's ratio 0. The effect of Poisson's ratio, for
 creepage ahead, to the side and from spin, is that of the ellipse with the same c.

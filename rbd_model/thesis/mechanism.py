@@ -109,11 +109,12 @@ class Mechanism:
     ) -> None:
         for name, value in AS_PRINTED.items():
             if getattr(parameters, name) != value:
-                raise ValueError(f"Set {name} to {value:g}, as chapter 3 has it: it was {getattr(parameters, name):g}.")
+                got = getattr(parameters, name)
+                raise ValueError(f"{name} must be {value:g} in chapter 3; got {got:g}. Use `as_printed`.")
         if parameters.longitudinal_half_spacing != parameters.vertical_half_spacing:
             raise ValueError(
-                f"Set vertical_half_spacing to longitudinal_half_spacing, {parameters.longitudinal_half_spacing:g} m: "
-                f"each element of chapter 3 has one place, it was {parameters.vertical_half_spacing:g} m."
+                f"vertical_half_spacing must equal longitudinal_half_spacing, {parameters.longitudinal_half_spacing:g} m,"
+                f" in chapter 3; got {parameters.vertical_half_spacing:g} m. Set both to one value."
             )
         self.parameters, self.pair, self.irregularity, self.ellipse = parameters, pair, irregularity, ellipse
         self.wheelsets, self.speed = wheelsets, speed

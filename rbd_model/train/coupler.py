@@ -49,13 +49,18 @@ class Curve:
     def __post_init__(self) -> None:
         if len(self.ways) != len(self.forces) or not 2 <= len(self.ways) < POINTS or self.ways[0] != 0.0:
             raise ValueError(
-                f"Give a coupler's curve 2 to {POINTS - 1} ways, the first 0 m, and as many forces: they were"
-                f" {list(self.ways)} and {list(self.forces)}."
+                f"A coupler's curve must have 2 to {POINTS - 1} ways, the first 0 m, and as many forces; got"
+                f" {list(self.ways)} and {list(self.forces)}. Correct its points."
             )
         if any(b <= a for a, b in pairwise(self.ways)) or any(b < a for a, b in pairwise(self.forces)):
-            raise ValueError(f"Let ways of a coupler's curve rise and its forces never fall: they were {self}.")
+            raise ValueError(
+                f"Ways of a coupler's curve must rise and its forces never fall; got {self}. Sort its points."
+            )
         if self.forces[0] < 0.0:
-            raise ValueError(f"Set the preload of a coupler's curve to at least 0 N: it was {self.forces[0]:g} N.")
+            raise ValueError(
+                f"The preload of a coupler's curve must be at least 0 N; got {self.forces[0]:g} N. "
+                "Correct its first force."
+            )
 
     def bends(self, locked: float, stroke: float) -> list[tuple[float, float]]:
         """Return pairs of travel [m] and change of slope [N/m] there.
@@ -68,13 +73,14 @@ class Curve:
             points = [(0.0, 0.0), (points[0][1] / locked, points[0][1]), *points[1:]]
         if any(b <= a for (a, _), (b, _) in pairwise(points)):
             raise ValueError(
-                f"Set a coupler's locked stiffness so high that its preload is reached before {points[2][0]:g} m."
+                f"A coupler's preload must be reached before {points[2][0]:g} m; at its locked stiffness it is reached"
+                f" at {points[1][0]:g} m. Increase the locked stiffness."
             )
         slopes = [(fb - fa) / (b - a) for (a, fa), (b, fb) in pairwise(points)]
         if max(slopes) > locked * (1 + 1e-9):
             raise ValueError(
-                f"Set a coupler's locked stiffness to at least the steepest slope of its curves, {max(slopes):g} N/m:"
-                f" it was {locked:g} N/m."
+                "A coupler's locked stiffness must be at least the steepest slope of its curves,"
+                f" {max(slopes):g} N/m; got {locked:g} N/m. Increase it, or give flatter curves."
             )
         changes = [after - before for before, after in pairwise([0.0, *slopes, locked])]
         found = list(zip([*(way for way, _ in points[:-1]), stroke], changes, strict=True))
@@ -107,8 +113,8 @@ class Coupler:
                 load, unload = (sum(change * max(way - at, 0.0) for at, change in bends) for bends in both)
                 if unload > load * (1 + 1e-9):
                     raise ValueError(
-                        f"Let the {sense} of a coupler unload below its curve of loading: at {way:g} m they are "
-                        f"{unload:g} N and {load:g} N."
+                        f"A coupler's unloading force in {sense} must be at most that of loading, {load:g} N at {way:g}"
+                        f" m; got {unload:g} N. Lower the curve of unloading."
                     )
 
     def _bends(self, *curves: Curve) -> list[list[tuple[float, float]]]:

@@ -173,7 +173,7 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     check_ellipses(one)
     wheel, state = feel_rail(assembly, number, index, stance)
     track = TurningTrack(body.track.turning, body.stretch)
-    # As the track turns about its own axis, so does the rail's place. The patch adds the part beside this axis.
+    # The rail's place turns with the track about its own axis. The patch adds the part beside this axis.
     on, moved = stance.on, stance.give.moved
     lies = ca.vertcat(0, on.centre + wheel.side * on.spread[0], on.heights[index] + stance.settled)
     lies += ca.vertcat(0, moved[0], moved[1 + index])

@@ -205,5 +205,5 @@ def test_fully_applied_uic_brake_presses_with_what_the_spring_leaves(brake: Libr
 
 
 def test_time_that_no_restriction_gives_is_refused() -> None:
-    with pytest.raises(ValueError, match="Set the time to a value above 0 s: it was 0 s"):
+    with pytest.raises(ValueError, match="The time must be above 0 s; got 0 s"):
         with_application_time(uic_p().flow, UIC_PRESSURE, 0.0)

@@ -140,12 +140,12 @@ def test_standing_wheels_stay_braked() -> None:
     ("name", "value"), [("lower_slip", -0.1), ("upper_slip", math.nan), ("lead_time", -1.0), ("watchdog", math.inf)]
 )
 def test_unphysical_thresholds_are_refused_with_name_value_and_limit(name: str, value: float) -> None:
-    with pytest.raises(ValueError, match=f"Set {name} to"):
+    with pytest.raises(ValueError, match=f"{name} must be finite and at least 0; got {value}"):
         replace(common_protection(), **{name: value})
 
 
 def test_thresholds_in_the_wrong_order_are_refused() -> None:
-    with pytest.raises(ValueError, match="Set upper_slip above lower_slip"):
+    with pytest.raises(ValueError, match=r"upper_slip must be above lower_slip, 0\.2; got 0\.1"):
         replace(common_protection(), lower_slip=0.2, upper_slip=0.1)
 
 

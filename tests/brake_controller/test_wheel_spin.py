@@ -70,7 +70,7 @@ def test_a_lost_sensor_lets_its_motor_go_only_while_the_others_spin() -> None:
 
 
 def test_thresholds_that_cannot_be_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"Set lower_slip below upper_slip, 0\.1: it was 0\.2"):
+    with pytest.raises(ValueError, match=r"lower_slip must be below upper_slip, 0\.1; got 0\.2"):
         replace(common_spin_protection(), lower_slip=0.2)
-    with pytest.raises(ValueError, match="Set slowest to a finite number above 0: it was 0"):
+    with pytest.raises(ValueError, match="slowest must be finite and above 0; got 0"):
         replace(common_spin_protection(), slowest=0)

@@ -311,7 +311,7 @@ def test_where_the_radius_difference_turns_near_the_centre_only_wide_waves_cross
 
 
 def test_amplitude_of_nothing_is_refused() -> None:
-    with pytest.raises(ValueError, match="Give amplitudes above 0 m: the smallest was 0 m"):
+    with pytest.raises(ValueError, match="All amplitudes must be above 0 m; got 0 m"):
         equivalent_conicity(thesis_pair(), np.array([0.0, 1e-3]))
 
 
