@@ -123,7 +123,20 @@ def _valid_speed(speed: float) -> float:
 
 
 def build_up_time(case: Case, length: float) -> float:
-    """Return the equivalent build-up time of a train's brakes [s], by its length [m] (SUBSET-026 A.3.8, A.3.9)."""
+    """Return the equivalent build-up time of a train's brakes [s] (SUBSET-026 A.3.8, A.3.9).
+
+    Parameters
+    ----------
+    case : Case
+        Kind of braking.
+    length : float
+        Length of the train [m].
+
+    Raises
+    ------
+    ValueError
+        If the case is not valid for this length.
+    """
     of = case.value
     advice = f"give a length for which {case.name} has a build-up time, or another case"
     _within("length of the train", length, "m", 0.0, of.most_length, advice)
@@ -138,9 +151,21 @@ def limit_speed(percentage: float) -> float:
 
 
 def deceleration_steps(case: Case, percentage: float) -> tuple[DecelerationStep, ...]:
-    """Return decelerations over speed, slowest band first (SUBSET-026 A.3.7), of lambda [%].
+    """Return decelerations over speed, slowest band first (SUBSET-026 A.3.7).
 
     Bands of speed that end below the limit speed are omitted. The first remaining one begins there.
+
+    Parameters
+    ----------
+    case : Case
+        Kind of braking.
+    percentage : float
+        Brake weight percentage lambda [%], 30 to 250.
+
+    Raises
+    ------
+    ValueError
+        If the percentage is outside its limits.
     """
     of = _valid_percentage(percentage)
     if case.value.service:
@@ -166,7 +191,18 @@ def braking_distance(steps: Sequence[DecelerationStep], speed: float) -> float:
 def stopping_distance(case: Case, speed: float, percentage: float, length: float) -> float:
     """Return the distance of a train from demand to stop [m], v T plus braking distance (SUBSET-026 A.3.7 to A.3.9).
 
-    speed [m/s], percentage [%], length of the train [m]; level track.
+    The track is level.
+
+    Parameters
+    ----------
+    case : Case
+        Kind of braking.
+    speed : float
+        Speed at the demand [m/s].
+    percentage : float
+        Brake weight percentage [%].
+    length : float
+        Length of the train [m].
     """
     coming = _valid_speed(speed) * build_up_time(case, length)
     return coming + braking_distance(deceleration_steps(case, percentage), speed)
@@ -218,7 +254,14 @@ def distance_of_vehicle(percentage: float, assessment: Assessment) -> float:
 def mean_deceleration(speed: float, distance: float, build_up: float = VEHICLE_BUILD_UP) -> float:
     """Return the mean deceleration once the brake is on [m/s2], v^2 / (2 (S - T v)) (EN 14531-1).
 
-    speed v [m/s], stopping distance S [m], build-up time T [s].
+    Parameters
+    ----------
+    speed : float
+        Speed v [m/s].
+    distance : float
+        Stopping distance S [m].
+    build_up : float
+        Build-up time T [s].
     """
     _above_zero("speed", speed, "m/s", "a vehicle that stands has no deceleration")
     _within("build-up time", build_up, "s", 0.0, math.inf, "give the equivalent time of the brake")

@@ -33,10 +33,18 @@ def filling_time(flow: FlowParameters, target: float, pressure: float) -> float:
 
 
 def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float) -> float:
-    """Return the time from one gauge pressure to a lower one [s] through an opening [m].
+    """Return the time from one gauge pressure to a lower one [s] through an opening.
 
-    The cylinder was filled to `start` before. The remaining air, an ideal gas, expands along its polytrope, T ~ p^((n -
-    1) / n), including the piston's return.
+    The remaining air, an ideal gas, expands along its polytrope, T ~ p^(1 - 1 / n), including the piston's return.
+
+    Parameters
+    ----------
+    flow : FlowParameters
+        The cylinder and its air.
+    orifice : float
+        Diameter of the opening [m].
+    start, end : float
+        First and last gauge pressure [Pa]. The cylinder was filled to `start` before.
     """
     p = ca.SX.sym("pressure")
     values, n = _symbols(flow), flow.polytropic_exponent
@@ -48,9 +56,7 @@ def emptying_time(flow: FlowParameters, orifice: float, start: float, end: float
 
 
 def temperature_after_filling(flow: FlowParameters, pressure: float) -> float:
-    """Return the air's temperature [K], an ideal gas, after the cylinder was filled from empty to a gauge pressure
-    [Pa].
-    """
+    """Return the temperature of the air, an ideal gas, after the cylinder was filled from empty to `pressure` [K]."""
     p = ca.SX.sym("pressure")
     values = _symbols(flow)
     empty, full = (float(piston(ca.SX(x), values).volume) for x in (0.0, pressure))
@@ -67,9 +73,7 @@ def application_time(flow: FlowParameters, pressure: float) -> float:
 
 
 def release_time(flow: FlowParameters, pressure: float, end: float | None = None) -> float:
-    """Return the time from a gauge pressure [Pa] to 5 % of it, or to `end` [Pa], through the exhaust, section 2.4.2
-    [s].
-    """
+    """Return the time from a gauge pressure [Pa] to 5 % of it, or to `end` [Pa], by the exhaust, section 2.4.2 [s]."""
     return emptying_time(flow, flow.release_orifice, pressure, _end(pressure, end))
 
 

@@ -25,9 +25,7 @@ ROLL_LIMITS = (0.002, 0.004, 0.008, 0.016, 0.05)
 
 @dataclass(frozen=True)
 class Side:
-    """A wheel on its rail [m]: its radius at y = 0, and the distances of the y = 0 of wheel and rail from the
-    middle.
-    """
+    """A wheel on its rail [m]: its radius at y = 0, and distances of the y = 0 of wheel and rail from the middle."""
 
     wheel: Profile
     rail: Profile
@@ -213,10 +211,17 @@ def _contact(pair: Sides, shift: float, roll: float, search: Search) -> tuple[Co
 def contact_at(pair: Sides, shift: float, rolls: bool = True) -> ContactAtShift:
     """Return the contact of rigid profiles at any place of the contour (one-sided: no penetration), section 4.3.
 
-    shift [m]: of the axle. rolls: if false, the wheelset stays level, as EN 15302 assumes for the equivalent conicity.
-
     Beyond the flange contact no balance exists. The roll of a wheel that climbs by dz moves its contact sideways by
     r/2b dz. This is more than the flange recedes, and the search ends on the flange's tip.
+
+    Parameters
+    ----------
+    pair : Sides
+        Wheels and rails of both sides.
+    shift : float
+        Shift of the axle to the left [m].
+    rolls : bool
+        If false, the wheelset stays level, as EN 15302 assumes for the equivalent conicity.
     """
     left, right = (np.arange(*side.wheel.limits, GRID) for side in pair.both)
     return _touch(pair, shift, (left, right))[0] if rolls else _contact(pair, shift, 0.0, (left, right))[0]
@@ -450,8 +455,7 @@ def _area(half: list[tuple[float, float, float]]) -> np.ndarray:
 def equivalent_conicity(
     pair: Sides, amplitudes: np.ndarray, rolls: bool = True, points: int | None = None
 ) -> np.ndarray:
-    """Return tan(gamma_e) at the amplitudes [m], shape (n,): the cone with the wavelength, eq. (2.1), of the real
-    profiles.
+    """Return tan(gamma_e): the cone with the wavelength, eq. (2.1), of the real profiles.
 
     The wave eta(x) obeys eta'' = -Dr / (e r0), with e = 2 wheel_half_distance. Its period follows from one integral
     over the amplitude (EN 15302:2008, annex B, which omits the roll: rolls False). eta is the shift of the contacts, y
@@ -470,6 +474,22 @@ def equivalent_conicity(
     about another point, moves away, or, if Dr is 0, stays. Annex B gives no result there. The function then returns
     that of annex C, half the slope of the line that fits Dr best between the ends. This is 0 if the wheelset is not
     guided, and negative if it is driven outwards.
+
+    Parameters
+    ----------
+    pair : Sides
+        Wheels and rails of both sides.
+    amplitudes : array, shape (n,)
+        Amplitudes of the wave [m], above 0.
+    rolls : bool
+        If false, the wheelset stays level, as in EN 15302.
+    points : int, optional
+        Number of points of Dr; by default steps are at most STEP.
+
+    Returns
+    -------
+    array, shape (n,)
+        tan(gamma_e) at the amplitudes [1].
 
     Raises
     ------

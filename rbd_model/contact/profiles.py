@@ -70,7 +70,14 @@ class Profile:
 
 
 def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike) -> Profile:
-    """Return the least-squares quintic spline through points [m] (section 3.3.2), with knots every KNOT_DISTANCE.
+    """Return the least-squares quintic spline through points (section 3.3.2), with knots every KNOT_DISTANCE.
+
+    Parameters
+    ----------
+    name, source : str
+        Name of the profile, and origin of its points.
+    y, z : array, shape (n,)
+        Points of the contour [m], y increasing.
 
     Raises
     ------

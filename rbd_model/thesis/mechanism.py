@@ -113,8 +113,8 @@ class Mechanism:
                 raise ValueError(f"{name} must be {value:g} in chapter 3; got {got:g}. Use `as_printed`.")
         if parameters.longitudinal_half_spacing != parameters.vertical_half_spacing:
             raise ValueError(
-                f"vertical_half_spacing must equal longitudinal_half_spacing, {parameters.longitudinal_half_spacing:g} m,"
-                f" in chapter 3; got {parameters.vertical_half_spacing:g} m. Set both to one value."
+                f"vertical_half_spacing must equal longitudinal_half_spacing, {parameters.longitudinal_half_spacing:g}"
+                f" m, in chapter 3; got {parameters.vertical_half_spacing:g} m. Set both to one value."
             )
         self.parameters, self.pair, self.irregularity, self.ellipse = parameters, pair, irregularity, ellipse
         self.wheelsets, self.speed = wheelsets, speed

@@ -43,12 +43,23 @@ QUINTIC = (_AWAY * _LEFT**3 * Polynomial([1.0, 3.0]), _AWAY**2 * _LEFT**3 / 2)
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of line whose curvature [1/m], cant [m] and gradient [1] change linearly from a first to a last value.
+    """A piece of line whose curvature, cant and gradient change linearly from a first to a last value.
+
+    Parameters
+    ----------
+    length : float
+        Length [m], above 0.
+    curvature : tuple of float
+        First and last curvature [1/m].
+    cant : tuple of float
+        First and last cant [m].
+    gradient : tuple of float
+        First and last gradient [1].
 
     Raises
     ------
     ValueError
-        If the length [m] is not above 0, or a value is not finite.
+        If the length is not above 0, or a value is not finite.
     """
 
     length: float
@@ -74,13 +85,31 @@ class Segment:
 
 
 def straight(length: float, gradient: float = 0.0) -> Segment:
-    """Return straight track of a length [m] on one gradient [1]."""
+    """Return straight track.
+
+    Parameters
+    ----------
+    length : float
+        Length [m], above 0.
+    gradient : float
+        Rise per metre [1].
+    """
     return Segment(length, gradient=(gradient, gradient))
 
 
 def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) -> Segment:
-    """Return a curve of one radius [m], to the left if it is positive; cant [m] has the sign of the radius that it
-    suits.
+    """Return a curve of one radius.
+
+    Parameters
+    ----------
+    length : float
+        Length [m], above 0.
+    radius : float
+        Radius [m], positive for a curve to the left.
+    cant : float
+        Cant [m], with the sign of the radius that it suits.
+    gradient : float
+        Rise per metre [1].
 
     Raises
     ------
@@ -117,10 +146,12 @@ def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A line by rows: arrays of shape (n,) by name, each in the unit of a column of LINE. Lines with equal rows are
-    equal.
+    """A line by rows. Lines with equal rows are equal.
 
-    A missing column has its neutral value. The distance is required.
+    Parameters
+    ----------
+    rows : mapping of str to array, shape (n,)
+        Columns of LINE by name, each in its unit. The distance is required. A missing column has its neutral value.
 
     Raises
     ------
@@ -156,10 +187,19 @@ class Line:
         return float(self.rows["distance"][-1] - self.rows["distance"][0])
 
     def value(self, name: str, distance: np.ndarray | float, order: int = 0) -> np.ndarray:
-        """Return a column at places [m] as models read it (docs/line.md), or its derivative of an `order` along them.
+        """Return a column at places as models read it (docs/line.md), or one of its derivatives along them.
 
         The column is linear between rows. Corners are rounded over ROUNDING on either side of a row. A missing column
         has its neutral value.
+
+        Parameters
+        ----------
+        name : str
+            A column of LINE.
+        distance : float or array
+            Places [m].
+        order : int
+            Order of the derivative, 0 to 2.
 
         Raises
         ------
@@ -281,9 +321,16 @@ def read_line(path: Path) -> Line:
 
 
 def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
-    """Return a line of consecutive segments from a distance [m]. Joints between segments of equal slopes are removed.
+    """Return a line of consecutive segments. Joints between segments of equal slopes are removed.
 
     Corners and jumps are rounded over ROUNDING on either side.
+
+    Parameters
+    ----------
+    segments : iterable of Segment
+        The segments in their order.
+    start : float
+        Distance at the start of the first one [m].
 
     Raises
     ------
@@ -369,10 +416,22 @@ ERRI_LOW, ERRI_HIGH = Spectrum(2.119e-7, 4.032e-7), Spectrum(6.125e-7, 1.08e-6)
 def irregular(
     line: Line, spectrum: Spectrum, seed: int, waves: tuple[float, float] = (3.0, 100.0), pitch: float = 0.25
 ) -> Line:
-    """Return the line with irregularities of both rails by random phases, rows every `pitch` [m]; a seed gives one
-    track.
+    """Return the line with irregularities of both rails by random phases.
 
-    They grow after its start: QUIET, GROWTH. waves: shortest and longest wave [m].
+    They grow after its start: QUIET, GROWTH.
+
+    Parameters
+    ----------
+    line : Line
+        A line without irregularities.
+    spectrum : Spectrum
+        Densities of the irregularities.
+    seed : int
+        Seed of the phases; equal seeds give equal tracks.
+    waves : tuple of float
+        Shortest and longest wave [m].
+    pitch : float
+        Distance of the rows [m].
 
     Raises
     ------

@@ -74,10 +74,22 @@ def size_of(size: Size, parameters: Mapping[str, Any]) -> Any:
 
 @dataclass(frozen=True)
 class RigidBody:
-    """A body above the wheelsets: mass [kg], moments of inertia about its own x, y, z [kg.m2], place of its centre [m].
+    """A body above the wheelsets.
 
-    held: motions that are kept at rest without work, as the pitch of a frame in section 4.2. text: name of the body in
-    descriptions. Names of its variables begin with its name, except for those of the motions in `plain`.
+    Parameters
+    ----------
+    name, text : str
+        Name of the body in variables, and in descriptions.
+    mass : Size
+        Mass [kg].
+    inertia : tuple of Size
+        Moments of inertia about its own x, y, z [kg.m2].
+    along, height : Size
+        Place of its centre [m].
+    held : frozenset of str
+        Motions that are kept at rest without work, as the pitch of a frame in section 4.2.
+    plain : tuple of str
+        Motions whose variables do not begin with the body's name.
     """
 
     name: str
@@ -96,9 +108,22 @@ class RigidBody:
 
 @dataclass(frozen=True)
 class Wheelset:
-    """A wheelset: mass [kg], inertia about x, y, z [kg.m2], place of its axle along the vehicle, radii (left, right).
+    """A wheelset. The vehicle numbers its wheelsets from 1, the leading one.
 
-    reacts_on: the body in which its brake and motor hang. The vehicle numbers its wheelsets from 1, the leading one.
+    Parameters
+    ----------
+    along : Size
+        Place of its axle along the vehicle [m].
+    reacts_on : str
+        The body in which its brake and motor are mounted.
+    mass : Size
+        Mass [kg].
+    inertia : tuple of Size
+        Moments of inertia about x, y, z [kg.m2].
+    radius : tuple of Size
+        Nominal rolling radii of the left and of the right wheel [m].
+    pair : Sides
+        Wheel and rail on both sides.
     """
 
     along: Size
@@ -140,8 +165,16 @@ def wheelset_name(number: int) -> str:
 class SuspensionElement:
     """An element between a point of one body and a point of another. At rest both points are at one place.
 
-    `upper` rests on `lower`. Ends are names of bodies, or wheelset_1, wheelset_2 ... both_sides: one element at y and
-    one at -y.
+    Parameters
+    ----------
+    name : str
+        Name of the element.
+    upper, lower : str
+        Names of its ends: bodies, or wheelset_1, wheelset_2 ... `upper` rests on `lower`.
+    place : tuple of Size
+        Place at rest (x, y, z) [m].
+    both_sides : bool
+        True for one element at y and one at -y.
     """
 
     name: str
@@ -162,9 +195,16 @@ class SuspensionElement:
 
 @dataclass(frozen=True)
 class Springs(SuspensionElement):
-    """Linear springs and dampers, each along one direction of the track: [N/m] and [N.s/m] for x, y, z.
+    """Linear springs and dampers, each along one direction of the track.
 
     An element with a vertical stiffness carries its share of the weight that rests on it.
+
+    Parameters
+    ----------
+    stiffness : tuple of Size
+        Stiffness along x, y, z [N/m].
+    damping : tuple of Size
+        Damping along x, y, z [N.s/m].
     """
 
     stiffness: tuple[Size, Size, Size] = (0.0, 0.0, 0.0)
@@ -178,7 +218,17 @@ class Springs(SuspensionElement):
 
 @dataclass(frozen=True)
 class Torsion(SuspensionElement):
-    """A torsion spring and damper about one axis, such as an anti-roll bar: [N.m/rad] and [N.m.s/rad]."""
+    """A torsion spring and damper about one axis, such as an anti-roll bar.
+
+    Parameters
+    ----------
+    angle : str
+        "roll", "pitch" or "yaw".
+    stiffness : Size
+        Stiffness [N.m/rad].
+    damping : Size
+        Damping [N.m.s/rad].
+    """
 
     angle: str = "roll"
     stiffness: Size = 0.0
@@ -187,10 +237,16 @@ class Torsion(SuspensionElement):
 
 @dataclass(frozen=True)
 class BumpStop(SuspensionElement):
-    """A piecewise linear force [N] over the travel [m] along one direction, the same in both senses.
+    """A piecewise linear force over the travel along one direction, the same in both senses.
 
-    travel: increasing; the first value is the clearance, where the force is 0. The last slope is continued beyond the
-    end.
+    Parameters
+    ----------
+    direction : str
+        "longitudinal", "lateral" or "vertical".
+    travel : tuple of float
+        Increasing travels [m]. The first is the clearance, where the force is 0.
+    force : tuple of float
+        Forces [N] there. The last slope is continued beyond the end.
     """
 
     direction: str = "lateral"
@@ -200,7 +256,17 @@ class BumpStop(SuspensionElement):
 
 @dataclass(frozen=True)
 class SeriesDamper(SuspensionElement):
-    """A spring [N/m] and a damper [N.s/m] in series, along one direction."""
+    """A spring and a damper in series, along one direction.
+
+    Parameters
+    ----------
+    direction : str
+        "longitudinal", "lateral" or "vertical".
+    stiffness : Size
+        Stiffness [N/m].
+    damping : Size
+        Damping [N.s/m], above 0.
+    """
 
     direction: str = "lateral"
     stiffness: Size = 0.0
@@ -209,11 +275,22 @@ class SeriesDamper(SuspensionElement):
 
 @dataclass(frozen=True)
 class FrictionSlider(SuspensionElement):
-    """Dry friction along one direction, with a true stuck state: a slider with a mass [kg] in series with a spring
-    [N/m].
+    """Dry friction along one direction, with a true stuck state: a slider in series with a spring.
 
-    A stuck element is only this spring. capacity [N]: a force, such as that of a prestressed friction wedge. The damper
-    [N.s/m] is parallel to the spring.
+    A stuck element is only this spring. A damper is parallel to the spring.
+
+    Parameters
+    ----------
+    direction : str
+        "longitudinal", "lateral" or "vertical".
+    stiffness : Size
+        Stiffness of the spring [N/m].
+    damping : Size
+        Damping of the damper [N.s/m].
+    capacity : Size
+        Friction force [N], such as that of a prestressed friction wedge.
+    slider_mass : Size
+        Mass of the slider [kg], above 0.
     """
 
     direction: str = "vertical"
@@ -225,8 +302,18 @@ class FrictionSlider(SuspensionElement):
 
 @dataclass(frozen=True)
 class Pull:
-    """An external force on a body or wheelset [N]. It is an input, acts at a place, and along one direction of the
-    track.
+    """An external force [N] on a body or wheelset, an input.
+
+    Parameters
+    ----------
+    name, text : str
+        Name and description of the input.
+    body : str
+        Name of a body, or wheelset_1, wheelset_2 ...
+    place : tuple of Size
+        Place at rest (x, y, z) [m].
+    direction : str
+        "longitudinal", "lateral" or "vertical".
     """
 
     name: str
