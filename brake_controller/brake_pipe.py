@@ -75,8 +75,9 @@ def air_of(conserved: ca.SX) -> Air:
 
 
 def limited(behind: ca.SX, ahead: ca.SX) -> ca.SX:
-    """Return the slope of a cell from differences to its neighbours: harmonic mean, 0 at an extreme; van
-    Leer (1977).
+    """Return the slope of a cell from differences to its neighbours: harmonic mean, 0 at an extreme.
+
+    van Leer (1977).
     """
     product = behind * ahead
     together = behind + ahead
@@ -84,8 +85,9 @@ def limited(behind: ca.SX, ahead: ca.SX) -> ca.SX:
 
 
 def sides() -> ca.Function:
-    """Return the function of three cells for air at both sides of the middle one and its fastest wave, van
-    Leer (1977).
+    """Return the function of three cells for air at both sides of the middle one and its fastest wave.
+
+    van Leer (1977).
     """
     cells = [ca.SX.sym(name, 3) for name in ("before", "own", "behind")]
     before, own, behind = (ca.vertcat(one.density, one.speed, one.pressure) for one in map(air_of, cells))
@@ -182,8 +184,9 @@ def _wall_pressure(air: Air) -> ca.SX:
 
 
 def walled() -> ca.Function:
-    """Return the function of the air at a shut end, as `ending`: a wall takes momentum alone, Toro (2009),
-    section 9.3.
+    """Return the function of the air at a shut end, as `ending`: a wall takes momentum alone.
+
+    Toro (2009), section 9.3.
     """
     symbols, air = _air("air")
     return function_of("walled", [symbols], ca.vertcat(0, _wall_pressure(air), 0, 0))
@@ -234,8 +237,9 @@ VALVE = (
 
 
 def _valve_between(at: ca.SX) -> tuple[list[ca.SX], Air, Air, dict[str, ca.SX], ca.SX, ca.SX]:
-    """Return symbols; air behind and ahead; the valve; and its mass flows out and in at a pressure [kg/s] (ISO
-    6358-1).
+    """Return symbols, air behind and ahead, the valve, and its mass flows out and in at a pressure [kg/s].
+
+    ISO 6358-1.
     """
     (first, behind), (last, ahead) = _air("behind"), _air("ahead")
     given = ca.SX.sym("given", len(VALVE))

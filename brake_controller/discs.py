@@ -43,8 +43,9 @@ class DiscParameters(ParameterSet):
 
 
 def axle_discs() -> DiscParameters:
-    """Return two ventilated discs of cast iron, 640 mm across. All values are assumed, except cast iron's heat
-    capacity.
+    """Return two ventilated discs of cast iron, 640 mm across.
+
+    All values are assumed, except cast iron's heat capacity.
     """
     return DiscParameters(
         friction_radius=0.247,

@@ -51,8 +51,9 @@ def spring_force(position: Piston, flow: Values) -> ca.SX:
 
 
 def air_temperature(pressure: ca.SX, mass: ca.SX, position: Piston, flow: Values) -> ca.SX:
-    """Return the temperature of the cylinder's air [K], an ideal gas: T = p V / (m R); gauge pressure [Pa], mass
-    [kg].
+    """Return the temperature of the cylinder's air [K], an ideal gas: T = p V / (m R).
+
+    Gauge pressure [Pa], mass [kg].
     """
     return (pressure + flow["ambient_pressure"]) * position.volume / (mass * GAS_CONSTANT)
 

@@ -33,7 +33,8 @@ class MotorParameters(ParameterSet):
 
 def motor_of(full_torque: float, radius: float) -> MotorParameters:
     """Return a motor with half of a full brake's torque [N.m] up to 15 m/s at this radius [m], then its power.
-    Assumed.
+
+    All values are assumed.
     """
     torque = full_torque / 2
     return MotorParameters(

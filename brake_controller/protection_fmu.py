@@ -1,5 +1,6 @@
-"""WheelSlideProtection: any wheel-slide controller as the content of an FMU. Names and descriptions only, without
-FMI.
+"""WheelSlideProtection: any wheel-slide controller as the content of an FMU.
+
+Names and descriptions only, without FMI.
 """
 
 import re

@@ -135,7 +135,8 @@ def uic_g() -> ReadySet:
 
 
 def with_dump_valve(ready: ReadySet) -> ReadySet:
-    """Return the brake with a fast valve for wheel-slide protection (EN 15595), open while `valve` is 2; time
-    assumed.
+    """Return the brake with a fast valve for wheel-slide protection (EN 15595), open while `valve` is 2.
+
+    Its time is assumed.
     """
     return replace(ready, flow=with_vent_time(ready.flow, ready.rigging.supply_pressure, DUMP.middle, UIC_RELEASED))

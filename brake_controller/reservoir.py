@@ -21,8 +21,9 @@ class ReservoirParameters(ParameterSet):
 
 
 def air_reservoir(defaults: ReservoirParameters, ambient: Variable, temperature: Variable, cylinders: int) -> System:
-    """Return a reservoir of an ideal gas at wall temperature: mass flows to cylinders 1, 2, ... in; pressure, air used
-    out.
+    """Return a reservoir of an ideal gas at wall temperature.
+
+    Inputs: mass flows to cylinders 1, 2, ... Outputs: pressure, and air taken.
 
     ambient, temperature: the cylinders' parameters of that name. The discharge coefficient of the feed is part of its
     orifice.

@@ -15,8 +15,9 @@ LARGEST_ERROR = 0.45
 
 
 def edge_errors(pulses: int, jitter: float, seed: int) -> list[float]:
-    """Return errors of all edges' places, as shares of the pitch, with standard deviation `jitter`; empty without
-    it.
+    """Return errors of all edges' places, as shares of the pitch, with standard deviation `jitter`.
+
+    Empty without it.
     """
     random = Random(seed)
     drawn = (random.gauss(0.0, jitter) for _ in range(pulses)) if jitter else ()

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 DEMANDED, HOLD, LET_GO = 0, 1, 2
-#: A released wheel rolls once it has not slowed by more than ROLLING [m/s2] over WHILE [s], at the earliest after
+#: A released wheel rolls once it slowed by at most ROLLING [m/s2] over WHILE [s], at the earliest after
 #: SHORTEST [s]. It is treated as rolling after LONGEST [s].
 ROLLING, WHILE, SHORTEST, LONGEST = 0.3, 0.1, 0.25, 2.0
 #: Time for which sensors are only observed after a reading of 0 [s].
@@ -60,8 +60,9 @@ class SpinProtectionParameters:
 
 
 def common_spin_protection() -> SpinProtectionParameters:
-    """Return assumed thresholds, not tuned: the slips at which braked wheels are held; no vehicle here gains 1.5
-    m/s2.
+    """Return assumed thresholds, not tuned: the slips at which braked wheels are held.
+
+    No vehicle here gains 1.5 m/s2.
     """
     return SpinProtectionParameters(
         lower_slip=0.05, upper_slip=0.10, slowest=3.0, largest_acceleration=1.5, first_acceleration=0.5

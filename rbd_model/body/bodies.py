@@ -200,8 +200,9 @@ def turn(angles: ca.SX, rates: dict[str, ca.SX]) -> Turning:
 
 
 def move_body(assembly: Assembly, moving: MovingBody, load: Load, first_acceleration: ca.SX) -> None:
-    """Add Newton's and Euler's equations of a body: (3.73) in its own axes; first_acceleration [m/s2]: of the first
-    one.
+    """Add Newton's and Euler's equations of a body: (3.73) in its own axes.
+
+    first_acceleration [m/s2]: of the first one.
     """
     system, data, body = assembly.system, moving.data, moving.body
     lightness, falling = 1 / assembly.value(data.mass), body.falling(assembly.parameter["gravity"])

@@ -14,8 +14,9 @@ from rbd_model.track.frame import HERE, LEVEL, Pose, TrackFrame
 
 
 def yaw_roll(yaw: ca.SX, roll: ca.SX) -> ca.SX:
-    """Return the rotation matrix Rz(yaw) Rx(roll), section 3.2.1: from axes that yaw and roll with a body to the
-    track's.
+    """Return the rotation matrix Rz(yaw) Rx(roll) from axes that yaw and roll with a body to the track's.
+
+    Section 3.2.1.
     """
     return turned_by(direction_cosines(yaw, roll))
 
@@ -124,14 +125,14 @@ class Body:
 
     @property
     def place(self) -> ca.SX:
-        """Its centre relative to the origin of the track's axes here [m]; straight track has one origin for all
-        bodies.
+        """Its centre relative to the origin of the track's axes here [m].
+
+        Straight track has one origin for all bodies.
         """
         return self.position if self.track.plan is None else ca.vertcat(0, self.position[1:])
 
     def seen(self, pose: Pose) -> Body:
-        """Return the same in other axes of the track, including inertial velocities, eq. (3.1), its place from their
-        origin.
+        """Return the same in other axes of the track, with inertial velocities and the place from their origin, (3.1).
 
         pose: of the track here relative to those axes.
         """
@@ -147,7 +148,5 @@ class Body:
         return self.axes @ self.own_rate
 
     def arm(self, place: ca.SX) -> ca.SX:
-        """Return the vector from the centre to the place with coordinates `place` in the body's axes: A u of
-        eq. (3.1).
-        """
+        """Return the vector from the centre to a place given in the body's axes: A u of eq. (3.1)."""
         return self.axes @ place

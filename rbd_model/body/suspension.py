@@ -132,8 +132,9 @@ def in_part(loads: Loads, upper: str, lower: str, connections: Sequence[Suspensi
 
 
 def ends_in_part(taken: Taken, loads: Loads, upper: str, lower: str) -> dict[str, End]:
-    """Return both ends in the symbols of their part, eq. (3.1); on one track frame by the difference of their
-    places.
+    """Return both ends in the symbols of their part, eq. (3.1).
+
+    On one track frame they follow from the difference of their places.
     """
     bodies = [loads.ends[name].body for name in (upper, lower)]
     places = [ca.vertcat(body.place, body.velocity) for body in bodies]

@@ -152,8 +152,9 @@ def _crossing(on_wheel: np.ndarray, gap: np.ndarray, i: int, step: int) -> float
 
 
 def touching(pair: Pair, stand: Stand) -> tuple[float, float]:
-    """Return the height of the wheelset's centre at first contact of this wheel, and the place on the wheel [m],
-    eq. (3.77).
+    """Return the height of the wheelset's centre at first contact of this wheel, and the place on the wheel [m].
+
+    Equation (3.77).
 
     The height of the stand is not used.
 

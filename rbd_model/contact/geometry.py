@@ -111,9 +111,7 @@ class Pair(Sides):
 
 
 def thesis_pair() -> Pair:
-    """Return the synthetic wheel on the 60 kg rail: contacts 1140 mm apart (section 4.3), r0 = 0.425 m
-    (section 4.4).
-    """
+    """Return the synthetic wheel on the 60 kg rail: contacts 1140 mm apart, r0 = 0.425 m (sections 4.3, 4.4)."""
     return Pair(wheel_cone_120(), rail_60kg(), 0.425, 0.570, 0.570)
 
 
@@ -272,8 +270,9 @@ class Flange:
 
 @lru_cache
 def flange_of(pair: Pair) -> Flange:
-    """Return the flange contact: where the gauge face is as steep as the flange, beside a tread contact
-    (section 9.4.1).
+    """Return the flange contact: where the gauge face is as steep as the flange, beside a tread contact.
+
+    Section 9.4.1.
     """
     low, high = pair.wheel.limits
     begin = np.arange(low, high - FLANGE_CHORD, GRID)

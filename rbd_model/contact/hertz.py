@@ -25,8 +25,9 @@ class EllipseShape:
 
 
 def elliptic_integrals(minor_over_major: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return the complete elliptic integrals K and D = (K - E)/e^2 of an ellipse, axis ratio g = sqrt(1 - e^2),
-    eq. (3.88).
+    """Return the complete elliptic integrals K and D = (K - E)/e^2 of an ellipse, axis ratio g = sqrt(1 - e^2).
+
+    Equation (3.88).
 
     They are computed by the arithmetic-geometric mean. D is formed without the difference K - E, so that a circle (e =
     0) needs no separate case.

@@ -308,8 +308,9 @@ def in_direction(y: np.ndarray, z: np.ndarray, direction: float) -> tuple[np.nda
 
 
 def turned(rail: Profile, direction: float) -> Profile:
-    """Return the contour of a rail in axes along `direction` [rad], up to where it becomes too steep
-    (section 3.3.2).
+    """Return the contour of a rail in axes along `direction` [rad], up to where it becomes too steep.
+
+    Section 3.3.2.
     """
     if direction == 0.0:
         return rail

@@ -208,8 +208,9 @@ FLANGE_LENGTH, FIELD_SIDE = 14e-3, 55e-3
 
 @lru_cache
 def wheel_cone_120() -> Profile:
-    """Return a cone 1:20 with transition arc, fillet and flange: synthetic, for LW2 of section 4.3, which is not
-    public.
+    """Return a synthetic wheel: a cone 1:20 with transition arc, fillet and flange.
+
+    It replaces LW2 of section 4.3, which is not public.
     """
     return from_points("synthetic wheel 1:20", "fitted to sections 4.3 and 9.4.1 of the thesis", *synthetic_wheel())
 

@@ -48,8 +48,9 @@ C_OF_ELLIPSES = (
 
 @dataclass(frozen=True)
 class Creepages:
-    """Creepages of the wheel against the rail at the middle of each strip: ahead, sideways [1], spin [1/m]; cf.
-    (2.3).
+    """Creepages of the wheel against the rail at the middle of each strip: ahead, sideways [1], spin [1/m].
+
+    Compare eq. (2.3).
     """
 
     ahead: np.ndarray

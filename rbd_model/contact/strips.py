@@ -44,8 +44,9 @@ def rolling(stand: Stand, speed: float, pitch_rate: float) -> WheelVelocity:
 
 
 def creepages_of(strips: Strips, motion: WheelVelocity) -> Creepages:
-    """Return velocities of the wheel's surface over the speed, at each strip in its tangent plane, eqs (2.3),
-    (3.89).
+    """Return velocities of the wheel's surface over the speed, at each strip in its tangent plane.
+
+    Equations (2.3), (3.89).
     """
     speed = motion.velocity[0]
     sliding = np.array(motion.velocity)[:, None] + np.cross(motion.rotation, strips.arm.T).T

@@ -107,8 +107,9 @@ def observe_energy(
 
 
 def elevation(assembly: Assembly, body: Body) -> ca.SX:
-    """Return the height of a body [m], for its energy (section 2.4); straight track on a gradient rises with
-    distance.
+    """Return the height of a body [m], for its energy (section 2.4).
+
+    Straight track on a gradient rises with distance.
     """
     return body.track.elevation(body.position + ca.vertcat(assembly.distance, 0, 0))
 

@@ -132,8 +132,9 @@ def parameters_of(vehicle: Vehicle, systems: Iterable[System]) -> list[Variable]
 
 
 def bogie_dynamics(defaults: BogieParameters | None = None, places: Sequence[int] = EVERY) -> Model:
-    """Return the bogie as one FMU, by default that of chapter 5: brake torque capacity in; speed, rotation and slip
-    out.
+    """Return the bogie as one FMU, by default that of chapter 5.
+
+    The input is the brake torque capacity; outputs are speed, rotation and slip.
 
     places: as in `model_of_levels`.
     """

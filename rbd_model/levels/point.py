@@ -31,8 +31,9 @@ from rbd_model.wheelset.rotation import (
 
 
 def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
-    """Return a vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset; masses add
-    up.
+    """Return a vehicle as eq. (2.8): distance, speed, and rotation and angular velocity of each wheelset.
+
+    Masses add up.
 
     on_line: with gradient and curvature of the line of the instance, instead of those inputs.
     """
@@ -73,8 +74,9 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
 
 
 def mean_gradient(assembly: Assembly) -> ca.SX:
-    """Return the mean gradient of the line below all masses, weighted with them, for the force of gravity
-    (section 2.3.1).
+    """Return the mean gradient of the line below all masses, weighted with them, for the force of gravity.
+
+    Section 2.3.1.
     """
     pull = ca.SX(0)
     for part in assembly.vehicle.parts:

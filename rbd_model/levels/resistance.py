@@ -21,8 +21,9 @@ WIDE, TIGHT, RADIUS = (0.650, 55.0), (0.500, 30.0), 300.0
 
 @dataclass(frozen=True)
 class RunningResistance(ParameterSet):
-    """Resistance of the whole vehicle. Its constant part is dry friction, which holds the vehicle at rest up to its
-    size.
+    """Resistance of the whole vehicle.
+
+    Its constant part is dry friction, which holds the vehicle at rest up to its size.
     """
 
     davis_constant: float = quantity("N", "Running resistance that does not change with speed (a of Davis)", 0.0)
@@ -71,8 +72,9 @@ class Resistance:
         return -self.force * self.speed
 
     def hold(self, system: System, state: ca.SX, drive: ca.SX) -> None:
-        """Let it hold the body whose speed is `state`, as dry friction does; drive [N]: all other forces on the
-        body.
+        """Let it hold the body whose speed is `state`, as dry friction does.
+
+        drive [N]: all other forces on the body.
         """
         absent = system.derived("no_steady_resistance", self.possible == 0)
         words = "holds the vehicle", "lets the vehicle go"
@@ -95,8 +97,9 @@ def add_resistance(assembly: Assembly, speed: ca.SX, places: Sequence[ca.SX]) ->
 
 
 def add_davis(assembly: Assembly, speed: ca.SX) -> Resistance:
-    """Return the resistance a + b V + c V^2 of the vehicle on straight track, Davis (1926); speed [m/s]: of its
-    body.
+    """Return the resistance a + b V + c V^2 of the vehicle on straight track, Davis (1926).
+
+    speed [m/s]: of its body.
     """
     names = ("davis_constant", "davis_linear", "davis_quadratic")
     constant, linear, quadratic = (assembly.system.parameter(none().variable(name)) for name in names)

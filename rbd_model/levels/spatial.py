@@ -162,8 +162,9 @@ def add_outputs(assembly: Assembly, wheelsets: Sequence[WheelsetOnRails]) -> Non
 def own_energies(
     assembly: Assembly, wheelsets: Sequence[WheelsetOnRails], motions: Sequence[WheelsetMotion]
 ) -> dict[str, ca.SX]:
-    """Return energies of the wheelsets and the rails below them [J] and power of the yaw torques [W], for
-    section 2.4.
+    """Return energies of the wheelsets and the rails below them [J] and power of the yaw torques [W].
+
+    Section 2.4.
     """
     kinetic, potential, brake, damping = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(0)
     for wheelset, motion in zip(wheelsets, motions, strict=True):

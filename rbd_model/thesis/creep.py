@@ -61,8 +61,9 @@ def kalker_function() -> ca.Function:
 def polach(
     creepages: tuple[float, float, float], load: float, friction: float, ellipse: Ellipse, shear_modulus: float
 ) -> tuple[float, float]:
-    """Return creep forces (F_x, F_y) [N] of Polach's method, eqs (3.89)-(3.105); creepages: along, lateral [1], spin
-    [1/m].
+    """Return creep forces (F_x, F_y) [N] of Polach's method, eqs (3.89)-(3.105).
+
+    creepages: along, lateral [1], spin [1/m].
 
     The stresses (3.89), (3.95), (3.96) and the form (3.90), (3.91) are steps of the derivation of (3.94), (3.97).
     Differences from the thesis: see `spin_force`; the last factor of (3.94) is nu there and should be the creepage; and

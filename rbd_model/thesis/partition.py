@@ -79,8 +79,9 @@ def close_positions(
 
 
 def close_velocities(mechanism: Mechanism, rates: np.ndarray, jacobian: np.ndarray, partition: Partition) -> np.ndarray:
-    """Return dependent rates from the independent ones, eqs (3.67), (3.109)-(3.116); rates: of (q, s), shape
-    (unknowns,).
+    """Return dependent rates from the independent ones, eqs (3.67), (3.109)-(3.116).
+
+    rates: of (q, s), shape (unknowns,).
 
     This differs from the thesis: the minus sign of C_di is missing in (3.112), (3.114), and that of the C_t term of
     (3.116) as well.

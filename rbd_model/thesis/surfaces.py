@@ -77,8 +77,9 @@ class RailSurface:
 
     @property
     def curvature(self) -> float:
-        """1/rho_y of (3.83) across the rail [1/m], positive for the crown of a rail; along it a prism has no
-        curvature.
+        """1/rho_y of (3.83) across the rail [1/m], positive for the crown of a rail.
+
+        Along it a prism has no curvature.
         """
         across = self.tangents[:, 1]
         return -float(self.upwards @ self.second[:, 1, 1] / (across @ across))

@@ -55,8 +55,9 @@ class TrackFrame:
     plan: Plan | None = None
 
     def elevation(self, position: ca.SX) -> ca.SX:
-        """Return the height of a position in these axes [m], for the energy of section 2.4; straight track includes
-        x.
+        """Return the height of a position in these axes [m], for the energy of section 2.4.
+
+        Straight track includes x.
         """
         if self.plan is None:
             return ca.dot(self.up, position)
@@ -166,8 +167,9 @@ class Pose:
         return cls(ca.reshape(vector[:9], 3, 3), vector[9:])
 
     def slope(self, turning: ca.SX, turning_there: ca.SX) -> ca.SX:
-        """Return the derivative of its vector by the distances of the one and the other along the line [1/m],
-        eq. (3.12).
+        """Return the derivative of its vector by the distances of the one and the other along the line [1/m].
+
+        Equation (3.12).
 
         turning, turning_there: of the one's and the other's axes, as in TrackFrame. Origins move along x by 1 m per
         metre.
@@ -187,8 +189,9 @@ HERE = Pose(ca.SX.eye(3), ca.SX(3, 1))
 
 
 def relative(chain: Chain, at: TrackFrame, other: TrackFrame) -> Pose:
-    """Return the pose of `other` in the axes `at`, eq. (3.1): heading and chord between them, from differences
-    alone.
+    """Return the pose of `other` in the axes `at`, eq. (3.1).
+
+    Heading and chord between them follow from differences alone.
     """
     if at.plan is None or other.plan is None or at is other:
         return HERE

@@ -34,8 +34,8 @@ QUIET, GROWTH = 15.0, 35.0
 #: Columns whose corners are rounded by cubics, because their integrals are looked up too. Friction keeps its corners.
 #: All other columns have two continuous derivatives.
 INTEGRATED, FRICTIONS = ("curvature", "gradient"), ("left_friction", "right_friction")
-#: Corrections of the straight line over a reach of 1, for a slope and for a bend of 1 at a row, until the line is met
-#: again: those of the cubic without a bend, those of the quintic with one.
+#: Corrections of the straight line over a reach of 1, for a slope and for a bend of 1 at a row. They end where the line
+#: is met again. A cubic has no bend, a quintic has one.
 _AWAY, _LEFT = Polynomial([0.0, 1.0]), Polynomial([1.0, -1.0])
 CUBIC = (_AWAY * _LEFT**2, Polynomial([0.0]))
 QUINTIC = (_AWAY * _LEFT**3 * Polynomial([1.0, 3.0]), _AWAY**2 * _LEFT**3 / 2)

@@ -68,8 +68,9 @@ def no_recovery() -> RecoveryParameters:
 
 
 def rail_between_axles(system: System, speed: ca.SX, cleaned: dict[int, ca.SX], wheel_base: ca.SX) -> dict[int, ca.SX]:
-    """Return the cleaning of the rail between the axles, z_t + V z_x = 0, at each wheelset; `cleaned`: their own
-    cleaning.
+    """Return the cleaning of the rail between the axles, z_t + V z_x = 0, at each wheelset.
+
+    `cleaned`: their own cleaning.
 
     z is a sum of Legendre polynomials along the wheel base: discontinuous Galerkin, one element, upwind; Cockburn and
     Shu (2001), J. Sci. Comput. 16. The leading wheelset writes at its end. At the other end the value written one wheel
@@ -91,7 +92,7 @@ def rail_between_axles(system: System, speed: ca.SX, cleaned: dict[int, ca.SX], 
 def rail_adhesion_system(defaults: RecoveryParameters) -> System:
     """Return the system in which e = |F w| / V, the energy per distance, cleans a share 1 - exp(-e / e_0) of the rail.
 
-    The wheel follows this share. By section 2.5.2 the leading wheelset cleans the rail for those that follow. The law
+    The wheel follows this share. In section 2.5.2 the leading wheelset cleans the rail for those that follow. The law
     of cleaning by energy is assumed.
     """
     system = System("RailAdhesion", "Wheel-rail friction that recovers with the energy of sliding")

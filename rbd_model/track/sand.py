@@ -35,8 +35,9 @@ class SandParameters(ParameterSet):
 
 
 def common_sand() -> SandParameters:
-    """Return the fitted set of sand: the last two (see above). Assumed: sanders start with the brake, 1 s delay, no
-    limit.
+    """Return the fitted set of sand: the last two (see above).
+
+    Assumed: sanders start with the brake, 1 s delay, no limit.
     """
     return SandParameters(sand_start=1.0, sand_delay=1.0, sand_limit=1.0, sanded_friction=0.1162, sand_scale=7.53e-3)
 

@@ -199,8 +199,9 @@ def coupling() -> ca.Function:
 
 
 def fastest(couplers: Sequence[Coupler], masses: Sequence[float]) -> float:
-    """Return an upper bound of the angular frequency [1/s] of a chain with all couplers locked: Gershgorin (1931)
-    circles.
+    """Return an upper bound of the angular frequency [1/s] of a chain with all couplers locked.
+
+    Circles of Gershgorin (1931).
 
     An explicit step is stable up to 2 over it, as central differences are (Hairer, Lubich and Wanner, Geometric
     Numerical Integration, section I.1).

@@ -370,8 +370,9 @@ class Vehicle:
 
     @property
     def gaps(self) -> list[Sum]:
-        """Clearances between the wheels of each wheelset and the next one [m]. They overlap if a clearance is below
-        0.
+        """Clearances between the wheels of each wheelset and the next one [m].
+
+        They overlap if a clearance is below 0.
         """
         return [
             as_sum(leading.along) - trailing.along - as_sum(leading.mean_radius) - trailing.mean_radius

@@ -52,8 +52,9 @@ DRAWBAR = Pull("drawbar_force", "Forward force on the sprung mass, at its centre
 
 
 def two_axle_bogie(parameters: BogieParameters | None = None) -> Vehicle:
-    """Return the simplified bogie of section 5.2, Fig. 5.1: one sprung mass on two wheelsets; by default chapter
-    5's.
+    """Return the simplified bogie of section 5.2, Fig. 5.1: one sprung mass on two wheelsets.
+
+    The default parameters are those of chapter 5.
     """
     places = {1: HALF_BASE, 2: -HALF_BASE}
     return Vehicle(
@@ -134,8 +135,9 @@ def four_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stop
 
 
 def passenger_coach(parameters: VehicleParameters | None = None) -> Vehicle:
-    """Return vehicle 1 of the Manchester benchmarks, Iwnicki (1998), synthetic profiles; by default with traction
-    rods.
+    """Return vehicle 1 of the Manchester benchmarks, Iwnicki (1998), on synthetic profiles.
+
+    The default parameters include traction rods.
     """
     return four_axle_vehicle("VehicleDynamics", parameters or coach_with_traction_rods(), synthetic_pair(), stops=True)
 

@@ -51,8 +51,9 @@ def inputs(vehicle: Vehicle) -> dict[str, Variable]:
 
 
 def line_inputs() -> list[Variable]:
-    """Return inputs for a line that the host computes. A line's file replaces them. The spatial level has none of
-    them.
+    """Return inputs for a line that the host computes. A line's file replaces them.
+
+    The spatial level has none of them.
     """
     rise = "Rise of the line for each metre along it (sine of its slope), at levels 1 and 2 without line_file"
     curve = "Curvature of the line for curve_resistance, at levels 1 and 2 without line_file"

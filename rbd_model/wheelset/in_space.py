@@ -78,8 +78,9 @@ class OnTrack:
 
 
 def follow_track(assembly: Assembly, number: int, section: Callable[[int, ca.SX, int], Section]) -> OnTrack:
-    """Declare the states of a wheelset along and across the track (section 5.2), and return them with the track
-    there.
+    """Declare the states of a wheelset along and across the track, and return them with the track there.
+
+    Section 5.2.
     """
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     shift = add_axle_shift(assembly, number)

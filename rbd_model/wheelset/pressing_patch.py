@@ -111,8 +111,9 @@ class RailSlope:
         return cls(chain.narrow(aside), drift, chain.narrow(lead))
 
     def slides(self, slides: ca.SX, closing: ca.SX, rolling: ca.SX) -> ca.SX:
-        """Return the sliding along the rail (3.89)-(3.91) from that along the track; rolling: angular velocity
-        [rad/s].
+        """Return the sliding along the rail (3.89)-(3.91) from that along the track.
+
+        rolling: angular velocity [rad/s].
         """
         along, sideways = slides[0], slides[1]
         on_rail = along + self.aside * sideways - self.drift * closing

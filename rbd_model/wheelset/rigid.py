@@ -186,8 +186,9 @@ def add_normal_forces(assembly: Assembly, number: int) -> ca.SX:
 
 
 def rolling_constants(assembly: Assembly, data: Wheelset) -> RollingConstants:
-    """Return the constants of a wheelset's part from its description and the parameters; the flange's place:
-    (3.106).
+    """Return the constants of a wheelset's part from its description and the parameters.
+
+    The flange's place: (3.106).
     """
     p, flange = assembly.parameter, flange_of(data.equal_sides)
     arm = p["flange_at_rail"] * (assembly.radius(data) + flange.depth)

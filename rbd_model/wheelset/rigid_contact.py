@@ -131,8 +131,9 @@ def wheel_contact(chain: Chain, placement: Placement, on: Wheel, position: ca.SX
 
 
 def inside(pair: Pair, position: ca.SX, on_rail: ca.SX) -> ca.SX:
-    """Return the distance of a contact from the nearest end of either profile (section 9.4.1) [m], negative beyond
-    it.
+    """Return the distance of a contact from the nearest end of either profile [m], negative beyond it.
+
+    Section 9.4.1.
     """
     (low, high), (first, last) = pair.wheel.limits, pair.rail.limits
     return ca.fmin(ca.fmin(position - low, high - position), ca.fmin(on_rail - first, last - on_rail))

@@ -2,7 +2,7 @@
 
 This includes constraints, creep, flange, and the wheelset's equations of motion without suspension.
 
-Two contacts constrain six velocities: v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in those that
+Two contacts constrain six velocities. They are v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in those that
 yaw and roll with the wheelset. v_z and omega_x follow from the constraints at the level of velocities (3.67). The
 normal forces follow from those of accelerations (3.71), roll and contact positions from the constraints themselves.
 
@@ -194,9 +194,7 @@ def dependent_velocities(row: Sequence[ca.SX], forward: ca.SX, sideways: ca.SX, 
 
 
 def rail_slopes(slopes: ca.SX, index: int) -> ca.SX:
-    """Return slopes of the left (0) or right rail (1) along the track, sideways and upwards (section 5.3); or its
-    bends.
-    """
+    """Return slopes, or bends, of the left (0) or right rail (1) along the track, sideways and upwards, section 5.3."""
     return ca.vertcat(slopes[0], slopes[1 + index])
 
 
@@ -210,8 +208,9 @@ def roll_wheel(
     moving: tuple[ca.SX, ca.SX],
     creep_law: CreepLaw,
 ) -> RollingWheel:
-    """Return the left (0) or the right wheel with its creep, eqs (3.89)-(3.105); `constraint`: its row and its row's
-    rate.
+    """Return the left (0) or the right wheel with its creep, eqs (3.89)-(3.105).
+
+    `constraint`: its row and its row's rate.
 
     moving: velocity at the contact [m/s] and angular velocity [rad/s], in the wheelset's own axes.
     """

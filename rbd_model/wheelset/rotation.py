@@ -161,8 +161,9 @@ def brake_capacity(assembly: Assembly, number: int) -> ca.SX:
 
 
 def add_rotation_states(assembly: Assembly, number: int) -> tuple[ca.SX, ca.SX]:
-    """Declare the rotation [rad] of a wheelset and its angular velocity [rad/s], omega of (2.8). At the start it
-    rolls.
+    """Declare the rotation [rad] of a wheelset and its angular velocity [rad/s], omega of (2.8).
+
+    At the start it rolls.
     """
     start = assembly.initial_speed / assembly.radius(assembly.vehicle.wheelsets[number - 1])
     rotated = assembly.system.state(f"rotation_{number}", "rad", 0.0, NOMINAL_ROTATION)
@@ -177,8 +178,9 @@ def add_hold(system: System, number: int, forward: ca.SX) -> Hold:
 def add_rotation(
     assembly: Assembly, number: int, hold: Hold, turned: tuple[ca.SX, ca.SX], rail_torque: ca.SX, held_torque: ca.SX
 ) -> Rotation:
-    """Add the rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B, with traction and rolling
-    resistance.
+    """Add the rotation of one wheelset, third line of eq. (2.8): J dw/dt = F_x r - T_B.
+
+    Traction and rolling resistance are included.
 
     turned: its rotation [rad] and angular velocity [rad/s]. rail_torque [N.m]: moment of the creep about the axle.
     held_torque [N.m]: moment of rails that hold a standing axle, only for a locked wheelset. The brake torque is a
@@ -204,8 +206,9 @@ def add_rotation(
 
 
 def add_wheelset_outputs(assembly: Assembly, rolling: RollingWheelset, speed: ca.SX) -> None:
-    """Add the outputs of one wheelset; speed [m/s]: of the vehicle. Slip ratio: (2.10), regularised as the creepage
-    is.
+    """Add the outputs of one wheelset; speed [m/s]: of the vehicle.
+
+    Slip ratio: (2.10), regularised as the creepage is.
     """
     system, number, rotation = assembly.system, rolling.number, rolling.rotation
     slip = speed - assembly.radius(rolling.data) * rotation.angular_velocity

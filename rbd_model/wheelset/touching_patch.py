@@ -62,8 +62,9 @@ def along_and_square(one: Touch, height: ca.SX, direction: ca.SX) -> tuple[ca.SX
 
 
 def meet(one: Touch, on: Wheel, height: ca.SX, direction: ca.SX, bend: ca.SX, rail: ca.SX) -> Meeting:
-    """Return distance and normals of a wheel's point and the rail beside it, as (3.54); bend: of the wheel's
-    profile.
+    """Return distance and normals of a wheel's point and the rail beside it, as (3.54).
+
+    bend: of the wheel's profile.
     """
     along, square = along_and_square(one, height, direction)
     value, slope, rail_bend = polynomials(rail, along, 2)

@@ -112,8 +112,9 @@ def log_term(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=4)
 def half_space(axis_ratio: float, counts: tuple[int, int], nu: float = POISSON_RATIO) -> HalfSpace:
-    """Return the half space of an ellipse a/b = axis_ratio with `counts` cells along and across, Kalker (1990),
-    section 4.1.
+    """Return the half space of an ellipse a/b = axis_ratio with `counts` cells along and across.
+
+    Kalker (1990), section 4.1.
 
     nu: Poisson's ratio.
 

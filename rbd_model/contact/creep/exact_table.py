@@ -31,8 +31,9 @@ NUDGES = (1.0, 1.002, 0.998, 1.005, 0.995)
 
 
 def exact_law(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Return the creep forces (F_x, F_y) [N] of exact theory, Kalker (1990), from the stored table, Poisson's ratio
-    0.25.
+    """Return the creep forces (F_x, F_y) [N] of exact theory, Kalker (1990), from the stored table.
+
+    Poisson's ratio is 0.25.
 
     Errors are within 2 % of mu N at 99 % of states up to three times saturation. Beyond it they reach 5 % if spin
     dominates (docs/limits.md, Creep laws).
@@ -62,8 +63,9 @@ def made() -> CreepTable:
 
 
 def of_ellipse(places: list[np.ndarray], log_ratio: float) -> np.ndarray:
-    """Return forces over mu N of one ellipse, Kalker (1990), shape (places ahead, aside, of spin, 2); 0 beyond the
-    ends.
+    """Return forces over mu N of one ellipse, Kalker (1990), shape (places ahead, aside, of spin, 2).
+
+    They are 0 beyond the ends.
     """
     counts = next(counts for limit, counts in CELLS if log_ratio < limit)
     space = half_space(math.exp(log_ratio), counts)
@@ -85,8 +87,9 @@ def of_ellipse(places: list[np.ndarray], log_ratio: float) -> np.ndarray:
 
 
 def sliding_force(space: HalfSpace, creepages: np.ndarray) -> np.ndarray:
-    """Return the force over mu N of a patch that slides everywhere, Kalker (1990): the bound, against the rigid
-    slip.
+    """Return the force over mu N of a patch that slides everywhere: the bound, against the rigid slip.
+
+    Kalker (1990).
     """
     x, y, spin = creepages
     slip = np.array([x - spin * space.y, y + spin * space.x[1]])

@@ -18,15 +18,17 @@ SMALLEST_SLIP = 1e-9
 
 
 def segment(place: ca.SX | float) -> ca.SX:
-    """Return the area of half a unit circle behind a place from 1 (all, pi/2) to -1: the bound's sum,
+    """Return the area of half a unit circle behind a place from 1 (all, pi/2) to -1: the bound's sum.
+
     Sichani (2016).
     """
     return place * ca.sqrt(1 - place**2) / 2 + (ca.asin(place) + math.pi / 2) / 2
 
 
 def sliding_slip(patch: ContactPatch, limit: ca.SX) -> Rigid:
-    """Return the rigid slip that directs the slip: that of FASTSIM, Kalker (1982), with different flexibilities of
-    spin.
+    """Return the rigid slip that directs the slip.
+
+    It is that of FASTSIM, Kalker (1982), with different flexibilities of spin.
 
     FASTSIM takes L_3 for both parts of spin. It belongs to c23, to which the longitudinal part does not contribute:
     this part is a creepage of the strip, with L_1. In the lateral part L_3 is right if all sticks. If all slips, the

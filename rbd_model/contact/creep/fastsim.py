@@ -162,7 +162,8 @@ Left = Callable[[float, float], ca.SX | float]
 def march(
     grid: Cells, rigid: Rigid, offset: float, half_length: float, left: Left | None = None
 ) -> list[tuple[ca.SX, ca.SX]]:
-    """Return stresses of one strip from its leading edge on: grown by the rigid slip, cut to the bound,
+    """Return stresses of one strip from its leading edge on: grown by the rigid slip, cut to the bound.
+
     Kalker (1982).
     """
     along, sideways = rigid.along(offset) / half_length, rigid.y / half_length

@@ -23,8 +23,9 @@ def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) 
 
 @dataclass(frozen=True)
 class Reduction:
-    """Reduction factors of the gradient by contamination, Polach (2005): in the areas of adhesion (k_A) and slip
-    (k_S).
+    """Reduction factors of the gradient by contamination in the areas of adhesion (k_A) and slip (k_S).
+
+    Polach (2005).
     """
 
     adhesion: ca.SX | float = 1.0

@@ -19,8 +19,9 @@ def saturated_share(size: ca.SX) -> ca.SX:
 
 
 def shen_hedrick_elkins(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-    """Return the creep forces (F_x, F_y) [N], Shen, Hedrick and Elkins (1983), A comparison of alternative creep force
-    models.
+    """Return the creep forces (F_x, F_y) [N] by Shen, Hedrick and Elkins (1983).
+
+    Source: A comparison of alternative creep force models.
 
     They are Kalker's linear forces with spin, both times the same factor, so that their sum saturates as in Johnson's
     and Vermeulen's law. The authors limit it to small spin: the moment of spin does not take part in the saturation,

@@ -92,8 +92,9 @@ def larger_by(spin: ca.SX) -> ca.SX:
 
 
 def patch_at(place: ca.SX) -> ContactPatch:
-    """Return a patch with unit load, friction and size at a place of the table; its forces are over mu N,
-    Kalker (1990).
+    """Return a patch with unit load, friction and size at a place of the table.
+
+    Its forces are over mu N, Kalker (1990).
     """
     stretch, kalker = ca.exp(place[3] / 2), kalker_coefficients(ca.exp(place[3]))
     axes = (stretch, 1 / stretch)
@@ -141,8 +142,9 @@ def continued(forces: np.ndarray) -> CreepTable:
 
 
 def coefficients(table: CreepTable) -> np.ndarray:
-    """Return the coefficients of quadratic splines through the forces, along each coordinate, de Boor (1978), ch.
-    XIII.
+    """Return the coefficients of quadratic splines through the forces, along each coordinate.
+
+    de Boor (1978), chapter XIII.
     """
     found = table.forces
     for axis in range(len(INTERVALS)):
@@ -230,8 +232,9 @@ def read_creep_table(path: Path) -> CreepTable:
 
 
 def write_table(table: CreepTable, path: Path) -> None:
-    """Write the table as a CSV file of COLUMNS for `read_creep_table`; another program, such as CONTACT, may fill
-    it.
+    """Write the table as a CSV file of COLUMNS for `read_creep_table`.
+
+    Another program, such as CONTACT, may fill it.
     """
     grid = np.stack([one.ravel() for one in np.meshgrid(*axes(), indexing="ij")], axis=1)
     np.savetxt(
