@@ -1,8 +1,8 @@
 """Normal force of a wheel on its rail where they overlap: several patches of any shape, strip by strip.
 
 Each strip across the overlap carries a load q per metre of breadth. As in Hertz, it is spread along the strip over the
-length 2 a, which is unknown too: Knothe and Le The (1984), Computers & Structures 18(6). It lowers, by
-Boussinesq's solution, both surfaces, there and below all other strips. For strips in contact the sum equals the overlap of the
+length 2 a, which is unknown too: Knothe and Le The (1984), Computers & Structures 18(6). It lowers, by Boussinesq's
+solution, both surfaces, there and below all other strips. For strips in contact the sum equals the overlap of the
 undeformed surfaces; elsewhere the load is 0. The method thus assumes neither shape nor number nor mutual influence of
 the patches. The lengths follow from the loads: in an ellipse of Hertz with curvature A along it
 

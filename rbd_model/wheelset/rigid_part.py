@@ -2,9 +2,10 @@
 
 This includes constraints, creep, flange, and the wheelset's equations of motion without suspension.
 
-Two contacts constrain six velocities. They are v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in those that
-yaw and roll with the wheelset. v_z and omega_x follow from the constraints at the level of velocities (3.67). The
-normal forces follow from those of accelerations (3.71), roll and contact positions from the constraints themselves.
+Two contacts constrain six velocities. They are v_x, v_y, v_z in the axes of the track; omega_x, omega_y, omega_z in
+those that yaw and roll with the wheelset. v_z and omega_x follow from the constraints at the level of velocities
+(3.67). The normal forces follow from those of accelerations (3.71), roll and contact positions from the constraints
+themselves.
 
 All this is one part: generated once, called for each wheelset.
 """
