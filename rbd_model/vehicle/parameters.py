@@ -307,9 +307,9 @@ def manchester_vehicle_1() -> VehicleParameters:
 
 
 def coach_with_traction_rods() -> VehicleParameters:
-    """Return the passenger coach: vehicle 1 of the Manchester benchmarks.
+    """Return the passenger coach: vehicle 1 of the Manchester benchmarks, Iwnicki (1998).
 
-    Iwnicki (1998), with a traction rod in each bogie.
+    It has a traction rod in each bogie.
 
     Reported: all values of `manchester_vehicle_1`, whose body has no damping along the track.
     Assumed: the rods. 5 MN/m is the size of a rod between rubber bushes. It is soft compared with the wheelsets'
