@@ -70,8 +70,10 @@ class Fit:
         """The result as messages."""
         said = [f"{key} = {self.values[key]:.4g} +- {self.standard_errors[key]:.2g}." for key in self.values]
         for group in self.together:
-            alone = f"The data cannot tell {group[0]}: nothing that was measured hangs on it."
-            several = f"The data cannot tell {' and '.join(group)} apart: hold one of them, or measure something else."
+            alone = f"{group[0]} is not identifiable: no measured output depends on it."
+            several = (
+                f"{' and '.join(group)} are not identifiable separately: fix one of them, or measure other outputs."
+            )
             said.append(several if len(group) > 1 else alone)
         for name, off in self.held_out.items():
             said.append(f"In the rows that were not fitted {name} is off by {off:.2g} {self.measured.units[name]}.")
@@ -160,7 +162,7 @@ def fit(
     times, last = since(begin, table["time"]), rows_until(until, table["time"])
     first = begin_of(parameters, machine, driven)
     not_both(parameters, values, "as a parameter to be fitted and as a value")
-    not_both(driven, values, "as a column of what was measured and as a value")
+    not_both(driven, values, "as a column of the measured data and as a value")
     inputs: dict[str, Value] = {name: (times, table[name]) for name in driven}
     if last * len(names) <= first.size:
         raise ValueError(f"{last * len(names)} measured values do not decide on {first.size} parameters.")
@@ -231,7 +233,7 @@ def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence
         one = machine.variables[name]
         if not one.minimum < number(value) < one.maximum or value == 0.0:
             between = f"between {one.minimum:g} and {one.maximum:g} {one.unit}"
-            raise ValueError(f"Begin {name} with a value {between} that is not 0: it was {value!r}.")
+            raise ValueError(f"The initial value of {name} must be {between}, and not 0; got {value!r}.")
     return np.array(list(parameters.values()), float)
 
 
@@ -241,17 +243,17 @@ def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
     Raises KeyError if a name is unknown, ValueError if the time or a unit is wrong or no output is measured.
     """
     if table.names[0] != "time" or not np.all(np.isfinite(table["time"])) or np.any(np.diff(table["time"]) <= 0.0):
-        raise ValueError("Let the first column of what was measured be time [s], finite and growing.")
+        raise ValueError("The first column of the measured data must be time [s], finite and increasing.")
     if table.units["time"] != "s":
-        raise ValueError(f"Give time in s: what was measured has it in {table.units['time']}.")
+        raise ValueError(f"time must be in s; got {table.units['time']} in the measured data.")
     for name in table.names[1:]:
         unit = machine.variables[known(name, machine.variables, "variable")].unit
         if table.units[name] != unit:
-            raise ValueError(f"Give {name} in {unit}: what was measured has it in {table.units[name]}.")
+            raise ValueError(f"{name} must be in {unit}; got {table.units[name]} in the measured data.")
     driven = [name for name in table.names[1:] if machine.variables[name].causality == "input"]
     names = [name for name in table.names[1:] if name not in driven]
     if not names:
-        raise ValueError("Give what was measured at least one output, which the run is to meet.")
+        raise ValueError("The measured data must have at least one output to fit; got none.")
     return names, driven
 
 

@@ -89,5 +89,5 @@ def write_fmu(what: Vehicle | System | Model, path: str | Path, kind: str = "nat
         build(model_from(what, places_of(level)), path)
     problems = validate_fmu(str(path))
     if problems:
-        raise ValueError(f"{path} is no valid FMU: {' '.join(map(str, problems))}")
+        raise ValueError(f"{path} is not a valid FMU: {' '.join(map(str, problems))}")
     return path

@@ -184,7 +184,7 @@ class WheelSlideVector(VectorEnv[Numbers, Numbers, Numbers]):
         if isinstance(seed, int | np.integer):
             return [int(seed) + row for row in range(self.num_envs)]
         if len(seed) != self.num_envs:
-            raise ValueError(f"Give one seed, or {self.num_envs} of them: there were {len(seed)}.")
+            raise ValueError(f"seed must be one number, or {self.num_envs} of them; got {len(seed)}.")
         return seed
 
     def step(self, actions: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers, dict[str, Any]]:

@@ -30,7 +30,7 @@ class History:
         """Raise SimulationError if it cannot be an input over time."""
         self.variable, self.steps = variable, variable.kind != "real"
         if variable.causality != "input":
-            raise refused(f"{variable.name} is no input and cannot change over time; give it one number.")
+            raise refused(f"{variable.name} is not an input and cannot change over time; give it one number.")
         self._function = given if callable(given) else None
         if not self._function:
             self._times, self._values = self._table(given)
@@ -50,7 +50,7 @@ class History:
         if not self._function and self._times[0] > duration:
             raise refused(
                 f"The times of {self.variable.name} must begin within the run, from 0 to {duration:g} s; the first is "
-                f"{self._times[0]:.12g} s. They count from the start of the run: subtract the first, or run for longer."
+                f"{self._times[0]:.12g} s. Time 0 is the start of the run: subtract the first, or run for longer."
             )
 
     def at(self, time: float, after: bool = True) -> float:
@@ -68,7 +68,7 @@ class History:
         times, values = times_and_values(name, given)
         if not np.all(np.isfinite(times)) or np.any(np.diff(times) < 0.0):
             where = int(np.argmax(~np.isfinite(times) | (np.diff(times, prepend=-math.inf) < 0.0)))
-            raise refused(f"Let the times of {name} grow: row {where} has {times[where]:g} s.")
+            raise refused(f"The times of {name} must increase; row {where} has {times[where]:g} s.")
         for time, value in zip(times, values, strict=True):
             self._allowed(float(time), float(value))
         return times, values

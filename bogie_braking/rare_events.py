@@ -226,11 +226,11 @@ def rare(
     SimulationError
         If no run can be made.
     """
-    duration, limit = seconds("the duration", duration), finite(f"the limit of {output}", limit)
+    duration, limit = seconds("the duration", duration), finite(f"The limit of {output}", limit)
     particles = at_most("particles", whole("particles", particles, FEWEST_PARTICLES), MOST_INSTANCES)
     moves, seed, threads = (
         at_most("moves", whole("moves", moves, 1), MOST_MOVES),
-        whole("the seed", seed, 0),
+        whole("seed", seed, 0),
         threads_or_none(threads),
     )
     check_executor(executor, what)
@@ -294,7 +294,7 @@ def distributions_of(vary: Mapping[str | tuple[str, ...], Distribution]) -> dict
     for names, one in found.items():
         if not (callable(getattr(one, "ppf", None)) and callable(getattr(one, "isf", None))):
             such = "a distribution of scipy.stats, such as norm(0.15, 0.02)"
-            raise TypeError(f"Give {', '.join(names)} {such}: it was {shown(one)}.")
+            raise TypeError(f"{', '.join(names)} must have {such}; got {shown(one)}.")
         if not np.isfinite(one.ppf(0.5)):
             raise ValueError(f"Give {', '.join(names)} a distribution that there is: its parameters allow no median.")
         if twice := next((name for name in names if every.count(name) > 1), None):

@@ -266,7 +266,7 @@ class Simulation:
         places = [own] if own is None else sorted({*FMUS[name].choice, NONE})
         found = [one for one in places if state.startswith(_mark(name, one))]
         if not found:
-            raise refused(f"This is no saved state of {name}, whose equations are these; none is restored.")
+            raise refused(f"The state must be one of {name} with the same equations; nothing was restored.")
         machine = self._machine if found[0] == own else machine_at(name, found[0])
         self._go_on_with(machine, state.removeprefix(_mark(name, found[0])))
 

@@ -74,7 +74,7 @@ def in_batch(
     columns = {name: np.array([point[name] for point in points], float) for name in points[0]}
     try:
         ends = batch(what, duration, names, line, threads, said=True, **{**values, **columns})  # type: ignore[arg-type]
-    except (CompilerError, SimulationError, ValueError):  # alone, each run says why
+    except (CompilerError, SimulationError, ValueError):  # alone, each run reports the reason
         return None
     rows = zip(points, np.column_stack([ends[name] for name in names]).tolist(), ends.said or [], strict=True)
     return [
@@ -257,5 +257,5 @@ def columns_of(vary: Mapping[str, Column]) -> dict[str, list[float]]:
         columns[name] = values.astype(float).tolist()
     counts = sorted({len(column) for column in columns.values()})
     if len(counts) != 1:
-        raise ValueError(f"Give all that varies the same number of values: there are {counts or 'none'}.")
+        raise ValueError(f"All columns of vary must have the same number of values; got {counts or 'none'}.")
     return columns

@@ -17,7 +17,7 @@ from products.train.train import Train
 from rbd_model.track.line import Line
 
 #: Accepted forms, for messages.
-FORMS = "the path of a file, a list of its rows as dictionaries, a Consist, or a whole number of wagons"
+FORMS = "the path of a file, a list of its rows as dictionaries, a Consist, or an integer, the number of wagons"
 
 
 def train(

@@ -51,9 +51,9 @@ def in_order(equipment: Iterable[str]) -> tuple[str, ...]:
     given = set(equipment)
     for name in given:
         if name not in EQUIPMENT:
-            raise ValueError(f"Choose equipment from {', '.join(EQUIPMENT)}: it was {name!r}.")
+            raise ValueError(f"Equipment must be one of {', '.join(EQUIPMENT)}; got {name!r}.")
     if TRACTION in given and given & {DISCS, DYNAMIC_BRAKE}:
-        raise ValueError("Give a machine with traction no discs and no dynamic brake: its run does not brake.")
+        raise ValueError("A vehicle with traction must have no discs and no dynamic brake: its run does not brake.")
     return tuple(name for name in EQUIPMENT if name in given)
 
 
@@ -77,7 +77,9 @@ class Machine:
     def __post_init__(self) -> None:
         object.__setattr__(self, "equipment", in_order(self.equipment))
         if self.equipment and not (self.by_flow or self.driven):
-            raise ValueError(f"Fill cylinders by flow of air on a machine with {' and '.join(self.equipment)}.")
+            raise ValueError(
+                f"A vehicle with {' and '.join(self.equipment)} must have cylinders filled by flow of air."
+            )
 
     @cached_property
     def vehicle(self) -> Vehicle:

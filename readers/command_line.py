@@ -131,7 +131,7 @@ def whole(name: str, least: int, most: int | None = None) -> Callable[[str], int
             if least <= int(text) <= (int(text) if most is None else most):
                 return int(text)
         limit = f"of at least {least}" if most is None else f"from {least} to {most}"
-        raise argparse.ArgumentTypeError(f"{name} must be a whole number {limit}; got {shown(text)}.")
+        raise argparse.ArgumentTypeError(f"{name} must be an integer {limit}; got {shown(text)}.")
 
     return read
 

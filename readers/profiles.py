@@ -110,7 +110,7 @@ class _Header:
 
     def _whole(self, row: int, key: str, value: str) -> int:
         if not value.isdecimal() or len(value) > 9:
-            raise self.refusal(row, f"{key} must be a whole number; got {quoted(value)}. Correct or remove it.")
+            raise self.refusal(row, f"{key} must be an integer; got {quoted(value)}. Correct or remove it.")
         return int(value)
 
     def check_count(self, found: int) -> None:

@@ -548,7 +548,7 @@ class _Cells:
             raise self.refusal(row, f"the value must be {self._limits()}; got {got}. Check value and unit.")
         parts = ~np.isnan(values) & (values != np.floor(values)) & self.column.whole
         for row in np.flatnonzero(parts)[:1].tolist():
-            raise self.refusal(row, f"the value must be a whole number; got {quoted(cells[row])}. Round it.")
+            raise self.refusal(row, f"the value must be an integer; got {quoted(cells[row])}. Round it.")
         return values
 
     def _plain(self, cells: Sequence[str], mark: _DecimalMark) -> NDArray[np.float64] | None:

@@ -244,13 +244,13 @@ def test_the_module_alone_makes_it_known() -> None:
 @pytest.mark.parametrize(
     ("commands", "sentence"),
     [
-        ([[0, 3], [0, 0]], "Give each valve 0 (apply), 1 (hold) or 2 (vent): it was [0, 3] in row 0."),
-        ([[0, 0], [0.5, 0]], "Give each valve 0 (apply), 1 (hold) or 2 (vent): it was [0.5, 0.0] in row 1."),
-        ([[0, 0], [np.nan, 0]], "it was [nan, 0.0] in row 1."),
-        ([[0, 0], [2**40, 0]], "it was [1099511627776, 0] in row 1."),
-        ([0, 0], "Give commands of the shape (2, 2): it was (2,)."),
-        ([["a", "b"]] * 2, "Give each valve 0 (apply), 1 (hold) or 2 (vent)"),
-        (None, "Give commands of the shape (2, 2): it was ()."),
+        ([[0, 3], [0, 0]], "Each valve must be 0 (apply), 1 (hold) or 2 (vent); got [0, 3] in row 0."),
+        ([[0, 0], [0.5, 0]], "Each valve must be 0 (apply), 1 (hold) or 2 (vent); got [0.5, 0.0] in row 1."),
+        ([[0, 0], [np.nan, 0]], "got [nan, 0.0] in row 1."),
+        ([[0, 0], [2**40, 0]], "got [1099511627776, 0] in row 1."),
+        ([0, 0], "commands must have the shape (2, 2); got (2,)."),
+        ([["a", "b"]] * 2, "Each valve must be 0 (apply), 1 (hold) or 2 (vent)"),
+        (None, "commands must have the shape (2, 2); got ()."),
     ],
 )
 def test_what_is_no_command_is_refused_before_anything_moves(commands: Any, sentence: str) -> None:
@@ -276,7 +276,10 @@ def test_what_is_no_command_is_refused_before_anything_moves(commands: Any, sent
         ({"rails": only(Run({}, speed=np.nan))}, "Draw a speed above 0 and up to 100 m/s: it was nan."),
         ({"rails": only(Run({"friction": 0.1}))}, "There is no variable friction; did you mean friction_"),
         ({"rails": only(Run({"friction_1": -0.1}))}, "friction_1"),
-        ({"rails": only(Run({}, faults=(Fault(3, radius=1.1),)))}, "Give faults of wheelsets 1 to 2: it was 3."),
+        (
+            {"rails": only(Run({}, faults=(Fault(3, radius=1.1),)))},
+            "The wheelset of a fault must be from 1 to 2; got 3.",
+        ),
         ({"pulse": 80}, "There is no setting pulse; did you mean pulses?"),
         ({"period": 1e-6}, "Set period to at least 1e-05 s: it was 1e-06 s."),
         ({"num_envs": 0}, "The number of environments must be a whole number of at least 1; got 0."),
@@ -294,7 +297,7 @@ def test_a_step_before_the_first_reset_and_options_are_refused() -> None:
             made.step(np.array(action))
         with pytest.raises(ValueError, match="There is no option rail; give rails a function"):
             made.reset(options={"rail": "low"})
-        with pytest.raises(ValueError, match="Give one seed, or 2 of them: there were 3"):
+        with pytest.raises(ValueError, match="seed must be one number, or 2 of them; got 3"):
             many.reset(seed=[1, 2, 3])
 
 

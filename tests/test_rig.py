@@ -178,7 +178,7 @@ def test_stops_in_space_are_those_in_the_plane(machine: Machine, tmp_path: Path)
 
 
 def test_another_level_is_refused() -> None:
-    with pytest.raises(ValueError, match=re.escape("Set level to 2 (in the plane) or 3 (in space) on the test rig:")):
+    with pytest.raises(ValueError, match=re.escape("level must be 2 (planar) or 3 (3D) on the test rig;")):
         Rig(bogie(), None, Settings(), level=1)
 
 
@@ -294,8 +294,11 @@ def test_runs_of_machines_with_other_equipment_keep_their_places(tmp_path: Path)
 @pytest.mark.parametrize(
     ("equipment", "sentence"),
     [
-        (("disc",), "Choose equipment from discs, dynamic brake, sanders, traction: it was 'disc'."),
-        (("discs", "traction"), "Give a machine with traction no discs and no dynamic brake: its run does not brake."),
+        (("disc",), "Equipment must be one of discs, dynamic brake, sanders, traction; got 'disc'."),
+        (
+            ("discs", "traction"),
+            "A vehicle with traction must have no discs and no dynamic brake: its run does not brake.",
+        ),
     ],
 )
 def test_equipment_that_cannot_be_is_refused(equipment: tuple[str, ...], sentence: str) -> None:
@@ -306,7 +309,7 @@ def test_equipment_that_cannot_be_is_refused(equipment: tuple[str, ...], sentenc
 def test_what_a_machine_has_not_is_told() -> None:
     with pytest.raises(ValueError, match=r"This machine has no friction_11; did you mean friction_1\?"):
         Rig(bogie(), None, Settings()).runs([Run({"friction_11": 0.1})])
-    with pytest.raises(ValueError, match="Fill cylinders by flow of air on a machine with discs"):
+    with pytest.raises(ValueError, match="A vehicle with discs must have cylinders filled by flow of air"):
         Rig(bogie(), None, Settings()).runs([Run({}, equipment=("discs",))])
 
 
@@ -366,9 +369,9 @@ def test_a_valve_that_sticks_stays_where_it_stands() -> None:
 @pytest.mark.parametrize(
     ("fault", "sentence"),
     [
-        ({"wheelset": 1, "sensor": "blind"}, "Set sensor to one of stuck, zero, doubled: it was 'blind'."),
-        ({"wheelset": 1, "radius": 3.0}, "Set radius to 0.5 to 2 times the true one: it was 3.0."),
-        ({"wheelset": 0, "sensor": "zero"}, "Set wheelset to a whole number, 1 or more: it was 0."),
+        ({"wheelset": 1, "sensor": "blind"}, "sensor must be one of stuck, zero, doubled; got 'blind'."),
+        ({"wheelset": 1, "radius": 3.0}, "radius must be 0.5 to 2 times the true one; got 3.0."),
+        ({"wheelset": 0, "sensor": "zero"}, "wheelset must be an integer of at least 1; got 0."),
         ({"wheelset": 1, "sensor_from": 3.0}, "This fault has no effect; give it a sensor,"),
     ],
 )
@@ -378,7 +381,7 @@ def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str)
 
 
 def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
-    with pytest.raises(ValueError, match=re.escape("Give faults of wheelsets 1 to 2: it was 3.")):
+    with pytest.raises(ValueError, match=re.escape("The wheelset of a fault must be from 1 to 2; got 3.")):
         Rig(bogie(), None, Settings()).runs([Run(LOW.values(), faults=(Fault(3, radius=1.1),))])
 
 
@@ -409,32 +412,32 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ('[[case]]\nname = "a"\nrail = "dry"\nequipment = ["sanders"]\n', "sanders without sand have no effect; set"),
         (
             '[[case]]\nname = "a"\n',
-            "case 1 (a): give a rail, one of dry, wet, low, slippery, extremely_low, very_low: it was nothing.",
+            "case 1 (a): rail must be one of dry, wet, low, slippery, extremely_low, very_low; got nothing.",
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
-        ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h: it was 3mph."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "set strength above 0 and up to 5: it was 0."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h; got 3mph."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "strength must be above 0 and at most 5; got 0."),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nload = 9\n',
             "set load to 0.2 to 5 times the mass of the body:",
         ),
-        ('[[case]]\nname = "a"\nrail = "dry"\nfriction = 2\n', "set friction above 0 and up to 1: it was 2."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nfriction = 2\n', "friction must be above 0 and at most 1; got 2."),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{}]\n', "a fault needs the number of its wheelset."),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheel = 1 }]\n', "a fault has no wheel; give some of"),
         ('[[case]]\nname = "a"\nrail = "dry"\nvalues = [1]\n', "give values names, as in values = { gradient"),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nvalues = { gradient = "up" }\n',
-            "set gradient to a number: it was 'up'.",
+            "gradient must be a number; got 'up'.",
         ),
-        ('[[case]]\nname = "a"\nrail = "dry"\nfriction = "low"\n', "set friction to a number: it was 'low'."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = true\n', "set strength to a number: it was true."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nfriction = "low"\n', "friction must be a number; got 'low'."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = true\n', "strength must be a number; got true."),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1.5, radius = 1.1 }]\n',
-            "Set wheelset to a whole number, 1 or more: it was 1.5.",
+            "wheelset must be an integer of at least 1; got 1.5.",
         ),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1, sensor = "zero", sensor_from = "6s" }]\n',
-            "set sensor_from to a number: it was '6s'.",
+            "sensor_from must be a number; got '6s'.",
         ),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1, valve_from = nan }]\n',

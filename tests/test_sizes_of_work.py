@@ -86,13 +86,13 @@ REFUSED: dict[str, tuple[Call, type[Exception], str]] = {
         ValueError,
         "The number of threads must be at most 1024; got 1000000000.",
     ),
-    "a train goes": (lambda: train().advance(1e6), ValueError, "from 0 to 86400 s: it was 1000000"),
+    "a train goes": (lambda: train().advance(1e6), ValueError, "from 0 to 86400 s; got 1000000"),
     "a train records": (lambda: train().record(1e6), ValueError, "for at most 86400 s"),
     "each moment of a train": (lambda: train().record(60.0, 1e-9), ValueError, "Give an interval above 1e-09 s"),
     "a train's speed": (
         lambda: bb.train(1, speed=160.0),
         ValueError,
-        f"from -150 to 150 m/s: it was 160.0. {IN_KILOMETRES_AN_HOUR}",
+        f"from -150 to 150 m/s; got 160.0. {IN_KILOMETRES_AN_HOUR}",
     ),
     "macro steps": (
         lambda: list(Coupling([], []).run(10.0, 1e-12)),
@@ -102,17 +102,21 @@ REFUSED: dict[str, tuple[Call, type[Exception], str]] = {
     "a protected stop": (
         lambda: Settings(speed=160.0),
         ValueError,
-        f"Set speed to at most 100 m/s: it was 160 m/s. {IN_KILOMETRES_AN_HOUR}",
+        f"speed must be at most 100 m/s; got 160 m/s. {IN_KILOMETRES_AN_HOUR}",
     ),
     "a run on the rig": (
         lambda: Run({}, speed=160.0),
         ValueError,
-        f"to at most 100 m/s: it was 160 m/s. {IN_KILOMETRES_AN_HOUR}",
+        f"at most 100 m/s; got 160 m/s. {IN_KILOMETRES_AN_HOUR}",
     ),
-    "a period": (lambda: Settings(period=1e-12), ValueError, "Set period to at least 1e-05 s: it was 1e-12 s"),
-    "an application time": (lambda: Settings(application_time=1e9), ValueError, "Set application_time to at most 60 s"),
-    "teeth": (lambda: Settings(pulses=10**9), ValueError, "Set pulses to at most 10000"),
-    "a strength": (lambda: Settings(strength=1e9), ValueError, "Set strength to at most 100: it was 1e"),
+    "a period": (lambda: Settings(period=1e-12), ValueError, "period must be at least 1e-05 s; got 1e-12 s"),
+    "an application time": (
+        lambda: Settings(application_time=1e9),
+        ValueError,
+        "application_time must be at most 60 s",
+    ),
+    "teeth": (lambda: Settings(pulses=10**9), ValueError, "pulses must be at most 10000"),
+    "a strength": (lambda: Settings(strength=1e9), ValueError, "strength must be at most 100; got 1e"),
     "a radius": (lambda: replace(tables_5_1_and_5_2(), wheel_radius=460.0), ValueError, IN_MILLIMETRES),
     "a base": (
         lambda: replace(tables_5_1_and_5_2(), wheel_base=1675.0),
@@ -243,7 +247,7 @@ def test_what_parameters_must_keep_together_follows_from_the_description() -> No
         (["controllers", "compare", "none", "--period", "1e-12"], "--period must be from 1e-05 to 1 s; got 1e-12."),
         (
             ["controllers", "compare", "none", "--pulses", "1000000000"],
-            "--pulses must be a whole number from 1 to 10000; got 1000000000.",
+            "--pulses must be an integer from 1 to 10000; got 1000000000.",
         ),
     ],
 )

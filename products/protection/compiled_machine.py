@@ -22,7 +22,7 @@ PLACES = {2: places_of(level=2, on_line=False)[0], 3: places_of(level=3, depth=2
 def machine_model(machine: Machine, level: int = 2) -> Model:
     """Return the vehicle at a level of detail, one system. Raises ValueError if the level is not 2 or 3."""
     if level not in PLACES:
-        raise ValueError(f"Set level to 2 (in the plane) or 3 (in space) on the test rig: it was {level}.")
+        raise ValueError(f"level must be 2 (planar) or 3 (3D) on the test rig; got {level}.")
     return model_of(composed(machine, system_at(machine.vehicle, PLACES[level])), DEFAULT_TOLERANCE)
 
 

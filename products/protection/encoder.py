@@ -38,16 +38,16 @@ class Encoder:
 
     def __post_init__(self) -> None:
         if self.pulses < 1:
-            raise ValueError(f"Set pulses to at least 1: it was {self.pulses}.")
+            raise ValueError(f"pulses must be at least 1; got {self.pulses}.")
         if self.pulses != int(self.pulses) or self.pulses > MOST_PULSES:
-            raise ValueError(f"pulses must be a whole number up to {MOST_PULSES}; got {self.pulses}. Give another.")
+            raise ValueError(f"pulses must be an integer of at most {MOST_PULSES}; got {self.pulses}. Give another.")
         if not math.isfinite(self.phase):
             raise ValueError(f"phase must be finite; got {self.phase}. Give the share of a tooth.")
         if not (math.isfinite(self.jitter) and self.jitter >= 0.0):
-            raise ValueError(f"Set jitter to a finite value of at least 0: it was {self.jitter}.")
+            raise ValueError(f"jitter must be finite and at least 0; got {self.jitter}.")
         for name in ("gate", "resolution", "lowest_frequency"):
             if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise ValueError(f"Set {name} to a finite value above 0: it was {getattr(self, name)}.")
+                raise ValueError(f"{name} must be finite and above 0; got {getattr(self, name)}.")
         self.pitch = math.tau / self.pulses
         self.errors = edge_errors(self.pulses, self.jitter, self.seed)
         self._settings = SensorSettings(self.pulses, self.gate, self.resolution, self.lowest_frequency)

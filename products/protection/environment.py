@@ -113,10 +113,10 @@ class Environment:
     def _drawn(self, random: np.random.Generator) -> Run:
         run = self._draw(random, len(self.machine.numbers))
         if not isinstance(run, Run):
-            raise TypeError(f"Let the rails give a Run: it was a {type(run).__name__}.")
+            raise TypeError(f"rails must return a Run; got a {type(run).__name__}.")
         speed = self._rig.values(run)["initial_speed"]
         if not 0.0 < speed <= FASTEST:
-            raise ValueError(f"Draw a speed above 0 and up to {FASTEST:g} m/s: it was {speed}.")
+            raise ValueError(f"A drawn speed must be above 0 and at most {FASTEST:g} m/s; got {speed}.")
         return run
 
     def turn(self, commands: ArrayLike) -> None:
@@ -126,12 +126,12 @@ class Environment:
         """
         given = np.asarray(commands)
         if given.shape != self._loop.valves.shape:
-            raise ValueError(f"Give commands of the shape {self._loop.valves.shape}: it was {given.shape}.")
+            raise ValueError(f"commands must have the shape {self._loop.valves.shape}; got {given.shape}.")
         taken, good = commands_of(given)
         if not good.all():
             row = int(np.argmin(good))
             raise ValueError(
-                f"Give each valve 0 (apply), 1 (hold) or 2 (vent): it was {given[row].tolist()} in row {row}."
+                f"Each valve must be 0 (apply), 1 (hold) or 2 (vent); got {given[row].tolist()} in row {row}."
             )
         self._loop.valves[:] = taken
         self._loop.turn()

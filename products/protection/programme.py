@@ -75,7 +75,7 @@ def speed_of(text: str | float) -> float:
     found = SPEED.fullmatch(str(text).strip())
     speed = float(found[1]) * SPEEDS[found[2]] if found else 0.0
     if not 0.0 < speed <= FASTEST:
-        raise ValueError(f"Give a speed above 0 and up to {FASTEST:g} m/s, as 25m/s or 160km/h: it was {shown(text)}.")
+        raise ValueError(f"speed must be above 0 and at most {FASTEST:g} m/s, as 25m/s or 160km/h; got {shown(text)}.")
     return speed
 
 
@@ -122,15 +122,15 @@ def _case(table: Mapping[str, Any]) -> Case:
         raise ValueError("give a name, as in name = 'wet, 120 km/h'.")
     rail = table.get("rail")
     if not isinstance(rail, str) or rail not in CONDITIONS:
-        raise ValueError(f"give a rail, one of {', '.join(CONDITIONS)}: it was {shown(rail or 'nothing')}.")
+        raise ValueError(f"rail must be one of {', '.join(CONDITIONS)}; got {shown(rail or 'nothing')}.")
     strength, friction = (_number(name, table[name]) if name in table else None for name in ("strength", "friction"))
     if strength is not None and not 0.0 < strength <= STRONGEST:
-        raise ValueError(f"set strength above 0 and up to {STRONGEST:g}: it was {strength:g}.")
+        raise ValueError(f"strength must be above 0 and at most {STRONGEST:g}; got {strength:g}.")
     if friction is not None and not 0.0 < friction <= 1.0:
-        raise ValueError(f"set friction above 0 and up to 1: it was {friction:g}.")
+        raise ValueError(f"friction must be above 0 and at most 1; got {friction:g}.")
     load = _number("load", table.get("load", 1.0))
     if not LOADS[0] <= load <= LOADS[1]:
-        raise ValueError(f"set load to {LOADS[0]:g} to {LOADS[1]:g} times the mass of the body: it was {load:g}.")
+        raise ValueError(f"load must be {LOADS[0]:g} to {LOADS[1]:g} times the mass of the body; got {load:g}.")
     if not isinstance(table.get("fault", []), list):
         raise ValueError("give fault a list, [{ wheelset = 1, sensor = ... }].")
     given = table.get("values", {})
@@ -150,7 +150,7 @@ def _case(table: Mapping[str, Any]) -> Case:
 def _number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         got = quoted(value) if isinstance(value, str) else shown(value)
-        raise ValueError(f"set {shown(name)} to a number: it was {got}.")
+        raise ValueError(f"{shown(name)} must be a number; got {got}.")
     return float(value)
 
 
@@ -167,5 +167,5 @@ def _fault(table: Mapping[str, Any]) -> Fault:
         if name != "sensor":
             _number(name, value)
         elif not isinstance(value, str):
-            raise ValueError(f"set sensor to a word: it was {shown(value)}.")
+            raise ValueError(f"sensor must be a word; got {shown(value)}.")
     return Fault(**table)

@@ -243,7 +243,7 @@ class Rig:
         )
         for one in run.faults:
             if one.wheelset not in self.machine.numbers:
-                raise ValueError(f"Give faults of wheelsets 1 to {len(each)}: it was {one.wheelset}.")
+                raise ValueError(f"The wheelset of a fault must be from 1 to {len(each)}; got {one.wheelset}.")
             of = each[one.wheelset - 1]
             of.radius, of.sensor_from = one.radius, one.sensor_from
             of.sensor = SENSOR_FAILURES.get(one.sensor, 0)
@@ -309,7 +309,7 @@ class Loop:
         desk = rig_in_c.Desk(*(one.ctypes.data for one in (self.time, self.speeds, self.valves)))
         self.own = self.call.rig_create(self.count, settings, controller, desk)
         if not self.own:
-            raise MemoryError("There is no memory for so many sensors; take fewer rows at once.")
+            raise MemoryError("There is not enough memory for {self.count} rows of sensors; take fewer at once.")
         place = ctypes.cast(self.call.rig_scores(self.own), ctypes.POINTER(ctypes.c_char))
         whole = np.ctypeslib.as_array(place, (self.count * SCORE.itemsize,))
         self.score = whole.view(SCORE)

@@ -31,15 +31,15 @@ class Fault:
 
     def __post_init__(self) -> None:
         if self.sensor and self.sensor not in SENSOR_FAILURES:
-            raise ValueError(f"Set sensor to one of {', '.join(SENSOR_FAILURES)}: it was {self.sensor!r}.")
+            raise ValueError(f"sensor must be one of {', '.join(SENSOR_FAILURES)}; got {self.sensor!r}.")
         if not 0.5 <= self.radius <= 2.0:
-            raise ValueError(f"Set radius to 0.5 to 2 times the true one: it was {self.radius}.")
+            raise ValueError(f"radius must be 0.5 to 2 times the true one; got {self.radius}.")
         if self.wheelset < 1 or self.wheelset != int(self.wheelset):
-            raise ValueError(f"Set wheelset to a whole number, 1 or more: it was {self.wheelset}.")
+            raise ValueError(f"wheelset must be an integer of at least 1; got {self.wheelset}.")
         for name in ("sensor_from", "valve_from"):
             if not (0.0 <= getattr(self, name) < LONGEST or (name == "valve_from" and self.valve_from == math.inf)):
                 at = f"from 0 to below {LONGEST:g} s, when runs end"
-                raise ValueError(f"Set {name} to a time {at}: it was {getattr(self, name)}.")
+                raise ValueError(f"{name} must be a time {at}; got {getattr(self, name)}.")
         if not self.sensor and (self.sensor_from or (self.radius == 1.0 and math.isinf(self.valve_from))):
             raise ValueError("This fault has no effect; give it a sensor, a radius other than 1, or valve_from.")
 
@@ -61,10 +61,10 @@ class Run:
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.phase < 1.0:
-            raise ValueError(f"Set phase to 0 to below 1 tooth: it was {self.phase}.")
+            raise ValueError(f"phase must be from 0 to below 1 tooth; got {self.phase}.")
         object.__setattr__(self, "equipment", in_order(self.equipment))
         if self.speed is not None and self.speed > FASTEST:
-            said = f"Set speed of a run to at most {FASTEST:g} m/s: it was {self.speed:g} m/s."
+            said = f"speed of a run must be at most {FASTEST:g} m/s; got {self.speed:g} m/s."
             raise ValueError(said + other_unit(self.speed, "m/s", 0.0, FASTEST))
 
     @property

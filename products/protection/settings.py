@@ -46,19 +46,19 @@ class Settings:
         for name, (most, unit) in LIMITS.items():
             given = getattr(self, name)
             if not (isinstance(given, Real) and 0.0 < float(given) < math.inf):
-                raise ValueError(f"Set {name} to a finite number above 0: it was {given!r}.")
+                raise ValueError(f"{name} must be a finite number above 0; got {given!r}.")
             value = float(given)
             in_unit = "" if unit == "1" else f" {unit}"
             if value > most:
                 hint = other_unit(value, unit, 0.0, most)
-                raise ValueError(f"Set {name} to at most {most:g}{in_unit}: it was {value:g}{in_unit}.{hint}")
+                raise ValueError(f"{name} must be at most {most:g}{in_unit}; got {value:g}{in_unit}.{hint}")
             if unit == "s" and value < SHORTEST_PERIOD:
-                raise ValueError(f"Set {name} to at least {SHORTEST_PERIOD:g} s: it was {value:g} s.")
+                raise ValueError(f"{name} must be at least {SHORTEST_PERIOD:g} s; got {value:g} s.")
         if not (isinstance(self.pulses, Real) and self.pulses >= 1 and self.pulses == int(self.pulses)):
-            raise ValueError(f"Set pulses to a whole number of at least 1: it was {self.pulses!r}.")
+            raise ValueError(f"pulses must be an integer of at least 1; got {self.pulses!r}.")
         if self.pulses > MOST_PULSES:
-            raise ValueError(f"Set pulses to at most {MOST_PULSES}: it was {self.pulses}.")
+            raise ValueError(f"pulses must be at most {MOST_PULSES}; got {self.pulses}.")
         if not (isinstance(self.jitter, Real) and 0.0 <= float(self.jitter) < math.inf):
-            raise ValueError(f"Set jitter to a finite value of at least 0: it was {self.jitter!r}.")
+            raise ValueError(f"jitter must be finite and at least 0; got {self.jitter!r}.")
         if self.jitter > MOST_JITTER:
-            raise ValueError(f"Set jitter to at most {MOST_JITTER:g} of the pitch: it was {self.jitter:g}.")
+            raise ValueError(f"jitter must be at most {MOST_JITTER:g} of the pitch; got {self.jitter:g}.")

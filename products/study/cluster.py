@@ -68,7 +68,9 @@ def check_form(address: str) -> None:
         get_backend(scheme)
         parse_host_port(place)
     except ValueError:
-        raise BadInputError(f"{address} is no address of a Dask scheduler; write it as tcp://127.0.0.1:8786.") from None
+        raise BadInputError(
+            f"{address} is not an address of a Dask scheduler; write it as tcp://127.0.0.1:8786."
+        ) from None
 
 
 def check_sources(client: Client) -> None:

@@ -49,9 +49,9 @@ def values_of(text: str, values: str) -> list[float]:
     try:
         count = int(parts[2])
     except ValueError:
-        raise BadInputError(f"--vary {text} needs a whole number of values: it was '{parts[2]}'.") from None
+        raise BadInputError(f"--vary {text} must have an integer as its count; got '{parts[2]}'.") from None
     if not 1 <= count <= LARGEST_GRID:
-        raise BadInputError(f"--vary {text} needs a count from 1 to {LARGEST_GRID}: it was {count}.")
+        raise BadInputError(f"--vary {text} must have a count from 1 to {LARGEST_GRID}; got {count}.")
     if count > 1 and first == last:
         raise BadInputError(f"Give each value once: --vary {text} begins where it ends.")
     return evenly_spaced(first, last, count)

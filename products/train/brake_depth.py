@@ -58,7 +58,7 @@ def smallest(consist: Consist, distance: float = 0.01, force: float = 0.05, rele
     """
     for name, value in (("distance", distance), ("force", force)):
         if not 0.0 <= number_of(value) < math.inf or isinstance(value, str):
-            raise ValueError(f"Ask for an error of the {name} of at least 0, a share: it was {value!r}.")
+            raise ValueError(f"The error of the {name} must be at least 0, a share; got {value!r}.")
     for one in DEPTHS_BY_COST.values():
         if (
             one.distance <= distance

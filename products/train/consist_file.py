@@ -37,7 +37,7 @@ from readers.tables import Column, number_of, read_table
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
 
-#: Vehicles of a train at most, and of what a consist may have: load and mass [t], lambda [%], delay [s], leak [mm].
+#: Largest number of vehicles, and limits of a consist: load and mass [t], lambda [%], delay [s], leak [mm].
 MOST = 2000
 LIMITS = {
     "count": (1, MOST),
@@ -155,7 +155,7 @@ def _number(name: str, value: Any) -> float:
     low, high = LIMITS[name]
     unit = f" {UNITS[name]}" if name in UNITS else ""
     if not low <= number <= high or (name == "count" and number != int(number)):
-        kind = "a whole number" if name == "count" else "a number"
+        kind = "an integer" if name == "count" else "a number"
         raise ValueError(f"{name} must be {kind} from {low:g} to {high:g}{unit}; got {shown(value)}. Correct it.")
     return number
 

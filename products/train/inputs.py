@@ -63,5 +63,5 @@ class Inputs(Mapping[str, NDArray[np.float64]]):
 def wrong_input(name: str, place: int, value: float) -> str:
     """Return the message for a value of an input outside its limits."""
     one = BY_NAME[name]
-    kind = "a whole number from" if one.whole else "a number from"
-    return f"Set inputs['{name}'][{place}] to {kind} {one.least:g} to {one.most:g}: it was {value:g}."
+    kind = "an integer from" if one.whole else "a number from"
+    return f"inputs['{name}'][{place}] must be {kind} {one.least:g} to {one.most:g}; got {value:g}."

@@ -47,13 +47,13 @@ class Settings:
 
     def __post_init__(self) -> None:
         if self.depth not in DEPTHS:
-            raise ValueError(f"Set the depth of a train's brake to one of {', '.join(DEPTHS)}: it was {self.depth}.")
+            raise ValueError(f"depth must be one of {', '.join(DEPTHS)}; got {self.depth}.")
         for name, (least, most) in SETTING_LIMITS.items():
             if not least <= getattr(self, name) <= most:
-                raise ValueError(f"Set {name} to a number from {least:g} to {most:g}: it was {getattr(self, name)}.")
+                raise ValueError(f"{name} must be a number from {least:g} to {most:g}; got {getattr(self, name)}.")
         count = self.cells if self.cells >= 1.0 else 1.0 / self.cells
         if abs(count - round(count)) > 1e-9:
-            raise ValueError(f"Set cells to a whole number, or to one over a whole number: it was {self.cells}.")
+            raise ValueError(f"cells must be an integer, or one over an integer; got {self.cells}.")
 
 
 def cells_of(consist: Consist, cells: float) -> tuple[NDArray[np.float64], list[int], list[int]]:
@@ -132,7 +132,7 @@ def _cells(
 ) -> dict[str, NDArray[np.float64]]:
     """Return the columns of the pipe's cells."""
     if len({one.pipe_diameter for one in consist.vehicles}) > 1:
-        raise ValueError("Give all vehicles pipes of one inner diameter, such as 0.03175 m: they had several.")
+        raise ValueError("All vehicles must have pipes of one inner diameter, such as 0.03175 m; got several.")
     leak = np.zeros(len(lengths))
     np.add.at(leak, places, [one.leak for one in consist.vehicles])
     same = {"diameter": consist.vehicles[0].pipe_diameter, "wall_temperature": WALL, "ambient_pressure": AMBIENT}

@@ -108,7 +108,7 @@ class Pipe(Air):
             return np.broadcast_to(np.asarray(values, float), (cells,))
 
         if cells < 1 or cells != int(cells):
-            raise ValueError(f"Give a pipe a whole number of cells, at least 1: it was {cells}.")
+            raise ValueError(f"The number of cells of a pipe must be an integer of at least 1; got {cells}.")
         self.cells, self.area = cells, np.pi / 4 * diameter**2
         density = row(pressure) / (GAS_CONSTANT * row(temperature))
         momentum = density * row(speed)
@@ -153,7 +153,7 @@ class Pipe(Air):
         """
         places = np.array(cells, np.int64)
         if not (places.size == len(distributors) and places.size and places.min() >= 0 and places.max() < self.cells):
-            raise ValueError(f"Give each distributor one of the cells 0 to {self.cells - 1}: it was {list(cells)}.")
+            raise ValueError(f"Each distributor must have one of the cells 0 to {self.cells - 1}; got {list(cells)}.")
         known = list(DISTRIBUTORS.values())
         kinds = [kind_of(one) for one in distributors]
         self.kinds = [known.index(kind) for kind in kinds]
@@ -183,7 +183,7 @@ class Pipe(Air):
     def open_to(self, end: int, outside: Outside) -> None:
         """Set the conditions outside an end, 0 or 1. Raises ValueError if the end does not exist."""
         if end not in (0, 1):
-            raise ValueError(f"A pipe has the ends 0 and 1: it was {end}.")
+            raise ValueError(f"The end of a pipe must be 0 or 1; got {end}.")
         given = OutsideInC(outside.opening, self.area, outside.pressure, outside.temperature)
         self._call.pipe_end(self.own, end, given)
 
@@ -193,9 +193,7 @@ class Pipe(Air):
         courant: step size relative to the travel time of a wave through a cell; above 1 the result is wrong.
         """
         if not (0.0 <= time < np.inf and courant > 0.0):
-            raise ValueError(
-                f"Go on by a time of at least 0 s in steps above 0: it was {time} s in steps of {courant}."
-            )
+            raise ValueError(f"The time must be at least 0 s, and courant above 0; got {time} s and {courant}.")
         steps = self._call.pipe_advance(self.own, time, courant)
         if steps < 0:
             raise ValueError(f"The air in the pipe came to no finite pressure above 0 within {time:g} s.")

@@ -34,14 +34,14 @@ def _within(name: str, value: float, least: float, most: float, unit: str) -> No
     """Raise ValueError if it is not a number within the limits."""
     number = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
     if not (number and least <= value <= most):
-        said = f"Set {name} to a number from {least:g} to {most:g} {unit}".rstrip() + f": it was {value}."
+        said = f"{name} must be a number from {least:g} to {most:g} {unit}".rstrip() + f"; got {value}."
         raise ValueError(said + (other_unit(value, unit, least, most) if number else ""))
 
 
 def _place(name: str, value: int, count: int) -> None:
     """Raise ValueError if it is not an integer from 0 to below `count`."""
     if not (isinstance(value, (int, np.integer)) and 0 <= value < count):
-        raise ValueError(f"Name a {name} by a whole number from 0 to {count - 1}: it was {value}.")
+        raise ValueError(f"The number of a {name} must be an integer from 0 to {count - 1}; got {value}.")
 
 
 class Train:
@@ -114,8 +114,8 @@ class Train:
     def drive(self, position: str, step: float = 0.0, valve: int = 0) -> None:
         """Set a driver's valve; step: of service, 0 the first, 1 full. Raises ValueError."""
         if position not in POSITIONS:
-            raise ValueError(f"Set a driver's valve to one of {', '.join(POSITIONS)}: it was {position}.")
-        _within("a step of service, 0 the first and 1 full,", step, 0.0, 1.0, "")
+            raise ValueError(f"A driver's valve must be set to one of {', '.join(POSITIONS)}; got {position}.")
+        _within("A step of service, 0 the first and 1 full,", step, 0.0, 1.0, "")
         _place("valve", valve, self.inputs["position"].size)
         self.inputs["position"][valve], self.inputs["step"][valve] = POSITIONS[position], step
 
@@ -124,7 +124,7 @@ class Train:
 
         Raises ValueError if an input or the state is not finite; the train keeps its last state then.
         """
-        _within("the time to go on by", time, 0.0, LONGEST, "s")
+        _within("The time", time, 0.0, LONGEST, "s")
         status = self._call.train_go(self._own, time)
         if status == -2:
             raise ValueError(self._wrong_input())
@@ -164,7 +164,7 @@ class Train:
         """
         if not (0.0 < interval < np.inf and 0.0 <= seconds <= LONGEST):
             raise ValueError(
-                f"Record at intervals above 0 s, for at most {LONGEST:g} s: it was {interval} s for {seconds} s."
+                f"The interval must be above 0 s, and the time at most {LONGEST:g} s; got {interval} s and {seconds} s."
             )
         units = {"time": "s"} | {name: one.unit for one in RECORDED for name in self._names(one.name)}
         if seconds / interval * len(units) > MOST:
@@ -208,12 +208,12 @@ class Train:
         due = self._call.train_numbers(self._own) + 1
         if np.shape(numbers) != (due,):
             raise ValueError(
-                f"Give a train a state that it has saved, {due} numbers: it had the shape {np.shape(numbers)}."
+                f"The state must be one that this train has saved, {due} numbers; got the shape {np.shape(numbers)}."
             )
         given = np.ascontiguousarray(numbers, np.float64)
         if given[-1] != self._checksum(given[:-1]):
             raise ValueError(
-                "Give a train a state that it has saved, as it was: numbers have changed, or it is another's."
+                "The state must be one that this train has saved; got changed numbers, or the state of another train."
             )
         self._call.train_load(self._own, given.ctypes.data)
 

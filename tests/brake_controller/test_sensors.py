@@ -134,13 +134,13 @@ def test_jitter_is_the_same_for_the_same_seed() -> None:
 
 
 def test_encoder_without_pulses_is_refused() -> None:
-    with pytest.raises(ValueError, match="Set pulses to at least 1: it was 0"):
+    with pytest.raises(ValueError, match="pulses must be at least 1; got 0"):
         Encoder(pulses=0)
 
 
 @pytest.mark.parametrize("name", ["gate", "resolution", "lowest_frequency"])
 def test_encoder_that_cannot_be_is_refused(name: str) -> None:
-    with pytest.raises(ValueError, match=f"Set {name} to a finite value above 0: it was 0"):
+    with pytest.raises(ValueError, match=f"{name} must be finite and above 0; got 0"):
         Encoder(**{name: 0.0})
 
 
@@ -172,7 +172,7 @@ def test_a_rotation_that_is_no_number_is_refused() -> None:
     with pytest.raises(ValueError, match="phase must be finite; got nan"):
         Encoder(phase=math.nan)
     for pulses in (2**32 + 100, 99.5):
-        with pytest.raises(ValueError, match="pulses must be a whole number up to 10000"):
+        with pytest.raises(ValueError, match="pulses must be an integer of at most 10000"):
             Encoder(pulses)  # type: ignore[arg-type]
 
 

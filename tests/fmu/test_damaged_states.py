@@ -138,10 +138,10 @@ def test_a_train_refuses_damaged_states() -> None:
     for _ in range(DAMAGES):
         numbers, place = whole.copy(), draw.randrange(whole.size)
         numbers.view(np.uint64)[place] ^= np.uint64(1 << draw.randrange(64))
-        with pytest.raises(ValueError, match="Give a train a state that it has saved"):
+        with pytest.raises(ValueError, match="The state must be one that this train has saved"):
             train.state = draw.choice([numbers, whole[:place], np.append(whole, numbers[place])])
     train.state = whole
     assert np.array_equal(train.state, whole, equal_nan=True)
     other = Train(block_train(2), settings=Settings(friction=0.5))
-    with pytest.raises(ValueError, match="Give a train a state that it has saved"):
+    with pytest.raises(ValueError, match="The state must be one that this train has saved"):
         other.state = whole

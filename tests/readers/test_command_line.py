@@ -54,7 +54,7 @@ def parser() -> CommandLine:
         ("one a --step 5h", "--step must be from 1e-05 to 0.1 s; got 5h."),
         ("one a --step x", "--step must be from 1e-05 to 0.1 s; got x. Give a number in s, sec, ms, us, min, h."),
         ("one a --step", "--step must have a value; got none. See top one --help."),
-        ("one a --pulses 1.5", "--pulses must be a whole number of at least 1; got 1.5."),
+        ("one a --pulses 1.5", "--pulses must be an integer of at least 1; got 1.5."),
         ("one a --teeth 80", "There is no option --teeth; its name is --pulses now."),
         ("one a --stepp 1", "There is no option --stepp; did you mean --step?"),
         ("one a --kind fmi", "--kind must be one of native, fmi3; got fmi. Did you mean fmi3?"),

@@ -117,7 +117,7 @@ def test_columns_by_position(text: str, pairs: list[tuple[float, float]]) -> Non
 def test_a_part_below_an_empty_cell_is_refused() -> None:
     columns = (Column("count", whole=True, filled=False), Column("mass", "kg"))
     assert table_of("count,mass\n,1\n2,1\n", "mine.csv", columns).numbers["count"][1] == 2.0
-    with pytest.raises(TableError, match=r"row 3, column count: the value must be a whole number; got '2\.5'"):
+    with pytest.raises(TableError, match=r"row 3, column count: the value must be an integer; got '2\.5'"):
         table_of("count,mass\n,1\n2.5,1\n", "mine.csv", columns)
 
 

@@ -134,8 +134,8 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         (["nothing.c", "--rails", "dry", "--phases", "1"], "nothing is no controller ("),
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
-        (["let_go.py:LetGo", "--pulses", "0"], "--pulses must be a whole number from 1 to 10000; got 0."),
-        (["let_go.py:LetGo", "--phases", "0"], "--phases must be a whole number from 1 to 100; got 0."),
+        (["let_go.py:LetGo", "--pulses", "0"], "--pulses must be an integer from 1 to 10000; got 0."),
+        (["let_go.py:LetGo", "--phases", "0"], "--phases must be an integer from 1 to 100; got 0."),
         (["let_go.py:LetGo", "--jitter", "nan"], "--jitter must be from 0 to 0.5; got nan."),
         (["let_go.py:LetGo", "--rails", "low,low"], "Give each of --rails once: low was there 2 times."),
         (
@@ -217,7 +217,7 @@ def test_starts_are_compared_with_a_protection_of_their_own(folder: Path, capsys
     [
         ("values = { initial_speed = 9.0 }", "The case b may not set initial_speed: give speed."),
         ("values = { brake_torque_1 = 9.0 }", "The case b may not set brake_torque_1: what it gives is no input."),
-        ('equipment = ["disks"]', "Choose equipment from discs, dynamic brake, sanders, traction: it was 'disks'."),
+        ('equipment = ["disks"]', "Equipment must be one of discs, dynamic brake, sanders, traction; got 'disks'."),
         ('equipment = "discs"', "give equipment a list of names, some of discs, dynamic brake, sanders, traction."),
         ('equipment = ["traction"]', "mixes starts such as b with stops; give each a file of its own."),
         (

@@ -256,7 +256,7 @@ def test_the_command_prints_what_came(capsys: pytest.CaptureFixture[str], tmp_pa
         (["--pace", "-1"], "--pace must be at least 0; got -1."),
         (["--pace", "0.001"], "--pace must be 0, or at least 0.011 with this period; got 0.001."),
         (["--rail", "slow"], "There is no case slow; give --rail one of dry, wet, low, changing."),
-        (["--port", "70000"], "--port must be a whole number from 0 to 65535; got 70000."),
+        (["--port", "70000"], "--port must be an integer from 0 to 65535; got 70000."),
         (["--period", "0.001ms"], "--period must be from 1e-05 to 1 s; got 0.001ms."),
         (["--port", "0"], "No client came to 127.0.0.1:"),
     ],

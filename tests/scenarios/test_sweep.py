@@ -152,8 +152,8 @@ def test_failed_points_on_a_cluster(tmp_path: Path, cluster: Any) -> None:
     ("address", "sentence"),
     [
         ("tcp://127.0.0.1:9", "No Dask scheduler answers at tcp://127.0.0.1:9 within 0.5 s; start one with"),
-        ("here", "here is no address of a Dask scheduler; write it as tcp://"),
-        ("abc://here:1", "abc://here:1 is no address of a Dask scheduler; write it as tcp://"),
+        ("here", "here is not an address of a Dask scheduler; write it as tcp://"),
+        ("abc://here:1", "abc://here:1 is not an address of a Dask scheduler; write it as tcp://"),
     ],
 )
 def test_cluster_out_of_reach_gets_one_sentence(
@@ -198,9 +198,9 @@ SWEPT = f"{HEAVY}, anti-skid, braking-distance, train-braking, levels"
         ([HEAVY, "--vary", "friction=0.1,b"], "'b' is not a number"),
         ([HEAVY, "--vary", "friction=0.1:0.2"], "--vary friction=0.1:0.2 cannot be read; write name="),
         ([HEAVY, "--vary", "friction=0.1:0.2:3:4"], "cannot be read; write name="),
-        ([HEAVY, "--vary", "friction=0.1:0.2:2.5"], "needs a whole number of values: it was '2.5'."),
-        ([HEAVY, "--vary", "friction=0.1:0.2:0"], "needs a count from 1 to 1000000: it was 0."),
-        ([HEAVY, "--vary", "friction=0.1:0.2:9999999999"], "needs a count from 1 to 1000000: it was 9999999999."),
+        ([HEAVY, "--vary", "friction=0.1:0.2:2.5"], "must have an integer as its count; got '2.5'."),
+        ([HEAVY, "--vary", "friction=0.1:0.2:0"], "must have a count from 1 to 1000000; got 0."),
+        ([HEAVY, "--vary", "friction=0.1:0.2:9999999999"], "must have a count from 1 to 1000000; got 9999999999."),
         ([HEAVY, "--vary", "friction=0.1:nan:3"], "needs finite numbers: nan is not."),
         ([HEAVY, "--vary", "friction=1,1e999"], "needs finite numbers: 1e999 is not."),
         ([HEAVY, "--vary", "friction=1,1.0"], "Give each value once: --vary friction=1,1.0 repeats one."),
@@ -210,8 +210,8 @@ SWEPT = f"{HEAVY}, anti-skid, braking-distance, train-braking, levels"
             "Vary friction once: --vary friction=2 is the second",
         ),
         ([HEAVY, "--vary", "friction=0:1:2000", "--vary", "frame_height=0:1:2000"], "a grid of at most 1000000 points"),
-        ([HEAVY, "--vary", "friction=1", "--jobs", "0"], "--jobs must be a whole number of at least 1; got 0."),
-        ([HEAVY, "--vary", "friction=1", "--jobs", "-3"], "--jobs must be a whole number of at least 1; got -3."),
+        ([HEAVY, "--vary", "friction=1", "--jobs", "0"], "--jobs must be an integer of at least 1; got 0."),
+        ([HEAVY, "--vary", "friction=1", "--jobs", "-3"], "--jobs must be an integer of at least 1; got -3."),
     ],
 )
 def test_bad_input_gets_one_sentence(

@@ -58,7 +58,7 @@ def test_the_smallest_depth_follows_what_is_asked() -> None:
     assert smallest(long).cells == 1.0
     assert smallest(long, distance=0.003).cells == 2.0
     assert smallest(long, force=0.01).cells == 8.0
-    with pytest.raises(ValueError, match="Ask for an error of the force of at least 0, a share: it was nan"):
+    with pytest.raises(ValueError, match="The error of the force must be at least 0, a share; got nan"):
         smallest(short, force=float("nan"))
 
 
@@ -81,12 +81,12 @@ def test_the_errors_that_the_choice_counts_with_hold_for_another_train(length: i
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"depth": "deep"}, "Set the depth of a train's brake to one of whole, empirical, delay: it was deep"),
-        ({"cells": 0.0}, "Set cells to a number from 0.1 to 32: it was 0"),
-        ({"cells": 1.5}, "Set cells to a whole number, or to one over a whole number: it was 1.5"),
-        ({"share": 4.0}, "Set share to a number from 1e-05 to 2.5: it was 4"),
-        ({"courant": 1.1}, "Set courant to a number from 0.01 to 1: it was 1.1"),
-        ({"heat": float("nan")}, "Set heat to a number from 0 to 1e\\+06: it was nan"),
+        ({"depth": "deep"}, "depth must be one of whole, empirical, delay; got deep"),
+        ({"cells": 0.0}, "cells must be a number from 0.1 to 32; got 0"),
+        ({"cells": 1.5}, "cells must be an integer, or one over an integer; got 1.5"),
+        ({"share": 4.0}, "share must be a number from 1e-05 to 2.5; got 4"),
+        ({"courant": 1.1}, "courant must be a number from 0.01 to 1; got 1.1"),
+        ({"heat": float("nan")}, "heat must be a number from 0 to 1e\\+06; got nan"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(values: dict, sentence: str) -> None:

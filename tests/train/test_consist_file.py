@@ -169,7 +169,7 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
     "a truth in TOML": (
         "a.toml",
         "[[vehicle]]\nkind = 'locomotive'\ncount = true\n",
-        "vehicle 1: count must be a whole number from 1 to 2000; got true. Correct it.",
+        "vehicle 1: count must be an integer from 1 to 2000; got true. Correct it.",
     ),
     "a name that is none in TOML": (
         "a.toml",
@@ -252,13 +252,13 @@ def test_what_is_no_line_is_told_in_one_sentence(tmp_path: Path, capsys: pytest.
 @pytest.mark.parametrize(
     ("given", "more", "sentence"),
     [
-        (2.5, {}, r"A consist must be .* whole number of wagons; got 2\.5\."),
+        (2.5, {}, r"A consist must be .* integer, the number of wagons; got 2\.5\."),
         (None, {}, r"A consist must be .*; got None\."),
         (True, {}, r"A consist must be .*; got True\."),
         ({"kind": "wagon"}, {}, r"A consist must be .* a list of its rows .*; got \{'kind': 'wagon'\}\."),
         (["wagon"], {}, r"the consist, row 1: a vehicle must be names with values; got wagon\."),
-        (1, {"force_error": "5 %"}, r"Ask for an error of the force of at least 0, a share: it was '5 %'\."),
-        (1, {"distance_error": None}, r"Ask for an error of the distance of at least 0, a share: it was None\."),
+        (1, {"force_error": "5 %"}, r"The error of the force must be at least 0, a share; got '5 %'\."),
+        (1, {"distance_error": None}, r"The error of the distance must be at least 0, a share; got None\."),
         (1, {"releases": "no"}, r"releases must be True or False; got 'no'\."),
         (1, {"line": "line.csv"}, r"The line must be what line_of\(\.\.\.\) returns, .* got 'line\.csv'\."),
     ],

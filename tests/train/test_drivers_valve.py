@@ -155,10 +155,12 @@ def test_mass_and_energy_close_with_valves_cocks_and_parted_hoses() -> None:
 
 def test_a_drivers_position_out_of_range_is_refused() -> None:
     one = train(1)
-    with pytest.raises(ValueError, match="Set a driver's valve to one of shut-off, running, overcharge, service, emer"):
+    with pytest.raises(
+        ValueError, match="A driver's valve must be set to one of shut-off, running, overcharge, service, emer"
+    ):
         one.drive("full")
     with pytest.raises(
-        ValueError, match=r"Set a step of service, 0 the first and 1 full, to a number from 0 to 1: it was 1.2."
+        ValueError, match=r"A step of service, 0 the first and 1 full, must be a number from 0 to 1; got 1.2."
     ):
         one.drive("service", 1.2)
 
@@ -182,11 +184,11 @@ def test_a_train_in_position_g_brakes_later_than_in_p() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
-        ("position", 2.5, r"Set inputs\['position'\]\[0\] to a whole number from 0 to 4: it was 2.5."),
-        ("protection", 3.0, r"Set inputs\['protection'\]\[0\] to a whole number from 0 to 2: it was 3."),
-        ("friction", float("nan"), r"Set inputs\['friction'\]\[0\] to a number from 0 to 2: it was nan."),
-        ("friction", -0.3, r"Set inputs\['friction'\]\[0\] to a number from 0 to 2: it was -0.3."),
-        ("hose_state", 3.0, r"Set inputs\['hose_state'\]\[0\] to a whole number from 0 to 2: it was 3."),
+        ("position", 2.5, r"inputs\['position'\]\[0\] must be an integer from 0 to 4; got 2.5."),
+        ("protection", 3.0, r"inputs\['protection'\]\[0\] must be an integer from 0 to 2; got 3."),
+        ("friction", float("nan"), r"inputs\['friction'\]\[0\] must be a number from 0 to 2; got nan."),
+        ("friction", -0.3, r"inputs\['friction'\]\[0\] must be a number from 0 to 2; got -0.3."),
+        ("hose_state", 3.0, r"inputs\['hose_state'\]\[0\] must be an integer from 0 to 2; got 3."),
     ],
 )
 def test_an_input_that_cannot_be_is_refused_and_the_train_stays_as_it_was(
@@ -224,9 +226,9 @@ def test_an_input_is_set_as_a_whole() -> None:
             "friction",
             [0.1, 0.2, np.nan],
             ValueError,
-            r"Set inputs\['friction'\]\[2\] to a number from 0 to 2: it was nan",
+            r"inputs\['friction'\]\[2\] must be a number from 0 to 2; got nan",
         ),
-        ("position", 2.5, ValueError, r"Set inputs\['position'\]\[0\] to a whole number"),
+        ("position", 2.5, ValueError, r"inputs\['position'\]\[0\] must be an integer"),
         ("pull", "5", ValueError, r"inputs\['pull'\] must be numbers; got '5'"),
         ("pull", [[1.0], 2.0], ValueError, r"inputs\['pull'\] must be numbers"),
         ("pull", np.ma.array([1.0] * 3, mask=[0, 1, 0]), ValueError, "none of them masked"),
@@ -244,15 +246,15 @@ def test_an_input_that_cannot_be_set_keeps_its_values(
 
 def test_what_is_no_number_place_or_state_is_refused() -> None:
     one, other = train(3), train(5)
-    with pytest.raises(ValueError, match=r"Set the time to go on by to a number from 0 to 86400 s: it was 1."):
+    with pytest.raises(ValueError, match=r"The time must be a number from 0 to 86400 s; got 1."):
         one.advance("1")  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"Name a valve by a whole number from 0 to 0: it was 3."):
+    with pytest.raises(ValueError, match=r"The number of a valve must be an integer from 0 to 0; got 3."):
         one.drive("service", 0.5, 3)
-    with pytest.raises(ValueError, match=r"Name a vehicle by a whole number from 0 to 3: it was -1."):
+    with pytest.raises(ValueError, match=r"The number of a vehicle must be an integer from 0 to 3; got -1."):
         one.lead(-1, 1.0)
-    with pytest.raises(ValueError, match="Give a train a state that it has saved"):
+    with pytest.raises(ValueError, match="The state must be one that this train has saved"):
         one.state = other.state
-    with pytest.raises(ValueError, match=r"Set speed to a number from -150 to 150 m/s: it was nan."):
+    with pytest.raises(ValueError, match=r"speed must be a number from -150 to 150 m/s; got nan."):
         Train(block_train(3), speed=float("nan"))
 
 

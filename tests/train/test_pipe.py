@@ -313,7 +313,7 @@ def test_what_leads_nowhere_is_told_and_leaves_the_pipe_as_it_was() -> None:
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"cells": 0}, "Give a pipe a whole number of cells, at least 1: it was 0."),
+        ({"cells": 0}, "The number of cells of a pipe must be an integer of at least 1; got 0."),
         ({"pressure": -1.0}, "Set pressure of a pipe to finite values above 0: one was -1."),
         ({"length": [7.5, 7.5, math.nan]}, "Set length of a pipe to finite values above 0: one was nan."),
         ({"leak_area": -1e-6}, "Set leak_area of a pipe to finite values of at least 0: one was -1e-06."),
@@ -327,13 +327,13 @@ def test_a_pipe_that_cannot_be_is_refused(values: dict[str, object], sentence: s
 
 def test_what_a_pipe_is_asked_for_is_looked_at() -> None:
     pipe = Pipe(3, pressure=5e5, length=7.5, diameter=DIAMETER)
-    with pytest.raises(ValueError, match="A pipe has the ends 0 and 1: it was 2"):
+    with pytest.raises(ValueError, match="The end of a pipe must be 0 or 1; got 2"):
         pipe.open_to(2, Outside())
-    with pytest.raises(ValueError, match="Go on by a time of at least 0 s in steps above 0: it was nan s"):
+    with pytest.raises(ValueError, match="The time must be at least 0 s, and courant above 0; got nan s"):
         pipe.advance(math.nan)
-    with pytest.raises(ValueError, match="Give each distributor one of the cells 0 to 2: it was"):
+    with pytest.raises(ValueError, match="Each distributor must have one of the cells 0 to 2; got"):
         pipe.connect([3], [freight()], 5e5)
-    with pytest.raises(ValueError, match="Give each distributor one of the cells 0 to 2: it was"):
+    with pytest.raises(ValueError, match="Each distributor must have one of the cells 0 to 2; got"):
         pipe.connect([], [], 5e5)
 
 

@@ -1,4 +1,4 @@
-/* A pipe, internal. Rows hold a number of all cells, in the layout of rows.h. */
+/* A pipe, internal. A row contains a number of each cell, in the layout of rows.h. */
 #ifndef PIPE_INSIDE_H
 #define PIPE_INSIDE_H
 

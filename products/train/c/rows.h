@@ -1,4 +1,4 @@
-/* Rows of numbers for functions of cells. A row holds one number of all cells, after ROWS_EDGE numbers that do not belong to
+/* Rows of numbers for functions of cells. A row contains one number of each cell, after ROWS_EDGE numbers that do not belong to
  * cells. As many follow the last cell; the next row begins a stride further. */
 #ifndef ROWS_H
 #define ROWS_H
