@@ -1,1 +1,1 @@
-"""Compares wheel-slide controllers on the test rig: the command `controllers`."""
+"""Wheel-slide controllers compared on the test rig: the command `controllers`."""

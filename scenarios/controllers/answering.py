@@ -1,6 +1,6 @@
 """A Python class answers a test rig that is behind a socket (controllers loop).
 
-  bogie-braking controllers answer mine.py:PI                    a rig on this machine
+  bogie-braking controllers answer mine.py:PI                    a rig on this computer
   bogie-braking controllers answer mine.py:PI --host 192.0.2.1   a rig on another one
 
 Exit status: 0 the run came to its end; 1 it did not; 2 bad input.
@@ -23,20 +23,20 @@ CLIENTS = {"c": "udp_client.c", "python": "udp_client.py"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the options of the command."""
     parser.add_argument("controller", help="FILE.py:CLASS; C has a client of its own: controllers client c")
     parser.add_argument("--host", default=HOST, help=f"where the rig is (default: {HOST})")
     parser.add_argument("--port", type=whole("--port", 1, 65535), default=PORT, help=f"its UDP port (default: {PORT})")
 
 
 def run(chosen: argparse.Namespace) -> bool:
-    """Answers a run; whether it came to its end. Raises BadInputError."""
+    """Answer a run; return whether it came to its end. Raises BadInputError."""
     file, _, name = chosen.controller.rpartition(":")
     if not file.endswith(".py"):
         raise BadInputError(f"The controller must be FILE.py:CLASS; got {chosen.controller}.")
     controller = class_in(Path(file), name)()
     try:
-        with redirect_stdout(sys.stderr):  # what a controller prints
+        with redirect_stdout(sys.stderr):  # output of the controller
             given = answer(controller, chosen.host, chosen.port, lambda text: print(text, flush=True))
     except TimeoutError as error:
         print(error, file=sys.stderr)

@@ -1,17 +1,17 @@
-"""Compares wheel-slide controllers on the test rig, replays logs, and runs the rig behind a socket.
+"""Compare wheel-slide controllers on the test rig, replay logs, and run the rig behind a socket.
 
-  bogie-braking controllers compare mine.py:PI           scores, a picture and a page of stops with your controller
-  bogie-braking controllers replay log.csv mine.py:PI    what it would have done in a recorded run
+  bogie-braking controllers compare mine.py:PI           scores, a plot and a page of stops with your controller
+  bogie-braking controllers replay log.csv mine.py:PI    its commands in a recorded run
   bogie-braking controllers loop --rail low              the rig behind a UDP socket, paced by the clock
   bogie-braking controllers answer mine.py:PI            a client of such a rig, also on another machine
   bogie-braking controllers client c > udp_client.c      the client of a controller in C; also: python
-  bogie-braking controllers header > wheel_slide.h       what a controller in C includes
-  bogie-braking controllers programme > my.toml          a programme of cases, to write one of your own from
+  bogie-braking controllers header > wheel_slide.h       the header of a controller in C
+  bogie-braking controllers programme > my.toml          a case file, a start for your own
 
 'compare --help', 'replay --help' and 'loop --help' say more. A class has the method step(time, wheel_speeds) -> valves:
 [s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
 
-Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, was not judged, or missed a period in the
+Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, has no verdict, or missed a period in the
 loop; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
 """
 
@@ -49,12 +49,12 @@ from scenarios.reporting.plots import plt
 from scenarios.scenario import BadInputError
 
 #: Help of `compare`.
-COMPARE = """Scores wheel-slide controllers on the test rig: a table, a picture, a JSON file, and a page that plays.
+COMPARE = """Score wheel-slide controllers on the test rig: a table, a plot, a JSON file, and an animated page.
 
-  bogie-braking controllers compare mine.py:PI                    a Python class; none and our own stand beside it
+  bogie-braking controllers compare mine.py:PI                    a Python class, with none and the built-in one
   bogie-braking controllers compare mine.py:PI libpi.so           and a shared library
   bogie-braking controllers compare pi.c --vehicle coach          C, compiled now; on the coach
-  bogie-braking controllers compare pi.fmu                        an FMU; pi.toml beside it may name its variables
+  bogie-braking controllers compare pi.fmu                        an FMU; pi.toml next to it may name its variables
   bogie-braking controllers compare 'mine.py:PI(kp=0.3)' 'mine.py:PI(kp=0.5)'
                                                                   a class with two choices of its gains
   bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
@@ -62,9 +62,9 @@ COMPARE = """Scores wheel-slide controllers on the test rig: a table, a picture,
   bogie-braking controllers compare mine.py:Spin --programme starts
                                                                   driven wheels that must not spin
   bogie-braking controllers compare mine.py:PI --programme my.toml
-                                                                  cases of your own (controllers programme > my.toml)
+                                                                  your own cases (controllers programme > my.toml)
   bogie-braking controllers compare mine.py:PI --speed 160km/h --pulses 80 --period 10ms
-  bogie-braking controllers compare mine.py:PI --html             and results/controllers/compare.html, which plays
+  bogie-braking controllers compare mine.py:PI --html             and results/controllers/compare.html, animated
   bogie-braking controllers compare mine.py:PI --json | jq .runs  for a program
 
 All controllers make the same stops with the same brake, sensors and rails; cylinders fill by flow of air from a
@@ -74,15 +74,15 @@ manner of EN 15595, without any claim of conformity.
 Each case is run three times. The controllers are then called at other places between two pulses of the sensors. A
 distance is the mean of those stops; controllers whose difference is within that spread are called equal.
 
-Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed or was not judged; 2 bad input; 3 the
+Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed or has no verdict; 2 bad input; 3 the
 simulation failed; 130 interrupted with Ctrl-C.
 """
-#: Stops of each case at most: two phases then lie a hundredth of a tooth apart.
+#: Largest number of stops of a case: two phases then differ by a hundredth of a tooth.
 MOST_PHASES = 100
 
 
 def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.ArgumentParser], None]) -> None:
-    """What can be done with controllers; speech: gives a command its ways of printing less."""
+    """Add the actions on controllers; speech: adds the options for less output to a command."""
     actions = parser.add_subparsers(dest="action", required=True)
 
     def form(text: str | None) -> dict[str, Any]:
@@ -112,7 +112,7 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the options of the command."""
     text = "FILE.py:CLASS, also with gains, 'FILE.py:CLASS(kp=0.3)'; a library; C that includes wheel_slide.h; an FMU"
     parser.add_argument("controller", nargs="*", help=text)
     level, text = whole("--level", 2, 3), "2 in the plane (default), 3 in space"
@@ -130,7 +130,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_case(parser: argparse.ArgumentParser) -> None:
-    """Options of one stop alone."""
+    """Add the options of a single stop."""
     text = f"one of {','.join(rail.name for rail in RAILS)}, or a case of the programme (default: low)"
     parser.add_argument("--rail", default="low", metavar="NAME", help=text)
     parser.add_argument("--programme", metavar="FILE", help="a TOML file with cases, full or starts")
@@ -139,7 +139,7 @@ def add_case(parser: argparse.ArgumentParser) -> None:
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:
-    """Options of all stops."""
+    """Add the options of all stops."""
     text = (
         f"{' or '.join(MACHINES)}; {' and '.join(f'{own} = {name}' for own, name in ALIASES.items())} (default: bogie)"
     )
@@ -163,7 +163,7 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
 
 
 def cases_of(chosen: argparse.Namespace) -> list[Case]:
-    """The cases that are asked for. Raises BadInputError."""
+    """Return the requested cases. Raises BadInputError."""
     if chosen.programme:
         path = PROGRAMMES.get(chosen.programme) or Path(chosen.programme)
         try:
@@ -183,7 +183,7 @@ def cases_of(chosen: argparse.Namespace) -> list[Case]:
 
 
 def run(chosen: argparse.Namespace) -> bool:
-    """Compares and reports, or prints a file; whether all stopped. Raises BadInputError, CompilerError."""
+    """Compare and report, or print a file; return whether all stopped. Raises BadInputError, CompilerError."""
     printed = {"header": RIG / "wheel_slide.h", "programme": OWN}
     if chosen.action == "client":
         printed["client"] = RIG / answering.CLIENTS[chosen.language]
@@ -222,7 +222,7 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def run_loop(chosen: argparse.Namespace) -> bool:
-    """One stop of a client in the loop; whether it stopped without a missed period. Raises BadInputError."""
+    """Run one stop of a client in the loop; return whether it stopped without a missed period. Raises BadInputError."""
     machine, settings = MACHINES[chosen.vehicle](), settings_of(chosen)
     cases = {case.name: case for case in cases_of(chosen)}
     if chosen.rail not in cases:
@@ -242,7 +242,7 @@ def run_loop(chosen: argparse.Namespace) -> bool:
 
 
 def settings_of(chosen: argparse.Namespace) -> Settings:
-    """What the command line asks for. Raises BadInputError."""
+    """Return the settings that the command line requests. Raises BadInputError."""
     given = {one.name: getattr(chosen, one.name) for one in fields(Settings) if hasattr(chosen, one.name)}
     try:
         return Settings(**given)

@@ -1,4 +1,4 @@
-"""What the command line names as controllers: Python classes, shared libraries, C files."""
+"""Controllers named on the command line: Python classes, shared libraries, C files, FMUs."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ from readers.text import FileError
 from readers.toml_files import toml_of
 from scenarios.scenario import BadInputError
 
-#: What a comparison scores: in this process, or in one of its own.
+#: Controllers of a comparison: in this process, or in a separate one.
 Given = Form | Apart
-#: Of every comparison, ahead of what is given.
+#: Controllers of every comparison, before the given ones.
 ALWAYS = ("none", "protection")
 LIBRARIES = (".so", ".dll", ".dylib")
 KINDS = (*LIBRARIES, ".c", ".fmu")
-#: FILE.py:CLASS, with or without the class's gains behind it.
+#: FILE.py:CLASS, with or without the gains of the class.
 IN_PYTHON = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)(?P<gains>\(.*\))?", re.DOTALL)
 
 
 def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -> dict[str, Given]:
-    """Controllers by their names, those of every comparison first. driven: for starts. Raises BadInputError."""
+    """Return controllers by their names, those of every comparison first. driven: for starts. Raises BadInputError."""
     found: dict[str, Given] = dict(zip(ALWAYS, (None, SpinProtection if driven else slide_protection()), strict=True))
     for text in given:
         name, controller = controller_of(text, wheelsets)
         if name in found and Path(text).suffix in KINDS:
-            name = Path(text).name  # libpi.so beside pi.c, pi.fmu beside it
+            name = Path(text).name  # names are those of files: libpi.so next to pi.c, pi.fmu next to it
         if name in found:
             raise BadInputError(f"Two controllers are called {name}; give each another name.")
         found[name] = controller
@@ -48,7 +48,7 @@ def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -
 
 
 def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
-    """The name of a controller, and what it is. Raises BadInputError."""
+    """Return the name of a controller and its form. Raises BadInputError."""
     in_python = IN_PYTHON.fullmatch(text)
     if in_python and in_python["gains"]:
         return with_gains(Path(in_python["file"]), in_python["name"], in_python["gains"])
@@ -69,21 +69,30 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
 
 
 def in_c(path: Path, wheelsets: int, period: float) -> Form:
-    """A library. Raises OSError, ValueError for what is no controller."""
+    """Return a library as a controller. Raises OSError or ValueError if it is not one."""
     form = InC(path)
     form.functions(wheelsets)
     return form
 
 
 def in_fmu(path: Path, names: Names, wheelsets: int, period: float) -> Form:
-    """An FMU. Raises what InFmu does for what is no controller."""
+    """Return an FMU as a controller. Raises the errors of InFmu if it is not one."""
     return InFmu(path, wheelsets, period, names)
 
 
 def fmu_names(path: Path, wheelsets: int) -> Names:
-    """The names in an FMU: those of the table beside it, NAME.toml, or those that our own FMUs have.
+    """Return the names in an FMU: those of the table next to it, NAME.toml, or those of the project's FMUs.
 
-    Raises BadInputError.
+    Parameters
+    ----------
+    path : Path
+        The FMU.
+    wheelsets : int
+
+    Raises
+    ------
+    BadInputError
+        If the table is wrong.
     """
     table = path.with_suffix(".toml")
     try:
@@ -108,7 +117,7 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
 
 
 def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
-    """A class with its arguments, such as (0.3, limit=2): the name is that of the call. Raises BadInputError."""
+    """Return a class with its arguments, such as (0.3, limit=2); the name is that of the call. Raises BadInputError."""
     try:
         call = ast.parse(name + gains, mode="eval").body
         if not isinstance(call, ast.Call) or any(one.arg is None for one in call.keywords):
@@ -128,13 +137,16 @@ def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
 
 
 def form_of(make: Callable[[], Any]) -> Form:
-    """Of one machine, or of many at once: those have a method `start` (products/protection/controller_kinds.py)."""
+    """Return the form of a controller of one vehicle, or of many at once, which has a method `start`.
+
+    The forms are those of products/protection/controller_kinds.py.
+    """
     one = make()
     return Arrays(one) if _begins_many(getattr(one, "start", None)) else make
 
 
 def _begins_many(start: object) -> bool:
-    """Whether it takes rows, count, wheelsets and period: a class of its own may have another `start`."""
+    """Return whether `start` takes rows, count, wheelsets and period; other classes may have another `start`."""
     try:
         return callable(start) and inspect.signature(start).bind(*range(4)) is not None
     except TypeError:
@@ -142,7 +154,7 @@ def _begins_many(start: object) -> bool:
 
 
 def class_in(file: Path, name: str) -> type:
-    """A class of a Python file that is made without arguments. Raises BadInputError."""
+    """Return a class of a Python file that is made without arguments. Raises BadInputError."""
     found = found_in(file, name)
     try:
         found()
@@ -155,13 +167,13 @@ def class_in(file: Path, name: str) -> type:
 
 
 def found_in(file: Path, name: str) -> type:
-    """A class of a Python file. Raises BadInputError."""
+    """Return a class of a Python file. Raises BadInputError."""
     if not file.is_file():
         raise BadInputError(f"There is no file {file}; give FILE.py:CLASS.")
     about = importlib.util.spec_from_file_location(f"controllers_in_{file.stem}", file)
     assert about is not None
     assert about.loader is not None
-    module = sys.modules[about.name] = importlib.util.module_from_spec(about)  # where dataclasses look for their own
+    module = sys.modules[about.name] = importlib.util.module_from_spec(about)  # dataclasses look up their module there
     try:
         about.loader.exec_module(module)
     except Exception as error:

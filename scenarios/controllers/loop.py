@@ -2,12 +2,12 @@
 
   bogie-braking controllers loop --rail low                    one stop on the low rail, at 127.0.0.1:5005
   bogie-braking controllers loop --programme full --rail low   a case of a programme
-  bogie-braking controllers loop --host 0.0.0.0 --pace 0.5     for a client on another machine, at half the clock's pace
+  bogie-braking controllers loop --host 0.0.0.0 --pace 0.5     for a client on another computer, at half the clock's pace
   bogie-braking controllers answer mine.py:PI                  the client, in another terminal
 
 The page In the loop has the protocol; 'controllers client c' and 'controllers client python' print its clients.
 
-Exit status: 0 the client stopped the machine and missed no period; 1 it did not; 2 bad input; 3 the simulation failed;
+Exit status: 0 the client stopped the vehicle and missed no period; 1 it did not; 2 bad input; 3 the simulation failed;
 130 interrupted.
 """
 
@@ -33,12 +33,13 @@ from scenarios.controllers.remote import Counts, Remote
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
-#: Longest period on the clock [s]: the rig watches one begin and end within the processor time that an answer may use.
+#: Longest period on the clock [s]: the rig polls the clock for its start and end within the processor time of an
+#: answer.
 LONGEST = 0.45 * PATIENCE
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the loop alone."""
+    """Add the options of the loop alone."""
     parser.add_argument("--host", default=HOST, help=f"where the rig listens (default: {HOST}, this machine alone)")
     parser.add_argument(
         "--port",
@@ -52,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 @contextmanager
 def socket_at(host: str, port: int) -> Iterator[socket.socket]:
-    """A UDP socket that is bound. Raises BadInputError."""
+    """Yield a bound UDP socket. Raises BadInputError."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
         try:
             own.bind((host, port))
@@ -65,7 +66,7 @@ def socket_at(host: str, port: int) -> Iterator[socket.socket]:
 
 @contextmanager
 def without_collections() -> Iterator[None]:
-    """Python looks for no garbage within, which takes milliseconds."""
+    """Disable Python's garbage collection, which takes milliseconds, within this context."""
     gc.collect()
     gc.disable()
     try:
@@ -76,7 +77,7 @@ def without_collections() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Looped:
-    """A stop of a client in the loop; silent_from: since when the watchdog has stood in for it, if it has [s]."""
+    """A stop of a client in the loop; silent_from: time from which the watchdog replaced it, if it did [s]."""
 
     stop: Stop
     counts: Counts
@@ -88,12 +89,12 @@ class Looped:
 
     @property
     def holds(self) -> bool:
-        """Whether the client stopped the machine and answered in every period."""
+        """Return whether the client stopped the vehicle and answered in every period."""
         return self.stop.distance is not None and not self.counts.missed
 
 
 def run_in_loop(machine: Machine, run: Run, settings: Settings, own: socket.socket, pace: float) -> Looped:
-    """One stop under a client at the other end of a socket. Raises BadInputError for a pace that cannot be."""
+    """Run one stop under a client at the other end of a socket. Raises BadInputError if the pace is out of range."""
     if pace and settings.period / pace > LONGEST:
         least = settings.period / LONGEST
         raise BadInputError(f"--pace must be 0, or at least {least:.2g} with this period; got {pace:g}.")
@@ -117,7 +118,7 @@ def run_in_loop(machine: Machine, run: Run, settings: Settings, own: socket.sock
 
 
 def sentences(found: Looped) -> Iterator[str]:
-    """What came and what did not."""
+    """Yield messages on the received answers and the missing ones."""
     c, period = found.counts, found.period
     paced = f"at {found.pace:g} times the clock's pace" if found.pace else "as fast as answers came"
     yield f"In the loop: {c.periods} periods of {1e3 * period:g} ms, {paced}."
@@ -134,13 +135,13 @@ def sentences(found: Looped) -> Iterator[str]:
 
 
 def times(of: np.ndarray) -> str:
-    """Median, 99 % and largest of times [s], in words."""
+    """Return median, 99 % and largest of times [s], in words."""
     middle, most = (1e3 * float(np.percentile(of, share)) for share in (50, 99))
     return f"{middle:.2f} ms in the median, {most:.2f} ms at 99 %, {1e3 * float(of.max()):.2f} ms at most"
 
 
 def document(found: Looped) -> dict[str, object]:
-    """For programs; times in s."""
+    """Return the results for programs; times in s."""
     shares = {"median": 50, "99 %": 99, "longest": 100}
     series = {"answered": found.answered, "asked_late": found.late}
     told = {

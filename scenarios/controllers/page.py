@@ -1,6 +1,6 @@
-"""A comparison as one page that plays: a single file, which asks for no other and for no network.
+"""A comparison as one animated page: a single file that loads no other file and needs no network.
 
-It draws on canvases by some two hundred lines of its own. Plotly would be 5 MB, and knows no machine that brakes.
+It draws on canvases by some two hundred lines of code. Plotly would add 5 MB, and has no animation of vehicles.
 """
 
 from __future__ import annotations
@@ -21,16 +21,17 @@ from scenarios.controllers.scoring import Scored
 from scenarios.controllers.words import words_of
 from scenarios.web.frame import filled, packed
 
-#: Looks of a stop that a page holds at most; of a longer one it has every second look, every third, and so on.
+#: Largest number of samples of a stop on a page; longer stops are thinned to every second sample, every third, and so
+#: on.
 MOST_LOOKS = 600
-#: What the whole numbers of a page count: ms, dm, cm/s, kPa or kN.m.
+#: Units of the integers of a page: ms, dm, cm/s, kPa or kN.m.
 TIME, DISTANCE, SPEED, EFFORT = 1e-3, 0.1, 0.01, 1e3
-#: Largest of them that a difference may reach: a sensor that shows more than 327 m/s is shown to show that.
+#: Largest integer of a difference: a sensor value above 327 m/s is limited to that.
 LARGEST = 2**15 - 1
 
 
 def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Scored]) -> str:
-    """Its text, of scores with their histories."""
+    """Return the text of the page, from scores with their histories."""
     found = verdict.verdicts(scores)
     by_case = [[table.cells(one) for one in group] for _, group in groupby(scores, lambda one: one.case)]
     return filled(
@@ -48,12 +49,12 @@ def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Sc
 
 
 def names_of(scores: Sequence[Scored]) -> list[str]:
-    """Of the cases, in their order."""
+    """Return the names of the cases, in their order."""
     return list(dict.fromkeys(one.case for one in scores))
 
 
 def first_case(scores: Sequence[Scored]) -> str:
-    """The case in which distances over the ideal lie farthest apart; it is chosen first."""
+    """Return the case with the largest range of distances over the ideal; it is selected first."""
     ratios: dict[str, list[float]] = {name: [] for name in names_of(scores)}
     for one in scores:
         ratios[one.case] += [ratio for ratio in [one.over(one.ideal)] if ratio is not None]
@@ -61,7 +62,7 @@ def first_case(scores: Sequence[Scored]) -> str:
 
 
 def heads(names: Sequence[str], units: Sequence[str]) -> list[tuple[str, str]]:
-    """Of a table: each head with its unit, and whether its column has numbers or texts."""
+    """Return the heads of a table: each with its unit, and whether its column has numbers or strings."""
     shown = (f"{name} [{unit}]" if unit not in ("", "1") else name for name, unit in zip(names, units, strict=True))
     return [(text, "number" if unit else "text") for text, unit in zip(shown, units, strict=True)]
 
@@ -70,7 +71,10 @@ def heads(names: Sequence[str], units: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
-    """Numbers of all stops; their histories are one text, 16-bit differences of whole numbers, deflated, in base64."""
+    """Return the data of all stops.
+
+    Their histories are one string: 16-bit differences of integers, deflated, in base64.
+    """
     histories, words = [thinned(one.history) for one in scores if one.history], words_of(scores[0].driven)
     numbers = b"".join(columns_of(one, machine.parameters.wheel_radius) for one in histories)
     return {
@@ -89,7 +93,7 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
                 "case": one.case,
                 "controller": one.controller,
                 "ideal": one.ideal,
-                "distance": (one.stops or [one.stop])[0].distance,  # of the phase that is drawn
+                "distance": (one.stops or [one.stop])[0].distance,  # of the drawn phase
                 "judged": one.stop.judged,
                 "said": one.stop.said,
                 "looks": history.time.size,
@@ -101,21 +105,21 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
 
 
 def full_effort(machine: Machine, scores: Sequence[Scored]) -> float:
-    """Pressure of the full brake [Pa]; of starts the largest torque of a motor that was seen [N.m]."""
+    """Return the pressure of the full brake [Pa]; of starts the largest recorded torque of a motor [N.m]."""
     if not scores[0].driven:
         return machine.full_pressure
     return max(float(one.history.effort.max()) for one in scores if one.history)
 
 
 def thinned(history: History) -> History:
-    """The same with at most MOST_LOOKS looks and the last one."""
+    """Return the history with at most MOST_LOOKS samples and the last one."""
     chosen = np.arange(0, history.time.size - 1, math.ceil(history.time.size / MOST_LOOKS))
     chosen = np.append(chosen, history.time.size - 1)
     return History(**{name: values[chosen] for name, values in vars(history).items()})
 
 
 def columns_of(history: History, radius: float) -> bytes:
-    """Columns one after the other: time, distance, speed; of all wheelsets speed, what is shown, effort, valve."""
+    """Return the columns in sequence: time, distance, speed; of all wheelsets speed, sensor speed, effort, valve."""
     columns = [history.time / TIME, history.distance / DISTANCE, history.speed / SPEED]
     wheel_speed = radius * history.angular_velocity
     for of_each in (wheel_speed / SPEED, history.sensor_speed / SPEED, history.effort / EFFORT, history.valve):
@@ -124,5 +128,5 @@ def columns_of(history: History, radius: float) -> bytes:
 
 
 def differences(column: NDArray[np.float64]) -> bytes:
-    """From one rounded number to the next, the first from 0."""
+    """Return the differences of rounded numbers, the first from 0."""
     return np.diff(np.rint(column), prepend=0.0).astype("<i2").tobytes()

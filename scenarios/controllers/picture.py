@@ -1,4 +1,4 @@
-"""Scores as one picture: how many cases each controller stops in near the ideal."""
+"""Scores as one figure: the number of cases that each controller stops in near the ideal."""
 
 from __future__ import annotations
 
@@ -16,28 +16,29 @@ from scenarios.controllers.verdict import best_given, verdicts
 from scenarios.controllers.words import words_of
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, one_word, plt, titled
 
-#: Distance over the ideal up to which a stop counts as near it [1]: a choice of this picture.
+#: Distance over the ideal up to which a stop is near it [1]: a choice of this figure.
 NEAR = 1.2
-#: Where the largest ratio is above this the axis is logarithmic [1].
+#: Largest ratio above which the axis is logarithmic [1].
 WIDE = 4.0
-#: Marker and colour of the wheels that nothing protects, and of one controller after the other.
+#: Marker and colour of the unprotected wheels, and of each controller in order.
 NONE = ("x", "0.55")
 MARKS = (
     (">", "0.5"),
     *(("s", THESIS), ("o", LEADING), ("D", TRAILING), ("^", BOGIE)),
     *(("v", "#e69f00"), ("P", "#56b4e9"), ("<", "#cc79a7")),
 )
-#: Height of a row, of each marker in it, and of what is above and below all rows [in]; distance of two markers [rows].
+#: Height of a row, of each marker in it, and of the margins above and below all rows [in]; distance of two markers
+#: [rows].
 ROW, OF_EACH, AROUND, APART = 0.22, 0.045, 1.5, 0.18
 #: Columns of the legend.
 COLUMNS = 4
 LABEL = "{distance} over that with the best slip at every instant [1]"
-#: Letters of a case's name for which there is room.
+#: Largest number of letters of a case's name.
 LETTERS = 48
 
 
 def draw(scores: Sequence[Scored]) -> Figure:
-    """Distances over the ideal, a row for each case and a marker for each controller; no stop is at the edge."""
+    """Draw the distances over the ideal, a row for each case and a marker for each controller; at the edge: no stop."""
     cases, names = (list(dict.fromkeys(getattr(one, kind) for one in scores)) for kind in ("case", "controller"))
     figure, axis = plt.subplots(figsize=(9.0, AROUND + max(1.0, (ROW + OF_EACH * len(names)) * len(cases))))
     titled(figure, message(scores))
@@ -51,7 +52,7 @@ def draw(scores: Sequence[Scored]) -> Figure:
         line = Line2D([], [], linestyle="none", markersize=5.5, clip_on=False, zorder=3, in_layout=False)
         line.set(**dict(zip(("marker", "color"), NONE if name == "none" else MARKS[number % len(MARKS)], strict=True)))
         hollow = copy(line)
-        # Behind a space, for a label that begins with _ is left out of the legend.
+        # With a leading space, as the legend omits labels that begin with _.
         line.set(data=(list(ratios.values()), list(ratios)))
         line.set(label=f" {plain(name)}: {count(near_ratios(scores, name), len(sliding))}")
         hollow.set(data=([edge] * len(missed), missed), markerfacecolor="none")
@@ -74,14 +75,14 @@ def near_ratios(scores: Sequence[Scored], name: str) -> list[float]:
 
 
 def count(ratios: Collection[float], cases: int) -> str:
-    """How many are near the ideal, or how near it the only one is."""
+    """Return the number of ratios near the ideal, or the ratio itself if there is only one case."""
     if cases == 1:
         return f"{next(iter(ratios)):.2f}" if ratios else "-"
     return f"{sum(ratio <= NEAR for ratio in ratios)} of {cases}"
 
 
 def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> float:
-    """Names of the cases, the band near the ideal and the edge, whose place it gives."""
+    """Set the names of the cases, the band near the ideal and the edge, whose place is returned."""
     ratios = [ratio for one in scores if (ratio := one.over(one.ideal)) is not None]
     largest = max([NEAR, *ratios])
     if largest > WIDE:
@@ -109,12 +110,12 @@ def set_axis(axis: Axes, scores: Sequence[Scored], cases: Sequence[str]) -> floa
 
 
 def plain(name: str) -> str:
-    """A name of the user's, in which a dollar is no formula."""
+    """Return a user's name with dollars escaped, as Matplotlib would set a formula."""
     return name.replace("$", r"\$")
 
 
 def message(scores: Sequence[Scored]) -> str:
-    """What the picture says, in at most twelve words if a name is one."""
+    """Return the title of the figure, in at most twelve words if a name is one."""
     found = verdicts(scores)
     best = best_given(found)
     name, cases, words = one_word(plain(best.controller)), best.cases, best.words

@@ -1,6 +1,6 @@
-"""A controller at the other end of a UDP socket, which the test rig asks as it asks one of its own.
+"""A controller at the other end of a UDP socket, with the interface of a local one.
 
-Whatever comes through the socket, or does not come, is counted; nothing of it ends the run.
+All packets, malformed ones and missing ones are counted; none of them ends the run.
 """
 
 from __future__ import annotations
@@ -20,25 +20,25 @@ from brake_controller.rig.udp_client import ANSWER, END, HEADER, HELLO, LARGEST,
 from brake_controller.wheel_slide import APPLY, VENT
 from scenarios.scenario import BadInputError
 
-#: So long is a client waited for, and with pace 0 each of its answers [s].
+#: Time limit of the wait for a client, and with pace 0 for each of its answers [s].
 WAIT, ANSWER_WITHIN = 60.0, 0.4
-#: The brake applies after so many missed periods in a row, in the manner of a watchdog; assumed.
+#: Number of missed periods in a row after which the brake applies, as by a watchdog; assumed.
 WATCHDOG = 20
-#: The last part of a wait is not slept but watched [s], for a sleep ends late; and the bar is drawn so often [s].
+#: Last part of a wait [s], which polls the clock because a sleep ends late; and interval of the progress bar [s].
 WATCHED, DRAWN = 2e-4, 0.5
-#: A rig that asks later than this share of a period leaves its client too little of it.
+#: Share of a period after which a question of the rig is late, so that the client has too little time.
 LATE = 0.1
-#: So many different sentences on malformed packets are kept.
+#: Largest number of different messages on malformed packets.
 KEPT = 5
 
 
 @dataclass
 class Counts:
-    """What came, by packets, and what did not, by periods; times [s].
+    """Counts of packets, and of periods without an answer; times [s].
 
-    missed: periods without an answer; for_the_rig: those of them in which the rig itself asked late; late: answers to
-    a period that had been missed; repeated: answers to one that was answered; malformed: packets that are no answer;
-    strangers: packets from others than the client; watchdog: how often it applied the brake.
+    missed: periods without an answer; for_the_rig: those of them in which the rig sent its question late; late: answers
+    to a missed period; repeated: answers to an answered period; malformed: packets that are not answers; strangers:
+    packets from other senders; watchdog: number of its brake applications.
     """
 
     periods: int = 0
@@ -53,16 +53,26 @@ class Counts:
     sentences: list[str] = field(default_factory=list)
 
     def wrong(self, sentence: str) -> None:
-        """Counts a malformed packet and keeps its sentence."""
+        """Count a malformed packet and keep its message."""
         self.malformed += 1
         if sentence not in self.sentences and len(self.sentences) < KEPT:
             self.sentences.append(sentence)
 
 
 def valves_in(packet: bytes, wheelsets: int, asked: int) -> tuple[int, list[int]]:
-    """The sequence number of an answer and its valves; `asked`: the last number that was asked.
+    """Return the sequence number of an answer and its valves.
 
-    Raises ValueError with a sentence for a packet that is none.
+    Parameters
+    ----------
+    packet : bytes
+    wheelsets : int
+    asked : int
+        Sequence number of the last question.
+
+    Raises
+    ------
+    ValueError
+        If the packet is not an answer; the text is the message.
     """
     due = HEADER.size + wheelsets
     if len(packet) != due:
@@ -85,10 +95,10 @@ def valves_in(packet: bytes, wheelsets: int, asked: int) -> tuple[int, list[int]
 
 @dataclass
 class Remote:
-    """A client behind a socket, which the rig asks as it asks a controller of its own.
+    """A client behind a socket, with the interface of a local controller.
 
-    period [s]; pace: seconds of the run in a second on the clock, 0: as fast as answers come. late, answered: how late
-    each question was sent, and after how long its answer came [s].
+    period [s]; pace: simulated seconds in a second on the clock, 0: as fast as answers come. late, answered: delay of
+    each question, and time until its answer [s].
     """
 
     own: socket.socket
@@ -106,7 +116,7 @@ class Remote:
     _drawn: float = 0.0
 
     def found(self) -> Remote:
-        """This, once a client has shown itself. Raises BadInputError where none does."""
+        """Wait for a client and return this object. Raises BadInputError if no client appears."""
         host, port = self.own.getsockname()
         print(f"Waiting for a client at {host}:{port}.", file=sys.stderr, flush=True)
         end = time.monotonic() + WAIT
@@ -122,14 +132,16 @@ class Remote:
         return self
 
     def step(self, time_of_run: float, wheel_speeds: Sequence[float]) -> list[int]:
-        """Asks, and waits for the answer until the period ends; without one the valves stay, or the watchdog acts."""
+        """Send a question, and wait for the answer until the period ends; without one the valves stay, or the watchdog
+        acts.
+        """
         number, wheelsets = self.counts.periods, len(wheel_speeds)
         self._valves = self._valves or [APPLY] * wheelsets
         due = self._due(number)
         self._pause(due)
         sent = time.perf_counter()
         self.late.append(sent - due if self.pace else 0.0)
-        with suppress(OSError):  # a client that is gone, a network that is down: a missed period
+        with suppress(OSError):  # the client or the network is down: a missed period
             self.own.sendto(question(number, time_of_run, self.period, wheel_speeds), self.client)
         self.counts.periods += 1
         valves = self._hear(number, wheelsets, self._deadline(number, sent))
@@ -142,17 +154,17 @@ class Remote:
 
     @property
     def silent_from(self) -> float | None:
-        """Since when the client has been silent, if it is so for so long that the watchdog acts [s]."""
+        """Return the time from which the client has been silent, if the watchdog acts [s]."""
         return (self.counts.periods - self._silent) * self.period if self._silent >= WATCHDOG else None
 
     def close(self) -> None:
-        """Tells the client that the run is over, three times, for a packet may be lost."""
+        """Send the end of the run to the client three times, because a packet may be lost."""
         for _ in range(3 if self.client else 0):
             with suppress(OSError):
                 self.own.sendto(HEADER.pack(MAGIC, END, 0, self.counts.periods), self.client)
 
     def _due(self, number: int) -> float:
-        """When a period begins on the clock, counted from the first: nothing adds up."""
+        """Return the begin of a period on the clock, measured from the first: errors do not accumulate."""
         if number == 0:
             self._begin = self._drawn = time.perf_counter()
         return self._begin + number * self.period / self.pace if self.pace else 0.0
@@ -160,10 +172,10 @@ class Remote:
     def _deadline(self, number: int, sent: float) -> float:
         if self.pace:
             return self._due(number + 1)
-        return sent if self._silent >= WATCHDOG else sent + ANSWER_WITHIN  # who is silent is no longer waited for
+        return sent if self._silent >= WATCHDOG else sent + ANSWER_WITHIN  # a silent client is no longer waited for
 
     def _pause(self, due: float) -> None:
-        """Sleeps until an instant, and watches the clock at the end; the bar is drawn before."""
+        """Sleep until an instant, and poll the clock at the end; the bar is drawn before."""
         if time.perf_counter() - self._drawn > DRAWN:
             self.bar.update(int(self.counts.periods * self.period) - self.bar.n)
             self._drawn = time.perf_counter()
@@ -172,20 +184,20 @@ class Remote:
                 time.sleep(left - WATCHED)
 
     def _hear(self, number: int, wheelsets: int, deadline: float) -> list[int] | None:
-        """The valves of the answer to a question; None where none came in time."""
+        """Return the valves of the answer to a question; None if none came in time."""
         while True:
             packet, address = self._next(deadline - time.perf_counter())
             if packet is not None and address != self.client:
                 self.counts.strangers += 1
-            elif packet is not None and packet != HEADER.pack(MAGIC, HELLO, 0, 0):  # one hello more is nothing
+            elif packet is not None and packet != HEADER.pack(MAGIC, HELLO, 0, 0):  # a repeated hello is ignored
                 valves = self._answer_to(packet, number, wheelsets)
                 if valves is not None:
                     return valves
-            if time.perf_counter() >= deadline:  # however many packets wait
+            if time.perf_counter() >= deadline:  # regardless of the number of waiting packets
                 return None
 
     def _answer_to(self, packet: bytes, number: int, wheelsets: int) -> list[int] | None:
-        """The valves, if the packet answers this question; what else it is is counted."""
+        """Return the valves if the packet answers this question; count it otherwise."""
         try:
             sequence, valves = valves_in(packet, wheelsets, number)
         except ValueError as error:
@@ -201,15 +213,15 @@ class Remote:
         return None
 
     def _next(self, patience: float) -> tuple[bytes | None, Any]:
-        """The next packet and where it came from; None where none comes in time [s], or the client is gone."""
+        """Return the next packet and its sender; None if none comes in time [s], or the client is gone."""
         ready, _, _ = select.select([self.own], [], [], max(patience, 0.0))
         try:
             return self.own.recvfrom(LARGEST) if ready else (None, None)
-        except OSError:  # Windows tells so that nobody listens any more
+        except OSError:  # Windows reports a closed port so
             return None, None
 
     def _miss(self, number: int) -> None:
-        """Counts a period without an answer; after too many in a row the brake applies."""
+        """Count a period without an answer; after too many in a row the brake applies."""
         counts = self.counts
         self._missed.add(number)
         counts.missed += 1

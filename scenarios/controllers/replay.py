@@ -1,11 +1,11 @@
-"""A controller gets the wheel speeds of a recorded run, and shows what it would have done: a table and a picture.
+"""Replay the wheel speeds of a recorded run to a controller: a table and a plot of its commands.
 
   bogie-braking controllers replay log.csv mine.py:PI                    at the times of the rows
   bogie-braking controllers replay log.csv pi.c --period 10ms            every 10 ms, with the last row before
   bogie-braking controllers replay log.csv pi.fmu --json | jq .wheelsets
 
 The log has the columns time [s] and wheel_speed_1 [m/s] to wheel_speed_N [m/s]; valve_1 [1] and so on are compared with
-the commands. The wheels do not feel the commands: they turn as they did.
+the commands. The commands do not change the wheel speeds, which are those of the log.
 
 Exit status: 0 the controller answered to the end; 1 it failed; 2 bad input; 3 this program failed; 130 interrupted.
 """
@@ -40,15 +40,15 @@ from scenarios.reporting.plots import FOUR, one_word, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
-#: Fastest wheel that a log may have [m/s], twice the fastest of a programme.
+#: Fastest wheel of a log [m/s], twice the fastest of a case file.
 FASTEST_LOGGED = 200.0
-#: Of the columns that are read: others may be there.
+#: Units of the columns that are read; a log may have others.
 UNITS_OF_LOG = {"time": "s", "speed": "m/s"}
 for _number in range(1, MOST_WHEELSETS + 1):
     UNITS_OF_LOG |= {f"wheel_speed_{_number}": "m/s", f"valve_{_number}": "1"}
-#: Shortest period that may be asked for [s].
+#: Shortest allowed period [s].
 SHORTEST = 1e-4
-#: Share of a row's time within which a question is asked with this row, not with the one before.
+#: Share of a row's time within which a call uses this row instead of the one before.
 SAME = 1e-9
 WORDS = {APPLY: "apply", HOLD: "hold", VENT: "vent"}
 HEADS = ("wheelset", *WORDS.values(), "first command", "longest vent", "changes", "as in the log")
@@ -57,10 +57,10 @@ UNITS = ("", "%", "%", "%", "s", "s", "1", "%")
 
 @dataclass(frozen=True)
 class Replayed:
-    """What a controller would have done: times [s], shape (rows,), and valves, shape (rows, wheelsets).
+    """Commands of a controller in a recorded run: times [s], shape (rows,), and valves, shape (rows, wheelsets).
 
-    as_in_log: share of rows in which each valve got the command that the log has, where it has some. said: a sentence
-    of a controller that failed, whose valves end there.
+    as_in_log: share of rows in which each valve got the command of the log, if it has commands. said: message of a
+    controller that failed, whose valves end there.
     """
 
     controller: str
@@ -72,7 +72,7 @@ class Replayed:
 
     @property
     def wheelsets(self) -> list[dict[str, float | None]]:
-        """Of each wheelset the shares of its commands, the time of the first one but to apply, the longest vent [s]."""
+        """Return the shares of each wheelset's commands, the time of the first hold or vent, the longest vent [s]."""
         return [self._wheelset(self.valves[:, place], self.as_in_log[place]) for place in range(self.valves.shape[1])]
 
     def _wheelset(self, valve: np.ndarray, as_in_log: float | None) -> dict[str, float | None]:
@@ -86,14 +86,14 @@ class Replayed:
         }
 
     def spans(self, valve: np.ndarray, command: int) -> list[tuple[float, float]]:
-        """When a valve has a command: each beginning and end [s]; the last row ends with itself."""
+        """Return begin and end of each interval of a command at a valve [s]; the last row ends at its own time."""
         edges = np.flatnonzero(np.diff(np.concatenate([[0], (valve == command).astype(int), [0]])))
         until = np.append(self.times[: valve.size], self.times[valve.size - 1 :][:1])
         return [(float(until[begin]), float(until[end])) for begin, end in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of the command."""
+    """Add the options of the command."""
     text = "a CSV file with columns time [s] and wheel_speed_1 [m/s] and so on; also speed [m/s] and valve_1 [1]"
     parser.add_argument("log", type=Path, help=text)
     text = "FILE.py:CLASS, a shared library, a C file that includes wheel_slide.h, or an FMU"
@@ -105,7 +105,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> bool:
-    """Replays and reports; whether the controller answered to the end. Raises BadInputError, CompilerError."""
+    """Replay and report; return whether the controller answered to the end. Raises BadInputError, CompilerError."""
     period: float | None = chosen.period
     log = read_log(chosen.log)
     name, controller = controller_of(chosen.controller, wheelsets_in(log))
@@ -129,7 +129,7 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def read_log(path: Path) -> Recording:
-    """A log with the speeds of wheels. Raises BadInputError with the line and the column."""
+    """Return a log with the speeds of wheels. Raises BadInputError with the line and the column."""
     try:
         log = in_units_of(table_from(path), UNITS_OF_LOG)
     except FileError as error:
@@ -158,30 +158,40 @@ def read_log(path: Path) -> Recording:
 
 
 def wheelsets_in(log: Recording) -> int:
-    """How many wheelsets a log has the speeds of."""
+    """Return the number of wheelsets whose speeds a log has."""
     return sum(bool(re.fullmatch(r"wheel_speed_\d+", name)) for name in log.names)
 
 
 def speeds_of(count: int) -> list[str]:
-    """Names of the columns of so many wheelsets."""
+    """Return the names of the columns of `count` wheelsets."""
     return [f"wheel_speed_{number}" for number in range(1, count + 1)]
 
 
 def replayed(log: Recording, name: str, controller: Given, period: float | None) -> Replayed:
-    """As `replay`, in a process of its own where the controller needs one. Raises EndedError, NoControllerError."""
+    """Replay as `replay`, in a separate process if the controller needs one. Raises EndedError, NoControllerError."""
     if isinstance(controller, Apart):
         return called_apart(replay_of, log, name, controller, period)
     return replay(log, name, controller, period)
 
 
 def replay_of(log: Recording, name: str, controller: Apart, period: float | None) -> Replayed:
-    """As `replay`, with a controller that is made here. Raises NoControllerError."""
+    """Replay as `replay`, with a controller that is made here. Raises NoControllerError."""
     asked = period or float(np.median(np.diff(log["time"])))
     return replay(log, name, controller.made(wheelsets_in(log), asked), period)
 
 
 def replay(log: Recording, name: str, form: Form, period: float | None) -> Replayed:
-    """What a new controller would have done, asked at the rows' times, or every period [s] with the last row before."""
+    """Return the commands of a new controller in a recorded run.
+
+    Parameters
+    ----------
+    log : Recording
+    name : str
+        Name of the controller.
+    form : Form
+    period : float, optional
+        The controller is called every `period` [s] with the last row before; None: at the rows' times.
+    """
     count = wheelsets_in(log)
     rows = log["time"]
     times = rows if period is None else rows[0] + period * np.arange(int((rows[-1] - rows[0]) / period + SAME) + 1)
@@ -197,20 +207,34 @@ def replay(log: Recording, name: str, form: Form, period: float | None) -> Repla
 
 
 def one_of(name: str, form: Form, wheelsets: int, period: float) -> WheelSlideController:
-    """A new controller; period of its questions [s]."""
+    """Return a new controller; period of its calls [s]."""
     assert form is not None
     assert not isinstance(form, Outside)
     if not isinstance(form, InC | Arrays):
         return form()
     kind = OneInC if isinstance(form, InC) else OneOfMany
-    found: WheelSlideController = type(name, (kind,), {})(form, wheelsets, period)  # sentences say its name
+    found: WheelSlideController = type(name, (kind,), {})(form, wheelsets, period)  # messages contain its name
     return found
 
 
 def commands_of(controller: Supervised, times: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, str]:
-    """Commands at times [s], shape (rows, wheelsets), up to where the controller fails, and the sentence of that."""
+    """Return the commands of a controller until it fails.
+
+    Parameters
+    ----------
+    controller : Supervised
+    times : numpy.ndarray, shape (rows,)
+        Times [s].
+    speeds : numpy.ndarray, shape (rows, wheelsets)
+        Wheel speeds [m/s].
+
+    Returns
+    -------
+    tuple of numpy.ndarray and str
+        Commands, shape (rows, wheelsets), and the message of the failure or "".
+    """
     valves, said = [], ""
-    with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
+    with contextlib.redirect_stdout(sys.stderr):  # output of the controller
         asked = zip(times.tolist(), speeds.tolist(), strict=True)
         for time, row in counting(asked, "replay", len(speeds), "question"):
             try:
@@ -222,7 +246,7 @@ def commands_of(controller: Supervised, times: np.ndarray, speeds: np.ndarray) -
 
 
 def lines(path: Path, found: Replayed, period: float | None) -> Iterator[str]:
-    """The table, and what was said."""
+    """Yield the lines of the table, and the messages."""
     gaps = 1e3 * np.diff(found.times)
     every = f"{gaps.min():.4g} ms" if np.ptp(gaps) < 1e-3 * gaps.min() else f"{gaps.min():.4g} to {gaps.max():.4g} ms"
     at = "at the times of its rows" if period is None else "with the last row before"
@@ -240,7 +264,7 @@ def lines(path: Path, found: Replayed, period: float | None) -> Iterator[str]:
 
 
 def cells(number: int, one: dict[str, float | None]) -> tuple[str, ...]:
-    """A row of the table."""
+    """Return a row of the table."""
 
     def text(name: str, form: str, factor: float = 1.0) -> str:
         value = one[name]
@@ -252,13 +276,13 @@ def cells(number: int, one: dict[str, float | None]) -> tuple[str, ...]:
 
 
 def document(found: Replayed) -> dict[str, object]:
-    """For programs; SI units, shares of 1."""
+    """Return the results for programs; SI units, shares of 1."""
     said = {"controller": found.controller, "said": found.said, "questions": int(found.times.size)}
     return said | {"answers": len(found.valves), "wheelsets": found.wheelsets}
 
 
 def draw(found: Replayed) -> Figure:
-    """The wheels' speeds, with that of the vehicle where the log has it, and beneath them what each valve is told."""
+    """Draw the wheels' speeds, the vehicle's speed if the log has it, and below them the commands of each valve."""
     log, count = found.log, found.valves.shape[1]
     figure, (above, below) = plt.subplots(
         2, 1, sharex=True, figsize=(9.0, 4.6 + 0.25 * count), height_ratios=[4.0, 0.6 + 0.3 * count]
@@ -280,7 +304,7 @@ def draw(found: Replayed) -> Figure:
 
 
 def message(found: Replayed) -> str:
-    """What the picture says in one sentence."""
+    """Return the title of the figure."""
     told = [one["first_command"] for one in found.wheelsets if one["first_command"] is not None]
     if not told:
         return f"{one_word(found.controller)} lets all brakes apply"

@@ -1,4 +1,4 @@
-"""Stops of several controllers in several cases, each beside the ideal and its own on the dry rail."""
+"""Stops of several controllers in several cases, each compared with the ideal and with its own on the dry rail."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from scenarios.controllers.controller_loader import Given
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
-#: Depth that a locked wheel loses over its way [m/m]: severe wear takes 55 ug from each mm2 of contact over each m
-#: (Lewis and Dwyer-Joyce (2004), from memory and so assumed), of steel of 7850 kg/m3. Length of the contact at first
+#: Wear depth of a locked wheel per sliding distance [m/m]. Severe wear takes 55 ug from each mm2 of contact over each m
+#: (Lewis and Dwyer-Joyce (2004), from memory and so assumed), of steel of 7850 kg/m3. Initial length of the contact
 #: [m], assumed.
 WORN, CONTACT = 55e-3 / 7850.0, 12e-3
-#: What a case sets otherwise, by names.
+#: Arguments of a case that replace settings of the rig, by names.
 OF_THE_RIG = {"initial_speed": "give speed", "force_per_pressure": "give strength"}
-#: Stops of each case. One stop on a low rail moves by 0.5 % with the place of the looks between the teeth.
+#: Stops of each case. One stop on a low rail changes by 0.5 % with the phase of the samples between the teeth.
 PHASES = 3
-#: Pressure at which litres of air are counted [Pa].
+#: Pressure of the free air in which litres are given [Pa].
 FREE_AIR = 101325.0
 
 
 @dataclass(frozen=True)
 class Scored:
-    """A controller in a case: its stops over the phases as one, beside the ideal and its own on the dry rail [m].
+    """A controller in a case: its stops over the phases as one, with the ideal and its own on the dry rail [m].
 
-    radius: of the wheels [m]; driven: it is a start. stops: one for each phase; none: `stop` is all there is.
+    radius: of the wheels [m]; driven: it is a start. stops: one for each phase; empty: `stop` is the only one.
     """
 
     case: str
@@ -52,34 +52,36 @@ class Scored:
 
     @property
     def spread(self) -> float | None:
-        """Distance of the longest stop less that of the shortest [m]; None without a distance, and of one phase."""
+        """Return the difference of the longest and the shortest stop [m]; None without a distance, and of one phase."""
         distances = [one.distance for one in self.stops if one.distance is not None]
         return None if self.stop.distance is None or len(distances) < 2 else max(distances) - min(distances)
 
     @property
     def ratios(self) -> tuple[float, ...]:
-        """Distance over the ideal in each phase [1]; none without a distance or an ideal."""
+        """Return the distance over the ideal in each phase [1]; empty without a distance or an ideal."""
         if self.over(self.ideal) is None or self.ideal is None:
             return ()
         return tuple(one.distance / self.ideal for one in self.stops or [self.stop] if one.distance is not None)
 
     @property
     def history(self) -> History | None:
-        """Its course over time, where it was asked for."""
+        """Return the course over time, if it was recorded."""
         return self.stop.history
 
     def over(self, other: float | None) -> float | None:
-        """The distance over another; None where one of them is missing."""
+        """Return the distance over another; None if one of them is missing."""
         return self.stop.over(other)
 
     @property
     def tread_energy(self) -> float:
-        """Energy of sliding of the wheel that slid most, half of its wheelset's; the rail takes a part of it [J]."""
+        """Return the sliding energy of the wheel that slid most, half of its wheelset's; the rail takes a part of it
+        [J].
+        """
         return max(self.stop.sliding) / 2
 
     @property
     def flat(self) -> float:
-        """Length of the flat that the longest way of a locked wheel leaves [m]; 0 if none locked.
+        """Return the length of the flat due to the longest sliding distance of a locked wheel [m]; 0 if none locked.
 
         A flat of length L and width w on a wheel of radius R lacks the volume w L^3 / (12 R). A contact as large as the
         flat loses WORN of depth over each metre, so that L^2 grows by 8 R WORN a metre.
@@ -89,7 +91,7 @@ class Scored:
 
     @property
     def air(self) -> float:
-        """Of all cylinders, at atmospheric pressure [l]."""
+        """Return the air of all cylinders, at atmospheric pressure [l]."""
         return 1e3 * self.stop.air * GAS / FREE_AIR
 
 
@@ -107,7 +109,7 @@ def together(stops: Sequence[Stop]) -> Stop:
     """Return the stops of one case, one for each phase, as one.
 
     Distances, times, shares, air and energy are means; locks and skids the longest, the reservoir's pressure the
-    lowest. It has no distance if one of them has none, and is not judged if one is not.
+    lowest. The distance is None if one is missing, and `judged` is False if one is.
     """
     first = stops[0]
     if len(stops) == 1:
@@ -144,10 +146,22 @@ def compare(
     recorded: bool = False,
     phases: int = PHASES,
 ) -> list[Scored]:
-    """Every controller in every case, case by case, and what each came to.
+    """Return the scores of every controller in every case, case by case.
 
-    level: 2 in the plane, where the ideal always is, 3 in space; recorded: with histories. phases: stops of each case,
-    whose first looks lie at equal shares of the time from one tooth to the next; a distance is their mean.
+    Parameters
+    ----------
+    machine : Machine
+    controllers : mapping of str to Given
+    cases : sequence of Case
+    settings : Settings
+    level : int
+        2 planar, as the ideal always is; 3 in three dimensions.
+    recorded : bool
+        Record histories.
+    phases : int
+        Stops of each case. Their first samples are at equal shares of the time from one tooth to the next; the distance
+        is
+        their mean.
     """
     runs = runs_of(machine, cases, level)
     stops: dict[str, list[tuple[Stop, ...]]] = {}
@@ -173,7 +187,7 @@ def compare(
 
 
 def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run]:
-    """The stop of a machine in each case. Raises BadInputError for what it has not."""
+    """Return the stop of a vehicle in each case. Raises BadInputError if a case sets unknown variables."""
     try:
         runs = [case.run(machine) for case in cases]
     except ValueError as error:
@@ -199,9 +213,9 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run
 
 
 def stops_of(order: Order, name: str, runs: Sequence[Run]) -> list[Stop]:
-    """A stop of each run. Raises BadInputError for what is no controller."""
+    """Return a stop of each run. Raises BadInputError if the controller is invalid."""
     if not isinstance(order.controller, Apart):
-        with contextlib.redirect_stdout(sys.stderr):  # what a controller prints
+        with contextlib.redirect_stdout(sys.stderr):  # output of the controller
             return order.rig().runs(runs, every=order.every)
     try:
         return runs_apart(order, runs)
@@ -213,7 +227,7 @@ def stops_of(order: Order, name: str, runs: Sequence[Run]) -> list[Stop]:
 
 
 def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | None:
-    """With the best slip at every instant; None where the rail stops nothing."""
+    """Return the distance with the best slip at every instant; None if the rail cannot stop the vehicle."""
     strength = settings.strength if run.strength is None else run.strength
     filling = filling_by_flow(machine.full_pressure, settings.application_time)
     try:

@@ -1,4 +1,4 @@
-"""Scores for people and for programs."""
+"""Scores as a table and as a document for programs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ UNITS = ("", "", "m", "m", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
 
 
 def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterator[str]:
-    """The table, and what was said."""
+    """Yield the lines of the table, and the messages."""
     yield about(vehicle, settings, scores)
     yield ""
     rows = [HEADS, UNITS, *(cells(one) for one in scores)]
@@ -41,7 +41,7 @@ def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterato
 
 
 def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
-    """How all stops, or starts, are made."""
+    """Return the common conditions of all stops, or starts."""
     sensors = f"{settings.pulses} pulses a revolution, every {1e3 * settings.period:g} ms"
     what = "traction" if scores[0].driven else "brake"
     strength = f"full {what}" if settings.strength == 1.0 else f"{settings.strength:g} of the full {what}"
@@ -55,12 +55,12 @@ def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
 
 
 def said(scores: Sequence[Scored]) -> list[str]:
-    """Sentences of the stops that have one."""
+    """Return the messages of the stops that have one."""
     return [f"{one.controller}, {one.case}: {one.stop.said}" for one in scores if one.stop.said]
 
 
 def cells(one: Scored) -> tuple[str, ...]:
-    """A row of the table; of a stop that is not judged only that."""
+    """Return a row of the table; of a stop without a verdict only that."""
 
     def number(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
@@ -77,7 +77,7 @@ def cells(one: Scored) -> tuple[str, ...]:
 
 
 def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict[str, object]:
-    """For programs; SI units, air in litres."""
+    """Return the results for programs; SI units, air in litres."""
     runs = [
         {"case": one.case, "controller": one.controller, **asdict(replace(one.stop, history=None))}
         | {"distances": [of.distance for of in one.stops or [one.stop]], "spread": one.spread}
@@ -89,7 +89,7 @@ def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict
 
 
 def write_document(path: Path, about: Mapping[str, object]) -> str:
-    """Writes a document for programs as a whole, null in the place of numbers that are not finite; returns its text."""
+    """Write a document for programs as a whole, null for numbers that are not finite; return its text."""
     text = document_text(finite(about))
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, text.encode())

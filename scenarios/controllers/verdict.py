@@ -1,4 +1,4 @@
-"""What a comparison comes to: a row for each controller, and in a sentence which is best and where each is worst."""
+"""Result of a comparison: a row for each controller, and a message with the best one and the worst case of each."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ UNITS = ("", "1", "1", "1", "1", "1", "1", "", "s", "l")
 #: Columns of words; the others are numbers.
 WORDS = ("controller", "in the case")
 WIDTH = 120
-#: Ratios that differ by less are alike [1]: 0.5 % is what the rig and coupled FMUs differ by.
+#: Ratios that differ by less are alike [1]: 0.5 % is the difference between the rig and coupled FMUs.
 ALIKE = 0.005
 
 
 @dataclass(frozen=True)
 class Ratio:
-    """A distance over the ideal [1]: mean, smallest and largest over the phases of the look."""
+    """A distance over the ideal [1]: mean, smallest and largest over the phases of sampling."""
 
     mean: float
     least: float
@@ -44,22 +44,22 @@ class Ratio:
 
     @property
     def spread(self) -> float:
-        """The largest less the smallest."""
+        """Return the largest less the smallest."""
         return self.most - self.least
 
     def is_like(self, other: Ratio) -> bool:
-        """Whether both lie within what the phase of the look, or the rig, makes of one."""
+        """Return whether both differ by less than the scatter of the sampling phase, or of the rig."""
         return abs(self.mean - other.mean) <= max(ALIKE, (self.spread + other.spread) / 2)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a controller came to in all cases that are judged; its distances in those in which a wheel slides.
+    """Results of a controller in all evaluated cases; its distances in those in which a wheel slides.
 
-    stopped, failed, not_judged: cases in which it stopped in every phase, in which it did not, and which are not
-    judged; sliding: in which a wheel slides; locked: those with a lock of more than LONGEST_LOCK; median, worst:
-    distance over the ideal where it stopped, None where there is none to compare with; worst_case: the first in which
-    it did not stop, or that of the worst; longest_lock [s]; air [l], the mean.
+    stopped: cases with a stop in every phase; failed: cases without; not_judged: cases without a verdict; sliding:
+    cases with a sliding wheel; locked: those with a lock of more than LONGEST_LOCK; median, worst: distance over the
+    ideal of its stops, None without an ideal; worst_case: the first failed case, or that of the worst; longest_lock
+    [s]; air [l], the mean.
     """
 
     controller: str
@@ -77,23 +77,25 @@ class Verdict:
 
     @property
     def cases(self) -> int:
-        """How many there were."""
+        """Return the number of cases."""
         return self.stopped + self.failed + self.not_judged
 
     @property
     def counts(self) -> tuple[bool, int, int]:
-        """What comes before distances: all is judged, then the fewest failures, then the fewest locks."""
+        """Return the criteria that precede distances: verdicts in all cases, then the fewest failures, then the fewest
+        locks.
+        """
         return self.not_judged > 0, self.failed, self.locked
 
     @property
     def rank(self) -> tuple[tuple[bool, int, int], float, float]:
-        """Then the smallest median, then the smallest worst."""
+        """Return the counts, then the median, then the worst, the smallest of each first."""
         median, worst = (math.inf if one is None else one.mean for one in (self.median, self.worst))
         return self.counts, median, worst
 
 
 def leaders(found: Sequence[Verdict]) -> list[Verdict]:
-    """Return the best: of those with the best counts all whose median, and then worst, is like the smallest."""
+    """Return the best controllers: those with the best counts whose median, and then worst, is like the smallest."""
     best = [one for one in found if one.counts == min(other.counts for other in found)]
     for name in ("median", "worst"):
         ratios = [ratio for one in best if (ratio := getattr(one, name)) is not None]
@@ -104,14 +106,14 @@ def leaders(found: Sequence[Verdict]) -> list[Verdict]:
 
 
 def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
-    """One for each controller, in their order."""
+    """Return one verdict for each controller, in their order."""
     names = dict.fromkeys(one.controller for one in scores)
     sliding = sliding_cases(scores)
     return [verdict(name, [one for one in scores if one.controller == name], sliding) for name in names]
 
 
 def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str]) -> Verdict:
-    """Return that of one controller, whose scores are `own`; sliding: the cases whose distances count."""
+    """Return the verdict of one controller with the scores `own`; sliding: the cases whose distances count."""
     judged = [one for one in own if one.stop.judged]
     phases = {one.case: ratios for one in judged if one.case in sliding and (ratios := one.ratios)}
     each = list(zip(*phases.values(), strict=True))
@@ -134,12 +136,14 @@ def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str]) -> Verdict
 
 
 def ratio(phases: Sequence[float]) -> Ratio | None:
-    """Of a value in each phase; None where there is none."""
+    """Return the ratio of a value in each phase; None without phases."""
     return Ratio(mean(phases), min(phases), max(phases)) if phases else None
 
 
 def sentences(found: Sequence[Verdict]) -> list[str]:
-    """Which is best; where each is worst, but for the wheels that nothing protects; and what is not judged."""
+    """Return messages: the best controllers, the worst case of each except the unprotected wheels, and missing
+    verdicts.
+    """
     best = leaders(found)
     order = [*best, *sorted((one for one in found if one not in best), key=lambda one: one.rank)]
     words, cases = found[0].words, found[0].cases
@@ -174,7 +178,7 @@ def _worst(one: Verdict) -> str:
 
 
 def lines(found: Sequence[Verdict]) -> Iterator[str]:
-    """The sentences, and the table for people."""
+    """Yield the messages, and the table as text."""
     yield from textwrap.wrap(" ".join(sentences(found)), WIDTH)
     yield ""
     rows = [heads(found), UNITS, *(cells(one) for one in found)]
@@ -190,13 +194,13 @@ def lines(found: Sequence[Verdict]) -> Iterator[str]:
 
 
 def heads(found: Sequence[Verdict]) -> tuple[str, ...]:
-    """Of the table's columns."""
+    """Return the heads of the table's columns."""
     words = found[0].words
     return tuple(head.format(does=words.does, none=words.none) for head in HEADS)
 
 
 def cells(one: Verdict) -> tuple[str, ...]:
-    """A row of the table."""
+    """Return a row of the table."""
     if not one.stopped + one.failed:
         return one.controller, *["-"] * (len(HEADS) - 1)
     median, worst = ("-" if ratio is None else f"{ratio.mean:.2f}" for ratio in (one.median, one.worst))
@@ -206,7 +210,7 @@ def cells(one: Verdict) -> tuple[str, ...]:
 
 
 def document(found: Sequence[Verdict]) -> dict[str, object]:
-    """For programs; what was not judged is null."""
+    """Return the results for programs; missing verdicts are null."""
 
     def row(one: Verdict) -> dict[str, object]:
         means = {name: ratio and ratio.mean for name in ("median", "worst") for ratio in [getattr(one, name)]}
@@ -218,5 +222,5 @@ def document(found: Sequence[Verdict]) -> dict[str, object]:
 
 
 def best_given(found: Sequence[Verdict]) -> Verdict:
-    """The best of the controllers that were given, or of all where none was."""
+    """Return the best of the given controllers, or of all without a given one."""
     return leaders([one for one in found if one.controller not in ALWAYS] or found)[0]

@@ -1,4 +1,4 @@
-"""What tables and sentences call the end of a run: a stop, or with traction the speed that it comes to."""
+"""Words of tables and messages for the end of a run: a stop, or with traction its final speed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Words:
-    """One does and several do; there is none; what is compared; what motors or cylinders give, and its unit."""
+    """Verbs for one and for several, the noun without an end, the compared quantity, the effort and its unit."""
 
     does: str
     do: str
@@ -22,5 +22,5 @@ STARTS = Words("arrives", "arrive", "no arrival", "distance to the speed", "the 
 
 
 def words_of(driven: bool) -> Words:
-    """Of starts, or of stops."""
+    """Return the words of starts, or of stops."""
     return STARTS if driven else STOPS

@@ -1,4 +1,4 @@
-// What all pages share: elements by their names, packed data, colours, canvases.
+// Common parts of all pages: elements by their names, packed data, colours, canvases.
 
 const at = (name) => document.getElementById(name);
 
@@ -9,10 +9,10 @@ async function unpacked(text) {
   return new Response(plain).arrayBuffer();
 }
 
-const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]]; // told apart without colours, too
+const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]]; // distinct without colours, too
 
-// Colours of everything that is drawn, in a light and in a dark surrounding, by their names in frame.css; changed: called
-// when the surrounding changes.
+// Colours of all drawings, in a light and in a dark surrounding, by their names in frame.css; changed: called when the
+// surrounding changes.
 const look = { changed() {} };
 const night = matchMedia("(prefers-color-scheme: dark)");
 
@@ -25,13 +25,13 @@ function readLook() {
 readLook();
 night.addEventListener("change", () => { readLook(); look.changed(); });
 
-// Names of the colours of so many wheelsets.
+// Names of the colours of `count` wheelsets.
 function wheelColours(count) {
   const names = count > 2 ? ["first", "second", "third", "fourth"] : ["first", "fourth"];
   return Array.from({ length: count }, (_, number) => names[number % names.length]);
 }
 
-// A canvas with as many dots as the screen has, in the units of the page; its context, width and height.
+// A canvas with the resolution of the screen, in the units of the page; its context, width and height.
 function sharp(canvas) {
   if (look.night !== night.matches) readLook();
   const scale = window.devicePixelRatio || 1, { clientWidth: width, clientHeight: height } = canvas;
@@ -39,7 +39,7 @@ function sharp(canvas) {
     canvas.width = Math.round(width * scale);
     canvas.height = Math.round(height * scale);
   }
-  const context = canvas.getContext("2d", { willReadFrequently: true }); // drawn by the processor: any machine has one
+  const context = canvas.getContext("2d", { willReadFrequently: true }); // drawn by the processor, without a GPU
   context.setTransform(scale, 0, 0, scale, 0, 0);
   context.clearRect(0, 0, width, height);
   context.font = "12px system-ui, sans-serif";

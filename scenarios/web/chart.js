@@ -1,6 +1,6 @@
-// Charts over time: axes and lines, and a chart of a history that is drawn anew for each frame.
+// Charts over time: axes and lines, and a chart of a history that is redrawn for each frame.
 
-// A line through points [pixels]; colour: of `look` where it is a name of it.
+// A line through points [pixels]; colour: a name of `look` or a colour.
 function stroke(context, points, colour, width, dashes = []) {
   Object.assign(context, { strokeStyle: look[colour] ?? colour, lineWidth: width });
   context.setLineDash(dashes);
@@ -10,8 +10,8 @@ function stroke(context, points, colour, width, dashes = []) {
   context.setLineDash([]);
 }
 
-// What a chart is drawn on: a box of a canvas [pixels], the begin of its time axis and how long that is [s], the lowest and
-// the highest value.
+// Axes of a chart: a box of a canvas [pixels], the begin and the length of the time axis [s], the lowest and the
+// highest value.
 class Axes {
   constructor(context, box, [first, span], [low, high]) {
     Object.assign(this, { context, box, first, span, low, high });
@@ -44,16 +44,16 @@ class Axes {
 
 const SHORTEST = 30, WINDOW = 90; // of the time axis [s]
 
-// The run before lies below the present one as a pale line.
+// The previous run lies below the present one as a pale line.
 class Chart {
-  // lines: label, colour, number of its dashes where it is not heavy, and a function from a point of the history to its
-  // value; least: range of values at least shown.
+  // lines: label, colour, number of its dashes unless it is heavy, and a function from a point of the history to its
+  // value; least: smallest range of shown values.
   constructor(canvas, title, lines, least) {
     Object.assign(this, { canvas, title, lines, least });
   }
 
-  // before: the run before, of which the first line is shown: its history, words on it, and the shift [s] that makes both
-  // brake at one time.
+  // before: the previous run, whose first line is shown: its history, its label, and the shift [s] that aligns the
+  // brake applications of both.
   draw(history, before = null) {
     const { context, width, height } = sharp(this.canvas), box = { left: 44, right: width - 8, top: 24, bottom: height - 20 };
     const last = history.at(-1).time, first = Math.max(0, last - WINDOW);

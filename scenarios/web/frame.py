@@ -1,4 +1,4 @@
-"""Fills the templates of pages. A page is a single file, which asks for no other and for no network."""
+"""Fill the templates of pages. A page is a single file that loads no other file and needs no network."""
 
 import base64
 import zlib
@@ -6,21 +6,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-#: Where templates, styles and scripts stand: those of all pages, then those of each.
+#: Folders of templates, styles and scripts: those of all pages, then those of each.
 PLACES = [Path(__file__).parents[1] / room for room in ("web", "live/web", "controllers/web", "reporting/page")]
 
 
 def filled(template: str, filters: dict[str, Callable[..., Any]] | None = None, **parts: Any) -> str:
-    """Return the text of a page; its parts are escaped, but for those that the template calls safe.
+    """Return the text of a page; its parts are escaped, except those that the template marks as safe.
 
     Parameters
     ----------
     template
-        Name of a file in PLACES that extends `frame.html.jinja`.
+        Name of a file in PLACES; it extends `frame.html.jinja`.
     filters
-        Functions that it calls behind a bar, by name.
+        Functions by name, which the template applies after a bar.
     parts
-        What it shows by name; the scripts are given `data` as DATA, if it is there.
+        Variables of the template by name. `data` becomes DATA of the scripts.
     """
     from jinja2 import Environment, FileSystemLoader  # not for commands without pages
 
@@ -32,19 +32,19 @@ def filled(template: str, filters: dict[str, Callable[..., Any]] | None = None, 
 
 
 class AsItIs(str):
-    """A text that templates do not escape."""
+    """A string that templates do not escape."""
 
     def __html__(self) -> str:
-        """As Jinja asks for it."""
+        """Return the string; Jinja calls this method."""
         return self
 
 
 def files(*names: str) -> AsItIs:
-    """Return styles or scripts one after the other, as they are."""
+    """Return the concatenated styles or scripts, unchanged."""
     found = (next(place / name for place in PLACES if (place / name).exists()) for name in names)
     return AsItIs("\n".join(path.read_text(encoding="utf-8") for path in found))
 
 
 def packed(data: bytes) -> str:
-    """Return bytes as a text that `unpacked` of canvas.js unpacks."""
+    """Return bytes as a string that `unpacked` of canvas.js unpacks."""
     return base64.b64encode(zlib.compress(data, 9)).decode()

@@ -1,6 +1,6 @@
 // The clock of a page: while it runs, `advance` is called in each frame with the seconds since the last, times the pace.
 
-const LONGEST_FRAME = 0.1; // a page that was asleep does not catch up [s]
+const LONGEST_FRAME = 0.1; // a page that was inactive does not catch up [s]
 
 class Player {
   // words: of the button while the clock stands, and while it runs.

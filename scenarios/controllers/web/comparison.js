@@ -1,4 +1,4 @@
-// Plays the stops of a case: its controls, and what follows its clock.
+// Plays the stops of a case: its controls, and all views that follow its clock.
 
 class Comparison extends Player {
   constructor(stops) {
@@ -19,7 +19,7 @@ class Comparison extends Player {
     this.choose();
   }
 
-  // Begins with the case that the list says.
+  // Begins with the selected case of the list.
   choose() {
     const name = DATA.cases[Number(at("case").value)], own = this.stops.filter((stop) => stop.case === name);
     this.latest = Math.max(...own.map(({ end }) => end));
@@ -73,7 +73,7 @@ class Comparison extends Player {
     if (this.time >= this.latest) this.stop();
   }
 
-  // Says which machines came to rest in between, for who does not see them.
+  // Announces the vehicles that came to rest in between, for screen readers.
   tell(before, now) {
     const ended = this.tracks.filter(({ stop }) => before < stop.end && stop.end <= now);
     if (ended.length) at("told").textContent = ended.map(({ stop }) => `${stop.controller}: ${!stop.judged ? DATA.notJudged : stop.distance === null ? DATA.noEnd : `${stop.distance.toFixed(0)} m`}`).join("; ");
@@ -92,7 +92,7 @@ class Comparison extends Player {
   }
 }
 
-// What tests wait for.
+// Promise that tests wait for.
 globalThis.comparison = stopsOf(DATA).then((stops) => new Comparison(stops)).catch((error) => {
   at("clock").textContent = "This browser cannot unpack the stops; take a newer one.";
   throw error;

@@ -3,7 +3,7 @@
 const STRIP = 7; // height of a valve's line [pixels]
 
 class StopChart {
-  // latest: end of the time axis [s]; fastest: of the speed axis [m/s]; seek: called with a time that is pointed at.
+  // latest: end of the time axis [s]; fastest: of the speed axis [m/s]; seek: called with the time under the pointer.
   constructor(stop, latest, fastest, seek) {
     Object.assign(this, { stop, latest, fastest });
     this.element = document.createElement("figure");
@@ -35,7 +35,7 @@ class StopChart {
     return { left: 34, right: width - 10, top: 8, bottom: height - 22 - STRIP * this.stop.wheel.length };
   }
 
-  // What does not move is drawn once, until the size or the colours change.
+  // The static part is drawn once, until the size or the colours change.
   draw(time) {
     const { context, width, height } = sharp(this.canvas), box = this.box(width, height);
     if (!this.canvas.width || !this.canvas.height) return; // it is not shown

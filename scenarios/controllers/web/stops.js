@@ -1,4 +1,4 @@
-// Stops over time, unpacked, and what holds at an instant.
+// Stops over time, unpacked, and their values at an instant.
 
 class Stop {
   // about: of the page's data; next(): the next column of numbers, each the sum of all differences up to it.
@@ -14,7 +14,7 @@ class Stop {
     this.rolled = this.wheel.map((speed) => this.integral(speed));
   }
 
-  // Way that a wheel has rolled at each instant [m].
+  // Distance that a wheel has rolled at each instant [m].
   integral(speed) {
     let sum = 0;
     return speed.map((one, place) => {
@@ -23,7 +23,7 @@ class Stop {
     });
   }
 
-  // All numbers at a time, straight between two looks; valves as they stood until the second of them.
+  // All numbers at a time, linear between two samples; valves are constant until the second of them.
   at(time) {
     let low = 0, high = this.time.length - 1;
     while (high - low > 1) {

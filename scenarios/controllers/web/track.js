@@ -1,7 +1,7 @@
-// One rail, on which the machine of a controller brakes; all rails of a case have one scale.
+// One rail, on which the vehicle of a controller brakes; all rails of a case have one scale.
 
 const RADIUS = 11, WHEEL = 2 * RADIUS + 8, RAIL = 68, MARGIN = 14; // [pixels]
-const SLOWER = 10; // wheels are drawn turning so many times slower
+const SLOWER = 10; // factor by which drawn wheels turn more slowly
 const VALVES = ["applies", "holds", "vents"];
 
 class Track {
@@ -75,7 +75,7 @@ class Track {
     this.brake(context, x, number, now);
   }
 
-  // A cylinder as full as its pressure, or a motor as its torque, and above it what its valve does.
+  // A cylinder filled by its pressure, or a motor by its torque, and above it the action of its valve.
   brake(context, x, number, { effort, valve }) {
     const [width, top, bottom] = [14, 24, 42], share = Math.min(effort[number] / DATA.fullEffort, 1);
     context.lineWidth = 1;
