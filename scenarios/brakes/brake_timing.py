@@ -48,14 +48,14 @@ TIMED, FLOW = 1, 2
 KINDS = {TIMED: "timed", FLOW: "flow"}
 #: Recorded instants of each run.
 INSTANTS = 600
-#: Printed to a tenth of a second; the definition of a time by 95 % is ours [s].
+#: Tolerance: times are published to a tenth of a second; the definition of a time by 95 % is ours [s].
 PRINTED_TIME = 0.01
-#: When any of the brakes has been applied for long enough [s], and forces that count as the same [kN].
+#: Time after which every brake is fully applied [s], and largest difference of equal forces [kN].
 FULLY_APPLIED, SAME_FORCE = 200.0, 0.01
-#: Normal force of one shoe of a new bogie [kN] and the share of it that was missing [%], by pressure [kPa]: sections
-#: 7.2.1, 7.3.1, 7.4.1.
+#: Normal force of one shoe of a new bogie [kN] and its missing share [%], by pressure [kPa]: sections 7.2.1, 7.3.1,
+#: 7.4.1.
 PRINTED_FORCE = {130: (5.33, 18), 150: (6.15, 19), 180: (7.38, 15)}
-#: Laws of shoe friction in the picture, and sliding speeds [km/h].
+#: Laws of shoe friction in the plot, and sliding speeds [km/h].
 LAWS = {KARWATZKI: "cast iron, Karwatzki", COMPOSITE: "composite, type K", FALLING: "falling with speed (assumed)"}
 SPEEDS = np.linspace(0.0, 120.0, 121)
 
@@ -76,7 +76,7 @@ class Case:
 
     @property
     def kinds(self) -> tuple[int, ...]:
-        """The timed law has no valve of its own for venting."""
+        """Return the cylinder models of the case; the timed law lacks a valve for venting."""
         return (FLOW,) if self.vents else (TIMED, FLOW)
 
 
@@ -93,13 +93,13 @@ def cases() -> list[Case]:
 
 
 def values_of(ready: ReadySet, cylinder_model: int) -> dict[str, float]:
-    """Parameters of one kind of pneumatics; the other kind's would have no effect."""
+    """Return the parameters of one cylinder model; those of the other have no effect."""
     without = TIMES if cylinder_model == FLOW else ready.flow.values()
     return {"cylinder_model": cylinder_model} | {k: v for k, v in ready.values().items() if k not in without}
 
 
 def apply_and_release(brake: FmuInstance, case: Case, cylinder_model: int) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] and cylinder pressures [Pa]; the release falls on one of the instants."""
+    """Return times [s] and cylinder pressures [Pa]; the release is at one of the instants."""
     brake.restart(values_of(case.ready, cylinder_model), pressure_demand=case.pressure)
     step = case.duration / INSTANTS
 
@@ -112,7 +112,7 @@ def apply_and_release(brake: FmuInstance, case: Case, cylinder_model: int) -> tu
 
 
 def times_of(case: Case, time: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
-    """Application and release time [s], between the recorded instants on straight lines."""
+    """Return application and release time [s], interpolated linearly between the recorded instants."""
     begin = round(case.applied / case.duration * INSTANTS)
     rising, falling = slice(0, begin + 1), slice(begin, None)
     application = np.interp(APPLIED_SHARE * case.pressure, pressure[rising], time[rising])
@@ -121,7 +121,7 @@ def times_of(case: Case, time: np.ndarray, pressure: np.ndarray) -> tuple[float,
 
 
 def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
-    """The times of one run against their windows."""
+    """Return the times of one run against their windows."""
     rows = []
     words = ("application to 95 %", f"{'vent' if case.vents else 'release'} to {case.released / 1e3:.0f} kPa")
     for word, window, seconds in zip(words, (case.timing.application, case.timing.release), found, strict=True):
@@ -141,7 +141,7 @@ def timing_rows(case: Case, kind: str, found: tuple[float, float]) -> list[Row]:
 
 
 def force_rows(brake: FmuInstance, case: Case) -> list[Row]:
-    """Force of the shoes when the brake is fully applied, by flow against the timed law."""
+    """Return the force of the shoes when the brake is fully applied, by flow against the timed law."""
     forces = []
     for cylinder_model in case.kinds:
         brake.restart(values_of(case.ready, cylinder_model), pressure_demand=case.pressure)
@@ -152,7 +152,7 @@ def force_rows(brake: FmuInstance, case: Case) -> list[Row]:
 
 
 def experiment_rows(brake: FmuInstance) -> list[Row]:
-    """Force and friction of the shoes at the three pressures of the experiment, by flow."""
+    """Return force and friction of the shoes at the three pressures of the experiment, by flow."""
     rows = []
     for pressure, case in EXPERIMENT.items():
         values = values_of(qr30_experiment(pressure), FLOW) | {"friction_law": MEASURED_AGAINST_FORCE}
@@ -171,7 +171,7 @@ def experiment_rows(brake: FmuInstance) -> list[Row]:
 
 
 def friction_over_speed(brake: FmuInstance) -> dict[str, np.ndarray]:
-    """Laws of shoe friction over SPEEDS, with the shoes of the UIC brake fully applied."""
+    """Return the laws of shoe friction over SPEEDS, with the shoes of the UIC brake fully applied."""
     found = {}
     ready = uic_p()
     for law, label in LAWS.items():
@@ -262,7 +262,7 @@ def _draw_friction(axis: Axes, frictions: dict[str, np.ndarray]) -> None:
     for number, (pressure, case) in enumerate(EXPERIMENT.items()):
         low, high = case.lowest_shoe_friction, case.highest_shoe_friction
         words = "QR30, measured at 130, 150, 180 kPa, below 11 km/h" if number == 0 else None
-        place = 2 + 4 * number  # side by side: the speed of each trial is not printed
+        place = 2 + 4 * number  # side by side: the thesis does not report the speed of each trial
         axis.plot([place] * 2, [low, high], "_-", color=THESIS, linewidth=2, label=words)
         axis.annotate(f"{pressure}", (place, low), xytext=(0, -9), textcoords="offset points", ha="center", fontsize=7)
     axis.set(title="shoe friction [1], UIC brake fully applied", xlabel="sliding speed [km/h]")

@@ -1,7 +1,7 @@
 """First stops: a coach on a dry and on a wet rail, and a bogie coupled with its brake cylinder, all by FMPy.
 
 The coach is BrakedVehicle.fmu, run by `fmpy.simulate_fmu`: full brake from 160 km/h with a heavier body. The bogie and
-its brake are two FMUs of FMI 2.0, BogieDynamics.fmu and BrakeCylinder.fmu, coupled through FMPy in macro steps of 1 ms:
+its brake are two FMUs of FMI 2.0, BogieDynamics.fmu and BrakeCylinder.fmu. FMPy couples them in macro steps of 1 ms:
 the cylinder gives the brake torque, the bogie returns the speed of rotation.
 """
 
@@ -27,15 +27,16 @@ from scenarios.scenario import Options, Scenario
 SPEED, BODY_MASS = 160 / 3.6, 38e3
 #: Wheel-rail friction of the rails [1]. Assumed: constant, also while wheels slide.
 RAILS = {"dry": 0.30, "wet": 0.08}
-#: Torque on each wheelset of the bogie [N.m], at which the thesis prints a deceleration [m/s2] (section 5.4.1).
+#: Torque on each wheelset of the bogie [N.m], and the deceleration that the thesis reports for it [m/s2] (section
+#: 5.4.1).
 TORQUE, PRINTED = 15e3, "1.109"
 #: Time from 0 to 95 % of the demanded pressure of the bogie's cylinder [s].
 APPLICATION_TIME = brake_values()["application_time"]
 #: Simulated time [s], interval of the coach's outputs [s], and when the cylinders are full and nothing rocks [s].
 COACH_DURATION, BOGIE_DURATION, INTERVAL, SETTLED = 70.0, 45.0, 0.01, 12.0
-#: Speeds below which the vehicle stands, and below which a deceleration is not measured [m/s].
+#: Speeds below which the vehicle is at rest, and below which a deceleration is not measured [m/s].
 AT_REST, SLOW = 0.01, 2.0
-#: Band of the closed forms, relative: they neglect creep, and the time in which wheels slow down until they lock.
+#: Relative tolerance of the closed forms: they neglect creep, and the time in which wheels slow down until they lock.
 BAND = 1e-3
 #: Outputs of the coach, and those of the bogie.
 OF_COACH = (
@@ -96,11 +97,11 @@ def closed_form_distance(deceleration: float, application_time: float, limit: fl
     Parameters
     ----------
     deceleration
-        With the full brake force [m/s2].
+        Deceleration with the full brake force [m/s2].
     application_time
         Time to 95 % of the force [s]; T = application_time / ln 20.
     limit
-        Friction times gravity [m/s2], which the deceleration cannot exceed; from there on the wheels slide.
+        Friction times gravity [m/s2], the largest deceleration; the wheels slide once it is reached.
     """
     constant = application_time / math.log(20.0)
     most = min(deceleration, limit)
@@ -163,7 +164,7 @@ def rows_of_coach(stops: dict[str, Recording]) -> list[Row]:
 
 
 def compared(quantity: str, unit: str, value: float, expected: float, law: str) -> Row:
-    """Return a row that is judged by a closed form, within BAND."""
+    """Return a row whose limits are those of a closed form, within BAND."""
     return measured(quantity, unit, value, f"closed form: {law}", near(expected, BAND * expected))
 
 

@@ -2,7 +2,7 @@
 
   bogie-braking controllers loop --rail low                    one stop on the low rail, at 127.0.0.1:5005
   bogie-braking controllers loop --programme full --rail low   a case of a programme
-  bogie-braking controllers loop --host 0.0.0.0 --pace 0.5     for a client on another computer, at half the clock's pace
+  bogie-braking controllers loop --host 0.0.0.0 --pace 0.5     a client on another computer, at half the pace
   bogie-braking controllers answer mine.py:PI                  the client, in another terminal
 
 The page In the loop has the protocol; 'controllers client c' and 'controllers client python' print its clients.

@@ -1,4 +1,4 @@
-"""What the live page drives: the bogie of chapter 5 and the coach, each with its brake cylinders, and how they look."""
+"""Vehicles of the live page: the bogie of chapter 5 and the coach, each with its brake cylinders, and their views."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,18 +17,19 @@ from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import Vehicle
 
-#: Torque capacity of one wheelset of the bogie, fully braked [N.m]: two thirds of what a friction of 0.3 bears; assumed
+#: Torque capacity of one wheelset of the bogie, fully braked [N.m]: two thirds of the limit at a friction of 0.3;
+#: assumed.
 BOGIE_TORQUE = 26e3
-#: Yaw torque of a wheelset over its brake torque at an error of the shoes of 100 %: chapter 9 has 43.92 kN.m for an
+#: Yaw torque of a wheelset over its brake torque at an error of the shoes of 100 %. Chapter 9 has 43.92 kN.m for an
 #: error of 25 % at a brake torque of 20 kN.m, and its other rows are in proportion.
 YAW_PER_BRAKE_TORQUE = 43.92 / 20 / 0.25
 
 
 @dataclass(frozen=True)
 class Machine:
-    """A braked machine and how it looks. full_traction [N.m]: of each wheelset; pair: profiles of its wheels.
+    """A vehicle of the page and its view. full_traction [N.m]: of each wheelset; pair: profiles of its wheels.
 
-    mass: the body whose mass the page sets, in a word, and the parameter.
+    mass: the body whose mass the page sets, as a word, and the parameter.
     """
 
     title: str
@@ -51,14 +52,14 @@ MACHINES = {
 
 
 def levels(vehicle: Vehicle) -> tuple[System, ...]:
-    """Those of the parameter `level`; the one in space runs on the line of a file."""
+    """Return the systems of the parameter `level`; the one in 3D runs on the line of a file."""
     spatial = spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(DEPTH_ON_LINE), on_line=True)
     return point_vehicle(vehicle), planar_vehicle(vehicle), spatial
 
 
 @lru_cache
 def model_of(name: str) -> Model:
-    """The model inside the page, of a name in MACHINES."""
+    """Return the model inside the page, of a name in MACHINES."""
     machine = MACHINES[name]
     systems = tuple(composed(machine.braked, system) for system in levels(machine.braked.vehicle))
     level, _ = selectors()

@@ -1,4 +1,4 @@
-"""Writes the live page: one file that brakes a vehicle in a browser, with the kernel of the FMUs as WebAssembly."""
+"""Write the live page: one file that brakes a vehicle in a browser, with the kernel of the FMUs as WebAssembly."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -24,12 +24,12 @@ from scenarios.web.frame import filled, packed
 
 
 def write_page(path: Path) -> Path:
-    """Writes the page, about a megabyte; it needs no network. Raises CompilerError, OSError."""
+    """Write the page, about a megabyte; it needs no network. Raises CompilerError, OSError."""
     return write_made(path, PAGE, page)
 
 
 def write_made(path: Path, name: str, page: Callable[[], str]) -> Path:
-    """Writes a page as a release has made it, or as it is now. Raises CompilerError, OSError."""
+    """Write a page of the release, or the current one. Raises CompilerError, OSError."""
     made = prebuilt_page(name)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, made.read_bytes() if made else page().encode())
@@ -38,7 +38,7 @@ def write_made(path: Path, name: str, page: Callable[[], str]) -> Path:
 
 @lru_cache
 def page() -> str:
-    """Its text, with the kernels, which are compiled unless the cache has them. Raises CompilerError."""
+    """Return its text, with the kernels, which are compiled unless they are in the cache. Raises CompilerError."""
     data = {
         "version": __version__,
         "sensor": {"pulses": TEETH, "gate": GATE, "resolution": TIMER, "lowest_frequency": LOWEST_FREQUENCY},
@@ -53,7 +53,7 @@ def page() -> str:
 
 
 def machine(name: str) -> dict[str, Any]:
-    """What the page knows of a machine: its compiled kernel, variables by their number, sizes and profiles [m]."""
+    """Return the data of a vehicle: its compiled kernel, variables by their number, sizes and profiles [m]."""
     model, one = model_of(name), MACHINES[name]
     vehicle, pair = one.braked.vehicle, one.pair()
     numbers = vehicle.parameters.values()

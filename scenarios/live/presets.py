@@ -1,16 +1,16 @@
-"""What plays on the live page in one click: each is the link of a run, as the page writes it for any other."""
+"""Runs of the live page that play in one click: each is a link, as the page writes it for any other run."""
 
 from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import urlencode
 
-#: Between looks at the controls, and of the wheel-slide protection: PERIOD of simulation.js [s].
+#: Sampling interval of the controls and of the wheel-slide protection: PERIOD of simulation.js [s].
 PERIOD = 5e-3
-#: Step at which presets brake: half a second of rolling comes first.
+#: Step at which presets brake, after half a second of rolling.
 BRAKING = 100
-#: Values of a run that a link does not name; the names are those of the page's controls. speed [km/h], mass of the body
-#: [t] or no text for its own, friction [1], protection 0 or 1, gradient [1/1000, uphill positive], curve: radius
-#: [m], 0 straight, uneven [%], wave [mm].
+#: Default values of a run's link; the names are those of the page's controls. speed [km/h], mass of the body [t] or
+#: empty for its own, friction [1], protection 0 or 1, gradient [1/1000, uphill positive], curve: radius [m], 0
+#: straight, uneven [%], wave [mm].
 DEFAULTS: dict[str, Any] = {
     "machine": "coach",
     "level": 2,
@@ -27,7 +27,7 @@ DEFAULTS: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Preset:
-    """A run: what it starts with, and what is done in it, as (step, control, value); lever: % of the full brake."""
+    """A run: its settings, and its actions as (step, control, value); lever: % of the full brake."""
 
     title: str
     start: dict[str, Any]
@@ -35,7 +35,7 @@ class Preset:
 
     @property
     def link(self) -> str:
-        """The address of the run, behind #."""
+        """Return the address of the run, after #."""
         done = ",".join(f"{step}:{name}:{value:g}" for step, name, value in self.actions)
         return urlencode({**self.start, "do": done}, safe=":,")
 

@@ -1,4 +1,4 @@
-"""Writes the page on which a train brakes: the C of TrainDynamics.fmu as WebAssembly, and a few trains as numbers."""
+"""Write the page on which a train brakes: the C of TrainDynamics.fmu as WebAssembly, and a few trains as numbers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TRAINS = {
     "100 wagons, G": (100, "G"),
 }
 PAGE = "live-train.html"
-#: Runs of one click: the links that the page writes, behind #. Steps are those of STEP in train.js.
+#: Runs of one click: the links that the page writes, after #. Steps are those of STEP in train.js.
 PRESETS = {
     "Emergency, 40 wagons": "do=50:emergency",
     "Full service, 100 wagons": "train=100 wagons, G&do=50:full service",
@@ -34,7 +34,7 @@ PRESETS = {
 
 @lru_cache
 def train_page() -> str:
-    """Its text, a few hundred kilobytes; it needs no network. Raises CompilerError."""
+    """Return its text, a few hundred kilobytes; it needs no network. Raises CompilerError."""
     consists = {name: numbers_of(block_train(n, position=p), Settings(), None) for name, (n, p) in TRAINS.items()}
     data = {
         "version": __version__,
@@ -48,5 +48,5 @@ def train_page() -> str:
 
 
 def write_train_page(path: Path) -> Path:
-    """Writes it. Raises CompilerError, OSError."""
+    """Write the page. Raises CompilerError, OSError."""
     return write_made(path, PAGE, train_page)

@@ -1,4 +1,4 @@
-"""How many stops and control steps a machine makes in a second in batches, for the rows of `speed`."""
+"""Stops and control steps a second in batches, for the rows of `speed`."""
 
 from __future__ import annotations
 
@@ -17,28 +17,29 @@ from products.registry import model_of as model_of_fmu
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
 from scenarios.reporting.report import Row
 
-#: Stops by level: systems, runs that are measured, and how many shall take so many seconds on two processors.
+#: Stops by level: system, level, number of measured runs, target number of stops, and their time limit on two
+#: processors [s].
 STOPS = {"point": ("point", 1, 20000, 10**6, 12.0), "planar": ("planar", 2, 4000, 10**5, 15.0)}
 STOPS |= {"spatial": ("spatial_patches", 3, 256, 10**4, 15.0)}
-#: The stop of `speed`: speeds [m/s] and torques [N.m] are spread, so that no two runs make the same steps.
+#: The stop of `speed`, with different speeds [m/s] and torques [N.m], so that no two runs make the same steps.
 SPEEDS, TORQUES, STOP = (20.0, 30.0), (18e3, 22e3), 22.9
-#: Planar bogies with two cylinders under a controller that vents a wheel above the first slip and applies it below the
-#: second: control step [s], instances, steps; and how many control steps a second are wanted on two processors.
+#: Planar bogies with two cylinders under a controller. It vents a wheel above the first slip and applies it below the
+#: second. Control step [s], instances, steps; and target of control steps a second on two processors.
 CONTROL_STEP, MANY, CONTROL_STEPS, WANTED = 5e-3, 1024, 1000, 2.5e6
 VENT_ABOVE, APPLY_BELOW, APPLY, VENT = 0.08, 0.03, 0.0, 2.0
-#: A friction at which all wheels roll, and one at which the controller lets go and applies
-#: again, each with seconds in which all stand. And how many stops are compared.
+#: Frictions and simulated times to rest [s]: at the first all wheels roll, at the second the controller vents and
+#: applies again. Number of compared stops.
 RAILS, COMPARED = {0.3: 35.0, 0.08: 60.0}, 16
 
 
 def stops_of(count: int) -> dict[str, np.ndarray]:
-    """Values of so many stops."""
+    """Return the values of `count` stops."""
     torque = np.linspace(*TORQUES, count)
     return {"initial_speed": np.linspace(*SPEEDS, count), "brake_torque_1": torque, "brake_torque_2": torque}
 
 
 def batch_rows() -> list[Row]:
-    """Stops in batches, extended from those that were measured to the number that is judged."""
+    """Return the time of stops in batches, extrapolated from the measured number to the target number."""
     rows = []
     for level, (system, number, measured, asked, most) in STOPS.items():
         library = library_of_batch(model_of_fmu("bogie"), system)
@@ -56,13 +57,15 @@ def _seconds_of(library: BatchLibrary, values: Mapping[str, ArrayLike], stop: fl
 
 
 def braked_bogie() -> Model:
-    """The planar bogie with a cylinder on each wheelset, one composed model."""
+    """Return the planar bogie with a cylinder on each wheelset, one composed model."""
     [planar] = places_of(level=2, on_line=False)
     return model_of(composed(bogie(), system_at(bogie().vehicle, planar)), DEFAULT_TOLERANCE)
 
 
 def valves_of(found: Mapping[str, np.ndarray], number: int, held: np.ndarray) -> np.ndarray:
-    """The valves of a wheelset of all bogies by its slip; held: those of the period before, which stay in between."""
+    """Return the valves of a wheelset of all bogies by its slip; held: those of the period before, for slips in
+    between.
+    """
     slip = 1 - found[f"wheel_speed_{number}"] / np.maximum(found["speed"], 1.0)
     return np.where(slip > VENT_ABOVE, VENT, np.where(slip < APPLY_BELOW, APPLY, held))
 
@@ -70,7 +73,25 @@ def valves_of(found: Mapping[str, np.ndarray], number: int, held: np.ndarray) ->
 def controlled(
     model: Model, count: int, steps: int, friction: float, values: Mapping[str, float]
 ) -> tuple[float, np.ndarray]:
-    """Wall time [s] of so many control steps of so many instances, and the distances that they went [m]."""
+    """Run many bogies under the controller.
+
+    Parameters
+    ----------
+    model : Model
+    count : int
+        Number of instances.
+    steps : int
+        Number of control steps.
+    friction : float
+        Wheel-rail friction [1].
+    values : mapping
+        Further parameters.
+
+    Returns
+    -------
+    tuple of float and numpy.ndarray, shape (count,)
+        Wall time of the control steps [s], and distances [m].
+    """
     inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in (1, 2)]
     outputs = ["speed", "distance", "wheel_speed_1", "wheel_speed_2"]
     given: dict[str, Any] = dict.fromkeys(inputs[:2], FULL_PRESSURE) | {
@@ -89,7 +110,7 @@ def controlled(
 
 
 def control_rows() -> list[Row]:
-    """Control steps a second, and how far the stops end then from those of the default, at both frictions."""
+    """Return control steps a second, and the error of the final distances against the default, at both frictions."""
     model, rows = braked_bogie(), []
     for friction, seconds in RAILS.items():
         periods = round(seconds / CONTROL_STEP)

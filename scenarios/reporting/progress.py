@@ -1,4 +1,4 @@
-"""A progress bar that moves with the clock, beside those that count (`fmu_src/progress.py`)."""
+"""A progress bar that moves with the clock, in addition to those that count (`fmu_src/progress.py`)."""
 
 import threading
 import time
@@ -11,15 +11,15 @@ from fmu_src.progress import PATIENCE as PATIENCE
 from fmu_src.progress import counting as counting
 from fmu_src.progress import without_bars as without_bars
 
-#: Time between two looks at the clock [s].
+#: Interval between readings of the clock [s].
 TICK = 0.5
 
 
 @contextmanager
 def ticking(text: str, expected: float | None) -> Iterator[None]:
-    """A bar that moves with the clock towards the time that is expected [s], on a terminal; None: nobody knows.
+    """Show a bar on a terminal that moves with the clock towards the expected time [s]; None: unknown.
 
-    Bars that are made within stand below it; it moves also where they have nothing to count for a while.
+    Bars that are made within are shown below it; it also moves while they have nothing to count.
     """
     begin, over, ticker = time.perf_counter(), threading.Event(), None
     towards = f" |{{bar}}| {{elapsed}} of about {tqdm.format_interval(expected)}" if expected else ": {elapsed}"

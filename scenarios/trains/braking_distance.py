@@ -1,7 +1,7 @@
 """Stopping distances of trains: ten distances of the conversion model, and the spread of shunting stops.
 
-100 000 stops of a locomotive with five wagons from 25 km/h, by the rules of a published program, with the locomotive's
-brake counted once, and with a demand that comes later to each wagon.
+The spread is that of 100 000 stops of a locomotive with five wagons from 25 km/h. They follow the rules of a published
+program, then count the locomotive's brake once, and then delay the demand for each wagon.
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,9 @@ from scenarios.scenario import Options, Scenario, Sweepable
 
 @dataclass(frozen=True)
 class Stop:
-    """A stop of the conversion model: speed [km/h], percentage [%], length [m], and the distance [m] computed apart."""
+    """A stop of the conversion model: speed [km/h], percentage [%], length [m], and the independently computed distance
+    [m].
+    """
 
     case: Case
     speed: float
@@ -43,13 +45,15 @@ STOPS = (
     Stop(Case.SERVICE_FREIGHT_P, 100.0, 65.0, 700.0, 1306.6),
     Stop(Case.EMERGENCY_FREIGHT_P, 90.0, 70.0, 1200.0, 1098.0),
 )
-#: They are told to 0.1 m.
+#: Tolerance [m]: distances are given to 0.1 m.
 BAND = 0.1
 
 
 @dataclass(frozen=True)
 class Printed:
-    """What RailProfAC/ShuntingBrakingCurves prints of 1e7 stops: mean, deviation, a limit [m], the share beyond it."""
+    """Published results of RailProfAC/ShuntingBrakingCurves, 1e7 stops: mean, deviation, a limit [m], the share beyond
+    it.
+    """
 
     mean: float
     deviation: float
@@ -60,21 +64,23 @@ class Printed:
 PRINTED = {"G": Printed(64.26639, 0.81019, 65.0, 0.1826848), "P": Printed(38.34120, 0.47121, 39.0, 0.081124)}
 #: Stops by the published method and with the locomotive once, stops of the distributions, and the seed of all.
 FEW, MANY, SEED = 20_000, 100_000, 1
-#: Of a mean, relative; of a standard deviation, relative, and of a share: four standard errors of FEW stops.
+#: Tolerances: relative of a mean; relative of a standard deviation, and of a share: four standard errors of FEW stops.
 MEAN_BAND, DEVIATION_BAND = 1e-3, 4 / (2 * FEW) ** 0.5
-#: Of the histograms [m].
+#: Bin width of the histograms [m].
 BIN = 0.1
 
 Found = Mapping[tuple[str, Rules], Array]
 
 
 def share_band(share: float) -> float:
-    """Four standard errors of a share of FEW stops."""
+    """Return four standard errors of a share of FEW stops."""
     return float(4 * (share * (1 - share) / FEW) ** 0.5)
 
 
 def one_stop(speed: float = 100.0, percentage: float = 65.0, length: float = 700.0) -> dict[str, float | None]:
-    """Distances of a freight train [m], from a speed [km/h], with a percentage [%] and a length [m] (SUBSET-026)."""
+    """Return distances of a freight train [m], from a speed [km/h], with a percentage [%] and a length [m]
+    (SUBSET-026).
+    """
     cases = {"emergency_p": Case.EMERGENCY_FREIGHT_P, "emergency_g": Case.EMERGENCY_FREIGHT_G}
     cases |= {"service_p": Case.SERVICE_FREIGHT_P, "service_g": Case.SERVICE_FREIGHT_G}
     start = speed / KILOMETRES_PER_HOUR
@@ -104,7 +110,7 @@ def run(options: Options) -> Report:
 
 
 def model_row(stop: Stop) -> Row:
-    """One distance of the conversion model."""
+    """Return one distance of the conversion model."""
     words = stop.case.name.lower().replace("_", " ")[:-1] + stop.case.name[-1]
     quantity = f"{words}, {stop.speed:g} km/h, {stop.percentage:g} %, {stop.length:g} m: distance"
     value = stopping_distance(stop.case, stop.speed / KILOMETRES_PER_HOUR, stop.percentage, stop.length)
@@ -113,7 +119,7 @@ def model_row(stop: Stop) -> Row:
 
 
 def published_rows(name: str, stops: Array) -> list[Row]:
-    """The published program's stop, by its rules and its method."""
+    """Return the published program's stop, by its rules and its method."""
     printed, source = PRINTED[name], "RailProfAC/ShuntingBrakingCurves, 1e7 stops"
     beyond = f"{name}, as published: share beyond {printed.limit:g} m"
     share = float(np.mean(stops > printed.limit))
@@ -127,7 +133,7 @@ def published_rows(name: str, stops: Array) -> list[Row]:
 
 
 def beside_rows(name: str, found: Found) -> list[Row]:
-    """The same stop by a method of second order, and by other rules."""
+    """Return the same stop by a method of second order, and by other rules."""
     printed = PRINTED[name].mean
     asked, source = near(printed, MEAN_BAND * printed), "RailProfAC/ShuntingBrakingCurves; its method is of first order"
     means = {rules: float(np.mean(found[name, rules])) for rules in (PUBLISHED, ONCE, SHIFTED)}
@@ -140,7 +146,7 @@ def beside_rows(name: str, found: Found) -> list[Row]:
 
 
 def histogram(found: Found) -> Recording:
-    """Share of stops over distance, for each distribution."""
+    """Return the share of stops over distance, for each distribution."""
     least = min(float(np.min(stops)) for stops in found.values())
     most = max(float(np.max(stops)) for stops in found.values())
     edges = np.arange(np.floor(least), np.ceil(most) + BIN, BIN)
@@ -157,7 +163,7 @@ def missing(name: str, found: Found) -> float:
 
 
 def message(found: Found) -> str:
-    """What the picture shows."""
+    """Return the title of the figure."""
     said = " and ".join(f"{missing(name, found):.0f} m ({name})" for name in PRINTED)
     return f"Our rules give stops {said} longer"
 
@@ -173,7 +179,7 @@ def draw(found: Found) -> Figure:
 
 
 def draw_distribution(axis: Axes, stops: Array, colour: str, words: str) -> None:
-    """A histogram, its mean as a line, and its name above it."""
+    """Draw a histogram, its mean as a line, and its name above it."""
     mean = float(np.mean(stops))
     edges = np.arange(np.min(stops), np.max(stops) + BIN, BIN)
     heights, _, _ = axis.hist(stops, edges.tolist(), density=True, histtype="stepfilled", color=colour, alpha=0.45)
@@ -184,7 +190,7 @@ def draw_distribution(axis: Axes, stops: Array, colour: str, words: str) -> None
 
 
 def draw_gap(axis: Axes, name: str, found: Found) -> None:
-    """An arrow between both means of a position."""
+    """Draw an arrow between both means of a position."""
     ends = [float(np.mean(found[name, rules])) for rules in (PUBLISHED, SHIFTED)]
     height = 0.15
     axis.annotate("", (ends[1], height), (ends[0], height), arrowprops={"arrowstyle": "->"})

@@ -1,8 +1,8 @@
-// What both live pages have: ready runs, the space bar, the link, a table to save, and two runs compared.
+// Common parts of both live pages: preset runs, the space bar, the link, a table to save, and two runs compared.
 
 const NAMES = { machine: "vehicle", level: "level of detail", curve: "line", uneven: "shoes", wave: "rails" }; // of settings
 
-// A ready run among the others: its title, and where it leads; the link.
+// Adds a preset run: its title and its address; returns the link.
 function addRun(title, href) {
   const item = document.createElement("li");
   item.append(Object.assign(document.createElement("a"), { textContent: title, href }));
@@ -10,7 +10,8 @@ function addRun(title, href) {
   return item.firstChild;
 }
 
-// The ready runs of a page, which play where they are; play: called with the hash of one. "Back" leads to the run before.
+// Adds the preset runs of a page, which play without a reload; play: called with the hash of one. "Back" returns to the
+// previous run.
 function addRuns(runs, play) {
   for (const { title, link } of runs)
     addRun(title, `#${link}`).addEventListener("click", (event) => {
@@ -20,21 +21,21 @@ function addRuns(runs, play) {
     });
 }
 
-// Marks the ready run that goes, if it is one.
+// Marks the link of the present run if it is a preset one.
 function markRun(hash) {
   for (const one of at("presets").querySelectorAll("a"))
     if (one.getAttribute("href") === hash) one.setAttribute("aria-current", "true");
     else one.removeAttribute("aria-current");
 }
 
-// The other page, which lies beside this one under its own name; null where this file has another name.
+// The other page, which lies next to this one under its own name; null if this file has another name.
 function besides(own, other) {
   const place = location.pathname.replace(own, other);
   return place === location.pathname ? null : place.split("/").at(-1);
 }
 
-// What both pages listen to. press: the large button, and the space bar unless the focus is on what it presses by itself;
-// restart, openLink (of a hash), showLink, redraw; file: a name and a function that gives the rows of its table.
+// Events of both pages. press: the large button, and the space bar unless the focused control uses it. restart,
+// openLink (of a hash), showLink, redraw: functions. file: a name and a function that returns the rows of its table.
 function onDesk({ press, restart, openLink, showLink, redraw, file: [name, rows] }) {
   at("brake").addEventListener("click", press);
   addEventListener("keydown", (event) => {
@@ -42,7 +43,7 @@ function onDesk({ press, restart, openLink, showLink, redraw, file: [name, rows]
     event.preventDefault();
     press();
   });
-  // Who uses the mouse brakes with the space bar wherever he pressed last.
+  // After a click the focus is dropped, so that the space bar always brakes for users of a mouse.
   addEventListener("click", (event) => {
     if (event.detail > 0) event.target.closest("button, summary, [type=checkbox]")?.blur();
   });
@@ -54,12 +55,12 @@ function onDesk({ press, restart, openLink, showLink, redraw, file: [name, rows]
   look.changed = redraw;
 }
 
-// A speed [m/s] for people.
+// A speed [m/s] as text.
 function inKmh(speed) {
   return `${(Math.abs(speed) < 0.01 ? 0 : 3.6 * speed).toFixed(1)} km/h`;
 }
 
-// Copies the address, which showLink has made that of the run.
+// Copies the address, which showLink has set to that of the run.
 async function share(showLink) {
   showLink();
   try {
@@ -79,8 +80,8 @@ function save(name, rows) {
   setTimeout(() => URL.revokeObjectURL(address), 1000);
 }
 
-// The end of a run in one sentence, and how much further it went than the run before; distances [m]; settings: what it
-// started with.
+// Shows the end of a run in one message, and the difference from the previous run's distance [m]; settings: those at
+// its start.
 function tellEnd(sentence, distance, before, settings) {
   at("result").textContent = sentence;
   at("chart-speed").setAttribute("aria-label", `speed over time. ${sentence}`);
@@ -91,7 +92,8 @@ function tellEnd(sentence, distance, before, settings) {
   at("result").append(" ", Object.assign(document.createElement("span"), { textContent: compared, className: "compared" }));
 }
 
-// A run that stopped, to lie below the next: its history, the time at which it braked [s], its distance [m], its settings.
+// A stopped run, to be drawn below the next: its history, the time at which it braked [s], its distance [m], its
+// settings.
 function asBefore(history, begun, distance, settings) {
   return { history, begun, distance, settings, words: `run before: ${distance.toFixed(1)} m` };
 }

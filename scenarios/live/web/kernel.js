@@ -1,4 +1,4 @@
-// The kernel of the FMUs, compiled to WebAssembly: variables by name, steps, sentences.
+// The kernel of the FMUs, compiled to WebAssembly: variables by name, steps, messages.
 
 const WARNING = 1; // kernel.h: from 2 on a call was refused or failed
 
@@ -37,13 +37,13 @@ class Kernel {
   }
 
   get memory() {
-    const { buffer } = this.exports.memory; // another one when the memory has grown
+    const { buffer } = this.exports.memory; // a new one after the memory has grown
     if (this.numbers?.buffer !== buffer) this.numbers = new DataView(buffer);
     return this.numbers;
   }
 
-  // Back to the start values, then with some others up to the first instant; texts: what a file holds, by the variable
-  // that names the file.
+  // Resets to the start values, then sets some others and initialises; texts: contents of files, by the variable that
+  // names the file.
   start(values, texts = {}) {
     this.exports.kernel_reset(this.self);
     this.set(values);
@@ -58,11 +58,11 @@ class Kernel {
     this.check(this.exports.kernel_step(this.self, time, size));
   }
 
-  // Sentences since they were read last.
+  // Messages since the last call.
   journal() {
     const sentences = [];
     while (this.exports.kernel_hear(this.self, this.room)) {
-      const place = this.memory.getUint32(this.room + 4, true); // behind the status
+      const place = this.memory.getUint32(this.room + 4, true); // after the status
       const bytes = new Uint8Array(this.exports.memory.buffer, place);
       sentences.push(new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))));
     }

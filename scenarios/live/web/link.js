@@ -1,9 +1,9 @@
-// A run as the address of the page: what it starts with and what is done in it, `friction=0.08&do=100:lever:100`.
+// A run as the address of the page: its settings and its actions, `friction=0.08&do=100:lever:100`.
 
 const DONE_LATER = ["lever", "friction", "protection", "uneven", "leaves"]; // controls that act while a run goes
 
-// The settings and the plan of a link, without its #; sentences tell what of it cannot be. The page's controls know what
-// they take.
+// The settings and the plan of a link, without its #; sentences: messages on invalid parts. The page's controls define
+// the valid values.
 function readLink(text) {
   const settings = { ...DATA.defaults }, sentences = [];
   let plan = [];
@@ -28,7 +28,7 @@ function readPlan(text, sentences) {
   return plan.sort(([a], [b]) => a - b);
 }
 
-// Whether a control of the page can have this value.
+// Returns whether a control of the page accepts this value.
 function takes(name, value = "") {
   const control = at(name);
   if (name === "mass" && value === "") return true; // the vehicle's own
@@ -44,13 +44,13 @@ function taken(name) {
   return control.type === "checkbox" ? "0 or 1" : `${control.min} to ${control.max}`;
 }
 
-// A control's value as a simulation has it.
+// A control's value in the unit of the simulation.
 function inside(name, value) {
   if (name === "protection") return value === true || value === "1";
   return Number(value) / ({ lever: 100, uneven: 100, gradient: 1000 }[name] ?? 1);
 }
 
-// The link of a run: settings that are not the page's own, and what was done.
+// The link of a run: settings that differ from the page's defaults, and the actions.
 function writeLink(settings, done) {
   const words = new URLSearchParams();
   for (const [name, value] of Object.entries(settings))

@@ -1,4 +1,4 @@
-// What WebAssembly asks of a system, as far as reading one file needs it (WASI preview 1): a kernel reads its line so.
+// System calls of WebAssembly for reading one file (WASI preview 1): a kernel reads its line by them.
 
 const PLACE = "/line.csv"; // of the file
 const ROOM = 3, FILE = 4; // descriptors: the folder that is open from the start, and the file in it
@@ -11,12 +11,13 @@ class OneFile {
     this.position = 0;
   }
 
-  // text: what the file holds from now on.
+  // text: contents of the file from now on.
   write(text) {
     this.bytes = new TextEncoder().encode(text);
   }
 
-  // The functions for a module; memory: of it, a function, as it grows. What is not here answers that nothing is there.
+  // The functions for a module; memory: a function that returns its memory, which grows. Other functions return an
+  // error.
   system(memory) {
     const view = () => new DataView(memory().buffer);
     const own = {

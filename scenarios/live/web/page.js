@@ -1,10 +1,10 @@
-// The page itself: controls, frames, and what is told at the end.
+// The page itself: controls, frames, and the final message.
 
-const CHART_FRAMES = 4; // charts are drawn in one frame of so many
-const STARTS = ["machine", "level", "speed", "mass", "gradient", "curve", "wave"]; // settings that begin a run anew
-const IN_SPACE = ["curve", "wave", "uneven"]; // that act at level 3 alone
+const CHART_FRAMES = 4; // charts are drawn once in this many frames
+const STARTS = ["machine", "level", "speed", "mass", "gradient", "curve", "wave"]; // settings that restart the run
+const IN_SPACE = ["curve", "wave", "uneven"]; // effective at level 3 alone
 const UNITS = { speed: "km/h", mass: "t" }; // of numbers that are typed
-const ACTS = ["lever", "friction", "protection", "uneven"]; // controls that act while it goes
+const ACTS = ["lever", "friction", "protection", "uneven"]; // controls that act during a run
 
 const live = Object.assign(new Player(["go on", "pause"], goOn), { modules: {}, kernels: {}, frames: 0, before: null, turn: 0 });
 
@@ -22,13 +22,13 @@ function show(name, value) {
   else at(name).value = value;
 }
 
-// What the page's controls say, as a link has it.
+// Values of the page's controls, as in a link.
 function settingsOf() {
   return Object.fromEntries(Object.keys(DATA.defaults).map((name) => [name, valueOf(name)]));
 }
 
-// Begins a run with what the controls say; plan: what a link does in it. Who asks for another run while the kernel of this
-// one is compiled gets that.
+// Begins a run with the settings of the controls; plan: the actions of a link. If another run is requested while its
+// kernel is compiled, only the later one begins.
 async function restart(plan = []) {
   const turn = (live.turn += 1);
   const settings = settingsOf(), machine = DATA.machines[settings.machine], spatial = settings.level === "3";
@@ -58,13 +58,13 @@ async function restart(plan = []) {
   if (!plan.length) showLink();
 }
 
-// The file of the line: rows as page.py writes them, with a gradient [1].
+// The file of the line: rows as written by page.py, with a gradient [1].
 function lineText(radius, gradient) {
   const [heads, ...rows] = DATA.curves[radius].rows;
   return [`${heads},gradient`, ...rows.map((row) => `${row},${gradient}`)].join("\n") + "\n";
 }
 
-// Distance [m] and curvature [1/m] of the rows of a line; none of a straight one.
+// A finished run remains as a pale line.
 function curvesOf(radius) {
   const [, ...rows] = DATA.curves[radius].rows;
   return radius === "0" ? [] : rows.map((row) => row.split(",").map(Number));
@@ -85,7 +85,7 @@ function keepBefore() {
   live.before = asBefore(history, stop.begun.time, stop.distance, live.settings);
 }
 
-// A person moves a control: it acts at once, and the rest of a link's plan is dropped.
+// The user moves a control: it acts at once, and the rest of a link's plan is dropped.
 function act(name) {
   live.simulation.act(name, name === "leaves" ? 1 : inside(name, valueOf(name)));
   if (live.simulation.steps === 0 && name in live.settings) live.settings[name] = valueOf(name);
@@ -117,7 +117,7 @@ function showControls() {
   at("brake").setAttribute("aria-pressed", String(!over && lever > 0));
 }
 
-// What the vehicle does, in a sentence, until the end is told.
+// Shows a message on the present motion, until the final one.
 function showDoing() {
   const { simulation } = live, { lever } = simulation.controls, { stop } = simulation, speed = simulation.kernel.get("speed");
   const stands = Math.abs(speed) < RESTS, faster = stop.begun && Math.abs(speed) > Math.abs(stop.begun.speed) + MOVES;
@@ -125,7 +125,7 @@ function showDoing() {
     : lever > 0 ? (faster ? "The brake does not hold it: it gets faster." : "It brakes.")
     : lever < 0 ? "It drives."
     : stands ? "It stands. The lever drives it, too." : simulation.plan.length ? "It rolls." : "It rolls. Press Brake.";
-  if (doing !== live.doing) at("result").textContent = doing; // said once to those who hear it
+  if (doing !== live.doing) at("result").textContent = doing; // once, for screen readers
   live.doing = doing;
 }
 
@@ -152,7 +152,7 @@ function chartsOf(count) {
   ];
 }
 
-// One frame of a run that has not come to its end.
+// One frame of a run that has not ended.
 function goOn(seconds) {
   const { simulation } = live;
   if (simulation.ended) return;
@@ -172,7 +172,7 @@ function goOn(seconds) {
   draw(Boolean(simulation.ended) || live.frames % CHART_FRAMES === 0);
 }
 
-// What the run came to, beside the run before; the address becomes its link.
+// Shows the result of the run, compared with the previous one; the address becomes its link.
 function finish() {
   const { simulation, before } = live, { stop } = simulation;
   live.told = true;
@@ -231,7 +231,7 @@ function fillChoices() {
     at("curve").append(new Option(radius === "0" ? "straight" : `${radius} m curve`, radius));
 }
 
-// Begins a run with another start; a number that the page does not take goes back to what it was.
+// Begins a run with other settings; an invalid number is replaced by the previous one.
 function startWith(name) {
   if (name === "machine") show("mass", "");
   const given = at(name).validity?.badInput ? NaN : valueOf(name);

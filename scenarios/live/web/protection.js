@@ -1,4 +1,4 @@
-// The sensors of the wheels and the wheel-slide protection: C beside the kernel (brake_controller/rig/).
+// The sensors of the wheels and the wheel-slide protection: C linked with the kernel (brake_controller/rig/).
 
 const APPLY = 0, VENT = 2; // of wheel_slide.h
 
@@ -14,7 +14,7 @@ class SlideProtection {
     this.valves = exports.malloc(4 * radii.length);
   }
 
-  // Back to the first look; period: between two [s].
+  // Resets to the first sample; period: sampling interval [s].
   begin(period) {
     const { memory } = this.kernel, { pulses, gate, resolution, lowest_frequency } = this.sensor;
     memory.setInt32(this.settings, pulses, true);

@@ -1,7 +1,7 @@
-// The leading wheelset on its rails, seen from behind: profiles, where they touch, wheel loads Q and lateral forces Y.
+// The leading wheelset on its rails, viewed from the rear: profiles, contacts, wheel loads Q and lateral forces Y.
 
 const TOUCHES = 0.03; // gap up to which profiles are drawn as touching [mm]
-const HALVES = 330; // width of both wheels and of what they move aside [mm]
+const HALVES = 330; // width of both wheels and of their displacements [mm]
 const FORCE = { Q: 0.15, Y: 0.6 }; // length of an arrow [mm for each kN]
 
 class SectionView {
@@ -28,7 +28,7 @@ class SectionView {
     context.fillText(`wheelset 1 from behind, ${words}${scale}`, 4, 13);
   }
 
-  // Profiles count outwards; a wheelset that moves to the left brings its left wheel outwards.
+  // Profiles are measured outwards; a displacement to the left moves the left wheel outwards.
   side(view, machine, lateral, { wheel_load: load, lateral_force: force, wheel_rise: rise }) {
     const shift = 1e3 * machine.aside + view.side * lateral;
     const over = machine.wheel.map(([y, z]) => [y + shift, z]);
@@ -85,7 +85,7 @@ class SectionView {
   }
 }
 
-// Height of a profile, points in the order of y, by straight lines; beside it nothing is.
+// Height of a profile by linear interpolation, points in the order of y; outside them nothing.
 function heightAt(points, y) {
   if (y < points[0][0] || y > points.at(-1)[0]) return -Infinity;
   const share = ((y - points[0][0]) / (points.at(-1)[0] - points[0][0])) * (points.length - 1);

@@ -1,7 +1,7 @@
-// A run of one machine: the driver's controls become inputs of the kernel, step by step, and its outputs a history.
+// A run of one vehicle: the driver's controls become inputs of the kernel, step by step, and its outputs a history.
 
-const PERIOD = DATA.period; // between looks at the controls, and of the wheel-slide protection [s]
-const KEPT = 10; // every so many steps one point of the history
+const PERIOD = DATA.period; // sampling interval of the controls and of the wheel-slide protection [s]
+const KEPT = 10; // steps between points of the history
 const LONGEST_RUN = 1200; // [s]
 const LEAVES = { ahead: 25, length: 100, friction: 0.05 }; // [m], [1]
 
@@ -13,10 +13,10 @@ class Simulation {
     this.guard = kernel.guard ??= new SlideProtection(kernel, sensor, machine.wheelsets.map(({ radius }) => radius));
   }
 
-  // values: start values of the kernel, level and initial_speed among them; texts: of files, by variable. controls: lever
-  // from -1 (drives) to 1 (brakes fully), friction, protection, uneven (share by which the first wheelset's shoes
-  // differ), gradient (0 where a line's file has it). plan: what is done later, as [step, control, value]; `act` puts an end
-  // to it.
+  // values: start values of the kernel, level and initial_speed among them. texts: contents of files, by variable.
+  // controls: lever from -1 (drives) to 1 (brakes fully), friction, protection, uneven (share by which the first
+  // wheelset's shoes differ), gradient (0 if a line's file has it). plan: later actions, as [step, control, value];
+  // `act` ends it.
   restart(values, texts, controls, plan = []) {
     const off = Object.fromEntries(this.each("pressure_demand").map((name) => [name, 0]));
     this.controls = { lever: 0, friction: 0.3, protection: true, uneven: 0, gradient: 0, ...controls };
@@ -40,7 +40,7 @@ class Simulation {
     return this.steps * PERIOD;
   }
 
-  // What a person does now; the rest of the plan is dropped.
+  // An action of the user; the rest of the plan is dropped.
   act(name, value) {
     this.plan = [];
     this.apply(name, value);
@@ -54,7 +54,7 @@ class Simulation {
     else this.controls[name] = value;
   }
 
-  // Leaves on the rail: friction [1] over some metres, counted from the front axle.
+  // Leaves on the rail: friction [1] over some metres, measured from the front axle.
   addPatch(ahead, length, friction) {
     const begin = this.kernel.get("distance") + this.machine.wheelsets[0].along + ahead;
     this.patches.push({ begin, end: begin + length, friction });
@@ -65,7 +65,7 @@ class Simulation {
     return Math.min(this.controls.friction, patch?.friction ?? Infinity);
   }
 
-  // Goes on by some seconds, or to the end of the run; a sentence then says why.
+  // Advances by some seconds, or to the end of the run, which returns a message.
   advance(seconds) {
     const last = this.steps + Math.round(seconds / PERIOD);
     try {

@@ -1,9 +1,9 @@
-// One stop, from the last time that the lever went over to braking, to rest: how far, how long, and what the wheelsets did.
+// One stop, from the last move of the lever to braking until rest: distance, time, and locks of the wheelsets.
 
-const RESTS = 0.01; // slower, a vehicle stands [m/s]
-const MOVES = 0.5; // slower, braking begins no stop [m/s]
-const SWAYS = 1.5; // goes on after it stands, for its bodies to come to rest [s]
-const BRIEF = 0.05; // a lock that lasts for less is told without its length [s]
+const RESTS = 0.01; // at lower speeds a vehicle is at rest [m/s]
+const MOVES = 0.5; // at lower speeds braking begins no stop [m/s]
+const SWAYS = 1.5; // simulated time after rest, for its bodies to come to rest [s]
+const BRIEF = 0.05; // shorter locks are reported without their duration [s]
 
 class Stop {
   // count: of wheelsets.
@@ -16,7 +16,7 @@ class Stop {
     Object.assign(this, { vented: 0, before: [], locked: Array(count).fill(0) });
   }
 
-  // Called before each step: kernel and valves as they are, whether the lever brakes.
+  // Called before each step: present kernel and valves; whether the lever brakes.
   follow(time, kernel, valves, brakes) {
     if (this.ended) return;
     const speed = kernel.get("speed"), now = { time, speed, distance: kernel.get("distance") };
@@ -38,7 +38,7 @@ class Stop {
     return Math.abs(this.ended.distance - this.begun.distance);
   }
 
-  // The end in one sentence; period [s] of the steps that were followed.
+  // The final message; period [s] of the recorded steps.
   sentence(period) {
     const seconds = this.ended.time - this.begun.time;
     const from = `${(3.6 * Math.abs(this.begun.speed)).toFixed(0)} km/h`;

@@ -2,8 +2,8 @@
 
 const AROUND = 101325, RUNNING = 5e5; // pressures: outside [Pa], and of the pipe above it
 const STEP = 0.02; // of a run [s]; a link counts in it
-const KEPT = 5, LONGEST_RUN = 1200; // every so many steps a point of the history; [s]
-const RESTS = 0.01; // slower, the train stands [m/s]
+const KEPT = 5, LONGEST_RUN = 1200; // steps between points of the history; [s]
+const RESTS = 0.01; // at lower speeds the train is at rest [m/s]
 // Names of the driver's positions, with position and step of the valve.
 const VALVE = { running: [1, 0], "first step": [3, 0], "half service": [3, 0.4], "full service": [3, 1], emergency: [4, 0], overcharge: [2, 0] };
 const BRAKING = ["first step", "half service", "full service", "emergency", "part"];
@@ -11,7 +11,7 @@ const RELEASES = ["running", "overcharge"];
 
 class Train {
   static async create(module, numbers) {
-    const system = new Proxy({}, { get: () => () => 8 }); // WASI: there is no file
+    const system = new Proxy({}, { get: () => () => 8 }); // WASI: no file exists
     const { exports } = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: system });
     exports._initialize();
     const place = exports.malloc(8 * numbers.length);
@@ -35,7 +35,7 @@ class Train {
   input(name) { return this.array("input", DATA.inputs.indexOf(name)); }
   output(name) { return this.array("output", DATA.outputs.indexOf(name)); }
 
-  // plan: what is done later, as [step, name], name of VALVE or "part"; `act` puts an end to it.
+  // plan: later actions, as [step, name], name of VALVE or "part"; `act` ends it.
   begin(speed, plan = []) {
     this.exports.train_begin(this.self, 0, speed, 0, RUNNING + AROUND, AROUND);
     Object.assign(this, { steps: 0, plan: [...plan], done: [], history: [], begun: null, stopped: null, pushed: 0, pulled: 0, valve: "running", parted: false });
@@ -88,7 +88,7 @@ class Train {
     this.history.push({ time: this.time, speed: 3.6 * this.speed, distance: this.distance });
   }
 
-  // The end in one sentence.
+  // The final message.
   sentence() {
     if (!this.stopped) return `The run ends after ${LONGEST_RUN} s.`;
     const { begun, stopped } = this, kilo = (force) => `${(force / 1e3).toFixed(0)} kN`;

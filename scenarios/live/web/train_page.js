@@ -1,4 +1,4 @@
-// The page itself: controls, frames, and what is told at the end.
+// The page itself: controls, frames, and the final message.
 
 const live = Object.assign(new Player(["go on", "pause"], advance), { module: null, before: null, turn: 0 });
 const line = { label: "train", colour: "ink", heavy: true, value: (point) => point.speed };
@@ -48,11 +48,11 @@ function show() {
   if (!train.ended) showDoing(brakes);
 }
 
-// What the train does, in a sentence, until the end is told.
+// Shows a message on the present motion, until the final one.
 function showDoing(brakes) {
   const { train } = live, stands = Math.abs(train.speed) < RESTS, parted = train.parted ? " It has parted in the middle." : "";
   const doing = (stands ? "It stands." : brakes || train.parted ? "It brakes." : train.plan.length ? "It rolls." : "It rolls. Press Brake.") + parted;
-  if (doing !== live.doing) at("result").textContent = doing; // said once to those who hear it
+  if (doing !== live.doing) at("result").textContent = doing; // once, for screen readers
   live.doing = doing;
 }
 
@@ -77,7 +77,7 @@ function showLink() {
   history.replaceState(null, "", `#${decodeURIComponent(words.toString().replaceAll("+", "%20"))}`);
 }
 
-// Plays the run of an address; what it has that cannot be is told.
+// Plays the run of an address; its invalid parts are reported.
 function openLink(hash) {
   const refused = [];
   let plan = [];
