@@ -70,7 +70,13 @@ def sweepable_text() -> str:
 
 
 def study_of(chosen: argparse.Namespace) -> Study:
-    """Return the study that the command line requests. Raises BadInputError."""
+    """Return the study that the command line requests.
+
+    Raises
+    ------
+    BadInputError
+        If the scenario cannot be swept, or if a parameter is invalid.
+    """
     scenario = catalogue.find(chosen.name)
     sweepable = scenario.sweep
     if sweepable is None:

@@ -23,7 +23,13 @@ Given = TypeVar("Given")
 
 
 def sides_from_files(options: Options) -> Sides:
-    """Return the wheelset and track that the options describe. Raises BadInputError."""
+    """Return the wheelset and track that the options describe.
+
+    Raises
+    ------
+    BadInputError
+        If a profile is missing, or if an option is out of its limits.
+    """
     if not options.wheel or not options.rail:
         missing = "--rail" if options.wheel else "--wheel"
         raise BadInputError(f"Give {missing} FILE too: conicity needs a wheel on a rail, and there is no {missing}.")
@@ -48,7 +54,13 @@ def sides_from_files(options: Options) -> Sides:
 
 
 def left_and_right(option: str, given: Sequence[Given]) -> tuple[Given, Given]:
-    """Return two values, or one for both sides."""
+    """Return two values, or one for both sides.
+
+    Raises
+    ------
+    BadInputError
+        If there are more than two values.
+    """
     if len(given) > 2:
         raise BadInputError(f"Give {option} once for both sides or twice, left and right: there were {len(given)}.")
     return given[0], given[-1]
@@ -86,7 +98,19 @@ def profile(path: Path, kind: str, inclination: float = 0.0, gauge_side: str | N
 
 
 def half_distance(rail: Profile, gauge: float | None) -> float:
-    """Return the distance from the middle of the track to the rail's y = 0 [m]."""
+    """Return the distance from the middle of the track to the rail's y = 0 [m].
+
+    Parameters
+    ----------
+    rail : Profile
+    gauge : float, optional
+        Gauge [mm]; None: the default distance.
+
+    Raises
+    ------
+    BadInputError
+        If the profile ends above the depth at which the gauge is measured.
+    """
     if gauge is None:
         return RAILS_APART / 2e3
     half = within("--gauge", gauge, " mm", 500.0, 2000.0) / 2e3

@@ -218,7 +218,23 @@ def trained_policy(runs: Sequence[Run], generations: int) -> Policy:
 def least(
     costs: Callable[[Sequence[Numbers]], list[float]], first: Sequence[float] | Numbers, step: float, generations: int
 ) -> Numbers:
-    """Return the mean of the last generation of CMA-ES, from a first place, with the same random numbers each time."""
+    """Return the mean of the last generation of CMA-ES, with the same random numbers each time.
+
+    Parameters
+    ----------
+    costs : callable
+        Returns the costs of a generation's points.
+    first : sequence of float, shape (n,)
+        Initial mean.
+    step : float
+        Initial standard deviation.
+    generations : int
+
+    Raises
+    ------
+    ImportError
+        If cma is not installed.
+    """
     try:
         import cma
     except ImportError as missing:

@@ -249,8 +249,25 @@ def one_point(
 ) -> dict[str, float | None]:
     """Return the results of one stop on a rail whose friction falls as in the low set unless given.
 
-    `protected` 0: no controller. A run that did not come to rest has no stop_distance and no stop_time, but an
-    end_speed.
+    Parameters
+    ----------
+    friction : float
+        Wheel-rail friction at rest [1].
+    application_time : float
+        Time to 95 % of the brake [s].
+    initial_speed : float
+        Initial speed [m/s].
+    protected : float
+        0: no controller.
+    period : float
+        Period of the controller [s].
+    friction_ratio, friction_decay : float
+        Fall of the friction with sliding speed, as in Polach's law [1], [s/m].
+
+    Returns
+    -------
+    dict of str to float or None
+        A run that did not come to rest has no stop_distance and no stop_time, but an end_speed.
     """
     condition = low()
     law = replace(condition.law, friction_ratio=friction_ratio, friction_decay=friction_decay)

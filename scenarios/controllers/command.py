@@ -163,7 +163,13 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
 
 
 def cases_of(chosen: argparse.Namespace) -> list[Case]:
-    """Return the requested cases. Raises BadInputError."""
+    """Return the requested cases.
+
+    Raises
+    ------
+    BadInputError
+        If a rail or the case file is unknown, or if a rail is named twice.
+    """
     if chosen.programme:
         path = PROGRAMMES.get(chosen.programme) or Path(chosen.programme)
         try:
@@ -222,7 +228,13 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def run_loop(chosen: argparse.Namespace) -> bool:
-    """Run one stop of a client in the loop; return whether it stopped without a missed period. Raises BadInputError."""
+    """Run one stop of a client in the loop; return whether it stopped without a missed period.
+
+    Raises
+    ------
+    BadInputError
+        If the case is unknown, or the pace out of range.
+    """
     machine, settings = MACHINES[chosen.vehicle](), settings_of(chosen)
     cases = {case.name: case for case in cases_of(chosen)}
     if chosen.rail not in cases:

@@ -35,7 +35,21 @@ IN_PYTHON = re.compile(r"(?P<file>.+\.py):(?P<name>\w+)(?P<gains>\(.*\))?", re.D
 
 
 def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -> dict[str, Given]:
-    """Return controllers by their names, those of every comparison first. driven: for starts. Raises BadInputError."""
+    """Return controllers by their names, those of every comparison first.
+
+    Parameters
+    ----------
+    given : sequence of str
+        Controllers as on the command line.
+    wheelsets : int
+    driven : bool
+        True for starts.
+
+    Raises
+    ------
+    BadInputError
+        If a controller is invalid, or if two have the same name.
+    """
     found: dict[str, Given] = dict(zip(ALWAYS, (None, SpinProtection if driven else slide_protection()), strict=True))
     for text in given:
         name, controller = controller_of(text, wheelsets)
@@ -48,7 +62,13 @@ def controllers_of(given: Sequence[str], wheelsets: int, driven: bool = False) -
 
 
 def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
-    """Return the name of a controller and its form. Raises BadInputError."""
+    """Return the name of a controller and its form.
+
+    Raises
+    ------
+    BadInputError
+        If the file is missing, of an unknown kind, or does not compile.
+    """
     in_python = IN_PYTHON.fullmatch(text)
     if in_python and in_python["gains"]:
         return with_gains(Path(in_python["file"]), in_python["name"], in_python["gains"])
@@ -117,7 +137,13 @@ def fmu_names(path: Path, wheelsets: int) -> Names:
 
 
 def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
-    """Return a class with its arguments, such as (0.3, limit=2); the name is that of the call. Raises BadInputError."""
+    """Return a class with its arguments, such as (0.3, limit=2); the name is that of the call.
+
+    Raises
+    ------
+    BadInputError
+        If the arguments are not numbers, or if the class refuses them.
+    """
     try:
         call = ast.parse(name + gains, mode="eval").body
         if not isinstance(call, ast.Call) or any(one.arg is None for one in call.keywords):
@@ -154,7 +180,13 @@ def _begins_many(start: object) -> bool:
 
 
 def class_in(file: Path, name: str) -> type:
-    """Return a class of a Python file that is made without arguments. Raises BadInputError."""
+    """Return a class of a Python file that is made without arguments.
+
+    Raises
+    ------
+    BadInputError
+        If the class is missing, or if it needs arguments.
+    """
     found = found_in(file, name)
     try:
         found()
@@ -167,7 +199,13 @@ def class_in(file: Path, name: str) -> type:
 
 
 def found_in(file: Path, name: str) -> type:
-    """Return a class of a Python file. Raises BadInputError."""
+    """Return a class of a Python file.
+
+    Raises
+    ------
+    BadInputError
+        If the file or the class is missing, or if the import fails.
+    """
     if not file.is_file():
         raise BadInputError(f"There is no file {file}; give FILE.py:CLASS.")
     about = importlib.util.spec_from_file_location(f"controllers_in_{file.stem}", file)

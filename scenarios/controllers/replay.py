@@ -129,7 +129,13 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def read_log(path: Path) -> Recording:
-    """Return a log with the speeds of wheels. Raises BadInputError with the line and the column."""
+    """Return a log with the speeds of wheels.
+
+    Raises
+    ------
+    BadInputError
+        If a column is missing, unknown, in a wrong unit or out of its limits; the message names line and column.
+    """
     try:
         log = in_units_of(table_from(path), UNITS_OF_LOG)
     except FileError as error:

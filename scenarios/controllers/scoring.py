@@ -187,7 +187,13 @@ def compare(
 
 
 def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run]:
-    """Return the stop of a vehicle in each case. Raises BadInputError if a case sets unknown variables."""
+    """Return the stop of a vehicle in each case.
+
+    Raises
+    ------
+    BadInputError
+        If a case sets a variable that is unknown, fixed by the rig, or out of its limits.
+    """
     try:
         runs = [case.run(machine) for case in cases]
     except ValueError as error:
@@ -213,7 +219,13 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run
 
 
 def stops_of(order: Order, name: str, runs: Sequence[Run]) -> list[Stop]:
-    """Return a stop of each run. Raises BadInputError if the controller is invalid."""
+    """Return a stop of each run.
+
+    Raises
+    ------
+    BadInputError
+        If the controller is invalid.
+    """
     if not isinstance(order.controller, Apart):
         with contextlib.redirect_stdout(sys.stderr):  # output of the controller
             return order.rig().runs(runs, every=order.every)

@@ -109,7 +109,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def pace_of(chosen: argparse.Namespace) -> Pace:
-    """Return the run that the command line requests. Raises BadInputError, CompilerError."""
+    """Return the run that the command line requests.
+
+    Raises
+    ------
+    BadInputError
+        If an option is invalid for the FMU.
+    CompilerError
+        If the FMU cannot be compiled.
+    """
     step: float = chosen.step
     if chosen.seconds < step:
         raise BadInputError(f"--seconds must be at least one step of {step:g} s; got {chosen.seconds:g} s.")
@@ -128,7 +136,15 @@ def pace_of(chosen: argparse.Namespace) -> Pace:
 
 
 def path_of(name: str) -> Path:
-    """Return the FMU of a name or file. Raises BadInputError, CompilerError."""
+    """Return the FMU of a name or file.
+
+    Raises
+    ------
+    BadInputError
+        If the name or the file is unknown.
+    CompilerError
+        If the FMU cannot be compiled.
+    """
     if name in FMUS:
         return up_to_date(name, "native")
     if name.endswith(".fmu"):
@@ -140,7 +156,13 @@ def path_of(name: str) -> Path:
 
 
 def values_of(texts: Sequence[str]) -> dict[str, float]:
-    """Return numbers by name. Raises BadInputError."""
+    """Return numbers by name.
+
+    Raises
+    ------
+    BadInputError
+        If a text is not NAME=NUMBER.
+    """
     values = {}
     for text in texts:
         name, _, value = text.partition("=")
@@ -195,7 +217,23 @@ def paced(pace: Pace, drawn: Callable[[int], object]) -> Paced:
 def keep_pace(
     slave: FmuInstance, step: float, rows: Sequence[dict[str, float]], drawn: Callable[[int], object]
 ) -> Paced:
-    """Make one step at each tick of the clock, with a row of inputs each."""
+    """Make one step at each tick of the clock.
+
+    Parameters
+    ----------
+    slave : FmuInstance
+    step : float
+        Communication step [s].
+    rows : sequence of dict
+        Inputs of each step.
+    drawn : callable
+        Called between two steps with the number of new ones.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        With the number of steps, on Ctrl-C.
+    """
     took, late = np.zeros(len(rows)), np.zeros(len(rows))
     clock, told, number = time.perf_counter, 0, 0
     begin = last = clock() + 10 * WATCHED

@@ -370,7 +370,22 @@ def draw_costs(axis: Axes, found: Findings) -> None:
 def one_stop(
     utilisation: float = 1.0, level: float = 2.0, frame_height: float = tables_5_1_and_5_2().frame_height
 ) -> dict[str, float | None]:
-    """Return the results of a stop at one adhesion utilisation."""
+    """Return the results of a stop at one adhesion utilisation.
+
+    Parameters
+    ----------
+    utilisation : float
+        Adhesion utilisation [1].
+    level : float
+        Level of detail, 1 to 3.
+    frame_height : float
+        Height of the frame's centre above the axles [m].
+
+    Raises
+    ------
+    ValueError
+        If the utilisation is not above 0, or the level unknown.
+    """
     if not utilisation > 0.0:
         raise ValueError(f"A stop needs an adhesion utilisation above 0: it was {utilisation:g}.")
     if level not in LEVELS:

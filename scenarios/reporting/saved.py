@@ -90,7 +90,15 @@ def results_in(out: Path) -> Results:
 
 
 def read(folder: Path) -> Run | Sweep:
-    """Return the contents of one folder. Raises OSError or ValueError, whose text states the fault."""
+    """Return the contents of one folder.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    ValueError
+        If the folder is not complete or an entry is invalid; the text states the fault.
+    """
     path = folder / "summary.json"
     if not path.exists():
         raise ValueError(unfinished(folder))
@@ -142,7 +150,13 @@ def check_row(row: Any, what: str) -> None:
 
 
 def verdict(row: Mapping[str, Any], what: str) -> bool | None:
-    """Return whether a saved row is within its own limits; None if it has none. Raises ValueError."""
+    """Return whether a saved row is within its own limits; None if it has none.
+
+    Raises
+    ------
+    ValueError
+        If the limits are not two numbers or null.
+    """
     limits = member(row, "limits", what)
     if limits is None:
         return None
@@ -153,7 +167,13 @@ def verdict(row: Mapping[str, Any], what: str) -> bool | None:
 
 
 def sweep(folder: Path, summary: Mapping[str, Any]) -> Sweep:
-    """Return a sweep's results. Raises ValueError if an entry is not as `write_table` writes it."""
+    """Return a sweep's results.
+
+    Raises
+    ------
+    ValueError
+        If an entry is not as `write_table` writes it.
+    """
     what = "summary.json"
     vary, units = mapping_in(summary, "vary", what), mapping_in(summary, "units", what)
     for name, given in vary.items():

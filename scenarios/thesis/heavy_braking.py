@@ -155,8 +155,30 @@ def one_stop(
     initial_speed: float = INITIAL_SPEED,
     torque_reaction: float = BOGIE_DATA.torque_reaction,
 ) -> dict[str, float | None]:
-    """Return the results of one stop at the planar level, braked from t = 0; no lock time for a wheelset that turns
-    until rest.
+    """Return the results of one stop at the planar level, braked from t = 0.
+
+    Parameters
+    ----------
+    friction : float
+        Wheel-rail friction [1].
+    brake_torque_1, brake_torque_2 : float
+        Torque on each wheelset [N.m].
+    frame_height : float
+        Height of the frame's centre above the axles [m].
+    initial_speed : float
+        Initial speed [m/s].
+    torque_reaction : float
+        Share of the torques that reacts on the frame [1].
+
+    Returns
+    -------
+    dict of str to float or None
+        A lock time is None for a wheelset that turns until rest.
+
+    Raises
+    ------
+    ValueError
+        If the bogie still moves after LONGEST_STOP.
     """
     values = {"frame_height": frame_height, "torque_reaction": torque_reaction}
     kernel = prepare("bogie", level=2, initial_speed=initial_speed, **values)

@@ -125,7 +125,13 @@ class Integrator:
             self._slope[:] = np.where(self.differential, slope, 0.0)
 
     def advance(self, end: float) -> None:
-        """Restart with the kernel's present inputs, and run to `end` [s], through switches. Raises SimulationError."""
+        """Restart with the kernel's present inputs, and run to `end` [s], through switches.
+
+        Raises
+        ------
+        SimulationError
+            If SUNDIALS fails, or after the time limit.
+        """
         session = self.session
         while session.time < end and not self.kernel.ended:
             session.end = end
@@ -173,10 +179,26 @@ TORQUE, SWING, FREQUENCY, HOSTED = 16e3, 4e3, 0.5, 8.0
 
 
 def hosted_seconds(method: str, step: float, tolerance: float) -> tuple[float, float]:
-    """Return the wall time of one communication step [s], and the final distance [m]: "CVODE" restarted at each step,
-    or "own".
+    """Run a host that sets a torque at each communication step, in C, without Python's overhead.
 
-    Both loops run in C, without Python's overhead.
+    Parameters
+    ----------
+    method : str
+        "CVODE", restarted at each step, or "own".
+    step : float
+        Communication step [s].
+    tolerance : float
+        Relative tolerance.
+
+    Returns
+    -------
+    tuple of float
+        Wall time of one step [s], and final distance [m].
+
+    Raises
+    ------
+    SimulationError
+        If a step fails.
     """
     kernel = SMOOTH.kernel(tolerance=tolerance if method == "own" else 1e-6)
     integrator = Integrator("CVODE", kernel, SMOOTH, tolerance, 0)
