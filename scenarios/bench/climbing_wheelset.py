@@ -114,7 +114,18 @@ def instants(library: Library, friction: float, yaw: float, gauge_face: float = 
 
 
 def push(library: Library, friction: float, yaw: float, gauge_face: float = 1.0) -> Climb:
-    """Return the course of the push at an angle of attack `yaw` [rad]; gauge_face: as in `instants`."""
+    """Return the course of a growing push to the left.
+
+    Parameters
+    ----------
+    library : Library
+    friction : float
+        Friction of the rails [1].
+    yaw : float
+        Angle of attack [rad].
+    gauge_face : float
+        Factor on the friction of the rails' gauge faces [1].
+    """
     noted = []
     for kernel in instants(library, friction, yaw, gauge_face):
         noted.append([kernel[name] for name in ("derailment_quotient_1_left", "state_rise_1", "wheel_rise_1_left")])

@@ -143,8 +143,18 @@ class PeakAdhesion:
         return np.asarray(-course.creep_force[instants].sum(axis=1) / largest)
 
     def asked(self, time: float, speed: float, start: float, strength: float) -> float:
-        """Return the deceleration, or driven acceleration, demanded of brake or motors [m/s2]; start: initial speed
-        [m/s].
+        """Return the deceleration, or driven acceleration, that is demanded of brake or motors [m/s2].
+
+        Parameters
+        ----------
+        time : float
+            Time of the run [s]; the demand begins at BRAKE_START.
+        speed : float
+            Present speed [m/s].
+        start : float
+            Initial speed [m/s].
+        strength : float
+            Torque over that of the full brake [1].
         """
         since, machine = time - BRAKE_START, self.machine
         motor = self.motor_share(speed, since) * self.values.get("motor_torque", 0.0)

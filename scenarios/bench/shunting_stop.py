@@ -143,7 +143,20 @@ def to_standstill(of: Callable[[float, Array], Array], stops: int) -> Array:
 
 
 def distances(name: str, rules: Rules, stops: int, seed: int, published_method: bool = False) -> Array:
-    """Return the stopping distances [m] of a position, G or P; one seed gives the same wagons under all rules."""
+    """Return the stopping distances of a position [m].
+
+    Parameters
+    ----------
+    name : str
+        Position, G or P.
+    rules : Rules
+    stops : int
+        Number of stops.
+    seed : int
+        Seed of the random wagons, which are the same under all rules.
+    published_method : bool
+        Euler's method of the published program instead of Heun's.
+    """
     position = POSITIONS[name]
     draws = draw(position, stops, seed)
     method = as_published if published_method else to_standstill

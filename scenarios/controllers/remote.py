@@ -76,20 +76,20 @@ def valves_in(packet: bytes, wheelsets: int, asked: int) -> tuple[int, list[int]
     """
     due = HEADER.size + wheelsets
     if len(packet) != due:
-        raise ValueError(f"A packet of {len(packet)} bytes came; an answer for {wheelsets} wheelsets has {due}.")
+        raise ValueError(f"An answer for {wheelsets} wheelsets must have {due} bytes; got {len(packet)}.")
     magic, kind, count, sequence = HEADER.unpack_from(packet)
     if magic != MAGIC:
-        raise ValueError(f"A packet began with {magic!r}; begin answers with {MAGIC!r}.")
+        raise ValueError(f"An answer must begin with {MAGIC!r}; got {magic!r}.")
     if kind != ANSWER or count != wheelsets:
         raise ValueError(
             f"A packet of kind {kind} for {count} wheelsets came; an answer has kind {ANSWER}, for {wheelsets}."
         )
     if sequence > asked:
-        raise ValueError(f"An answer had the sequence number {sequence} when {asked} was the last that was asked.")
+        raise ValueError(f"The sequence number of an answer must be at most {asked}; got {sequence}.")
     valves = list(packet[HEADER.size :])
     for number, valve in enumerate(valves, 1):
         if not APPLY <= valve <= VENT:
-            raise ValueError(f"An answer told valve {number} {valve}; tell it 0 (apply), 1 (hold) or 2 (vent).")
+            raise ValueError(f"Valve {number} of an answer must be 0 (apply), 1 (hold) or 2 (vent); got {valve}.")
     return sequence, valves
 
 

@@ -110,7 +110,17 @@ def speed_on(line: Line) -> float:
 
 
 def drive(kernel: Kernel, line: Line, speed: float, columns: Sequence[str] = RECORDED) -> Recording:
-    """Run the bogie to the end of the line, or until the run ends."""
+    """Run the bogie to the end of the line, or until the run ends.
+
+    Parameters
+    ----------
+    kernel : Kernel
+    line : Line
+    speed : float
+        Speed that the drawbar force keeps [m/s].
+    columns : sequence of str
+        Recorded variables.
+    """
     way = float(line.rows["distance"][-1]) - LEFT_OVER
     interval = max(PITCH, way / MOST_ROWS) / speed
     held = max(round(HELD / interval), 1) * interval

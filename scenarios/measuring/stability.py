@@ -125,7 +125,18 @@ def steady(machine: Machine, speed: float, inputs: tuple[tuple[str, float], ...]
 
 
 def limit(machine: Machine, speed: float, method: str = "RK4", inputs: tuple[tuple[str, float], ...] = ()) -> float:
-    """Return the predicted largest stable step of an explicit method [s]."""
+    """Return the predicted largest stable step of an explicit method [s].
+
+    Parameters
+    ----------
+    machine : Machine
+    speed : float
+        Speed [m/s].
+    method : str
+        Name of the method.
+    inputs : tuple of (str, float)
+        Additional inputs.
+    """
     return largest_stable_step(np.linalg.eigvals(steady(machine, speed, inputs)[1]), EXPLICIT[method])
 
 
@@ -190,7 +201,18 @@ def fixed_kernel(
 def boundary(
     machine: Machine, speed: float, method: int = RUNGE_KUTTA, inputs: tuple[tuple[str, float], ...] = ()
 ) -> float:
-    """Return the largest stable step by bisection on the growth of a perturbation, to 0.2 % [s]."""
+    """Return the largest stable step by bisection on the growth of a perturbation, to 0.2 % [s].
+
+    Parameters
+    ----------
+    machine : Machine
+    speed : float
+        Speed [m/s].
+    method : int
+        Value of integration_method.
+    inputs : tuple of (str, float)
+        Additional inputs.
+    """
     low, high = 0.7 * limit(machine, speed, "RK4", inputs), 1.4 * limit(machine, speed, "RK4", inputs)
     while high / low > 1.002:
         middle = float(np.sqrt(low * high))

@@ -82,7 +82,24 @@ def way_to_curve(radius: float) -> float:
 
 
 def resistance(radius: float, level: int, term: float, friction: float = FRICTION) -> float:
-    """Return the resistance of a rolling bogie in a steady curve, as share of its weight, from its loss of energy."""
+    """Return the resistance of a rolling bogie in a steady curve, from its loss of energy.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of the curve [m].
+    level : int
+        Level of detail.
+    term : float
+        Factor on von Roeckl's term: 0 or 1.
+    friction : float
+        Wheel-rail friction [1].
+
+    Returns
+    -------
+    float
+        Share of the weight [1].
+    """
     kernel, first = start(radius, level, term, friction), way_to_curve(radius)
     series = play("bogie", kernel, 1.1 * (first + MEASURED) / speed_in(radius), 0.05, ("speed", "distance"), {})
     before, behind = (np.interp(place, series["distance"], series["speed"]) for place in (first, first + MEASURED))

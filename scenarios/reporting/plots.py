@@ -114,9 +114,9 @@ def message_of(figure: Figure) -> str:
     """
     words = [word.replace(NO_BREAK, " ") for word in re.split("[ \n]+", figure.get_suptitle()) if word]
     if not words:
-        raise ValueError("A picture has no message; give it one with scenarios.reporting.plots.titled.")
+        raise ValueError("A figure must have a message. Set it with scenarios.reporting.plots.titled.")
     if len(words) > MOST_WORDS:
-        raise ValueError(f"A message has {MOST_WORDS} words at most; this one has {len(words)}: {' '.join(words)}")
+        raise ValueError(f"A message must have at most {MOST_WORDS} words; got {len(words)}: {' '.join(words)}")
     return " ".join(words)
 
 
@@ -134,7 +134,17 @@ def legend_above(axis: Axes, columns: int = 2) -> None:
 
 
 def write_at(axis: Axes, place: tuple[float, float], text: str, colour: str, **options: Any) -> None:
-    """Write the name of a line in its colour at a place; options: of `Axes.annotate`."""
+    """Write the name of a line in its colour at a place.
+
+    Parameters
+    ----------
+    axis : Axes
+    place : tuple of float, shape (2,)
+        Place in the units of the axes.
+    text, colour : str
+    options
+        Further arguments of `Axes.annotate`.
+    """
     axis.annotate(text, place, **{"color": colour, "fontsize": "large", "va": "center"} | options)
 
 

@@ -129,7 +129,20 @@ def measured(
     asked: Bound | None = None,
     assumption: str = "",
 ) -> Row:
-    """Return a row of a quantity that the thesis does not report; a count remains an integer."""
+    """Return a row of a quantity that the thesis does not report.
+
+    Parameters
+    ----------
+    quantity, unit : str
+    value : float, optional
+        In the unit; an integer remains an integer. None: missing.
+    source : str
+        Source of the limits, or of the value.
+    asked : Bound, optional
+        Limits; None: the row has no verdict.
+    assumption : str
+        Assumptions, or the reason for missing limits.
+    """
     found = value if value is None or isinstance(value, int) else float(value)
     return Row(quantity, unit, None, found, asked, source, assumption)
 

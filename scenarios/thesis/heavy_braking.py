@@ -33,7 +33,23 @@ CASES = {"leading": (TORQUE, 0.0), "both": (TORQUE, TORQUE)}
 def brake(
     options: Options, level: int, torques: tuple[float, float], reaction: float = AS_PRINTED["torque_reaction"]
 ) -> tuple[Recording, list[str], str]:
-    """Run at 25 m/s with constant torques [N.m] from t = 4 s; reaction: the share of them that acts on the frame."""
+    """Run at 25 m/s with constant torques from t = 4 s.
+
+    Parameters
+    ----------
+    options : Options
+    level : int
+        Level of detail.
+    torques : tuple of float, shape (2,)
+        Torque on each wheelset [N.m].
+    reaction : float
+        Share of the torques that acts on the frame [1].
+
+    Returns
+    -------
+    tuple of Recording, list of str and str
+        The recording, the messages of the log, and the GUID of the FMU.
+    """
     with open_bogie(options, level=level, initial_speed=INITIAL_SPEED, torque_reaction=reaction) as bogie:
         bogie.start(friction_1=FRICTION, friction_2=FRICTION)
 

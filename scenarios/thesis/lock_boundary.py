@@ -77,8 +77,24 @@ def brake_until_lock_or_rest(
 def boundary(
     brake: FmuInstance, bogie: FmuInstance, pressure: int, friction: float, step: float, reaction: float = HUNG
 ) -> tuple[float, float]:
-    """Return the shoe friction at which the wheelset just locks, to RESOLUTION, and the simulated time of the search
-    [s].
+    """Return the shoe friction at which the wheelset just locks.
+
+    Parameters
+    ----------
+    brake, bogie : FmuInstance
+    pressure : int
+        Cylinder pressure [kPa].
+    friction : float
+        Wheel-rail friction [1].
+    step : float
+        Communication step [s].
+    reaction : float
+        Share of the brake torque that reacts on the frame [1].
+
+    Returns
+    -------
+    tuple of float
+        Shoe friction to RESOLUTION [1], and simulated time of the search [s].
     """
     seconds = 0.0
 

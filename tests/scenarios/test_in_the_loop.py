@@ -151,16 +151,16 @@ def test_late_and_repeated_answers_are_thrown_away_and_told_apart(asked: Callabl
 @pytest.mark.parametrize(
     ("packet", "sentence"),
     [
-        (b"", "A packet of 0 bytes came; an answer for 2 wheelsets has 14."),
-        (reply(0, [2, 2, 2]), "A packet of 15 bytes came; an answer for 2 wheelsets has 14."),
-        (reply(0, [2, 2], magic=b"WSP2"), "A packet began with b'WSP2'; begin answers with b'WSP1'."),
+        (b"", "An answer for 2 wheelsets must have 14 bytes; got 0."),
+        (reply(0, [2, 2, 2]), "An answer for 2 wheelsets must have 14 bytes; got 15."),
+        (reply(0, [2, 2], magic=b"WSP2"), "An answer must begin with b'WSP1'; got b'WSP2'."),
         (
             reply(0, [2, 2], kind=HELLO),
             "A packet of kind 1 for 2 wheelsets came; an answer has kind 3, for 2.",
         ),
-        (reply(9, [2, 2]), "An answer had the sequence number 9 when 0 was the last that was asked."),
-        (reply(0, [2, 3]), "An answer told valve 2 3; tell it 0 (apply), 1 (hold) or 2 (vent)."),
-        (bytes(60000), "A packet of 2048 bytes came; an answer for 2 wheelsets has 14."),
+        (reply(9, [2, 2]), "The sequence number of an answer must be at most 0; got 9."),
+        (reply(0, [2, 3]), "Valve 2 of an answer must be 0 (apply), 1 (hold) or 2 (vent); got 3."),
+        (bytes(60000), "An answer for 2 wheelsets must have 14 bytes; got 2048."),
     ],
 )
 def test_a_malformed_packet_gets_a_sentence_and_no_valve(

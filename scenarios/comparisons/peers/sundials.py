@@ -154,7 +154,18 @@ class Integrator:
 
 
 def sundials(scene: Scene, method: str, tolerance: float, budget: float = BUDGET / 2) -> Run:
-    """Run CVODE ("CVODE") or IDA ("IDA") through a case, restarted at each corner of the inputs and each switch."""
+    """Run CVODE or IDA through a case, restarted at each corner of the inputs and each switch.
+
+    Parameters
+    ----------
+    scene : Scene
+    method : str
+        "CVODE" or "IDA".
+    tolerance : float
+        Relative tolerance.
+    budget : float
+        Time limit [s].
+    """
     kernel, wanted = scene.kernel(), scene.times()
     integrator = Integrator(method, kernel, scene, tolerance, wanted.size)
     begin = clock.perf_counter()
@@ -220,5 +231,5 @@ def hosted_seconds(method: str, step: float, tolerance: float) -> tuple[float, f
     seconds = clock.perf_counter() - begin
     integrator.close()
     if failure:
-        raise SimulationError(f"{method} failed within host steps of {step:g} s", 3)
+        raise SimulationError(f"{method} failed within communication steps of {step:g} s", 3)
     return seconds / steps, kernel["distance"]

@@ -122,7 +122,7 @@ class BrakedTrain:
 
     def __init__(self, consist: Consist, long: float = LONG) -> None:
         if len(consist.vehicles) > MOST_VEHICLES:
-            raise ValueError(f"Take at most {MOST_VEHICLES} vehicles: they were {len(consist.vehicles)}.")
+            raise ValueError(f"A train must have at most {MOST_VEHICLES} vehicles; got {len(consist.vehicles)}.")
         self.consist, self.long, self.vehicles = consist, long, len(consist.vehicles)
         self.coupler = consist.vehicles[0].coupler
         self.brake, self.pipe_step = recorded(consist, long)
@@ -279,7 +279,19 @@ def recorded(consist: Consist, long: float) -> tuple[Matrix, float]:
 
 
 def braked_train(load: float, wagons: int = WAGONS, long: float = LONG, coupler: Coupler | None = None) -> BrakedTrain:
-    """Return a locomotive and wagons with this load each [kg], for `long` s; draft gears by default."""
+    """Return a locomotive and wagons.
+
+    Parameters
+    ----------
+    load : float
+        Load of each wagon [kg].
+    wagons : int
+        Number of wagons.
+    long : float
+        Simulated time [s].
+    coupler : Coupler, optional
+        Draft gears by default.
+    """
     own = coupler or draft_gear()
     vehicles = [replace(one, coupler=own) for one in block_train(wagons, load=load).vehicles]
     return BrakedTrain(Consist(tuple(vehicles)), long)
