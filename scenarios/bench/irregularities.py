@@ -13,8 +13,8 @@ from scenarios.bench.drive import bogie, play, spectrum
 
 SPEEDS = (15.0, 25.0)
 DURATION, INTERVAL = 12.0, 2e-3
-#: Results of the thesis and of VAMPIRE. Largest shift of the leading wheelset at 15 m/s [mm]. By speed [m/s], spectral
-#: peak of the hunting [Hz] and largest wheel load of the leading wheelset [kN].
+#: Results of the thesis and of VAMPIRE. Largest shift of the leading wheelset at 15 m/s [mm]. Spectral peak of
+#: the hunting [Hz] and largest wheel load of the leading wheelset [kN], both by speed [m/s].
 LATERAL_PEAK = (9.5, 10.0)
 HUNTING_PEAK = {15.0: (0.774, 0.879), 25.0: (1.45, 1.46)}
 WHEEL_LOAD = {15.0: (188.0, 169.0), 25.0: (243.0, 224.0)}

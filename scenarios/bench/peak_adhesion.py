@@ -19,7 +19,7 @@ from rbd_model.levels.resistance import curve_share
 
 
 def load_of(machine: Machine, values: Mapping[str, float]) -> float:
-    """Return the mass [kg] of the payload of its body, the counted one, among these values."""
+    """Return the load of the vehicle [kg]: the mass of its counted body among these values, less its own mass."""
     name = f"{machine.counted}_mass"
     empty = machine.parameters.values()[name]
     return values.get(name, empty) - empty

@@ -224,7 +224,7 @@ def series_of(studies: list[Study]) -> Recording:
     return series
 
 
-# ---- the picture -------------------------------------------------------------------------------------------------
+# ---- the figure --------------------------------------------------------------------------------------------------
 
 
 def draw(studies: list[Study], against: str) -> Figure:

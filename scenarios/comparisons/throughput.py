@@ -100,7 +100,7 @@ def run(options: Options) -> Report:
     return Report(rows, series_of(found), lambda: draw(found), parameters, 0.0, remarks)
 
 
-# ---- the picture -----------------------------------------------------------------------------------------------------
+# ---- the figure ------------------------------------------------------------------------------------------------------
 
 
 def draw(found: Study) -> Figure:

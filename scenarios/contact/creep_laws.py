@@ -214,7 +214,7 @@ def run(options: Options) -> Report:
     return report
 
 
-# ---- the picture -------------------------------------------------------------------------------------------------
+# ---- the figure --------------------------------------------------------------------------------------------------
 
 #: Largest distance that is drawn to scale [% of mu N]; larger ones are drawn on the upper edge.
 TOP = 100.0

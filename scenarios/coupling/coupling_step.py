@@ -78,7 +78,7 @@ def chatter_rows(f: Findings, shown: float) -> list[Row]:
 
 
 def boundary_rows(f: Findings) -> list[Row]:
-    """Return the largest difference over all macro steps, for each method."""
+    """Return the boundary over that of theory, farthest from 1 over all macro steps, for each method."""
     rows = []
     for method, found in f.found.items():
         ratios = [found[step] / f.paper[method][step] for step in found]

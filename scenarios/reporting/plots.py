@@ -121,7 +121,7 @@ def message_of(figure: Figure) -> str:
 
 
 def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
-    """Label the axes that all columns and all rows of a grid share, below the last row and left of the first column."""
+    """Label a grid of axes whose columns share `x_label`, below the last row, and rows `y_label`, on the left."""
     for axis in grid[-1]:
         axis.set_xlabel(x_label)
     for axis in grid[:, 0]:
