@@ -226,11 +226,11 @@ def rare(
     SimulationError
         If no run can be made.
     """
-    duration, limit = seconds("the duration", duration), finite(f"The limit of {output}", limit)
+    duration, limit = seconds("the duration", duration), finite(f"the limit of {output}", limit)
     particles = at_most("particles", whole("particles", particles, FEWEST_PARTICLES), MOST_INSTANCES)
     moves, seed, threads = (
         at_most("moves", whole("moves", moves, 1), MOST_MOVES),
-        whole("seed", seed, 0),
+        whole("the seed", seed, 0),
         threads_or_none(threads),
     )
     check_executor(executor, what)

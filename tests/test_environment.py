@@ -271,9 +271,9 @@ def test_what_is_no_command_is_refused_before_anything_moves(commands: Any, sent
     [
         ({"vehicle": "tram"}, "There is no vehicle with brakes tram;"),
         ({"rails": None}, "rails must be a function of a generator and a number of wheelsets; got None."),
-        ({"rails": only(None)}, "Let the rails give a Run: it was a NoneType."),
-        ({"rails": only(Run({}, speed=0.0))}, "Draw a speed above 0 and up to 100 m/s: it was 0.0."),
-        ({"rails": only(Run({}, speed=np.nan))}, "Draw a speed above 0 and up to 100 m/s: it was nan."),
+        ({"rails": only(None)}, "rails must return a Run; got a NoneType."),
+        ({"rails": only(Run({}, speed=0.0))}, "A drawn speed must be above 0 and at most 100 m/s; got 0.0."),
+        ({"rails": only(Run({}, speed=np.nan))}, "A drawn speed must be above 0 and at most 100 m/s; got nan."),
         ({"rails": only(Run({"friction": 0.1}))}, "There is no variable friction; did you mean friction_"),
         ({"rails": only(Run({"friction_1": -0.1}))}, "friction_1"),
         (
@@ -281,7 +281,7 @@ def test_what_is_no_command_is_refused_before_anything_moves(commands: Any, sent
             "The wheelset of a fault must be from 1 to 2; got 3.",
         ),
         ({"pulse": 80}, "There is no setting pulse; did you mean pulses?"),
-        ({"period": 1e-6}, "Set period to at least 1e-05 s: it was 1e-06 s."),
+        ({"period": 1e-6}, "period must be at least 1e-05 s; got 1e-06 s."),
         ({"num_envs": 0}, "The number of environments must be a whole number of at least 1; got 0."),
     ],
 )

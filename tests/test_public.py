@@ -194,7 +194,7 @@ def test_an_fmu_gives_the_numbers_of_a_run() -> None:
             ValueError,
             "friction_1 must be a list of numbers",
         ),
-        (lambda: bb.sweep("bogie", 1.0, ["speed"], {}), ValueError, "there are none."),
+        (lambda: bb.sweep("bogie", 1.0, ["speed"], {}), ValueError, "number of values; got none."),
         (lambda: bb.sweep("bogie", 1.0, ["speed"], [0.1]), TypeError, "vary must have columns by name"),
         (
             lambda: bb.sweep("bogie", 1.0, ["speed"], {"friction_1": np.ma.array([0.1, 0.2], mask=[0, 1])}),
@@ -308,8 +308,12 @@ def test_a_valve_over_time_stays_what_it_was_told_last() -> None:
 @pytest.mark.parametrize(
     ("name", "given", "sentence"),
     [
-        ("brake_torque_1", ([0.0, 2.0, 1.0], [0.0, 1.0, 2.0]), "Let the times of brake_torque_1 grow: row 2 has 1 s."),
-        ("brake_torque_1", ([0.0, np.nan], [0.0, 1.0]), "Let the times of brake_torque_1 grow: row 1 has nan s."),
+        (
+            "brake_torque_1",
+            ([0.0, 2.0, 1.0], [0.0, 1.0, 2.0]),
+            "The times of brake_torque_1 must increase; row 2 has 1 s.",
+        ),
+        ("brake_torque_1", ([0.0, np.nan], [0.0, 1.0]), "The times of brake_torque_1 must increase; row 1 has nan s."),
         ("brake_torque_1", ([0.0, 1.0], [0.0, np.nan]), "from 0 to inf N.m at all times; got nan at 1 s."),
         ("brake_torque_1", ([0.0, 1.0], [0.0, -5.0]), "from 0 to inf N.m at all times; got -5.0 at 1 s."),
         ("brake_torque_1", lambda time: 1.0 - time, "from 0 to inf N.m at all times; got "),

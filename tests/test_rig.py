@@ -419,7 +419,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "strength must be above 0 and at most 5; got 0."),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nload = 9\n',
-            "set load to 0.2 to 5 times the mass of the body:",
+            "load must be 0.2 to 5 times the mass of the body;",
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nfriction = 2\n', "friction must be above 0 and at most 1; got 2."),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [{}]\n', "a fault needs the number of its wheelset."),
