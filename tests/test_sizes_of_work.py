@@ -87,7 +87,7 @@ REFUSED: dict[str, tuple[Call, type[Exception], str]] = {
         "The number of threads must be at most 1024; got 1000000000.",
     ),
     "a train goes": (lambda: train().advance(1e6), ValueError, "from 0 to 86400 s; got 1000000"),
-    "a train records": (lambda: train().record(1e6), ValueError, "for at most 86400 s"),
+    "a train records": (lambda: train().record(1e6), ValueError, "the time at most 86400 s"),
     "each moment of a train": (lambda: train().record(60.0, 1e-9), ValueError, "Give an interval above 1e-09 s"),
     "a train's speed": (
         lambda: bb.train(1, speed=160.0),
