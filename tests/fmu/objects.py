@@ -160,7 +160,7 @@ OBJECTS = {
         ends=True,
     ),
     "bogie": Behind(
-        lambda _: generate(bogie_dynamics()),
+        lambda _: generate(bogie_dynamics(places=(*places_of(1), *places_of(2)))),
         _lines,
         "level=1:2 off=level:0 initial_speed=24:26 brake_torque_1=0:2e4 brake_torque_2=0:2e4 traction_torque_1=0:5e3 "
         "friction_1=0.29:0.31 drawbar_force=-30:30 gradient=-0.01:0.01",
