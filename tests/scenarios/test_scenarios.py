@@ -23,7 +23,7 @@ from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
 from scenarios.comparisons import speed_accuracy, train_methods
 from scenarios.comparisons.peers import ensembles
-from scenarios.contact import contact_model, creep_laws
+from scenarios.contact import contact_model, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import flexible_track
 from scenarios.measuring import environment_throughput, protected_throughput, throughput, train_pace
@@ -161,6 +161,12 @@ def short_laws(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def short_flange(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The flange of the curves; test_every_flange_is_climbed_at_nadals_limit has the other two."""
+    monkeypatch.setattr(flange_climb, "ANGLES", (flange_climb.CURVE_ANGLE,))
+
+
+@pytest.fixture
 def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer settings of methods, shorter trains, few macro steps; tests/train has the others."""
     few = {name: (work, settings[-1:], text) for name, (work, settings, text) in train_methods.METHODS.items()}
@@ -232,6 +238,7 @@ MOTION = re.compile(r'<script id="data" type="application/json">(.*?)</script>')
     "short_vehicles",
     "short_thesis_step",
     "short_laws",
+    "short_flange",
     "short_track",
     "short_trains",
 )
@@ -266,6 +273,12 @@ def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_pictu
     for data in MOTION.findall((tmp_path / name / "report.html").read_text(encoding="utf-8")):
         assert len(base64.b64decode(json.loads(data)["time"])) > 4 * 10
     assert [p.name for p in tmp_path.iterdir()] == [name]  # no partial folders
+
+
+@pytest.mark.long
+def test_every_flange_is_climbed_at_nadals_limit(tmp_path: Path) -> None:
+    """The scenario without short_flange."""
+    test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_picture("flange-climb", tmp_path)
 
 
 def test_known_deviations_are_on_the_page_of_checks() -> None:
