@@ -47,6 +47,16 @@ SHORT = {
     "python -m bogie_braking live": "python -m bogie_braking live --help",
     "python -m bogie_braking pace spatial --step 1ms --seconds 10": "python -m bogie_braking pace --help",
     "python study.py": "python -m py_compile study.py",
+    # With one phase of the teeth in place of three, what the page shows is the same.
+    "python -m bogie_braking controllers compare --programme starts": (
+        "python -m bogie_braking controllers compare --programme starts --phases 1"
+    ),
+    "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)' --rails low": (
+        "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' --rails dry --phases 1"
+    ),
+    "python -m bogie_braking controllers compare many.py:LetAllGo let_go.py:LetGo --rails wet,low": (
+        "python -m bogie_braking controllers compare many.py:LetAllGo --rails dry --phases 1"
+    ),
     "python -m bogie_braking controllers compare let_go.c let_go.py:LetGo --vehicle coach --programme my.toml": (
         "python -m bogie_braking controllers compare --help"
     ),
