@@ -1,4 +1,4 @@
-"""One instance of an FMU as a host has it, of either standard, by the same names."""
+"""An FMU instance of either FMI standard in a host, with one interface for both."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from fmu_src.cosimulation.slave import FmuInstance
 
 OK, WARNING, DISCARD, ERROR = range(4)
 STEP = 1e-3
-#: The answers, a step of STEP each, of a controller that counts its questions modulo 3, asked every 10 ms.
+#: Outputs after each step of STEP of a controller that counts its calls modulo 3, called every 10 ms.
 THREES = [1] * 10 + [2] * 10 + [0] * 10 + [1] * 10 + [2] * 10
 
 
 class Host:
-    """One instance of either standard; every call gives its status, and what was said is kept."""
+    """An instance of either standard. Every call returns its status; messages are kept."""
 
     def __init__(
         self, path: Path, logging: bool = True, early: bool = False, events: bool = False, exchange: bool = False
@@ -60,7 +60,7 @@ class Host:
             self.fmu.instantiate(callbacks=calls, loggingOn=logging)
 
     def listen(self, status: int, text: bytes) -> None:
-        """Keeps a sentence, as text with its status as bytes: an error within a callback is seen by nobody."""
+        """Keep a message as text, and its status with the bytes: an exception in a callback would be lost."""
         self.heard.append((status, text))
         self.said.append(text.decode(errors="backslashreplace"))
 
@@ -69,7 +69,7 @@ class Host:
         return c_void_p(self.fmu.component)
 
     def raw(self, name: str, *arguments: object) -> int:
-        """Status of a function of the standard, named without its prefix."""
+        """Return the status of a function of the standard, named without its prefix."""
         prefix = "fmi3" if self.three else "fmi2"
         function = getattr(self.fmu, prefix + name, None) or self.fmu.dll[prefix + name]
         try:
@@ -78,7 +78,7 @@ class Host:
             return int(error.status)
 
     def status(self, call: Callable, *arguments: object, **named: object) -> int:
-        """Status of a method of FMPy, which raises what is more than a warning."""
+        """Return the status of a method of FMPy, which raises statuses above a warning."""
         try:
             call(*arguments, **named)
         except FMICallException as error:
@@ -86,7 +86,7 @@ class Host:
         return OK
 
     def experiment(self, start: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> int:
-        """Status of what takes the experiment: fmi2SetupExperiment, fmi3EnterInitializationMode."""
+        """Start the experiment by fmi2SetupExperiment or fmi3EnterInitializationMode; return the status."""
         defined = (tolerance is not None, tolerance or 0.0, start, stop is not None, stop or 0.0)
         return self.raw("EnterInitializationMode" if self.three else "SetupExperiment", *defined)
 
@@ -102,7 +102,7 @@ class Host:
         return self.status(self.fmu.setFloat64 if self.three else self.fmu.setReal, [self.refs[name]], [value])
 
     def set_text(self, name: str, text: bytes) -> int:
-        """Status of setting a text, which may be no text at all."""
+        """Set a string, which may be invalid UTF-8; return the status."""
         values = (c_char_p * 1)(text)
         return self.raw("SetString", (c_uint32 * 1)(self.refs[name]), 1, values, *([1] if self.three else []))
 
@@ -113,7 +113,7 @@ class Host:
         return self.status(self.fmu.doStep, time, size)
 
     def state(self) -> bytes:
-        """The whole state, bit for bit."""
+        """Return the whole state, serialised."""
         if self.three:
             saved = self.fmu.getFMUState()
             found = bytes(self.fmu.serializeFMUState(saved))
@@ -134,7 +134,7 @@ def host(path: Path, **how: bool) -> Iterator[Host]:
 
 
 def answers_of_a_counter(path: Path) -> list[int]:
-    """What the first valve of a controller in an FMU shows after each of 50 steps; asked every 10 ms."""
+    """Return the first valve of a controller FMU after each of 50 steps, with a controller period of 10 ms."""
     with FmuInstance(path, period=0.01) as slave:
         slave.start(wheel_speed_1=1.0, wheel_speed_2=1.0)
         found = []

@@ -1,4 +1,4 @@
-"""A disk that is full, as a process meets it."""
+"""Simulate a full disk for a process."""
 
 from __future__ import annotations
 

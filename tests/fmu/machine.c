@@ -1,14 +1,15 @@
-/* A host that knows the state machines of the standards: random calls, allowed and forbidden, with sane arguments and
- * insane ones, on several instances at once, and what each answers is held against the tables below. It is linked with any
- * object behind the faces (object.h).
+/* Test program for the state machines of the FMI standards. It makes random calls, allowed and forbidden, with valid and
+ * invalid arguments, on several instances at once. It compares each result with the tables below. It is linked with any
+ * object of object.h.
  *
- * Usage: machine FACE SEED CALLS RESOURCES WORD...; FACE: 0 and 1 are co-simulation and model exchange of FMI 2.0, 2 and 3 those
- * of FMI 3.0. RESOURCES: the folder of the object's own files, or nothing. A word is
- *   NAME=LEAST:MOST     what a variable is set to, which otherwise keeps its start value;
- *   NAME>OUTPUT=SHARE   an output that has a share of an input at once;
- *   off=NAME:VALUE      there are no equations for this value where a file of lines is read;
- *   or the path of a file of lines; those whose names begin with "bad" are none.
- * Exit status 1 when an answer is wrong. */
+ * Usage: machine FACE SEED CALLS RESOURCES WORD...
+ * FACE: 0 and 1 are co-simulation and model exchange of FMI 2.0, 2 and 3 those of FMI 3.0.
+ * RESOURCES: folder of the object's files, or an empty string. Each WORD is one of
+ *   NAME=LEAST:MOST     range of the values that the variable is set to; other variables keep their start values;
+ *   NAME>OUTPUT=SHARE   an input, an output with direct feedthrough of it, and the gain;
+ *   off=NAME:VALUE      a value without equations if a line file is read;
+ *   PATH                a line file; it is invalid if its name begins with "bad".
+ * Exit status: 1 if a result is wrong. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -21,10 +22,10 @@
 
 enum { COSIMULATION_2, EXCHANGE_2, COSIMULATION_3, EXCHANGE_3, FACES };
 enum { OK, WARNING, DISCARD, ERROR };
-/* Columns of the tables. FAILED: after the step of FMI 2.0 that was discarded; ENDED: the host was told to terminate. */
+/* Columns of the tables. FAILED: after a discarded step of FMI 2.0. ENDED: the FMU has requested termination. */
 enum { INSTANTIATED, INITIALIZATION, EVENT, CONTINUOUS, STEP, FAILED, ENDED, TERMINATED };
 enum { HOSTS = 4, SAVED = 6, SOME = 4, MOST = 256, LONGEST = 8, WIDE = SOME * LONGEST + 1, PATH = 600, MOST_BROKEN = 20 };
-/* What an object may lack. */
+/* Optional features of an object. */
 enum { NOTHING, EVENTS, RATES_IN, RATES_OUT, DIRECTIONAL, ABILITIES };
 
 typedef struct host host;
@@ -35,7 +36,7 @@ typedef struct {
     int needs;
 } call;
 
-/* An element of a variable, and what it is set to. */
+/* An element of a variable and the range of the values that it is set to. */
 typedef struct {
     const variable_description *about;
     unsigned variable, at;
@@ -44,25 +45,25 @@ typedef struct {
     int played;
 } element;
 
-/* What an instance is taken to be; what a saved state brings back comes first. */
+/* Expected state of an instance. A restore replaces all of it. */
 typedef struct {
-    int state, wild; /* wild: it was given values far from its start values, with which a call may fail */
-    int event_due;   /* the host was asked to enter event mode */
-    int rated;       /* inputs change, and may leave their limits within the step */
+    int state, wild; /* wild: it received values far from its start values, with which a call may fail */
+    int event_due;   /* the FMU has requested event mode */
+    int rated;       /* inputs have rates and may leave their limits within the step */
     double time, start;
-    double value[MOST]; /* of what is set; NaN: not known */
+    double value[MOST]; /* last value that was set; NaN: unknown */
     char line[PATH];
 } picture;
 
 struct host {
     picture is;
     int face, events, early, quiet, calls_back;
-    double stop; /* of the experiment, which is the instance's: the standards leave open whether a saved state has it */
+    double stop; /* stop time of the instance; the standards do not specify whether a saved state includes it */
     void *instance;
     unsigned may_hear, must_hear; /* bits of categories */
     int heard[4], heard_inside[4], inside;
     int insane; /* whether the call has arguments that are refused */
-    int excused; /* it may fail for a reason of its own */
+    int excused; /* the call may fail for another reason */
     const call *now;
     char rule;
 };
@@ -79,7 +80,7 @@ static struct {
     double value;
 } off = {-1, 0.0};
 static long long made[3], broken, done_steps, restored, refused, ends, discarded, early_returns, places;
-static const char *born = "machine"; /* the name that instances are given */
+static const char *born = "machine"; /* name of new instances */
 enum { ALLOWED, FORBIDDEN, INSANE };
 
 /* ---- chance ---- */
@@ -94,7 +95,7 @@ static unsigned random_number(unsigned below) { /* xorshift64 */
 static double fraction(void) { return random_number(1000001) / 1e6; }
 static int one_in(unsigned many) { return random_number(many) == 0; }
 
-/* From the smallest to the largest, and what is hardly a number. */
+/* Return a number between the smallest and the largest double; hardly_number() may also return NaN or infinity. */
 static double wild_number(void) {
     static const double wild[] = {0.0,   -0.0,   5e-324, -5e-324, 1e-310, 1e-300, -1e-300,
                                   1e300, -1e300, 1e-9,   1e9,     -1e9,   1.0,    -1.0};
@@ -122,7 +123,7 @@ static int is_exchange(const host *h) { return h->face == EXCHANGE_2 || h->face 
 
 static const char *const CATEGORY[] = {"events", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 
-/* Unicode 15, table 3-7, by what a code point is: the shortest form of a number that is no surrogate. */
+/* Check for valid UTF-8 (Unicode 15, table 3-7): shortest encodings, no surrogates. */
 static int is_readable(const unsigned char *c) {
     while (*c) {
         const int length = *c < 0x80 ? 1 : *c >> 5 == 6 ? 2 : *c >> 4 == 14 ? 3 : *c >> 3 == 30 ? 4 : 0;
@@ -140,7 +141,7 @@ static int is_readable(const unsigned char *c) {
 }
 
 static void hear(host *h, int status, const char *category, const char *sentence) {
-    if (h->inside) { /* an answer to a question that was asked from here, or what the call had still to tell */
+    if (h->inside) { /* a message about the call below, or a late message of the call that logs */
         if (status >= OK && status <= ERROR) h->heard_inside[status]++;
         return;
     }
@@ -161,7 +162,7 @@ static void hear(host *h, int status, const char *category, const char *sentence
     h->inside = 0;
 }
 
-/* As hosts in C do it: the message is a format. */
+/* The message is a format, as in hosts written in C. */
 static void hear2(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                   fmi2String format, ...) {
     char sentence[4096];
@@ -178,7 +179,7 @@ static void hear3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3St
     hear((host *)environment, (int)status, category, message);
 }
 
-/* Section 2.1.5 (FMI 2.0), 2.3.1 (FMI 3.0, logMessage): what fails says why, and an error is returned where one is told. */
+/* FMI 2.0, section 2.1.5, FMI 3.0, section 2.3.1 (logMessage): a failed call logs a message; a logged error is returned. */
 static int told(host *h, int status) {
     expect(h, status >= OK && status <= ERROR, "a call is never fatal or pending");
     if (status < OK || status > ERROR || h->quiet) return status;
@@ -195,7 +196,7 @@ static void *listening(host *h) {
     return h->instance;
 }
 
-/* One call of either standard; `c` is the instance. */
+/* Make one call of either standard; `c` is the instance. */
 #define ASK(two, three) (c = listening(h), told(h, is_three(h) ? (int)(three) : (int)(two)))
 #define ASK2(two) (c = listening(h), told(h, (int)(two)))
 #define ASK3(three) (c = listening(h), told(h, (int)(three)))
@@ -203,10 +204,10 @@ static int is_fine(int status) { return status <= WARNING; }
 
 /* ---- variables ---- */
 
-/* Elements of one kind by their places, and how the request for them is spoilt: arrays that are missing, a reference that is none
- * of this kind, values too many or too few. In FMI 3.0 each stands for its whole variable. */
+/* Elements of one kind by their places, and how their request is spoilt: missing arrays, a wrong value reference, too many or
+ * too few values. In FMI 3.0 each element represents its whole variable. */
 typedef struct {
-    int place[SOME], spoilt; /* spoilt: the place whose reference is `stray`; -1: none */
+    int place[SOME], spoilt; /* spoilt: place whose reference is replaced by `stray`; -1: none */
     size_t n;
     unsigned stray;
     int null_references, null_values, excess;
@@ -214,7 +215,7 @@ typedef struct {
 
 static size_t width_of(const host *h, const request *r, size_t i) { return is_three(h) ? elements[r->place[i]].length : 1; }
 
-/* Value references; returns how many values they have. */
+/* Write the value references; return the number of values they have. */
 static size_t references_of(const host *h, const request *r, unsigned *vr) {
     size_t due = 0;
     for (size_t i = 0; i < r->n; ++i) {
@@ -282,7 +283,7 @@ static int get_text(host *h, const unsigned *vr, size_t n, const char **text) {
     return ASK(fmi2GetString(c, vr, n, text), fmi3GetString(c, vr, n, text, n));
 }
 
-/* Outputs as bits, of a place where they can be read; whether they could. */
+/* Read all outputs; return whether every read succeeded. */
 static int read_outputs(host *h, double *value) {
     int fine = 1;
     for (int i = 0; i < output_count; ++i) {
@@ -293,7 +294,7 @@ static int read_outputs(host *h, double *value) {
     return fine;
 }
 
-/* An element of this causality and kind; -1: there is none. */
+/* Return a random element of this causality and kind, or -1. */
 static int any_variable(int causality, int kind) {
     const int first = (int)random_number((unsigned)count);
     for (int i = 0; i < count; ++i) {
@@ -324,15 +325,15 @@ static double within(const variable_description *of, double value) {
     return value < of->minimum ? of->minimum : value > of->maximum ? of->maximum : value;
 }
 
-/* A value with which a run goes on; and one that is far from there, but within its limits. */
+/* Return a value with which a run continues. wild_value() returns one far from there, but within its limits. */
 static double sane_value(const host *h, int place) {
     const element *of = &elements[place];
     if (!of->played) return of->start;
     if (of->about->kind == KIND_REAL) return of->least + (of->most - of->least) * fraction();
-    if (is_exchange(h) && place == off.place) return of->start; /* its states are those of the standard's file */
+    if (is_exchange(h) && place == off.place) return of->start; /* exchange uses the states of the default model */
     return of->least + random_number((unsigned)(of->most - of->least) + 1);
 }
-/* Also one that is lost, if the variable may be. */
+/* Return a value far from the usual range; also NaN, if the signal may be lost. */
 static double wild_value(const variable_description *of) {
     double value = wild_number();
     switch (random_number(6)) {
@@ -346,7 +347,7 @@ static double wild_value(const variable_description *of) {
     value = floor(within(of, value));
     return value < -2147483647.0 ? -2147483647.0 : value > 2147483647.0 ? 2147483647.0 : value;
 }
-/* One that the variable forbids; of some kinds there is none. */
+/* Write a value that the variable forbids; return 0 if no such value was found. */
 static int forbidden_value(int place, double *value) {
     const variable_description *of = &elements[place].about[0];
     const int real = of->kind == KIND_REAL, limited = isnan(of->when_lost) || isfinite(of->maximum);
@@ -358,7 +359,7 @@ static int forbidden_value(int place, double *value) {
     }
 }
 
-/* Whether the equations exist. */
+/* Return whether equations exist for the present values. */
 static int has_equations(const host *h) {
     if (off.place < 0) return 1;
     const double chosen = h->is.value[off.place];
@@ -399,7 +400,7 @@ static int set_some(host *h, int causality, int kind) {
         if (random_number(2) || !forbidden_value(r.place[bad], &value[bad])) {
             for (size_t i = 0; i < r.n; ++i) value[i] = sane_value(h, r.place[i]);
             spoil(h, &r, kind);
-        } else if (is_three(h)) { /* what follows of the same variable would replace it */
+        } else if (is_three(h)) { /* a later value of the same variable would replace it */
             r.n = bad + 1;
         }
     }
@@ -410,13 +411,13 @@ static int set_some(host *h, int causality, int kind) {
     if (h->is.state != INSTANTIATED && !can_read(h)) return status;
     expect(h, is_fine(get_numbers(h, kind, &r, back)), "what was set is read");
     for (size_t i = 0; i < r.n; ++i) {
-        const double due = h->is.value[r.place[i]]; /* not known of what is lost */
+        const double due = h->is.value[r.place[i]]; /* NaN if the signal is lost */
         expect(h, isnan(due) || back[i] == due, "what was set is what is read");
     }
     return status;
 }
 
-/* An input is seen in an output at once, by its share. */
+/* Check that an output with direct feedthrough follows a change of its input at once. */
 static int change_input(host *h) {
     double before = 0.0, after = 0.0, value = 0.0;
     const int ready = pair.input >= 0 && (h->is.state == STEP || h->is.state == EVENT || h->is.state == CONTINUOUS);
@@ -439,7 +440,7 @@ static int set_discrete_input(host *h) { return set_some(h, CAUSALITY_INPUT, ran
 static int set_parameter(host *h) { return set_some(h, CAUSALITY_PARAMETER, one_in(3) ? KIND_INTEGER : KIND_REAL); }
 static int set_output(host *h) { return set_some(h, random_number(2) ? CAUSALITY_OUTPUT : CAUSALITY_LOCAL, any_kind()); }
 
-/* Numbers are finite, and the same when they are read again. */
+/* Read values twice: they are finite and bit-identical. */
 static int get_some(host *h, int causality, int kind) {
     if (any_variable(causality, kind) < 0) return -1;
     request r = request_of(causality, kind);
@@ -461,7 +462,7 @@ static int get_some(host *h, int causality, int kind) {
 }
 
 static int get_output(host *h) {
-    h->excused = h->is.wild; /* no output is finite everywhere */
+    h->excused = h->is.wild; /* outputs may overflow at such values */
     return get_some(h, random_number(3) ? CAUSALITY_OUTPUT : CAUSALITY_LOCAL, any_kind());
 }
 
@@ -477,9 +478,10 @@ static int get_time(host *h) {
     return status;
 }
 
-/* ---- texts ---- */
+/* ---- strings ---- */
 
-/* A text that names no line: no file, no UTF-8, of steering letters, of conversions, very long. */
+/* Return a string that is not the path of a line: a missing file, invalid UTF-8, control characters, conversions, or very
+ * long. */
 static const char *bad_text(void) {
     static char longest[5000];
     static const char *const bad[] = {"%s%n%d%s",
@@ -509,7 +511,7 @@ static const char *good_text(const host *h) {
     }
 }
 
-/* The variable that is a path, if the object has one, by its place; else -1. Such a variable is a scalar. */
+/* Return the number of the path variable (a scalar), or -1 if the object has none. */
 static int text_variable(void) {
     for (int i = 0; i < count; ++i)
         if (elements[i].about->kind == KIND_STRING) return (int)elements[i].variable;
@@ -528,7 +530,7 @@ static int set_string(host *h) {
     if (text_variable() < 0 && !h->insane) return -1;
     const char *text[SOME] = {good_text(h), NULL};
     unsigned vr[SOME] = {(unsigned)text_variable()};
-    size_t n = 1, values = 1; /* no model has more texts than one */
+    size_t n = 1, values = 1; /* models have at most one string variable */
     int null_references = 0;
     if (h->insane) {
         const unsigned choice = random_number(is_three(h) ? 5 : 4);
@@ -576,7 +578,7 @@ static int step_into(host *h, int status, int state) {
     return status;
 }
 
-/* Start and stop; insane: no number, or a stop before the start. */
+/* Start and stop times of an experiment. Insane: not finite, or a stop before the start. */
 typedef struct {
     double start, stop, tolerance;
     int stops, tolerates, wild;
@@ -594,7 +596,7 @@ static plan any_plan(const host *h) {
     return p;
 }
 static int take_plan(host *h, plan p, int status) {
-    h->excused = p.wild; /* some have a time that is too far */
+    h->excused = p.wild; /* a wild start time may be out of range */
     if (!is_fine(status) || h->insane) return status;
     h->is.time = h->is.start = p.start;
     h->is.wild |= p.wild;
@@ -685,15 +687,15 @@ static double any_size(const host *h) {
     return h->insane ? none[random_number(8)] : h->is.wild ? wild[random_number(8)] : one_in(50) ? 3.0 : sane[random_number(6)];
 }
 
-/* What the sum of many steps may be off by, so that the last one does not end at the stop time: a hundredth of a step. */
+/* Return the rounding error that is allowed in a sum of steps, so that the last one may pass the stop time: 1 % of a step. */
 static double round_off(const host *h, double size) { return 1e-2 * size + 1e3 * 2.3e-16 * (1.0 + fabs(h->is.time)); }
 
-/* What a step that came to its end says; `early`: it was cut short. */
+/* Check a completed step; `early`: it returned early. */
 static void look_at_step(host *h, double end, double reached, int early) {
     const unsigned clock = OBJECT.variables();
     double time = NAN, value[MOST];
     void *c;
-    /* Of Unix time the next number is 2.4e-7 s away: an event may come before it. */
+    /* The spacing of doubles near Unix time is 2.4e-7 s: an event may come within it. */
     const int advances = reached > h->is.time || (reached == h->is.time && h->is.time > 1e9);
     expect(h, early ? advances && reached < end : reached == end, "a step ends where it was to end, or says so");
     expect(h, reached <= h->stop + round_off(h, end - h->is.time), "no step goes past the stop time");
@@ -701,14 +703,14 @@ static void look_at_step(host *h, double end, double reached, int early) {
         expect(h, ASK3(fmi3GetFloat64(c, &clock, 1, &time, 1)) == OK && time == reached, "the time is the one reached");
     expect(h, read_outputs(h, value), "outputs are read behind a step");
     for (int i = 0; i < output_count; ++i) expect(h, isfinite(value[i]), "outputs are finite behind a step");
-    for (int i = 0; able[RATES_IN] && i < count; ++i) /* those with a rate have moved along */
+    for (int i = 0; able[RATES_IN] && i < count; ++i) /* inputs with a rate have changed */
         if (elements[i].about->causality == CAUSALITY_INPUT && elements[i].about->kind == KIND_REAL) h->is.value[i] = NAN;
     h->is.time = reached;
     h->is.rated = 0;
     ++done_steps;
 }
 
-/* Section 4.2.3: where a step was discarded the host may ask how far it went, and whether the run has ended. */
+/* FMI 2.0, section 4.2.3: after a discarded step the host may request the time reached and whether the run has ended. */
 static int do_step2(host *h, double point, double size) {
     double reached = NAN;
     int ended = -1;
@@ -760,7 +762,7 @@ static int do_step(host *h) {
     return is_three(h) ? do_step3(h, point, size) : do_step2(h, point, size);
 }
 
-/* Real numbers of scalars, which a call of derivatives has. */
+/* References and values of real scalars, for calls that handle derivatives. */
 typedef struct {
     request r;
     unsigned vr[SOME];
@@ -830,7 +832,7 @@ static int cancel_step(host *h) {
     return h->insane = 0, ASK2(fmi2CancelStep(c));
 }
 
-/* Section 4.2.3: a status that cannot be told is a discard. Insane: no place for an answer that there is. */
+/* FMI 2.0, section 4.2.3: a status that is not available is a discard. Insane: no address for an available status. */
 static int ask_status(host *h) {
     const fmi2StatusKind kind = (fmi2StatusKind)random_number(4);
     fmi2Status status = fmi2OK;
@@ -864,7 +866,7 @@ static int ask_status(host *h) {
     }
 }
 
-/* Of FMI 3.0, what no object has is refused, and to read or set none of a type that no variable has is no error. */
+/* FMI 3.0: functions without support are refused. To read or set zero values of an unused type succeeds. */
 static int call_absent(host *h) {
     const unsigned vr = 0;
     size_t n = 0;
@@ -962,7 +964,7 @@ static int set_time(host *h) {
     return status;
 }
 
-/* A step of Euler's method that is stable, from where the equations hold; to anywhere else is insane or wild. */
+/* Make a stable step of Euler's method from the present states. Other states are invalid (insane) or wild. */
 static int set_states(host *h) {
     double state[MOST] = {0}, slope[MOST] = {0}, back[MOST] = {0};
     const size_t right = states_of();
@@ -987,7 +989,7 @@ static int set_states(host *h) {
     return status;
 }
 
-/* What an event iteration gives. */
+/* Results of an event iteration. */
 typedef struct {
     int more, end, nominals, moved, timed;
     double next;
@@ -1010,8 +1012,8 @@ static int update_once(host *h, event_result *found) {
     return status;
 }
 
-/* States that move are told, nominals that change are, and no object has an event that is due at a time; the iteration comes
- * to an end (FMI 2.0, 3.2.2; FMI 3.0, 2.3.5). */
+/* FMI 2.0, section 3.2.2, FMI 3.0, section 2.3.5: an event reports changed states and changed nominals. No object has time
+ * events. The iteration ends. */
 static int update(host *h) {
     double before[MOST] = {0}, after[MOST] = {0}, nominal[MOST] = {0}, later[MOST] = {0};
     const size_t n = states_of();
@@ -1039,7 +1041,7 @@ static int update(host *h) {
 
 static int complete_step(host *h) {
     int two[2] = {-1, -1};
-    bool three[2] = {0, 1}; /* no object asks for an end there: an event does */
+    bool three[2] = {0, 1}; /* objects request an end at events only */
     void *c;
     const unsigned spoilt = h->insane ? random_number(2) : 2;
     const int status = ASK(fmi2CompletedIntegratorStep(c, fmi2True, spoilt ? &two[0] : NULL, spoilt == 1 ? NULL : &two[1]),
@@ -1085,7 +1087,7 @@ static int deserialised(host *h, const unsigned char *bytes, size_t size, void *
     return ASK(fmi2DeSerializeFMUstate(c, (const char *)bytes, size, state), fmi3DeserializeFMUState(c, bytes, size, state));
 }
 
-/* The whole state, bit for bit. */
+/* Serialise the whole state. */
 static size_t look(host *h, unsigned char **bytes) {
     void *state = NULL;
     expect(h, take(h, &state) == OK, "a state is taken");
@@ -1117,7 +1119,7 @@ static int save(host *h) {
     return status;
 }
 
-/* Whether two paths lead to the same bytes: whoever moved a line's file has the same line. */
+/* Return whether two paths lead to the same bytes: a moved line file is still the same line. */
 static int is_same_file(const char *one, const char *other) {
     if (strcmp(one, other) == 0) return 1;
     FILE *const a = fopen(one, "rb"), *const b = fopen(other, "rb");
@@ -1128,7 +1130,7 @@ static int is_same_file(const char *one, const char *other) {
     return same;
 }
 
-/* What is back: mode, time, values, line and outputs. */
+/* Check the restored mode, time, values, line and outputs. */
 static void look_at_restored(host *h, const saved *s) {
     double output[MOST];
     expect(h, h->events || h->face != COSIMULATION_3 || s->is.state != EVENT, "event mode is for hosts that use it");
@@ -1158,7 +1160,7 @@ static int restore(host *h) {
     return status;
 }
 
-/* Fewer bytes or more, in memory of their own, so that a byte that is read behind it is seen. */
+/* Deserialise fewer bytes, or more, from an allocation of that size, so that the sanitizer reports a read past its end. */
 static int cut_to(host *h, const unsigned char *bytes, size_t whole, size_t size, void **state) {
     unsigned char *own = malloc(size ? size : 1);
     if (!own) exit(2);
@@ -1168,7 +1170,7 @@ static int cut_to(host *h, const unsigned char *bytes, size_t whole, size_t size
     return status;
 }
 
-/* Bytes that were changed, cut or added, and arguments that are missing. */
+/* Restore or read a state with changed, missing or additional bytes, or with missing arguments. */
 static int spoil_state(host *h) {
     unsigned char *bytes = NULL;
     void *state = NULL, *other = NULL;
@@ -1217,14 +1219,14 @@ static int free_state(host *h) {
 
 /* ---- the tables ---- */
 
-/* What is allowed in which state: + succeeds with sane arguments, - is refused, o may be either, . is no state of this
- * interface. Columns: instantiated, initialization, event, continuous-time, step (FMI 2.0: stepComplete), failed (FMI 2.0:
- * stepFailed), ended (an event or step has asked the host to terminate), terminated. Tables of FMI 2.0.4, sections 4.2.4
- * and 3.2.3, and allowed calls of the states of FMI 3.0.2, sections 2.3, 3.2 and 4.2. What is an o:
- * - FMI 2.0 has no values before initialization and does not list parameters and inputs within it; FMI 3.0 has them;
- * - inputs have no `initial` in FMI 2.0, so that the table lets no host set them before initialization, and most do;
- * - time in event mode is one of discrete FMUs (FMI 2.0.4, footnote 8);
- * - behind a request to terminate the standards know no more than the call that obeys it. */
+/* Allowed calls by state: + succeeds with valid arguments, - is refused, o may do either, . marks a state that the interface
+ * does not have. Columns: instantiated, initialization, event, continuous-time, step (FMI 2.0: stepComplete), failed (FMI
+ * 2.0: stepFailed), ended (an event or step has requested termination), terminated. Source: tables of FMI 2.0.4, sections
+ * 4.2.4 and 3.2.3, and allowed calls of the states of FMI 3.0.2, sections 2.3, 3.2 and 4.2. Reasons for an o:
+ * - FMI 2.0 has no values before initialization. Within it, parameters and inputs are not listed. FMI 3.0 has both.
+ * - Inputs have no `initial` in FMI 2.0. The table forbids to set them before initialization, but most hosts do.
+ * - Time in event mode belongs to discrete FMUs (FMI 2.0.4, footnote 8).
+ * - After a request to terminate, the standards describe only the call that terminates. */
 static const call CALLS[] = {
     /*                              FMI 2.0 CS  FMI 2.0 ME  FMI 3.0 CS  FMI 3.0 ME
      *                              INECSFDT    INECSFDT    INECSFDT    INECSFDT */
@@ -1274,7 +1276,7 @@ static char rule_of(const host *h, const call *what) {
     return what->rule[h->face][h->is.state];
 }
 
-/* What it is held against, behind the call. */
+/* Compare the status of a call with its rule. */
 static void judge(host *h, int status) {
     if (h->rule == '-') expect(h, status == ERROR, "a forbidden call is an error");
     else if (h->insane) expect(h, status > WARNING, "insane arguments are refused");
@@ -1283,10 +1285,10 @@ static void judge(host *h, int status) {
     made[h->rule == '-' ? FORBIDDEN : h->insane ? INSANE : ALLOWED]++;
 }
 
-/* One call; of a tenth of those that were refused the whole state is looked at. */
+/* Make one call. In a tenth of the calls, check that a refused call leaves the whole state unchanged. */
 static void make(host *h, const call *what) {
     unsigned char *before = NULL, *behind = NULL;
-    double settled[MOST]; /* reading may evaluate what was put off, so it is read first */
+    double settled[MOST]; /* outputs are read first, since reading may finish postponed evaluations */
     const int watched = one_in(10) && !(h->calls_back && h->is.state == INITIALIZATION);
     h->now = what;
     h->rule = rule_of(h, what);
@@ -1294,7 +1296,7 @@ static void make(host *h, const call *what) {
     if (watched && h->is.state != INSTANTIATED) (void)read_outputs(h, settled);
     const size_t size = watched ? look(h, &before) : 0;
     h->insane = one_in(6);
-    const int no_start = h->is.state == INITIALIZATION && !can_read(h); /* of the equations, which has to be found first */
+    const int no_start = h->is.state == INITIALIZATION && !can_read(h); /* the call may solve for the start first, and fail */
     const int status = what->act(h);
     h->excused |= no_start;
     if (status >= 0) judge(h, status);
@@ -1318,7 +1320,7 @@ static void instantiate(host *h, int face) {
     h->calls_back = !h->quiet && one_in(5);
     const int logging = random_number(3) > 0;
     h->must_hear = logging ? 15 : 0;
-    h->may_hear = logging || face <= EXCHANGE_2 ? 15 : 0; /* FMI 2.0, section 2.1.3: of errors a host is told anyway */
+    h->may_hear = logging || face <= EXCHANGE_2 ? 15 : 0; /* FMI 2.0, section 2.1.3: errors are logged in any case */
     const fmi2CallbackFunctions callbacks = {h->quiet ? NULL : hear2, calloc, free, NULL, h};
     const fmi3LogMessageCallback listener = h->quiet ? NULL : hear3;
     if (face <= EXCHANGE_2)
@@ -1337,7 +1339,7 @@ static void free_instance(host *h) {
     h->instance = NULL;
 }
 
-/* The calls that lead on, for without them few would come far. */
+/* Return a call that leads to the next state, since random calls alone rarely get there. */
 static const call *way_on(const host *h) {
     static int (*const on[8][4])(host *) = {{enter_initialization, enter_initialization, set_string, set_parameter},
                                             {exit_initialization, exit_initialization, exit_initialization, set_input},
@@ -1361,7 +1363,7 @@ static void play(host *h) {
     make(h, what);
 }
 
-/* The elements of an object, and what it is able to. */
+/* Find the elements and the features of an object. */
 static void look_at_object(const char *folder) {
     char problem[MESSAGE_SIZE];
     fmu_object *const one = OBJECT.make(*folder ? folder : NULL, 0, problem);
@@ -1418,7 +1420,7 @@ static void *birth(host *h, int face, const char *name, const char *token, const
     return fmi3InstantiateCoSimulation(name, token, folder, false, true, false, false, NULL, 0, h, hear3, NULL);
 }
 
-/* Who is born wrong gives no instance and one sentence. */
+/* Wrong arguments of an instantiation give no instance and one error message. */
 static void expect_no_birth(int face, const char *name, const char *token, const char *folder, const char *what) {
     host h;
     void *const wrong = birth(&h, face, name, token, folder);
@@ -1451,7 +1453,7 @@ static void look_at_births(int face) {
            "no object has scheduled execution");
 }
 
-/* Without an instance no call succeeds and none crashes. */
+/* Without an instance every call fails and none crashes. */
 static void look_at_nothing(int face) {
     for (int i = 0; i < CALL_COUNT; ++i)
         for (int times = 0; times < 20 && CALLS[i].rule[face]; ++times) {
@@ -1484,7 +1486,7 @@ int main(int argc, char **argv) {
     while (made[ALLOWED] + made[FORBIDDEN] + made[INSANE] < calls) {
         const unsigned which = random_number(HOSTS);
         host *const h = &hosts[which];
-        /* The last one is of the other interface, whose saved states are none of the others'. */
+        /* The last instance may have the other interface; it refuses the saved states of the first. */
         const int other = which == HOSTS - 1 && one_in(4) && states_of();
         if (h->instance && one_in(800)) free_instance(h);
         if (!h->instance) instantiate(h, other ? face ^ 1 : face);

@@ -1,4 +1,4 @@
-"""A system of FMUs (.ssp) in masters that are not ours. Those beside FMPy run in a process of their own."""
+"""Simulate a system of FMUs (.ssp) in third-party masters. All except FMPy run in a separate process."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ Output = tuple[str, str]
 
 
 def contents(system: Path) -> Path:
-    """The system unpacked, beside it."""
+    """Unpack the system into a folder next to it; return the folder."""
     folder = system.with_suffix(".contents")
     with zipfile.ZipFile(system) as archive:
         archive.extractall(folder)
@@ -55,24 +55,24 @@ def contents(system: Path) -> Path:
 
 
 def parameters_of(system: Path) -> ParameterSet:
-    """The file of parameters in a system."""
+    """Return the parameter file of a system."""
     return read_ssv(str(contents(system) / "resources" / f"{system.stem}.ssv"))
 
 
 def by_fmpy(system: Path, step: float, count: int, outputs: Sequence[Output]) -> list[float]:
-    """Values after a number of steps."""
+    """Return output values after `count` steps."""
     stop = (count - 0.5) * step
     table = simulate_ssp(str(system), stop_time=stop, step_size=step, parameter_set=parameters_of(system))
     return [float(table[f"{component}.{name}"][-1]) for component, name in outputs]
 
 
 def by_ecos(system: Path, step: float, count: int, outputs: Sequence[Output]) -> list[float]:
-    """As by_fmpy; ecos takes the parameters within the system's description."""
+    """Return the values of by_fmpy; ecos reads the parameters from the system's description."""
     return answer(ECOS, str(system), repr(step), str(count), *(f"{component}::{name}" for component, name in outputs))
 
 
 def by_libcosim(system: Path, step: float, count: int, outputs: Sequence[Output]) -> list[float]:
-    """As by_ecos; libcosim knows variables by their value references."""
+    """Return the values of by_ecos; libcosim identifies variables by value reference."""
     folder, names = contents(system), []
     fmus = {component.name: component.source for component in read_ssd(str(system)).system.elements}
     for component, name in outputs:
@@ -83,12 +83,12 @@ def by_libcosim(system: Path, step: float, count: int, outputs: Sequence[Output]
 
 
 def answer(program: str, *arguments: str) -> list[float]:
-    """What a program finds, in a process of its own."""
+    """Run a program in a separate process; return its answer."""
     done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, timeout=120)
-    lines = [line for line in done.stdout.splitlines() if line.startswith("ANSWER")]  # libcosim talks as well
+    lines = [line for line in done.stdout.splitlines() if line.startswith("ANSWER")]  # libcosim prints to stdout, too
     assert lines, done.stderr[-2000:]
     return json.loads(lines[0].removeprefix("ANSWER"))
 
 
-#: Masters by the packages that they come in; those beside FMPy are in the extra `masters`.
+#: Masters by package. All except FMPy are in the extra `masters`.
 MASTERS: dict[str, Callable] = {"fmpy": by_fmpy, "ecospy": by_ecos, "libcosimpy": by_libcosim}

@@ -1,4 +1,4 @@
-"""A small object of each kind that stands behind the faces, linked with a program in C under sanitizers."""
+"""A small example of each kind of FMU object, linked with a program in C under sanitizers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tests.fmu.sanitized import HEADERS, SANITIZERS, driver, sanitized
 from tests.fmu.sled import sled
 
 SPEED, GRIP, LENGTH = 3.0, 2.0, 4.0
-#: Counts its questions; answers how many there were, by three, or what one asks for by a negative speed.
+#: Controller that counts its calls. It returns the count modulo 3, or the negative of a negative speed.
 COUNTS = """
 #include "wheel_slide.h"
 typedef struct { int wheelsets, asked; double period; } memory_of_one;
@@ -50,7 +50,7 @@ void wheel_slide_step(void *memory, double time, const double *speed, int *valve
 
 
 def brick(detail: int, on_a_line: bool = False) -> System:
-    """A brick on a table with an end, pushed through gears, and by a line; in more detail it grows warm."""
+    """Return a brick on a table with an end, pushed through gears and by a line. At detail 2 it also warms up."""
     system = System(f"brick_{detail}{'_on_a_line' * on_a_line}", "A brick on a table")
     push = system.input(Variable("push", "input", "N", "Force forward"))
     grip = system.input(Variable("grip", "input", "N", "Largest friction", GRIP, 0.0))
@@ -74,7 +74,7 @@ def brick(detail: int, on_a_line: bool = False) -> System:
 
 
 def bricks() -> Model:
-    """In two levels of detail, and in the first on a line."""
+    """Return the brick at two levels of detail, and on a line at the first."""
     detail = Variable("detail", "parameter", "1", "Level of detail", 1.0, 1.0, 2.0, kind="integer")
     on_a_line = brick(1, on_a_line=True)
     assert on_a_line.table_file
@@ -87,7 +87,7 @@ def _nothing(folder: Path) -> list[str]:
 
 
 def _lines(folder: Path) -> list[str]:
-    """Two lines, one of them at a second place whose name is a format, and two files that are none."""
+    """Write two lines, a copy of one under a name that is a format, and two invalid files."""
     curve = line_of([arc(300, 250, 0.1, 0.02)]).write(folder / "curve.csv")
     copy = shutil.copy(curve, folder / "copy, 100 %s.csv")
     (folder / "bad.csv").write_bytes(b"%s%n,\xff\xfe\n1,2,3\n")
@@ -113,10 +113,15 @@ def _controller(folder: Path) -> Mapping[str, str]:
 
 @dataclass(frozen=True)
 class Behind:
-    """Sources of an object, its own files, whether it has model exchange, and what machine.c sets its variables to.
+    """Sources of an object, its files, its features, and the arguments of machine.c.
 
-    sources: of a kernel those that are generated, else all. files: are written to a folder of resources; returns words.
-    ends: whether its runs end by themselves. calls: share of the calls that others get, for what takes long.
+    `sources`: the generated sources of a kernel, else all sources.
+    `files`: writes the object's files to a folder of resources; returns the paths of lines.
+    `words`: ranges of the variables.
+    `kernel`: whether the object is a kernel.
+    `exchange`: whether it supports model exchange.
+    `ends`: whether its runs end by themselves.
+    `calls`: share of the usual number of calls, for slow objects.
     """
 
     sources: Callable[[Path], Mapping[str, str]]
@@ -129,7 +134,7 @@ class Behind:
     calls: float = 1.0
 
     def linked(self, program: Path, folder: Path) -> Path:
-        """The program with the object and its faces, under sanitizers."""
+        """Link the program with the object and its FMI functions, under sanitizers."""
         texts = self.sources(folder)
         if self.kernel:
             return driver(sanitized(texts), program, folder)

@@ -1,4 +1,4 @@
-"""The programs in an archive that run its FMU: what they print, and what the FMU gives by FMPy here."""
+"""Run the host programs of an archive, and the same FMU by FMPy, and return their outputs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fmu_src.cosimulation.slave import FmuInstance
 
-#: What each program does.
+#: Number and size of the steps of each program [s].
 STEPS, STEP = 100, 0.01
 
 
@@ -17,14 +17,14 @@ def call(command: Sequence[str | Path], folder: Path, *assignments: str) -> subp
 
 
 def shown(command: Sequence[str | Path], folder: Path, given: Mapping[str, float]) -> dict[str, float]:
-    """Outputs at the end, with these inputs and parameters."""
+    """Return the outputs at the end, with these inputs and parameters."""
     done = call(command, folder, *(f"{name}={value}" for name, value in given.items()))
     assert done.returncode == 0, done.stderr
     return {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
 
 
 def found_here(fmu: Path, given: Mapping[str, float], names: Sequence[str]) -> dict[str, float]:
-    """The same by FMPy, on this platform."""
+    """Return the same outputs by FMPy, on this platform."""
     with FmuInstance(fmu) as instance:
         instance.start(**given)
         for n in range(STEPS):

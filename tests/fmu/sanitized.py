@@ -1,4 +1,4 @@
-"""FMUs as objects with sanitizers, and programs in C that are linked to them."""
+"""Compile FMUs with sanitizers, and link C programs to them."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ def runtime() -> dict[str, str]:
 
 
 def sanitized(sources: Mapping[str, str]) -> list[str | Path]:
-    """The command that links a program to the objects of generated sources and the runtime, unoptimised, for it is only
-    checked: a quarter of the time to compile.
+    """Return the command that links a program to the objects of generated sources and the runtime.
+
+    The code is not optimised, which takes a quarter of the time to compile.
     """
     flags = [*compiling.FLAGS, "-O0", *SANITIZERS]
     return [*compiling.compiler(), *flags, *HEADERS, *compiling.objects_of({**sources, **runtime()}, flags)]

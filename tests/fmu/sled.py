@@ -1,4 +1,4 @@
-"""A small model with one of everything, whose motion is known: a sled on a track that ends."""
+"""A small model that has every feature and a known motion: a sled on a track that ends."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from fmu_src.python_fmu import build_python_fmu
 from fmu_src.system import Model, System, Variable, model_of
 
 MASS, SPEED, LENGTH = 10.0, 2.0, 3.0
-#: Without push or brake the sled keeps its speed and comes to the end of the track [s].
+#: Time at which the sled reaches the end of the track without push or brake [s].
 END = LENGTH / SPEED
-#: Braked by this force the sled stops after a second, before the end [N].
+#: Brake force that stops the sled after 1 s, before the end [N].
 STOPPING = 20.0
 
 
@@ -45,7 +45,7 @@ BUILDERS = {"native": build_native_fmu, "fmi3": build_native_fmu3, "python": bui
 
 
 def build_sled(folder: Path) -> dict[str, Path]:
-    """The sled's FMUs by kind."""
+    """Build the sled's FMUs; return the paths by kind."""
     paths = {kind: folder / kind / "Sled.fmu" for kind in BUILDERS}
     for kind, build in BUILDERS.items():
         build(sled(), paths[kind])

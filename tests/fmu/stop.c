@@ -1,5 +1,5 @@
-/* Runs a kernel on and on, and prints the bits of its outputs: stop LANES STEP ROWS STEPS_OF_A_ROW NAME=VALUE ...
- * The first line says how many lanes there are; a value that is no number is a text. */
+/* Run a kernel and print its outputs in hexadecimal: stop LANES STEP ROWS STEPS_OF_A_ROW NAME=VALUE ...
+ * The first line is the number of lanes. A VALUE that is not a number is passed as a string. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

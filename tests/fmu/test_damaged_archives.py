@@ -1,4 +1,4 @@
-"""FMUs of strangers: whatever is wrong with an archive is one sentence, and nothing stays behind."""
+"""FMUs of unknown origin: any fault in an archive gives one error message and leaves no files behind."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ FMI1 = b"""<fmiModelDescription fmiVersion="1.0" modelName="a" modelIdentifier="
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A small FMU."""
+    """Return the path of a small FMU."""
     folder = tmp_path_factory.mktemp("counts")
     (folder / "counts.c").write_text(COUNTS)
     assert build_fmu.main(["--controller", str(folder / "counts.c"), "--out", str(folder)]) == 0
@@ -45,7 +45,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder for temporary files, empty."""
+    """Return an empty folder for temporary files."""
     (tmp_path / "temporary").mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
     return tmp_path / "temporary"
@@ -64,7 +64,7 @@ def packed(path: Path, contents: Contents, method: int = zipfile.ZIP_DEFLATED) -
 
 
 def described(old: str, new: str) -> Callable[[Contents], Contents]:
-    """With other words in the description."""
+    """Return a change of the description by a regular expression."""
 
     def changed(files: Contents) -> Contents:
         text = re.sub(old, new, files[ABOUT].decode(), flags=re.DOTALL)
@@ -79,12 +79,12 @@ def without(name: str) -> Callable[[Contents], Contents]:
 
 
 def elsewhere(files: Contents) -> Contents:
-    """A binary for another platform alone."""
+    """Keep only a binary for another platform."""
     return {key.replace(f"/{fmpy.platform}/", "/plan9/"): data for key, data in files.items()}
 
 
 def exchanged(files: Contents) -> Contents:
-    """Without co-simulation."""
+    """Replace co-simulation by model exchange."""
     text = re.sub("<CoSimulation.*</CoSimulation>", "<CoSimulation/>", files[ABOUT].decode(), flags=re.DOTALL)
     return files | {ABOUT: re.sub("<CoSimulation.*?/>", '<ModelExchange modelIdentifier="a"/>', text).encode()}
 
@@ -139,7 +139,7 @@ def test_what_is_wrong_is_one_sentence_and_leaves_nothing(
 
 
 def entry_with(place: int, form: str, value: int) -> Callable[[bytes], bytes]:
-    """An archive whose first entry of the central directory has another number at a place in it."""
+    """Return a change of one number in the first entry of the central directory."""
 
     def changed(data: bytes) -> bytes:
         found = bytearray(data)
@@ -149,7 +149,7 @@ def entry_with(place: int, form: str, value: int) -> Callable[[bytes], bytes]:
     return changed
 
 
-#: Places in an entry of the central directory: APPNOTE.TXT, section 4.3.12.
+#: Offsets in an entry of the central directory: APPNOTE.TXT, section 4.3.12.
 RAW = {
     "2 GB": (entry_with(24, "<I", 2_000_000_000), r"unpacks to 2000 MB; at most 1074 MB are read"),
     "more than it has": (entry_with(24, "<I", 60_000_000), "ends at [0-9]+ of 60000000 bytes"),
@@ -193,7 +193,7 @@ def test_an_entry_that_is_there_twice_is_refused(whole: Path, tmp_path: Path) ->
 def test_what_an_archive_unpacks_to_is_bounded(
     limit: str, value: int, words: str, whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With limits that a small archive passes."""
+    """The limits are lowered so that a small archive exceeds them."""
     monkeypatch.setattr(archive, limit, value)
     path = packed(tmp_path / "a.fmu", contents_of(whole) | {"resources/zeros": bytes(100_000)})
     with pytest.raises(CosimulationError, match=words):
@@ -230,7 +230,7 @@ def test_readers_of_controllers_say_the_same(whole: Path, tmp_path: Path) -> Non
 
 @pytest.mark.skipif(sys.platform != "linux", reason="headers of ELF")
 def test_a_header_with_places_beyond_what_a_machine_addresses_is_one_sentence(whole: Path, tmp_path: Path) -> None:
-    """Bit 63 of e_phoff, where the program headers lie (ELF-64, table 2)."""
+    """Flip bit 63 of e_phoff, the offset of the program headers (ELF-64, table 2)."""
     files = contents_of(whole)
     binary = bytearray(files[BINARY])
     binary[32 + 7] ^= 0x80
@@ -239,7 +239,7 @@ def test_a_header_with_places_beyond_what_a_machine_addresses_is_one_sentence(wh
         FmuInstance(path)
 
 
-#: In a process of its own, which damaged binaries ended before: random changes of an archive, and a binary cut off.
+#: Damaged binaries have crashed the process, so this runs in a separate one: random changes, and binaries cut short.
 MUTATIONS = """
 import random, sys, tempfile, time, zipfile
 from pathlib import Path
@@ -293,7 +293,7 @@ print(sum(counts.values()), counts[False] > counts[True], longest < 5.0)
 
 
 def test_a_thousand_damaged_archives_end_no_process_and_leave_nothing(whole: Path, tmp_path: Path) -> None:
-    """An instance that is open when Python ends is cleaned up, too."""
+    """An instance that is still open when Python ends is cleaned up, too."""
     (tmp_path / "temporary").mkdir()
     call = [sys.executable, "-c", MUTATIONS, str(whole), BINARY, str(tmp_path)]
     done = subprocess.run(call, capture_output=True, text=True, cwd=Path(__file__).parents[2])

@@ -1,4 +1,6 @@
-"""Saved states that were cut, lengthened or changed are refused by every FMU, and by what keeps states in Python."""
+"""Damaged saved states (cut, extended or changed) are refused by every FMU and by every Python class that restores
+them.
+"""
 
 from __future__ import annotations
 
@@ -29,20 +31,20 @@ from tests.fmu.sled import sled
 
 DAMAGES = 1000
 FACES = {"native": 2, "fmi3": 3}
-#: Every FMU that is shipped, and one around a controller in C.
+#: All released FMUs, and one around a controller in C.
 SHIPPED = [
     *((name, kind) for name in (*DIFFERENT, "train", "coupler", "controller") for kind in FACES),
 ]
 
 
 def controller(folder: Path) -> Path:
-    """A controller in C whose memory holds how many wheelsets it loops over."""
+    """Return a controller in C that stores its number of wheelsets in its memory."""
     (folder / "counts.c").write_text(COUNTS)
     return folder / "counts.c"
 
 
 def built(name: str, kind: str, fmus: dict, folder: Path) -> Path:
-    """One of SHIPPED."""
+    """Return the path of an FMU of SHIPPED."""
     path = folder / f"{name}.fmu"
     if name in DIFFERENT:
         return Path(fmus[name, kind])
@@ -56,7 +58,7 @@ def built(name: str, kind: str, fmus: dict, folder: Path) -> Path:
 
 
 def damaged(whole: bytes, draw: random.Random) -> bytes:
-    """One flipped bit, fewer bytes, or more."""
+    """Return the state with one flipped bit, with fewer bytes or with more."""
     kind = draw.randrange(3)
     if kind == 1:
         return whole[: draw.randrange(len(whole))]
@@ -68,7 +70,7 @@ def damaged(whole: bytes, draw: random.Random) -> bytes:
 
 
 def take(one: Host, state: bytes, place: c_void_p) -> int:
-    """Status of reading a state from bytes."""
+    """Deserialise a state; return the status."""
     size = c_size_t(len(state))
     if one.three:
         return one.raw("DeserializeFMUState", (c_ubyte * len(state)).from_buffer_copy(state), size, byref(place))

@@ -1,4 +1,4 @@
-"""What outputs depend on at the start, tried out on the ready models: changing anything else changes nothing."""
+"""Start dependencies of the built-in models: a change of a variable that is not listed leaves the output unchanged."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from fmu_src.system import Model, Variable
 from products.building import kernel_of
 from products.registry import DIFFERENT, model_of
 
-#: Algebraic states are found to this tolerance; twice that, of an output's size, is no change.
+#: Tolerance of algebraic states, and largest relative change of an output that is treated as unchanged.
 SOLVED = 1e-12
 UNCHANGED = 1e-9
-#: Starts at which inputs act, by model: in motion on an uneven track, and at rest, where the brake decides who sticks.
+#: Starts at which inputs act, by model: in motion on an uneven track, and at rest, where the brake decides on sticking.
 STARTS: dict[str, list[dict[str, float]]] = {
     "bogie": [
         *({"level": level, "lateral_irregularity": 0.01, "yaw_torque_2": 1e3} for level in (1, 2, 3)),
@@ -27,7 +27,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "brake": [{"friction_law": law, "cylinder_model": 1 + law % 2, "angular_velocity": 5.0} for law in range(6)],
     "rail": [{"speed": 10.0, "slip_1": 1.0, "creep_force_1": 1e3}],
 }
-#: Some that must act, or the starts above would show nothing.
+#: Dependencies that these starts must show.
 ACTING = {
     "bogie": [("creep_force_1", "friction_1"), ("acceleration", "drawbar_force")],
     "vehicle": [("acceleration", "coupler_force_front"), ("axle_load_4", "body_mass")],
@@ -45,7 +45,7 @@ def at_start(library: Library, model: Model, values: dict[str, float]) -> dict[s
 
 
 def changed(variable: Variable, value: float) -> float:
-    """Another value within the variable's limits."""
+    """Return another value within the variable's limits."""
     if variable.kind != "real":
         return value + 1 if value < variable.maximum else value - 1
     other = 1.1 * value + (0.05 * NOMINAL.get(variable.unit, 1.0) if value == 0.0 else 0.0)
@@ -53,7 +53,7 @@ def changed(variable: Variable, value: float) -> float:
 
 
 def acting(library: Library, model: Model, start: dict[str, float]) -> set[tuple[str, str]]:
-    """Pairs of an output and what changes it at this start."""
+    """Return pairs of an output and a variable that changes it at this start."""
     found = set()
     base = at_start(library, model, start)
     for variable in model.variables:
@@ -62,7 +62,7 @@ def acting(library: Library, model: Model, start: dict[str, float]) -> set[tuple
         value = changed(variable, start.get(variable.name, variable.start))
         try:
             after = at_start(library, model, start | {variable.name: value})
-        except SimulationError:  # geometry that does not fit together has no start at all
+        except SimulationError:  # inconsistent geometry has no start
             continue
         for name, number in after.items():
             if abs(number - base[name]) > UNCHANGED * max(abs(number), abs(base[name]), 1e-3):
@@ -70,7 +70,7 @@ def acting(library: Library, model: Model, start: dict[str, float]) -> set[tuple
     return found
 
 
-#: Composed of others that are tried, and the longest to compile.
+#: Composed of other models in this list, and slow to compile.
 COMPOSED = pytest.param("braked-vehicle", marks=pytest.mark.long)
 
 
@@ -85,13 +85,13 @@ def test_values_at_the_start_depend_on_nothing_that_is_not_listed(name: str) -> 
 
 
 def test_speed_at_the_start_is_the_initial_speed_whatever_brakes(fmus: dict) -> None:
-    """So an importer that couples brake and bogie sees no loop: no torque reaches what the brake listens to."""
+    """An importer that couples brake and bogie finds no loop: no torque affects the inputs of the brake."""
     for kind in ("native", "fmi3", "python"):
         about = read_model_description(str(fmus["bogie", kind]))
         found = {u.variable.name: {d.name for d in u.dependencies} for u in about.initialUnknowns}
         inputs = {variable.name for variable in about.modelVariables if variable.causality == "input"}
         for name in ("speed", "angular_velocity_2"):
             assert {"level", "contact_model", "initial_speed", "wheel_radius"} <= found[name]
-            # On a gradient it rolls freely, steadily (fmu_src/runtime/steady.c).
+            # On a gradient it rolls freely in steady state (fmu_src/runtime/steady.c).
             assert found[name] & inputs == {"gradient", "friction_1", "friction_2"}
         assert "friction_1" in found["acceleration"]

@@ -1,4 +1,4 @@
-"""Edges of both faces: what hosts do at the ends of a run and against the standards, and what they are told."""
+"""Edge cases of both interfaces: the ends of a run, calls against the standards, and the messages to hosts."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from sled import END, LENGTH, MASS, SPEED, STOPPING, build_sled
 
 NATIVE = ["native", "fmi3"]
 KINDS = [*NATIVE, "python"]
-#: 2023-11-14, where numbers are spaced by 2.4e-7 s.
+#: 2023-11-14; doubles are 2.4e-7 s apart there.
 UNIX = 1.7e9
-#: Of the motion: the tolerance of the integration.
+#: Relative tolerance of the motion: that of the integration.
 TOLERANCE = 1e-6
 
 
@@ -46,7 +46,7 @@ def sleds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.mark.parametrize("kind", NATIVE)
 @pytest.mark.parametrize("start", [0.0, UNIX])
 def test_no_step_goes_past_the_stop_time(sleds: dict, kind: str, start: float) -> None:
-    """The last step may miss the stop time by round-off, but not by a hundredth of a step, and changes nothing then."""
+    """The last step may miss the stop time by rounding errors. A miss of 1 % of a step is refused without effect."""
     with host(sleds[kind]) as sled:
         sled.start(start, start + 10 * STEP)
         for number in range(9):
@@ -63,7 +63,7 @@ def test_no_step_goes_past_the_stop_time(sleds: dict, kind: str, start: float) -
 @pytest.mark.parametrize("start", [0.0, 3.0, UNIX])
 @pytest.mark.parametrize("size", [0.1, STEP, 1e-5])
 def test_round_off_of_the_time_stops_no_run(sleds: dict, kind: str, start: float, size: float) -> None:
-    """Neither of start + n size, as one multiplication or by adding up, nor of a stop time that was added otherwise."""
+    """Times may be products (start + n size) or sums, and the stop time may be summed in another way."""
     count = 60
     for added in (True, False):
         with host(sleds[kind]) as sled:
@@ -133,7 +133,7 @@ def test_step_that_the_time_cannot_show_is_refused(sleds: dict, kind: str) -> No
 
 
 def test_motion_and_sentences_are_the_same_at_unix_time(sleds: dict) -> None:
-    """Steps of a power of two are exact at both starts; the sled stops after a second."""
+    """Steps of a power of two are exact at both starts; the sled stops after 1 s."""
     found = []
     for start in (0.0, UNIX):
         with host(sleds["native"]) as sled:
@@ -154,7 +154,7 @@ def test_fmi3_declares_that_it_may_return_early(sleds: dict) -> None:
 
 
 def test_fmi3_discards_a_step_within_which_the_run_ends(sleds: dict) -> None:
-    """No early return without leave; the state is the one before, and shorter steps still lead on."""
+    """Early return is not allowed. The state is the one before the step; shorter steps still succeed."""
     with host(sleds["fmi3"]) as sled:
         sled.start(0.0)
         assert sled.step(0.0, 1.0) == OK
@@ -174,7 +174,9 @@ def test_fmi3_discards_a_step_within_which_the_run_ends(sleds: dict) -> None:
 
 
 def test_discarded_step_tells_nothing_that_did_not_happen(sleds: dict) -> None:
-    """The sled stops, is pushed on and leaves the track, all within one step; taken back, only its end is told."""
+    """The sled stops, moves again and leaves the track, all in one step. A discarded step reports only the end of the
+    run.
+    """
     with host(sleds["fmi3"]) as sled:
         sled.start(0.0, brake=STOPPING, push_growth=6.0)
         assert sled.step(0.0, 10.0) == DISCARD
@@ -193,14 +195,14 @@ def test_fmi3_returns_early_with_ok_where_it_may(sleds: dict) -> None:
         assert time == pytest.approx(END, rel=TOLERANCE)
         assert sled["distance"] == pytest.approx(LENGTH, rel=TOLERANCE)
         before = sled.state()
-        assert sled.step(time, 0.1) == ERROR  # not Discard: no shorter step would lead on
+        assert sled.step(time, 0.1) == ERROR  # not Discard: shorter steps would fail, too
         assert sled.state() == before
         assert "The run has ended" in sled.said[-1]
         assert sled.raw("Terminate") == OK
 
 
 def test_fmi2_discards_with_the_time_that_was_reached(sleds: dict) -> None:
-    """FMI 2.0: a subinterval was computed, and the state is that at its end."""
+    """FMI 2.0: the step was computed in part, and the state is that at the time reached."""
     with host(sleds["native"]) as sled:
         sled.start(0.0)
         assert sled.step(0.0, 5.0) == DISCARD
@@ -212,7 +214,7 @@ def test_fmi2_discards_with_the_time_that_was_reached(sleds: dict) -> None:
 
 @pytest.mark.parametrize("kind", ["native", "fmi3"])
 def test_fmpy_takes_the_run_to_its_end(sleds: dict, kind: str) -> None:
-    """With either standard, the last row is where the track ends."""
+    """In both standards the last row is the end of the track."""
     named = {"early_return_allowed": True} if kind == "fmi3" else {}
     table = simulate_fmu(str(sleds[kind]), stop_time=5.0, output_interval=0.4, **named)
     assert table["time"][-1] == pytest.approx(END, rel=TOLERANCE)
@@ -223,7 +225,7 @@ def test_fmpy_takes_the_run_to_its_end(sleds: dict, kind: str) -> None:
 
 
 def test_fmi3_says_nothing_when_logging_is_off(sleds: dict) -> None:
-    """Section 2.3.1: the callback is not called, not even for errors."""
+    """FMI 3.0, section 2.3.1: the callback is not called, not even for errors."""
     with host(sleds["fmi3"], logging=False) as sled:
         assert sled.experiment(0.0, None, 2.0) == WARNING
         sled.raw("ExitInitializationMode")
@@ -233,7 +235,7 @@ def test_fmi3_says_nothing_when_logging_is_off(sleds: dict) -> None:
 
 
 def test_fmi2_tells_errors_and_warnings_always_and_the_rest_on_demand(sleds: dict) -> None:
-    """Section 2.1.3: of a Discard nothing is shown unless logging is on."""
+    """FMI 2.0, section 2.1.3: a Discard is logged only if logging is on."""
     with host(sleds["native"], logging=False) as sled:
         assert sled.experiment(0.0, None, 2.0) == WARNING
         sled.raw("EnterInitializationMode")
@@ -249,7 +251,7 @@ def test_fmi2_tells_errors_and_warnings_always_and_the_rest_on_demand(sleds: dic
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_named_categories_are_the_only_ones(sleds: dict, kind: str) -> None:
-    """To switch logging on for a category switches the others off; an unknown name is refused and changes nothing."""
+    """Logging of one category switches the others off. An unknown name is refused and changes nothing."""
     with host(sleds[kind]) as sled:
         names = ["logStatusDiscard", "nonsense"]
         assert sled.status(sled.fmu.setDebugLogging, True, names) == ERROR
@@ -272,7 +274,7 @@ def test_tolerance_that_does_not_serve_is_warned_of(sleds: dict, kind: str, tole
         if not sled.three:
             assert sled.raw("EnterInitializationMode") == OK
         assert sled.raw("ExitInitializationMode") == OK
-        assert sled.step(0.0, 3.0 * 1.1) == ERROR  # the rest of the experiment holds
+        assert sled.step(0.0, 3.0 * 1.1) == ERROR  # the rest of the experiment is in force
 
 
 @pytest.mark.parametrize("kind", NATIVE)
@@ -283,12 +285,12 @@ def test_tolerance_that_serves_is_taken(sleds: dict, kind: str) -> None:
 
 
 def test_event_mode_tells_of_what_a_step_has_found(sleds: dict) -> None:
-    """The sled stops and is pushed on: two events, and the motion that a step without them finds."""
+    """The sled stops and moves again: two events. The motion equals that of one step without event mode."""
     assert read_model_description(str(sleds["fmi3"])).coSimulation.hasEventMode
     pushed = {"brake": STOPPING, "push_growth": 6.0}
     with host(sleds["fmi3"], early=True, events=True) as sled, host(sleds["fmi3"]) as whole:
         sled.start(0.0, **pushed)
-        assert sled.step(0.0, 4.0) == ERROR  # which begins in event mode
+        assert sled.step(0.0, 4.0) == ERROR  # an instance begins in event mode
         time, at = 0.0, []
         while time < 4.0:
             assert sled.fmu.updateDiscreteStates()[:5] == (False,) * 5
@@ -398,7 +400,7 @@ def test_types_that_no_variable_has_can_be_asked_for_none(sleds: dict) -> None:
 
 
 def test_fmi2_answers_questions_about_steps_once_there_may_be_some(sleds: dict) -> None:
-    """A step is never pending: nothing to cancel, and what only pending steps have is discarded."""
+    """Steps are never pending: none can be cancelled, and a status of pending steps is discarded."""
     with host(sleds["native"]) as sled:
         time, status, truth = c_double(), c_int(), c_int()
         assert sled.raw("GetRealStatus", 2, byref(time)) == ERROR
@@ -454,7 +456,7 @@ def test_default_experiment_is_complete(sleds: dict, kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_initial_unknowns_have_the_dependencies_of_the_start(sleds: dict, kind: str) -> None:
-    """Through start values, the equation of the load, and the brake, which holds a sled that stands."""
+    """Start values, the equation of the load, and the brake, which holds a sled at rest."""
     about = read_model_description(str(sleds[kind]))
     found = {u.variable.name: {d.name for d in u.dependencies} for u in about.initialUnknowns}
     assert found == {
@@ -499,7 +501,7 @@ def test_pythonfmu_makes_no_step_of_a_run_that_stops_before_it_starts(sleds: dic
 
 
 def names_of_tests() -> set[str]:
-    """Names of the tests of FMUs."""
+    """Return the names of all tests of FMUs."""
     return {
         node.name
         for path in Path(__file__).parent.glob("test_*.py")
@@ -515,7 +517,7 @@ def test_each_check_on_the_page_has_its_test() -> None:
 
 
 def test_each_edge_is_on_the_page() -> None:
-    """What is tested here of the standards and not said there would be found by nobody."""
+    """Each test of the standards in this file has to be listed on the page."""
     own = {
         node.name
         for node in ast.parse(Path(__file__).read_text(encoding="utf-8")).body
@@ -524,7 +526,7 @@ def test_each_edge_is_on_the_page() -> None:
     assert own - {check.test for check in CHECKS} == NOT_OF_THE_STANDARD
 
 
-#: Tests of motion, of hosts and of the page itself.
+#: Tests of the motion, of hosts and of the page itself.
 NOT_OF_THE_STANDARD = {
     "test_motion_and_sentences_are_the_same_at_unix_time",
     "test_discarded_step_tells_nothing_that_did_not_happen",

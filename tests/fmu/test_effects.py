@@ -1,4 +1,4 @@
-"""Parameters that nothing in the chosen system depends on: a host that sets one is told so, once, as it initialises."""
+"""Parameters without effect in the chosen system: setting one gives a single warning at initialisation."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from tests.fmu.hosting import OK, WARNING, Host, host
 from tests.quick_library import quick_library
 
 BUILD = {"native": build_native_fmu, "fmi3": build_native_fmu3}
-#: Parameters of the stone that act in its second system alone, each by another way.
+#: Parameters that act only in the stone's second system, each in another way.
 AT_ONCE, BY_CONSTANT, BY_PART = "drag", "buoyancy", "wind"
 DETAILED = (AT_ONCE, BY_CONSTANT, BY_PART)
 
 
 def stone(detail: int) -> System:
-    """A stone that falls. All its parameters are declared at both levels of detail; some act at the second alone."""
+    """Return a falling stone. Both levels of detail declare all parameters; some act at the second level only."""
     system = System(f"stone_{detail}", "A stone that falls")
     p = {name: system.parameter(Variable(name, "parameter", "1", name, 0.0)) for name in ("gravity", *DETAILED)}
     v = system.state("v", "m/s", 0.0, 1.0)
@@ -43,14 +43,14 @@ def stones() -> Model:
 
 
 def test_effect_is_told_by_what_equations_depend_on() -> None:
-    """At once, through a constant, through a part; what a part is given and does not use has none."""
+    """Parameters act directly, through a constant or through a part. An unused argument of a part has no effect."""
     model = stones()
     assert without_effect(model, model.systems[0]) == list(DETAILED)
     assert without_effect(model, model.systems[1]) == []
 
 
 def test_parameters_that_cancel_in_a_constant_have_no_effect_and_a_branch_that_rests_has() -> None:
-    """Half of a weight on each of two springs, however far apart; a limit that is five times the value at the start."""
+    """Each spring carries half of the weight at any distance. The limit is five times the value at the start."""
     system = System("scales", "A weight on two springs")
     names = {"weight": 10.0, "apart": 2.0, "limit": 50.0}
     p = {n: system.parameter(Variable(n, "parameter", "1", n, start, 0.0)) for n, start in names.items()}
@@ -75,7 +75,7 @@ def path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 
 def initialised(one: Host, **values: float) -> int:
-    """Status of leaving initialisation."""
+    """Initialise the instance; return the status."""
     assert one.experiment() == OK
     if not one.three:
         assert one.raw("EnterInitializationMode") == OK
@@ -121,7 +121,7 @@ def test_a_name_that_there_is_not_is_told_however_it_is_used() -> None:
             way()
 
 
-#: By level and contact model of the bogie: some of the parameters that have no effect there.
+#: Some of the parameters without effect, by level and contact model of the bogie.
 NAMED = {
     (1, 1): {"constant_speed", "wheel_lift_ends", "frame_height", "vertical_stiffness", "vertical_half_spacing"},
     (2, 1): {"constant_speed", "lateral_stiffness", "vertical_half_spacing"},
@@ -134,7 +134,7 @@ NAMED = {
 
 @pytest.mark.parametrize(("level", "depth"), NAMED)
 def test_what_has_no_effect_changes_no_bit_of_a_stop(bogie: Library, level: int, depth: int) -> None:
-    """All of them at once, each to another value than that of its start."""
+    """All of them are changed at once."""
     model = fmu_model("bogie")
     idle = without_effect(model, model.systems[model.choice[3 * (level - 1) + depth - 1]])
     assert NAMED[level, depth] <= set(idle)

@@ -1,4 +1,4 @@
-"""Model exchange: an integrator of the host on the same equations, with events where a friction sticks and slides."""
+"""Model exchange: an integrator of the host solves the same equations, with events where friction sticks or slips."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from tests.fmu.objects import GRIP, LENGTH, SPEED, bricks
 from tests.fmu.sled import build_sled
 
 NATIVE = ["native", "fmi3"]
-#: Of the brick of 1 kg against its grip alone [s, m].
+#: Stopping time and distance of the brick of 1 kg with its friction alone [s, m].
 STOPS, WAY = SPEED / GRIP, SPEED**2 / (2 * GRIP)
-#: Relative tolerance of CVODE, and bands of what it finds: ten times that, and the hysteresis of events.
+#: Relative tolerance of CVODE, and tolerance of its results: ten times that, and the hysteresis of events.
 TIGHT, FOUND = 1e-9, 1e-7
-#: Of a stop with lock-up: relative, and of the times of locking [s].
+#: Tolerances of a stop with lock-up: distance (relative) and times of locking [s].
 DISTANCE_BAND, LOCK_BAND = 1e-5, 1e-5
-#: Of the bogie; 0 where a wheelset is held.
+#: Angular velocities of the bogie's wheelsets; 0 while a wheelset is locked.
 WHEELS = ("angular_velocity_1", "angular_velocity_2")
 
 
@@ -44,7 +44,7 @@ def paths(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 def read(one: Host, what: str, count: int) -> list[float]:
-    """An array of model exchange; `what` without the prefix of the standard."""
+    """Return an array of model exchange; `what` is the function's name without the prefix of the standard."""
     found = (c_double * count)()
     name = "GetContinuousStateDerivatives" if one.three and what == "GetDerivatives" else what
     assert one.raw(name, found, c_size_t(count)) == OK
@@ -52,13 +52,13 @@ def read(one: Host, what: str, count: int) -> list[float]:
 
 
 def put(one: Host, time: float, states: Sequence[float]) -> int:
-    """Takes the instance to a place; status of its states."""
+    """Set the time and the states of the instance; return the status of the states."""
     assert one.raw("SetTime", c_double(time)) == OK
     return one.raw("SetContinuousStates", (c_double * len(states))(*states), c_size_t(len(states)))
 
 
 def find_modes(one: Host) -> tuple[bool, bool]:
-    """In event mode: whether the run ends, and whether states were set anew."""
+    """Iterate the event; return whether the run ends and whether states have changed."""
     if one.three:
         found = one.fmu.updateDiscreteStates()
         return found[1], found[3]
@@ -69,20 +69,20 @@ def find_modes(one: Host) -> tuple[bool, bool]:
 
 
 def begin(one: Host, **inputs: float) -> None:
-    """To continuous-time mode at t = 0."""
+    """Initialise the instance and enter continuous-time mode at t = 0."""
     one.start(**inputs)
     assert find_modes(one) == (False, False)
     assert one.raw("EnterContinuousTimeMode") == OK
 
 
 def integrated(path: Path, stop: float, outputs: list[str], **how: object) -> np.ndarray:
-    """Samples by FMPy's CVODE, events included."""
+    """Return the samples of FMPy's CVODE, including events."""
     given = {"relative_tolerance": TIGHT, "output_interval": stop / 100, "record_events": True} | how
     return simulate_fmu(str(path), fmi_type="ModelExchange", stop_time=stop, output=outputs, **given)
 
 
 def first(table: np.ndarray, name: str) -> float:
-    """Time of the first sample at which an output is not 0 [s]."""
+    """Return the time of the first sample at which an output is not 0 [s]."""
     return float(table["time"][np.flatnonzero(table[name])[0]])
 
 
@@ -99,11 +99,11 @@ def test_cvode_stops_the_brick_where_and_when_it_must_stop(paths: dict, kind: st
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_force_that_grows_lets_the_brick_slide_in_time(paths: dict, kind: str) -> None:
-    """From t = 2 s by 1 N in a second against 2 N: it slides from 4 s on by v = t^2 / 2."""
+    """The force grows by 1 N/s from t = 2 s. It exceeds the grip of 2 N at 4 s; then v = (t - 4 s)^2 / 2."""
     force = np.array([(0.0, 0.0), (2.0, 0.0), (6.0, 4.0)], dtype=[("time", float), ("push", float)])
     table = integrated(paths[kind], 6.0, ["stuck", "speed"], input=force, output_interval=0.01)
     slides = table["time"][np.flatnonzero(table["stuck"])[-1]]
-    assert slides == pytest.approx(4.0, abs=1e-3)  # FMPy gives inputs to CVODE as they were a step ago
+    assert slides == pytest.approx(4.0, abs=1e-3)  # FMPy passes inputs to CVODE one step late
     assert table["speed"][-1] == pytest.approx(2.0, rel=0.01)
 
 
@@ -124,7 +124,7 @@ def test_run_ends_with_its_sentence_and_a_request_to_terminate(paths: dict, kind
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_integrator_that_locates_no_events_stops_within_a_step(paths: dict, kind: str) -> None:
-    """A completed step that has gone too far asks for event mode; Euler's, of 1 ms."""
+    """A completed step of Euler's method (1 ms) that has passed an event requests event mode."""
     table = integrated(paths[kind], 3.0, ["speed", "stuck"], solver="Euler", step_size=1e-3, output_interval=1e-3)
     assert first(table, "stuck") == pytest.approx(STOPS, abs=2e-3)
     assert table["speed"][-1] == 0.0
@@ -132,7 +132,7 @@ def test_integrator_that_locates_no_events_stops_within_a_step(paths: dict, kind
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_friction_that_comes_on_a_brick_that_has_turned_round_does_not_stop_it_at_once(paths: dict, kind: str) -> None:
-    """Without grip nothing sticks, yet to turn round is an event, after which friction pushes forward."""
+    """Without grip nothing sticks. The reversal is still an event; after it the friction pushes forward."""
     with host(paths[kind], exchange=True) as one:
         begin(one, grip=0.0, push=-1.0)
         assert put(one, 3.5, [4.0 - 1e-6, -0.5]) == OK
@@ -140,14 +140,14 @@ def test_friction_that_comes_on_a_brick_that_has_turned_round_does_not_stop_it_a
         assert one.raw("EnterEventMode") == OK
         assert find_modes(one) == (False, False)
         assert one.set("grip", 0.25) == OK
-        assert find_modes(one) == (False, True)  # the slopes have jumped with the grip
+        assert find_modes(one) == (False, True)  # the derivatives have jumped with the grip
         assert find_modes(one) == (False, False)
         assert read(one, "GetDerivatives", 2) == [-0.5, -0.75]
 
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_integrator_that_begins_anew_only_where_it_is_told_follows_a_jump_of_an_input(paths: dict, kind: str) -> None:
-    """Adams and Bashforth's method of two steps is exact for v' = push, unless it goes on with the slope of before."""
+    """The two-step Adams-Bashforth method is exact for v' = push if it discards the slope before the jump."""
     size, before, behind, count = 0.1, -0.5, 1.5, 5
     with host(paths[kind], exchange=True) as one:
         begin(one, grip=0.0, push=before)
@@ -169,7 +169,7 @@ def test_integrator_that_begins_anew_only_where_it_is_told_follows_a_jump_of_an_
 
 
 def complete_step(one: Host) -> bool:
-    """Whether the instance asks for event mode behind a step of the integrator."""
+    """Return whether the instance requests event mode after a step of the integrator."""
     crossed, ended = ((c_bool if one.three else c_int)() for _ in range(2))
     assert one.raw("CompletedIntegratorStep", True, byref(crossed), byref(ended)) <= WARNING
     return bool(crossed.value)
@@ -178,9 +178,9 @@ def complete_step(one: Host) -> bool:
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])
 @pytest.mark.parametrize("torque", [8e3, 12e3, 20e3])
 def test_wheels_do_not_chatter_on_the_way_to_rest(fmus: dict, torque: float, tolerance: float) -> None:
-    """Errors of an integrator are larger than the slip near rest. Both wheelsets are held once, within a few tries.
+    """Near rest, errors of the integrator exceed the slip. Both wheelsets are held once, after a few attempts.
 
-    FMPy gives CVODE 500 steps from sample to sample: at 1e-4 one stop in twenty needs more for the last 0.1 s.
+    FMPy allows CVODE 500 steps per sample. At 1e-4 one stop in twenty needs more for the last 0.1 s.
     """
     inputs = {"brake_torque_1": torque, "brake_torque_2": torque, "initial_speed": 10.0}
     stop = 12.0 * 12e3 / torque
@@ -200,14 +200,14 @@ def test_wheels_do_not_chatter_on_the_way_to_rest(fmus: dict, torque: float, tol
     assert events <= MOST_EVENTS
 
 
-#: Two wheelsets lock and stand; a few tries more where a tolerance is coarse: 73 at 8 kN.m and 1e-4, at most 14 in 23
-#: other stops from 6 to 20 kN.m. Without an end there are thousands.
+#: Two wheelsets lock and stop, with a few more events at coarse tolerances: 73 at 8 kN.m and 1e-4, at most 14 in 23
+#: other stops from 6 to 20 kN.m. Runs that chatter have thousands.
 MOST_EVENTS, FEW_SECONDS = 100, 20.0
 
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_a_wheelset_that_slides_to_rest_ceases_to_be_locked_at_an_event(fmus: dict, kind: str) -> None:
-    """An output that is true or false is discrete: it changes at events alone, and an instance asks for one."""
+    """A Boolean output is discrete: it changes at events only, and the instance requests one."""
     with host(fmus["bogie", kind], exchange=True) as one:
         begin(one, brake_torque_1=60e3, initial_speed=10.0)
         states = read(one, "GetContinuousStates", 14)
@@ -225,13 +225,13 @@ def test_a_wheelset_that_slides_to_rest_ceases_to_be_locked_at_an_event(fmus: di
 
 
 def within(seconds: float) -> Callable[[float, object], bool]:
-    """For FMPy: goes on for some seconds of wall time."""
+    """Return a callback for FMPy that stops the run after some seconds of wall time."""
     end = clock.monotonic() + seconds
     return lambda time, recorder: clock.monotonic() < end
 
 
 def euler(one: Host, size: float, steps: int, count: int) -> None:
-    """Steps of Euler's method, with events where they are asked for."""
+    """Make steps of Euler's method, with an event where the instance requests one."""
     states = read(one, "GetContinuousStates", count)
     for number in range(steps):
         slopes = read(one, "GetDerivatives", count)
@@ -251,7 +251,7 @@ def states_of(path: Path) -> int:
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_euler_above_its_stability_limit_is_told_so_before_the_run_fails(fmus: dict, kind: str) -> None:
-    """The coach ends by wheel lift within a second; that is no physics, and said within the first ten steps."""
+    """The method makes the coach end by wheel lift within a second. The warning comes within the first ten steps."""
     path = fmus["braked-vehicle", kind]
     with host(path, exchange=True) as one:
         begin(one, pressure_demand_1=180e3, pressure_demand_2=180e3)
@@ -265,7 +265,7 @@ def test_euler_above_its_stability_limit_is_told_so_before_the_run_fails(fmus: d
 
 
 def test_integrators_that_do_not_lie_are_told_nothing(fmus: dict) -> None:
-    """Euler below the limit; and steps of an implicit method of the same length, and of the trapezoidal rule."""
+    """Euler's method below its limit, the brake with steps of 1 s by implicit Euler and the trapezoidal rule."""
     path = fmus["bogie", "native"]
     count = states_of(path)
     with host(path, exchange=True) as one:
@@ -295,7 +295,7 @@ def test_integrators_that_do_not_lie_are_told_nothing(fmus: dict) -> None:
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_stop_with_lock_up_through_cvode_is_that_of_co_simulation(fmus: dict, kind: str) -> None:
-    """Lock, release, lock again, a stop; distance, and when each wheelset turns no longer for the first time."""
+    """Lock, release, second lock, stop. Compare the distance and each wheelset's first lock with co-simulation."""
     values = {"brake_torque_1": 60e3, "brake_torque_2": 20e3, "initial_speed": 20.0}
     table = integrated(
         fmus["bogie", kind],
@@ -314,7 +314,7 @@ def test_stop_with_lock_up_through_cvode_is_that_of_co_simulation(fmus: dict, ki
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_run_out_through_cvode_stops_where_resistance_says(fmus: dict, kind: str) -> None:
-    """v^2 / 2a with a = A / (m + J / r^2), against the constant part alone; then it stands."""
+    """The distance is v^2 / 2a with a = A / (m + 2 J / r^2); A is the constant part. The bogie then stays at rest."""
     p, begin, deceleration = two_axle_bogie().parameters, 5.0, 0.5
     rolling = p.frame_mass + 2 * (p.wheelset_mass + p.wheelset_pitch_inertia / p.wheel_radius**2)
     values = {"davis_constant": deceleration * rolling, "rolling_resistance_torque": 0.0, "initial_speed": begin}
@@ -326,7 +326,7 @@ def test_run_out_through_cvode_stops_where_resistance_says(fmus: dict, kind: str
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_resistance_that_is_none_makes_no_event_of_a_passage_through_rest(fmus: dict, kind: str) -> None:
-    """Its indicator is one number forwards and backwards; with some resistance it changes its sign."""
+    """Without resistance the indicator has one value forwards and backwards. With resistance it changes its sign."""
     for constant, same in ((0.0, True), (1e3, False)):
         with host(fmus["bogie", kind], exchange=True) as one:
             assert one.set("davis_constant", constant) == OK
@@ -342,7 +342,7 @@ def test_resistance_that_is_none_makes_no_event_of_a_passage_through_rest(fmus: 
 
 
 def lock_times(path: Path, values: dict[str, float]) -> tuple[dict[str, float], float]:
-    """In co-simulation with early return: when each wheelset is held first [s], and the distance after 10 s [m]."""
+    """Return the time of each wheelset's first lock [s] and the distance after 10 s [m], by co-simulation."""
     found: dict[str, float] = {}
     with host(path, early=True) as one:
         for name, value in values.items():
@@ -488,7 +488,7 @@ def test_warnings_are_said_behind_a_completed_step(paths: dict, kind: str) -> No
         assert [line for line in one.said if "half a metre" in line] == ["The brick passed half a metre at 0.2 s."]
 
 
-#: An operating point of each FMU at which inputs act: inputs; states that differ from the start.
+#: Operating point of each FMU at which inputs act: inputs, and states that differ from the start.
 ACTING = {
     "bogie": (
         {"brake_torque_1": 10e3, "brake_torque_2": 12e3, "friction_1": 0.3, "friction_2": 0.25, "gradient": 0.01},
@@ -504,7 +504,7 @@ ACTING = {
 def test_directional_derivatives_are_those_of_differences_and_of_listed_dependencies(
     fmus: dict, name: str, kind: str
 ) -> None:
-    """Column by column, by states and real inputs: central differences to 1e-5 of the column; nothing acts unlisted."""
+    """Compare each column with central differences, to 1e-5 of it. Knowns that are not listed have no effect."""
     about = read_model_description(str(fmus[name, kind]))
     inputs, places = ACTING[name]
     states = [unknown.variable.derivative.name for unknown in about.derivatives]
@@ -551,7 +551,7 @@ def test_description_names_states_derivatives_and_indicators(fmus: dict, kind: s
     about = read_model_description(str(fmus["bogie", kind]))
     assert about.modelExchange.modelIdentifier == about.coSimulation.modelIdentifier == "BogieDynamics"
     assert about.numberOfContinuousStates == 14
-    # Of each wheelset a lock and a hold, of the vehicle its running resistance; and ends.
+    # A lock and a hold for each wheelset, the vehicle's running resistance, and two ends.
     assert about.numberOfEventIndicators == 4 + 1 + 2
     speed = next(unknown.variable for unknown in about.derivatives if unknown.variable.name == "der(state_bounce_rate)")
     assert speed.derivative.name == "state_bounce_rate"

@@ -1,4 +1,4 @@
-"""The FMI 3.0 face of the same kernel, in FMPy."""
+"""The FMI 3.0 interface of the same kernel, in FMPy."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from products.registry import DIFFERENT, model_of
 
 @contextmanager
 def open_fmi3(path: Path, early: bool = False) -> Iterator[tuple[FMU3Slave, dict[str, int], list[str]]]:
-    """An instance, its value references, and what it says."""
+    """An instance with its value references and messages."""
     about = read_model_description(str(path))
     folder = extract(str(path))
     fmu = FMU3Slave(
@@ -96,7 +96,7 @@ def test_step_goes_on_where_no_early_return_is_allowed(fmus: dict) -> None:
 
 @pytest.mark.parametrize("early", [True, False])
 def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict, early: bool) -> None:
-    """With OK and a request to terminate where early return is allowed; where it is not, nothing has happened."""
+    """With early return: OK and a request to terminate. Without: the step is discarded."""
     with open_fmi3(fmus["bogie", "fmi3"], early) as (fmu, refs, said):
         fmu.setInt32([refs["contact_model"], refs["wheel_lift_ends"], refs["constant_speed"]], [1, 0, 1])
         begin(fmu, refs, 3, initial_speed=10.0, flange_stiffness=1e6, yaw_torque_1=1.8e5)
@@ -112,10 +112,10 @@ def test_derailment_ends_the_simulation_with_its_sentence(fmus: dict, early: boo
             assert time == 0.0
         assert any("lost its tread contact" in line for line in said)
         assert fmu.getBoolean([refs["derailed"]]) == [early]
-        with pytest.raises(FMICallException):  # beyond the end nothing goes on
+        with pytest.raises(FMICallException):  # a step beyond the end fails
             fmu.doStep(time, 20.0)
         if not early:
-            fmu.doStep(time, 0.01)  # but before it
+            fmu.doStep(time, 0.01)  # a step that ends before it succeeds
 
 
 def test_saved_state_and_derivatives(fmus: dict) -> None:

@@ -1,4 +1,4 @@
-"""The four FMUs as a host sees them through fmpy."""
+"""The FMUs in a host, through FMPy."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.registry import DIFFERENT, model_of, variables_of
 
-#: Of FMI 2.0.
+#: Kinds of FMI 2.0.
 KINDS = ["native", "python"]
 BUILT = [(name, kind) for kind in KINDS for name in DIFFERENT]
 
 
-#: Of the bogie.
+#: Outputs of the bogie.
 OUTPUTS = [one.name for one in variables_of("bogie") if one.causality == "output"]
 
 
@@ -34,7 +34,7 @@ def test_fmpy_finds_no_problem(fmus: dict, key: tuple[str, str]) -> None:
 
 @pytest.mark.parametrize("key", BUILT)
 def test_variables_are_those_of_the_model_in_their_order(fmus: dict, key: tuple[str, str]) -> None:
-    """What hosts rely on is `products/variables.csv` (tests/fmu/test_promised_variables.py)."""
+    """The names that hosts rely on are in `products/variables.csv` (tests/fmu/test_promised_variables.py)."""
     of_model = [one for one in model_of(key[0]).variables if one.causality != "local"]
     variables = read_model_description(str(fmus[key])).modelVariables
     for causality in ("input", "output", "parameter"):
@@ -56,19 +56,20 @@ def test_outputs_and_initial_unknowns_are_all_listed(fmus: dict, key: tuple[str,
 
 
 def known_inputs(unknowns: list) -> dict[str, set[str]]:
-    """Of what each unknown depends on, the inputs."""
+    """Return the inputs that each unknown depends on."""
     return {u.variable.name: {d.name for d in u.dependencies if d.causality == "input"} for u in unknowns}
 
 
 def test_dependencies_come_from_the_equations(fmus: dict) -> None:
     description = read_model_description(str(fmus["brake", "native"]))
     found = known_inputs(description.outputs)
-    # All passes through the pressure, except the sliding speed of some laws of shoe friction.
+    # Outputs depend on inputs through the pressure, except that some laws of shoe friction use the sliding speed.
     assert found["cylinder_pressure"] == found["shoe_force"] == set()
     assert found["shoe_friction"] == found["brake_torque"] == {"angular_velocity"}
     description = read_model_description(str(fmus["bogie", "native"]))
     found = known_inputs(description.outputs)
-    # Rolling, of friction and load, which a gradient leans in the plane; standing, of what pushes and what holds.
+    # While rolling: friction and load, which a gradient shifts in the planar model. At rest: all forces and brake
+    # torques.
     pushes, holds = {"gradient", "curvature", "drawbar_force"}, {"brake_torque_1", "brake_torque_2"}
     assert found["creep_force_1"] == {"friction_1", "friction_2"} | pushes | holds
     assert found["axle_load_1"] == {"friction_1", "gradient"}
@@ -77,7 +78,7 @@ def test_dependencies_come_from_the_equations(fmus: dict) -> None:
 
 @pytest.mark.parametrize("level", [1, 2])
 def test_native_and_pythonfmu_give_the_same_trajectory(fmus: dict, level: int) -> None:
-    """Through skid, lock and rest, to 1e-12 of each quantity's size; it is one kernel, so bits are expected."""
+    """Compare runs through skid, lock and rest, to 1e-12 of each quantity's size. Both kinds have the same kernel."""
     names = [*OUTPUTS]
     rows: dict[str, np.ndarray] = {}
     for kind in KINDS:
@@ -227,7 +228,7 @@ def test_equal_content_makes_equal_bytes(tmp_path: Path, fmus: dict) -> None:
 
 @pytest.mark.long
 def test_the_vehicle_with_other_numbers_is_an_fmu_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The coal wagon, whose wheelsets carry 306 kN each; for a tenth of a second its equations need no optimising."""
+    """The coal wagon has wheelset loads of 306 kN. A run of 0.1 s needs no optimised code."""
     monkeypatch.setattr(compiling, "OPTIMISE_GENERATED", "-O0")
     assert main(["coal-wagon", "--kind", "native", "--out", str(tmp_path)]) == 0
     with FmuInstance(tmp_path / "native" / "CoalWagonDynamics.fmu", level=3) as wagon:
@@ -237,7 +238,7 @@ def test_the_vehicle_with_other_numbers_is_an_fmu_too(tmp_path: Path, monkeypatc
 
 
 def test_pythonfmu_fmu_needs_neither_casadi_nor_this_project(fmus: dict, tmp_path: Path) -> None:
-    """The process ends without its exit handlers: pythonfmu's writes to freed memory there (docs/hosts.md)."""
+    """The process ends without its exit handlers, in which pythonfmu writes to freed memory (docs/hosts.md)."""
     script = (
         "import os, sys\n"
         "for name in ('casadi', 'fmu_src', 'rbd_model', 'ziglang'): sys.modules[name] = None\n"

@@ -1,4 +1,4 @@
-"""The programs in an archive that run its FMU: each gives what FMPy finds, and refuses in a sentence."""
+"""The host programs in an archive give the same values as FMPy and refuse wrong names with a message."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ OUTPUTS = ("cylinder_pressure", "shoe_force", "shoe_friction", "brake_torque")
 
 @pytest.fixture
 def documentation(fmus: Mapping, tmp_path: Path) -> Path:
-    """The folder of the hosts in the unpacked brake."""
+    """Unpack the brake; return the folder of the host programs."""
     with zipfile.ZipFile(fmus["brake", "native"]) as archive:
         archive.extractall(tmp_path)
     return tmp_path / "documentation"
@@ -36,7 +36,7 @@ def expected(fmus: Mapping) -> dict[str, float]:
 
 
 def refusal(command: list[str | Path], folder: Path) -> str:
-    """What is said about a name that does not exist."""
+    """Return the error message for an unknown name."""
     done = call(command, folder, "presure=1")
     assert done.returncode == 1
     return done.stderr

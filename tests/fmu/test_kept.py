@@ -1,4 +1,4 @@
-"""What lies on disk is used if it is whole, ours and here; else it is made again, or one sentence says what to do."""
+"""A stored file is used if it is complete, the user's own and in its place; else it is made again or refused."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ posix = pytest.mark.skipif(os.name != "posix", reason="owners, modes and limits 
 
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty cache, not made yet."""
+    """Return the path of an empty cache that does not exist yet."""
     monkeypatch.setattr(compiling, "CACHE", tmp_path / "cache")
     return tmp_path / "cache"
 
 
 def made() -> Path:
-    """A library in the cache."""
+    """Return the path of a library in the cache."""
     return compiling.plain_library(ANSWER)
 
 
@@ -46,7 +46,7 @@ def cut(path: Path) -> None:
 
 
 def flipped(path: Path) -> None:
-    """One bit, and the times of before."""
+    """Flip one bit and restore the file times."""
     about, data = path.stat(), bytearray(path.read_bytes())
     data[len(data) // 2] ^= 1
     path.write_bytes(data)
@@ -58,13 +58,13 @@ def emptied(path: Path) -> None:
 
 
 def without_checksum(path: Path) -> None:
-    """As where a process was killed between both files, or an older version wrote one."""
+    """Remove the checksum, as if a process was killed between both files or an older version wrote the library."""
     kept.checksum_file(path).unlink()
-    kept._compared.clear()  # a process that has compared them does not ask again
+    kept._compared.clear()  # a process compares each file only once
 
 
 def linked_out(path: Path) -> None:
-    """A link to a file elsewhere that has the right checksum."""
+    """Replace the library with a link to a file elsewhere with the right checksum."""
     shutil.move(path, path.parents[1] / "elsewhere")
     path.symlink_to(path.parents[1] / "elsewhere")
 
@@ -88,7 +88,7 @@ def test_every_object_of_a_library_is_looked_at(cache: Path) -> None:
 
 
 def test_a_note_that_is_cut_off_counts_for_nothing(cache: Path) -> None:
-    """Half of a table of variables was read as one."""
+    """Regression test: half of a table of variables was read as a complete one."""
     texts = iter(["[1, 2, 3]", "[4]"])
     assert build_notes.noted("numbers", lambda: next(texts)) == "[1, 2, 3]"
     assert build_notes.noted("numbers", lambda: next(texts)) == "[1, 2, 3]"
@@ -98,7 +98,7 @@ def test_a_note_that_is_cut_off_counts_for_nothing(cache: Path) -> None:
 
 
 def test_a_copied_cache_serves_its_own_files(cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Notes held the places of the folder that was copied."""
+    """Regression test: notes contained paths in the folder that was copied."""
     assert build_notes.noted_path("answer", made).is_relative_to(cache)
     shutil.copytree(cache, tmp_path / "copy")
     monkeypatch.setattr(compiling, "CACHE", tmp_path / "copy")
@@ -160,7 +160,7 @@ def test_a_full_disk_is_one_sentence_with_the_folder_and_what_to_do(cache: Path,
     words = r"Free space on its disk, or name .* TMPDIR\.$"
     with files_of_at_most(100), pytest.raises(CompilerError, match=words) as caught:
         made()
-    assert is_full(caught.value)  # a sweep ends there, where other errors are failures of a point
+    assert is_full(caught.value)  # a sweep stops at this error, whereas other errors fail one point
     made()
     next(cache.glob("*.so")).unlink()
     with files_of_at_most(100), pytest.raises(CompilerError, match=r"Cannot write .*Free space on its disk, or name"):
@@ -202,7 +202,7 @@ def test_a_device_is_written_to_and_not_replaced(tmp_path: Path) -> None:
 
 
 def test_a_place_that_cannot_be_written_is_one_sentence(cache: Path) -> None:
-    """As in a cache that can only be read: what is there serves, what is missing is told."""
+    """In a read-only cache, existing files are used and a missing file raises an error."""
     path = made()
     path.unlink()
     path.with_name(path.name + kept.LOCK).mkdir()
@@ -214,7 +214,7 @@ def test_a_place_that_cannot_be_written_is_one_sentence(cache: Path) -> None:
     assert made() == path
 
 
-#: Ends itself where a file was written and is about to take its place.
+#: Program that kills itself after writing a file, before the rename.
 KILLED = """
 import os, signal, sys
 from pathlib import Path
@@ -252,7 +252,7 @@ def test_doctor_names_what_is_not_whole(cache: Path) -> None:
 
 
 def test_doctor_says_where_libraries_cannot_be_loaded(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As on a disk from which no programs may run."""
+    """Some disks are mounted without permission to execute."""
 
     def refused(_: str) -> None:
         raise OSError("failed to map segment from shared object")

@@ -1,4 +1,4 @@
-"""One instance that is kept and reset for stop after stop, through FMPy alone, as docs/driving.md shows it."""
+"""One instance is reset and reused for many stops, with FMPy only, as in docs/driving.md."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fmpy.fmi3 import FMU3Slave
 
 from tests.conftest import Fmus
 
-#: Growth of the resident memory that a process may show without keeping anything [bytes].
+#: Largest growth of resident memory without a leak [bytes].
 NOISE = 500_000
 LENGTH = 20.0
 SOME, MANY = 5_000, 100_000
@@ -34,7 +34,7 @@ class Kept:
         self.fmu.instantiate()
 
     def stop(self, number: int) -> list[float]:
-        """A stop at the point level from 10 m/s, each with another torque: distance and speed at its end."""
+        """Stop from 10 m/s at level 1 with the torque of this number; return the distance and the speed at the end."""
         fmu, refs, torque = self.fmu, self.refs, 15e3 + 1e-2 * number
         reals, whole = (fmu.setFloat64, fmu.setInt32) if self.three else (fmu.setReal, fmu.setInteger)
         if not self.three:
@@ -55,18 +55,18 @@ class Kept:
 
 
 def resident() -> int:
-    """Memory of this process that is in use [bytes]."""
+    """Return the resident memory of this process [bytes]."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
 
 
 def mapped() -> set[str]:
-    """Files of libraries of FMUs that this process has mapped."""
+    """Return the FMU libraries that this process has mapped."""
     lines = Path("/proc/self/maps").read_text().splitlines()
     return {line.split()[-1] for line in lines if line.endswith("BogieDynamics.so")}
 
 
 def run(path: Path, count: int) -> None:
-    """In a process of its own: `count` stops of one instance; says how its memory grew and what it has loaded."""
+    """Make `count` stops of one instance in a separate process; print its growth of memory and number of libraries."""
     kept = Kept(path)
     for number in range(SOME // 2):
         kept.stop(number)

@@ -1,4 +1,4 @@
-"""Runs of vehicles have the same bits in any number of lanes, of any compiler, on any processor."""
+"""Runs of vehicles are bit-identical in any number of lanes, with any compiler, on any processor."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rbd_model.track.line import ERRI_HIGH, arc, irregular, line_of
 from tests.fmu.sanitized import SANITIZERS
 from tests.needed import needed
 
-#: Of lanes; parts are compiled for one lane only where a compiler has no more.
+#: Numbers of lanes. Parts are compiled for one lane only if the compiler does not support vectors.
 WIDTHS = (8, 4, 2)
 STEP, ROWS, STEPS_OF_A_ROW = 0.005, 6, 20
 ZIG = [sys.executable, "-m", "ziglang", "cc", "-mcpu=baseline"]
@@ -28,13 +28,13 @@ VALUES = {
     **{"level": 3, "contact_model": 2, "initial_speed": 20, "initial_lateral": 0.006, "initial_yaw": 0.01},
     **{"friction_1": 0.1, "friction_2": 0.1, "brake_torque_1": 60e3, "brake_torque_2": 9e3, "yaw_torque_1": 20e3},
 }
-#: Force of a flange that bears [N].
+#: Least flange force that shows flange contact [N].
 PRESSED = 1e3
 
 
 @lru_cache
 def program(fmu: str, folder: Path, flags: Sequence[str] = (), compiler: str | None = None) -> Path:
-    """stop.c with the kernel of an FMU and the functions of studies; compiler: command of another one."""
+    """Return stop.c, linked with the kernel of an FMU and the functions of studies; compiler: its command."""
     sources = generate(model_of(fmu))
     runtime = {name: (RUNTIME / name).read_text() for name in (*KERNEL_SOURCES, *STUDY_SOURCES)}
     optimised = [compiling.OPTIMISE_GENERATED, compiling.OPTIMISE_RUNTIME] if not flags else ["-O1", "-O1"]
@@ -50,7 +50,7 @@ def program(fmu: str, folder: Path, flags: Sequence[str] = (), compiler: str | N
 
 
 def run_of(one: Path, lanes: int, values: dict[str, object], before: Sequence[str] = ()) -> tuple[int, list[str]]:
-    """How many lanes there were, and a line of all outputs, bit for bit, for each row."""
+    """Return the number of lanes and one line for each row with all outputs, in hexadecimal."""
     given = [f"{name}={value}" for name, value in values.items()]
     command = [*before, one, str(lanes), str(STEP), str(ROWS), str(STEPS_OF_A_ROW), *given]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=600)
@@ -97,7 +97,7 @@ def test_a_run_has_the_same_bits_in_any_number_of_lanes(fmu: str, on_line: bool,
 
 @pytest.mark.long
 def test_parts_of_one_lane_have_the_bits_of_those_in_lanes(folder: Path, curve: Path) -> None:
-    """As compilers have them that know no vectors."""
+    """Compilers without vectors compile one lane only."""
     values = values_of("bogie", curve, True)
     lanes, rows = run_of(program("bogie", folder, ("-DLANES_WIDEST=1",)), 8, values)
     assert lanes == 1
@@ -118,7 +118,7 @@ def test_a_run_has_the_same_bits_of_both_compilers(folder: Path, curve: Path) ->
 @pytest.mark.skipif(os.uname().machine != "x86_64" if hasattr(os, "uname") else True, reason="for processors of x86")
 @pytest.mark.parametrize(("processor", "lanes"), [("Nehalem", 2), ("Haswell", 4)])
 def test_a_run_has_the_same_bits_on_other_processors(processor: str, lanes: int, folder: Path, curve: Path) -> None:
-    """By QEMU; one without AVX, and one that has AVX2 and no AVX-512."""
+    """QEMU emulates a processor without AVX, and one with AVX2 and without AVX-512."""
     needed("qemu-x86_64", packages="qemu-user")
     one, values = program("bogie", folder), values_of("bogie", curve, True)
     assert run_of(one, 8, values, ["qemu-x86_64", "-cpu", processor]) == (lanes, run_of(one, 2, values)[1])
@@ -126,7 +126,7 @@ def test_a_run_has_the_same_bits_on_other_processors(processor: str, lanes: int,
 
 @pytest.mark.long
 def test_runs_in_lanes_are_clean_under_sanitizers(folder: Path, curve: Path) -> None:
-    """At each contact model; and what is compiled without optimisation has the same bits."""
+    """The contact models also give bit-identical results when compiled without optimisation."""
     try:
         one = program("bogie", folder, ("-O0", *SANITIZERS))
     except compiling.CompilerError as error:

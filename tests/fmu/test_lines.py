@@ -1,4 +1,4 @@
-"""Lines through the faces of FMI: from a string, from the resources, refused, saved, and in both versions."""
+"""Lines in FMUs: from a string, from the resources, invalid, saved, in both versions of FMI."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def curve(tmp_path: Path) -> Path:
 
 
 def run(path: Path, **values: float | str) -> list[float]:
-    """What an FMU shows after 6 s."""
+    """Return the outputs SEEN after 6 s."""
     with FmuInstance(path, **(SPACE | values)) as bogie:
         bogie.start()
         for number in range(6):
@@ -50,7 +50,7 @@ def test_an_fmu_runs_on_the_line_that_a_string_names(
 def test_a_line_among_the_resources_is_the_first_one(
     fmus: Mapping[tuple[str, str], Path], curve: Path, tmp_path: Path
 ) -> None:
-    """Without a parameter; a reset leads back to it; no text leads back to straight track."""
+    """The line needs no parameter. A reset restores it; an empty string selects straight track."""
     path = tmp_path / "bogie on a line.fmu"
     shutil.copyfile(fmus["bogie", "native"], path)
     with zipfile.ZipFile(path, "a") as archive:
@@ -126,7 +126,7 @@ def test_fmi_3_takes_a_line_as_well(fmus: Mapping[tuple[str, str], Path], curve:
     assert variable.type == "String"
 
 
-#: What tells how a vehicle stands in a curve.
+#: Outputs that describe the steady state of a vehicle in a curve.
 STANDING = ("lateral_1", "lateral_2", "yaw_1", "guiding_force_1", "wheel_load_1_left", "wheel_load_2_right")
 
 
@@ -134,7 +134,7 @@ STANDING = ("lateral_1", "lateral_2", "yaw_1", "guiding_force_1", "wheel_load_1_
 def test_an_fmu_starts_in_the_steady_state_of_its_curve(
     fmus: Mapping[tuple[str, str], Path], bogie: Library, tmp_path: Path, kind: str
 ) -> None:
-    """That of the kernel, from the first output on, on a brake that acts from then on."""
+    """The first outputs are those of the kernel's steady state with a brake applied."""
     path = str(line_of([arc(200.0, 400.0, 0.05)], -10.0).write(tmp_path / "curve.csv"))
     kernel = Kernel(bogie, line_file=path, brake_torque_1=1e3, **SPACE)
     kernel.initialise()
@@ -156,7 +156,7 @@ def test_an_fmu_starts_in_the_steady_state_of_its_curve(
 def test_model_exchange_starts_in_the_steady_state_of_its_gradient(
     fmus: Mapping[tuple[str, str], Path], tmp_path: Path, kind: str
 ) -> None:
-    """Rolling freely downhill, nothing rocks and the acceleration is what it stays."""
+    """The bogie rolls freely downhill: it does not oscillate, and its acceleration is constant."""
     path = str(line_of([straight(400.0, -0.02)], -10.0).write(tmp_path / "down.csv"))
     found = simulate_fmu(
         str(fmus["bogie", kind]),

@@ -1,6 +1,6 @@
-"""The FMUs and the systems in masters that are not ours: FMPy, ecos, libcosim; and fmutool's check.
+"""The FMUs and the systems in third-party masters (FMPy, ecos, libcosim) and in fmutool's check.
 
-The other masters are in the extra `masters`.
+All except FMPy are in the extra `masters`.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ from rbd_model.vehicle.parameters import manchester_vehicle_1
 from tests.fmu.hosting import host
 from tests.fmu.masters import MASTERS, parameters_of
 
-#: Band of docs/checking.md for the end speed [m/s].
+#: Tolerance of the end speed by docs/checking.md [m/s].
 SPEED_BAND = 1e-6
-#: Share by which masters may differ where a controller decides: FMPy gives it the first speeds a step later.
+#: Relative difference between masters if a controller decides: FMPy passes it the first speeds one step later.
 CONTROLLED_BAND = 1e-3
-#: Slip of a wheel that the protection keeps rolling: twice the slip above which it vents (common_protection).
+#: Largest slip of a protected wheel: twice the slip above which the protection vents (common_protection).
 LARGEST_SLIP = 0.2
 
 
 @pytest.fixture(scope="module")
 def systems(fmus: dict, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """Writes a system by its name."""
+    """Return a function that writes a system by its name."""
     out = tmp_path_factory.mktemp("systems")
     for name in ("bogie", "brake", "braked-vehicle"):
         target = fmu_path(name, "native", out)
@@ -51,7 +51,7 @@ def systems(fmus: dict, tmp_path_factory: pytest.TempPathFactory) -> Callable[[s
 
 @cache
 def in_fmpy(system: Path, step: float, count: int, outputs: tuple[tuple[str, str], ...]) -> list[float]:
-    """What FMPy finds, with which the other masters are compared."""
+    """Return FMPy's values, with which the other masters are compared."""
     return list(MASTERS["fmpy"](system, step, count, outputs))
 
 
@@ -75,13 +75,13 @@ def test_bogie_brakes_in_every_master(systems: Callable[[str], Path], name: str)
 
 @pytest.mark.parametrize("name", MASTERS)
 def test_vehicle_brakes_in_every_master(systems: Callable[[str], Path], name: str) -> None:
-    """As by the full torque of its brakes over its mass, but for the time in which they apply."""
+    """The deceleration is the full brake torque over the mass, after the time in which the brakes apply."""
     system, count, step = systems("VehicleBraking"), 1000, 1e-2
     outputs = (("vehicle", "speed"), ("vehicle", "cylinder_pressure_4"))
     speed, pressure = master(name)(system, step, count, outputs)
     assert pressure == pytest.approx(FULL_PRESSURE, rel=1e-4)
     assert speed == pytest.approx(in_fmpy(system, step, count, outputs)[0], abs=SPEED_BAND)
-    applying = 2.0 / 3.0  # the mean delay of a cylinder with 95 % after 2 s
+    applying = 2.0 / 3.0  # mean delay of a cylinder that reaches 95 % after 2 s
     assert speed == pytest.approx(25.0 - coach().deceleration(FULL_TORQUE) * (10.0 - applying), rel=2e-3)
 
 
@@ -96,7 +96,9 @@ def test_protection_keeps_the_wheels_rolling_in_every_master(systems: Callable[[
 
 
 def test_a_master_that_reads_no_parameters_starts_with_those_of_the_system(systems: Callable[[str], Path]) -> None:
-    """FMPy leaves the values in the structure alone; 50 m in place of 5 is what the FMUs' own defaults would give."""
+    """FMPy does not change values in the structure. With the FMUs' own defaults the distance would be 50 m instead of 5
+    m.
+    """
     system = systems("BogieBraking")
     alone = simulate_ssp(str(system), stop_time=5.0, step_size=5e-3)
     given = simulate_ssp(str(system), stop_time=5.0, step_size=5e-3, parameter_set=parameters_of(system))
@@ -107,7 +109,7 @@ def test_a_master_that_reads_no_parameters_starts_with_those_of_the_system(syste
 
 @pytest.mark.parametrize("name", ["BogieBraking", "VehicleBraking"])
 def test_no_fmu_of_a_system_warns_as_it_starts(systems: Callable[[str], Path], name: str, tmp_path: Path) -> None:
-    """A parameter without effect at the level would; strict hosts take a warning for an error."""
+    """A parameter without effect at the level would give a warning. Strict hosts treat a warning as an error."""
     with zipfile.ZipFile(systems(name)) as archive:
         archive.extractall(tmp_path)
     found = sorted(tmp_path.rglob("*.fmu"))
@@ -158,7 +160,7 @@ def test_start_values_that_are_none_leave_no_instance(fmus: dict, tmp_path: Path
 def test_wheels_lock_on_that_rail_without_protection(fmus: dict) -> None:
     friction = {f"friction_{number}": SLIDING_FRICTION for number in (1, 2, 3, 4)}
     with FmuInstance(fmus["braked-vehicle", "native"], level=2, initial_speed=25.0) as vehicle:
-        vehicle.start(**friction)  # demands that are never given count as full
+        vehicle.start(**friction)  # a demand that is never set defaults to full braking
         for number in range(500):
             vehicle.step(number * 0.01, 0.01)
         assert vehicle["wheel_speed_1"] == 0.0

@@ -1,4 +1,4 @@
-"""Several FMUs in one process: what their binaries show, and that each runs its own code, opened or linked."""
+"""Several FMUs in one process: the symbols of their binaries, and that each runs its own code, opened or linked."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tests.fmu.exports import exports
 
 HERE = Path(__file__).parent
 ZIG = f"{sys.executable} -m ziglang cc -mcpu=baseline"
-#: Inputs and parameters that make each FMU do something, and what is asked for afterwards.
+#: Inputs and parameters that make each FMU move.
 SCENE = {
     "wheelset": {"brake_torque_1": 4e3, "friction_1": 0.2},
     "brake": {"pressure_demand": 180e3},
@@ -32,15 +32,15 @@ SCENE = {
     "vehicle": {"brake_torque_1": 4e3, "friction_1": 0.2},
     "braked-vehicle": {"pressure_demand_1": 2e5, "friction_1": 0.2},
 }
-#: Those that are opened together, small ones.
+#: Small FMUs that are opened together.
 TOGETHER = ("wheelset", "brake", "rail")
-#: The one with the longest sources.
+#: The FMU with the longest sources.
 LARGEST = "braked-vehicle"
-#: Of outputs after 0.3 s of steps that the error control chose, of code that is optimised and of code that is not.
+#: Relative difference of outputs between optimised code and code without optimisation, after 0.3 s of adaptive steps.
 OPTIMISED_OTHERWISE = 1e-6
-#: Of the experiment at 180 kPa after 3 s [N.m]: 0.164 N/Pa, half a bogie, efficiency, friction 0.25, radius 0.398 m.
+#: Brake torque at 180 kPa after 3 s [N.m]: 0.164 N/Pa, half a bogie, efficiency, friction 0.25, radius 0.398 m.
 BRAKE_TORQUE = 180e3 * 0.164 * 0.5 * 0.85 * 0.25 * 0.398
-SETTLED = 1e-4  # share of the demand that is missing after 3 s of 0.8 s to 95 %: exp(-3 * 3 / 0.8)
+SETTLED = 1e-4  # missing share of the demand after 3 s; the cylinder takes 0.8 s to 95 %: exp(-3 * 3 / 0.8)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def sources(models: dict[str, Model]) -> dict[str, dict[str, str]]:
 @pytest.mark.parametrize("kind", ["native", "fmi3", "python"])
 @pytest.mark.parametrize("name", TOGETHER)
 def test_binary_shows_what_its_users_call_and_nothing_else(fmus: dict, name: str, kind: str) -> None:
-    """FMUs the functions of FMI; the library inside the pythonfmu FMU those that kernel.py calls."""
+    """FMUs export the functions of FMI. The library in a pythonfmu FMU exports the functions that kernel.py calls."""
     with zipfile.ZipFile(fmus[name, kind]) as packed:
         place = "resources/kernel" if kind == "python" else "binaries/"
         [library] = [entry for entry in packed.namelist() if entry.startswith(place)]
@@ -80,7 +80,7 @@ def build(parts: Sequence[str | Path], folder: Path, command: Sequence[str] = ()
 
 
 def archive(fmus: Mapping, name: str, version: int, folder: Path) -> Path:
-    """An FMU unpacked."""
+    """Unpack an FMU."""
     target = folder / f"{name}{version}"
     with zipfile.ZipFile(fmus[name, {2: "native", 3: "fmi3"}[version]]) as packed:
         packed.extractall(target)
@@ -92,7 +92,7 @@ def outputs(model: Model) -> list[int]:
 
 
 def ask(host: Path, names: Mapping[str, str | Path], models: Mapping[str, Model], sources: Mapping) -> dict[str, str]:
-    """Values of each FMU's outputs, bit for bit, after the host ran them in the given order."""
+    """Return the outputs of each FMU, in hexadecimal, after the host has run all in the given order."""
     command = [str(host)]
     for key, name in names.items():
         model = models[key]
@@ -106,7 +106,7 @@ def ask(host: Path, names: Mapping[str, str | Path], models: Mapping[str, Model]
 
 @pytest.fixture(scope="module")
 def opened(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
-    """The host that opens libraries with global symbols, as hosts in Java do, by version of FMI."""
+    """Return hosts that open libraries with global symbols, as hosts in Java do, by version of FMI."""
     folder = tmp_path_factory.mktemp("opened")
     flags = ["-Wall", "-Wextra", "-Werror", f"-I{compiling.FMI_HEADERS}", HERE / "together.c", "-ldl"]
     for version in (2, 3):
@@ -118,7 +118,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
 def test_global_symbols_of_one_fmu_do_not_reach_another(
     opened: dict, models: dict, sources: dict, monkeypatch: pytest.MonkeyPatch, cc: str
 ) -> None:
-    """In any order each FMU has the values that it has alone; a call across gives no brake torque, and OK."""
+    """In any order each FMU has the same values as alone. A call into another FMU would give OK and no brake torque."""
     if cc:
         monkeypatch.setenv("CC", cc)
     libraries = {name: library_of(sources[name], fmu=True) for name in TOGETHER}
@@ -132,7 +132,7 @@ def test_global_symbols_of_one_fmu_do_not_reach_another(
 
 
 def test_kernels_for_python_do_not_reach_each_other(models: dict) -> None:
-    """The library inside a pythonfmu FMU, in a process that has loaded another one's symbols before."""
+    """The library of a pythonfmu FMU is loaded in a process that has loaded the symbols of another one before."""
     first, second = build_library(models["wheelset"]), build_library(models["brake"])
     program = (
         "import ctypes, sys\nfrom fmu_src.kernel import Kernel, Library\n"
@@ -147,7 +147,7 @@ def test_kernels_for_python_do_not_reach_each_other(models: dict) -> None:
 
 
 def linked(folders: Mapping[str, Path], models: Mapping[str, Model], version: int, folder: Path, optimise: str) -> Path:
-    """The program of together.c with the all.c of each FMU, from the folders with their sources."""
+    """Return the program of together.c, linked with the all.c of each FMU."""
     objects: list[str | Path] = []
     for name, sources in folders.items():
         model = models[name].name
@@ -176,7 +176,7 @@ def test_the_largest_sources_are_those_of_the_braked_vehicle(fmus: dict) -> None
 
 @pytest.mark.long
 def test_largest_sources_compile_and_run_linked_to_others(fmus: dict, opened: dict, tmp_path: Path) -> None:
-    """What a target without our binaries does, with the sources in which most names meet."""
+    """A target without our binaries compiles the sources. Here they are those with the most names."""
     models = {name: model_of(name) for name in (LARGEST, "brake")}
     archives = {name: archive(fmus, name, 2, tmp_path) for name in models}
     folders = {name: one / "sources" for name, one in archives.items()}
@@ -193,7 +193,7 @@ def test_largest_sources_compile_and_run_linked_to_others(fmus: dict, opened: di
 def test_fmus_linked_into_one_program_give_the_values_of_their_binaries(
     fmus: dict, opened: dict, models: dict, sources: dict, tmp_path: Path, version: int, names: list[str]
 ) -> None:
-    """Each all.c of its archive behind the prefix of the standard; bit for bit."""
+    """Each all.c of an archive is compiled with the function prefix of the standard. Values are bit-identical."""
     folders = {name: archive(fmus, name, version, tmp_path) / "sources" for name in names}
     together = linked(folders, models, version, tmp_path, "-O1")
     found = ask(together, {name: models[name].name for name in names}, models, sources)
@@ -211,7 +211,7 @@ LANGUAGES = {
 }
 
 
-#: The vehicle has contact by strips, whose C is given and not generated. C11 is what its binary was compiled as.
+#: The vehicle has contact by strips, whose C is hand-written. C11 is the language of its binary.
 @pytest.mark.parametrize(
     ("language", "version"),
     [
@@ -221,7 +221,7 @@ LANGUAGES = {
     ],
 )
 def test_largest_sources_are_what_every_language_takes(fmus: dict, tmp_path: Path, version: int, language: str) -> None:
-    """Looked at and not compiled, for the sake of time: names that meet, and what one language alone allows."""
+    """The syntax check is fast. It finds name clashes and constructs that only one language allows."""
     folder = archive(fmus, LARGEST, version, tmp_path) / "sources"
     build(["-Wall", "-Wextra", "-Werror", "-fsyntax-only", "all.c"], folder, LANGUAGES[language])
 
@@ -233,7 +233,7 @@ OF_THE_SUITE = ["brake", *(pytest.param(name, marks=pytest.mark.long) for name i
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_sources_compile_without_a_warning(fmus: dict, tmp_path: Path, name: str, version: int, language: str) -> None:
-    """Whatever they hold; nothing but the functions of FMI is seen outside, so that any two can be linked."""
+    """Only the functions of FMI are global symbols, so that any two FMUs can be linked."""
     folder = archive(fmus, name, version, tmp_path) / "sources"
     strict = ["-Wall", "-Wextra", "-Werror", "-c", "all.c", "-o", "all.o"]
     build([f"-DFMI{version}_FUNCTION_PREFIX=Other_", *strict], folder, LANGUAGES[language])
@@ -247,7 +247,7 @@ def test_sources_compile_without_a_warning(fmus: dict, tmp_path: Path, name: str
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_page_of_c_runs_the_fmu_opened_and_linked(fmus: dict, models: dict, tmp_path: Path, version: int) -> None:
-    """The program in documentation/, compiled as its first lines say, and FMPy agree to the last digit."""
+    """The program in documentation/, compiled as its first lines specify, and FMPy agree to all digits."""
     folder = archive(fmus, "brake", version, tmp_path) / "documentation"
     [library] = (folder.parent / "binaries").rglob("BrakeCylinder.*")
     strict = ["-Wall", "-Wextra", "-Werror", "-I../sources", "host.c"]

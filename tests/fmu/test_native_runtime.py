@@ -1,4 +1,4 @@
-"""How the C runtime is compiled: what once, what anew, and without a C compiler on PATH."""
+"""Compilation of the C runtime: shared objects, repeated compilation, and builds without a C compiler on PATH."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def decay() -> System:
 
 @pytest.fixture
 def compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """C files that the compiler is given from now on, with an empty cache."""
+    """Return the list of C files that the compiler receives; the cache is empty."""
     files: list[str] = []
     run_compiler = compiling.run
 
@@ -39,8 +39,10 @@ def compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def test_equations_are_compiled_once_for_the_fmu_and_for_studies(compiled: list[str]) -> None:
-    """Both libraries hold the same objects; and what the runtime is made of serves every model, and equations every
-    model that has them with other numbers, here of the tolerance.
+    """Both libraries contain the same objects.
+
+    All models share the objects of the runtime. Models with other numbers, here another tolerance, share the objects of
+    the equations.
     """
     sources = generate(model_of(decay(), 1e-9))
     made = [compiling.library_of(sources, fmu=fmu) for fmu in (True, False)]
@@ -52,7 +54,7 @@ def test_equations_are_compiled_once_for_the_fmu_and_for_studies(compiled: list[
 
 
 def test_what_two_want_at_once_is_compiled_once(compiled: list[str]) -> None:
-    """Two threads here, as two processes that begin together: one waits for what the other makes."""
+    """Two threads represent two processes that begin together: one waits for the result of the other."""
     sources = generate(model_of(decay(), 1e-9))
     with ThreadPoolExecutor(2) as both:
         made = list(both.map(compiling.library_of, [sources, sources]))

@@ -17,7 +17,7 @@ from rbd_model.vehicle.ready import loaded_coal_wagon, passenger_coach, two_axle
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, ParameterSet]:
-    """What FMPy reads, validated against the schema of SSP 1.0."""
+    """Return the files as read by FMPy, validated against the schema of SSP 1.0."""
     out = tmp_path_factory.mktemp("sets")
     write_sets(list(FMUS), out)
     return {path.stem: read_ssv(str(path)) for path in (out / "parameters").iterdir()}

@@ -1,4 +1,4 @@
-"""Binaries for other systems: of their kind, showing FMI alone, and run where there is something that runs them."""
+"""Binaries for other platforms: their format, their exported functions, and a run if an emulator is installed."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from tests.fmu.exports import exports
 from tests.fmu.programs import found_here, shown
 from tests.needed import needed
 
-#: Where a Mach-O library begins: zig's linker writes these into each, and no library uses another one's.
+#: Begin of a Mach-O library. zig's linker writes these symbols into every library; they are not shared.
 MARKS = {"_mh_dylib_header", "__dso_handle"}
 PROGRAM_FLAGS = [flag for flag in compiling.FLAGS if flag != "-fPIC"]
-#: On a new machine zig compiles the C library of Windows first, which takes two minutes.
+#: On a new computer, zig first compiles the C library of Windows, which takes two minutes.
 SOME = [
     pytest.param(["darwin64", "aarch64-linux"], id="two"),
     pytest.param(list(PLATFORMS), id="all", marks=pytest.mark.long),
 ]
-#: What runs programs of another platform, and how it is to be had on Debian.
+#: Commands that run programs of another platform, and their Debian packages.
 RUNNERS = {
     "aarch64-linux": (["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"], "qemu-user libc6-arm64-cross"),
     "win64": (["wine"], "wine wine64"),
 }
-#: Inputs and parameters by FMU; the bogie's leading wheelset locks in space, on a rail of low adhesion.
+#: Inputs and parameters by FMU. The bogie's leading wheelset locks at level 3 on a rail of low adhesion.
 GIVEN = {
     "brake": {"pressure_demand": 180e3, "cylinder_model": 2},
     "bogie": {
@@ -45,7 +45,7 @@ RUN = [
     pytest.param("win64", "bogie", marks=pytest.mark.long),
 ]
 READ = {"brake": {"cylinder_pressure", "brake_torque"}, "bogie": {"speed", "angular_velocity_1", "lateral_1"}}
-#: Least size by unit: forces may be small differences of wheel loads.
+#: Least scale by unit: forces may be small differences of wheel loads.
 SIZES = {"N": 1e5}
 
 
@@ -53,10 +53,10 @@ SIZES = {"N": 1e5}
 def test_one_archive_for_several_platforms(
     platforms: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Cross-compiled; each binary is of the kind that its folder asks for, and shows the functions of FMI alone."""
+    """Each cross-compiled binary has the format of its folder and exports the functions of FMI only."""
     monkeypatch.setattr(building, "PLATFORMS", {name: PLATFORMS[name] for name in platforms})
-    # A binary that was compiled in another home, where zig keeps its own files, has other bytes: both are of this one,
-    # which has the C libraries of the platforms already.
+    # A binary that was compiled in another zig cache has other bytes. Both use this cache, which already holds the C
+    # libraries of the platforms.
     monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", str(compiling.CACHE / "zig"))
     monkeypatch.setattr(compiling, "CACHE", tmp_path / "cache")
     path = write_fmu("brake", "native", tmp_path, all_platforms=True)
@@ -91,7 +91,7 @@ def test_one_archive_for_several_platforms(
 
 @pytest.mark.long
 def test_code_of_32_bits_gives_the_numbers_of_64_bits(fmus: dict, tmp_path: Path) -> None:
-    """That of win32, here for Linux, where it runs; the C libraries differ in last digits."""
+    """The 32-bit code of win32 is compiled for Linux, where it runs. The C libraries differ in the last digits."""
     with zipfile.ZipFile(fmus["brake", "native"]) as archive:
         archive.extractall(tmp_path)
     folder = tmp_path / "documentation"
@@ -117,7 +117,7 @@ def test_universal_binary_holds_both_parts_on_pages() -> None:
 def test_binary_runs_on_its_platform(
     platform: str, fmu: str, fmus: dict, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The host of the archive opens it there, and finds the numbers of here."""
+    """The host program of the archive gives the same values there as FMPy here."""
     runner, packages = RUNNERS[platform]
     needed(runner[0], packages=packages)
     monkeypatch.setattr(building, "PLATFORMS", {platform: PLATFORMS[platform]})

@@ -1,4 +1,4 @@
-"""What the variables of the FMUs promise, and what is said where one changes."""
+"""Interface baseline of the FMU variables, and the messages about changes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_the_table_is_of_all_fmus() -> None:
 
 
 def test_the_meaning_of_what_is_true_or_false_is_promised() -> None:
-    """Since 0.1.0 a wheelset that rests is no longer called locked."""
+    """Since 0.1.0 a wheelset at rest is not locked."""
     version, _ = last_version()
     old, new = "locked by its brake", "locked: its brake holds it while its axle moves; false at rest"
     told = f"the meaning of locked_2 is The trailing wheelset is {new} in place of The trailing wheelset is {old}"

@@ -1,4 +1,4 @@
-"""Parameter sets and experiments inside the FMUs: complete, and what a host finds that runs them as they say."""
+"""Parameter sets and experiments in the FMUs: complete, and reproduced by a host."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Unpack = Callable[[tuple[str, str]], Path]
 
 @pytest.fixture
 def unpacked(fmus: Mapping, tmp_path: Path) -> Unpack:
-    """The folder of an FMU with its references."""
+    """Return a function that unpacks an FMU and returns the folder of its references."""
 
     def unpack(key: tuple[str, str]) -> Path:
         with zipfile.ZipFile(fmus[key]) as archive:
@@ -90,7 +90,7 @@ def test_set_of_a_rail_is_that_of_its_source() -> None:
 
 
 def run(path: Path, folder: Path, experiment: etree._Element, **other: float) -> tuple[np.ndarray, np.ndarray]:
-    """What FMPy finds that does what the experiment says, with `other` parameters, and what it should be."""
+    """Return FMPy's results of an experiment, with `other` parameters, and the expected results."""
     simulation, parameters, stimuli, results = experiment
     assert [one.tag for one in experiment] == ["TransientSimulation", "Parameters", "Stimuli", "References"]
     values = {p.name: p.value for p in read_ssv(str(folder / parameters.get("source"))).parameters}
@@ -123,7 +123,7 @@ def test_host_finds_the_results_of_every_experiment(fmus: Mapping, unpacked: Unp
 
 
 def test_another_parameter_gives_other_results(fmus: Mapping, unpacked: Unpack) -> None:
-    """The band is narrow: a thousandth more of mass is seen."""
+    """The tolerance is narrow: it detects a change of the mass by 0.1 %."""
     folder = unpacked(("bogie", "native"))
     [experiment] = [one for one in etree.parse(folder / "experiments.exp").getroot() if one.get("name") == "stop"]
     found, expected = run(fmus["bogie", "native"], folder, experiment, frame_mass=60060.0)
@@ -132,7 +132,7 @@ def test_another_parameter_gives_other_results(fmus: Mapping, unpacked: Unpack) 
 
 @pytest.mark.parametrize("name", ["brake", "rail"])
 def test_results_are_the_same_with_another_compiler(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """So that archives are equal wherever they are built."""
+    """Archives must be identical on all build machines."""
     made = []
     for compiler in ("", f"{sys.executable} -m ziglang cc -mcpu=baseline"):
         if compiler:

@@ -1,4 +1,4 @@
-"""Where an FMU finds its own files: by a URI in FMI 2.0, by a path in FMI 3.0, and what may lie in their place."""
+"""How an FMU finds its own files: by a URI in FMI 2.0, by a path in FMI 3.0. Other kinds of files in their place."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ CURVATURE, SPEED = 0.004, 7.0
 
 
 def surveyor() -> System:
-    """Tells its speed, a parameter, and the curvature of the line that it reads from a file."""
+    """Return a system that outputs the curvature of the line in its file; speed is a parameter."""
     system = System("Surveyor", "looks at a line")
     speed = system.parameter(Variable("speed", "parameter", "m/s", "How fast", 1.0))
     place = system.state("distance", "m", 0.0, 1.0)
@@ -52,7 +52,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], Path
 
 
 class Opened:
-    """An instance of an FMU that is given its folder in some words; what it said."""
+    """An instance of an FMU that receives `words` as its resource folder; `said` holds its messages."""
 
     def __init__(self, path: Path, folder: Path, words: str) -> None:
         about = read_model_description(str(path))
@@ -92,7 +92,7 @@ class Opened:
 
 
 def unzipped(path: Path, folder: Path) -> Path:
-    """An FMU in a folder, with start values and a line of its own where it is a surveyor; its resources."""
+    """Unpack an FMU; add start values and a line to a surveyor. Return the folder of its resources."""
     extract(str(path), str(folder))
     resources = folder / "resources"
     resources.mkdir(exist_ok=True)
@@ -105,12 +105,12 @@ def unzipped(path: Path, folder: Path) -> Path:
 
 
 def named(kind: str, resources: Path) -> str:
-    """As the standard of this kind names a folder."""
+    """Return the folder's name as the standard of this kind specifies it."""
     return f"{resources}/" if kind == "fmi3" else resources.as_uri()
 
 
 def found(path: Path, folder: Path, words: str) -> None:
-    """The FMU has its own files."""
+    """Check that the FMU finds its own files."""
     with Opened(path, folder, words) as one:
         assert one.component, one.said
         if "speed" in one.refs:
@@ -120,7 +120,7 @@ def found(path: Path, folder: Path, words: str) -> None:
 
 
 def refused(path: Path, folder: Path, words: str) -> str:
-    """There is no instance; the one sentence that says why."""
+    """Check that no instance is made; return the only error message."""
     with Opened(path, folder, words) as one:
         assert not one.component
     [sentence] = one.said
@@ -137,14 +137,14 @@ def test_a_folder_of_any_name_is_found(what: str, kind: str, fmus: dict, tmp_pat
 
 @pytest.mark.parametrize("what", ["surveyor", "coupler"])
 def test_a_path_is_never_decoded(what: str, fmus: dict, tmp_path: Path) -> None:
-    """What the name would be if it were decoded holds another line, and other curves that are damaged."""
+    """The folder of the decoded name has another line and damaged curves."""
     resources, other = (unzipped(fmus[what, "fmi3"], tmp_path / name) for name in ("a%41b", "aAb"))
     for file in other.iterdir():
         file.write_bytes(b"speed,99\n" if file.name == "start_values.csv" else b"1")
     found(fmus[what, "fmi3"], tmp_path / "a%41b", str(resources))
 
 
-#: Of the absolute path, in which each letter may be written by its number.
+#: Forms of the URI of an absolute path; each letter may be percent-encoded.
 URIS: dict[str, Callable[[str], str]] = {
     "capital": lambda path: f"FILE://{quote(path)}",
     "this host": lambda path: f"file://LocalHost{quote(path)}",
@@ -193,7 +193,7 @@ def test_what_names_no_folder_here_is_refused(what: str, kind: str, words: str, 
 
 
 def extracted(path: Path, folder: Path) -> Path:
-    """The FMU in the folder, which is given back."""
+    """Unpack the FMU into the folder; return the folder."""
     extract(str(path), str(folder))
     return folder
 
@@ -243,7 +243,7 @@ def test_no_folder_is_no_fault_where_nothing_is_asked_of_it(kind: str, fmus: dic
 
 
 def test_drives_and_shares_of_windows(tmp_path: Path) -> None:
-    """The same C with the drives of Windows on this machine."""
+    """Compile the same C with Windows drives enabled."""
     program = (
         '#include "resources.h"\n'
         "int main(int count, char **texts) {\n"
@@ -268,7 +268,7 @@ def test_drives_and_shares_of_windows(tmp_path: Path) -> None:
 
 
 def test_pythonfmu_fmus_open_in_a_folder_of_any_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their binary decodes blanks alone, and ends the process where it finds no module: a slave gives it the path."""
+    """pythonfmu's binary decodes blanks only. If it finds no module it ends the process. FmuInstance adds the path."""
     system = System("Still", "stands")
     system.output(Variable("one", "output", "1", "One"), 1.0 + 0.0 * system.state("x", "1", 0.0, 1.0))
     system.derivative(next(iter(system.states.values())).symbol, 0.0 * system.time)

@@ -1,4 +1,4 @@
-"""What brings no host down and tells it nothing wrong: texts of anyone, stale values, forbidden calls, bad numbers."""
+"""Hosts neither crash nor get wrong values by foreign strings, outdated values, forbidden calls or invalid numbers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from sled import MASS, build_sled, sled
 
 NATIVE = ["native", "fmi3"]
 GRAVITY = 9.81
-#: Of algebraic states that are solved for: round-off.
+#: Relative tolerance of algebraic states, which are solved to rounding errors.
 SOLVED = 1e-9
 
 
@@ -40,7 +40,8 @@ def sleds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 # ---- texts of anyone ---------------------------------------------------------------------------------------------
 
 
-#: Names of files that are none: with line breaks and steering bytes, in Cyrillic, in no UTF-8, formats, very long ones.
+#: Invalid file names: with line breaks, control characters, Cyrillic letters, invalid UTF-8 or conversions, or very
+#: long.
 TEXTS = [
     b"a\n\x10x",
     "Strecke\n\u0441\u0435\u0432\u0435\u0440.csv".encode(),
@@ -54,7 +55,7 @@ TEXTS = [
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_a_text_of_the_host_is_quoted_on_one_line_with_the_status_of_its_refusal(fmus: dict, kind: str) -> None:
-    """As bytes, since what is no UTF-8 ends a host's callback; nothing of it is taken for a status."""
+    """Messages are compared as bytes: invalid UTF-8 would stop a host's callback. Only the status marks an error."""
     with host(fmus["bogie", kind]) as one:
         for text in TEXTS:
             one.heard.clear()
@@ -68,7 +69,7 @@ def test_a_text_of_the_host_is_quoted_on_one_line_with_the_status_of_its_refusal
 
 
 def test_a_text_is_no_format_in_an_fmu_of_pythonfmu_either(fmus: dict) -> None:
-    """pythonfmu hands a sentence to the logger as its format: expanded without a value it must say the text."""
+    """pythonfmu passes a message to the logger as a format. Formatted without values, it must contain the string."""
     with host(fmus["bogie", "python"]) as one:
         one.set_text("line_file", b"%s%n 30 %\n\x10.csv")
         one.raw("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
@@ -80,7 +81,7 @@ def test_a_text_is_no_format_in_an_fmu_of_pythonfmu_either(fmus: dict) -> None:
 
 
 def saying(sentence: str, ends: bool = False) -> Kernel:
-    """A model that warns, or ends, when its state has come to one half, with a sentence of its own."""
+    """Return a model that warns, or ends, with this message when its state reaches 0.5."""
     system = System("warning", "x' = 1")
     x = system.state("x", "1", 0.0, 1.0)
     system.derivative(x, 1 + 0 * x)
@@ -92,7 +93,7 @@ def saying(sentence: str, ends: bool = False) -> Kernel:
 @pytest.mark.parametrize("ends", [True, False])
 @pytest.mark.parametrize("sentence", ["30 % at %s s.", '%n and %d, 100 %% at %s s, "??/" in Düren \\o/.'])
 def test_a_sentence_of_a_model_is_no_format(sentence: str, ends: bool) -> None:
-    """Its end is located, at 0.5 s; a warning comes with the step."""
+    """An end is located at 0.5 s. A warning comes at the end of the step."""
     kernel = saying(sentence, ends)
     with suppress(SimulationError):
         kernel.advance(1.0)
@@ -111,7 +112,7 @@ def test_a_sentence_without_a_place_for_its_time_is_refused() -> None:
 
 
 def test_a_sentence_that_is_too_long_is_cut_between_letters() -> None:
-    """Every length of what stands before the cut, so that it would fall on each byte of a letter."""
+    """The lengths before the cut vary, so that the cut would fall on each byte of a character."""
     for extra in range(4):
         kernel = saying("x" * extra + "\N{RAILWAY CAR}" * 200 + " at %s s.")
         kernel.advance(1.0)
@@ -120,7 +121,7 @@ def test_a_sentence_that_is_too_long_is_cut_between_letters() -> None:
 
 
 def test_the_journal_keeps_its_newest_sentences_the_error_among_them() -> None:
-    """A host that asks nothing for a while, as a step does in which much happens."""
+    """The host does not read messages for some time, as during a step with many events."""
     library = Library(build_library(sled()))
     kernel, call, brake = Kernel(library), library.functions, library.index["brake"]
     count = 1000
@@ -143,7 +144,7 @@ def test_the_journal_keeps_its_newest_sentences_the_error_among_them() -> None:
 
 @pytest.mark.parametrize("kind", NATIVE)
 def test_an_output_follows_an_input_through_an_algebraic_state(sleds: dict, kind: str) -> None:
-    """N = m g - lift, as soon as the lift is set and before any step; a reading changes nothing of the motion."""
+    """N = m g - lift holds once the lift is set, before any step. Reading the output does not change the motion."""
     with host(sleds[kind]) as one, host(sleds[kind]) as unread:
         for machine in (one, unread):
             machine.start()
@@ -161,7 +162,7 @@ def test_an_output_follows_an_input_through_an_algebraic_state(sleds: dict, kind
 
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_outputs_that_are_read_after_friction_changed_have_the_slope_that_is_told(bogie: Library, level: int) -> None:
-    """At contact model 1 normal forces are algebraic states: difference and directional derivative, two ways to it."""
+    """Contact model 1 has normal forces as algebraic states. Compare differences with the directional derivative."""
     kernel = Kernel(bogie, level=level, contact_model=1, initial_speed=20.0, brake_torque_1=8e3)
     kernel.set(**{name: value for name, value in low().values(2).items() if name.startswith("friction")})
     kernel.advance(3.0)
@@ -178,7 +179,7 @@ def test_outputs_that_are_read_after_friction_changed_have_the_slope_that_is_tol
 
 
 def root(outputs: Callable[[ca.SX], ca.SX]) -> Kernel:
-    """A model with an output of its input alone."""
+    """Return a model with an output that depends on its input alone."""
     system = System("root", "x' = 1")
     level = system.input(Variable("level", "input", "1", "Level", 4.0))
     x = system.state("x", "1", 0.0, 1.0)
@@ -234,7 +235,7 @@ def test_a_state_from_before_the_start_remembers_its_line(bogie: Library, tmp_pa
 
 
 def test_event_mode_of_cosimulation_takes_neither_time_nor_states(fmus: dict) -> None:
-    """FMI 3.0, table of section 4: they are of model exchange."""
+    """FMI 3.0, table of section 4: both belong to model exchange."""
     with host(fmus["bogie", "fmi3"], events=True, early=True) as one:
         one.start()
         before = one.state()
@@ -271,7 +272,7 @@ def test_an_integration_step_that_would_take_for_ever_is_refused(sleds: dict, ki
 
 @contextmanager
 def ringing(seconds: int) -> Iterator[None]:
-    """Ends the process, which waits within C, after some seconds."""
+    """End the process after some seconds, even if it waits in C code."""
     signal.alarm(seconds)
     yield
     signal.alarm(0)
@@ -279,7 +280,7 @@ def ringing(seconds: int) -> Iterator[None]:
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 def test_a_pipe_or_a_folder_is_no_line(bogie: Library, tmp_path: Path) -> None:
-    """Nobody writes into the pipe: who opens it waits for ever, unless an alarm rings."""
+    """Nothing is written into the pipe: opening it would block until the alarm."""
     os.mkfifo(tmp_path / "pipe")
     with ringing(20):
         for path in (tmp_path / "pipe", tmp_path, Path(os.devnull)):
@@ -302,7 +303,7 @@ def test_no_reference_is_too_large_to_be_refused(fmus: dict, kind: str) -> None:
 
 
 def test_a_model_on_a_line_names_its_file() -> None:
-    """Otherwise its instances would look for the name of a variable that is not there."""
+    """Without it, instances would search for a variable that does not exist."""
     with pytest.raises(ValueError, match="strings name table files; have line_file in the table, not none"):
         Model("nameless", "", model_of(root_system(), 1e-6).variables, (system_on_a_line(),), (), (0, 0))
     with pytest.raises(ValueError, match="strings name table files; have none in the table, not line_file"):
@@ -327,7 +328,7 @@ def root_system() -> System:
 
 
 def test_a_model_without_a_line_asks_for_the_one_it_needs(tmp_path: Path) -> None:
-    """A model with a line's variable and no selector: the sentence names the variable and not one that is not there."""
+    """The model has a line variable and no selector. The message names the variable, and not the missing selector."""
     kernel = Kernel(Library(build_library(model_of(system_on_a_line(), 1e-6))))
     with pytest.raises(SimulationError, match="Set line_file to the path of a file with a line"):
         kernel.initialise()

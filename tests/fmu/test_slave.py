@@ -1,4 +1,4 @@
-"""The project's slave and master on FMUs of both standards, arrays included."""
+"""Our FmuInstance and master with FMUs of both standards, including arrays."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
   <ModelStructure><Output valueReference="3"/></ModelStructure>
 </fmiModelDescription>
 """
-#: Numbers of the same kernel through two faces.
+#: Relative difference between two FMI versions of the same kernel.
 SAME = 1e-12
 
 
 @pytest.fixture(scope="module")
 def arrays(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An FMU whose variables are arrays; ours have none."""
+    """Return an FMU with array variables; our own FMUs have none."""
     folder = tmp_path_factory.mktemp("arrays")
     library = folder / f"Arrays{library_suffix()}"
     source = Path(__file__).parent / "arrays.c"
     others = [name for name in dir(FMU3Slave) if name.startswith("fmi3") and name not in source.read_text("utf-8")]
-    # FMPy looks for every function of the standard; those that are not called refuse.
+    # FMPy loads all functions of the standard. Functions that are not called refuse.
     (folder / "others.c").write_text(
         "".join(f"int {name}(void);\nint {name}(void) {{ return 3; }}\n" for name in others)
     )
@@ -78,7 +78,7 @@ def test_what_an_array_is_not_is_told(arrays: Path) -> None:
 
 
 def braked(bogie: Path, brake: Path, master: Master) -> np.ndarray:
-    """Speed of the bogie and torque of its brake, which are coupled, after each macro step."""
+    """Return the speed of the bogie and the torque of its brake, which are coupled, after each macro step."""
     with FmuInstance(bogie, initial_speed=25.0) as one, FmuInstance(brake) as other:
         one.start()
         other.start(pressure_demand=180e3, angular_velocity=25.0 / 0.425)
@@ -93,7 +93,7 @@ def braked(bogie: Path, brake: Path, master: Master) -> np.ndarray:
 
 
 def test_both_standards_give_the_same_run_in_the_master(fmus: dict) -> None:
-    """One of each kind too, and with steps that are taken back."""
+    """This includes mixed kinds and steps that are repeated."""
     pairs = [(one, other) for one in ("native", "fmi3") for other in ("native", "fmi3")]
     held = [braked(fmus["bogie", one], fmus["brake", other], Master()) for one, other in pairs]
     assert all(found == pytest.approx(held[0], rel=SAME) for found in held[1:])

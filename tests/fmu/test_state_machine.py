@@ -1,4 +1,4 @@
-"""The state machines of both standards: a host that knows them, and the answers of every kind of FMU; sanitized."""
+"""State machines of both FMI standards, tested with random calls on every kind of FMU, under sanitizers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from tests.fmu.objects import OBJECTS
 
 MACHINE = Path(__file__).with_name("machine.c")
-#: As the program numbers them, each for an object of every kind; model exchange is of objects that have it.
+#: Numbers of the interfaces in machine.c. Model exchange is tested with objects that support it.
 FACES = {
     "co-simulation of FMI 2.0": "0",
     "model exchange of FMI 2.0": "1",
@@ -21,13 +21,13 @@ FACES = {
 }
 RUNS = [(name, face) for name, one in OBJECTS.items() for face in FACES if one.exchange or "exchange" not in face]
 SHORT, LONG = 20_000, 200_000
-#: Of all calls; at random half are allowed.
+#: Least shares of all calls; about half of the random calls are allowed.
 LEAST_SHARE = {"allowed": 0.4, "forbidden": 0.25, "insane": 0.08}
 
 
 @pytest.fixture(scope="module")
 def command_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], list[str]]:
-    """By object: the program, the folder of the object's files, and what its variables are set to."""
+    """Return a function that builds the program for an object: its command, the object's folder and its variables."""
 
     @cache
     def linked(name: str) -> list[str]:
@@ -39,7 +39,7 @@ def command_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], list
 
 
 def rare(name: str, face: str) -> set[str]:
-    """Return what has to happen beside steps: new states; ends of runs, steps that these discard, and early returns."""
+    """Return events that must occur in addition to steps: new states, ends of runs, discarded steps, early returns."""
     one = OBJECTS[name]
     if "exchange" in face:
         return {"places"}
@@ -70,7 +70,9 @@ def play(command: list[str], name: str, face: str, seed: int, calls: int) -> Non
 
 @pytest.mark.parametrize(("name", "face"), RUNS)
 def test_allowed_calls_succeed_and_all_others_are_refused(command_of: Callable, name: str, face: str) -> None:
-    """By the standards' tables of calls and states; what is refused leaves the state, what is set is read."""
+    """The tables of the standards define the allowed calls. A refused call leaves the state; a value that was set is
+    read.
+    """
     play(command_of(name), name, face, 1, SHORT)
 
 

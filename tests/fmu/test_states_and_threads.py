@@ -1,4 +1,4 @@
-"""Saved states, many instances at once, derivatives of outputs, and the archive in a host without Python."""
+"""Saved states, parallel instances, derivatives of outputs, and the archive in a host without Python."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rbd_model.levels.models import levels
 from rbd_model.vehicle.ready import two_axle_bogie
 
 HOST = Path(__file__).with_name("host.c")
-#: Scenes over lock-up, flange contact with a turning yaw torque, and rest.
+#: Cases: lock-up, flange contact with a rotating yaw torque, and rest.
 SCENES = {
     "lock-up": {"level": 2, "initial_speed": 20.0, "brake_torque_1": 60e3, "brake_torque_2": 60e3},
     "flange": {
@@ -43,7 +43,7 @@ def outputs(kernel: Kernel) -> list[float]:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_thousand_rollbacks_are_bit_identical(bogie: Library, scene: str) -> None:
-    """Save, advance by random steps, restore, advance again by the same steps."""
+    """Save, advance by random steps, restore, and advance by the same steps."""
     rng = random.Random(scene)
     kernel = Kernel(bogie, **SCENES[scene])
     kernel.initialise()
@@ -114,7 +114,7 @@ def test_sixteen_threads_give_the_answers_of_one(bogie: Library) -> None:
 
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_output_derivatives_are_those_of_differences(bogie: Library, level: int) -> None:
-    """With a torque that rises, as within the last step."""
+    """The brake torque rises at the same rate as in the last step."""
     kernel = Kernel(bogie, level=level, tolerance=1e-10, lateral_irregularity=0.01, yaw_torque_1=1e3 * (level == 3))
     kernel.advance(1.0)
     names = ["speed", "distance", "angular_velocity_1", "axle_load_1", "creep_force_1", "lateral_1", "slip_ratio_1"]
@@ -162,7 +162,7 @@ def test_directional_derivatives_are_those_of_differences(bogie: Library, level:
 
 @pytest.mark.parametrize("level", [2, 3])
 def test_derivatives_by_states_are_those_of_the_linearisation(bogie: Library, level: int) -> None:
-    """Speed is the mean of the axles' states; the acceleration's share of a state is a row of the exact Jacobian."""
+    """The acceleration's derivative by a state is a combination of rows of the exact Jacobian."""
     kernel = Kernel(bogie, level=level, contact_model=1, brake_torque_1=1e4)
     kernel.advance(1.0)
     assert kernel.directional(["speed"], {"state_frame_speed": 1.0}) == pytest.approx([1.0])
@@ -189,7 +189,7 @@ def library_in(fmu: Path, folder: Path) -> Path:
 
 
 def test_archive_runs_without_python(fmus: dict, tmp_path: Path) -> None:
-    """A program in C opens the binary of the archive, brakes to a stop and frees 1000 instances."""
+    """A C program loads the binary of the archive, brakes to a stop and frees 1000 instances."""
     host = tmp_path / "host"
     command = [*compiling.compiler(), "-O1", "-Wall", "-Wextra", "-Werror", f"-I{compiling.FMI_HEADERS}", str(HOST)]
     subprocess.run([*command, "-o", str(host), "-ldl", "-lm"], check=True)
@@ -211,7 +211,7 @@ def test_archive_runs_without_python(fmus: dict, tmp_path: Path) -> None:
 
 
 def test_sources_in_the_archive_build(fmus: dict, tmp_path: Path) -> None:
-    """Whoever distrusts the binary compiles sources/; modelDescription.xml lists the files for each interface."""
+    """Users can compile sources/ themselves; modelDescription.xml lists the files for each interface."""
     with zipfile.ZipFile(fmus["brake", "native"]) as archive:
         archive.extractall(tmp_path / "own")
     about = ElementTree.parse(tmp_path / "own/modelDescription.xml").getroot()
@@ -232,7 +232,7 @@ def test_sources_in_the_archive_build(fmus: dict, tmp_path: Path) -> None:
 
 
 def test_two_builds_on_two_paths_have_equal_bytes(fmus: dict, tmp_path: Path) -> None:
-    """In this checkout, and in a copy of it at another place."""
+    """Build in this checkout and in a copy of it."""
     root, copy = Path(compiling.__file__).parents[1], tmp_path / "another" / "place"
     copy.mkdir(parents=True)
     for part in (*ROOMS, "build_fmu.py", "LICENSE", "pyproject.toml"):

@@ -1,4 +1,4 @@
-"""FMUs around Python objects: a controller of one's own, and objects that fail."""
+"""FMUs around Python objects: user-defined controllers, and objects that fail."""
 
 from __future__ import annotations
 

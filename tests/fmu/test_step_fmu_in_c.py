@@ -1,4 +1,4 @@
-"""FMUs around a controller in C, which need no Python: their answers, their states, and what they refuse."""
+"""FMUs around a controller in C without Python: outputs, saved states and refused inputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What C states twice, or C and Python: structures, and the tables of functions of objects."""
+"""Definitions that exist twice, in C or in C and Python: structures, and the function tables of objects."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MIRRORED: dict[str, type[ctypes.Structure]] = {
 
 
 def laid_in_python() -> dict[str, int]:
-    """Sizes of structures, and where each field begins."""
+    """Return the sizes of structures and the offsets of their fields."""
     found = {name: ctypes.sizeof(one) for name, one in MIRRORED.items()}
     for name, one in MIRRORED.items():
         found |= {f"{name}.{field[0]}": getattr(one, field[0]).offset for field in one._fields_}
@@ -45,7 +45,7 @@ def laid_in_python() -> dict[str, int]:
 
 
 def test_structures_are_the_same_in_c_and_in_python(tmp_path: Path) -> None:
-    """Their sizes, and where each field begins and ends."""
+    """Sizes and field offsets are equal."""
     laid = laid_in_python()
     rows = []
     for name in laid:
@@ -65,7 +65,7 @@ def test_structures_are_the_same_in_c_and_in_python(tmp_path: Path) -> None:
 
 
 def test_tables_of_objects_name_the_members_in_their_order() -> None:
-    """A row that is NULL has no name but that of its comment, by which modelDescription.xml is written."""
+    """modelDescription.xml is generated from these comments; a NULL row has no other name."""
     header = (RUNTIME / "object.h").read_text()
     struct = header[header.index("/* Members that are not said") : header.index("} object_functions;")]
     code = re.sub(r"/\*.*?\*/", "", struct, flags=re.DOTALL)

@@ -77,7 +77,7 @@ def test_each_place_where_others_connect_is_a_terminal(fmus: Mapping, name: str,
 
 
 def test_brake_plugs_into_each_wheelset_of_the_bogie(fmus: Mapping) -> None:
-    """As the system BogieBraking connects them."""
+    """The system BogieBraking has the same connections."""
     brake, bogie = fmus["brake", "native"], fmus["bogie", "native"]
     assert set(plugs(brake, bogie)) == {("brake", f"brake_{n}", "brake_torque", f"brake_torque_{n}") for n in (1, 2)}
     back = {("angular_velocity", "angular_velocity_1"), ("angular_velocity", "angular_velocity_2")}

@@ -1,4 +1,4 @@
-"""What is written is an FMU that starts: each option of what writes FMUs at more than its default, made to step."""
+"""Every option of the FMU writers, set to more than its default, gives an FMU that starts and steps."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from rbd_model.track.line import arc, line_of, straight
 from rbd_model.train.coupler import COUPLERS
 from tests.fmu.objects import COUNTS
 
-#: Of the systems at level 3, that which is compiled soonest: contact model 1 on straight track.
+#: Of the systems at level 3, the one that compiles fastest: contact model 1 on straight track.
 SOONEST = places_of(3, 1, False)
 
 
 def goes(path: Path) -> dict[str, float]:
-    """Start values of an FMU that starts with them and makes steps, though none above a day; those asked for below."""
+    """Start an FMU and make steps; steps above one day are refused. Return its level and contact model."""
     with FmuInstance(path) as one:
         shown = {name: one[name] for name in ("level", "contact_model") if name in one.units}
         one.start()
@@ -41,7 +41,7 @@ def goes(path: Path) -> dict[str, float]:
 
 @pytest.fixture
 def tiny(monkeypatch: pytest.MonkeyPatch) -> bb.Vehicle:
-    """A wheelset under a frame that goes up and down alone, compiled quickly."""
+    """Return a wheelset under a frame that moves vertically only; it compiles quickly."""
     monkeypatch.setattr(compiling, "OPTIMISE_GENERATED", "-O0")
     whole = bb.vehicle("wheelset")
     frame = replace(whole.bodies[0], held=frozenset({"roll", "pitch", "yaw"}))
@@ -54,12 +54,12 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> bb.Vehicle:
 def test_a_vehicle_at_one_level_starts_at_it_and_takes_no_other(
     level: int, kind: str, tiny: bb.Vehicle, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And of what it does not have the sentence names what it has: at level 3 here contact model 1 alone."""
+    """A refusal names the available systems: at level 3 here contact model 1 only."""
     if level == 3:
         monkeypatch.setattr(fmus, "places_of", lambda asked: SOONEST)
     path = bb.write_fmu(tiny, tmp_path / "Tiny.fmu", kind, level=level)
     assert goes(path)["level"] == level
-    if kind == "python":  # which tells refusals in its log alone
+    if kind == "python":  # pythonfmu reports refusals in its log only
         return
     other, limit = (level - 1, "least") if level > 1 else (level + 1, "most")
     with (

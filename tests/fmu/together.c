@@ -1,5 +1,6 @@
-/* Several FMUs in one process, in step: for each NAME GUID REFERENCE=VALUE,... REFERENCE,...; prints what is asked for.
- * NAME is that of a linked table where LINKED lists them; otherwise a library, which is opened with global symbols. */
+/* Run several FMUs in one process, step by step, and print their outputs. Arguments of each FMU:
+ * NAME GUID REFERENCE=VALUE,... REFERENCE,...
+ * NAME is a linked table if LINKED is defined; otherwise a library, which is opened with global symbols. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
