@@ -1,4 +1,4 @@
-"""Trains for tests: vehicles without brakes or resistance, and couplers of few numbers."""
+"""Trains for tests: vehicles without brakes or resistance, and couplers with few parameters."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ MASS = 80e3
 
 
 def spring(stiffness: float, unloading: float = 1.0, locked: float | None = None) -> Coupler:
-    """The same both ways; unloading: share of the stiffness when it yields back."""
+    """Return a symmetric coupler; unloading: ratio of the unloading stiffness to the stiffness."""
     load, back = Curve((0.0, 5.0), (0.0, 5.0 * stiffness)), Curve((0.0, 5.0), (0.0, 5.0 * stiffness * unloading))
     return Coupler("spring", locked or stiffness, (load, back), (load, back))
 
 
 def chain(masses: list[float], coupler: Coupler, *, braked: bool = False, **settings: object) -> Train:
-    """A train at rest; without brakes, its wheels without inertia, unless braked."""
+    """Return a train at rest. Unless `braked`, it has no brakes and wheels of negligible inertia."""
     vehicles = []
     for number, mass in enumerate(masses):
         one = locomotive() if number == 0 else wagon()

@@ -1,6 +1,7 @@
-/* A host of FMI 2.0 and 3.0 that makes trains of numbers that are none: some of them changed, or the end cut off. Either there is
- * no instance and one sentence, or a train that runs. Usage: numbers_host FOLDER FOLDER SEED ROUNDS, of which the second folder is
- * written to. Exit status 1 when a promise is broken. */
+/* Test program for FMI 2.0 and 3.0 that makes trains of damaged numbers: some are changed, or the end is cut off. Each gives
+ * either no instance and one error message, or a train that runs.
+ *
+ * Usage: numbers_host FOLDER FOLDER SEED ROUNDS; the second folder is written to. Exit status: 1 if a check fails. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,7 +54,7 @@ static int start(int three, void *one) {
            fmi2ExitInitializationMode(one) == fmi2OK;
 }
 
-/* Pulls, brakes, and goes on. */
+/* Pull, brake, and make four steps. */
 static void run(int three, void *one) {
     static const double size = 0.02;
     const unsigned positions = 4, pull = three ? 6 : 6 * ARRAYS_STRIDE;

@@ -1,4 +1,4 @@
-/* Turns a pipe through all that may happen to it; 0: it did what it should. */
+/* Test program for all functions of a pipe. Exit status: 0 if they work. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,4 +1,6 @@
-"""A distributor of one's own: a file like this one, and a line in DISTRIBUTORS. It runs mixed with the ready one."""
+"""A user-defined distributor takes a file like this one and a line in DISTRIBUTORS. It runs mixed with the built-in
+one.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,7 @@ from products.train.train import Train
 
 @dataclass(frozen=True)
 class DirectDistributor(DistributorParameters):
-    """A direct-acting valve: the cylinder is fed by the pipe itself; released, it is empty as the pipe is."""
+    """A direct-acting valve: the pipe itself feeds the cylinder. When released, both are empty."""
 
     choke: float = quantity("m", "Diameter of the choke between pipe and cylinder", 1e-4)
     volume: float = quantity("m3", "Volume of the cylinders", 1e-4)
@@ -55,13 +57,13 @@ def direct(moment: Moment) -> Answer:
 
 
 def of_choke(position: str) -> DirectDistributor:
-    """Return a ready set; its choke is narrower in position G."""
+    """Return a built-in parameter set; its choke is narrower in position G."""
     choke = {"P": 3e-3, "G": 1e-3}[position]
     return DirectDistributor(full_pressure=300e3, choke=choke, volume=10e-3, meter_volume=10e-3)
 
 
 def pace(p: DirectDistributor) -> float:
-    """Return a bound of how fast the volumes come to rest [1/s]."""
+    """Return a bound on the rate at which the volumes settle [1/s]."""
     return float(30.0 * GAS_CONSTANT * WALL * p.choke**2 / min(p.volume, p.meter_volume))
 
 
@@ -83,13 +85,13 @@ def _added(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def every_second(wagons: int) -> Consist:
-    """A train of which every second wagon has the new distributor."""
+    """Return a train in which every second wagon has the new distributor."""
     vehicles = block_train(wagons).vehicles
     return Consist(tuple(replace(v, distributor=of_choke("P")) if n % 2 else v for n, v in enumerate(vehicles)))
 
 
 def test_its_cylinder_has_the_pressure_of_the_pipe() -> None:
-    """On the bench, both chambers alike, up to its largest pressure; of the ready one it has no other state."""
+    """On the bench, both chambers follow the pipe up to the largest pressure. States of the built-in one are NaN."""
     pipe = Pipe(4, pressure=AMBIENT, length=7.5, diameter=0.03175)
     pipe.connect([1, 3], [of_choke("P"), of_choke("G")], AMBIENT)
     pipe.open_to(0, Outside(2e-4, 200e3 + AMBIENT))
@@ -103,7 +105,7 @@ def test_its_cylinder_has_the_pressure_of_the_pipe() -> None:
 
 
 def test_in_a_mixed_train_each_vehicle_brakes_by_its_own() -> None:
-    """Released, the pipe is full: direct cylinders are full and others empty; an emergency turns it round."""
+    """When released, the pipe is full: direct cylinders are full and others empty. An emergency reverses this."""
     train = Train(every_second(8))
     mass, vehicles = train.air.mass, np.arange(9)
     train.advance(30.0)
@@ -134,9 +136,9 @@ def test_protection_holds_and_vents_the_cylinder_of_the_vehicle_that_it_commands
 
 
 def test_vehicles_beside_it_do_as_they_did() -> None:
-    """Kinds share nothing but the pipe: without flow of air the ready distributors fill as in an unmixed train.
+    """Kinds share the pipe only: without flow of air, the built-in distributors fill as in an unmixed train.
 
-    To the error of steps, which are as long as the fastest kind allows.
+    The tolerance is the error of the steps, which are as long as the fastest kind allows.
     """
     mixed, plain = (Train(consist, settings=Settings("delay")) for consist in (every_second(9), block_train(9)))
     for train in (mixed, plain):

@@ -1,4 +1,4 @@
-"""Brake weight percentage, stopping distance and brake force: told distances, round trips, limits, sentences."""
+"""Brake weight percentage, stopping distance and brake force: reference distances, inversions, limits, messages."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ from brake_controller.brake_weight import (
     train_percentage,
 )
 
-#: Distances are told to 0.1 m.
+#: Reference distances are given to 0.1 m.
 TOLD = 0.1
-#: Of what is inverted, relative: round-off and the bracket of the search.
+#: Relative tolerance of inverse functions: rounding errors and the bracket of the search.
 INVERTED = 1e-10
 KMH = 1 / 3.6
-#: Case, speed [km/h], percentage [%], length [m], distance told [m], and worked out by hand: build-up time [s], and
-#: edge [km/h] and deceleration [m/s2] of each step, from SUBSET-026 A.3.7 to A.3.9.
+#: Case, speed [km/h], percentage [%], length [m], reference distance [m]; calculated by hand from SUBSET-026 A.3.7 to
+#: A.3.9: build-up time [s], and edge [km/h] and deceleration [m/s2] of each step.
 DISTANCES = [
     ("EMERGENCY_PASSENGER_P", 120, 100, 400, 839.9, 5.02, [(120, 0.826)]),
     ("EMERGENCY_PASSENGER_P", 120, 100, 500, 890.9, 6.55, [(120, 0.826)]),
@@ -98,7 +98,7 @@ def test_another_constant_misses_a_distance(name: str, value: object, monkeypatc
 @pytest.mark.parametrize(
     ("percentage", "edges", "decelerations"),
     [
-        # Limit speeds 89.9, 109.9, 120.9, 165.0 and 179.0 km/h; the polynomials summed by hand.
+        # Limit speeds 89.9, 109.9, 120.9, 165.0 and 179.0 km/h; the polynomials are summed by hand.
         (50.0, (100, 120, 150, 180, math.inf), (0.451, 0.37605, 0.409775, 0.328475, 0.318125, 0.31345375)),
         (80.0, (120, 150, 180, math.inf), (0.676, 0.6519200, 0.4980056, 0.4803200, 0.472977760)),
         (100.0, (150, 180, math.inf), (0.826, 0.6171, 0.5915, 0.58173)),
@@ -109,7 +109,7 @@ def test_another_constant_misses_a_distance(name: str, value: object, monkeypatc
 def test_bands_below_the_limit_speed_fall_away(
     percentage: float, edges: tuple[float, ...], decelerations: tuple[float, ...]
 ) -> None:
-    """Also those that no told distance reaches."""
+    """Speed ranges beyond all reference distances are included."""
     steps = deceleration_steps(Case.EMERGENCY_FREIGHT_P, percentage)
     limit = 16.85 * percentage**0.428
     assert [step.most / KMH for step in steps] == pytest.approx([limit, *edges])
@@ -118,7 +118,7 @@ def test_bands_below_the_limit_speed_fall_away(
 
 
 def test_from_100_to_120_kmh_the_model_brakes_harder_than_below_up_to_98_percent() -> None:
-    """As it is printed; at other edges the deceleration falls with speed."""
+    """The published constants have this rise. At other edges the deceleration falls with speed."""
     for percentage in PERCENTAGES:
         steps = deceleration_steps(Case.EMERGENCY_FREIGHT_P, percentage)
         pairs = itertools.pairwise(steps)
@@ -140,7 +140,7 @@ def test_distance_falls_with_percentage_and_grows_with_speed_and_length(case: Ca
 
 @pytest.mark.parametrize("case", Case)
 def test_distance_goes_on_over_the_edges_of_bands(case: Case) -> None:
-    """The deceleration steps there, its distance does not; nor where the limit speed comes to an edge."""
+    """The deceleration is discontinuous there, the distance is not; nor is it where the limit speed reaches an edge."""
     near = 1e-9
     for percentage in (40.0, 65.0, 100.0, 135.0):
         for edge in (limit_speed(percentage) / KMH, 100.0, 120.0, 150.0, 180.0):
@@ -195,7 +195,7 @@ def test_the_percentage_of_a_train_is_that_of_its_weights() -> None:
 
 
 def test_braking_distance_is_the_integral_of_speed_over_deceleration() -> None:
-    """By the sum over 10^5 slices of speed, against the steps in one piece each."""
+    """Compare with the sum over 10^5 slices of speed."""
     steps = deceleration_steps(Case.EMERGENCY_FREIGHT_P, 45.0)
     edges = np.linspace(0.0, 200.0 * KMH, 100_001)
     middle = (edges[1:] + edges[:-1]) / 2
@@ -214,7 +214,7 @@ def test_braking_distance_is_the_integral_of_speed_over_deceleration() -> None:
 def test_a_vehicle_is_assessed_by_its_stopping_distance(
     assessment: Assessment, percentage: float, distance: float
 ) -> None:
-    """52840 / S - 10 and 83634 / S - 19 (EN 16834, UIC 544-1), divided by hand."""
+    """52840 / S - 10 and 83634 / S - 19 (EN 16834, UIC 544-1), inverted by hand."""
     assert distance_of_vehicle(percentage, assessment) == pytest.approx(distance, abs=1e-3)
     assert percentage_of_vehicle(distance, assessment) == pytest.approx(percentage, rel=1e-5)
     other = replace(assessment, offset=assessment.offset + 0.1)

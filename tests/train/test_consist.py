@@ -1,4 +1,4 @@
-"""Vehicles of trains and their brake weight percentage, both ways; which depth of a brake a scene needs."""
+"""Vehicles of trains, their brake weight percentage in both directions, and the choice of a brake model."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def test_a_percentage_becomes_forces_and_forces_that_percentage(percentage: floa
 
 
 def test_a_vehicle_of_a_percentage_stops_where_that_says() -> None:
-    """S = 52840 / (lambda + 10) from 100 km/h with a build-up of 2 s; here cylinders are full from the start.
+    """S = 52840 / (lambda + 10) from 100 km/h with a build-up of 2 s; here the cylinders are full from the start.
 
-    Its resistance is a part of what the percentage says.
+    The percentage includes the vehicle's resistance.
     """
     plain = locomotive()
     one = replace(plain, brake=braked_by(80.0, 84e3, plain.resistance))
@@ -32,7 +32,7 @@ def test_a_vehicle_of_a_percentage_stops_where_that_says() -> None:
     train.drive("service", 1.0)
     while train.speed[0] > 0.0:
         train.advance(0.1)
-    way = train.distance[0] + one.length / 2  # its middle begins half a length behind its front
+    way = train.distance[0] + one.length / 2  # the middle is half a length behind the front
     assert way + 2.0 * 100 / 3.6 == pytest.approx(52840.0 / 90.0, rel=2e-3)
 
 
@@ -64,7 +64,7 @@ def test_the_smallest_depth_follows_what_is_asked() -> None:
 
 @pytest.mark.parametrize("length", [15, 70])
 def test_the_errors_that_the_choice_counts_with_hold_for_another_train(length: int) -> None:
-    """Of 229 and 999 m, half service in P: against eight cells a vehicle."""
+    """Trains of 229 m and 999 m, half service in P, compared with eight cells a vehicle."""
     consist = block_train(length)
     stops = []
     for one in DEPTHS_BY_COST.values():

@@ -1,4 +1,4 @@
-"""Consists from files: CSV and TOML alike, and one sentence about each that is none."""
+"""Consists from CSV and TOML files, and one error message for each invalid file."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ delay = 1.5
 
 
 def written(folder: Path, name: str, text: str | bytes) -> Path:
-    """A file with this content."""
+    """Write a file with this content; return its path."""
     path = folder / name
     path.write_bytes(text.encode() if isinstance(text, str) else text)
     return path
@@ -100,7 +100,7 @@ def test_the_first_locomotive_is_the_head_unless_another_is_called_so(tmp_path: 
     assert [one.valve is not None for one in read_consist(path).vehicles] == [False, True]
 
 
-#: What the reader of all tables refuses is in tests/readers; here is what it says of consists, and what these refuse.
+#: Invalid consists and their messages. tests/readers covers the errors of all tables.
 BAD: dict[str, tuple[str, str | bytes, str]] = {
     "nothing": ("a.csv", "", "must have a row of names and rows of values; it is empty."),
     "only names": ("a.csv", "kind,count\n", "a.csv must have vehicles; it has none."),
@@ -241,7 +241,7 @@ def test_a_consist_is_built_with_its_file(tmp_path: Path) -> None:
 
 
 def test_what_is_no_line_is_told_in_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """By the reader of all lines; tests/readers/test_twin.py has all that it refuses."""
+    """One error of the line reader; tests/readers/test_twin.py covers all."""
     path = written(tmp_path, "line.csv", "distance,curvature,cant,gradient\n0,0,0,0\n9,0,0,5\n")
     assert build_fmu.main(["train", "--line", str(path), "--out", str(tmp_path / "build")]) == 2
     [sentence] = capsys.readouterr().err.splitlines()
@@ -273,7 +273,7 @@ def test_what_makes_no_train_is_told_in_a_sentence(given: Any, more: dict[str, A
     ["distance,curvature,cant,gradient [1]", "DISTANCE,Curvature,cant,Gradient", "distance,curvature,cant,gradient"],
 )
 def test_a_train_climbs_however_its_gradient_is_named(head: str, tmp_path: Path) -> None:
-    """Uphill it loses g sin over 1.04, its rotating masses, more each second than on level track."""
+    """Uphill it loses g sin / 1.04 (rotating masses) more speed each second than on level track."""
     path = written(tmp_path, "line.csv", f"{head}\n-2000,0,0,0.02\n5000,0,0,0.02\n")
     speeds = []
     for line in (None, read_line(path)):

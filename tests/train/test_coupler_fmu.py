@@ -22,7 +22,7 @@ LOADING, UNLOADING, LOCKED = 5e6, 2e6, 60e6
 
 @pytest.fixture(scope="module", params=[2, 3])
 def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Straight lines of loading and unloading, alike both ways."""
+    """Build a coupler with straight loading and unloading lines, symmetric in both directions."""
     load, back = (Curve((0.0, 1.0), (0.0, stiffness)) for stiffness in (LOADING, UNLOADING))
     path = tmp_path_factory.mktemp("coupler") / f"{request.param}.fmu"
     build_coupler_fmu(Coupler("lines", LOCKED, (load, back), (load, back)), path, request.param)
@@ -30,7 +30,7 @@ def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 
 
 def ways(path: Path, course: list[float]) -> list[tuple[float, float, float]]:
-    """Force, mean force and work behind each way."""
+    """Return force, mean force and work after each displacement."""
     found = []
     with FmuInstance(path) as coupler:
         coupler.start()
@@ -46,7 +46,7 @@ def test_it_is_valid(fmu: Path) -> None:
 
 
 def test_it_loads_sticks_and_yields_back(fmu: Path) -> None:
-    """Up k1 s; a little back along K; far back along k2 s; the same pushed."""
+    """Load along k1 s, unload a little along K and then along k2 s. The same in compression."""
     for sense in (1.0, -1.0):
         course = [0.02 * sense, 0.0199 * sense, 0.01 * sense, 0.0]
         force = [one[0] for one in ways(fmu, course)]

@@ -1,6 +1,4 @@
-"""Couplers and the motion of vehicles against closed forms: collisions, balances, statics, the limit of explicit
-steps.
-"""
+"""Couplers and the motion of vehicles against closed forms: collisions, balances, statics, limits of explicit steps."""
 
 from __future__ import annotations
 
@@ -19,9 +17,9 @@ from rbd_model.train.coupler import COUPLERS, Coupler, Curve, coupling, draft_ge
 from tests.train.chains import MASS, chain, spring
 
 GRAVITY = 9.80665
-#: What is asked: of closed forms, momentum, energy, rigid couplers.
+#: Tolerances: closed forms, momentum, energy, rigid couplers.
 CLOSED, MOMENTUM, ENERGY, ONE_MASS = 1e-5, 1e-12, 1e-8, 1e-6
-#: Steps so small that their own error is below what is asked.
+#: Share of the stable step at which the error of the method is below these tolerances.
 FINE = 1e-4
 
 
@@ -36,7 +34,7 @@ def moving(train: Train) -> float:
 
 
 def collide(coupler: Coupler, speed: float = 1.0, time: float = 0.6, **settings: object) -> Train:
-    """The second vehicle runs against the first, which stands; they are not coupled."""
+    """Let the second vehicle run into the first, which is at rest; they are not coupled."""
     train = chain([MASS, MASS], coupler, depth="delay", share=FINE, **settings)
     train.inputs["coupling_closed"][:] = 0.0
     state = train.motion
@@ -47,7 +45,7 @@ def collide(coupler: Coupler, speed: float = 1.0, time: float = 0.6, **settings:
 
 
 def test_two_vehicles_collide_as_on_a_spring() -> None:
-    """F = v sqrt(k m / 2) at most; equal masses exchange their speeds."""
+    """The largest force is F = v sqrt(k m / 2); equal masses exchange their speeds."""
     stiffness, speed = 5e6, 1.3
     train = collide(spring(stiffness), speed)
     assert train.largest_compression == pytest.approx(speed * math.sqrt(stiffness * MASS / 2), rel=CLOSED)
@@ -56,7 +54,7 @@ def test_two_vehicles_collide_as_on_a_spring() -> None:
 
 
 def test_a_collision_with_friction_gives_back_what_lies_below_the_line_of_unloading() -> None:
-    """Loading k1 s; then the locked line K down to k2 s; v' = sqrt(2 E / (m / 2)) of the area below both."""
+    """Loading k1 s, then the locked line K down to k2 s; v' = sqrt(2 E / (m / 2)), E: the area below both."""
     k1, k2, locked, speed = 5e6, 1.5e6, 60e6, 1.0
     train = collide(spring(k1, k2 / k1, locked), speed)
     most = speed * math.sqrt(MASS / 2 / k1)
@@ -67,7 +65,7 @@ def test_a_collision_with_friction_gives_back_what_lies_below_the_line_of_unload
 
 
 def test_friction_that_sticks_keeps_its_force() -> None:
-    """Pushed to 100 kN and eased to 90 the coupler rests in its friction, for as long as one likes."""
+    """Compressed to 100 kN and eased to 94 kN, the coupler sticks by friction indefinitely."""
     train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), depth="delay", share=FINE)
     train.lead(0, 0.0)
     train.lead(1, 0.02)
@@ -97,7 +95,7 @@ def test_momentum_stays_whatever_the_couplers_do(name: str) -> None:
 
 
 def test_energy_stays_where_there_is_no_friction() -> None:
-    """Motion and k s^2 / 2 of each coupler, to the error of the method, which falls with the square of its steps."""
+    """The energy is that of the motion and k s^2 / 2 of each coupler. Its error falls with the square of the step."""
     draw = np.random.default_rng(34)
     lost = []
     for share in (FINE, 300 * FINE):
@@ -126,14 +124,15 @@ def test_friction_takes_energy_and_never_gives_any() -> None:
     assert max(b for _, b in pairwise(courses)) < courses[0]
 
 
-#: Of one coupler in cycles: ways [m] far behind each stroke, pieces of a way, cycles that are repeated to be closed.
+#: Cycles of a coupler: range [m], far beyond each stroke; pieces between two turns; cycles; repetitions until they are
+#: closed.
 FAR, PIECES, CYCLES, REPEATED = 0.3, 40, 20, 2
-#: Energy that rounding makes in a cycle, relative to the largest force over the whole way.
+#: Energy error by rounding in a cycle, relative to the largest force times the whole range.
 ROUNDING = 1e-9
 
 
 def scaled(coupler: Coupler, forces: float) -> Coupler:
-    """All of its stiffness times a factor."""
+    """Return the coupler with all stiffnesses times a factor."""
 
     def one(curve: Curve) -> Curve:
         return Curve(curve.ways, tuple(forces * force for force in curve.forces))
@@ -145,9 +144,10 @@ def scaled(coupler: Coupler, forces: float) -> Coupler:
 @pytest.mark.parametrize("factor", [0.1, 1.0, 10.0])
 @pytest.mark.parametrize("name", sorted(COUPLERS))
 def test_a_closed_cycle_never_gives_energy(name: str, factor: float) -> None:
-    """Random ways to and fro, far behind the stroke too, gone twice, of which the second is closed in force and way.
+    """Random displacements to and fro, also far beyond the stroke, made twice: the second cycle is closed in force and
+    displacement.
 
-    All cycles at once, one in a row; the work is that of the trapezoidal rule on small pieces.
+    All cycles are evaluated at once. The work is integrated by the trapezoidal rule on small pieces.
     """
     draw = np.random.default_rng(51)
     turns = draw.uniform(-FAR, FAR, (CYCLES, 6)) * draw.uniform(0.1, 1.0, (CYCLES, 1))
@@ -166,10 +166,10 @@ def test_a_closed_cycle_never_gives_energy(name: str, factor: float) -> None:
 
 @pytest.mark.parametrize("name", sorted(COUPLERS))
 def test_unloading_lies_below_loading_behind_the_stroke(name: str) -> None:
-    """On the way back each force is at most that of the way there; behind the stroke steel gives it all back.
+    """Unloading forces are at most those of loading. Beyond the stroke the coupler is elastic.
 
-    There the force is the curve of loading, with steel from its own end on. Where each curve met steel at its own end,
-    the draft gear's unloading was 2583 kN at 131 mm and its loading 2509, and compression gave the larger one.
+    There the force is the loading curve plus steel from its own end on. Regression test: if each curve meets steel at
+    its own end, the draft gear's unloading is 2583 kN at 131 mm, its loading 2509 kN, and compression returns 2583 kN.
     """
     coupler = COUPLERS[name]()
     play, given, loading = coupling(), coupler.constants(), coupler.compression[0]
@@ -205,7 +205,7 @@ def test_equal_brakes_on_equal_vehicles_leave_couplers_without_force() -> None:
 
 
 def test_rigid_couplers_give_the_motion_of_one_mass() -> None:
-    """x = F t^2 / (2 M), each vehicle."""
+    """x = F t^2 / (2 M) for each vehicle."""
     masses = [84e3, *[MASS] * 9]
     train = chain(masses, rigid(1e11), depth="delay")
     train.inputs["pull"][0] = 100e3
@@ -221,9 +221,7 @@ def gradients(rows: list[tuple[float, float]]) -> Line:
 
 @pytest.mark.parametrize(("slope", "sense"), [(0.01, 1.0), (-0.01, -1.0)])
 def test_a_train_across_a_crest_or_a_sag_carries_the_weight_of_its_halves(slope: float, sense: float) -> None:
-    """Tension on a crest, compression in a sag: m g sin of all vehicles beyond; the mean over swings without
-    damping.
-    """
+    """Tension on a crest, compression in a sag: m g sin of all vehicles beyond. Forces oscillate and are averaged."""
     consist = Consist(chain([MASS] * 10, spring(5e6), depth="delay").consist.vehicles)
     line = gradients([(-1000.0, slope), (-75.01, slope), (-74.99, -slope), (1000.0, -slope)])
     train = Train(consist, line=line, settings=Settings(depth="delay"))
@@ -236,7 +234,7 @@ def test_a_train_across_a_crest_or_a_sag_carries_the_weight_of_its_halves(slope:
 
 
 def test_brakes_hold_a_train_on_a_gradient_and_it_stands() -> None:
-    """No creeping: speeds are exactly zero, and the forces of the couplers rest too."""
+    """Vehicles do not creep: speeds are exactly zero, and coupler forces are constant."""
     consist = chain([MASS] * 5, draft_gear(), braked=True).consist
     train = Train(consist, cylinder=380e3, pipe=350e3, line=gradients([(-1e4, 0.02), (1e4, 0.02)]))
     train.drive("service", 1.0)
@@ -252,7 +250,7 @@ def test_brakes_hold_a_train_on_a_gradient_and_it_stands() -> None:
 
 
 def lone(friction: float) -> Train:
-    """A locomotive alone at 20 m/s, whose cylinders are full."""
+    """Return a single locomotive at 20 m/s with full cylinders."""
     one = locomotive()
     brake = replace(one.brake, force_per_pressure=1.0, constant_friction=0.2)
     vehicle = replace(one, brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=1.0)
@@ -272,7 +270,7 @@ def test_wheels_that_roll_brake_mass_and_rotating_mass() -> None:
 
 
 def test_wheels_that_are_asked_too_much_lock_and_slide() -> None:
-    """m_r dw/dt = mu m g - B until they stand; then dv/dt = -mu g."""
+    """m_r dw/dt = mu m g - B until the wheels lock; then dv/dt = -mu g."""
     friction, brake, rotating = 0.05, 0.2 * 380e3, 0.04 * 84e3
     train = lone(friction)
     lock = 20.0 * rotating / (brake - friction * 84e3 * GRAVITY)
@@ -300,7 +298,7 @@ def test_a_locked_wheel_turns_again_when_its_cylinder_is_vented() -> None:
 
 
 def run_in(share: float) -> float:
-    """Largest compression [N] where 40 wagons of 20 t run into one another behind a locomotive that brakes."""
+    """Return the largest compression [N] of 40 wagons of 20 t that run in behind a braking locomotive."""
     consist = block_train(40, load=0.0, coupler=draft_gear())
     train = Train(consist, speed=20.0, settings=Settings(depth="delay", share=share))
     train.drive("emergency")
@@ -309,7 +307,7 @@ def run_in(share: float) -> float:
 
 
 def test_steps_above_two_over_omega_lie_and_the_default_does_not() -> None:
-    """Friction bounds what would blow up. 10.05 ms for draft gears of 198 MN/m between wagons of 20 t."""
+    """Friction bounds the instability. The limit is 10.05 ms for draft gears of 198 MN/m between wagons of 20 t."""
     assert 2 / fastest([draft_gear()] * 5, [20e3] * 6) == pytest.approx(2 / math.sqrt(4 * 198e6 / 20e3), rel=1e-12)
     true = run_in(0.02)
     assert run_in(SHARE) == pytest.approx(true, rel=0.01)
@@ -345,7 +343,7 @@ def test_a_coupling_holds_from_when_vehicles_touch() -> None:
 
 
 def test_backwards_forces_change_their_sign() -> None:
-    """Draft gears are alike both ways: what was compression forwards is tension backwards, to the last digits."""
+    """Draft gears are symmetric: compression forwards equals tension backwards, to rounding errors."""
     found = []
     for sense in (1.0, -1.0):
         train = Train(block_train(12, coupler=draft_gear()), speed=sense * 20.0)

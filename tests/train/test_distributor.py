@@ -23,7 +23,7 @@ Course = NDArray[np.float64]
 
 
 def train(vehicles: int = 1, position: str = "P", cells: int = 2, **values: float) -> Pipe:
-    """Vehicles of 15 m with charged pipe and reservoirs, distributors in their middle."""
+    """Return vehicles of 15 m with charged pipe and reservoirs, and distributors at mid-length."""
     pipe = Pipe(cells * vehicles, pressure=RUNNING + AMBIENT, length=15.0 / cells, diameter=DIAMETER)
     own = replace(freight(position), **values)
     pipe.connect([cells * n + cells // 2 for n in range(vehicles)], [own] * vehicles, RUNNING + AMBIENT)
@@ -31,9 +31,9 @@ def train(vehicles: int = 1, position: str = "P", cells: int = 2, **values: floa
 
 
 def fed(pipe: Pipe, pressure: Callable[[float], float], seconds: float) -> Course:
-    """Gauge pressures of the last vehicle's cylinder, of the pipe there and of its auxiliary reservoir, every STEP.
+    """Return gauge pressures of the last vehicle: cylinder, pipe and auxiliary reservoir, every STEP [Pa].
 
-    pressure: gauge, that a large opening at the first end keeps.
+    pressure: gauge pressure at a large opening at the first end.
     """
     course = []
     for number in range(round(seconds / STEP)):
@@ -45,7 +45,7 @@ def fed(pipe: Pipe, pressure: Callable[[float], float], seconds: float) -> Cours
 
 
 def when(course: Course, reached: Callable[[Course], NDArray[np.bool_]]) -> float:
-    """First time at which the cylinder's pressure is so [s]."""
+    """Return the first time at which the cylinder pressure fulfils a condition [s]."""
     found = np.flatnonzero(reached(course[:, 0]))
     return float(found[0] * STEP) if found.size else math.inf
 
@@ -66,7 +66,7 @@ def test_a_cylinder_fills_and_empties_in_the_times_of_the_standard(position: str
 
 @pytest.mark.parametrize("position", ["P", "G"])
 def test_it_feels_a_fall_of_a_tenth_of_a_bar_a_second_and_no_leak(position: str) -> None:
-    """UIC 540: it applies within 1.2 s where the pipe loses 0.6 bar in 6 s, never where it loses 0.3 bar in 60 s."""
+    """UIC 540: it applies within 1.2 s if the pipe loses 0.6 bar in 6 s, and not at all if it loses 0.3 bar in 60 s."""
     falls = fed(train(position=position), lambda t: RUNNING - 10e3 * t, 3.0)
     assert when(falls, lambda p: p > 1e3) < 1.2
     leaks = fed(train(position=position), lambda t: RUNNING - 500.0 * t, 60.0)
@@ -77,7 +77,7 @@ def test_it_feels_a_fall_of_a_tenth_of_a_bar_a_second_and_no_leak(position: str)
 
 @pytest.mark.parametrize("fall", [60e3, 100e3, 140e3])
 def test_the_cylinder_follows_the_pipe_in_steps_down_and_up(fall: float) -> None:
-    """3.8 bar over 1.5 bar of fall, to what a relay needs to open (2 %); gradual release, as inexhaustible."""
+    """3.8 bar for a drop of 1.5 bar, within the 2 % that a relay needs to open. The brake releases gradually."""
     pipe = train()
     for level in (fall, fall / 2, fall):
         course = fed(pipe, lambda _, level=level: RUNNING - level, 40.0)  # type: ignore[misc]
@@ -85,7 +85,7 @@ def test_the_cylinder_follows_the_pipe_in_steps_down_and_up(fall: float) -> None
 
 
 def test_a_small_auxiliary_reservoir_does_not_reach_the_full_pressure() -> None:
-    """Isothermal volumes come to one pressure: (V_R p_R + V_C p_a) / (V_R + V_C) absolute; the pipe is emptied."""
+    """Isothermal volumes reach one pressure: (V_R p_R + V_C p_a) / (V_R + V_C), absolute. The pipe is empty."""
     volume = 20e-3
     course = fed(train(auxiliary_volume=volume), lambda _: 0.0, 60.0)
     cylinder = freight().cylinder_volume
@@ -98,7 +98,7 @@ def test_a_small_auxiliary_reservoir_does_not_reach_the_full_pressure() -> None:
 
 
 def wave(cells: int, vehicles: int = 50, **values: float) -> float:
-    """Speed [m/s] at which cylinders begin to fill behind an emergency valve, beyond the first ten vehicles."""
+    """Return the speed [m/s] at which cylinders begin to fill after an emergency application, beyond ten vehicles."""
     pipe = train(vehicles, cells=cells, **values)
     pipe.open_to(0, Outside(4e-4))
     begun = np.full(vehicles, math.nan)
@@ -111,7 +111,7 @@ def wave(cells: int, vehicles: int = 50, **values: float) -> float:
 
 
 def test_an_emergency_runs_faster_than_asked_and_with_fine_cells_no_faster_than_sound() -> None:
-    """250 m/s are asked. A smeared front trips accelerators early: at two cells a vehicle 7 % above sound, told."""
+    """UIC 540 requires 250 m/s. A smeared front trips accelerators early: with two cells a vehicle, 7 % above sound."""
     coarse, middle, fine = wave(2), wave(4), wave(12)
     assert 250.0 < fine < 1.03 * SOUND
     assert fine < middle < coarse < 1.15 * SOUND
@@ -120,7 +120,7 @@ def test_an_emergency_runs_faster_than_asked_and_with_fine_cells_no_faster_than_
 
 
 def test_air_of_pipe_and_vehicles_closes() -> None:
-    """What vehicles took is in their volumes; accelerators, which let it out again, are next to nothing here."""
+    """The vehicles' air is in their volumes. Accelerators would vent it again; they are negligible here."""
     pipe = train(12, accelerator_volume=1e-9)
     mass, energy = pipe.mass, pipe.energy
     volumes = {name: getattr(freight(), f"{name}_volume") for name, _ in UIC.states if name != "accelerator"}
@@ -134,7 +134,7 @@ def test_air_of_pipe_and_vehicles_closes() -> None:
     gone = pipe.passed
     assert pipe.mass + sum(gone.end_mass) + gone.vehicle_mass == pytest.approx(mass, rel=1e-12)
     assert pipe.energy + sum(gone.end_energy) + gone.vehicle_energy - gone.heat == pytest.approx(energy, rel=1e-9)
-    # The last cylinders have just begun, none has released.
+    # The last cylinders have just begun to fill; none has released.
     assert in_vehicles() - before == pytest.approx(gone.vehicle_mass, abs=1e-6 * before)
     assert gone.cylinder_mass > 0.0
 
@@ -158,13 +158,13 @@ def test_trains_at_random_stay_above_zero() -> None:
 
 
 def test_volumes_of_one_size_do_not_hide_the_faster_of_them() -> None:
-    """The cylinder of a wagon, whose choke is wide, and a control chamber as large, whose choke is narrow."""
+    """The wagon's cylinder has a wide choke; a control chamber of the same volume has a narrow one."""
     alike = replace(freight(), control_volume=freight().cylinder_volume)
     assert fastest_change(alike) == pytest.approx(fastest_change(freight()), rel=1e-12)
 
 
 def test_steps_are_as_short_as_the_fastest_volume_asks() -> None:
-    """A cylinder of a tenth of its volume fills as steps of a quarter do; steps that waves alone allow lie."""
+    """A cylinder of a tenth of its volume fills as with quarter steps. Steps at the CFL limit alone would be wrong."""
     small = {"cylinder_volume": 1e-3, "inshot_choke": 12e-3}
     ways = []
     for courant in (0.8, 0.2):

@@ -1,4 +1,4 @@
-"""Driver's valves, cocks and hoses that part: pressures that are held, balances, what reaches the end of a train."""
+"""Driver's valves, cocks and parted hoses: regulated pressures, balances, and effects at the end of a train."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from products.train.consist import Consist, block_train, locomotive, wagon
 from products.train.numbers import Settings
 from products.train.train import Train
 
-#: Gauge pressures [Pa]: running, of the cylinder at most.
+#: Gauge pressures [Pa]: running position; largest pressure of the cylinder.
 RUNNING, FULL = 500e3, 380e3
-#: What a relay leaves [Pa], half of its band at most.
+#: Largest control error of a relay [Pa]: half of its dead band.
 HELD = 5e3
 MASS, ENERGY = 1e-12, 1e-9
 
@@ -32,7 +32,7 @@ def settled(one: Train, position: str, step: float = 0.0, time: float = 60.0) ->
 
 @pytest.mark.parametrize(("step", "fall"), [(0.0, 40e3), (0.5, 95e3), (1.0, 150e3)])
 def test_service_holds_the_pipe_at_its_step(step: float, fall: float) -> None:
-    """First step 4.6 bar (UIC 540: 4.6 to 4.8), full service 3.5 bar, in the whole train, and cylinders follow."""
+    """First step 4.6 bar (UIC 540: 4.6 to 4.8), full service 3.5 bar, in the whole train; cylinders follow."""
     one = train()
     pressure = settled(one, "service", step)
     assert pressure == pytest.approx(np.full(11, RUNNING - fall), abs=HELD)
@@ -96,15 +96,13 @@ def test_a_hose_that_parts_brakes_both_parts() -> None:
     one.advance(20.0)
     assert (one.cylinder_pressure[5:] > 0.9 * FULL).all()
     assert one.cylinder_pressure[4] > 0.9 * FULL
-    # The valve at the head goes on feeding what it can.
+    # The valve at the head still feeds the pipe.
     assert one.pipe_pressure[0] > one.pipe_pressure[4]
 
 
 @pytest.mark.parametrize("where", [5, 10])
 def test_a_second_valve_helps_as_soon_as_its_radio_lets_it(where: int) -> None:
-    """In the middle or at the end. Until its radio tells it to brake it feeds the pipe, and holds the brake off in the
-    middle.
-    """
+    """Until it receives the command, a second valve feeds the pipe; at mid-train this delays the brake."""
     vehicles = list(block_train(10).vehicles)
     begun = []
     for delay in (None, 0.0, 1.0):
@@ -136,7 +134,7 @@ def test_a_valve_in_the_middle_brakes_both_halves_alike() -> None:
 
 
 def test_mass_and_energy_close_with_valves_cocks_and_parted_hoses() -> None:
-    """Of the air in the pipe: what left by valves, hoses and vehicles, and heat from walls."""
+    """Balance of the air in the pipe: flow through valves, hoses and vehicles, and heat from walls."""
     one = train(6)
     one.inputs["hose_state"][2] = 2.0
     one.inputs["hose_state"][4] = 1.0
@@ -204,7 +202,7 @@ def test_an_input_that_cannot_be_is_refused_and_the_train_stays_as_it_was(
 
 
 def test_an_input_is_set_as_a_whole() -> None:
-    """The values reach the train: a pull by one number for all, and by one for each."""
+    """A pull can be set by one number for all vehicles, or by one for each."""
     each, whole, one_by_one = (train(2, depth="delay") for _ in range(3))
     whole.inputs["pull"] = 2e3
     each.inputs["pull"] = [2000, 2000, 2000]

@@ -1,4 +1,4 @@
-"""What methods of trains are compared by: the rate form of a coupler, orders of implicit steps, the default's error."""
+"""Reference methods of train dynamics: the rate form of a coupler, orders of implicit steps, the default's error."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from rbd_model.train.coupler import Coupler, coupling, draft_gear, screw_coupler
 from scenarios.comparisons.peers.train_couplers import braked_train, rates
 from tests.train.chains import spring
 
-#: What is asked: of forces of the rate form, relative to the largest; of the default, as the scenario asks it.
+#: Tolerances: forces of the rate form, relative to the largest; force and distance of the default, as in the scenario.
 RATE, FORCE, DISTANCE = 1e-9, 0.01, 1e-4
-#: Of a way, in how many pieces it is gone, and how often a piece is halved to find a corner.
+#: Number of pieces of a displacement, and halvings of a piece to locate a corner.
 PIECES, HALVINGS = 200, 50
 
 
@@ -23,7 +23,7 @@ def yields(coupler: Coupler, way: float, rest: float, sense: float) -> float:
 
 
 def same(coupler: Coupler, way: float, rest: float, piece: float) -> float:
-    """How much of a piece of way is gone until a corner is just behind; all of it where there is none."""
+    """Return the part of a displacement up to just beyond the next corner, or all of it without a corner."""
     sense, low, high = np.sign(piece), 0.0, abs(piece)
     share = yields(coupler, way, rest, sense)
 
@@ -37,7 +37,7 @@ def same(coupler: Coupler, way: float, rest: float, piece: float) -> float:
 
 
 def go(coupler: Coupler, way: float, rest: float, end: float) -> float:
-    """The rest behind a way in one sense: z' = yields s', from corner to corner."""
+    """Return the friction state after a monotonic displacement: z' = yields s', from corner to corner."""
     piece = (end - way) / PIECES
     while way != end:
         left = end - way
@@ -49,7 +49,7 @@ def go(coupler: Coupler, way: float, rest: float, end: float) -> float:
 
 @pytest.mark.parametrize("coupler", [draft_gear(), screw_coupler()], ids=lambda one: one.name)
 def test_the_rate_of_a_coupler_gives_its_play_operator(coupler: Coupler) -> None:
-    """On ways to and fro, at their turns."""
+    """The forces are compared at the turns of random displacements."""
     draw = np.random.default_rng(41)
     turns = [0.0, *draw.uniform(-0.05, 0.05, 12)]
     play, given = coupling(), coupler.constants()
@@ -64,7 +64,7 @@ def test_the_rate_of_a_coupler_gives_its_play_operator(coupler: Coupler) -> None
 
 
 def test_implicit_steps_have_their_errors() -> None:
-    """Euler's error of the largest force halves with its steps; that of the midpoint is below a hundredth of it."""
+    """Euler's error of the largest force halves with the step. The midpoint rule's error is below 1 % of it."""
     train = braked_train(60e3, wagons=8, long=3.0, coupler=spring(5e6))
     true = train.implicit(5e-5, 0.5).compression
     euler, midpoint = (
@@ -75,7 +75,7 @@ def test_implicit_steps_have_their_errors() -> None:
 
 
 def test_the_default_is_within_its_bands() -> None:
-    """Against steps that share nothing with it. Loaded: slack makes short empty trains chaotic."""
+    """Reference: an independent method. Loaded wagons only: slack makes short empty trains chaotic."""
     train = braked_train(60e3, wagons=10, long=8.0)
     true, found = train.implicit(1e-4, 0.5), train.explicit(SHARE)
     assert true.compression > 50e3

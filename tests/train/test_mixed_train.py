@@ -1,4 +1,4 @@
-"""One vehicle of a train in detail: FMUs coupled by the master, as in one process; boundaries of macro steps."""
+"""A train with one detailed vehicle: FMUs coupled by the master, the same in one process, and stable macro steps."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from scenarios.bench.mixed_train import (
 )
 
 STEP, LONG = 1e-3, 3.0
-#: Asked: of force and distance [m] against the train as one system, and of a boundary.
+#: Tolerances: force and distance [m] against the train as one system; stability boundary.
 FORCE, DISTANCE, BOUNDARY = 0.01, 0.01, 0.05
 
 
@@ -43,7 +43,7 @@ def test_the_default_way_is_the_train_as_one_system() -> None:
 
 
 def test_fmus_coupled_by_the_master_give_the_numbers_of_one_process(tmp_path: Path) -> None:
-    """Connections as docs/train.md says; the train goes first (Gauss-Seidel)."""
+    """The connections are those of docs/train.md; the train is stepped first (Gauss-Seidel)."""
     path = tmp_path / "train.fmu"
     build_train_fmu(consist_of(screw_coupler()), path, 2)
     one = mixed(screw_coupler(), 2, "corrected")
@@ -79,7 +79,7 @@ def test_the_largest_stable_step_is_that_of_paper(way: str) -> None:
     stiffness, vehicle = 198e6, linear_vehicle(1)
     paper = boundary(way, stiffness, vehicle)
     assert found_boundary(way, 1, stiffness, paper) == pytest.approx(paper, rel=BOUNDARY)
-    # A twentieth of the stiffness is stable in steps that are longer by its root.
+    # With a twentieth of the stiffness, steps longer by the square root of 20 are stable.
     assert boundary(way, stiffness / 20, vehicle) == pytest.approx(paper * 20**0.5, rel=0.02)
 
 
@@ -90,7 +90,7 @@ def test_values_of_the_step_before_grow_at_any_step() -> None:
 
 
 def test_a_copy_of_another_mass_is_corrected_and_a_brake_that_is_left_out_is_seen() -> None:
-    """The copy is corrected each millisecond: twice its mass does no harm. Without its brake the vehicle pushes."""
+    """The copy is corrected each millisecond, so twice its mass has little effect. A missing brake makes it push."""
     errors = []
     for heavier, braked in ((2.0, True), (1.0, False)):
         one, consist = mixed(screw_coupler(), 1, "corrected"), consist_of(screw_coupler())

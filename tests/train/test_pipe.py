@@ -19,13 +19,13 @@ LENGTH, WARM, FILLED, ATMOSPHERE = 100.0, 293.15, 6.01325e5, 101325.0
 SOUND = math.sqrt(KAPPA * R * WARM)
 DIAMETER = 0.03175
 AREA = math.pi / 4 * DIAMETER**2
-#: What is asked of the scheme: error of the speed of sound, of steady friction; closing of mass and of energy.
+#: Tolerances of the scheme: error of the speed of sound and of steady friction; balances of mass and of energy.
 SPEED_OF_SOUND, FRICTION, MASS, ENERGY = 3e-3, 1e-2, 1e-12, 1e-9
 Numbers = NDArray[np.float64]
 
 
 def smooth_pipe(cells: int, **values: object) -> Pipe:
-    """Without friction and heat."""
+    """Return a pipe without friction and heat transfer."""
     given: dict[str, object] = {"length": LENGTH / cells, "diameter": DIAMETER, "friction": 0.0, "heat": 0.0}
     return Pipe(cells, **given | values)  # type: ignore[arg-type]
 
@@ -38,13 +38,13 @@ def middles(cells: int) -> Numbers:
 
 
 def isentrope(speed: Numbers) -> tuple[Numbers, Numbers]:
-    """Pressure and temperature in a wave that runs forwards into air at rest: c = c0 + (kappa - 1) u / 2."""
+    """Return pressure and temperature in a wave that runs forwards into air at rest: c = c0 + (kappa - 1) u / 2."""
     temperature = (SOUND + (KAPPA - 1) / 2 * speed) ** 2 / (KAPPA * R)
     return FILLED * (temperature / WARM) ** (KAPPA / (KAPPA - 1)), temperature
 
 
 def simple_wave(place: Numbers, time: float) -> Numbers:
-    """Speed in a wave that was 10 m/s exp(-((x - 30) / 5)^2), along characteristics x = x0 + (u + c) t."""
+    """Return the speed in a wave that began as 10 m/s exp(-((x - 30) / 5)^2); characteristics x = x0 + (u + c) t."""
 
     def first(x: Numbers) -> Numbers:
         return np.asarray(10.0 * np.exp(-(((x - 30.0) / 5.0) ** 2)))
@@ -56,7 +56,7 @@ def simple_wave(place: Numbers, time: float) -> Numbers:
 
 
 def error_of_simple_wave(cells: int, time: float = 0.1, fine: int = 16) -> float:
-    """Mean error of density [kg/m3]; the pipe begins with the means of its cells."""
+    """Return the mean error of density [kg/m3]; the initial values are means over cells."""
     place = (np.arange(cells * fine) + 0.5) * LENGTH / (cells * fine)
 
     def mean(values: Numbers) -> Numbers:
@@ -75,14 +75,14 @@ def error_of_simple_wave(cells: int, time: float = 0.1, fine: int = 16) -> float
 
 
 def test_smooth_waves_are_of_second_order() -> None:
-    """Limited slopes take a little of it at the crest."""
+    """The slope limiter lowers the order slightly at the crest."""
     coarse, middle, fine = (error_of_simple_wave(cells) for cells in (200, 400, 800))
     assert math.log2(coarse / middle) > 1.75
     assert math.log2(middle / fine) > 1.85
 
 
 def test_a_small_wave_runs_at_the_speed_of_sound() -> None:
-    """Of its centre, at cells of 7.5 m, two a vehicle, and a wave that is 60 m long."""
+    """The centre of a wave 60 m long moves at the speed of sound, with cells of 7.5 m (two a vehicle)."""
     cells = 400
     x = np.arange(cells) * 7.5
     pressure = FILLED * (1.0 + 1e-4 * np.exp(-(((x - 600.0) / 60.0) ** 2)))
@@ -100,7 +100,7 @@ def test_a_small_wave_runs_at_the_speed_of_sound() -> None:
 
 
 def test_branches_slow_a_wave_by_what_they_hold() -> None:
-    """They add to what a cell holds, not to what moves: c sqrt(L / (L + L_b))."""
+    """Branches add volume but no moving mass: the speed is c sqrt(L / (L + L_b))."""
     cells = 400
     x = np.arange(cells) * 7.5
     pressure = FILLED * (1.0 + 1e-4 * np.exp(-(((x - 1500.0) / 60.0) ** 2)))
@@ -112,8 +112,9 @@ def test_branches_slow_a_wave_by_what_they_hold() -> None:
 
 
 def riemann(left: tuple[float, float], right: tuple[float, float]) -> Callable[[Numbers], Numbers]:
-    """Density over x / t of two volumes of air at rest, (density, pressure), the left one denser: rarefaction, contact,
-    shock (Toro 2009, chapter 4).
+    """Return the density over x / t for two volumes of air at rest, (density, pressure), the left one denser.
+
+    The solution has a rarefaction, a contact discontinuity and a shock (Toro 2009, chapter 4).
     """
     (rl, pl), (rr, pr) = left, right
     cl = math.sqrt(KAPPA * pl / rl)
@@ -138,7 +139,7 @@ def riemann(left: tuple[float, float], right: tuple[float, float]) -> Callable[[
 
 
 def error_of_shock_tube(cells: int, time: float = 0.08) -> float:
-    """Mean error of density [kg/m3]: 6 bar to the left of the middle, 1 bar to its right, both at rest and warm."""
+    """Return the mean error of density [kg/m3]: 6 bar left of the middle, 1 bar right of it, both at rest and warm."""
     x = middles(cells) - LENGTH / 2
     pressure = np.where(x < 0.0, 6e5, 1e5)
     pipe = smooth_pipe(cells, pressure=pressure)
@@ -181,7 +182,9 @@ def test_steady_flow_loses_the_pressure_of_the_closed_form() -> None:
 
 
 def test_air_that_rests_takes_the_temperature_of_its_wall() -> None:
-    """m c_v dT/dt = Nu k / D S (T_w - T), Nu = 3.66: an exponential; a tenth and ten times of the heat."""
+    """m c_v dT/dt = Nu k / D S (T_w - T), Nu = 3.66, gives an exponential; tested at 0.1, 1 and 10 times the heat
+    transfer.
+    """
     for share in (0.1, 1.0, 10.0):
         pipe = Pipe(10, pressure=5e5, length=5.0, diameter=DIAMETER, temperature=350.0, heat=share)
         density = pipe.state[0, 0]
@@ -191,7 +194,7 @@ def test_air_that_rests_takes_the_temperature_of_its_wall() -> None:
 
 
 def test_with_much_heat_waves_are_isothermal_and_without_adiabatic() -> None:
-    """How far a front of 1 kPa has come: sqrt(R T), and sqrt(kappa R T); it is smeared over a few cells."""
+    """Speed of a front of 1 kPa: sqrt(R T) and sqrt(kappa R T). The front is smeared over a few cells."""
     for heat, pace in ((1e6, math.sqrt(R * WARM)), (0.0, SOUND)):
         pipe = Pipe(2000, pressure=FILLED, length=0.5, diameter=DIAMETER, friction=0.0, heat=heat)
         pipe.open_to(0, Outside(1e-5))
@@ -251,7 +254,7 @@ def test_a_closed_pipe_at_rest_stays_at_rest() -> None:
 
 
 def front(cells: int) -> float:
-    """Speed [m/s] at which a fall of 10 kPa comes through 750 m of pipe behind an emergency valve, cells a vehicle."""
+    """Return the speed [m/s] of a drop of 10 kPa over 750 m of pipe after an emergency, with `cells` a vehicle."""
     pipe = Pipe(50 * cells, pressure=FILLED, length=15.0 / cells, diameter=DIAMETER)
     pipe.open_to(0, Outside(0.9 * AREA / 2))
     time = 0.0
@@ -262,7 +265,7 @@ def front(cells: int) -> float:
 
 
 def test_an_emergency_runs_through_the_pipe_nearly_at_the_speed_of_sound() -> None:
-    """Faster than the 250 m/s that UIC 540 asks for; a pipe alone, without what vehicles take from it."""
+    """Faster than the 250 m/s that UIC 540 requires. The pipe has no vehicles connected."""
     coarse, middle, fine = front(1), front(2), front(8)
     assert 250.0 < fine < SOUND
     assert abs(middle - fine) <= abs(coarse - fine)
@@ -270,7 +273,7 @@ def test_an_emergency_runs_through_the_pipe_nearly_at_the_speed_of_sound() -> No
 
 
 def runs_at_random(count: int) -> None:
-    """Valves, walls, hoses that part: no pressure at or below zero, nothing that is not finite."""
+    """Random valves, walls and parted hoses: pressures stay above zero and states stay finite."""
     draw = np.random.default_rng(count)
     for _ in range(count):
         cells = int(draw.integers(1, 25))
@@ -286,7 +289,7 @@ def runs_at_random(count: int) -> None:
             pipe.open_to(
                 int(draw.integers(2)), Outside(draw.choice([0.0, 1e-5, 1.0]) * pipe.area, draw.uniform(1e4, 1e6))
             )
-            pipe.advance(draw.uniform(1e-3, 0.5))  # raises where it leads nowhere
+            pipe.advance(draw.uniform(1e-3, 0.5))  # raises an error if the state is not finite
             assert np.isfinite(pipe.state).all()
             assert (pipe.pressure > 0.0).all()
 
@@ -338,7 +341,7 @@ def test_what_a_pipe_is_asked_for_is_looked_at() -> None:
 
 
 def test_steps_longer_than_waves_allow_lie_and_the_default_does_not() -> None:
-    """Above 1 a shock tube is wrong without blowing up, as steps that fail are halved; measured 0.090 for 0.024."""
+    """Above 1, failed steps are halved: a shock tube stays bounded but is wrong; measured 0.090 instead of 0.024."""
     cells, time = 200, 0.08
     x = middles(cells) - LENGTH / 2
     exact = riemann((6e5 / (R * WARM), 6e5), (1e5 / (R * WARM), 1e5))(x / time)

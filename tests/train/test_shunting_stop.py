@@ -1,4 +1,4 @@
-"""A shunting stop with brakes that spread: the published means, what moves them, and one stop in closed form."""
+"""A shunting stop with scattered parameters: the published means, their sensitivity, and a stop in closed form."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scenarios.bench import shunting_stop
 from scenarios.bench.shunting_stop import ONCE, PUBLISHED, SHIFTED, distances
 
 KMH = 1 / 3.6
-#: Published means of 1e7 stops [m]; of so few stops here, 0.1 % is three to five standard errors.
+#: Published means of 1e7 stops [m]. With STOPS stops, 0.1 % is three to five standard errors.
 MEANS, STOPS = {"G": 64.26639, "P": 38.34120}, 2000
 
 
@@ -26,7 +26,7 @@ def test_a_shunting_stop_is_the_published_one(name: str) -> None:
 def test_counted_once_and_with_a_true_delay_it_is_longer(name: str) -> None:
     published, once, shifted = (distances(name, rules, 100, 1) for rules in (PUBLISHED, ONCE, SHIFTED))
     assert np.all(once > 1.1 * published)
-    # A demand that is late by 0.154 s in the mean costs at most its way at 25 km/h, and more than one that stretches.
+    # A demand with a mean delay of 0.154 s costs at most its distance at 25 km/h, and more than a stretched one.
     assert np.all((once < shifted) & (shifted < once + 0.154 * 25 * KMH))
 
 
@@ -43,7 +43,7 @@ def test_another_input_of_the_shunting_stop_misses_its_mean(
 
 
 def test_a_full_stop_without_spread_is_that_of_the_energy(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Brakes that are on at once at one friction, no resistance: m v^2 / 2 over the force (Newton's second law)."""
+    """Brakes act at once with one friction, without resistance: m v^2 / 2 over the force (Newton's second law)."""
     monkeypatch.setattr(shunting_stop, "POSITIONS", {"P": shunting_stop.Position(4.0, 0.0, 1.0)})
     for name in ("PRESSURE", "EFFICIENCY", "FRICTION"):
         monkeypatch.setattr(shunting_stop, name, (getattr(shunting_stop, name)[0], 0.0))

@@ -1,4 +1,4 @@
-"""FMUs of trains: both standards against the class, states, what they refuse, damaged consists, C under sanitizers."""
+"""FMUs of trains: both standards against the class, states, refused inputs, damaged consists, C under sanitizers."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from tests.fmu.sanitized import HEADERS, run
 STEP, COUNT, SPEED, PULL = 0.125, 32, 20.0, 65536.0
 SHORT, LONG, LIGHT = block_train(2), block_train(5), block_train(2, load=10e3)
 CONSISTS = {"short": SHORT, "long": LONG, "light": LIGHT}
-#: Outputs that are of each vehicle or coupling.
+#: Outputs with one element for each vehicle or coupling.
 OF_EACH = [one.name for one in OUTPUTS[:8]]
 
 
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, int], Path]:
-    """By consist and version of FMI."""
+    """Return the FMUs by consist and version of FMI."""
     folder = tmp_path_factory.mktemp("trains")
     found = {(name, version): folder / f"{name}{version}.fmu" for name in CONSISTS for version in (2, 3)}
     for (name, version), path in found.items():
@@ -57,7 +57,7 @@ class Host:
         self.count = 0
 
     def put(self, name: str, values: Sequence[float]) -> None:
-        """Sets an array, which is a scalar where it has one element."""
+        """Set an array; an array of one element is a scalar variable."""
         if len(values) == 1 and name in self.slave.units:
             self.slave.set(**{name: values[0]})
         elif self.two:
@@ -66,23 +66,23 @@ class Host:
             self.slave.set(**{name: list(values)})
 
     def array(self, name: str) -> list[float]:
-        """Of each vehicle or coupling."""
+        """Return the elements of an array."""
         if not self.two:
             return [float(value) for value in self.slave.array(name)]
         return self.slave.get([one for one in self.slave.units if one.startswith(f"{name}[")])
 
     def outputs(self) -> list[list[float]]:
-        """Those of each vehicle or coupling."""
+        """Return the outputs of OF_EACH."""
         return [self.array(name) for name in OF_EACH]
 
     def go(self, steps: int = 1) -> None:
-        """So many steps."""
+        """Make `steps` steps."""
         for _ in range(steps):
             self.slave.step(self.count * STEP, STEP)
             self.count += 1
 
     def state(self) -> bytes:
-        """The whole state as bytes."""
+        """Return the whole state, serialised."""
         saved = self.slave.save()
         fmu = self.slave.fmu
         found = bytes(fmu.serializeFMUstate(saved) if self.two else fmu.serializeFMUState(saved))
@@ -90,7 +90,7 @@ class Host:
         return found
 
     def take(self, state: bytes) -> None:
-        """Takes it back."""
+        """Restore a serialised state."""
         read = self.slave.fmu.deSerializeFMUstate if self.two else self.slave.fmu.deserializeFMUState
         saved = self.slave._call(read, state)
         self.slave.restore(saved)
@@ -99,7 +99,7 @@ class Host:
 
 @pytest.fixture(params=[2, 3])
 def train(request: pytest.FixtureRequest, fmus: dict[tuple[str, int], Path]) -> Iterator[Host]:
-    """That has run for a while, its brake applied."""
+    """Yield a train that has run for 1 s with its brake applied."""
     host = started(fmus["short", request.param])
     with host.slave:
         host.put("driver_position", [4])
@@ -108,7 +108,7 @@ def train(request: pytest.FixtureRequest, fmus: dict[tuple[str, int], Path]) -> 
 
 
 def started(path: Path) -> Host:
-    """At its speed."""
+    """Return a train that runs at SPEED."""
     host = Host(path)
     host.slave.set(start_speed=SPEED)
     host.slave.start()
@@ -116,7 +116,7 @@ def started(path: Path) -> Host:
 
 
 def refused(host: Host, call: Callable[[], object]) -> str:
-    """The one sentence with which a call is refused that leaves all as it was."""
+    """Check that a call is refused without any change of the state; return its only message."""
     before = host.state()
     host.slave.messages.clear()
     with pytest.raises((CosimulationError, FMICallException)):
@@ -131,9 +131,9 @@ def refused(host: Host, call: Callable[[], object]) -> str:
 
 
 def simulated(path: Path, version: int, vehicles: int) -> np.ndarray:
-    """By fmpy: the locomotive pulls, and an emergency from 1 s on.
+    """Simulate by FMPy: the locomotive pulls, with an emergency brake application from 1 s on.
 
-    FMPy 0.3 takes no inputs of FMI 3.0 that are both discrete and arrays; the one valve is a scalar.
+    FMPy 0.3 does not accept discrete array inputs of FMI 3.0; the input of the only valve is a scalar.
     """
     two, pull = version == 2, [PULL, *[0.0] * (vehicles - 1)]
     if two:
@@ -149,7 +149,7 @@ def simulated(path: Path, version: int, vehicles: int) -> np.ndarray:
 
 
 def reference_of(path: Path, name: str) -> int:
-    """Of a variable."""
+    """Return the value reference of a variable."""
     return next(v.valueReference for v in read_model_description(str(path)).modelVariables if v.name == name)
 
 
@@ -219,14 +219,14 @@ def test_a_reset_train_runs_as_a_new_one(train: Host) -> None:
 
 
 def test_where_a_step_leads_nowhere_what_was_asked_for_is_done_in_the_next() -> None:
-    """A coupling that was opened and a hose that parted in a step that failed."""
+    """A coupling opens and a hose parts in a step that fails. Both take effect in the next step."""
     one, other = Train(SHORT, speed=SPEED), Train(SHORT, speed=SPEED)
     for own in (one, other):
         own.drive("emergency")
         own.advance(1.0)
     before = one.state
     motion = one.motion
-    one.motion = np.where(np.arange(4)[:, None] == 0, math.nan, motion)  # places that lead nowhere
+    one.motion = np.where(np.arange(4)[:, None] == 0, math.nan, motion)  # positions that lead to a failed step
     for own in (one, other):
         own.inputs["coupling_closed"][0], own.inputs["hose_state"][1] = 0, 2
     with pytest.raises(ValueError, match="no finite state"):
@@ -241,7 +241,7 @@ def test_where_a_step_leads_nowhere_what_was_asked_for_is_done_in_the_next() -> 
 
 
 def test_mean_forces_are_those_of_the_state_that_is_given_back() -> None:
-    """They were those of the step that was given up."""
+    """Regression test: they were those of the discarded step."""
     one = Train(SHORT, speed=SPEED)
     one.drive("emergency")
     one.advance(4.0)
@@ -313,7 +313,7 @@ def test_the_sources_that_are_listed_compile(version: int, fmus: dict[tuple[str,
 
 @pytest.mark.parametrize("cells", [1.0, 6.0])
 def test_a_state_goes_on_with_the_same_bits_whatever_its_train_did_before(cells: float) -> None:
-    """Steps of air hang on how fast waves ran at valves and in the step before; steps of any length, at any time."""
+    """Air steps depend on wave speeds at valves and in the step before. Steps have any length and begin at any time."""
     given, draw = Settings(cells=cells), np.random.default_rng(5)
     one, fresh, used = (Train(SHORT, speed=SPEED, settings=given) for _ in range(3))
     one.drive("emergency")
@@ -333,7 +333,7 @@ def test_a_state_goes_on_with_the_same_bits_whatever_its_train_did_before(cells:
 
 
 def test_a_saved_state_goes_on_with_the_same_bits_here_and_as_bytes_in_another_instance(train: Host) -> None:
-    """In one that has not begun."""
+    """The other instance is not initialised."""
     saved, count, state, other = train.slave.save(), train.count, train.state(), Host(train.path)
     train.go(6)
     train.slave.restore(saved)
@@ -352,7 +352,7 @@ def test_a_saved_state_goes_on_with_the_same_bits_here_and_as_bytes_in_another_i
 
 @pytest.mark.parametrize("name", ["long", "light"])
 def test_a_state_of_another_consist_is_refused(name: str, train: Host, fmus: dict[tuple[str, int], Path]) -> None:
-    """Also of one of the same length."""
+    """A consist of the same length is another consist, too."""
     other = started(fmus[name, 2 if train.two else 3])
     with other.slave:
         state, saved = other.state(), other.slave.save()
@@ -395,7 +395,7 @@ def test_sizes_that_do_not_fit_are_refused(count: int, fmus: dict[tuple[str, int
 
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_start_beyond_what_time_can_count_is_refused(version: int, fmus: dict[tuple[str, int], Path]) -> None:
-    """Hundredths of a second are lost there."""
+    """Doubles are too coarse there for hundredths of a second."""
     host = Host(fmus["short", version])
     with (
         host.slave,
@@ -407,14 +407,14 @@ def test_a_start_beyond_what_time_can_count_is_refused(version: int, fmus: dict[
 # ---- consists that are damaged -----------------------------------------------------------------------------------
 
 CELLS = 6
-#: How many there are of each in the short train.
+#: Numbers of elements of each group in the short train.
 COUNTS = {"one": 1, "cells": CELLS, "vehicles": 3, "couplings": 2, "valves": 1, "points": 1} | {
     f"distributor_{name}": 3 * (name == "uic") for name in DISTRIBUTORS
 }
 
 
 def place_of(group: str, name: str) -> int:
-    """Where the first number of a field stands in train.bin."""
+    """Return the index of a field's first number in train.bin."""
     place = 0
     for own in layout():
         for one in own.fields:
@@ -425,7 +425,7 @@ def place_of(group: str, name: str) -> int:
 
 
 def number_at(group: str, name: str, value: float) -> Callable[[Path], None]:
-    """Puts a number there."""
+    """Return a change of this number."""
 
     def change(path: Path) -> None:
         numbers = np.fromfile(path, "<f8")
@@ -447,7 +447,7 @@ DAMAGES: dict[str, tuple[Callable[[Path], None], str]] = {
         "is damaged, its number of vehicles",
     ),
 }
-#: Of fields: a value that cannot be. Every field of every group is tried in `test_each_field_is_held_to_its_limits`.
+#: Invalid values of fields. `test_each_field_is_held_to_its_limits` tests every field of every group.
 BEYOND = {
     ("head", "cells", math.nan): "its number of cells",
     ("head", "vehicles", 2.5): "its number of vehicles",
@@ -466,7 +466,7 @@ DAMAGES |= {
 
 
 def test_each_field_is_held_to_its_limits_and_to_whole_numbers() -> None:
-    """The limits themselves are taken. The message names the field; distances of a line have to rise."""
+    """The limits themselves are valid. The message names the field. Distances of a line must increase."""
     numbers, wrong = numbers_of(SHORT, Settings(), None), functions().train_wrong
     assert wrong(numbers.ctypes.data, numbers.size) is None
 
@@ -516,7 +516,7 @@ def test_a_damaged_consist_gives_no_instance_and_one_sentence(
 
 
 def write_numbers(consist: Consist, settings: Settings, folder: Path) -> Path:
-    """train.bin in a new folder."""
+    """Write train.bin to a new folder."""
     folder.mkdir()
     np.asarray(numbers_of(consist, settings, None), "<f8").tofile(folder / "train.bin")
     return folder
@@ -524,13 +524,13 @@ def write_numbers(consist: Consist, settings: Settings, folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Hosts in C with the C of trains, sanitized."""
+    """Return C programs that are linked with the C code of trains, under sanitizers."""
     sources = {name: Path(__file__).with_name(f"{name}.c") for name in ("numbers_host", "pipe_host")}
     return {name: OBJECTS["train"].linked(path, tmp_path_factory.mktemp(name)) for name, path in sources.items()}
 
 
 def test_the_pipe_in_c_reads_and_writes_nothing_but_its_own(programs: dict, tmp_path: Path) -> None:
-    """Numbers of cells that fill no whole lanes."""
+    """The numbers of cells are not multiples of the number of lanes."""
     done = run([programs["pipe_host"]], tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -555,7 +555,7 @@ def test_the_c_is_clean_for_more_than_one_compiler(name: str, tmp_path: Path) ->
 
 
 def test_the_c_is_clean_for_clang_and_for_windows_as_zig_has_them() -> None:
-    """Compiled and not linked: for that zig first compiles the C library of Windows, some minutes."""
+    """Compiled but not linked: to link, zig first compiles the C library of Windows, which takes minutes."""
     pytest.importorskip("ziglang")
     flags = [flag for flag in FLAGS if flag != "-fPIC"]
     assert all(one.stat().st_size > 0 for one in objects_of(all_sources(train_in_c()), flags, "x86_64-windows-gnu"))

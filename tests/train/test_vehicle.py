@@ -1,4 +1,4 @@
-"""One vehicle of a train against closed forms: resistance, curves, gradients, friction that falls, traction, shoes."""
+"""A single vehicle against closed forms: resistance, curves, gradients, falling friction, traction, shoes."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from products.train.train import Train
 from rbd_model.track.line import Line
 
 GRAVITY, MASS, TURNING, SPEED = 9.80665, 84e3, 1.04, 20.0
-#: Of closed forms: what is left are steps of 0.1 s, in which resistance and brake stay as they are.
+#: Relative tolerance of closed forms: resistance and brake force are constant within steps of 0.1 s.
 CLOSED = 1e-3
 
 
 def lone(line: Line | None = None, **changes: object) -> Train:
-    """A locomotive at its speed, without resistance unless it is given; its brake is released."""
+    """Return a locomotive at SPEED with its brake released; without resistance by default."""
     own = {"resistance": (0.0, 0.0, 0.0), "friction_left": 1.0} | changes
     return Train(Consist((replace(locomotive(), **own),)), speed=SPEED, line=line)  # type: ignore[arg-type]
 
 
 def level(gradient: float = 0.0, curvature: float = 0.0) -> Line:
-    """The same everywhere."""
+    """Return a line of constant gradient and curvature."""
     rows = {"distance": (-1e4, 1e4), "gradient": (gradient,) * 2, "curvature": (curvature,) * 2}
     return Line({name: np.array(values) for name, values in rows.items()})
 
 
 @pytest.mark.parametrize("resistance", [(2e3, 0.0, 0.0), (0.0, 500.0, 0.0), (0.0, 0.0, 30.0), (2e3, 300.0, 20.0)])
 def test_it_coasts_as_its_resistance_says(resistance: tuple[float, float, float]) -> None:
-    """t = int (m + m_r) dv / (a + b v + c v^2) from the speed behind it to that before."""
+    """t = int (m + m_r) dv / (a + b v + c v^2) from the final speed to the initial speed."""
     a, b, c = resistance
     train = lone(resistance=resistance)
     train.advance(30.0)
@@ -53,7 +53,7 @@ def test_curves_and_gradients_slow_it_by_their_share_of_its_weight(radius: float
 
 
 def test_a_locked_wheel_slides_with_the_friction_of_its_speed() -> None:
-    """dv/dt = -mu g (l + (1 - l) exp(-B v)) (Polach 2005), once the wheels stand."""
+    """dv/dt = -mu g (l + (1 - l) exp(-B v)) (Polach 2005), once the wheels are locked."""
     left, fall, friction = 0.4, 0.6, 0.05
     brake = replace(locomotive().brake, force_per_pressure=1.0, constant_friction=0.5)
     train = Train(
@@ -89,7 +89,7 @@ def test_wheels_that_are_pulled_too_much_spin_up() -> None:
 
 @pytest.mark.parametrize("load", [0.0, 60e3])
 def test_shoes_hold_what_cylinder_and_rigging_make(load: float) -> None:
-    """mu eta (k p - F_c) (2.4), (2.6), at one friction."""
+    """mu eta (k p - F_c) (2.4), (2.6), at constant friction."""
     one = wagon(load)
     share, area = (1.0 if load else 0.4), math.pi / 4 * 0.406**2
     pressed = 0.83 * share * 5.65 * (area * 380e3 - 1500.0)
