@@ -1,7 +1,7 @@
-"""Instructions, memory, locks and calls of the system within each fmi2DoStep, by a host in C (`counting_host.c`).
+"""Count instructions, memory, locks and system calls within each fmi2DoStep, by a host in C (`counting_host.c`).
 
-valgrind counts the instructions, and what it counts does not depend on what else the machine does. What is counted is a
-stop with fixed steps, with lock-up, release and flange contact.
+valgrind counts the instructions; other load on the computer does not affect them. The test case is a stop with fixed
+steps, lock-up, release and flange contact.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from fmu_src import compile as compiling
 from scenarios.bench.drive import value_at
 from scenarios.measuring.stops import Stop
 
-#: Kinds of `counting_host.c` by FMI's types.
+#: Types in `counting_host.c` by types of FMI.
 KINDS = {"Real": "r", "Integer": "i", "Boolean": "b", "Enumeration": "i"}
 
 
 class HostError(RuntimeError):
-    """The host in C could not make the steps; the text says what it said."""
+    """The host in C failed; the text holds its message."""
 
 
 @dataclass(frozen=True)
 class Steps:
-    """What was counted of each step; outputs by name, after each."""
+    """Counts of each step, and outputs by name after each."""
 
     instructions: np.ndarray = field(default_factory=lambda: np.zeros(0))
     outputs: Mapping[str, np.ndarray] = field(default_factory=dict)
-    #: Calls for memory, and locks, before the first step and within all steps.
+    #: Memory calls and locks: before the first step, and within all steps.
     memory: tuple[int, int] = (0, 0)
     locks: tuple[int, int] = (0, 0)
 
@@ -45,15 +45,15 @@ class Steps:
 
     @property
     def spread(self) -> float:
-        """Largest over median number of instructions of a step."""
+        """Return the ratio of the largest to the median number of instructions of a step."""
         return float(self.instructions.max()) / self.median
 
 
 def make_steps(fmu: Path, stop: Stop, counted: bool = False, guard: str | None = None) -> Steps:
-    """Makes the steps of a stop on a native FMU, with logging off; counted: under valgrind.
+    """Make the steps of a stop on a native FMU, with logging off; counted: under valgrind.
 
-    guard: "guarded", a call of the system within a step ends the host; "calling", the same, and the host makes one.
-    Raises HostError where the host fails.
+    guard: "guarded": a system call within a step ends the host. "calling": the host also makes such a call.
+    Raises HostError if the host fails.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -83,7 +83,7 @@ def make_steps(fmu: Path, stop: Stop, counted: bool = False, guard: str | None =
 
 
 def counts_of(file: Path) -> list[str]:
-    """Of all parts of a file of callgrind that a step ended; the last part is what came after."""
+    """Return the totals of all parts of a callgrind file that a step has ended. The last part follows the steps."""
     return [n for part in file.read_text().split("desc: Trigger: ")[1:] if (n := total_of(part))]
 
 
@@ -93,7 +93,7 @@ def total_of(part: str) -> str:
 
 
 def plan_of(fmu: Path, unpacked: Path, stop: Stop) -> str:
-    """What `counting_host.c` reads."""
+    """Return the plan that `counting_host.c` reads."""
     about = read_model_description(str(fmu))
     known = {v.name: f"{KINDS[v.type]}{v.valueReference}" for v in about.modelVariables if v.type in KINDS}
     lines = [about.guid, (unpacked / "resources").as_uri(), repr(stop.step), str(stop.steps)]
@@ -112,7 +112,7 @@ LEVELS: dict[str, dict[str, float]] = {
     "spatial, model 1": {"level": 3, "contact_model": 1},
     "spatial, model 2": {"level": 3, "contact_model": 2},
 }
-#: By name: FMU, and its number of wheelsets, level and contact model.
+#: FMU, number of wheelsets, level and contact model by name.
 CASES: dict[str, tuple[str, int, dict[str, float]]] = {
     f"{name} {what}": (fmu, wheelsets, values)
     for name, fmu, wheelsets in (("bogie", "bogie", 2), ("coach", "vehicle", 4))

@@ -1,10 +1,13 @@
-/* A host in C that makes the steps of a plan on an FMU of FMI 2.0 and prints what it reads after each. It counts what
- * memory and locks a step takes, and lets the system kill it where a step calls the system (seccomp, strict mode).
+/* Host in C that makes the steps of a plan on an FMU of FMI 2.0 and prints its outputs after each. It counts memory calls and
+ * locks of a step. With seccomp in strict mode, a system call within a step kills it.
  *
- *   counting_host LIBRARY PLAN [guarded | calling]     calling: guarded, and the host itself calls the system within a step
+ *   counting_host LIBRARY PLAN [guarded | calling]     calling: guarded, and the host makes a system call within a step
  *
- * PLAN: guid, folder of the resources, step [s], number of steps; then a number of parameters with kind, reference and
- * value each; of inputs, with kind and reference; of outputs, the same; then a row of inputs for each step. */
+ * PLAN: guid, folder of the resources, step [s], number of steps.
+ * Parameters: their number, then kind, reference and value of each.
+ * Inputs: their number, then kind and reference of each.
+ * Outputs: likewise.
+ * Then a row of inputs for each step. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <linux/seccomp.h>
@@ -18,12 +21,12 @@
 
 #include "fmi2Functions.h"
 
-/* ---- memory and locks, counted where a step asks for them; the library finds these before those of the system ---- */
+/* ---- memory and locks are counted here; the library finds these functions before those of the system ---- */
 
 extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
 extern void __libc_free(void *);
 static volatile int within_step;
-static long taken[2], locked[2]; /* before the steps and within them */
+static long taken[2], locked[2]; /* before the steps, and within them */
 
 void *malloc(size_t size) { return ++taken[within_step], __libc_malloc(size); }
 void *calloc(size_t count, size_t size) { return ++taken[within_step], __libc_calloc(count, size); }

@@ -1,4 +1,4 @@
-"""Between the rows of a line: straight, rounded at the rows, never outside of two of them, in C as in Python."""
+"""Lines between their rows: linear, rounded at the rows, always between two rows, in C as in Python."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from tests.numerics.test_line_file import surveyor  # noqa: F401
 
 WEB = Path(__file__).parents[2] / "scenarios/live/web"
 
-#: Of a column's limits: what is left of the differences of numbers near them.
+#: Rounding errors of a column, relative to its limits.
 ROUND_OFF = 1e-12
 LIMIT = {column.name: max(-column.minimum, column.maximum) for column in COLUMNS}
 
 
 def by_column(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Columns of a line from what is looked up of it; widening counts to the sides of the rails."""
+    """Return columns of a line from looked-up values; the widening is shared between both rails."""
     lateral, spread = values["lateral_0"], values["spread_0"]
     return {
         "curvature": values["heading_1"],
@@ -42,7 +42,7 @@ def by_column(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def looked_up(kernel: Kernel, places: np.ndarray, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """Outputs of the surveyor at places."""
+    """Return the outputs of the surveyor at some places."""
     found = []
     for place in places.tolist():
         kernel.set(away=place)
@@ -54,9 +54,9 @@ VALUES = (
     *("heading_0", "heading_1", "rise_0", "rise_1", "cant_0", "lateral_0", "spread_0", "left_0", "right_0"),
     *("left_friction_0", "right_friction_0"),
 )
-#: Places in the plan, quintic over rows that are further apart [m]; measured 2.1e-7.
+#: Tolerance of positions in the plan, by quintics over distant rows [m]; measured 2.1e-7.
 PLAN_BAND = 1e-6
-#: Slopes that are looked up, and the columns that they are of.
+#: Slopes that are looked up, and their columns.
 SLOPES = {
     "heading_2": ["curvature"],
     "rise_2": ["gradient"],
@@ -66,15 +66,15 @@ SLOPES = {
     "left_1": ["left_vertical"],
     "right_1": ["right_vertical"],
 }
-#: Bends, likewise.
+#: Second derivatives that are looked up, and their columns.
 BENDS = {name.replace("1", "2"): columns for name, columns in SLOPES.items() if name.endswith("1")}
-#: Slopes on either side of a row, this far from it [m], as a share of the steepest between two rows: what 1 cm rounds.
-#: Bends as a share of what the steepest is over the shortest way.
+#: Distance from a row at which both sides are compared [m]. Tolerance of slopes: share of the steepest slope, due to
+#: rounding over 1 cm. Tolerance of second derivatives: share of the steepest slope over the shortest distance.
 BESIDE, SLOPE_BAND, BEND_BAND = 1e-10, 1e-6, 1e-5
 
 
 def random_line(chance: np.random.Generator) -> Line:
-    """Rows 1 cm to 100 m apart; columns of noise, of steps and plateaus, and that only grow; some rows bend nothing."""
+    """Return rows 1 cm to 100 m apart; columns are noise, plateaus, or grow only; some rows have no bend."""
     count = int(chance.integers(3, 25))
     distance = np.cumsum(10.0 ** chance.uniform(-2.0, 2.0, count))
     distance -= distance[count // 2]
@@ -90,9 +90,9 @@ def random_line(chance: np.random.Generator) -> Line:
 
 
 def test_random_lines_stay_within_their_rows_and_straight_between_them(surveyor: Library, tmp_path: Path) -> None:  # noqa: F811
-    """Closed forms are those of `numpy.interp`; Python's own values are those that the runtime looks up."""
+    """The closed form is `numpy.interp`. Python and the runtime have the same values."""
     chance, straights = np.random.default_rng(7), 0
-    for number in range(1000):  # a file each: to write one anew waits for the disk
+    for number in range(1000):  # one file each: to overwrite a file waits for the disk
         line = random_line(chance)
         s = line.rows["distance"]
         first, last = np.sort(chance.uniform(s[0], s[-1], 2))
@@ -116,7 +116,7 @@ def test_random_lines_stay_within_their_rows_and_straight_between_them(surveyor:
 
 
 def quadrature(line: Line, name: str, first: float, last: float) -> float:
-    """Integral of a column by Gauss's rule, between all places where a polynomial may begin."""
+    """Return the integral of a column by Gauss's rule, between all places where a polynomial may begin."""
     rows = line.rows["distance"]
     breaks = np.unique(np.clip(np.concatenate([rows, rows + ROUNDING, rows - ROUNDING, [first, last]]), first, last))
     nodes, weights = np.polynomial.legendre.leggauss(4)
@@ -158,7 +158,7 @@ def test_python_differentiates_what_it_reads() -> None:
 
 
 def test_corners_alone_are_the_line_of_its_segments(surveyor: Library, tmp_path: Path) -> None:  # noqa: F811
-    """Rows that `line_of` puts beside a joint say nothing that a row at the joint does not say."""
+    """Rows that `line_of` places next to a joint add no information to a row at the joint."""
     curve = arc(100.0, 3000.0, 0.05, 0.004)
     line = line_of([straight(50.0), clothoid(80.0, straight(1.0), curve), curve])
     ends = [0.0, 50.0, 130.0, 230.0]
@@ -177,7 +177,7 @@ def test_corners_alone_are_the_line_of_its_segments(surveyor: Library, tmp_path:
 
 
 def test_the_live_page_has_the_same_line(surveyor: Library, tmp_path: Path) -> None:  # noqa: F811
-    """Its kernels are made of the same sources, to which the page hands a file; it reads no line of its own."""
+    """Its kernels contain the same sources, which read the page's file. The page has no line reader in JavaScript."""
     assert {"table_file.c", "table_pieces.c"} <= set(KERNEL_SOURCES)
     scripts = "".join((WEB / name).read_text() for name in ("one_file.js", "kernel.js", "simulation.js"))
     assert "new OneFile" in scripts
@@ -195,7 +195,7 @@ def test_the_live_page_has_the_same_line(surveyor: Library, tmp_path: Path) -> N
 
 
 def test_a_measured_track_stays_within_its_points() -> None:
-    """The same meaning where a track is not a file of an instance but stands in the equations."""
+    """A track in the equations has the same meaning as one in a file."""
     line = random_line(np.random.default_rng(11))
     s, columns = line.rows["distance"], ("left_lateral", "left_vertical", "right_vertical")
     system, place = System("track", "of points"), ca.SX.sym("place")

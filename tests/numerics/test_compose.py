@@ -1,4 +1,4 @@
-"""Systems that join into one have the equations of their parts, and refuse what cannot be joined."""
+"""Composed systems have the equations of their parts. Parts that do not fit are refused."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from products.machine import coach, coach_brake, composed
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.vehicle.ready import passenger_coach
 
-#: The same expressions in another order: round-off.
+#: Rounding errors of the same expressions in another order.
 ROUND_OFF = 1e-12
 RANDOM_STATES = 50
 
 
 def square(name: str) -> Part:
-    """x^2 and its double, for systems that call."""
+    """Return x^2 and 2 x^2, for systems with calls."""
     x = ca.SX.sym("x")
     return Part(name, x, ca.SX(0, 1), ca.vertcat(x**2, 2 * x**2))
 
@@ -34,7 +34,7 @@ SQUARE = square("square")
 
 
 def follower(unit: str = "m") -> System:
-    """x' = gain (f(target) - x) with a table, a part and a waist on the way, and an output without delay."""
+    """x' = gain (f(target) - x) by a table, a part and an intermediate variable; one output has direct feedthrough."""
     system = System("follower", "lag behind a target")
     target = system.input(Variable("target", "input", unit, "What it follows"))
     gain = system.parameter(Variable("gain", "parameter", "1", "Rate", 2.0))
@@ -48,7 +48,7 @@ def follower(unit: str = "m") -> System:
 
 
 def chain(**connections: str) -> System:
-    """Three followers; the last one has the name of the middle one's gain in common with it."""
+    """Return three connected followers; the last one has other names than the first two."""
     parts = [scope(follower(), after=f"_{n}") for n in (1, 2)] + [scope(follower(), "last_")]
     return compose("chain", "followers", parts, connections)
 
@@ -57,7 +57,7 @@ CHAIN = {"target_2": "wish_1", "last_target": "wish_2", "target_1": "last_place"
 
 
 def by_hand(x: np.ndarray, gains: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-    """Slopes and wishes of the chain."""
+    """Return the slopes and wishes of the chain."""
     slopes, wishes, target = np.zeros(3), np.zeros(3), x[2]
     for n in range(3):
         bent = target if target < 0.0 else 2.0 * target
@@ -71,7 +71,7 @@ def test_a_chain_with_a_ring_through_a_state_has_the_equations_of_its_parts() ->
     system = chain(**CHAIN)
     assert [variable.name for variable in system.variables if variable.causality == "input"] == []
     assert sorted(system.states) == ["last_x", "x_1", "x_2"]
-    assert [call.rank for call in system.calls] == list(range(6))  # of each a look-up and a square
+    assert [call.rank for call in system.calls] == list(range(6))  # table and square of each
     kernel = Kernel(Library(build_library(model_of(system, 1e-9))), gain_1=1.0, gain_2=2.0, last_gain=3.0)
     kernel.initialise()
     rng = np.random.default_rng(1)
@@ -159,7 +159,7 @@ def test_the_braked_vehicle_is_the_vehicle_under_the_torques_of_its_brakes() -> 
 
 
 def test_composition_adds_no_code_to_the_parts() -> None:
-    """Parts are called as before, and the elimination knows the blocks: cylinders do not fill the vehicle's matrix."""
+    """Parts are called as before. The elimination uses the block structure: cylinders add few entries to its matrix."""
     vehicle, parameters = passenger_coach(), coach_brake()
     planar = planar_vehicle(vehicle)
     whole = composed(coach(), planar_vehicle(vehicle))

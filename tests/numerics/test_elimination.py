@@ -1,4 +1,4 @@
-"""The generated elimination against dense linear algebra; its lines are C and Python alike."""
+"""The generated elimination against dense linear algebra. Its statements are valid in C and in Python."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from fmu_src.elimination import Elimination, elimination
 from fmu_src.system import System
 from products.registry import model_of
 
-#: Round-off of a few hundred operations on numbers of order 1.
+#: Rounding errors of a few hundred operations on numbers of order 1.
 ROUND_OFF = 1e-11
-#: Of the matrices, without what is drawn.
+#: Diagonal of the matrices, to which random entries are added.
 DIAGONAL = 10.0
 
 
 def solved(solving: Elimination, matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """By the generated lines; matrix and vector are in the order of the states."""
+    """Return the solution by the generated statements; matrix and vector are in the order of the states."""
     diagonal = np.full(len(solving.order), DIAGONAL)
     jacobian = [float(DIAGONAL * (row == column) - matrix[row, column]) for row, column in solving.nonzeros]
     names = {"j": jacobian, "d": diagonal.tolist(), "e": [0.0] * len(solving.place), "v": vector.tolist()}
@@ -34,13 +34,13 @@ def test_generated_elimination_solves_what_dense_algebra_solves(system: System) 
         matrix[row, column] += random.uniform(-1.0, 1.0)
     exact = np.linalg.solve(matrix, vector)
     assert np.abs(solved(solving, matrix, vector) - exact).max() < ROUND_OFF * np.abs(exact).max()
-    # An entry that is left out is seen.
+    # The test detects a missing entry.
     matrix[next((row, column) for row, column in solving.nonzeros if row != column)] += 0.1
     assert np.abs(solved(solving, matrix, vector) - exact).max() > ROUND_OFF
 
 
 def test_elimination_fills_little() -> None:
-    """Of a sparse Jacobian; a dense one of the vehicle in space would have five times as many factors."""
+    """The Jacobian is sparse. A dense one of the vehicle at level 3 would have five times as many factors."""
     system = model_of("vehicle").systems[2]
     solving = elimination(system)
     assert len(solving.place) < 0.25 * len(system.states) ** 2

@@ -1,4 +1,4 @@
-"""C of equations: the numbers of CasADi's own machine, equal expressions once, and long functions in pieces."""
+"""C code of equations: values of CasADi, common subexpressions, and long functions in pieces."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from fmu_src.chain import Chain, Part
 from fmu_src.equations import Generated, function_of
 from fmu_src.statements import OPERATIONS
 
-#: Mathematical functions of two libraries, and 1 / x in place of a division.
+#: Differences of two mathematical libraries, and of 1 / x instead of a division.
 ROUND_OFF = 1e-14
 
 
@@ -27,7 +27,7 @@ def generated(expressions: list[ca.SX], given: ca.SX, chain: Chain | None = None
 
 
 def values(one: Generated, at: list[float], folder: Path, lanes: int = 1, more: Sequence[str] = ()) -> list[float]:
-    """Results of the compiled C; lanes: what a processor has; more: flags."""
+    """Return the results of the compiled C; lanes: lanes of the processor; more: compiler flags."""
     own = folder / f"law{len(list(folder.iterdir()))}"
     own.mkdir()
     files = printing.equations_in_c("x", {"law": one})
@@ -44,7 +44,7 @@ def values(one: Generated, at: list[float], folder: Path, lanes: int = 1, more: 
 
 
 def widest(folder: Path) -> int:
-    """How many lanes this processor has."""
+    """Return the number of lanes of this processor."""
     if not (folder / "widest").exists():
         (folder / "widest.c").write_text(
             '#include "lanes_widest.h"\nint widest(void) { return lanes_of_processor(); }\n'
@@ -54,7 +54,7 @@ def widest(folder: Path) -> int:
 
 
 def of_every_operation(x: ca.SX, y: ca.SX) -> list[ca.SX]:
-    """Of two numbers, the first between 1 and 2, the second between 0 and 1."""
+    """Return an expression for each operation; x is between 1 and 2, y between 0 and 1."""
     made = [getattr(ca, name)(y) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan")]
     made += [getattr(ca, name)(y) for name in ("sinh", "cosh", "tanh", "asinh", "atanh", "erf", "expm1", "log1p")]
     made += [ca.acosh(x), ca.floor(-x), ca.ceil(y), ca.fabs(-x), ca.sign(y - x), ca.sign(0 * x), ca.sign(x)]
@@ -74,7 +74,7 @@ def test_every_operation_has_the_values_of_casadi(tmp_path: Path) -> None:
         assert found == pytest.approx(expected, rel=ROUND_OFF, abs=0.0)
 
 
-#: Places of the calls below, one for each lane and some more; of each two numbers as `of_every_operation` takes them.
+#: Places of the calls below, more than there are lanes; each pair is valid for `of_every_operation`.
 PLACES = [
     (1.7, 0.3),
     (1.5, 0.9),
@@ -91,7 +91,7 @@ PLACES = [
 @pytest.mark.parametrize("count", [1, 2, 3, 9])
 @pytest.mark.parametrize("inner", [False, True], ids=["called", "called by a part"])
 def test_every_operation_has_the_values_of_casadi_in_lanes(tmp_path: Path, count: int, inner: bool) -> None:
-    """A part that is called for several places: in any number of lanes, and where only one lane is compiled."""
+    """A part is called at several places: in any number of lanes, and with only one lane compiled."""
     given, own, chain, outer = ca.SX.sym("given", 2 * count), ca.SX.sym("own", 2), Chain(), Chain()
     part = Part("every", own, ca.SX.sym("none", 0), ca.vertcat(*of_every_operation(*ca.vertsplit(own))))
     if inner:
@@ -136,7 +136,7 @@ def test_constants_keep_sign_and_last_digit(tmp_path: Path) -> None:
 
 
 def test_equal_expressions_are_computed_once() -> None:
-    """CasADi makes two expressions of what is written twice."""
+    """CasADi makes two expressions of an expression that is written twice."""
     x = ca.SX.sym("x", 3)
     one = generated([ca.sin(x[0] * x[1]) + x[2], ca.sin(x[0] * x[1]) - x[2]], x)
     [text] = printing.equations_in_c("x", {"law": one}).values()
@@ -149,12 +149,12 @@ def test_an_operation_without_c_is_refused() -> None:
         printing.equations_in_c("x", {"law": generated([ca.erfinv(x)], x)})
 
 
-#: Of steps, each of which needs the number before it and one from far before.
+#: Number of steps. Each step uses the previous value and a value from far before.
 COUNT = 60
 
 
 def long_function() -> Generated:
-    """With a part in the middle that leaves two numbers, of which one is needed at the end."""
+    """Return a function with a part in the middle; one of its two results is used at the end."""
     given, way = ca.SX.sym("given", 2), ca.SX.sym("way")
     part = Part("spring", way, ca.SX.sym("none", 0), ca.vertcat(ca.sin(way), 0.3 * way))
     chain, first = Chain(), ca.exp(given[0])

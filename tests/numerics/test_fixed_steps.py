@@ -1,4 +1,4 @@
-"""Steps of a fixed size: each costs the same, and what switches within one does so at its end."""
+"""Steps of a fixed size: all have the same cost, and switches within a step take effect at its end."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.conftest import Fmus
 from tests.needed import needed
 from tests.numerics.counted_steps import CASES, HostError, Steps, make_steps
 
-#: Band for the largest over the median number of instructions of a step.
+#: Limit of the ratio of the largest to the median number of instructions of a step.
 SPREAD = 1.3
 METHODS = {1: "RODAS5P", 2: "ROS34PW2"}
 
@@ -31,7 +31,7 @@ def small(write: Callable[[System], None], tolerance: float = 1e-2) -> Library:
 
 
 def stopped(stop: Stop, host_step: float = 1e-2, **values: float) -> Kernel:
-    """A bogie at the end of a stop, its inputs as ramps within each host step."""
+    """Return a bogie at the end of a stop; its inputs are ramps within each communication step."""
     kernel = prepare("bogie", **stop.values | values)
     kernel.set(**{name: value_at(history, 0.0, after=True) for name, history in stop.inputs.items()})
     kernel.initialise()
@@ -46,7 +46,7 @@ def stopped(stop: Stop, host_step: float = 1e-2, **values: float) -> Kernel:
 
 
 def when(kernel: Kernel, words: str) -> float:
-    """When the leading wheelset first did something, by the journal [s]."""
+    """Return the time of the first message on the leading wheelset in the log [s]."""
     found = re.search(rf"Wheelset 1 {words} at (\S+) s\.", " ".join(kernel.journal))
     assert found
     return float(found[1])
@@ -60,7 +60,7 @@ def counted(fmus: Fmus, case: str, **values: float) -> Steps:
     name, wheelsets, chosen = CASES[case]
     steps = make_steps(fmus[name, "native"], stop_of(wheelsets, **chosen, **values), counted=True)
     locked = steps.outputs["locked_1"]
-    assert np.abs(np.diff(locked)).sum() == 2  # locked, and let go
+    assert np.abs(np.diff(locked)).sum() == 2  # locked and released
     assert steps.instructions.size == locked.size
     if chosen["level"] == 3:
         assert np.abs(steps.outputs["flange_force_1"]).max() > 1e4
@@ -69,7 +69,7 @@ def counted(fmus: Fmus, case: str, **values: float) -> Steps:
 
 @pytest.mark.parametrize("case", ["bogie point", "bogie planar"])
 def test_no_step_of_a_stop_with_lock_up_and_release_costs_much_more_than_another(fmus: Fmus, case: str) -> None:
-    """The same with error control, where events are located, is what the band must tell apart."""
+    """The limit has to detect error control, which locates events."""
     assert counted(fmus, case).spread <= SPREAD
     if case == "bogie planar":
         assert counted(fmus, case, integration_step=0.0).spread > 4 * SPREAD
@@ -79,14 +79,14 @@ def test_no_step_of_a_stop_with_lock_up_and_release_costs_much_more_than_another
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", CASES)
 def test_no_step_costs_much_more_than_another_at_any_level(fmus: Fmus, case: str, method: int) -> None:
-    """With flange contact in space."""
+    """Level 3 includes flange contact."""
     assert counted(fmus, case, integration_method=method).spread <= SPREAD
 
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the host counts calls of glibc")
 @pytest.mark.parametrize("case", ["bogie point", "bogie spatial, model 2"])
 def test_steps_take_no_memory_and_no_lock_and_call_no_system(fmus: Fmus, case: str) -> None:
-    """The system kills a host that calls it within a step, as it does where the host itself does so."""
+    """seccomp kills a host that makes a system call within a step. The test checks this by such a call of the host."""
     name, wheelsets, chosen = CASES[case]
     stop = stop_of(wheelsets, **chosen)
     for step in (1e-3, 0.0):
@@ -103,7 +103,7 @@ def test_steps_take_no_memory_and_no_lock_and_call_no_system(fmus: Fmus, case: s
 
 @pytest.mark.parametrize("method", METHODS)
 def test_events_are_late_by_at_most_a_step_and_the_stop_is_right_to_first_order(method: int) -> None:
-    """At twice what was seen; at a step of 2 ms the error of the distance is 1.1 mm, at 0.5 ms 0.2 mm."""
+    """The limits are twice the measured errors: of the distance, 1.1 mm at 2 ms and 0.2 mm at 0.5 ms."""
     stop = stop_of(2, level=2)
     exact = stopped(stop, integration_step=0.0, tolerance=1e-9)
     for step in (2e-3, 5e-4):
@@ -128,7 +128,7 @@ def test_a_stop_with_fixed_steps_comes_to_rest(level: int, step: float, method: 
 
 
 def test_a_velocity_that_a_friction_cannot_hold_goes_on_through_zero() -> None:
-    """A mass that a spring pulls back harder than its friction holds it; then one that holds."""
+    """A spring pulls a mass back harder than its friction can hold; later the friction is larger and holds."""
 
     def write(system: System) -> None:
         x, v = system.state("x", "m", 0.0, 1.0), system.state("v", "m/s", 1.0, 1.0)
@@ -153,7 +153,7 @@ def test_a_velocity_that_a_friction_cannot_hold_goes_on_through_zero() -> None:
 
 
 def test_a_jump_of_an_input_is_solved_for_within_a_step() -> None:
-    """Algebraic states are corrected once for each step, and the stages of the method do the rest."""
+    """Algebraic states are corrected once a step. The stages of the method resolve the rest."""
 
     def write(system: System) -> None:
         level = system.input(Variable("level", "input", "1", "level", 4.0))
@@ -211,7 +211,7 @@ def test_saved_state_goes_on_with_the_same_bits_amid_fixed_steps() -> None:
 
 
 def test_records_show_what_stands_at_the_ends_of_steps() -> None:
-    """Rows at the ends of steps are of the state there, in which what has crossed zero stands."""
+    """Rows at the ends of steps show the state there; velocities that have crossed zero are zero."""
     values = {"initial_speed": 0.5, "brake_torque_1": 24e3, "brake_torque_2": 24e3}
     kernel = prepare("bogie", level=2, integration_step=1e-3, tolerance=1e-2, **values)
     table = kernel.record(1.0, 1e-3, ["speed", "state_angular_velocity_1"])

@@ -1,4 +1,4 @@
-"""Lines from files: what the runtime reads, what it refuses and how, and what it looks up."""
+"""Lines from files: valid and invalid files, and the values that the runtime looks up."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ HEAD = "distance,curvature,cant,gradient\n"
 
 @pytest.fixture(scope="module")
 def surveyor() -> Library:
-    """Goes along a line at 1 m/s and tells what it finds there, with slopes and bends."""
+    """Return a model that moves along a line and outputs its values, slopes and second derivatives."""
     system = System("Surveyor", "looks at a line")
     place = system.state("distance", "m", 0.0, 1.0)
     distance = place + system.input(Variable("away", "input", "m", "Added"))
@@ -34,7 +34,7 @@ def surveyor() -> Library:
 
 
 def surveyed(library: Library, line: Line, folder: Path, places: Sequence[float], names: Sequence[str]) -> np.ndarray:
-    """The named values at some places; shape (places, names)."""
+    """Return the named values at some places; shape (places, names)."""
     kernel = Kernel(library, line_file=str(line.write(folder / "line.csv")))
     kernel.initialise()
     found = []
@@ -45,12 +45,12 @@ def surveyed(library: Library, line: Line, folder: Path, places: Sequence[float]
 
 
 def whole(values: np.ndarray) -> np.ndarray:
-    """Rest and whole metres, added up."""
+    """Return the sum of whole metres and the rest."""
     return values[:, 0] + values[:, 1]
 
 
 def test_an_arc_is_a_circle(surveyor: Library, tmp_path: Path) -> None:
-    """Heading s / R, place R (sin, 1 - cos): to 1e-9 m after a full turn, on either side."""
+    """Heading s / R, position R (sin, 1 - cos): to 1e-9 m after a full turn, on either side."""
     for radius in (150.0, -700.0):
         circle = 2 * math.pi * abs(radius)
         places = np.linspace(0.0, circle, 41)
@@ -63,7 +63,7 @@ def test_an_arc_is_a_circle(surveyor: Library, tmp_path: Path) -> None:
 
 
 def test_a_clothoid_is_fresnels_integral(surveyor: Library, tmp_path: Path) -> None:
-    """Away from its rounded ends: heading grows with the square of the way, the plan by quadrature of that."""
+    """Between rounded ends the heading grows with the square of the distance; the plan is checked by quadrature."""
     line = line_of([straight(50), clothoid(80, straight(1), arc(1, 300, 0.1)), arc(50, 300, 0.1)])
     places = np.linspace(52.0, 128.0, 20)
     names = ["heading_0", "heading_1", "ahead_0", "ahead_far_0", "aside_0", "aside_far_0", "cant_0", "cant_1"]
@@ -95,7 +95,7 @@ def test_gradients_add_up_to_height(surveyor: Library, tmp_path: Path) -> None:
 
 
 def test_what_is_read_is_smooth_and_goes_through_its_rows(surveyor: Library, tmp_path: Path) -> None:
-    """Value, slope and bend do not jump at rows; the rows' own values are met."""
+    """Value, slope and second derivative are continuous at rows. The line passes through the values of its rows."""
     random_rows = np.random.default_rng(4)
     distance = np.cumsum(random_rows.uniform(0.3, 2.0, 60))
     rows = {"distance": distance, "curvature": random_rows.uniform(-1e-2, 1e-2, 60)}
@@ -158,7 +158,7 @@ BAD = {
 
 @pytest.mark.parametrize("name", BAD)
 def test_a_bad_line_ends_with_its_row_and_value(surveyor: Library, tmp_path: Path, name: str) -> None:
-    """One sentence, and the line from before stays in force."""
+    """One error message; the previous line stays in force."""
     text, sentence = BAD[name]
     path = tmp_path / "bad.csv"
     path.write_bytes(text.encode())
@@ -196,15 +196,15 @@ def test_more_rows_than_there_is_room_for_are_refused(surveyor: Library, tmp_pat
 
 
 def test_any_bytes_end_in_a_sentence(surveyor: Library, tmp_path: Path) -> None:
-    """Rows of a good file, spoilt at random: never a crash, never a NaN, never a sentence that is not one.
+    """Random damage in the rows of a valid file: no crash, no NaN, and every refusal has a complete message.
 
-    tests/readers/test_twin.py reads more of them, without what a kernel makes of their rows.
+    tests/readers/test_twin.py reads more of them, without a kernel.
     """
     good = line_of([arc(60, 400, 0.1, 0.01)]).write(tmp_path / "good.csv").read_bytes()
     chance = random.Random(11)
     taken, refused = 0, []
     for number in range(150):
-        spoilt, path = bytearray(good), tmp_path / f"{number}.csv"  # to write one anew waits for the disk
+        spoilt, path = bytearray(good), tmp_path / f"{number}.csv"  # to overwrite a file waits for the disk
         for _ in range(chance.randint(1, 4)):
             spoilt[chance.randrange(len(spoilt))] = chance.choice(b'0123456789.,-e\n\r \x00\xff"')
         path.write_bytes(bytes(spoilt[: chance.choice([len(spoilt), chance.randrange(len(spoilt))])]))
@@ -227,7 +227,7 @@ def test_instances_run_on_lines_of_their_own(surveyor: Library, tmp_path: Path) 
     for number, radius in enumerate(radii):
         path = line_of([arc(300, radius)]).write(tmp_path / f"{number}.csv")
         kernels.append(Kernel(surveyor, line_file=str(path), speed=10.0))
-        path.unlink()  # nothing is read again
+        path.unlink()  # the file is not read again
     for kernel in kernels:
         kernel.initialise()
     for _ in range(20):
@@ -237,7 +237,7 @@ def test_instances_run_on_lines_of_their_own(surveyor: Library, tmp_path: Path) 
 
 
 def test_a_saved_state_belongs_to_its_line(surveyor: Library, tmp_path: Path) -> None:
-    """Also where the other one is its mirror image, which has the same numbers but for their signs."""
+    """Its mirror image is another line, although its numbers differ in sign only."""
     radii = (200.0, 300.0, -200.0)
     one, other, mirrored = (str(line_of([arc(300, r, r / 2e3)]).write(tmp_path / f"{r:.0f}.csv")) for r in radii)
     kernel = Kernel(surveyor, line_file=one, speed=10.0)

@@ -1,4 +1,4 @@
-"""Methods and steps that a user may choose: orders, guards, short steps with a kept Jacobian, largest changes."""
+"""Integration methods and steps that users can select: orders, guards, reuse of the Jacobian, largest changes."""
 
 from __future__ import annotations
 
@@ -21,23 +21,24 @@ from scenarios.comparisons.peers.work_precision import in_the_plane, reference_o
 from scenarios.measuring.runs import layout, own
 from scenarios.measuring.scenes import LOCK_UP, ON_PATCHES, SCENES, SMOOTH, Scene, difference
 
-#: Band of docs/checking.md for the orders.
+#: Tolerance of the orders by docs/checking.md.
 ORDER_BAND = 0.2
 ORDERS = {1: 5.0, 2: 3.0, 3: 4.0}
 
 
 @pytest.mark.parametrize(("method", "order"), ORDERS.items())
 def test_order_on_the_smooth_stop_is_that_of_theory(method: int, order: float) -> None:
-    """Parts of a stop at the planar level, behind the jump of the torque; errors change their sign from part to part.
+    """Parts of a stop at the planar level after the jump of the torque. Errors change their sign from part to part.
 
-    Rodas' steps are longer than the slip's own time; its error in the rotation falls more slowly there, as Rosenbrock
-    methods' do on stiff states (Hairer and Wanner (1996), section IV.15), so that its order is seen in the bounce.
+    Rodas' steps exceed the time constant of the slip. Its error in the rotation falls more slowly there, as for all
+    Rosenbrock methods on stiff states (Hairer and Wanner (1996), section IV.15). The order therefore appears in the
+    bounce.
     """
     steps = {1: (16e-3, 8e-3, 4e-3), 2: (4e-3, 2e-3, 1e-3), 3: (2e-4, 1e-4, 5e-5)}[method]
     start = braked(tolerance=1e-11)
     seconds, seen = (4e-3, slice(None)) if method == 3 else (0.32, slice(1) if method == 1 else slice(None))
     errors = np.zeros(len(steps))
-    # RK4's steps resolve the transient, which alone shows its error.
+    # RK4 resolves the transient. Only the transient shows its error.
     for moment in [1e-3] if method == 3 else np.arange(1.0, 3.0, 0.2):
         start.advance(moment - start.time)
         place = [start[f"state_{name}"] for name in layout("bogie", level=2).kept]
@@ -54,7 +55,7 @@ def braked(**values: float) -> Kernel:
 
 
 def advanced(place: list[float], seconds: float, **values: float) -> np.ndarray:
-    """Rates of bounce, pitch and rotation some time after a place."""
+    """Return the rates of bounce, pitch and rotation some time after a state."""
     kernel = braked(**values)
     kernel.initialise()
     kernel.arrive(0.0, place)
@@ -63,7 +64,7 @@ def advanced(place: list[float], seconds: float, **values: float) -> np.ndarray:
 
 
 def test_w_method_keeps_its_order_with_a_jacobian_of_elsewhere() -> None:
-    """Short host steps: one Jacobian serves many; the error still falls with the third power."""
+    """With short communication steps many steps share one Jacobian. The error still falls with the third power."""
 
     def write(system: System) -> None:
         x = system.state("x", "1", 1.0, 1.0)
@@ -102,12 +103,12 @@ def test_short_host_steps_reuse_the_jacobian_and_give_the_same_motion() -> None:
         distances.append(kernel["distance"])
         jacobians.append(kernel.counts["jacobians"] / kernel.counts["steps"])
     assert distances[0] == pytest.approx(distances[1], rel=1e-8)
-    assert jacobians[0] < 0.25  # of the steps; the default method takes one each
+    assert jacobians[0] < 0.25  # per step; the default method evaluates one each
     assert jacobians[1] >= 1.0
 
 
 def test_saved_state_goes_on_with_the_same_bits_amid_short_steps() -> None:
-    """What is kept of a Jacobian is where it was taken; its factors are made anew after a restore."""
+    """A state stores where its Jacobian was evaluated. After a restore the factors are computed again."""
     kernel, other = LOCK_UP.kernel(), LOCK_UP.kernel()
     kernel.set(brake_torque_1=30e3)
     for number in range(37):
@@ -157,12 +158,12 @@ def test_failed_fixed_step_leaves_the_last_good_state(method: int) -> None:
     assert kernel["x"] == before
 
 
-#: Switches of a stop that comes to an end: the 1000 of the runtime, and those before its steps end in nothing else.
+#: Bound on switches of a stop that ends: the runtime's limit of 1000, and those before every step ends in one.
 SWITCHES_OF_A_STOP = 2000
 
 
 def stop_from_walking_pace(host_step: float, **values: float) -> Kernel:
-    """Braked from 1 m/s, 2 s long, or until the switches tell that this has no end."""
+    """Brake from 1 m/s for 2 s, or until the number of switches shows that they never end."""
     kernel = prepare("bogie", level=2, initial_speed=1.0, brake_torque_1=20e3, brake_torque_2=20e3, **values)
     kernel.initialise()
     for number in range(round(2.0 / host_step)):
@@ -178,9 +179,9 @@ EXPLICIT = {"integration_method": 3, "integration_step": 1e-3, "tolerance": 1e-2
 
 @pytest.mark.parametrize("host_step", [2.0, 1e-3, 1e-4])
 def test_stop_with_explicit_steps_above_their_limit_ends_in_a_sentence_whatever_the_host_step(host_step: float) -> None:
-    """A motor that pulls backwards lets sliding and sticking take turns for ever.
+    """A motor that pulls backwards makes sliding and sticking alternate indefinitely.
 
-    Host steps of 1 ms each held a thousand of them.
+    Regression test: communication steps of 1 ms contained a thousand switches each.
     """
     sentence = "a friction chatters; above its stability limit an explicit method cannot come to rest"
     with pytest.raises(SimulationError, match=sentence) as ended:
@@ -190,7 +191,7 @@ def test_stop_with_explicit_steps_above_their_limit_ends_in_a_sentence_whatever_
 
 @pytest.mark.parametrize("host_step", [2.0, 1e-3, 1e-4])
 def test_stop_with_explicit_steps_above_their_limit_rests_within_the_way_of_one_step(host_step: float) -> None:
-    """With brakes alone sliding and sticking take turns hundreds of times, and then it stands."""
+    """With brakes alone, sliding and sticking alternate hundreds of times before the bogie stops."""
     kernel = stop_from_walking_pace(host_step, **EXPLICIT)
     assert kernel["angular_velocity_1"] == kernel["angular_velocity_2"] == 0.0
     assert kernel["speed"] == 0.0
@@ -209,7 +210,7 @@ def test_same_stop_with_an_implicit_method_comes_to_rest(values: dict[str, float
 
 
 def test_wave_of_the_track_is_not_stepped_over() -> None:
-    """A bogie that runs quietly has no error that would shorten a step before a wave far ahead."""
+    """A bogie in steady motion has no error that would shorten a step before a distant wave."""
     peaks = []
     for tolerance in (1e-2, 1e-7):
         values = {"lateral_irregularity": 5e-3, "lateral_wave_number": 0.2, "irregularity_start": 400.0}
@@ -229,7 +230,7 @@ def test_step_ends_before_a_limited_state_has_changed_too_far() -> None:
 
     kernel = Kernel(small(write, tolerance=1e-2))
     kernel.advance(10.0)
-    assert 40 <= kernel.counts["steps"] <= 60  # 20 m by half a metre
+    assert 40 <= kernel.counts["steps"] <= 60  # 20 m in steps of 0.5 m
 
 
 def test_recording_of_methods_without_an_extension_is_accurate_between_steps() -> None:
@@ -244,10 +245,10 @@ def test_recording_of_methods_without_an_extension_is_accurate_between_steps() -
 
 # ---- other methods on the same equations -----------------------------------------------------------------------------
 
-#: Band of docs/checking.md for the default at its own tolerance; an engineer reads off five times as much.
+#: Tolerance of the default by docs/checking.md; users would accept five times this value.
 DEFAULT_BAND = 2e-5
-#: A change of the wheel radius that must be seen in every scene, relative; between its flanges a wheelset hunts with a
-#: peak that hardly depends on it.
+#: Relative change of the wheel radius that every case must detect. The peak of a wheelset that hunts between its
+#: flanges depends little on the radius.
 SEEN = 3e-3
 
 
@@ -289,7 +290,7 @@ def test_run_beyond_its_budget_is_a_failure_with_a_reason() -> None:
 @pytest.mark.parametrize("level", [1, 2, 3])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-5, 1e-4])
 def test_a_stop_comes_to_rest_with_loose_tolerances_too(level: int, tolerance: float) -> None:
-    """At rest creep is so stiff that the error of a step does not see it: wheelsets must not break free again."""
+    """At rest, creep is so stiff that the error estimate of a step misses it: wheelsets must not break free again."""
     kernel = prepare(
         "bogie", level=level, tolerance=tolerance, initial_speed=25.0, brake_torque_1=25e3, brake_torque_2=25e3
     )
@@ -301,7 +302,7 @@ def test_a_stop_comes_to_rest_with_loose_tolerances_too(level: int, tolerance: f
 
 
 def test_steps_behind_a_jump_are_found_with_few_trials() -> None:
-    """Torque that jumps at each host step of 10 ms: by the method's order alone it would be nearly four."""
+    """The torque jumps at each communication step of 10 ms. The method's order alone would give nearly four trials."""
     kernel, count = prepare("bogie", level=3, initial_speed=25.0), 200
     kernel.initialise()
     for number in range(count):
@@ -312,7 +313,7 @@ def test_steps_behind_a_jump_are_found_with_few_trials() -> None:
 
 @pytest.mark.parametrize("scene", IN_THE_PLANE, ids=lambda scene: scene.name)
 def test_model_exchange_converges_to_the_motion_of_the_kernel(scene: Scene) -> None:
-    """FMPy's CVODE at two tolerances: within ten times of each, with torques on ramps, locks and releases."""
+    """FMPy's CVODE at two tolerances: its error is at most ten times each, with torque ramps, locks and releases."""
     exact = in_the_plane(scene)
     for tolerance in (1e-5, 1e-7):
         run = exchange(scene, tolerance)
@@ -322,7 +323,7 @@ def test_model_exchange_converges_to_the_motion_of_the_kernel(scene: Scene) -> N
 
 
 def test_a_method_that_is_led_to_no_number_gives_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    """SciPy refuses such a matrix by an error of its own, which ended `speed-accuracy`."""
+    """Regression test: SciPy raises an error of its own for such a matrix, which ended `speed-accuracy`."""
     jacobian_at = Kernel.jacobian_at
     monkeypatch.setattr(Kernel, "jacobian_at", lambda *given: np.nan * np.array(jacobian_at(*given)))
     run = scipy(SMOOTH, "BDF", 1e-6)
@@ -331,14 +332,14 @@ def test_a_method_that_is_led_to_no_number_gives_up(monkeypatch: pytest.MonkeyPa
 
 
 def test_bdf_does_not_hang_on_what_memory_held(monkeypatch: pytest.MonkeyPatch) -> None:
-    """SciPy leaves rows of differences unset: signalling NaN there ended `speed-accuracy` with a warning."""
+    """Regression test: SciPy does not initialise rows of differences. Signalling NaN there ended `speed-accuracy`."""
     clean = scipy(SMOOTH, "BDF", 1e-6)
     monkeypatch.setattr("scipy.integrate._ivp.bdf.np", _Dirty())
     np.testing.assert_equal(scipy(SMOOTH, "BDF", 1e-6).samples, clean.samples)
 
 
 class _Dirty:
-    """NumPy whose `empty` arrays are full of signalling NaN."""
+    """NumPy with `empty` arrays full of signalling NaN."""
 
     def __getattr__(self, name: str) -> object:
         return getattr(np, name)

@@ -1,4 +1,4 @@
-"""Names of C that is given for a part, beside those of the runtime in one unit."""
+"""File-scope names of C code that is given for a part, next to those of the runtime in one unit."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_names_of_a_file_are_found_and_those_inside_are_not() -> None:
 
 
 def test_renamed_sources_know_each_other_and_none_of_the_names_of_the_runtime() -> None:
-    """Whatever the runtime calls its own: the names of the parts that ship meet none of them."""
+    """For any names of the runtime: the names of the built-in parts are different."""
     common, own = with_own_names([SOURCE, "static void use(void) { (void)solve(0, 0); }"])
     assert f"static void {PREFIX}use(void) {{ (void){PREFIX}solve(0, 0); }}" == own
     assert "fmin(stand->in_c_solve, in_c_PI) > in_c_ROUNDS" in common
@@ -45,6 +45,6 @@ def test_renamed_sources_know_each_other_and_none_of_the_names_of_the_runtime() 
         (Path(str(module.__file__)).parent / name).read_text()
         for module, name in ((strips_in_c, "strips.c"), (tabulated, "table.c"))
     ]
-    assert set().union(*map(names_at_file_scope, texts)) & runtime  # which is why they are renamed
+    assert set().union(*map(names_at_file_scope, texts)) & runtime  # so renaming is necessary
     for renamed in with_own_names(texts):
         assert not names_at_file_scope(renamed) & runtime

@@ -1,4 +1,4 @@
-"""Parts and waists change how equations are generated and differentiated, and nothing else."""
+"""Parts and shared intermediate variables change the generated code and its derivatives, but no values."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from fmu_src.equations import functions
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, Variable, model_of
 
-#: Exact derivatives by two ways of the chain rule, and motions of the same equations: round-off.
+#: Rounding errors: derivatives by two orders of the chain rule, and motions of the same equations.
 ROUND_OFF = 1e-12
 
 
 @lru_cache
 def hardening_in_c() -> Part:
-    """The same, given in C."""
+    """Return the same part, given in C."""
     source = """#include <math.h>
 static void hardening_in_c(const double *arguments, const double *constants, double *results, double *slopes) {
   const double way = arguments[0], force = way + constants[0] * way * way * way + sin(arguments[1]);
@@ -40,7 +40,7 @@ static void hardening_in_c(const double *arguments, const double *constants, dou
 
 
 def softened(inner: Part) -> Part:
-    """A part that calls a part: what the spring gives back of a way that it shares with a lever."""
+    """Return a part that calls another: a spring behind a lever, which shares its displacement."""
     way, rate, hard = ca.SX.sym("way"), ca.SX.sym("rate"), ca.SX.sym("hard")
     chain = Chain()
     found = chain.call(inner, ca.vertcat(way * 1.1, rate - way), hard)
@@ -49,16 +49,16 @@ def softened(inner: Part) -> Part:
 
 @lru_cache
 def hardening() -> Part:
-    """Force of a spring that hardens, and its square, of way and rate; the constant is how much."""
+    """Return force and squared force of a hardening spring by displacement and rate; `hard` is the cubic stiffness."""
     way, rate, hard = ca.SX.sym("way"), ca.SX.sym("rate"), ca.SX.sym("hard")
     force = way + hard * way**3 + ca.sin(rate)
     return Part("hardening", ca.vertcat(way, rate), hard, ca.vertcat(force, force**2))
 
 
 def two_masses(parts: bool, of: Callable[[], Part] | None = None) -> System:
-    """Two masses in a row; the second spring feels what the first one carries, so that its call is of rank 1.
+    """Return two masses in a row. The second spring depends on the first one's force, so its call is of rank 1.
 
-    of: the law of the springs, `hardening` by default.
+    of: law of the springs, `hardening` by default.
     """
     system = System("masses", "two masses on hardening springs")
     push = system.input(Variable("push", "input", "N", "Force on the second mass"))
@@ -84,7 +84,7 @@ def two_masses(parts: bool, of: Callable[[], Part] | None = None) -> System:
     return system
 
 
-#: Laws with parts, and the same written out.
+#: Laws with parts, and the same laws written out.
 LAWS = {
     "one part": (hardening, hardening),
     "a part that calls one": (lambda: softened(hardening()), None),
@@ -94,7 +94,7 @@ LAWS = {
 
 
 def written_out(part: Part) -> Part:
-    """The same part without a part that it calls."""
+    """Return the same part with the part that it calls written out."""
     return replace(part, name="plain", results=part.chain.expand(part.results), chain=Chain())
 
 
@@ -128,7 +128,7 @@ def test_outputs_depend_on_inputs_through_parts() -> None:
 
 
 def test_derivatives_along_a_direction_pass_through_parts() -> None:
-    """Finite differences of the output, beside the directional derivative of the compiled model."""
+    """Compare with the derivative of the expanded expression."""
     system, seed = two_masses(parts=True), ca.SX.sym("seed", 4)
     states = system.arguments[1]
     output = system.outputs["carried"]
@@ -147,7 +147,7 @@ def test_derivatives_along_a_direction_pass_through_parts() -> None:
 
 @lru_cache
 def bob() -> Part:
-    """Place of a pendulum's bob by its angle, whose cosine and sine it is given; a part that it calls is its length."""
+    """Return a pendulum's bob; cosine and sine of its angle are constants, a called part gives its length."""
     angle, pull, cosines, hard = (ca.SX.sym(name, count) for name, count in (("a", 1), ("p", 1), ("c", 2), ("h", 1)))
     chain = Chain()
     chain.follow(cosines, angle, ca.vertcat(-cosines[1], cosines[0]))
@@ -156,7 +156,7 @@ def bob() -> Part:
 
 
 def test_a_part_may_call_a_part_and_be_given_what_changes_with_its_arguments() -> None:
-    """Its slopes against those of the same equations written out."""
+    """Compare its slopes with those of the same equations written out."""
     angle, pull, hard = (ca.SX.sym(name) for name in ("angle", "pull", "hard"))
     given, constants = ca.vertcat(angle, pull), ca.vertcat(ca.cos(angle), ca.sin(angle), hard)
     results, slopes = bob().function(given, constants)
@@ -182,7 +182,7 @@ def test_bundle_takes_vectors_apart_and_puts_them_together() -> None:
 
 
 def test_two_parts_of_one_name_are_refused() -> None:
-    """The code of one would be called for both."""
+    """Both calls would use the code of one part."""
     system = two_masses(parts=True)
     softer = replace(hardening(), results=2 * hardening().results)
     softer_force = system.call(softer, system.arguments[1][:2], system.parameter_symbols["hard"])

@@ -1,4 +1,4 @@
-"""Look-ups in tables (fmu_src/runtime/lanes_table.h): the piece of NumPy's search, in any number of lanes."""
+"""Table look-ups (fmu_src/runtime/lanes_table.h) find the same piece as NumPy's search, in any number of lanes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from fmu_src.piecewise import interpolation, look_up, polynomials, rows_of
 
 WIDTHS = (1, 2, 4, 8)
 ROUND_OFF = 1e-14
-#: Breakpoints whose pieces are equally wide, equally wide but for round-off, of any width, and of one piece.
+#: Breakpoints with pieces of equal width, of equal width except for rounding errors, of any width, and a single piece.
 BREAKPOINTS = {
     "equal": np.arange(-3.0, 5.0, 0.5),
     "nearly equal": 0.1 * np.arange(12) - 0.3,
@@ -30,12 +30,12 @@ AT = ca.SX.sym("at")
 
 
 def coefficients(name: str, terms: int = 3) -> np.ndarray:
-    """Of pieces that do not meet: a neighbour in place of the right one is seen."""
+    """Return coefficients of discontinuous pieces, so that the test detects a neighbouring piece."""
     return np.random.default_rng(len(name)).uniform(1.0, 2.0, (BREAKPOINTS[name].size - 1, terms))
 
 
 def by_numpy(name: str, at: np.ndarray) -> np.ndarray:
-    """Rows of origin and coefficients: the piece whose left end is next below; outside the value at the end."""
+    """Return rows of origin and coefficients of the piece that begins next below; outside, those of the end value."""
     breakpoints, of = BREAKPOINTS[name], coefficients(name)
     piece = np.clip(np.searchsorted(breakpoints, at, "right") - 1, 0, len(of) - 1)
     found = np.column_stack([breakpoints[piece], of[piece]])
@@ -46,10 +46,10 @@ def by_numpy(name: str, at: np.ndarray) -> np.ndarray:
 
 
 def places(name: str) -> np.ndarray:
-    """Inside, at breakpoints and beside them, far outside, in no order."""
+    """Return places inside, at and next to breakpoints, and far outside, in random order."""
     breakpoints = BREAKPOINTS[name]
     inside = np.random.default_rng(3).uniform(breakpoints[0] - 1, breakpoints[-1] + 1, 400)
-    # Where pieces are found by a division, either neighbour may hold within round-off of a breakpoint.
+    # If pieces are found by a division, both neighbours are correct within rounding errors of a breakpoint.
     beside = [] if name == "nearly equal" else [breakpoints]
     if name == "unequal":
         beside += [np.nextafter(breakpoints, -9), np.nextafter(breakpoints, 9)]
@@ -58,7 +58,7 @@ def places(name: str) -> np.ndarray:
 
 @lru_cache
 def library(folder: Path) -> ctypes.CDLL:
-    """A look-up of each table at each width: NAME_WIDTH(count, places, rows by LANES)."""
+    """Compile functions for each table at each width: NAME_WIDTH(count, places, rows by LANES)."""
     text = '#include "lanes_widest.h"\n#include "model.h"\n#include "piecewise.h"\n#include <math.h>\n'
     text += '#define SHOWN __attribute__((visibility("default")))\n'
     text += "SHOWN int widest(void) { return lanes_of_processor(); }\n"
@@ -90,7 +90,7 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
 
 
 def found(tables: ctypes.CDLL, name: str, width: int, at: np.ndarray) -> np.ndarray:
-    """Rows at places, in lanes."""
+    """Return the rows at places, looked up in lanes."""
     padded = np.concatenate([at, np.zeros(-at.size % width)])
     rows = np.empty((padded.size // width, 4, width))
     pointers = [array.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for array in (padded, rows)]
@@ -110,7 +110,7 @@ def test_a_look_up_finds_the_piece_of_numpys_search(tables: ctypes.CDLL, name: s
 
 @pytest.mark.parametrize("name", BREAKPOINTS)
 def test_what_is_no_number_comes_out_as_none(tables: ctypes.CDLL, name: str) -> None:
-    """Of a lane, and of no other."""
+    """A NaN affects its own lane only."""
     at = np.array([np.nan, BREAKPOINTS[name][0]] * 4)
     for width in (width for width in WIDTHS if width <= tables.widest()):
         rows = found(tables, name, width, at)
@@ -127,7 +127,7 @@ def test_pieces_that_are_equally_wide_are_not_searched_for(tables: ctypes.CDLL) 
 
 @pytest.mark.parametrize("name", BREAKPOINTS)
 def test_equations_written_out_have_the_rows_of_the_table(name: str) -> None:
-    """What CasADi's own machine computes, as dependencies and elimination ask it."""
+    """CasADi evaluates these expressions for dependencies and elimination."""
     chain = Chain()
     piece = look_up(chain, name, BREAKPOINTS[name], coefficients(name), AT)
     written = ca.Function("written", [AT], [ca.densify(chain.expand(piece))])

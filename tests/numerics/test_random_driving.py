@@ -1,4 +1,4 @@
-"""Thousands of random commands: every answer is finite or comes with a status, and a locked wheelset stands exactly."""
+"""Thousands of random commands: every result is finite or has a status, and a locked wheelset is exactly at rest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WATCHED = ("speed", "acceleration", "slip_1", "creep_force_1", "creep_force_2", 
 
 
 def drive(one: Kernel, chance: random.Random) -> None:
-    """One step of random length, from 10 us to 10 s, with random torques, friction and pull."""
+    """Make one step of random length, from 10 us to 10 s, with random torques, friction and pull."""
     one.set(
         brake_torque_1=chance.choice([0.0, 10 ** chance.uniform(0, 5)]),
         brake_torque_2=chance.choice([0.0, 10 ** chance.uniform(0, 5)]),
@@ -47,7 +47,7 @@ def test_random_driving_stays_finite_and_locks_exactly(bogie: Library, seed: int
     one.initialise(chance.choice([0.0, 1e3, 1e6]))
     for _ in range(STEPS):
         refusal = refused(one, chance)
-        if refusal:  # only a wheelset that lifts off may end the run
+        if refusal:  # only wheel lift may end the run
             assert refusal.status == DISCARD
             assert "lifted off" in str(refusal)
             return

@@ -1,4 +1,4 @@
-"""The C runtime on small systems with known answers: integration, algebraic states, tables, friction, endings."""
+"""The C runtime on small systems with known solutions: integration, algebraic states, tables, friction, ends."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def library(write: Callable[[System], None], tolerance: float = 1e-8) -> Library
 
 
 def oscillator(system: System, nominal: float = 1.0) -> None:
-    """A nonlinear pendulum, driven in time."""
+    """A nonlinear pendulum with a time-dependent drive."""
     angle = system.state("angle", "rad", 1.0, nominal)
     rate = system.state("rate", "rad/s", 0.0, nominal)
     system.derivative(angle, rate)
@@ -141,7 +141,7 @@ def test_input_rate_makes_an_exact_ramp() -> None:
     kernel.step(0.0, 3.0)
     assert kernel["x"] == pytest.approx(3.0 + 9.0, rel=1e-12)
     assert kernel["u"] == pytest.approx(7.0)
-    kernel.step(3.0, 1.0)  # the rate holds for one step only
+    kernel.step(3.0, 1.0)  # the rate is in force for one step only
     assert kernel["x"] == pytest.approx(19.0, rel=1e-12)
 
 
@@ -157,7 +157,7 @@ def test_ramp_that_would_leave_the_limits_is_refused_and_nothing_moves() -> None
 def test_equations_without_a_finite_solution_end_in_a_sentence_and_keep_the_last_good_state() -> None:
     def write(system: System) -> None:
         x = system.state("x", "1", 1.0, 1.0)
-        system.derivative(x, -1 / ca.sqrt(x))  # reaches 0 at t = 2/3 and is not a number beyond
+        system.derivative(x, -1 / ca.sqrt(x))  # reaches 0 at t = 2/3 and is NaN beyond
         system.output(real("x", "output"), x)
 
     kernel = Kernel(library(write))
@@ -193,7 +193,7 @@ def test_table_is_the_piecewise_polynomial_and_holds_its_ends() -> None:
 
 
 def constrained_pendulum(system: System) -> None:
-    """A rod of 1 m in Cartesian coordinates: height, vertical velocity and tension are algebraic."""
+    """A rod of 1 m in Cartesian coordinates: height, vertical velocity and tension are algebraic states."""
     x = system.state("x", "m", 0.5, 1.0)
     u = system.state("u", "m/s", 0.0, 1.0)
     y = system.algebraic("y", "m", -1.0, 1.0)
@@ -226,7 +226,7 @@ def test_algebraic_states_follow_their_equations_and_the_order_stays_four() -> N
 
 @pytest.mark.parametrize(("method", "step"), [(2, 0.0), (2, 2e-3), (3, 2e-3)])
 def test_every_method_solves_for_more_algebraic_states_than_half(method: int, step: float) -> None:
-    """Three algebraic states beside two others: the chosen method, short host steps and records between the steps."""
+    """Three algebraic states and two others: each method, short communication steps, and records between steps."""
     angle = solve_ivp(
         lambda t, a: [a[1], -9.81 * math.sin(a[0])], (0.0, 1.0), [math.asin(0.5), 0.0], "DOP853", rtol=1e-13, atol=1e-13
     ).y[0, -1]
@@ -258,7 +258,7 @@ def test_start_and_a_jump_of_an_input_are_made_consistent() -> None:
     kernel.set(level=-1.0)
     with pytest.raises(SimulationError, match=r"The algebraic equations have no solution near t = 2 s"):
         kernel.advance(1.0)
-    for _ in range(2):  # there is no value of x at this level, neither at the first reading nor at the next
+    for _ in range(2):  # x has no value at this level, neither at the first reading nor at the next
         with pytest.raises(SimulationError, match=r"The equations have no solution at t = 2 s with these inputs"):
             print(kernel["x"])
     kernel.set(level=100.0)
@@ -283,7 +283,7 @@ def test_a_table_may_have_the_value_of_another_as_its_argument() -> None:
 
 
 def test_a_vanishing_diagonal_is_exchanged_for_another_pivot() -> None:
-    """Each of the two residuals knows only the other's state: without row exchange the factorisation has no pivot."""
+    """Each residual depends on the other's state only: without row exchange the factorisation has no pivot."""
 
     def write(system: System) -> None:
         x = system.state("x", "1", 1.0, 1.0)
@@ -309,7 +309,7 @@ def test_saved_state_of_another_model_is_refused() -> None:
 
 
 def sliding_block(system: System) -> None:
-    """A block of 1 kg on dry friction, pushed by a force."""
+    """A block of 1 kg with dry friction, pushed by a force."""
     force = system.input(real("force", "input"))
     capacity = system.input(real("capacity", "input", 2.0, minimum=0.0))
     x = system.state("x", "m", 0.0, 1.0)
@@ -324,7 +324,7 @@ def sliding_block(system: System) -> None:
 
 def test_friction_stops_sticks_and_releases_at_the_analytic_times() -> None:
     kernel = Kernel(library(sliding_block))
-    kernel.advance(5.0)  # 3 m/s against 2 m/s2: stands after 1.5 s and 2.25 m
+    kernel.advance(5.0)  # 3 m/s with 2 m/s2: stops after 1.5 s and 2.25 m
     assert kernel["v"] == 0.0
     assert kernel["x"] == pytest.approx(2.25, abs=1e-9)
     assert kernel.journal == ["The block stuck at 1.5 s."]
@@ -352,7 +352,7 @@ def test_friction_that_comes_slowly_against_a_block_that_moves_backward_does_not
 
 def test_friction_larger_than_the_drive_reverses_nothing_and_smaller_one_turns_the_block_round() -> None:
     kernel = Kernel(library(sliding_block), force=-3.0)
-    kernel.advance(1.6)  # decelerates with 5 m/s2, stands at 0.6 s, then slides back with 1 m/s2
+    kernel.advance(1.6)  # decelerates by 5 m/s2, stops at 0.6 s, then slides back with 1 m/s2
     assert kernel["v"] == pytest.approx(-1.0, abs=1e-9)
 
 
@@ -447,7 +447,7 @@ def test_candidate_of_a_warning_changes_nothing_of_what_is_said() -> None:
 
 
 def test_an_equation_of_what_is_no_state_is_refused() -> None:
-    """Equations take the symbol of a state, no name and no expression of it, and none of another system."""
+    """Equations accept the symbol of a state, but no name, expression or symbol of another system."""
     one, other = System("one", "a state"), System("other", "a state of the same name")
     x = one.state("x", "1", 0.0, 1.0)
     for wrong in (2 * x, other.state("x", "1", 0.0, 1.0)):

@@ -14,9 +14,9 @@ from fmu_src.codegen import BATCH_SOURCES, RUNTIME, RUNTIME_HEADERS, RUNTIME_SOU
 from fmu_src.objects import ARRAYS
 from products.registry import model_of
 
-#: Lines of a function that one screen shows.
+#: Lines of a function that fit a screen.
 SCREEN = 60
-#: What only a face needs: early returns, checks before anything is set, and model exchange.
+#: Functions for FMI interfaces only: early return, checks before values are set, and model exchange.
 OF_FACES = {
     "kernel_stop_at_events",
     "kernel_set_time",
@@ -30,7 +30,7 @@ OF_FACES = {
         *("check_set", "check_rate", "set_states", "get_states", "get_nominals", "get_slopes", "get_indicators"),
     )
 }
-#: Types of the headers as Python passes them; an instance is an address, a saved state is bytes.
+#: Types of the headers and their types in ctypes; an instance is an address, a saved state is bytes.
 NUMBERS = {
     "int": ctypes.c_int,
     "kernel_status": ctypes.c_int,
@@ -54,12 +54,12 @@ POINTERS = {
 
 
 def code_of(path: Path) -> str:
-    """Text without comments and strings."""
+    """Return the text without comments and strings."""
     return re.sub(r'/\*.*?\*/|"(\\.|[^"\\])*"', "", path.read_text(), flags=re.DOTALL)
 
 
 def functions_of(path: Path) -> Iterator[tuple[str, int]]:
-    """Head and number of lines of each function of a file; all begin and end in the first column."""
+    """Yield the head and the number of lines of each function; all begin and end in the first column."""
     lines = code_of(path).split("\n")
     begin = 0
     for number, line in enumerate(lines):
@@ -79,13 +79,13 @@ FILES = [RUNTIME / name for name in SOURCES]
 
 
 def test_every_file_of_the_runtime_is_listed() -> None:
-    others = (ARRAYS, "step_object.c")  # of objects beside kernels
+    others = (ARRAYS, "step_object.c")  # for objects other than kernels
     assert sorted((*SOURCES, *others)) == sorted(path.name for path in RUNTIME.glob("*.c"))
     assert sorted((*RUNTIME_HEADERS, "arrays.h")) == sorted(path.name for path in RUNTIME.glob("*.h"))
 
 
 def test_calls_run_from_later_files_to_earlier_ones() -> None:
-    """The order in which the files are listed; none calls one behind it, so that there is no circle."""
+    """No function calls one of a later file in the list, so there are no cycles."""
     heads = [(head, path.name) for path in FILES for head, _ in functions_of(path)]
     home = {head.split()[-1].lstrip("*"): name for head, name in heads if not head.startswith("static")}
     assert {"kernel_step", "integrate", "modes_margin", "fmi2DoStep", "face_get"} <= set(home)
@@ -110,13 +110,13 @@ def test_functions_fit_a_screen(path: Path) -> None:
 
 
 def python_type(text: str) -> object:
-    """What Python passes for an argument or a result as kernel.h declares it, its name left out."""
+    """Return the ctypes type of an argument or a result that kernel.h declares (without its name)."""
     words = text.replace("const ", "").strip()
     return POINTERS[words[:-1].strip()] if words.endswith("*") else None if words == "void" else NUMBERS[words]
 
 
 def declared() -> dict[str, tuple[object, list[object]]]:
-    """Result and arguments of the public functions."""
+    """Return results and arguments of the public functions."""
     found: dict[str, tuple[object, list[object]]] = {}
     pattern = r"KERNEL_EXPORT ([\w ]+?\**) ?\b(kernel_\w+)\(([^)]*)\);"
     for result, name, arguments in re.findall(pattern, code_of(RUNTIME / "kernel.h") + code_of(RUNTIME / "studies.h")):
@@ -141,16 +141,16 @@ def test_python_numbers_statuses_and_counters_as_the_header_does() -> None:
 
 
 def members_of(type_name: str) -> list[str]:
-    """Names of the members of a struct in model.h, in their order."""
+    """Return the names of the members of a struct in model.h, in their order."""
     [body] = re.findall(rf"typedef struct \{{([^}}]*)\}} {type_name};", code_of(RUNTIME / "model.h"))
     return [name for line in body.split(";") for name in re.findall(r"\w+(?=,|$)", line.strip())]
 
 
 def test_description_of_a_system_has_the_order_of_its_type(bogie_sources: dict[str, str]) -> None:
-    """The members are given by position: one that is out of place would be another one's value."""
+    """The members are given by position. A displaced member would have the value of another."""
     members = members_of("system_description")
     entries = re.findall(r"^    \{(/\* name \*/ .*?)\}(?=,?$)", bogie_sources["model.c"], re.M | re.S)
-    assert len(entries) == 8  # point, planar, three depths of contact in space; on a line point, planar and one depth
+    assert len(entries) == 8  # straight track: point, planar, three contact models; line: point, planar, one
     for entry in entries:
         assert re.findall(r"/\* (\w+) \*/", entry) == members
     starts = re.findall(r"^static const steady_start \w+ = \{(.*)\};$", bogie_sources["model.c"], re.M)

@@ -1,4 +1,4 @@
-"""Claims of failure fail as predicted: explicit steps at their limit, and the guards that say so."""
+"""Explicit steps become unstable at the predicted limit, and the guards report it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from scenarios.measuring.stability import (
 )
 
 SPEEDS = (0.01, 0.1, 1.0, 10.0, 25.0, 60.0)
-#: The stability function is exact for linear equations; creep bends by the square of the perturbation.
+#: The stability function is exact for linear equations. Creep deviates by the square of the perturbation.
 GROWTH_BAND = 0.03
-#: Hairer and Wanner 1996, section IV.2: where RK4's region ends on the negative real and on the imaginary axis.
+#: Hairer and Wanner 1996, section IV.2: ends of RK4's region on the negative real axis and on the imaginary axis.
 NEGATIVE_AXIS, IMAGINARY_AXIS = 2.7852935634, 2.0**1.5
 
 
@@ -62,11 +62,11 @@ def test_boundary_found_by_bisection_is_the_predicted_one(machine: Machine) -> N
         found = boundary(machine, 25.0, RUNGE_KUTTA, inputs)
         assert found == pytest.approx(limit(machine, 25.0, "RK4", inputs), rel=0.005)  # bisection to 0.2 %
     lighter = (("frame_mass", 15e3),)
-    assert abs(found / limit(machine, 25.0, "RK4", lighter) - 1.0) > 0.1  # what the band must tell apart
+    assert abs(found / limit(machine, 25.0, "RK4", lighter) - 1.0) > 0.1  # difference that the tolerance must detect
 
 
 def test_bouncing_on_elastic_contacts_limits_explicit_steps_at_high_speed() -> None:
-    """Where creep is the fastest both depths have one limit; at 60 m/s a vibration is, on the imaginary side."""
+    """If creep is the fastest mode, contact models 1 and 2 have one limit. At 60 m/s a vibration sets the limit."""
     assert limit(PATCHES, 10.0) == pytest.approx(limit(SPATIAL, 10.0), rel=1e-3)
     assert limit(PATCHES, 60.0) < 0.99 * limit(SPATIAL, 60.0)
     assert boundary(PATCHES, 60.0) == pytest.approx(limit(PATCHES, 60.0), rel=0.01)  # of scenario stability-atlas
@@ -80,5 +80,5 @@ def test_constraints_drift_without_partitioning_and_not_with_it() -> None:
 
 
 def test_contact_is_lost_at_a_fold() -> None:
-    """The distance to a fold goes with the square root of the time to it."""
+    """The distance to a fold is proportional to the square root of the time to it."""
     assert approach().exponent == pytest.approx(0.5, abs=0.03)

@@ -1,4 +1,4 @@
-"""Table files of models that are no railways: columns, limits and pieces of their own, through fmu_src alone."""
+"""Table files of models other than railways, with their own columns, limits and pieces, by fmu_src alone."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fmu_src.system import Piece, System, TableFile, Variable, model_of
 from readers.tables import Column
 from tests.quick_library import quick_library
 
-#: Head and volume flow of a pump over time; what it has moved is their integral.
+#: Head and volume flow of a pump over time; the integral of the flow is the volume.
 MAP = TableFile(
     Variable("map_file", "parameter", "1", "Path of the pump's map", kind="string"),
     noun="map",
@@ -58,7 +58,7 @@ static void piece_between(const table_file *self, int piece, const table_part *p
 
 @pytest.fixture(scope="module")
 def pump() -> Library:
-    """A tank that a pump fills as its map says."""
+    """Return a tank that a pump fills as in its table."""
     system = System("Pump", "fills a tank")
     level = system.state("level", "m3", 0.0, 1.0)
     flow, slope = system.from_file(MAP, "flow", system.time, 1)
@@ -71,19 +71,19 @@ def pump() -> Library:
 
 
 def test_a_tank_is_filled_by_the_map_of_its_pump(pump: Library, tmp_path: Path) -> None:
-    """A flow that rises evenly from 0 to 1 m3/s in 10 s and then stays moves t^2 / 20, and 5 + (t - 10) behind it."""
+    """A flow that grows linearly from 0 to 1 m3/s in 10 s moves t^2 / 20, then 5 + (t - 10)."""
     path = tmp_path / "map.csv"
     path.write_text("flow,time,head\n" + "".join(f"{min(t / 10, 1)},{t},{t + 1}\n" for t in range(20)))
     kernel = Kernel(pump, map_file=str(path))
     kernel.advance(1.0)
-    first = kernel["volume_out"]  # a slope of its own stands at the first row, 0, so that little is missing before
+    first = kernel["volume_out"]  # the slope at the first row is 0, so the deviation before it is small
     kernel.advance(4.5)
     assert kernel["flow_out"] == pytest.approx(0.55)
     assert kernel["slope_out"] == pytest.approx(0.1)
     assert kernel["head_out"] == pytest.approx(6.5)
     assert kernel["level_out"] == pytest.approx(5.5**2 / 20, rel=1e-6)
     assert kernel["volume_out"] - first == pytest.approx((5.5**2 - 1.0) / 20, rel=1e-12)
-    kernel.advance(24.5)  # beyond the end: flow stays, volume goes on, head stays
+    kernel.advance(24.5)  # beyond the end: constant flow and head, growing volume
     assert [kernel[name] for name in ("flow_out", "head_out")] == pytest.approx([1.0, 20.0])
     assert kernel["level_out"] == pytest.approx(25.0, rel=1e-6)
     assert kernel["volume_out"] == pytest.approx(kernel["level_out"], abs=2e-3)  # corners are rounded

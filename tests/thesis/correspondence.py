@@ -1,4 +1,4 @@
-"""The same motion in both models: states of the spatial level as coordinates of chapter 3, and accelerations back."""
+"""The same motion in both models: states of level 3 as coordinates of chapter 3, and accelerations in return."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ _FITTED = _fitted()
 
 
 def fitted_ellipse(a: float, b: float, normal_force: float, shear_modulus: float) -> Ellipse:
-    """The fast model's polynomials for ellipse and coefficients, within 2e-4 and 0.5 % of exact ones and table."""
+    """Return ellipse and coefficients by the fast model's polynomials, within 2e-4 and 0.5 % of exact values."""
     along, across, *kalker = np.array(_FITTED([a, b, normal_force, shear_modulus])).ravel().tolist()
     return Ellipse(along, across, (kalker[0], kalker[1], kalker[2]))
 
 
 @dataclass(frozen=True)
 class Machine:
-    """One of the three systems: equations and compiled kernel of the fast model, and its parameters."""
+    """One of the three test vehicles: equations and compiled kernel of the fast model, and its parameters."""
 
     wheelsets: int
     parameters: BogieParameters
@@ -87,7 +87,7 @@ def machine(wheelsets: int) -> Machine:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A state of the fast model with its slopes by name, and the scene that led there."""
+    """A state of the fast model with its slopes by name, and the inputs and parameters that led to it."""
 
     machine: Machine
     scene: Mapping[str, float]
@@ -97,7 +97,7 @@ class Snapshot:
 
 
 def reach(of: Machine, scene: Mapping[str, float], seconds: float) -> Snapshot | None:
-    """Runs the fast model to a state; None where the run ended before."""
+    """Run the fast model to a state; return None if the run ended before."""
     kernel = Kernel(of.library, tolerance=1e-7, **scene)
     try:
         kernel.advance(seconds)
@@ -114,7 +114,7 @@ def reach(of: Machine, scene: Mapping[str, float], seconds: float) -> Snapshot |
 
 
 def mechanism_of(of: Machine, scene: Mapping[str, float]) -> Mechanism:
-    """The oracle with the parameters and the track of a scene."""
+    """Return the oracle with these parameters and track."""
     own = {name: value for name, value in scene.items() if name in of.parameters.values()}
     track = section_5_3()
     irregular = {name: value for name, value in scene.items() if name in track.values()}
@@ -133,12 +133,12 @@ def inputs_of(scene: Mapping[str, float]) -> Inputs:
 
 
 def motion_of(of: Machine, body: str, motion: str) -> str:
-    """Name of a body's motion in the fast model."""
+    """Return the name of a body's motion in the fast model."""
     return motion if of.wheelsets < 4 and motion.startswith(("bounce", "pitch")) else f"{body}_{motion}"
 
 
 def frames_of(snapshot: Snapshot, mechanism: Mechanism) -> list[Frame]:
-    """Where the bodies above the wheelsets are, and how they move."""
+    """Return position and motion of the bodies above the wheelsets."""
     v, of, found = snapshot.value, snapshot.machine, []
     first = of.bodies[0]
     for body, data in zip(of.bodies, mechanism.layout.upper, strict=True):
@@ -161,7 +161,7 @@ def frames_of(snapshot: Snapshot, mechanism: Mechanism) -> list[Frame]:
 
 
 def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
-    """The same state in the coordinates of chapter 3."""
+    """Return the same state in the coordinates of chapter 3."""
     v = snapshot.value
     frames = frames_of(snapshot, mechanism)
     near = centred(mechanism)
@@ -191,7 +191,7 @@ def state_of(snapshot: Snapshot, mechanism: Mechanism) -> State:
 
 
 def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mechanism) -> dict[str, float]:
-    """Accelerations by the names of the fast model's states, but absolute ones along the track [m/s2, rad/s2]."""
+    """Return accelerations by the names of the fast model's states, absolute ones along the track [m/s2, rad/s2]."""
     out = {}
     for number, name in enumerate(of.bodies, mechanism.frame):
         linear, alpha, _ = rates_of(mechanism, number, state, answer)
@@ -209,8 +209,9 @@ def accelerations_of(of: Machine, state: State, answer: Answer, mechanism: Mecha
 
 
 def rates_of(mechanism: Mechanism, number: int, state: State, answer: Answer) -> tuple[np.ndarray, np.ndarray, float]:
-    """Rates of a body's velocity [m/s2], of its angular velocity in its own axes, and of the third component of that in
-    axes that do not pitch with it [rad/s2].
+    """Return rates of a body's velocity [m/s2] and angular velocity [rad/s2].
+
+    The angular rates are those in the body's own axes, and the third component in axes that do not pitch with it.
     """
     columns = mechanism.body(number)
     body, second = BodyMotion.of(state.q[columns], state.q_rate[columns]), answer.q_second[columns]
@@ -219,7 +220,7 @@ def rates_of(mechanism: Mechanism, number: int, state: State, answer: Answer) ->
 
 
 def in_yaw_roll_axes(body: BodyMotion, alpha: np.ndarray) -> float:
-    """Rate of the third component of the angular velocity in the axes that do not pitch with the wheelset."""
+    """Return the rate of the third component of the angular velocity in axes that do not pitch with the wheelset."""
     axes = body.axes
     sine_roll = axes[2, 1]  # height of the axle's unit vector over the track
     cosine_roll = np.hypot(axes[2, 0], axes[2, 2])
@@ -233,7 +234,7 @@ def in_yaw_roll_axes(body: BodyMotion, alpha: np.ndarray) -> float:
 
 
 def slopes_of(snapshot: Snapshot) -> dict[str, float]:
-    """The fast model's accelerations under the names of `accelerations_of`."""
+    """Return the fast model's accelerations by the names of `accelerations_of`."""
     of = snapshot.machine
     first = snapshot.slope[f"{of.bodies[0]}_speed"]
     rates = ("lateral_rate", "bounce_rate", "roll_rate", "pitch_rate", "yaw_rate")

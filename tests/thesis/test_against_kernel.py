@@ -1,4 +1,4 @@
-"""The fast model against chapter 3 as printed: accelerations and normal forces at random states, and motions."""
+"""The fast model against the published chapter 3: accelerations and normal forces at random states, and motions."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ from thesis.correspondence import (
     state_of,
 )
 
-#: Bands of docs/checking.md, relative to the largest acceleration of a kind and to the largest force.
+#: Tolerances by docs/checking.md, relative to the largest acceleration of a kind and to the largest force.
 ACCELERATION_BAND, FORCE_BAND = 1e-9, 1e-9
-#: In a state almost without acceleration [m/s2, rad/s2] round-off is the larger part: 2e-16 of a speed of 7 m/s as
-#: slip, times a creep stiffness of 1e7 N.s/m, times 0.425 m over 112 kg.m2, is 6e-11 rad/s2.
+#: Acceleration scale below which rounding errors dominate [m/s2, rad/s2]. The error is 6e-11 rad/s2: 2e-16 of a speed
+#: of 7 m/s as slip, times a creep stiffness of 1e7 N.s/m, times 0.425 m, over 112 kg.m2.
 CALM = 0.1
 STATES = {1: 60, 2: 60, 4: 50}
 
 
 def random_scene(wheelsets: int, seed: int) -> tuple[dict[str, float], float]:
-    """A way to some state: yaw, roll, flange contact, skid, a turning yaw torque, irregularities."""
+    """Return random inputs and a duration: yaw, roll, flange contact, skid, a rotating yaw torque, irregularities."""
     rng = random.Random(f"{wheelsets} {seed}")
     heavy = wheelsets > 1
-    # The front wheelset of a vehicle stands 11 m ahead of its middle, where the track must be level at the start.
+    # The front wheelset of a vehicle is 11 m ahead of its middle; the track must be level there at the start.
     ahead = 25.0 if wheelsets == 4 else 0.0
     scene = {
         "initial_speed": rng.uniform(3.0, 30.0),
@@ -72,7 +72,7 @@ def snapshots(wheelsets: int) -> list[Snapshot]:
 
 
 def differences(snapshot: Snapshot, oracle: Mechanism) -> tuple[float, float]:
-    """Relative differences of accelerations and of normal forces."""
+    """Return the relative differences of accelerations and of normal forces."""
     state = state_of(snapshot, oracle)
     _, jacobian = oracle.constraints(state.time, state.q, state.s)
     answer = oracle.solve(state, inputs_of(snapshot.scene), jacobian)
@@ -91,7 +91,7 @@ def differences(snapshot: Snapshot, oracle: Mechanism) -> tuple[float, float]:
 
 @pytest.mark.parametrize("wheelsets", [1, 2, 4])
 def test_accelerations_and_normal_forces_are_those_of_chapter_3(wheelsets: int) -> None:
-    """At random states that the fast model runs into; eqs (3.73), (3.75), (3.76), (3.81)."""
+    """The states are random states of the fast model; eqs (3.73), (3.75), (3.76), (3.81)."""
     found = snapshots(wheelsets)
     for snapshot in found:
         acceleration, force = differences(snapshot, mechanism_of(snapshot.machine, snapshot.scene))
@@ -111,7 +111,7 @@ def test_random_states_contain_what_they_are_meant_to() -> None:
 
 
 def offset(snapshot: Snapshot) -> float:
-    """Largest lateral displacement of a wheelset from the middle of the track [m]."""
+    """Return the largest lateral displacement of a wheelset from the track's centre line [m]."""
     oracle = mechanism_of(snapshot.machine, snapshot.scene)
     v = snapshot.value
     found = []
@@ -122,7 +122,7 @@ def offset(snapshot: Snapshot) -> float:
 
 
 def without(term: str, snapshot: Snapshot, patch: pytest.MonkeyPatch) -> Mechanism:
-    """The oracle of a state with one term taken away."""
+    """Return the oracle of a state without one term."""
     oracle = mechanism_of(snapshot.machine, snapshot.scene)
     if term == "gyroscopic":
         patch.setattr(mechanism, "quadratic_velocity", lambda *_: np.zeros(7))
@@ -145,7 +145,7 @@ def without(term: str, snapshot: Snapshot, patch: pytest.MonkeyPatch) -> Mechani
 @pytest.mark.parametrize("term", ["gyroscopic", "spin", "flange", "damping"])
 @pytest.mark.parametrize("wheelsets", [1, 2])
 def test_a_missing_term_is_found(term: str, wheelsets: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of every one the comparison above fails: in most states, for the flange in those that touch it."""
+    """Without any of the terms the comparison above fails: in most states, or (flange) in those with flange contact."""
     found = snapshots(wheelsets)[:30]
     worst = [max(differences(s, without(term, s, monkeypatch))) for s in found]
     assert max(worst) > 1e3 * ACCELERATION_BAND
@@ -153,12 +153,12 @@ def test_a_missing_term_is_found(term: str, wheelsets: int, monkeypatch: pytest.
         assert np.median(worst) > ACCELERATION_BAND
 
 
-#: Bands of docs/checking.md for a second of motion [m, m/s], and of the constraints [m, 1].
+#: Tolerances by docs/checking.md: one second of motion [m, m/s], and constraints [m, 1].
 LATERAL_BAND, SPEED_BAND, RESIDUAL_BAND = 1e-6, 1e-5, 1e-12
 
 
 def lateral_and_speed(wheelsets: int, scene: dict[str, float], seconds: float, interval: float) -> np.ndarray:
-    """Rows (lateral of the leading wheelset [m], speed of the frame [m/s]) of the fast model."""
+    """Return rows (lateral displacement of the leading wheelset [m], speed of the frame [m/s]) of the fast model."""
     kernel = Kernel(machine(wheelsets).library, tolerance=1e-10, **scene)
     kernel.initialise()
     names = list(machine(wheelsets).system.states)
@@ -170,13 +170,13 @@ def lateral_and_speed(wheelsets: int, scene: dict[str, float], seconds: float, i
     return np.array(rows)
 
 
-#: By speed, until the wave has moved the wheelset by a millimetre [s]; the oracle takes two minutes for a second.
+#: Speed, and time until the wave has moved the wheelset by 1 mm [s]. The oracle needs two minutes for one second.
 @pytest.mark.parametrize(
     ("speed", "hunting", "sizes"),
     [pytest.param(15.0, 0.3, (1e-3, 5e-4), marks=pytest.mark.long), (25.0, 0.2, (1e-3,))],
 )
 def test_hunting_is_the_same_in_both_models(speed: float, hunting: float, sizes: tuple[float, ...]) -> None:
-    """A wave of the track disturbs the wheelset of chapter 4; the oracle comes closer as its step shrinks."""
+    """A wave of the track excites the wheelset of chapter 4. The oracle's error falls with its step."""
     scene = {
         "initial_speed": speed,
         "lateral_irregularity": 2e-3,

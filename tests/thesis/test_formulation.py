@@ -1,4 +1,4 @@
-"""Chapter 3 piece by piece: Euler parameters, forces, surfaces, constraints and their derivatives, contact laws."""
+"""The parts of chapter 3: Euler parameters, forces, surfaces, constraints and their derivatives, contact laws."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rbd_model.thesis.mechanism import Mechanism
 from rbd_model.thesis.surfaces import OffTheProfileError, profile_derivatives, rail_surface, wheel_surface
 from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 
-#: Band of docs/checking.md for derivatives by hand against automatic ones.
+#: Tolerance by docs/checking.md of derivatives by hand against automatic differentiation.
 DERIVATIVE_BAND = 1e-9
 IDENTITY_BAND = 1e-13
 
@@ -72,7 +72,7 @@ def test_angular_velocity_is_that_of_the_rotation_matrix() -> None:
 
 
 def test_free_body_turns_as_euler_said() -> None:
-    """Mass matrix (3.20)-(3.28) with Q_v (3.74) and (3.6): I alpha = -omega x I omega. As printed, (3.74) misses it."""
+    """Mass matrix (3.20)-(3.28), Q_v (3.74), (3.6) give I alpha = -omega x I omega. The published (3.74) does not."""
     rng = np.random.default_rng(3)
     inertia = np.array([720.0, 112.0, 300.0])
     for _ in range(5):
@@ -98,7 +98,7 @@ def test_free_body_turns_as_euler_said() -> None:
 
 
 def test_generalised_forces_do_the_work_of_the_forces() -> None:
-    """Eqs (3.29)-(3.36): power of the generalised force is that of the force at its point, or of the moment."""
+    """Eqs (3.29)-(3.36): the generalised force has the power of the force at its point, or of the moment."""
     rng = np.random.default_rng(4)
     for _ in range(5):
         body, force, place = random_motion(rng), rng.normal(size=3), rng.normal(size=3)
@@ -108,7 +108,7 @@ def test_generalised_forces_do_the_work_of_the_forces() -> None:
 
 
 def test_spring_forces_come_from_their_potential() -> None:
-    """Eqs (3.1), (3.3), (3.4), (3.37)-(3.42): an undamped element gives the fall of its energy, a damped one less."""
+    """Eqs (3.1), (3.3), (3.4), (3.37)-(3.42): an element's power is the decrease of its energy, less the damping."""
     rng = np.random.default_rng(5)
     i, j, place_i, place_j = random_motion(rng), random_motion(rng), rng.normal(size=3), rng.normal(size=3)
     between = i.point(place_i) - j.point(place_j)
@@ -131,9 +131,10 @@ def test_torsional_element_loses_what_its_spring_gains() -> None:
 
 
 def test_axle_box_is_three_long_springs_at_right_angles() -> None:
-    """Tables 4.1 and 5.1 against three of (3.37), 1 km long, anchored on the box: apart by stretch over length.
+    """Tables 4.1 and 5.1 against three elements (3.37), 1 km long, anchored on the box; the error is stretch over
+    length.
 
-    What they turn the box by about the axle is the frame's: the wheelset turns freely in its boxes.
+    Their moment about the axle acts on the frame, since the wheelset turns freely in its boxes.
     """
     rng = np.random.default_rng(7)
     wheelset = BodyMotion.of(np.array([0.0, 0.0, 0.425, 1.0, 0.0, 0.0, 0.0]), np.array([15, 0.1, 0, 0, 0.02, 0, 0.01]))
@@ -157,7 +158,7 @@ def test_axle_box_is_three_long_springs_at_right_angles() -> None:
 
 
 def symbolic_rotation(theta: ca.SX) -> ca.SX:
-    """Rotation by a quaternion of any length, so that its derivative along the quaternion is zero."""
+    """Return the rotation by a quaternion of any length; its derivative along the quaternion is zero."""
     q = theta / ca.norm_2(theta)
     v = q[1:]
     return (q[0] ** 2 - ca.dot(v, v)) * ca.SX.eye(3) + 2 * v @ v.T + 2 * q[0] * ca.skew(v)
@@ -170,7 +171,7 @@ def symbolic_profile(profile: Profile, at: float, symbol: ca.SX) -> ca.SX:
 
 
 def symbolic_contact(side: int, s_wheel: np.ndarray, s_rail: np.ndarray, wave: ca.SX, x: ca.SX) -> ca.SX:
-    """C of (3.56), (3.58) for x = (q^i, q^j, s^i, s^j); wave: lateral and vertical irregularity over distance x[0]."""
+    """Return C of (3.56), (3.58) for x = (q^i, q^j, s^i, s^j); wave: lateral and vertical irregularity over x[0]."""
     pair, radius = thesis_pair(), 0.425
     wheel_at, rail_at = x[14:16], x[16:18]
     r = radius - symbolic_profile(pair.wheel, s_wheel[1], wheel_at[1])
@@ -188,7 +189,7 @@ def symbolic_contact(side: int, s_wheel: np.ndarray, s_rail: np.ndarray, wave: c
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_sub_jacobians_and_q_d_are_those_of_automatic_differentiation(side: int) -> None:
-    """Eqs (3.15)-(3.19), (3.46)-(3.72), (3.77), (3.78) at random states, whether they touch or not."""
+    """Eqs (3.15)-(3.19), (3.46)-(3.72), (3.77), (3.78) at random states, with and without contact."""
     rng = np.random.default_rng(8)
     pair = thesis_pair()
     along = ca.SX.sym("along")
@@ -228,7 +229,7 @@ def test_profile_without_a_point_is_no_surface() -> None:
 
 @pytest.mark.parametrize("wheelsets", [1, 2])
 def test_jacobian_of_the_system_is_the_change_of_its_constraints(wheelsets: int) -> None:
-    """Eqs (3.59), (3.60), (3.66)-(3.68), central differences along admissible directions."""
+    """Eqs (3.59), (3.60), (3.66)-(3.68): central differences along admissible directions."""
     rng = np.random.default_rng(9)
     parameters = as_printed(tables_4_1_and_4_2() if wheelsets == 1 else tables_5_1_and_5_2())
     mechanism = Mechanism(parameters, thesis_pair(), wheelsets, speed=15.0)
@@ -250,7 +251,7 @@ def test_jacobian_of_the_system_is_the_change_of_its_constraints(wheelsets: int)
 
 @pytest.mark.parametrize(("a", "b"), [(1.2, 1.7), (1.2, 0.3), (1.2, 9.0)])
 def test_exact_ellipse_is_that_of_the_planar_level(a: float, b: float) -> None:
-    """Eqs (3.82)-(3.88), SciPy's elliptic integrals against the arithmetic-geometric mean."""
+    """Eqs (3.82)-(3.88): SciPy's elliptic integrals against the arithmetic-geometric mean."""
     found = hertz_ellipse(a, b, 1.5e5, 82e9)
     other = ellipse_shape(0.5 / a, 0.0, 0.5 / b, 82e9)
     growth = 1.5e5 ** (1 / 3)
@@ -261,7 +262,7 @@ def test_exact_ellipse_is_that_of_the_planar_level(a: float, b: float) -> None:
 
 
 def test_creep_forces_as_printed_are_those_of_the_fast_model() -> None:
-    """Eqs (3.89)-(3.105) with roots and branches against the smooth form, over random creepages."""
+    """Eqs (3.89)-(3.105) with roots and branches against the smooth form, at random creepages."""
     rng = np.random.default_rng(10)
     ellipse = Ellipse(6e-3, 5e-3, (4.1, 3.7, 1.5))
     for _ in range(200):

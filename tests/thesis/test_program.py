@@ -1,4 +1,4 @@
-"""The oracle as a program: dimensions, constraints over time, partition, skid, and where contact is lost."""
+"""The oracle as a program: dimensions, constraints over time, partition, skid, and loss of contact."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from rbd_model.track.irregularity import derivatives_along, section_5_3
 from rbd_model.vehicle.parameters import as_printed, tables_4_1_and_4_2, tables_5_1_and_5_2
 from thesis.correspondence import fitted_ellipse, machine
 
-#: Bands of docs/checking.md: residual of the constraints [m, 1], norm of the Euler parameters, place of the fold [m].
+#: Tolerances by docs/checking.md: constraints [m, 1], norm of the Euler parameters, position of the fold [m].
 RESIDUAL_BAND, NORM_BAND, FOLD_BAND = 1e-12, 1e-12, 1e-4
-#: Energy over 0.03 s with steps of 1 ms of the fourth order, relative to the kinetic one; measured 1.5e-14,
-#: and 4e-10 with a thousandth of Q_d (3.72) missing.
+#: Error of the energy over 0.03 s, relative to the kinetic energy, with fourth-order steps of 1 ms. Measured: 1.5e-14,
+#: and 4e-10 if a thousandth of Q_d (3.72) is missing.
 ENERGY_BAND = 1e-12
 
 
@@ -58,7 +58,7 @@ def test_what_chapter_3_does_not_have_is_refused_with_a_sentence(values: dict[st
         Mechanism(replace(as_printed(tables_5_1_and_5_2()), **values), thesis_pair(), 2)
 
 
-#: Of the wheelset on a wave [m/s]: a turn of the wheel takes 67 steps of a millisecond.
+#: Speed of the wheelset on a wave [m/s]: a revolution takes 67 steps of 1 ms.
 SPEED = 40.0
 
 
@@ -71,7 +71,7 @@ def wheelset_on_a_wave() -> tuple[Mechanism, State]:
 
 
 def test_constraints_hold_and_euler_parameters_keep_their_norm() -> None:
-    """Eqs (3.6), (3.107)-(3.124): over more than one turn of the wheel, at every step."""
+    """Eqs (3.6), (3.107)-(3.124): at every step, over more than one revolution of the wheel."""
     mechanism, begin = wheelset_on_a_wave()
     residuals, norms = [], []
     for state in run(mechanism, begin, 0.075, 1e-3, lambda time: Inputs()):
@@ -86,7 +86,7 @@ def test_constraints_hold_and_euler_parameters_keep_their_norm() -> None:
 
 @pytest.mark.parametrize("whole", [True, False])
 def test_rails_with_irregularities_do_no_work(whole: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Energy of wheelset and frame less the suspension's work, without friction; not with a wrong Q_d of (3.72)."""
+    """Energy of wheelset and frame less the suspension's work, without friction. A wrong Q_d of (3.72) violates it."""
     waves = {"lateral_irregularity": 4e-3, "vertical_irregularity": 5e-3, "cross_level": 5e-3}
     waves |= {"lateral_wave_number": 0.4, "vertical_wave_number": 0.4}
     track = derivatives_along(replace(section_5_3(), irregularity_start=-1.0, cross_level_centre=5.0, **waves))
@@ -102,7 +102,7 @@ def test_rails_with_irregularities_do_no_work(whole: bool, monkeypatch: pytest.M
 
 
 def energy_and_power(mechanism: Mechanism, state: State) -> tuple[float, float]:
-    """Kinetic energy and height of all bodies [J], and what the suspension gives them [W]."""
+    """Return kinetic and potential energy of all bodies [J], and the power of the suspension [W]."""
     motions, p, pushed = mechanism.motions(state.q, state.q_rate), mechanism.parameters, np.zeros(mechanism.q_count)
     mechanism.suspend(pushed, motions)
     masses = [p.wheelset_mass] * mechanism.wheelsets + [body.mass for body in mechanism.layout.upper]
@@ -113,8 +113,9 @@ def energy_and_power(mechanism: Mechanism, state: State) -> tuple[float, float]:
 
 
 def test_fixed_partition_fails_near_half_a_turn_and_a_new_one_passes() -> None:
-    """Eqs (3.107)-(3.114), with generalised coordinates alone as independent ones: a wheel that is upside down has the
-    largest Euler parameter of pitch there is, and that says nothing of how it turns on.
+    """Eqs (3.107)-(3.114), with generalised coordinates alone as independent ones.
+
+    Half a turn gives the Euler parameter of pitch its maximum, where it does not determine the further rotation.
     """
     mechanism, begin = wheelset_on_a_wave()
     preferred = np.repeat([1.0, 1e9], [mechanism.q_count, mechanism.s_count])  # s is eliminated first
@@ -134,7 +135,7 @@ def test_fixed_partition_fails_near_half_a_turn_and_a_new_one_passes() -> None:
 
 
 def test_held_speed_stays() -> None:
-    """C_t of (3.67), (3.68): the frame moves with the speed that is asked for."""
+    """C_t of (3.67), (3.68): the frame moves with the prescribed speed."""
     track = derivatives_along(replace(section_5_3(), vertical_irregularity=5e-3, irregularity_start=0.0))
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, track, speed=15.0)
     begin = rolling(Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1, track), 15.0)
@@ -145,7 +146,7 @@ def test_held_speed_stays() -> None:
 
 
 def test_locked_wheelset_is_that_of_the_fast_model() -> None:
-    """25 kN.m on the wheelset of chapter 4 at friction 0.1: when it locks, and how it slides then."""
+    """25 kN.m on the wheelset of chapter 4 at friction 0.1: time of locking, and sliding afterwards."""
     fast = Kernel(machine(1).library, initial_speed=2.5, friction_1=0.1, brake_torque_1=25e3, tolerance=1e-9)
     table = fast.record(0.05, 1e-4, ["locked_1", "speed", "distance"])
     locked_at = table["time"][int(np.argmax(table["locked_1"]))]
@@ -162,7 +163,7 @@ def test_locked_wheelset_is_that_of_the_fast_model() -> None:
 
 
 def test_first_of_two_wheelsets_that_stop_within_a_step_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The step ends at the earlier stop, whichever wheelset makes it; here after 0.5 and 0.8 of the step."""
+    """The step ends at the earlier stop of either wheelset; here after 0.5 and 0.8 of the step."""
     mechanism = Mechanism(as_printed(tables_5_1_and_5_2()), thesis_pair(), 2)
     begin = rolling(mechanism, 3.0)
 
@@ -177,7 +178,7 @@ def test_first_of_two_wheelsets_that_stop_within_a_step_ends_it(monkeypatch: pyt
 
 
 def test_weak_brake_lets_a_standing_wheelset_go() -> None:
-    """A locked wheelset whose brake is reduced below what the rail asks for turns again."""
+    """A locked wheelset turns again if its brake is reduced below the torque of the rail."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
     strong, weak = Inputs(brake_torque=(25e3,)), Inputs(brake_torque=(100.0,))
     *_, state = run(mechanism, rolling(mechanism, 3.0), 0.11, 2.5e-4, lambda time: strong if time < 0.08 else weak)
@@ -193,7 +194,7 @@ def shifted(mechanism: Mechanism, lateral: float, near: np.ndarray) -> State:
 
 
 def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:
-    """Fig. 4.8 by (3.79), (3.80), against a search over the contours for the first point to touch."""
+    """Fig. 4.8 by (3.79), (3.80) against a search over the contours for the first point of contact."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
     shifts = np.array([0.0, 2e-3, 5e-3, 8e-3, -6e-3])
     searched = rolling_radius_difference(thesis_pair(), shifts)
@@ -203,7 +204,7 @@ def test_rolling_radius_difference_is_that_of_the_contact_search() -> None:
 
 
 def test_newton_raphson_diverges_where_the_fast_model_reports_the_fold() -> None:
-    """Section 9.4.1: loss of tread contact, 11.5 mm; the shift at which no solution of (3.79) is found any more."""
+    """Section 9.4.1: tread contact is lost at 11.5 mm, the shift from which (3.79) has no solution."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
     reached = [(0.0, centred(mechanism))]
 
@@ -216,7 +217,7 @@ def test_newton_raphson_diverges_where_the_fast_model_reports_the_fold() -> None
         go_on()
     last = reached[-1][0]
     assert last == pytest.approx(last_tread_contact(thesis_pair()).shift, abs=FOLD_BAND)
-    # The fast model, drawn sideways on straight track by a slowly growing yaw torque, says "derailed" there as well.
+    # A slowly growing yaw torque moves the fast model sideways on straight track; it also reports "derailed" there.
     assert derailed_shift() == pytest.approx(last, abs=FOLD_BAND)
 
 
