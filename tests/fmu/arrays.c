@@ -1,4 +1,4 @@
-/* An FMU of FMI 3.0 with arrays: y = gain u, two rows of three; it asks to end at 1 s. */
+/* An FMU of FMI 3.0 with arrays: y = gain u, two rows of three. It requests termination at 1 s. */
 #include <stdlib.h>
 #include <string.h>
 #include "fmi3Functions.h"

@@ -1,4 +1,4 @@
-"""Names that a shared library shows: those of its ELF, PE or Mach-O file, both parts of a universal one."""
+"""Read the exported names of a shared library: ELF, PE or Mach-O, both parts of a universal binary."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 
 def exports(data: bytes) -> set[str]:
-    """Names defined in the library and seen from outside."""
+    """Return the names that the library defines and exports."""
     if data[:4] == b"\x7fELF":
         return _elf(data)
     if data[:2] == b"MZ":
@@ -25,7 +25,7 @@ def _text(data: bytes, offset: int) -> str:
 
 
 def _elf(data: bytes) -> set[str]:
-    """Of 64 bits: global and weak symbols of .dynsym that belong to a section."""
+    """Return the global and weak symbols of .dynsym that belong to a section (64-bit ELF)."""
     (table,) = struct.unpack_from("<Q", data, 40)
     size, count = struct.unpack_from("<HH", data, 58)
     sections = [struct.unpack_from("<IIQQQQIIQQ", data, table + size * n) for n in range(count)]
@@ -41,7 +41,7 @@ def _elf(data: bytes) -> set[str]:
 
 
 def _pe(data: bytes) -> set[str]:
-    """The export directory, the first behind the optional header of 64 or of 32 bits."""
+    """Return the names of the export directory, the first entry after the 64-bit or 32-bit optional header."""
     (start,) = struct.unpack_from("<I", data, 60)
     count, optional = struct.unpack_from("<H12xH", data, start + 6)
     (kind,) = struct.unpack_from("<H", data, start + 24)
@@ -58,7 +58,7 @@ def _pe(data: bytes) -> set[str]:
 
 
 def _mach_o(data: bytes) -> set[str]:
-    """The export trie that the loader reads, without the underscore before each name of C."""
+    """Return the names of the loader's export trie, without the leading underscore of C names."""
     commands, place = struct.unpack_from("<I", data, 16)[0], 32
     found: set[str] = set()
     for _ in range(commands):
@@ -72,7 +72,7 @@ def _mach_o(data: bytes) -> set[str]:
 
 
 def _leaves(trie: bytes, node: int, begin: str) -> Iterator[str]:
-    """Names below a node: a number of bytes about the name that ends here, and edges with the letters that follow."""
+    """Yield the names below a node. A node has a byte count, data on the name that ends here, and labelled edges."""
     size, place = _number(trie, node)
     if size:
         yield begin
@@ -85,7 +85,7 @@ def _leaves(trie: bytes, node: int, begin: str) -> Iterator[str]:
 
 
 def _number(data: bytes, place: int) -> tuple[int, int]:
-    """A number in groups of seven bits, the lowest first, and the place behind it."""
+    """Return a number in groups of seven bits (the lowest first) and the offset after it."""
     value = shift = 0
     while True:
         byte, place = data[place], place + 1

@@ -1,4 +1,4 @@
-/* A host in C that opens the binary of an FMU at run time: LIBRARY GUID REFERENCE_OF_SPEED REFERENCE_OF_BRAKE_TORQUE. */
+/* Host in C that opens the binary of an FMU at run time: host LIBRARY GUID REFERENCE_OF_SPEED REFERENCE_OF_BRAKE_TORQUE. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def files_of_at_most(size: int) -> Iterator[None]:
-    """Let this process and its children write no file beyond a size [bytes]; POSIX: EFBIG, as of a full disk."""
+    """Let this process and its children write no file beyond a size [bytes]; POSIX: EFBIG, as on a full disk."""
     import resource  # not on Windows
 
     before = resource.getrlimit(resource.RLIMIT_FSIZE)

@@ -1,4 +1,4 @@
-/* The table TABLE of a linked FMU, whose functions have the prefix of the standard. */
+/* Function table TABLE of a linked FMU, whose functions have the prefix of the standard. */
 #include "together.h"
 #if VERSION == 2
 #include "fmi2Functions.h"

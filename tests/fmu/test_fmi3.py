@@ -25,7 +25,7 @@ from products.registry import DIFFERENT, model_of
 
 @contextmanager
 def open_fmi3(path: Path, early: bool = False) -> Iterator[tuple[FMU3Slave, dict[str, int], list[str]]]:
-    """An instance with its value references and messages."""
+    """Yield an instance, its value references and its messages."""
     about = read_model_description(str(path))
     folder = extract(str(path))
     fmu = FMU3Slave(

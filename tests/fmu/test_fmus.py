@@ -68,8 +68,8 @@ def test_dependencies_come_from_the_equations(fmus: dict) -> None:
     assert found["shoe_friction"] == found["brake_torque"] == {"angular_velocity"}
     description = read_model_description(str(fmus["bogie", "native"]))
     found = known_inputs(description.outputs)
-    # While rolling: friction and load, which a gradient shifts in the planar model. At rest: all forces and brake
-    # torques.
+    # Creep forces depend on friction and load while rolling (in the planar model a gradient shifts the load), and at
+    # rest on all pulling and braking inputs.
     pushes, holds = {"gradient", "curvature", "drawbar_force"}, {"brake_torque_1", "brake_torque_2"}
     assert found["creep_force_1"] == {"friction_1", "friction_2"} | pushes | holds
     assert found["axle_load_1"] == {"friction_1", "gradient"}

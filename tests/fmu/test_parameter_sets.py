@@ -1,4 +1,4 @@
-"""The parameter sets as files: valid, complete, with units, and taken by the FMUs that they are for."""
+"""The parameter sets as files: valid, complete, with units, and accepted by their FMUs."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from tests.fmu.exports import exports
 from tests.fmu.programs import found_here, shown
 from tests.needed import needed
 
-#: Begin of a Mach-O library. zig's linker writes these symbols into every library; they are not shared.
+#: Start symbols of a Mach-O library: zig's linker exports them from every library; no library uses another's.
 MARKS = {"_mh_dylib_header", "__dso_handle"}
 PROGRAM_FLAGS = [flag for flag in compiling.FLAGS if flag != "-fPIC"]
 #: On a new computer, zig first compiles the C library of Windows, which takes two minutes.

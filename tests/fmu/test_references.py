@@ -24,9 +24,9 @@ from products.parameter_sets import PARAMETER_SETS, set_files
 from products.registry import DIFFERENT, FMUS, model_of
 from rbd_model.track.friction import wet
 
-#: Of the largest value of a column: half a unit of its last digit, and as much for round-off of times.
+#: Relative to the largest value of a column: half a unit of its last digit, and as much for rounding of times.
 ROUNDED = 10.0 ** (1 - DIGITS)
-#: Roles of the draft of FMI-LS-REF that are used here.
+#: Roles of the draft of FMI-LS-REF in use.
 ROLES = {"parameter", "experiment/validation", "result", "other"}
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 

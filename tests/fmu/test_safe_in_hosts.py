@@ -93,7 +93,7 @@ def saying(sentence: str, ends: bool = False) -> Kernel:
 @pytest.mark.parametrize("ends", [True, False])
 @pytest.mark.parametrize("sentence", ["30 % at %s s.", '%n and %d, 100 %% at %s s, "??/" in Düren \\o/.'])
 def test_a_sentence_of_a_model_is_no_format(sentence: str, ends: bool) -> None:
-    """An end is located at 0.5 s. A warning comes at the end of the step."""
+    """An end is located at 0.5 s. A warning comes at the end of an integration step."""
     kernel = saying(sentence, ends)
     with suppress(SimulationError):
         kernel.advance(1.0)

@@ -93,7 +93,7 @@ def braked(bogie: Path, brake: Path, master: Master) -> np.ndarray:
 
 
 def test_both_standards_give_the_same_run_in_the_master(fmus: dict) -> None:
-    """This includes mixed kinds and steps that are repeated."""
+    """FMUs of different versions are included, and macro steps that are repeated."""
     pairs = [(one, other) for one in ("native", "fmi3") for other in ("native", "fmi3")]
     held = [braked(fmus["bogie", one], fmus["brake", other], Master()) for one, other in pairs]
     assert all(found == pytest.approx(held[0], rel=SAME) for found in held[1:])

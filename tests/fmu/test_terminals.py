@@ -1,4 +1,4 @@
-"""The terminals of the FMUs: valid, of variables that are there, and enough to connect FMUs by."""
+"""The terminals of the FMUs: valid, with existing variables, and sufficient to connect FMUs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def file_of(path: Path) -> etree._Element:
 
 
 def terminals(path: Path) -> dict[str, tuple[str, dict[str, tuple[str, str]]]]:
-    """Kind and members by the names of the terminals; of each member its variable and how it connects."""
+    """Return kind and members by name of the terminal; a member has a variable and a kind of connection."""
     found = {}
     for one in file_of(path).iter("Terminal"):
         members = {m.get("memberName"): (m.get("variableName"), m.get("variableKind")) for m in one}
@@ -40,7 +40,7 @@ def causalities(path: Path) -> dict[str, str]:
 
 
 def plugs(sources: Path, targets: Path) -> Iterator[tuple[str, str, str, str]]:
-    """Terminals of one kind, with each output of the first FMU that becomes an input of the second."""
+    """Yield pairs of terminals of one kind, with each output of the first FMU that becomes an input of the second."""
     outputs, inputs = causalities(sources), causalities(targets)
     for (here, (kind, ours)), (there, (other, theirs)) in product(
         terminals(sources).items(), terminals(targets).items()
@@ -59,7 +59,7 @@ def test_terminals_follow_the_schema_and_name_variables_that_are_there(fmus: Map
     known, found = causalities(path), terminals(path)
     assert found
     for _, members in found.values():
-        assert {known[variable] for variable, _ in members.values()} == {"input", "output"}  # all are there
+        assert {known[variable] for variable, _ in members.values()} == {"input", "output"}  # all exist
     with zipfile.ZipFile(path) as archive:
         assert archive.read("terminalsAndIcons/icon.png").startswith(PNG)
 

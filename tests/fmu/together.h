@@ -1,4 +1,4 @@
-/* The functions of an FMU as a table, of FMI VERSION 2 or 3. */
+/* Function table of an FMU, for FMI VERSION 2 or 3. */
 #if VERSION == 2
 #include "fmi2FunctionTypes.h"
 #define FUNCTIONS(DO)                                                                                                          \

@@ -69,7 +69,7 @@ def counted(fmus: Fmus, case: str, **values: float) -> Steps:
 
 @pytest.mark.parametrize("case", ["bogie point", "bogie planar"])
 def test_no_step_of_a_stop_with_lock_up_and_release_costs_much_more_than_another(fmus: Fmus, case: str) -> None:
-    """The limit has to detect error control, which locates events."""
+    """The limit has to detect error control, under which steps that locate events cost more."""
     assert counted(fmus, case).spread <= SPREAD
     if case == "bogie planar":
         assert counted(fmus, case, integration_step=0.0).spread > 4 * SPREAD

@@ -35,7 +35,7 @@ def test_names_of_a_file_are_found_and_those_inside_are_not() -> None:
 
 
 def test_renamed_sources_know_each_other_and_none_of_the_names_of_the_runtime() -> None:
-    """For any names of the runtime: the names of the built-in parts are different."""
+    """Renamed built-in parts share no name with the runtime."""
     common, own = with_own_names([SOURCE, "static void use(void) { (void)solve(0, 0); }"])
     assert f"static void {PREFIX}use(void) {{ (void){PREFIX}solve(0, 0); }}" == own
     assert "fmin(stand->in_c_solve, in_c_PI) > in_c_ROUNDS" in common

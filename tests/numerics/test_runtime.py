@@ -427,7 +427,7 @@ def test_step_from_another_time_is_refused() -> None:
 
 
 def test_candidate_of_a_warning_changes_nothing_of_what_is_said() -> None:
-    """The margin decides, where its candidate has turned negative before; without a candidate it is said then too."""
+    """A candidate only saves time: the message comes at the zero of the margin, with or without it."""
 
     def write(system: System) -> None:
         x = system.state("x", "s", 0.0, 1.0)
