@@ -1,4 +1,4 @@
-"""Accelerations of all bodies and forces of all wheels of a vehicle at an instant."""
+"""Compute the accelerations of all bodies and the forces of all wheels of a vehicle at an instant."""
 
 from __future__ import annotations
 
@@ -17,16 +17,20 @@ from tests.maximal.slip import Rolling, polach, shen_hedrick_elkins
 from tests.maximal.statics import preloads
 from tests.maximal.touch import Touch, Wheel, touches
 
-#: A contact that is steeper lies on the flange: its creep law is another, and beside a tread contact it bears as well.
+#: Slope above which a contact lies on the flange. A flange contact has its own creep law and carries load in addition
+#: to a tread contact.
 FLANGE_SLOPE = math.tan(math.radians(20.0))
-#: Grid of the contacts [m], and step of the displacements by which a normal force is told what it pushes [m], [rad].
+#: Grid pitch of the contact search [m], and step of the displacements that give the direction of a normal force [m],
+#: [rad].
 GRID, STEP = 0.05e-3, 1e-5
 
 
 @dataclass(frozen=True)
 class WheelForces:
-    """What the rail does to one wheel [N]: force ahead, to the left and up in the axes of the track; creep force along
-    the rail; what the flange has of the force to the left.
+    """Forces of the rail on one wheel [N].
+
+    force: ahead, to the left and up in track axes. creep_along: creep force along the rail. flange: share of the flange
+    in the force to the left.
     """
 
     force: np.ndarray
@@ -36,7 +40,7 @@ class WheelForces:
 
 @dataclass(frozen=True)
 class Scene:
-    """Of each wheelset, which turns ahead: friction of its rails, brake and traction torque [N.m]."""
+    """Inputs per wheelset, rotating forwards: friction of its rails, brake torque and traction torque [N.m]."""
 
     friction: list[float]
     brake: list[float]
@@ -45,33 +49,34 @@ class Scene:
 
 @dataclass(frozen=True)
 class GivenWay:
-    """The left (0) or right rail of an oracle where the rails have given way; give: as `Oracle.give` has it."""
+    """The left (0) or right (1) rail of an oracle, displaced by `give`, in the order of `Oracle.give`."""
 
     oracle: Oracle
     index: int
     give: np.ndarray
 
     def __call__(self, centre: np.ndarray) -> Shifted:
-        """As `Rails`: the rail beside a wheelset's centre."""
+        """Implement `Rails`: return the rail at a wheelset's centre."""
         return Shifted(self.oracle.rails[self.index](centre), self.across(centre, 0))
 
     def speed(self, body: Moving) -> np.ndarray:
-        """Of the rail, inertial [m/s]."""
+        """Return the inertial velocity of the rail [m/s]."""
         return self.across(body.position, 1)
 
     def across(self, centre: np.ndarray, row: int) -> np.ndarray:
-        """A row of `give` of this rail as a vector."""
+        """Return a row of `give` for this rail as a vector."""
         aside, up = self.give[row, 0], self.give[row, 1 + self.index]
         return np.asarray(self.oracle.track(centre) @ [0.0, aside, up])
 
 
 @dataclass(frozen=True)
 class Oracle:
-    """A vehicle on its rails. rails: for each wheelset's left and right wheel, on the course.
+    """A vehicle on its rails.
 
-    carriers: what carries the directions of a connection. square: what the fast model has simpler than it is,
-    `Touch.square` in place of curvatures of a wheel that yaws. grid, step [m]: of contacts, and of differences. below:
-    stiffness [N/m] and damping [N.s/m] that hold the rails below a wheelset, in the order of `give`.
+    `rails`: the left and the right one, on the course; `Rails` gives the surface for a wheelset's centre. `carriers`:
+    the bodies whose axes give the directions of a connection. `below`: stiffness [N/m] and damping [N.s/m] of the track
+    below a wheelset, in the order of `give`. `square`: use `Touch.square` instead of the curvatures of a yawed wheel,
+    the one simplification of the fast model. `grid`, `step` [m]: pitch of the contact search and step of differences.
     """
 
     vehicle: Vehicle
@@ -90,7 +95,9 @@ class Oracle:
     def answer(
         self, bodies: Mapping[str, Moving], scene: Scene, states: Mapping[str, float]
     ) -> tuple[dict[str, np.ndarray], dict[tuple[int, int], WheelForces], dict[int, np.ndarray]]:
-        """Accelerations, (6,) by body, forces by wheelset's number and side, what moves rails (3,) by number [N]."""
+        """Return accelerations (6,) by body, forces by wheelset and side, and forces that accelerate rails (3,) by
+        wheelset [N].
+        """
         total = {name: np.zeros(6) for name in bodies}
         for connection in self.vehicle.connections:
             both = self.ends(connection, bodies)
@@ -107,19 +114,21 @@ class Oracle:
                 pushed, wheels[number, side] = self.wheel(number, rail, bodies[name], scene.friction[number - 1])
                 total[name] += pushed
             below[number] = self.moving_rails(number, give, [wheels[number, side].force for side in (1, -1)])
-            # Brake and motor hang in a body; the brake works against the rotation, ahead.
+            # Brake and motor are mounted in a body. The brake torque opposes the forward rotation.
             torque = (scene.traction[number - 1] - scene.brake[number - 1]) * bodies[name].axes[:, 1]
             total[name][3:] += torque
             total[data.reacts_on][3:] -= torque
         return {name: self.acceleration(name, body, total[name]) for name, body in bodies.items()}, wheels, below
 
     def give(self, number: int, states: Mapping[str, float]) -> np.ndarray:
-        """How far [m] and how fast [m/s] the rails below a wheelset give way, (2, 3): to the left, each of them up."""
+        """Return displacement [m] and speed [m/s] of the rails below a wheelset, (2, 3): to the left, each one up."""
         rows = (f"track_{number}", f"track_{number}_left", f"track_{number}_right")
         return np.array([[states.get(f"{row}{end}", 0.0) for row in rows] for end in ("", "_speed")])
 
     def moving_rails(self, number: int, give: np.ndarray, wheels: list[np.ndarray]) -> np.ndarray:
-        """Forces that speed up the rails below a wheelset, in the order of `give`; wheels: forces on its wheels [N]."""
+        """Return the forces that accelerate the rails below a wheelset, in the order of `give`; wheels: forces on its
+        wheels [N].
+        """
         value = self.vehicle.number
         name, mass = wheelset_name(number), value(self.vehicle.wheelsets[number - 1].mass)
         resting = [self._preloads[one.name] for one in self.vehicle.carrying if one.lower == name for _ in one.sides()]
@@ -128,7 +137,7 @@ class Oracle:
         return np.asarray(pushed - np.sum(self.below * give, axis=0))
 
     def ends(self, connection: SuspensionElement, bodies: Mapping[str, Moving]) -> Ends:
-        """Upper and lower end."""
+        """Return the upper and the lower end."""
         upper, lower = (
             End(bodies[name], self.place(name), name in self.wheelsets) for name in (connection.upper, connection.lower)
         )
@@ -136,11 +145,11 @@ class Oracle:
 
     @property
     def wheelsets(self) -> dict[str, int]:
-        """Numbers of the wheelsets by name."""
+        """Return the numbers of the wheelsets by name."""
         return {wheelset_name(number): number for number, _ in self.vehicle.numbered}
 
     def place(self, name: str) -> np.ndarray:
-        """Of a body's centre in the vehicle at rest [m]."""
+        """Return the centre of a body in the vehicle at rest [m]."""
         number = self.vehicle.number
         if name in self.wheelsets:
             return np.array([number(self.vehicle.wheelsets[self.wheelsets[name] - 1].along), 0.0, 0.0])
@@ -148,7 +157,7 @@ class Oracle:
         return np.array([number(body.along), 0.0, number(body.height)])
 
     def acceleration(self, name: str, body: Moving, wrench: np.ndarray) -> np.ndarray:
-        """By all that acts, and by its weight."""
+        """Return the acceleration of a body under an applied wrench and its weight."""
         number = self.vehicle.number
         parts = {part.name: part for part in self.vehicle.bodies}
         part = parts.get(name) or self.vehicle.wheelsets[self.wheelsets[name] - 1]
@@ -157,7 +166,7 @@ class Oracle:
         return accelerations(body, mass, np.array([number(size) for size in part.inertia]), wrench + weight)
 
     def wheel(self, number: int, rail: GivenWay, body: Moving, friction: float) -> tuple[np.ndarray, WheelForces]:
-        """What the rail does to a wheel of a wheelset: wrench about its centre (6,), and forces."""
+        """Return the wrench of the rail on a wheel about the wheelset's centre (6,), and its forces."""
         found = touches(body, self.wheel_of(number, rail.index), rail, self.grid)
         track = self.track(body.position)
         wrench, force, creep, flange = np.zeros(6), np.zeros(3), 0.0, 0.0
@@ -173,19 +182,19 @@ class Oracle:
         return wrench, WheelForces(force, creep, flange)
 
     def wheel_of(self, number: int, index: int) -> Wheel:
-        """The left (0) or right wheel of a wheelset."""
+        """Return the left (0) or right (1) wheel of a wheelset."""
         data = self.vehicle.wheelsets[number - 1]
         one = data.pair.both[index]
         return Wheel((1, -1)[index], self.vehicle.number(data.radius[index]), one.wheel_half_distance, one.wheel)
 
     def track(self, centre: np.ndarray) -> np.ndarray:
-        """Axes of the track (columns) where a body's centre is."""
+        """Return the axes of the track (columns) at a body's centre."""
         return np.asarray(self.course.axes(self.course.place_of(centre[None]))[0])
 
     def press(
         self, rail: GivenWay, body: Moving, touch: Touch, friction: float, flange: bool
     ) -> tuple[np.ndarray, float]:
-        """Wrench of one contact on the wheelset (6,), and its creep force along the rail [N]."""
+        """Return the wrench of one contact on the wheelset (6,), and its creep force along the rail [N]."""
         number = self.vehicle.number
         modulus = number("shear_modulus")
         by_place, moved = self.parting(rail, body, touch), rail.speed(body)
@@ -208,9 +217,10 @@ class Oracle:
         return load * by_place + np.concatenate([creep, np.cross(touch.arm, creep)]), along
 
     def parting(self, rail: GivenWay, body: Moving, touch: Touch) -> np.ndarray:
-        """How the touching point of the wheel parts from its rail with small displacements of the wheelset, (6,).
+        """Return the change of the wheel's distance from its rail at the contact per small displacement of the
+        wheelset, (6,).
 
-        By virtual work that is the direction in which a normal force pushes, and where.
+        This is, by virtual work, the direction and the moment arm of a unit normal force.
         """
         ends = []
         for sign in (1, -1):

@@ -1,4 +1,4 @@
-"""Where a wheel touches its rail, by brute force: points on a surface of revolution against the surface of the rail."""
+"""Find where a wheel touches its rail by brute force: points on a surface of revolution against the rail's surface."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from rbd_model.contact.profiles import Profile
 from tests.maximal.motion import Moving
 from tests.maximal.rails import Rails, Surface
 
-#: First look: pitch across the profile [m] and about the axle [rad], and how far about it; a flange that is yawed by
-#: 15 mrad touches by 0.05 rad ahead of the axle.
+#: First grid: pitch across the profile [m] and about the axle [rad], and its reach about the axle. A flange yawed by 15
+#: mrad touches 0.05 rad ahead of the axle.
 PITCH, TURN_PITCH, REACH = 0.4e-3, 4e-3, 0.08
-#: A closer look has so many points in each direction, and each is so much closer than the one before.
+#: Points of a finer grid in each direction, and the factor by which each grid is finer than the previous one.
 POINTS, CLOSER = 9, 4
-#: Rounds in which the paraboloid is laid anew about its own lowest point.
+#: Number of times that the paraboloid is refitted about its own lowest point.
 ROUNDS = 3
-#: Half the breadth of the grid through which the paraboloid is laid, in steps.
+#: Half width of the grid to which the paraboloid is fitted, in steps.
 STENCIL = 2
-#: In which places are counted where a paraboloid is laid through them, and of differences [m].
+#: Unit of length in the fit of a paraboloid, and step of differences [m].
 SCALE, DIFFERENCE = 1e-3, 1e-6
-#: Left out at the ends of a profile [m].
+#: Margin left out at the ends of a profile [m].
 MARGIN = 0.5e-3
 
 
@@ -35,10 +35,10 @@ class Wheel:
     profile: Profile
 
     def points(self, across: np.ndarray, turned: np.ndarray, axle: np.ndarray) -> np.ndarray:
-        """Points of the surface of revolution, from the wheelset's centre [m], shape (..., 3).
+        """Return points of the surface of revolution, from the wheelset's centre [m], shape (..., 3).
 
-        across [m]: place on the profile, outwards; turned [rad]: about the axle, 0 at the lowest point. axle: axes
-        (columns), ahead, along the axle, up, that do not turn with the wheel.
+        across [m]: coordinate on the profile, outwards. turned [rad]: angle about the axle, 0 at the lowest point.
+        axle: non-rotating axes (columns): ahead, along the axle, up.
         """
         radius = self.radius - self.profile.height(across)
         local = [radius * np.sin(turned), self.side * (self.half_distance + across), -radius * np.cos(turned)]
@@ -47,13 +47,13 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Touch:
-    """Where a part of a wheel is nearest to its rail or deepest in it.
+    """Point where a part of a wheel is nearest to its rail, or deepest in it.
 
-    arm [m]: of the wheel's point, from the wheelset's centre; normal: into the wheel; along: the rail's direction;
-    approach [m], negative where they are apart; curvatures [1/m]: A along and B across, halves of those of the gap, and
-    `square` the same as if the wheel were square to its rail, of both bodies' own curvatures (Meusnier's theorem).
-    across [m]: place on the wheel's profile; slope: of the profile there. steepness: of the distance in the section by
-    the way along the normal, 1 where the section is square to the rail.
+    `arm` [m]: position of the wheel's point, from the wheelset's centre. `normal`: into the wheel. `along`: the rail's
+    direction. `approach` [m]: penetration, negative if the bodies are apart. `curvatures` [1/m]: A along and B across,
+    halves of those of the gap. `square`: the same if the wheel were square to its rail, from the curvatures of both
+    bodies (Meusnier's theorem). `across` [m]: coordinate on the wheel's profile. `slope`: of the profile there.
+    `steepness`: distance in the section per displacement along the normal, 1 where the section is square to the rail.
     """
 
     arm: np.ndarray
@@ -68,7 +68,7 @@ class Touch:
 
 
 def axle_axes(wheelset: Moving, ahead: np.ndarray) -> np.ndarray:
-    """Axes (columns) that have the axle as their second one, their first as near to `ahead` as that allows."""
+    """Return axes (columns) whose second one is the axle; the first is as close to `ahead` as possible."""
     axle = wheelset.axes[:, 1]
     first = ahead - axle * (axle @ ahead)
     first = first / np.linalg.norm(first)
@@ -76,7 +76,7 @@ def axle_axes(wheelset: Moving, ahead: np.ndarray) -> np.ndarray:
 
 
 def touches(wheelset: Moving, wheel: Wheel, rails: Rails, step: float) -> list[Touch]:
-    """Each place where a wheel is nearer to its rail than beside it, from the field side on; step [m]: of the grid."""
+    """Return each local minimum of the distance wheel to rail, from the field side on; step [m]: finest pitch."""
     surface = rails(wheelset.position)
     axle = axle_axes(wheelset, surface.along(wheelset.position))
     low, high = wheel.profile.limits
@@ -92,18 +92,18 @@ def touches(wheelset: Moving, wheel: Wheel, rails: Rails, step: float) -> list[T
     return [one for i, one in enumerate(found) if all(abs(one.across - other.across) > PITCH for other in found[:i])]
 
 
-#: Farther from its rail, or deeper in it, than this [m] nothing is a contact but an end of a profile.
+#: Largest distance or penetration of a contact [m]. Beyond it a minimum is an end of a profile.
 NEAR = 2e-3
 
 
 def look_closer(
     wheelset: Moving, wheel: Wheel, surface: Surface, axle: np.ndarray, start: tuple[float, float], step: float
 ) -> Touch:
-    """One place, by ever finer grids down to `step` [m] and then by the paraboloid through the last one."""
+    """Refine one place with ever finer grids down to `step` [m], then with the paraboloid through the last grid."""
     centre, scale = np.array(start), np.array([1.0, 1 / wheel.radius])
 
     def look(size: float, reach: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Steps from the centre [m], points from the wheelset's centre and their distances from the rail."""
+        """Return steps from the centre [m], points from the wheelset's centre and their distances from the rail."""
         one = size * np.arange(-reach, reach + 1)
         steps = np.stack(np.meshgrid(one, one, indexing="ij"), axis=-1).reshape(-1, 2)
         across, turned = (centre + steps * scale).T
@@ -129,7 +129,7 @@ def look_closer(
     along = along - normal * (normal @ along)
     along = along / np.linalg.norm(along)
     depth = -float(surface.distance(wheelset.position + arm[None])[0]) / steepness
-    # Curvatures count where the bodies just touch: as far apart as they press into each other.
+    # Curvatures are evaluated where the bodies just touch: separated by as much as they penetrate.
     _, points, _ = look(step, STENCIL)
     on_plane = (points - arm) @ np.column_stack([along, np.cross(normal, along)])
     bend = paraboloid(on_plane, surface.distance(wheelset.position + depth * normal + points))[2] / steepness / 2
@@ -141,7 +141,7 @@ def look_closer(
 
 
 def paraboloid(places: np.ndarray, values: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-    """Value, gradient and second derivatives at 0 of the paraboloid through values at places, shape (n, 2)."""
+    """Return value, gradient and second derivatives at 0 of the paraboloid through values at places, shape (n, 2)."""
     x, y = places.T / SCALE
     columns = np.column_stack([np.ones_like(x), x, y, x**2 / 2, x * y, y**2 / 2])
     level, first, second, xx, xy, yy = np.linalg.lstsq(columns, values, rcond=None)[0]
@@ -149,7 +149,9 @@ def paraboloid(places: np.ndarray, values: np.ndarray) -> tuple[float, np.ndarra
 
 
 def gradient_at(surface: Surface, point: np.ndarray) -> np.ndarray:
-    """Of the distance from a rail at a point, by central differences; along the normal, of length 1 on a prism."""
+    """Return the gradient of the distance from a rail at a point, by central differences; along the normal, 1 on a
+    prism.
+    """
     ways = DIFFERENCE * np.concatenate([np.eye(3), -np.eye(3)])
     gap = surface.distance(point + ways)
     return np.asarray((gap[:3] - gap[3:]) / (2 * DIFFERENCE))

@@ -1,4 +1,4 @@
-"""Vehicles on a line: limits, symmetry, energy and closed forms of curves, cant and gradients."""
+"""Test vehicles on a line: limits, symmetry, energy and closed forms of curves, cant and gradients."""
 
 from __future__ import annotations
 
@@ -48,39 +48,42 @@ from tests.quick_library import quick_library
 SIDES = (("left", "right"), ("right", "left"))
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
-#: Bands of docs/checking.md: the same answer from the same line told in another way, mirrored, and energy.
+#: Tolerances of docs/checking.md: the same line in another form, mirrored answers, and energy.
 SAME_BAND, MIRROR_BAND, ENERGY_BAND = 1e-9, 1e-9, 1e-8
-#: Where flanges bear in space, and second places of treads beside them: these begin where the rail goes from R300 to
-#: R80, and Hertz' force has a potential at one stiffness. A joule in 15 MJ; measured 4e-8 and 6e-8.
+#: Energy tolerance for the 3D model with loaded flanges and second tread contacts. These contacts begin where the rail
+#: changes from R300 to R80, and Hertz' force has a potential at one stiffness only. A joule in 15 MJ; measured 4e-8 and
+#: 6e-8.
 BORN_BAND = 1e-7
-#: Mirrored irregularities: the third derivative jumps at their rows, each 11 ms, and round-off chooses other steps;
-#: with a tolerance of 1e-9 what is left at the end was 1.1e-8.
+#: Tolerance for mirrored irregularities. Their third derivative jumps at each row, every 11 ms, and round-off leads to
+#: other steps. With a tolerance of 1e-9 the difference at the end was 1.1e-8.
 IRREGULAR_BAND = 1e-7
-#: Closed forms of speed on gradients (2e-7 in space, where wheels roll on the radius where they touch), cant balance.
+#: Tolerances of closed forms: speed on gradients (2e-7 in 3D, where wheels roll on the radius at the contact), cant
+#: balance.
 GRADIENT_BAND, BALANCE_BAND = 1e-6, 1e-6
-#: Rolling line of a free wheelset in the mean of whole waves, and the length of these about it with the conicity about
-#: the centre; measured 1.1e-5 and 1e-6.
+#: Tolerances for a free wheelset: rolling line, as the mean over complete waves, and wavelength about it with the
+#: conicity at the centre; measured 1.1e-5 and 1e-6.
 ROLLING_BAND, KLINGEL_BAND = 1e-4, 1e-5
 GRAVITY = 9.81
-#: Closed forms of steering leave out gravity and spin.
+#: Tolerance of the closed forms of steering, which neglect gravity and spin.
 STEERING_BAND = 0.02
-#: Central differences over so many m to both sides, as a share of the largest slope; measured 4e-7 and less.
+#: Step of the central differences [m], and their tolerance as a share of the largest slope; measured 4e-7 and less.
 MOVED, JACOBIAN_BAND = 1e-3, 1e-6
-#: Where a body is after a full circle of 1257 m [m], [rad]; measured 2e-11 m and 7e-13 rad.
+#: Tolerance of a body's position and heading after a full circle of 1257 m [m], [rad]; measured 2e-11 m and 7e-13 rad.
 CIRCLE_BAND = 1e-9
-#: A wave told as curvature or as irregularity: the contacts know the yaw against the track, not against rails that lead
-#: aside in it; measured 2.4e-3 of the largest.
+#: Tolerance of a wave given as curvature against the same one given as irregularity. The contacts use the yaw relative
+#: to the track, not to the deviating rails; measured 2.4e-3 of the largest value.
 TOLD_BAND = 5e-3
-#: Flange in a wider track: the force on it, and with that its own give, changes by 1 %.
+#: Tolerance of the flange in a wider track: its force, and with it its own deflection, changes by 1 %.
 WIDENING_BAND = 0.01
-#: Roll on rails of unequal height: springs give way to what leans, 4 %.
+#: Tolerance of the roll on rails of unequal height: springs deflect under a leaning body, 4 %.
 LEANING_BAND = 0.06
-#: Locked wheels on rails of unequal friction, held by their flanges, whose normal forces add to those of the treads.
+#: Tolerance for locked wheels on rails of unequal friction. Flanges guide them, and their normal forces add to those of
+#: the treads.
 SLIDING_BAND = 0.03
 
 
 def on_line(system: System) -> Library:
-    """A system that runs on a line, with its energies and the places of its bodies as outputs."""
+    """Compile a system that runs on a line, with its energies and the positions of its bodies as outputs."""
     powers = [name for name in POWERS if name in system.observables]
     shown = [name for name in system.observables if name.endswith(("energy", "ahead", "aside", "above", "heading"))]
     return quick_library(model_of(system.with_outputs(shown).with_integrals(powers), 1e-7))
@@ -107,7 +110,7 @@ def point() -> Library:
 
 @pytest.fixture(scope="module")
 def wheelset() -> Library:
-    """One wheelset alone, which something draws along by its centre."""
+    """One wheelset alone, pulled along at its centre."""
     carriage = RigidBody("frame", "carriage", 100.0, (1.0, 1.0, 1.0), held=frozenset(HOLDABLE))
     pull = Springs("pull", "frame", "wheelset_1", (0.0, 0.0, 0.0), False, (1e5, 0.0, 0.0), (2e4, 0.0, 0.0))
     alone = Vehicle("alone", two_axle_bogie().parameters, (carriage,), (Wheelset(0.0, "frame"),), (pull,))
@@ -115,7 +118,7 @@ def wheelset() -> Library:
 
 
 def winding() -> list[Segment]:
-    """Two curves with transitions, cant, gradients and their vertical curves."""
+    """Return two curves with transitions, cant, gradients and vertical curves."""
     first, left, right, last = straight(40), arc(150, 400, 0.1, 0.02), arc(100, -500, -0.08, -0.01), straight(200)
     ramps = [
         clothoid(length, *pair) for length, pair in ((60, (first, left)), (90, (left, right)), (60, (right, last)))
@@ -124,18 +127,18 @@ def winding() -> list[Segment]:
 
 
 def curving() -> Line:
-    """The first of them from the transition on, with straight track under the wheels that start behind it."""
+    """Return the first curve from its transition on, with straight track under the wheels that start behind it."""
     return line_of([straight(10), *winding()[1:]], -10.0)
 
 
 def with_columns(line: Line, **columns: np.ndarray | float) -> Line:
-    """The line with further columns, of one value each where a number is given."""
+    """Return the line with further columns; a number fills its column."""
     length = line.rows["distance"].size
     return Line(line.rows | {name: np.broadcast_to(values, length) for name, values in columns.items()})
 
 
 def cut(segment: Segment, count: int) -> list[Segment]:
-    """The same piece of line in several."""
+    """Split a segment into several that make up the same piece of line."""
     ends = segment.ends[0] + np.outer(np.linspace(0.0, 1.0, count + 1), segment.ends[1] - segment.ends[0])
     pairs = [np.array([ends[i], ends[i + 1]]).T.tolist() for i in range(count)]
     return [Segment(segment.length / count, *(tuple(one) for one in pair)) for pair in pairs]
@@ -143,7 +146,7 @@ def cut(segment: Segment, count: int) -> list[Segment]:
 
 @pytest.fixture
 def written(tmp_path: Path):  # type: ignore[no-untyped-def]
-    """Writes a line and returns its path."""
+    """Return a function that writes a line and returns its path."""
     count = iter(range(100))
     return lambda line: str(line.write(tmp_path / f"line_{next(count)}.csv"))
 
@@ -161,13 +164,15 @@ def test_a_line_of_many_segments_is_the_same_line(written, patched: Library) -> 
     assert found[0] == pytest.approx(found[1], rel=SAME_BAND, abs=1e-10)
 
 
-#: What is mirrored: the same with the other sign, and wheel loads on the other side.
+#: Quantities of the mirrored run: these have the other sign, and wheel loads belong to the other side.
 ODD = ("lateral_1", "lateral_2", "yaw_1", "yaw_2", "frame_roll", "guiding_force_1", "guiding_force_2")
 OTHERS = {f"wheel_load_{n}_{one}": f"wheel_load_{n}_{other}" for n in (1, 2) for one, other in SIDES}
 
 
 def mirror_errors(library: Library, line: Line, written, tolerance: float, seconds: float) -> dict[str, float]:  # type: ignore[no-untyped-def]
-    """Differences of a run and its mirror image at the end, each over the largest of its quantity on the way."""
+    """Return the differences of a run and its mirror image at the end, over the largest value of each quantity in the
+    run.
+    """
     names = [*ODD, *OTHERS, "speed"]
     one, other = (
         Kernel(library, line_file=written(way), initial_speed=22.0, tolerance=tolerance).record(seconds, 0.1, names)
@@ -179,13 +184,13 @@ def mirror_errors(library: Library, line: Line, written, tolerance: float, secon
 
 
 def test_a_mirrored_line_gives_a_mirrored_answer(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """Through a transition with its cant ramp and gradient into a curve, flanges against the rails; 1.3e-9 at 1e-10."""
+    """Through a transition with cant ramp and gradient into a curve, flanges against the rails; 1.3e-9 at 1e-10."""
     errors = mirror_errors(patched, curving(), written, 1e-11, 3.0)
     assert max(errors.values()) < MIRROR_BAND, errors
 
 
 def test_mirrored_irregularities_give_a_mirrored_answer(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """They grow in over 10 m: a vehicle starts as on perfect rails."""
+    """Irregularities grow in over 10 m: a vehicle starts as on perfect rails."""
     line = irregular(curving(), ERRI_LOW, seed=3)
     grown = blend_in(line.rows["distance"], 2.0, 12.0)
     names = [name for name in line.rows if name.startswith(("left", "right"))]
@@ -195,7 +200,7 @@ def test_mirrored_irregularities_give_a_mirrored_answer(written, patched: Librar
 
 
 def blend_in(distance: np.ndarray, first: float, last: float) -> np.ndarray:
-    """From 0 to 1 between two distances [m], without a corner."""
+    """Blend smoothly from 0 to 1 between two distances [m]."""
     share = np.clip((distance - first) / (last - first), 0.0, 1.0)
     return np.asarray(share**3 * (10 - 15 * share + 6 * share**2))
 
@@ -203,7 +208,7 @@ def blend_in(distance: np.ndarray, first: float, last: float) -> np.ndarray:
 @pytest.mark.parametrize("level", ["planar", "patched"])
 @pytest.mark.parametrize("braked", [0.0, 8e3])
 def test_energy_closes_over_curves_and_hills(level, braked, written, request) -> None:  # type: ignore[no-untyped-def]
-    """Height, twist and cant ramps included, flanges against the rails; relative to what the vehicle moves with."""
+    """The line has height, twist and cant ramps; flanges bear on the rails. Relative to the kinetic energy."""
     library = request.getfixturevalue(level)
     kernel = Kernel(library, line_file=written(line_of(winding())), initial_speed=22.0, tolerance=1e-9)
     kernel.set(brake_torque_1=braked, brake_torque_2=braked)
@@ -218,7 +223,9 @@ def test_energy_closes_over_curves_and_hills(level, braked, written, request) ->
 
 
 def test_energy_closes_while_a_flange_pushes_rails_aside(written, patched) -> None:  # type: ignore[no-untyped-def]
-    """What rails store, move with and lose is in it: without what their dampers take it would not close."""
+    """The balance includes potential and kinetic energy of the rails and their losses. Without those of the dampers it
+    fails.
+    """
     distance = np.arange(-10.0, 60.0, 0.25)
     aside = 0.015 * blend_in(distance, 10.0, 15.0)
     line = Line({name: np.zeros_like(distance) for name in NAMES[:4]} | {"distance": distance})
@@ -236,7 +243,9 @@ def test_energy_closes_while_a_flange_pushes_rails_aside(written, patched) -> No
 
 
 def test_a_curve_of_a_million_kilometres_is_straight(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """But for the rolling line itself, r0 l / (conicity R) = 4.5 nm at 1e9 m, which goes with the curvature."""
+    """All agrees except the rolling line, r0 l / (conicity R) = 4.5 nm at 1e9 m, which is proportional to the
+    curvature.
+    """
     found = {}
     for radius in (1e9, 1e12, math.inf):
         line = written(line_of([arc(400, radius) if radius < math.inf else straight(400)]))
@@ -247,14 +256,14 @@ def test_a_curve_of_a_million_kilometres_is_straight(written, patched: Library) 
     away = {radius: np.abs(values - found[math.inf]) for radius, values in found.items()}
     assert np.all(away[1e9][:3] <= SAME_BAND * found[math.inf][:3])
     assert away[1e9][3] < 20e-9
-    # The load comes from a penetration that is 1e-4 of the heights that it is the difference of.
+    # The load depends on the penetration, a difference of heights that are 1e4 times as large.
     assert np.all(away[1e12] <= np.array([1e-12, 1e-12, 1e-11, 1e-12]) * found[math.inf] + 20e-12)
 
 
 @pytest.mark.parametrize("level", ["patched", "planar"])
 def test_derivatives_by_places_on_the_line_are_exact(level, written, request) -> None:  # type: ignore[no-untyped-def]
-    """Against central differences in a transition with cant and gradient: how two places see each other is
-    differentiated by a formula.
+    """Compare with central differences in a transition with cant and gradient. The relative position of two places on
+    the line is differentiated by a formula.
     """
     system = bogie_in_space(Contact(2)) if level == "patched" else planar_vehicle(two_axle_bogie(), True)
     places = [n for n, name in enumerate(system.states) if name in ("frame_distance", "shift_1", "shift_2")]
@@ -272,7 +281,7 @@ def test_derivatives_by_places_on_the_line_are_exact(level, written, request) ->
 
 
 def test_a_closed_circle_leads_back(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """Every body comes back to where it was, its heading a full turn on, once all is steady."""
+    """In the steady state each body returns to its position, with its heading a full turn further."""
     radius, circle = 200.0, 2 * math.pi * 200.0
     curve = arc(4 * circle, radius)
     line = line_of([straight(5), clothoid(60, straight(1), curve), curve], -3.0)
@@ -284,7 +293,7 @@ def test_a_closed_circle_leads_back(written, patched: Library) -> None:  # type:
     names = [f"{body}_{what}" for body in bodies for what in ("ahead", "aside", "above", "heading")]
     before, start = np.array([kernel[name] for name in names]), kernel["state_frame_distance"]
     kernel.advance(1.0)
-    # A full circle is one of the line's distance: the frame itself goes its own way beside the centre line.
+    # A full circle is measured along the line: the frame follows its own path beside the centre line.
     kernel.advance(circle / (kernel["state_frame_distance"] - start) - 1.0)
     assert kernel["state_frame_distance"] - start == pytest.approx(circle, rel=SAME_BAND)
     after = np.array([kernel[name] for name in names])
@@ -294,7 +303,7 @@ def test_a_closed_circle_leads_back(written, patched: Library) -> None:  # type:
 
 
 def test_a_free_wheelset_follows_its_rolling_line(wheelset: Library, written) -> None:  # type: ignore[no-untyped-def]
-    """Redtenbacher (1855): y = r0 l / (conicity R), in the mean over the waves of Klingel (1883) about it."""
+    """Redtenbacher (1855): y = r0 l / (conicity R), as the mean over the waves of Klingel (1883) about it."""
     pair, radius_of_wheel = thesis_pair(), two_axle_bogie().parameters.wheel_radius
     for radius in (600.0, 1000.0, 3000.0):
         line = written(line_of([straight(20), clothoid(60, straight(1), arc(1, radius)), arc(400, radius)]))
@@ -309,15 +318,15 @@ def test_a_free_wheelset_follows_its_rolling_line(wheelset: Library, written) ->
 
 
 def wavelength() -> float:
-    """Of the kinematic wave with the profiles' equivalent conicity, Klingel (1883), eq. (2.1) [m]."""
+    """Return the length of the kinematic wave with the profiles' equivalent conicity [m], Klingel (1883), eq. (2.1)."""
     pair, parameters = thesis_pair(), two_axle_bogie().parameters
     conicity = float(equivalent_conicity(pair, np.array([1e-3]))[0])
     return 2 * math.pi * math.sqrt(parameters.wheel_radius * pair.wheel_half_distance / conicity)
 
 
 def test_a_free_wheelset_swings_about_its_rolling_line_with_klingels_wavelength(wheelset: Library, written) -> None:  # type: ignore[no-untyped-def]
-    """At walking pace from 1 mm beside its rolling line in a wide curve, of which the middle of its swing is 0.1 mm off
-    at most; on straight track about the middle.
+    """At walking pace from 1 mm beside its rolling line. In the wide curve the middle of its motion is within 0.1 mm of
+    that line. On straight track it is the centre.
     """
     spacing, radius = thesis_pair().wheel_half_distance, two_axle_bogie().parameters.wheel_radius
     conicity = abs(rolling_radius_difference(thesis_pair(), np.array([1e-3]))[0]) / 2e-3
@@ -337,13 +346,13 @@ def test_a_free_wheelset_swings_about_its_rolling_line_with_klingels_wavelength(
 
 
 def test_cant_that_balances_loads_both_rails_alike(wheelset: Library, written) -> None:  # type: ignore[no-untyped-def]
-    """V^2 = R g tan(cant): apparent gravity is square to the track.
+    """V^2 = R g tan(cant): apparent gravity is square to the track. At 2 % more speed the loads differ.
 
-    Without friction, which would steer the wheelset aside, and with one that is no gyroscope; 2 % faster it does not.
-    What goes round leaning is set upright by the couple (I_z - I_y) W^2 sin(cant) cos(cant), which is 1e-7 here.
+    The wheelset runs without friction, which would steer it aside, and without gyroscopic moments. The couple (I_z -
+    I_y) W^2 sin(cant) cos(cant) turns an inclined body in a curve upright; it is 1e-7 here.
     """
     radius, cant = 3000.0, 0.02
-    # That of the centre of mass, which leans towards the middle of the curve.
+    # Radius of the centre of mass, which leans towards the middle of the curve.
     own_radius = radius - two_axle_bogie().parameters.wheel_radius * cant / GAUGE
     speed = math.sqrt(own_radius * GRAVITY * math.tan(math.asin(cant / GAUGE)))
     for share in (1.0, 1.02):
@@ -353,7 +362,7 @@ def test_cant_that_balances_loads_both_rails_alike(wheelset: Library, written) -
             line_file=written(line_of([arc(400, radius, cant)])),
             initial_speed=share * speed,
         )
-        # Told where it stands, as without friction it has no steady state to start in.
+        # The start is given, because a wheelset without friction has no steady state to start in.
         kernel.set(friction_1=0.0, rolling_resistance_torque=0.0, tolerance=1e-9, initial_lateral=1e-9)
         kernel.set(wheelset_pitch_inertia=1e-6)
         kernel.advance(0.5)
@@ -363,16 +372,17 @@ def test_cant_that_balances_loads_both_rails_alike(wheelset: Library, written) -
 
 @pytest.fixture(scope="module")
 def linear() -> Library:
-    """The bogie with Kalker's linear creep, which a closed form can follow."""
+    """The bogie with Kalker's linear creep, for comparison with a closed form."""
     contact = Contact(2, creep_law=kalker_linear)
     return on_line(spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), contact, True))
 
 
 @pytest.mark.parametrize("stiffness", [1e5, 9.5e6, 1e9])
 def test_a_bogie_steers_as_linear_theory_says(linear: Library, stiffness: float, written) -> None:  # type: ignore[no-untyped-def]
-    """Soft, as in Table 5.1 and rigid against yaw: lateral shift of both wheelsets and the difference of their yaw.
+    """Lateral shift of both wheelsets and the difference of their yaw, with the soft springs of Table 5.1 and rigid in
+    yaw.
 
-    With Polach's law, whose spin takes some of its stiffness, a rigid bogie is 7 % further out.
+    With Polach's law, whose spin reduces its stiffness, a rigid bogie is 7 % further out.
     """
     radius, speed = 5000.0, 4.0
     line = line_of([straight(20), clothoid(300, straight(1), arc(1, radius)), arc(900, radius)])
@@ -384,15 +394,15 @@ def test_a_bogie_steers_as_linear_theory_says(linear: Library, stiffness: float,
     found = [float(np.mean(table[name])) for name in names]
     expected = steering(radius, stiffness)
     assert found[:2] == pytest.approx(expected[:2].tolist(), rel=STEERING_BAND)
-    smallest = 1e-3 * abs(expected[0])  # of a soft one both are radial
+    smallest = 1e-3 * abs(expected[0])  # with soft springs both wheelsets are radial
     assert found[3] - found[2] == pytest.approx(expected[3] - expected[2], rel=STEERING_BAND, abs=smallest)
 
 
 def steering(radius: float, stiffness: float) -> np.ndarray:
-    """Lateral shift [m] and yaw [rad] of both wheelsets of a bogie in a wide curve, as Boocock (1969) has it.
+    """Return lateral shift [m] and yaw [rad] of both wheelsets of a bogie in a wide curve, Boocock (1969).
 
-    Conicity and creep turn and push each wheelset, against springs to a frame that stands on the chord. Without gravity
-    and spin, which shift the yaw of both alike.
+    Conicity and creep turn and push each wheelset, against springs to a frame on the chord. Gravity and spin, which
+    shift the yaw of both alike, are neglected.
     """
     p, pair = two_axle_bogie().parameters, thesis_pair()
     sizes = (p.wheel_radius, p.wheel_profile_curvature, p.rail_head_radius, p.shear_modulus)
@@ -418,9 +428,10 @@ def steering(radius: float, stiffness: float) -> np.ndarray:
 
 
 def test_a_flange_meets_its_rail_half_of_the_widening_further_out(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """In a curve of 150 m, whose outer rail holds the leading wheelset; w of the gauge is w / 2 of each rail.
+    """A curve of 150 m, whose outer rail guides the leading wheelset. A widening w of the gauge moves each rail by w /
+    2.
 
-    A displacement rolls a wheelset, and its flange, an axle's height below, moves further than its centre.
+    A displacement rolls the wheelset. Its flange is below the axle by the arm and so moves further than its centre.
     """
     flange = flange_of(thesis_pair())
     line = line_of([straight(20), clothoid(30, straight(1), arc(1, 150)), arc(100, 150)])
@@ -443,7 +454,7 @@ def test_a_flange_meets_its_rail_half_of_the_widening_further_out(written, patch
 
 @pytest.mark.parametrize("way", ["lateral", "vertical"])
 def test_a_wave_of_both_rails_is_one_of_the_line(way, written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """A swerve by curvature, a hump by gradient: bodies are where they are when both rails are shifted as much."""
+    """A lateral wave by curvature, a hump by gradient: bodies are where they are if both rails are shifted as much."""
     distance, length = np.arange(0.0, 160.0, 0.125), 40.0
     place = math.pi * np.clip((distance - 20) / length, 0.0, 1.0)
     sine, cosine, number = np.sin(place), np.cos(place), math.pi / length
@@ -476,7 +487,7 @@ def test_a_wave_of_both_rails_is_one_of_the_line(way, written, patched: Library)
 
 @pytest.mark.parametrize(("side", "sign"), [("left", 1.0), ("right", -1.0)])
 def test_a_vehicle_leans_away_from_the_higher_rail(side, sign, written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """By the height over the distance of the contacts, at half of it; more weight on the other rail."""
+    """The roll is half the height over the distance of the contacts; the other rail carries more weight."""
     height, spacing = 8e-3, thesis_pair().wheel_half_distance
     line = line_of([straight(100)])
     line = with_columns(line, **{f"{side}_vertical": height * blend_in(line.rows["distance"], 0.0, 20.0)})
@@ -490,7 +501,7 @@ def test_a_vehicle_leans_away_from_the_higher_rail(side, sign, written, patched:
 
 
 def test_locked_wheels_slide_as_the_friction_of_each_rail_says(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """g mu (f_left + f_right) / 2, and a couple towards the rail that holds more, which the flanges bear in the end."""
+    """g mu (f_left + f_right) / 2, and a couple towards the rail with more friction, balanced by the flanges."""
     p, spacing, left, right, friction = two_axle_bogie().parameters, thesis_pair().rail_half_distance, 0.5, 0.9, 0.1
     line = with_columns(line_of([straight(200)]), left_friction=left, right_friction=right)
     kernel = Kernel(patched, line_file=written(line), initial_speed=30.0)
@@ -498,7 +509,7 @@ def test_locked_wheels_slide_as_the_friction_of_each_rail_says(written, patched:
     kernel.advance(2.0)
     seen = kernel.record(3.0, 0.01, ["speed"])
     assert [kernel[f"locked_{number}"] for number in (1, 2)] == [1, 1]
-    # The mean: wheelsets that are dragged swing along the track on their springs.
+    # The mean, because sliding wheelsets oscillate along the track on their springs.
     slowed = -np.polyfit(seen["time"], seen["speed"], 1)[0]
     assert slowed == pytest.approx(GRAVITY * friction * (left + right) / 2, rel=SLIDING_BAND)
     assert max(kernel["yaw_1"], kernel["yaw_2"]) < -5e-3  # to the right
@@ -510,13 +521,13 @@ def test_locked_wheels_slide_as_the_friction_of_each_rail_says(written, patched:
 
 @pytest.mark.parametrize("level", ["point", "planar", "patched"])
 def test_a_rolling_vehicle_gains_speed_as_its_masses_say(level, written, request) -> None:  # type: ignore[no-untyped-def]
-    """a = g i m / (m + J / r^2), J with its drive."""
+    """a = g i m / (m + J / r^2); J includes the drive."""
     library, gradient = request.getfixturevalue(level), -0.03
     p = two_axle_bogie().parameters
     kernel = Kernel(library, line_file=written(line_of([straight(5000, gradient)])), initial_speed=5.0)
     drive = 60.0
     kernel.set(rolling_resistance_torque=0.0, drive_inertia=drive, tolerance=1e-9)
-    kernel.advance(28.0)  # until nothing rocks any more
+    kernel.advance(28.0)  # until all oscillations have decayed
     mass = p.frame_mass + 2 * p.wheelset_mass
     rolling = mass + 2 * (p.wheelset_pitch_inertia + drive) / p.wheel_radius**2
     before = kernel["speed"]
@@ -526,7 +537,7 @@ def test_a_rolling_vehicle_gains_speed_as_its_masses_say(level, written, request
 
 @pytest.mark.parametrize("level", ["point", "planar"])
 def test_terminal_speed_is_where_resistance_balances_the_gradient(level, written, request) -> None:  # type: ignore[no-untyped-def]
-    """Davis: m g i = a + b V + c V^2 once V does not change; rolling resistance of the axle boxes off."""
+    """Davis: m g i = a + b V + c V^2 at constant speed; without rolling resistance of the axle boxes."""
     library, gradient = request.getfixturevalue(level), -0.01
     p = two_axle_bogie().parameters
     a, b, c = 800.0, 30.0, 8.0
@@ -552,7 +563,7 @@ def test_curve_resistance_is_that_of_von_roeckl(point: Library, written) -> None
 
 
 def test_a_host_that_knows_the_gradient_needs_no_line(point: Library, planar: Library, written) -> None:  # type: ignore[no-untyped-def]
-    """The input and a line of the same gradient give one answer at both levels."""
+    """The input and a line of the same gradient give the same answer at both levels."""
     for make, line in ((point_vehicle, point), (planar_vehicle, planar)):
         library = quick_library(model_of(make(two_axle_bogie()), 1e-9))
         told = Kernel(library, initial_speed=20.0, gradient=-0.04, brake_torque_1=8e3, tolerance=1e-9)
@@ -565,7 +576,7 @@ def test_a_host_that_knows_the_gradient_needs_no_line(point: Library, planar: Li
 
 
 def test_places_far_from_the_start_are_as_exact_as_near_it(written, patched: Library) -> None:  # type: ignore[no-untyped-def]
-    """The same curve at the start and behind 100 km of another line: wheel loads differ by round-off alone."""
+    """The same curve at the start and after 100 km of another line: wheel loads differ by round-off only."""
     found = []
     for before in (60.0, 100e3):
         lead = [arc(before - 60.0, 3000.0)] if before > 60.0 else []
@@ -588,7 +599,7 @@ def test_a_line_is_read_as_it_was_written(tmp_path: Path) -> None:
 
 
 def test_a_spectrum_gives_its_own_variance() -> None:
-    """Mean square of a long track: the density over both signs of the wave number, by 2 pi."""
+    """Mean square of a long track against the integral of the density over both signs of the wave number, over 2 pi."""
     line = irregular(line_of([straight(4000)]), ERRI_LOW, seed=1)
     lateral = line.rows["left_lateral"]
     numbers = np.linspace(2 * math.pi / 100, 2 * math.pi / 3, 20001)

@@ -1,8 +1,8 @@
-"""Level 3 at contact model 2, which runs by default, against an oracle in maximal coordinates that shares nothing.
+"""Compare level 3 with contact model 2 (the default) with an independent oracle in maximal coordinates.
 
-The oracle has an inertial frame, a potential that is differenced for each connection, surfaces that are searched for
-contacts, and laws of its own. On a line its rails are the contour swept along the line. It is compared twice: with one
-simplification of the fast model taken over, curvatures of a wheel that is square to its rail, and without.
+The oracle uses an inertial frame, a potential per connection that is differentiated numerically, a search of the
+surfaces for contacts, and laws of its own. On a line its rails are the contour swept along the line. It is compared
+twice: with one simplification of the fast model (curvatures of a wheel that is square to its rail), and without it.
 """
 
 from __future__ import annotations
@@ -32,29 +32,35 @@ from tests.maximal.rails import STRAIGHT, Course, prisms, swept
 from tests.maximal.states import Snapshot, random_course, random_state
 
 VEHICLES: dict[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "coach": passenger_coach}
-#: Grids of the contacts [m], each half of the one before.
+#: Grid pitches of the contact search [m], each half of the previous one.
 GRIDS = (0.1e-3, 0.05e-3, 0.025e-3)
-#: Of the largest acceleration. Bodies see connections alone, differenced over 10 um: 2e-9 of a force; measured 6e-10.
+#: Tolerance of body accelerations, as a share of the largest acceleration. Only connections act on bodies. Their
+#: differences over 10 um have a relative error of 2e-9; measured 6e-10.
 BODY_BAND = 3e-9
-#: Of the largest acceleration and wheel load, with the simplification. On treads polynomials for Hertz err by 2e-4, and
-#: by as much on flanges; there the place of the contact, half a micrometre, adds 3e-4, where the spline through the
-#: gauge corner changes its curvature by 1 % in a micrometre. The grid errs by 2e-5.
+#: Tolerances with the simplification, as shares of the largest acceleration and wheel load. Polynomials for Hertz'
+#: theory have an error of 2e-4 on treads and on flanges. On flanges the contact position, uncertain by half a
+#: micrometre, adds 3e-4: the spline through the gauge corner changes its curvature by 1 % per micrometre. The grid has
+#: an error of 2e-5.
 TREAD_BAND, SQUARE_BAND = 3e-4, 6e-4
-#: Of wheelsets on lines: a rail that rises pushes back beside the middle of the axle and so turns it, by slope x half
-#: gauge x load, 0.1 kN.m on a ramp of 1 : 600. The fast model knows no such moment; measured 7.2e-4. Of forces: of two
-#: places of a tread that yaws by 10 mrad the steeper one lies 0.2 mm further ahead, where a rail that rises by 1 : 600
-#: is 0.3 um higher, which the fast model does not see: 400 N where 100 kN press 0.12 mm; measured 1.6e-3.
+#: Tolerances on lines. Wheelset accelerations: a rising rail pushes back beside the middle of the axle and so turns it,
+#: by slope x half gauge x load, 0.1 kN.m on a ramp of 1 : 600. The fast model does not include this moment; measured
+#: 7.2e-4. Forces: a tread yawed by 10 mrad touches at two places, the steeper one 0.2 mm further ahead. There a rail
+#: that rises by 1 : 600 is 0.3 um higher, which the fast model neglects. This makes 400 N where 100 kN cause an
+#: approach of 0.12 mm; measured 1.6e-3.
 RAMP_BAND, TWIST_BAND = 1e-3, 2.5e-3
-#: Without it: a flange that yaws by 9 mrad is 1.5 % flatter along the rail than one that is square to it; measured
-#: 3.9e-3. Of that the grid makes 4e-4, as second differences of a surface ask for a fine one.
+#: Tolerance without the simplification: a flange yawed by 9 mrad is 1.5 % flatter along the rail than one that is
+#: square to it; measured 3.9e-3. The grid contributes 4e-4 of it, because second differences of a surface need a fine
+#: one.
 EXACT_BAND = 5e-3
-#: Steps of displacements by which connections are differenced [m], [rad]; what that errs by, of the largest force.
+#: Steps of the displacements by which connections are differentiated [m], [rad], and the tolerance of these
+#: differences, as a share of the largest force.
 STEPS, STEP_BAND = (4e-3, 2e-3, 1e-3), 1e-8
-#: Least share by which the error of the grid falls when it is halved: 4 is the second order.
+#: Smallest ratio of the grid errors when the pitch is halved; second order gives 4.
 ORDER = 3.0
-#: Places and angles against velocities [m/s], [rad/s]: what is left of differences over 1e-6 s.
+#: Tolerance of the rates of positions and angles against velocities [m/s], [rad/s]: the error of differences over 1e-6
+#: s.
 KINEMATIC = 1e-8
-#: States of each vehicle on straight track and as many on lines: at once, and in the long form.
+#: Number of states of each vehicle on straight track, and as many on lines: in the short and in the long run.
 FEW, MANY = 1, 50
 
 
@@ -75,7 +81,7 @@ def oracle(name: str, course: Course, rails: Callable = prisms, **changes: objec
 
 @cache
 def snapshot(name: str, on_line: bool, seed: int, rails: Callable = prisms) -> Snapshot:  # type: ignore[type-arg]
-    """A random state; with other rails the same, but for the micrometres by which its wheelsets lie on them."""
+    """Return a random state. Other rails give the same state, but wheelsets lie on them micrometres higher or lower."""
     rng = Random(f"{name} {on_line} {seed}")
     course = random_course(rng) if on_line else STRAIGHT
     return random_state(VEHICLES[name](), oracle(name, course, rails), course, machine(name, on_line).names, rng)
@@ -101,7 +107,7 @@ class Differences:
 def differences(
     vehicle: Vehicle, asked: Oracle, at: Snapshot, answer: Answer, beside: Snapshot | None = None
 ) -> Differences:
-    """Between the fast model's answer at a state and the oracle there, or at the one beside it."""
+    """Return the differences between the fast model at a state and the oracle there, or at the state `beside`."""
     there = beside or at
     accelerations, wheels, below = asked.answer(bodies_of(vehicle, at.course, there.value), at.scene, there.value)
     rates = rates_of(vehicle, at.course, at.value, answer.slope)
@@ -131,11 +137,11 @@ def differences(
 
 
 def found_at(name: str, on_line: bool, seed: int, **changes: object) -> Differences:
-    """One state of the fast model against its oracle.
+    """Return the differences between the fast model and its oracle at one state.
 
-    On a line the wheelsets of the oracle lie some micrometres beside those of the fast model, at the same pressures:
-    the wheels of a yawed one stand ahead of its middle and behind it, where a twisted track is higher or lower. Bodies,
-    which see no rails, are compared where they are.
+    On a line the wheelsets of the oracle lie some micrometres away from those of the fast model, at the same pressures.
+    The wheels of a yawed wheelset are ahead of its middle and behind it, where a twisted track is higher or lower.
+    Bodies do not depend on rails and are compared at the fast model's own state.
     """
     at, answer, vehicle = snapshot(name, on_line, seed), answered(name, on_line, seed), VEHICLES[name]()
     rails = swept if on_line else prisms
@@ -148,7 +154,7 @@ def found_at(name: str, on_line: bool, seed: int, **changes: object) -> Differen
 
 
 def compare(name: str, on_line: bool, seed: int) -> None:
-    """One state of the fast model against its oracle, with the simplification and without."""
+    """Compare one state of the fast model with its oracle, with the simplification and without it."""
     found = found_at(name, on_line, seed, square=True, grid=GRIDS[-1])
     assert found.bodies < BODY_BAND, (seed, found)
     assert found.treads < TREAD_BAND, (seed, found)
@@ -175,12 +181,12 @@ def test_they_are_at_many_states_of_bogie_and_coach(name: str, on_line: bool) ->
 
 
 def flanging(name: str, on_line: bool) -> int:
-    """The first state in which a flange bears, which asks most of a grid."""
+    """Return the first state with a loaded flange, the case that needs the finest grid."""
     return next(seed for seed in range(MANY) if answered(name, on_line, seed).forces[1, 0][1] != 0.0)
 
 
 def test_error_of_the_grid_falls_with_the_square_of_its_pitch() -> None:
-    """Of the oracle against itself, where a flange bears: forces of its wheels."""
+    """Compare wheel forces of the oracle on two grids with those on the next finer one, with a loaded flange."""
     seed = flanging("bogie", False)
     at = snapshot("bogie", False, seed)
     bodies = bodies_of(VEHICLES["bogie"](), at.course, at.value)
@@ -193,7 +199,7 @@ def test_error_of_the_grid_falls_with_the_square_of_its_pitch() -> None:
     assert fine > 0.0
 
 
-#: What of the package the oracle may read: data. Beside it stand the files that know what the fast model's states mean.
+#: Package modules that the oracle may import: they hold data. Files outside ORACLE translate the fast model's states.
 DATA = {"rbd_model.vehicle.description", "rbd_model.contact.profiles"}
 ORACLE = ("hertz", "joints", "motion", "oracle", "rails", "slip", "statics", "touch")
 
@@ -216,11 +222,12 @@ def test_error_of_a_differenced_connection_falls_with_the_square_of_its_step() -
     found = [wrenches(one.vehicle, connection, ends, on_bodies(ends), 0.0, {}, step) for step in STEPS]
     coarse, fine = (np.max(np.abs(found[i] - found[i + 1])) for i in (0, 1))
     assert coarse > ORDER * fine
-    # At the step that is used, of the largest force.
+    # The error at the step in use, as a share of the largest force.
     assert fine * (STEP / STEPS[1]) ** 2 < STEP_BAND * np.max(np.abs(found[-1]))
 
 
-#: What the oracle must not do without, with one thing wrong in each: whether on a line, and how.
+#: Faults of the oracle, each of which the comparison must detect: whether it runs on a line, and how to introduce the
+#: fault.
 WRONG: dict[str, tuple[bool, Callable[[Oracle], Oracle]]] = {
     "contact without damping": (False, lambda one: with_parameter(one, "contact_damping", 0.0)),
     "gravity by a thousandth": (False, lambda one: with_parameter(one, "gravity", 1.001)),
@@ -260,7 +267,7 @@ def of_kind(kind: type[Oracle], one: Oracle) -> Oracle:
 
 
 class DampersWithoutMoment(Oracle):
-    """Each pushes at the centres of both bodies."""
+    """Apply each damper force at the centres of both bodies."""
 
     def answer(self, *given: Any) -> Any:
         right = joints.wrenches_of
@@ -276,7 +283,7 @@ class DampersWithoutMoment(Oracle):
 
 
 class WithoutGyroscope(Oracle):
-    """What turns a wheelset by its own spin."""
+    """Omit the gyroscopic moment of a wheelset's own spin."""
 
     def acceleration(self, name: str, body: Moving, wrench: np.ndarray) -> np.ndarray:
         found = super().acceleration(name, body, wrench)
@@ -288,7 +295,7 @@ class WithoutGyroscope(Oracle):
 
 
 class WithoutCentrifugal(Oracle):
-    """What the axes of the track that go along with a body add as they turn."""
+    """Omit the acceleration due to the rotation of the track axes that move with a body."""
 
     kept = np.array([1.0, 1.0, 1.0])
 
@@ -303,19 +310,19 @@ class WithoutCentrifugal(Oracle):
 
 
 class WithoutRateOfCant(WithoutCentrifugal):
-    """What they add as they roll."""
+    """Omit the acceleration due to the roll rate of the track axes."""
 
     kept = np.array([1.0, 0.0, 0.0])
 
 
 def on_ramp() -> int:
-    """The first state of the bogie where cant changes."""
+    """Return the first state of the bogie in which cant changes."""
     return next(seed for seed in range(MANY) if snapshot("bogie", True, seed).course.roll[1] != 0.0)
 
 
 @pytest.mark.parametrize("wrong", WRONG)
 def test_one_thing_wrong_in_the_oracle_shows(wrong: str) -> None:
-    """On a line by the bodies, as rails that slope are no prisms."""
+    """On a line only bodies are compared, because sloping rails are not prisms."""
     on_line, change = WRONG[wrong]
     seed = on_ramp() if on_line else 0
     at = snapshot("bogie", on_line, seed)

@@ -1,4 +1,4 @@
-"""Contact models 2 and 3: elastic patches of tread and flange, against closed forms and the rigid contact."""
+"""Test contact models 2 and 3, elastic patches of tread and flange, against closed forms and the rigid contact."""
 
 from __future__ import annotations
 
@@ -38,31 +38,32 @@ from scenarios.contact import contact_manchester as manchester
 from tests.quick_library import quick_library
 
 STEEL = 82e9
-#: Of the friction of locked wheels: what yaw and a little lateral sliding turn away from the track.
+#: Tolerance of the friction force of locked wheels: yaw and lateral sliding turn it slightly away from the track axis.
 SLID = 0.01
-#: Where a wheel at rest touches, S1002 8 mm beside its tape circle, its profile is this near its nominal radius [m].
+#: Tolerance of the profile's radius where a wheel touches at rest, S1002 8 mm beside its tape circle [m].
 STANDS = 0.2e-3
-#: Of the polynomial through Hertz' force; a hundred times smaller than what Hertz' theory itself leaves out at a rail.
+#: Tolerance of the polynomial for Hertz' force; a hundredth of the error of Hertz' theory itself at a rail.
 FIT_BAND = 5e-4
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
-#: Energy that may be missing, as share of all: that of the issue of the scene, docs/checking.md.
+#: Energy error as a share of all energy: acceptance limit in docs/checking.md.
 ENERGY_BAND = 1e-6
-#: Between an elastic and a rigid tread: the approach, 0.13 mm, over what the wheelset moves sideways, some mm.
+#: Tolerance between an elastic and a rigid tread: the approach, 0.13 mm, over a lateral displacement of some mm.
 DEPTH_BAND = 0.02
-#: Between the nearest point of rigid profiles by Newton's method and by a search [m]: the pitch of that search.
+#: Tolerance between the contact of rigid profiles by Newton's method and by a search [m]: the pitch of that search.
 PLACE_BAND = 0.02e-3
-#: Of forces from exact theory, as a share of mu N: a guard of what the law of flanges is known to miss on the flange
-#: there (`contact-manchester`), so that no change makes it worse unseen.
+#: Difference of forces from exact theory, as a share of mu N. It is the known error of the flange's creep law
+#: (`contact-manchester`) and detects any increase.
 FORCE_BAND = 0.09
-#: Two places of a wheel that both bear lie at least this far from the cut between them [m].
+#: Least distance from the cut between two parts of a wheel to the contact of each [m].
 CLEAR = 1e-3
-#: How far beside the point that touches the piece of the rail's profile may be looked up [m], pieces being 0.5 mm long:
-#: where the wheel has the slope of its patch's direction, within so many radians; and where it bears seldom.
+#: Distance from the contact within which the piece of the rail's profile may be looked up [m]; pieces are 0.5 mm long.
+#: The first applies where the slope of the wheel is within BEARING_SLOPE [rad] of its patch's direction, the second
+#: elsewhere, where it seldom carries load.
 BESIDE, WELL_BESIDE, BEARING_SLOPE = 0.05e-3, 0.2e-3, 0.1
-#: Load of a wheel of the chapter 5 bogie [N]; how far from rest it starts: spin takes a little less than in proportion.
+#: Wheel load of the chapter 5 bogie [N], and relative deviation at its start: spin reduces the load slightly.
 STATIC_LOAD, AT_REST = (60000 / 2 + 1200) * 9.81 / 2, 1e-4
-#: Load of 8 strips at the approach of an ellipse: that of test_strips_in_c.py. Of derivatives by differences.
+#: Load error of 8 strips at the approach of an ellipse, as in test_strips_in_c.py; tolerances of numerical derivatives.
 STRIP_ERROR, SLOPE_BANDS = 0.03, {2: 1e-4, 3: 1e-3}
 
 
@@ -91,7 +92,7 @@ def test_bodies_that_are_apart_do_not_press_and_damping_does_not_pull() -> None:
 
 @pytest.mark.parametrize("pair", [thesis_pair, synthetic_pair])
 def test_synthetic_wheel_bears_on_two_arcs_of_its_rail_and_on_its_flange(pair) -> None:  # type: ignore[no-untyped-def]
-    """R300 and R80 of the 60 kg rail. On level rails it is on its flange before contact would jump to the second."""
+    """R300 and R80 of the 60 kg rail. On level rails the flange touches before contact could jump to the second arc."""
     tread, shoulder, flange = patches_of(pair().left)
     assert (tread.direction, shoulder.direction) == (0.0, 0.0)
     assert [tread.radius, shoulder.radius] == pytest.approx([0.300, 0.080], rel=0.1)
@@ -100,7 +101,9 @@ def test_synthetic_wheel_bears_on_two_arcs_of_its_rail_and_on_its_flange(pair) -
 
 
 def test_no_part_touches_at_its_cut() -> None:
-    """What is nearer lies beyond it, in the next part: the nearest places of neighbours are apart, on the cut none."""
+    """The nearest places of neighbouring parts are apart, and none is at the cut: a nearer place belongs to the next
+    part.
+    """
     for one in (synthetic_pair().left, european_pair().left):
         for outer, inner in pairwise(patches_of(one)):
             cut = inner.limits[1]
@@ -110,7 +113,7 @@ def test_no_part_touches_at_its_cut() -> None:
 
 @pytest.mark.parametrize("pair", [synthetic_pair, european_pair])
 def test_pieces_of_a_rail_are_those_where_the_wheel_is_nearest(pair) -> None:  # type: ignore[no-untyped-def]
-    """Beside the point of a wheel that rolls and yaws, by its surface of revolution, (3.77)."""
+    """Compare with the surface of revolution of a wheel that rolls and yaws, (3.77)."""
     rng, one = np.random.default_rng(5), pair().left
     axle, height = ca.SX.sym("axle", 3), ca.SX(one.radius)
     placement = Placement(axle[1], axle[2], direction_cosines(axle[1], axle[2]), axle[0])
@@ -138,7 +141,7 @@ def test_pieces_of_a_rail_are_those_where_the_wheel_is_nearest(pair) -> None:  #
 
 
 def test_wheel_s1002_has_more_patches_and_none_of_them_jumps() -> None:
-    """At neighbouring offsets, 0.1 mm apart, a patch is nearest at neighbouring points, unless at its end."""
+    """Offsets 0.1 mm apart have their nearest points close together, unless these are at an end of the patch."""
     patches = patches_of(european_pair().left)
     assert len(patches) == 4
     for patch in patches:
@@ -150,24 +153,26 @@ def test_wheel_s1002_has_more_patches_and_none_of_them_jumps() -> None:
 
 
 def test_each_patch_of_s1002_bears_on_one_arc_of_its_rail() -> None:
-    """R300, R80 and R13 of 60E1 (EN 13674-1): about their centres a roll turns the rail as a wheel sees it."""
+    """R300, R80 and R13 of 60E1 (EN 13674-1): a roll turns the rail relative to the wheel about the centres of these
+    arcs.
+    """
     radii = [patch.radius for patch in patches_of(european_pair().left)]
     assert radii == pytest.approx([0.300, 0.080, 0.013, 0.013], rel=0.01)
 
 
 @pytest.mark.parametrize("shift", [3.0, 7.0, 10.0])
 def test_patch_presses_where_the_rigid_wheelset_touches_that_rolls(shift: float) -> None:
-    """The left wheel while the right one climbs, up to 11 mrad: that alone moves the nearest point by 2 mm."""
+    """The left wheel while the right one climbs. The roll of up to 11 mrad alone moves the nearest point by 2 mm."""
     stand, motion = manchester.case("left", shift)
     _, place = touching(manchester.manchester_pair(), stand)
     pressed = max(manchester.bearings(stand, motion), key=lambda one: one.load)
     assert pressed.on_wheel == pytest.approx(place, abs=PLACE_BAND)
-    # The benchmark's wheelset yaws as well; the vertical force is the load.
+    # The benchmark's wheelset is also yawed; its vertical force is the load.
     assert pressed.up == pytest.approx(manchester.LOAD, rel=1e-6)
 
 
 def test_flange_slides_by_its_own_law_and_the_tread_by_its_own() -> None:
-    """Right wheel of the Manchester benchmark at 7 mm, where it bears on its flange, and at 3 mm, on its tread."""
+    """Right wheel of the Manchester benchmark: flange contact at 7 mm, tread contact at 3 mm."""
     exact = manchester.exact("right")
     by_default, by_user = Contact(2), Contact(2, creep_law=kalker_linear)
     own, others = Contact(2, polach, shen_hedrick_elkins), Contact(2, shen_hedrick_elkins, polach)
@@ -206,30 +211,30 @@ def test_law_that_the_depth_would_not_use_is_refused(depth: int, laws: dict[str,
 
 
 def bogie_on(depth: int) -> System:
-    """The bogie of chapter 5 on patches, with its powers added up."""
+    """Return the equations of the bogie of chapter 5 with patch contact and the integrals of its powers."""
     return spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3()), Contact(depth)).with_integrals(POWERS)
 
 
 @pytest.fixture(scope="module", params=[2, 3])
 def depth(request: pytest.FixtureRequest) -> int:
-    """Ellipses, or strips."""
+    """Contact model: 2 (ellipses) or 3 (strips)."""
     return int(request.param)
 
 
 @pytest.fixture(scope="module")
 def patched(depth: int) -> Library:
-    """The bogie of chapter 5 at this depth with its energies and powers."""
+    """The bogie of chapter 5 with this contact model, its energies and powers."""
     return quick_library(model_of(bogie_on(depth).with_outputs(ENERGIES), 1e-7))
 
 
 @pytest.fixture(scope="module")
 def rigid() -> Library:
-    """The same with one rigid contact a wheel."""
+    """The bogie of chapter 5 with one rigid contact per wheel."""
     return quick_library(model_of(spatial_vehicle(two_axle_bogie(), irregular_track(section_5_3())), 1e-7))
 
 
 def test_wheelset_at_rest_stands_still_with_its_weight_on_the_rails(patched: Library, depth: int) -> None:
-    """It starts where Hertz' ellipse carries it, which strips do within their error, and comes to rest."""
+    """It starts at the static approach of Hertz' ellipse, which suits strips within their error, and comes to rest."""
     kernel = Kernel(patched, initial_speed=10.0)
     kernel.initialise()
     for band in ({2: AT_REST, 3: STRIP_ERROR}[depth], AT_REST, AT_REST):
@@ -272,7 +277,7 @@ def test_energy_closes_through_tread_and_flange_contact(patched: Library, yaw_to
 
 
 def test_mirrored_scene_on_patches_gives_the_mirrored_answer(patched: Library, depth: int) -> None:
-    """Strips begin and cease to touch, which bends their forces: a tolerance of 1e-9 would take tiny steps."""
+    """Strips start and stop touching, which makes kinks in their forces: a tolerance of 1e-9 would need tiny steps."""
     found = []
     for sign in (1.0, -1.0):
         kernel = Kernel(patched, tolerance={2: 1e-9, 3: 1e-7}[depth])
@@ -285,7 +290,7 @@ def test_mirrored_scene_on_patches_gives_the_mirrored_answer(patched: Library, d
 
 
 def test_jacobian_of_patches_is_that_of_differences_in_tread_and_flange_contact(patched: Library, depth: int) -> None:
-    """At 9.6 mm both treads and a flange bear; differences of the derivatives along random directions of the states."""
+    """At 9.6 mm both treads and a flange bear. Compare with differences along random directions of the states."""
     kernel = Kernel(patched, tolerance=1e-7)
     kernel.set(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=43.92e3)
     kernel.advance(2.0)
@@ -303,7 +308,7 @@ def test_jacobian_of_patches_is_that_of_differences_in_tread_and_flange_contact(
 
 @pytest.mark.parametrize("asked", [0.0, 1.0])
 def test_limits_of_en_14363_are_told_where_they_are_asked_for(patched: Library, asked: float) -> None:
-    """A yaw torque swings wheelset 1 against its rail: the impact passes 0.8 and 10 kN + P0 / 3."""
+    """A yaw torque drives wheelset 1 against its rail: the impact exceeds 0.8 and 10 kN + P0 / 3."""
     kernel = Kernel(patched, running_safety_warnings=asked, yaw_torque_1=100e3, brake_torque_1=20e3)
     kernel.advance(0.5)
     told = [sentence for sentence in kernel.journal if sentence.startswith("EN 14363")]
@@ -314,8 +319,8 @@ def test_limits_of_en_14363_are_told_where_they_are_asked_for(patched: Library, 
 
 
 def test_climb_is_told_as_it_begins_at_5_mm_and_at_its_end() -> None:
-    """How far the wheel has risen when each sentence says, within what it climbs in an interval; the root of the flange
-    lifts it by less than 1 mm.
+    """Check the wheel rise at the time of each message, within its change in one interval. The root of the flange
+    raises the wheel by less than 1 mm.
     """
     climb = push(climbing_wheelset(math.radians(70.3), Contact(2)), 0.3, 0.035)
     said = [line for line in climb.sentences if "left wheel of wheelset 1" in line]
@@ -334,8 +339,10 @@ def test_climb_is_told_as_it_begins_at_5_mm_and_at_its_end() -> None:
 
 
 def slid(library: Library, weak: str) -> tuple[np.ndarray, np.ndarray]:
-    """Locked wheels after 2 s on rails of friction 0.1 and, on the side `weak`, half of that: force of the rails on a
-    wheelset over what their frictions make of its loads, of each; lateral displacement and yaw of the leading one.
+    """Slide locked wheels for 2 s on rails of friction 0.1, and half of that on the side `weak`.
+
+    Return the rail force of each wheelset over the friction force of its wheel loads, and the lateral displacement and
+    yaw of the leading one.
     """
     factors = {"left": 1.0, "right": 1.0, weak: 0.5}
     less = {f"{side}_rail_friction": factor for side, factor in factors.items()}
@@ -351,7 +358,7 @@ def slid(library: Library, weak: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_rails_of_unequal_friction_hold_by_their_own(patched: Library, rigid: Library, depth: int) -> None:
-    """At each contact model; the rail that holds more turns the wheelsets, and mirrored is mirrored."""
+    """At each contact model. The rail with more friction turns the wheelsets; mirrored runs agree."""
     for library in {2: (rigid, patched), 3: (patched,)}[depth]:
         (held, moved), (held_mirrored, moved_mirrored) = slid(library, "left"), slid(library, "right")
         assert np.abs(np.array([held, held_mirrored]) - 1).max() < SLID
@@ -360,7 +367,7 @@ def test_rails_of_unequal_friction_hold_by_their_own(patched: Library, rigid: Li
 
 
 def test_wheels_on_the_head_brake_by_its_friction_whatever_the_gauge_face_has(patched: Library) -> None:
-    """Locked wheels, which slide with all that the head holds: the same to the last bit."""
+    """Locked wheels use the full friction of the rail head: the answers are bit-identical."""
     found = []
     for gauge_face in (1.0, 0.4):
         kernel = Kernel(patched, friction_1=0.1, friction_2=0.1, gauge_face_friction=gauge_face)
@@ -395,7 +402,7 @@ def test_wheelset_with_unequal_sides_steers_to_the_smaller_wheel_and_its_mirror_
     for sign, mirrored in ((1.0, False), (-1.0, True)):
         kernel = Kernel(unequal(mirrored, depth), initial_speed=10.0, tolerance=1e-8)
         kernel.initialise()
-        # Both wheels stand on their treads, though one is larger by 1 mm.
+        # Both wheels stand on their treads, although the radius of one is larger by 1 mm.
         assert [kernel[f"wheel_rise_1_{side}"] for side in ("left", "right")] == pytest.approx([0.0, 0.0], abs=STANDS)
         kernel.advance(1.0)
         loads = [kernel[f"wheel_load_1_{side}"] for side in ("left", "right")]

@@ -1,4 +1,4 @@
-"""Starts on a line: the steady state of rolling freely, against statics, geometry and vehicles led into a curve."""
+"""Test starts on a line: the steady state of free rolling, against statics, geometry and vehicles led into a curve."""
 
 from __future__ import annotations
 
@@ -29,39 +29,40 @@ from tests.quick_library import quick_library
 VEHICLES = {"bogie": two_axle_bogie(), "vehicle": passenger_coach(), "coal-wagon": loaded_coal_wagon()}
 GRAVITY = 9.81
 SIDES = ("left", "right")
-#: A line begins so far ahead of the first body, behind the last wheelset [m].
+#: Start of the line, measured ahead of the first body [m]; the last wheelset is further ahead.
 BEHIND = -25.0
-#: So much further it goes on than its last station asks for, before the first wheelset [m].
+#: Extra length of the line for the first wheelset, which runs ahead of the first body [m].
 AHEAD = 50.0
-#: Of the weight: guiding forces count across the track where each wheelset is, 0.03 rad apart along a coach, so that
-#: what drags it has a share in their sum; 3e-5.
+#: Tolerance of forces, as a share of the weight. Guiding forces are lateral at each wheelset, 0.03 rad apart along a
+#: coach, so that drag forces contribute to their sum; 3e-5.
 FORCE_BAND = 1e-4
-#: Behind the transition until nothing sways any more [s]; where cant is large and speed high it lasts longer.
+#: Time after the transition until all motion has decayed [s]; it is longer at large cant and high speed.
 SETTLED, LONG_SETTLED = 10.0, 25.0
-#: Of the acceleration; measured 3e-8 on wheels that roll on the radius where they touch.
+#: Relative tolerance of the acceleration; measured 3e-8 for wheels that roll on the radius at the contact.
 GRADIENT_BAND = 1e-6
-#: A ten thousandth of the friction is left in the sliders: 0.5 N.
+#: A ten thousandth of the friction force remains in the sliders: 0.5 N.
 STUCK_BAND = 1e-4
 MOST_JACOBIANS = 400
-#: Change of wheel loads within a second, below which a vehicle that was led in has come to rest; of the mean load.
-#: Measured at most 0.019 at rest and at least 0.09 where the bogie hunts.
+#: Change of wheel loads within a second, as a share of the mean load, below which a vehicle led into a curve is at
+#: rest. Measured at most 0.019 at rest and at least 0.09 where the bogie hunts.
 QUIET = 0.02
-#: The bogie of chapter 5 hunts in curves wider than this [m] and from this speed on [m/s], with 2.3 to 2.7 Hz: beside a
-#: steady state that is unstable (R 1500 m from 26.5 m/s on, straight track from 33 m/s), or in which it could stay but
-#: to which it does not come from the straight (R 800 m), however long the transition.
+#: Curve radius [m] and speed [m/s] above which the bogie of chapter 5 hunts, at 2.3 to 2.7 Hz. The steady state may be
+#: unstable (R 1500 m from 26.5 m/s on, straight track from 33 m/s). It may also be stable but unreachable from the
+#: straight (R 800 m), however long the transition is.
 HUNTING_RADIUS, HUNTING_SPEED = 500.0, 27.0
-#: Of the static wheel load and of a yaw that is no number of its own [rad], [m]: led in or started within.
+#: Tolerance between a vehicle led into the curve and one started in it: of the static wheel load, in units of 10 mrad
+#: for yaw and of 10 mm for lateral shift.
 LED_BAND = 1e-3
-#: What a start that is one keeps in a second, of a static wheel load, at a tolerance of 1e-8; measured 1e-9.
+#: Change of a steady start within a second, of a static wheel load, at a tolerance of 1e-8; measured 1e-9.
 KEPT_BAND = 1e-7
-#: Sums of a mirrored curve are the same numbers in another order.
+#: Sums in a mirrored curve add the same numbers in another order.
 MIRROR_BAND = 1e-9
-#: The chord of a coach between its pivots; its springs are bent by what its bogies' yaw asks of them.
+#: Tolerance for a coach on the chord between its pivots; its springs are bent by the yaw of its bogies.
 CHORD_BAND = 3e-3
 
 
 def on_line(name: str, line: Line, folder: Path, **values: float) -> Kernel:
-    """An FMU's kernel in space on a line."""
+    """Return the kernel of an FMU's 3D level on a line."""
     path = line.write(folder / "line.csv")
     return prepare(name, line_file=str(path), **{"level": 3.0, "constant_speed": 1.0, **values})
 
@@ -71,14 +72,14 @@ def curve(radius: float, cant: float, length: float = 400.0) -> Line:
 
 
 def led_into(radius: float, cant: float, speed: float, settled: float) -> tuple[Line, float]:
-    """A line with a transition that takes 3 s at least, and the time until the curve has lasted for `settled` [s]."""
+    """Return a line with a transition of at least 3 s, and the time until the curve has lasted for `settled` [s]."""
     way = max(200.0, 3 * speed)
     after = arc(speed * (settled + 5.0) + AHEAD, radius, cant)
     return line_of([straight(40.0), clothoid(way, straight(1), after), after], BEHIND), (40 + way) / speed + settled
 
 
 def columns(name: str) -> dict[str, list[str]]:
-    """What a steady state is compared by."""
+    """Return the quantities in which steady states are compared."""
     numbers = range(1, len(VEHICLES[name].wheelsets) + 1)
     return {
         "load": [f"wheel_load_{n}_{side}" for n in numbers for side in SIDES],
@@ -93,19 +94,22 @@ def seen(kernel: Kernel, name: str) -> dict[str, np.ndarray]:
 
 
 def differences(one: Mapping[str, np.ndarray], other: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """Largest of each kind, forces over the mean wheel load [1], places in centimetres, angles in 10 mrad."""
+    """Return the largest difference of each kind: forces over the mean wheel load [1], positions in cm, angles in 10
+    mrad.
+    """
     load = float(np.mean(one["load"]))
     sizes = {"load": load, "guiding": load, "lateral": 1e-2, "yaw": 1e-2}
     return {kind: float(np.max(np.abs(one[kind] - other[kind]))) / size for kind, size in sizes.items()}
 
 
-# ---- what the steady state is -----------------------------------------------------------------------------------
+# ---- properties of the steady state
+# -----------------------------------------------------------------------------------
 
 
 def asked(vehicle: Vehicle, kernel: Kernel, radius: float, cant: float, speed: float) -> tuple[float, float]:
-    """What sideways and upward forces of the rails must add up to in a curve to the left [N], Newton's second law.
+    """Return the lateral and vertical sums of the rail forces in a curve to the left [N], Newton's second law.
 
-    By masses where they lie, which all go round as fast.
+    Masses are taken at their positions and move with the same angular velocity.
     """
     angle, size = math.asin(cant / GAUGE), vehicle.number
     tops = [(kernel[body.variable("lateral")], size(body.height)) for body in vehicle.bodies]
@@ -124,7 +128,7 @@ def asked(vehicle: Vehicle, kernel: Kernel, radius: float, cant: float, speed: f
 def test_rails_carry_weight_and_centrifugal_force_at_the_start(
     name: str, radius: float, cant: float, deficiency: float, tmp_path: Path
 ) -> None:
-    """At R 300 and 500 m a coach that started with its bodies on the track derailed within 0.05 s."""
+    """At R 300 and 500 m a coach that started with its bodies centred on the track derailed within 0.05 s."""
     speed = suited_speed(radius, cant, deficiency)
     kernel = on_line(name, curve(radius, cant), tmp_path, initial_speed=speed)
     kernel.initialise()
@@ -136,9 +140,9 @@ def test_rails_carry_weight_and_centrifugal_force_at_the_start(
 
 
 def test_a_coach_lies_on_the_chord_between_its_bogies(tmp_path: Path) -> None:
-    """p^2 / 2R inside of its frames, where cant balances its speed, and further by what they lean on their wheels.
+    """The body is p^2 / 2R inside of its frames at balanced cant, and further due to the lean of the frames.
 
-    Springs that lean with the frames let the body down their slope, as its weight asks for.
+    Springs that lean with the frames let the body slide down by its weight over their stiffness.
     """
     radius, cant, coach = 600.0, 0.1, VEHICLES["vehicle"]
     kernel = on_line("vehicle", curve(radius, cant), tmp_path, initial_speed=suited_speed(radius, cant))
@@ -158,7 +162,7 @@ def test_a_coach_lies_on_the_chord_between_its_bogies(tmp_path: Path) -> None:
 def led_and_started(
     name: str, radius: float, cant: float, deficiency: float, folder: Path, settled: float
 ) -> dict[str, float]:
-    """Differences between a start in a curve and the mean of a second there, led in over a long transition."""
+    """Return the differences between a start in a curve and the mean of a second there after a long transition."""
     speed = suited_speed(radius, cant, deficiency)
     started = on_line(name, curve(radius, cant), folder, initial_speed=speed)
     started.initialise()
@@ -172,7 +176,7 @@ def led_and_started(
 
 
 def quiet(table: Mapping[str, list[float]], loads: list[str]) -> float:
-    """Largest change of a wheel load in a record, over the mean of all."""
+    """Return the largest change of a wheel load in a record, over the mean of all loads."""
     return float(max(np.ptp(table[one]) for one in loads) / np.mean([table[one] for one in loads]))
 
 
@@ -191,7 +195,7 @@ def test_who_starts_in_a_curve_stands_as_who_was_led_into_it(
 @pytest.mark.parametrize("name", ["bogie", "vehicle"])
 @pytest.mark.parametrize("radius", [200, 300, 500, 800, 1500])
 def test_who_starts_in_any_curve_stands_as_who_was_led_into_it(name: str, radius: float, tmp_path: Path) -> None:
-    """But for the bogie of chapter 5 where it hunts: there it goes on moving."""
+    """Except for the bogie of chapter 5 where it hunts: there it does not come to rest."""
     for cant, deficiency in product((0.0, 0.1, 0.15), (-0.1, 0.0, 0.1, 0.13)):
         if cant + deficiency <= 0.01:
             continue
@@ -203,12 +207,12 @@ def test_who_starts_in_any_curve_stands_as_who_was_led_into_it(name: str, radius
             assert max(found.values()) < LED_BAND, (cant, deficiency, found)
 
 
-# ---- a start that is one ------------------------------------------------------------------------------------------
+# ---- a start remains steady ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("name", "radius"), [("bogie", 300.0), ("vehicle", 800.0)])
 def test_nothing_moves_from_the_start_on(name: str, radius: float, tmp_path: Path) -> None:
-    """Drawn along at constant speed."""
+    """The vehicle runs at constant speed."""
     speed = suited_speed(radius, 0.1, 0.05)
     kernel = on_line(name, curve(radius, 0.1), tmp_path, initial_speed=speed, tolerance=1e-8)
     kernel.initialise()
@@ -229,7 +233,7 @@ def test_a_mirrored_curve_has_the_mirrored_start(tmp_path: Path) -> None:
 
 
 def test_torques_act_from_the_start_on_and_not_before(tmp_path: Path) -> None:
-    """Brake, motor, yaw torque and drawbar are no part of the steady state."""
+    """Torques of brake, motor and yaw and the drawbar force do not enter the steady state."""
     found = []
     driven = {"brake_torque_1": 5e3, "traction_torque_2": 3e3, "yaw_torque_1": 2e3, "drawbar_force": 1e4}
     for inputs in ({}, driven):
@@ -243,7 +247,9 @@ def test_torques_act_from_the_start_on_and_not_before(tmp_path: Path) -> None:
 
 
 def test_where_offsets_are_given_wheelsets_stand_there_and_bodies_settle_above_them(tmp_path: Path) -> None:
-    """A coach does not derail as it did with its body on the track, and sways to where it starts without offsets."""
+    """A coach did derail with its body centred on the track. Here it moves to the steady state of a start without
+    offsets.
+    """
     line, offset = curve(800.0, 0.1), -4e-3
     steady, aside = (
         on_line("vehicle", line, tmp_path, initial_speed=26.0, initial_lateral=lateral) for lateral in (0.0, offset)
@@ -257,7 +263,7 @@ def test_where_offsets_are_given_wheelsets_stand_there_and_bodies_settle_above_t
 
 
 def test_on_irregular_rails_a_curve_is_started_with_the_loads_of_statics(tmp_path: Path) -> None:
-    """Rails that lie millimetres elsewhere lift and move what starts on them; nothing falls or is pressed."""
+    """Rails that deviate by millimetres lift and shift the vehicle at its start; no wheel falls or is overloaded."""
     speed = suited_speed(400.0, 0.1, 0.05)
     line = irregular(line_of([arc(300.0, 400.0, 0.1)], -100.0), ERRI_HIGH, seed=1)
     below = np.abs(line.rows["distance"]) < 12.0
@@ -275,7 +281,9 @@ def test_on_irregular_rails_a_curve_is_started_with_the_loads_of_statics(tmp_pat
 def test_on_a_gradient_a_vehicle_accelerates_from_the_first_moment_on_as_its_masses_say(
     level: float, tmp_path: Path
 ) -> None:
-    """g i m / (m + J / r^2) with nothing that rocks, as what starts in the middle of its springs does for long."""
+    """g i m / (m + J / r^2) without oscillation. A vehicle that starts in the middle of its springs oscillates for
+    long.
+    """
     gradient, vehicle = -0.02, VEHICLES["bogie"]
     line = line_of([straight(400.0, gradient)], BEHIND)
     kernel = on_line("bogie", line, tmp_path, level=level, constant_speed=0.0, initial_speed=20.0, tolerance=1e-9)
@@ -291,7 +299,7 @@ def test_on_a_gradient_a_vehicle_accelerates_from_the_first_moment_on_as_its_mas
 
 
 def test_the_input_gradient_starts_level_2_as_a_line_does(tmp_path: Path) -> None:
-    """Without a line, and from rest too: brakes hold at once what stands."""
+    """Also from rest without a line: brakes hold a standing vehicle from the start."""
     for speed in (0.0, 20.0):
         line = line_of([straight(400.0, -0.02)], BEHIND)
         one = on_line("bogie", line, tmp_path, level=2.0, initial_speed=speed, brake_torque_1=2e4, brake_torque_2=2e4)
@@ -304,7 +312,8 @@ def test_the_input_gradient_starts_level_2_as_a_line_does(tmp_path: Path) -> Non
         assert [one[name] for name in names] == pytest.approx([other[name] for name in names], rel=1e-9, abs=1e-12)
 
 
-# ---- where there is nothing to find ---------------------------------------------------------------------------------
+# ---- no steady state exists or is needed
+# ---------------------------------------------------------------------------------
 
 
 def test_a_speed_that_overturns_is_refused_with_a_sentence_and_leaves_all_open(tmp_path: Path) -> None:
@@ -324,7 +333,7 @@ def in_space(vehicle: Vehicle) -> System:
 
 
 def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
-    """A line that begins straight and level: bit for bit as by equations without a steady start, irregular or not."""
+    """A line that begins straight and level, irregular or not: bit-identical to equations without a steady start."""
     system = in_space(two_axle_bogie())
     own, plain = (quick_library(model_of(one, 1e-6)) for one in (system, replace(system, steady_start=None)))
     before, behind = straight(30.0), arc(60.0, 400.0, 0.05)
@@ -340,11 +349,14 @@ def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
         assert saved[0] == saved[1]
 
 
-# ---- suspensions that could stand anywhere ---------------------------------------------------------------------------
+# ---- suspensions with many positions of rest
+# ---------------------------------------------------------------------------
 
 
 def test_dampers_and_sliders_start_without_a_force(tmp_path: Path) -> None:
-    """Beside the springs of a bogie: the start is that without them, to what is left of the friction, and stays."""
+    """Parallel to the springs of a bogie. The start equals that without them, within the remaining friction, and
+    persists.
+    """
     plain = two_axle_bogie()
     ends = "frame", "wheelset_1", plain.connections[0].place, True
     extra = (
@@ -365,7 +377,7 @@ def test_dampers_and_sliders_start_without_a_force(tmp_path: Path) -> None:
 
 
 def test_a_start_costs_some_hundred_jacobians(tmp_path: Path) -> None:
-    """And some milliseconds, which are printed."""
+    """The start also takes some milliseconds; the test prints them."""
     for name, (radius, cant, deficiency) in product(("bogie", "vehicle"), ((300, 0.1, 0.05), (1500, 0.15, 0.1))):
         kernel = on_line(name, curve(radius, cant), tmp_path, initial_speed=suited_speed(radius, cant, deficiency))
         begin = time.perf_counter()
