@@ -1,4 +1,4 @@
-"""Every creep law: what theory guarantees of it, its derivatives, and how far it is from Kalker's exact theory."""
+"""Test every creep law: theoretical properties, derivatives, and distance from Kalker's exact theory."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ from rbd_model.contact.hertz import POISSON_RATIO
 
 STEEL = 82e9
 DATA = Path(__file__).parents[1] / "data" / "creep"
-#: Laws with Kalker's limits for small creepages, and those that saturate; few cells: what is asked holds for any.
+#: Laws with Kalker's limits for small creepages, and those that saturate. Few cells suffice, because the tested
+#: properties hold for any number.
 KALKERS: dict[str, CreepLaw] = {
     "kalker_linear": kalker_linear,
     "shen_hedrick_elkins": shen_hedrick_elkins,
@@ -46,13 +47,13 @@ SATURATING = {name: law for name, law in KALKERS.items() if name != "kalker_line
     "johnson_vermeulen": johnson_vermeulen
 }
 ALL = {"kalker_linear": kalker_linear} | SATURATING
-#: In the order of a point: creepages, spin [1/m], load [N], friction, semi-axes [m].
+#: Order of the values of a point: creepages, spin [1/m], load [N], friction, semi-axes [m].
 POINT = (0.0, 0.0, 0.0, 80e3, 0.3, 6e-3, 5e-3)
 ROUND_OFF = 1e-9
 
 
 def patch_of(point: ca.SX, kalker: Kalker | None = None) -> ContactPatch:
-    """A point's patch; Kalker's coefficients from his table unless they are given."""
+    """Return the contact patch of a point; Kalker's coefficients come from his table unless they are given."""
     axes = (point[5], point[6])
     kalker = kalker or kalker_coefficients(axes[0] / axes[1])
     return ContactPatch((point[0], point[1], point[2]), point[3], point[4], axes, ca.SX(STEEL), kalker)
@@ -65,18 +66,18 @@ def function(law: CreepLaw, kalker: Kalker | None = None) -> ca.Function:
 
 
 def forces(law: CreepLaw, points: np.ndarray, kalker: Kalker | None = None) -> np.ndarray:
-    """(F_x, F_y) [N] by rows of points."""
+    """Return (F_x, F_y) [N] of each row of points."""
     points = np.atleast_2d(points)
     return np.array(function(law, kalker).map(len(points))(points.T)).T
 
 
 def at(x: float = 0.0, y: float = 0.0, spin: float = 0.0) -> np.ndarray:
-    """The usual patch with these creepages."""
+    """Return the standard patch with these creepages."""
     return np.array([x, y, spin, *POINT[3:]])
 
 
 def random_points(count: int, seed: int = 1) -> np.ndarray:
-    """Patches of all kinds: creepages to 0.1, spins to 10/m, either sign and over five decades; ellipses to 1 : 5."""
+    """Random patches: creepages to 0.1 and spins to 10/m, of either sign over five decades; ellipses to 1 : 5."""
     generator = np.random.default_rng(seed)
     sizes = 10 ** generator.uniform(-5, 0, (count, 3)) * np.array([0.1, 0.1, 10.0])
     load, friction = generator.uniform(1e3, 150e3, count), generator.uniform(0.02, 0.6, count)
@@ -87,16 +88,16 @@ def random_points(count: int, seed: int = 1) -> np.ndarray:
 
 # -- limits ---------------------------------------------------------------------------------------------------------
 
-#: Creepages and spin so small that what is not linear is below the tolerance, once twice their size is used too.
+#: Creepages and spin so small that nonlinear terms are below the tolerance after extrapolation with twice their size.
 SMALL = np.array([1e-8, 1e-8, 1e-6])
 KALKERS_LIMITS = 1e-6
 
 
 def slopes(law: CreepLaw, a: float, b: float) -> np.ndarray:
-    """dF/d(creepages) at none: the quotients of two small creepages, extrapolated to none.
+    """Return dF/d(creepages) at 0, extrapolated from the quotients at two small creepages.
 
-    They come near with the size of the creepage; FaStrip with the root of the spin: where a strip slips, at its
-    trailing edge, FASTSIM's stress has another direction than that of strip theory.
+    The quotients converge linearly in the creepage. Those of FaStrip converge with the square root of the spin. At the
+    trailing edge, where one of its strips slips, FASTSIM's stress and that of strip theory differ in direction.
     """
     found = []
     for number, size in enumerate(SMALL):
@@ -111,7 +112,7 @@ def slopes(law: CreepLaw, a: float, b: float) -> np.ndarray:
 @pytest.mark.parametrize("ratio", [0.3, 1.2, 2.6])
 @pytest.mark.parametrize("name", KALKERS)
 def test_small_creepages_give_kalkers_three_slopes_and_no_others(name: str, ratio: float) -> None:
-    """-G a b c11, -G a b c22, -G (a b)^1.5 c23; with the flexibilities that the cells of a grid ask for, exactly."""
+    """-G a b c11, -G a b c22, -G (a b)^1.5 c23; exact with the flexibilities that a grid of cells requires."""
     b = 5e-3
     a, kalker = ratio * b, kalker_coefficients(ca.SX(ratio))
     c11, c22, c23 = (float(value) for value in (kalker.c11, kalker.c22, kalker.c23))
@@ -122,7 +123,7 @@ def test_small_creepages_give_kalkers_three_slopes_and_no_others(name: str, rati
 
 @pytest.mark.parametrize("ratio", [0.3, 1.0, 2.6])
 def test_johnsons_and_vermeulens_slopes_are_those_of_their_elliptic_integrals(ratio: float) -> None:
-    """By quadrature of B, C, D; for a circle 16/(4 - 3 nu) and 16/(4 - nu), above Kalker's by 16 %."""
+    """B, C, D by quadrature; for a circle 16/(4 - 3 nu) and 16/(4 - nu), which exceed Kalker's by 16 %."""
     square = 1 - min(ratio, 1 / ratio) ** 2
     nu = POISSON_RATIO
     inverse = [
@@ -147,10 +148,10 @@ def test_johnsons_and_vermeulens_slopes_are_those_of_their_elliptic_integrals(ra
 
 @pytest.mark.parametrize("name", SATURATING)
 def test_large_creepage_gives_friction_times_load_against_the_sliding(name: str) -> None:
-    """To 1e-6: Polach's arc tangent comes as near at a creepage of 1, with the cube of the gradient."""
+    """To 1e-6: Polach's arc tangent approaches it to this error at a creepage of 1, with the cube of the gradient."""
     x, y = 0.6, -0.8
     found = forces(SATURATING[name], at(x, y), ISOTROPIC)[0] / (0.3 * 80e3)
-    if name == "johnson_vermeulen":  # its direction is that of its own linear force
+    if name == "johnson_vermeulen":  # the force has the direction of the law's own linear force
         assert np.hypot(*found) == pytest.approx(1.0, rel=1e-6)
     else:
         assert found == pytest.approx([-x, -y], rel=1e-6)
@@ -162,13 +163,13 @@ def test_the_linear_law_does_not_saturate() -> None:
 
 # -- symmetry -------------------------------------------------------------------------------------------------------
 
-#: Of a material that is as stiff along as across.
+#: A material of equal stiffness in both directions.
 ISOTROPIC = Kalker(ca.SX(4.0), ca.SX(4.0), ca.SX(1.5))
 
 
 @pytest.mark.parametrize("name", [name for name in ALL if name != "johnson_vermeulen"])
 def test_a_turned_creepage_turns_the_force_where_both_stiffnesses_are_equal(name: str) -> None:
-    """Without spin. Johnson's and Vermeulen's law has stiffnesses of its own, which are not equal."""
+    """Without spin. The law of Johnson and Vermeulen has stiffnesses of its own, which are not equal."""
     sizes, angles = (grid.ravel() for grid in np.meshgrid(np.geomspace(1e-5, 0.03, 7), np.linspace(0, 6, 9)))
     points = np.array([at(size * np.cos(t), size * np.sin(t)) for size, t in zip(sizes, angles, strict=True)])
     found = forces(ALL[name], points, ISOTROPIC)
@@ -179,7 +180,9 @@ def test_a_turned_creepage_turns_the_force_where_both_stiffnesses_are_equal(name
 
 @pytest.mark.parametrize("name", ALL)
 def test_forces_are_mirrored_with_the_creepages(name: str) -> None:
-    """Left and right, and all signs at once: both of theory, and with them forwards and backwards."""
+    """Mirror left to right, and reverse all signs. Theory requires both, and thus also the reversal of the direction of
+    travel.
+    """
     points = random_points(500)
     scale = (points[:, 3] * points[:, 4])[:, None]
     found = forces(ALL[name], points) / scale
@@ -190,7 +193,7 @@ def test_forces_are_mirrored_with_the_creepages(name: str) -> None:
 
 @pytest.mark.parametrize("name", ALL)
 def test_more_creepage_gives_no_less_force_without_spin(name: str) -> None:
-    """Along every direction of creepage; with constant friction, as theory has it."""
+    """In every direction of creepage, at constant friction, as theory requires."""
     for angle in np.linspace(0, np.pi / 2, 5):
         size = np.linspace(0, 0.02, 201)
         points = np.array([at(s * np.cos(angle), s * np.sin(angle)) for s in size])
@@ -198,15 +201,16 @@ def test_more_creepage_gives_no_less_force_without_spin(name: str) -> None:
         assert np.diff(found).min() > -ROUND_OFF * found.max()
 
 
-# -- what 1e5 patches have in common --------------------------------------------------------------------------------
+# -- properties of 1e5 patches --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_creep_takes_energy_and_never_more_than_friction_allows_on_1e5_patches(name: str) -> None:
-    """Without spin, on every other patch, F . sliding <= 0. With it a law would have to give its moment, and none does.
+    """Every other patch is without spin: there F . sliding <= 0. With spin this includes the moment, which no law
+    returns.
 
-    What theory guarantees without it: the moment about the normal is at most that of full rotation, 3 pi/16 mu N
-    max(a, b), so that the creepages may give back at most what that takes. And the force is at most mu N.
+    The moment about the normal is at most that of full rotation, 3 pi/16 mu N max(a, b). Creepages may therefore return
+    at most the power of this moment. The force is at most mu N.
     """
     points = random_points(100_000)
     points[::2, 2] = 0
@@ -216,7 +220,7 @@ def test_creep_takes_energy_and_never_more_than_friction_allows_on_1e5_patches(n
     assert np.isfinite(found).all()
     given = found[:, 0] * x + found[:, 1] * y
     assert (given[::2] <= 0).all()
-    if name != "kalker_linear":  # it has no bound
+    if name != "kalker_linear":  # this law is not bounded
         most = 3 * np.pi / 16 * limit * np.maximum(a, b) * np.abs(spin)
         assert (given <= most * (1 + ROUND_OFF)).all()
         assert (np.hypot(*found.T) <= limit * (1 + ROUND_OFF)).all()
@@ -232,9 +236,9 @@ DEGENERATE = np.array(
         at(x=1.0),
         at(1.0, 1.0, 1e4),
         at(spin=1e4),
-        at(0.0, 6e-3, -1.0),  # spin and lateral creepage that cancel at the leading edge
-        at(5e-3, 0.0, 1.0),  # and longitudinal creepage that does so at the side
-        at(0.0, -0.001, 1.052),  # about where strip theory ends, psi = 1
+        at(0.0, 6e-3, -1.0),  # spin and lateral creepage cancel at the leading edge
+        at(5e-3, 0.0, 1.0),  # spin and longitudinal creepage cancel at the side
+        at(0.0, -0.001, 1.052),  # near the limit of strip theory, psi = 1
         [1e-3, 1e-3, 0.1, 1e-3, 0.3, 6e-3, 5e-3],
         [1e-3, 1e-3, 0.1, 80e3, 1e-6, 6e-3, 5e-3],
         [1e-3, 1e-3, 0.1, 80e3, 0.3, 5e-3, 5e-3],
@@ -246,7 +250,9 @@ DEGENERATE = np.array(
 
 @pytest.mark.parametrize("name", ALL)
 def test_value_and_derivatives_are_numbers_everywhere(name: str) -> None:
-    """By all seven: creepages, load, friction, semi-axes; at rest, at the corners of the laws, and at random."""
+    """Derivatives by all seven: creepages, load, friction, semi-axes; at zero creepage, at kinks of the laws, and at
+    random.
+    """
     points = np.vstack([DEGENERATE, random_points(300, 2)])
     point = ca.SX.sym("point", 7)
     result = function(ALL[name])(point)
@@ -257,9 +263,10 @@ def test_value_and_derivatives_are_numbers_everywhere(name: str) -> None:
 
 @pytest.mark.parametrize("name", SATURATING)
 def test_forces_change_without_jumps(name: str) -> None:
-    """From patch to patch through psi = 1 and full slip: steps of a hundredth change a force by a tenth, or less.
+    """From patch to patch through psi = 1 and full slip: a hundredth of the step changes a force at most a tenth as
+    much.
 
-    A tenth, since stresses at the ends of strips grow as roots; a jump would stay.
+    The bound is a tenth because stresses at the ends of strips grow as square roots. A jump would not decrease.
     """
     ends = np.array([at(0.0, -0.002, 0.2), at(0.0, -0.002, 3.0), at(0.002, 0.001, 3.0), at(0.01, 0.02, -1.0), at()])
     for begin, end in pairwise(ends):
@@ -271,13 +278,13 @@ def test_forces_change_without_jumps(name: str) -> None:
         assert largest[1] <= 0.1 * largest[0]
 
 
-#: Of central differences [1]: the cube root of round-off squared, times ten for the curvature of the laws.
+#: Tolerance of central differences [1]: round-off to the power 2/3, times ten for the curvature of the laws.
 DIFFERENCES = 1e-6
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_derivatives_are_exact(name: str) -> None:
-    """Against differences over 1e-6 of each input. Where cells change over between, they may differ: not here."""
+    """Compare with differences over 1e-6 of each input. None of the cells changes its regime within these steps."""
     point = ca.SX.sym("point", 7)
     jacobian = ca.Function("jacobian", [point], [ca.jacobian(function(ALL[name])(point), point)])
     for place in random_points(12, 3):
@@ -292,7 +299,7 @@ def test_derivatives_are_exact(name: str) -> None:
 
 
 def fastsim_without_spin(x: float, y: float) -> np.ndarray:
-    """FASTSIM in the limit, by one integral: a strip has 2 q - q^2 + q^3/6 of 4/3, q its slip over the bound's."""
+    """Return FASTSIM's limit, by one integral: a strip has 2 q - q^2 + q^3/6 of 4/3, q its slip over the bound's."""
     load, friction, a, b = POINT[3:]
     kalker = kalker_coefficients(ca.SX(a / b))
     bound = 2 * friction * load / (math.pi * a * b)
@@ -309,7 +316,7 @@ def fastsim_without_spin(x: float, y: float) -> np.ndarray:
 
 
 def fastsim_in_numpy(x: float, y: float, spin: float, count: int) -> np.ndarray:
-    """FASTSIM as Kalker (1982) printed it: strips of equal width, stresses at the ends of the cells; count x count."""
+    """Return FASTSIM as in Kalker (1982): strips of equal width, stresses at the ends of count x count cells."""
     load, friction, a, b = POINT[3:]
     kalker = kalker_coefficients(ca.SX(a / b))
     c11, c22, c23 = (float(value) for value in (kalker.c11, kalker.c22, kalker.c23))
@@ -328,30 +335,30 @@ def fastsim_in_numpy(x: float, y: float, spin: float, count: int) -> np.ndarray:
     return total
 
 
-#: Patches between adhesion and full slip, with spin to psi = 1, at random: a single one may cross an error of zero.
+#: Random patches between adhesion and full slip, with spin to psi = 1. At a single one the error may happen to be zero.
 MIXED = np.array([at(*row) for row in np.random.default_rng(5).uniform(-1, 1, (40, 3)) * [2e-3, 2e-3, 0.9]])
-#: Orders over such patches scatter by this much [1].
+#: Scatter of the order of convergence over these patches [1].
 ORDERS = 0.3
 
 
 def size(forces_off: np.ndarray) -> float:
-    """Root of the mean square over patches, in % of mu N."""
+    """Return the root mean square over patches, in % of mu N."""
     return float(100 * np.sqrt(np.mean(np.sum(forces_off**2, axis=1))) / (0.3 * 80e3))
 
 
-#: FASTSIM by its number of cells, built once.
+#: FASTSIM by its number of cells, each built once.
 grid_of = lru_cache(fastsim)
 
 
 def order(law: Callable[[int], CreepLaw], counts: tuple[int, ...]) -> float:
-    """Mean order of convergence over doubled counts, from the differences of neighbours."""
+    """Return the mean order of convergence over doubled counts, from the differences of neighbours."""
     found = [forces(law(count), MIXED) for count in counts]
     differences = [size(one - other) for one, other in pairwise(found)]
     return math.log2(differences[0] / differences[-1]) / (len(differences) - 1)
 
 
 def test_fastsim_without_spin_converges_to_its_closed_form_with_order_one() -> None:
-    """Implicit Euler, as in the programs of its author: extrapolated, what is left is 0.1 % of mu N."""
+    """The scheme is implicit Euler, as in Kalker's programs: the extrapolated error is 0.1 % of mu N."""
     points = MIXED * [1, 1, 0, 1, 1, 1, 1]
     exact = np.array([fastsim_without_spin(*point[:2]) for point in points])
     found = [forces(grid_of(count), points) for count in (10, 20, 40)]
@@ -361,12 +368,12 @@ def test_fastsim_without_spin_converges_to_its_closed_form_with_order_one() -> N
 
 
 def test_fastsim_with_spin_converges_with_order_one() -> None:
-    """Where stresses turn as they slip; the scheme is Kalker's, which follows their direction to first order."""
+    """Stresses change direction while they slip. Kalker's scheme, used here, follows their direction to first order."""
     assert order(grid_of, (5, 10, 20, 40)) == pytest.approx(1.0, abs=ORDERS)
 
 
 def test_fastsim_is_kalkers_to_their_common_limit() -> None:
-    """Another program, as printed, both extrapolated by their order: what is left is 0.1 % of mu N."""
+    """Compare with another program of the published scheme, both extrapolated by their order; 0.1 % of mu N."""
     ours = 2 * forces(grid_of(40), MIXED) - forces(grid_of(20), MIXED)
     theirs = [np.array([fastsim_in_numpy(*point[:3], count) for point in MIXED]) for count in (80, 160)]
     assert size(ours - (2 * theirs[1] - theirs[0])) < 0.1
@@ -387,9 +394,9 @@ def test_an_odd_number_of_strips_is_refused() -> None:
 
 # -- the exact theory -----------------------------------------------------------------------------------------------
 
-#: Distance from the exact theory in % of mu N that is asked on each row: of pure creepage, of all. None: not asked.
-#: FASTSIM's is its own with a parabolic bound: 3.7 and 6.3 in the limit of its cells. Those of strip theory fall to 4.4
-#: with their number; FaStrip's 3.9 is helped by its cells, of which 40 x 40 give 5.2.
+#: Limits of the distance from the exact theory in % of mu N at each row: for pure creepage, for all rows (None: no
+#: limit). FASTSIM with a parabolic bound has 3.7 and 6.3 in the limit of its cells. Strip theory falls to 4.4 with more
+#: cells. FaStrip's 3.9 benefits from coarse cells: 40 x 40 give 5.2.
 ASKED: dict[str, tuple[CreepLaw, float, float | None]] = {
     "polach": (polach, 5.5, None),
     "shen_hedrick_elkins": (shen_hedrick_elkins, 5.5, None),
@@ -401,7 +408,7 @@ ASKED: dict[str, tuple[CreepLaw, float, float | None]] = {
 
 
 def exact_rows() -> tuple[np.ndarray, np.ndarray]:
-    """Points and exact forces [N] of all rows."""
+    """Return points and exact forces [N] of all rows."""
     rows = list(csv.DictReader((DATA / "exact.csv").read_text().splitlines()))
     names = ("longitudinal", "lateral", "spin_1_per_m", "load_N", "friction", "a_mm", "b_mm", "exact_x_N", "exact_y_N")
     table = np.array([[float(row[name]) for name in names] for row in rows])
@@ -420,15 +427,16 @@ def test_distance_from_the_exact_theory_is_within_what_is_asked(name: str) -> No
     if every is not None:
         assert distance.max() < every
     else:
-        assert distance.max() > 10.0  # with spin these laws fail: a test that they do, so that the page stays true
+        assert distance.max() > 10.0  # These laws must fail with spin, as the documentation states.
 
 
 # -- falling friction -----------------------------------------------------------------------------------------------
 
-#: Largest distance from a traction curve over all its creepages, in % of mu_0 N; asked of the fits.
+#: Largest distance from a traction curve over all its creepages, in % of mu_0 N; limit of the fits.
 CURVE = 2.0
 WHEEL_LOAD, WHEEL_RADIUS, SPEED, CURVES_NU = 106.7e3, 0.625, 10.0, 0.28
-#: Kalker (1990), table E.3, a/b = 0.5, for nu = 0, 0.25, 0.5; between them parabolas in nu through 1/c, as in CONTACT.
+#: Kalker (1990), table E.3, a/b = 0.5, for nu = 0, 0.25, 0.5. Between them 1/c is interpolated by parabolas in nu, as
+#: in CONTACT.
 AT_HALF = ((2.88, 3.62, 4.83), (2.88, 3.01, 3.14), (0.827, 0.929, 1.07))
 
 
@@ -441,7 +449,7 @@ def traction(series: str) -> tuple[np.ndarray, np.ndarray]:
 
 @lru_cache
 def wheel() -> tuple[float, float, Kalker]:
-    """Semi-axes by Hertz for a/b = 0.5, Johnson (1985), section 4.2, and Kalker's coefficients."""
+    """Return semi-axes by Hertz for a/b = 0.5, Johnson (1985), section 4.2, and Kalker's coefficients."""
     square = 0.75
     ratio = (ellipe(square) / 0.25 - ellipk(square)) / (ellipk(square) - ellipe(square))
     along = 1 / (2 * WHEEL_RADIUS)
@@ -460,7 +468,7 @@ def falling(kinetic: float, drop: float, half: float) -> Callable[[ca.SX], ca.SX
 def curves(
     law: CreepLaw, friction_at: Callable[[ca.SX], ca.SX], reduction: Reduction = CLEAN, chosen: ca.SX | None = None
 ) -> Callable[..., np.ndarray]:
-    """Traction coefficient of the wheel by its creepages, and by the symbols `chosen`."""
+    """Return the traction coefficient of the wheel by its creepages, and by the symbols `chosen`."""
     a, b, kalker = wheel()
     x, zero, mu = ca.SX.sym("x"), ca.SX(0), friction_at(ca.SX(0))
     axes, creepages = (ca.SX(a), ca.SX(b)), (x, zero, zero)
@@ -474,7 +482,7 @@ def curves(
 
 
 def test_the_wheel_is_that_of_the_curves() -> None:
-    """FASTSIM is CONTACT's within 1.5 % of mu N, half of which is the slope: there 3 % above Kalker's table."""
+    """FASTSIM is within 1.5 % of mu N of CONTACT. Half of it is the slope, which is 3 % above Kalker's table there."""
     creepage, coefficient = traction("fastsim_coulomb")
     found = curves(fastsim(20), lambda speed: ca.SX(0.33))(creepage)
     assert found[0] == pytest.approx(coefficient[0], rel=0.035)
@@ -482,7 +490,7 @@ def test_the_wheel_is_that_of_the_curves() -> None:
 
 
 def test_modified_fastsim_follows_its_curve_with_the_printed_parameters() -> None:
-    """No fit: k_0, alpha, beta and the friction are those of the curve. With slopes that do not fall it fails."""
+    """No fit: k_0, alpha, beta and the friction are those of the curve. With constant slopes the law fails."""
     creepage, coefficient = traction("modified_fastsim_falling")
     friction = falling(0.1368, 0.2232, 0.99)
     found = curves(modified_fastsim(10, SlopeReduction(0.54, 0.02, 0.62)), friction)(creepage)
@@ -491,7 +499,7 @@ def test_modified_fastsim_follows_its_curve_with_the_printed_parameters() -> Non
     assert 100 * np.abs(constant_slope - coefficient).max() / 0.36 > 4 * CURVE
 
 
-#: Fitted by least squares to a curve, with the friction of the curve: k_A, k_S of Polach's law, and k_0, alpha, beta.
+#: Least-squares fits to a curve, with the friction of the curve: k_A, k_S of Polach's law, and k_0, alpha, beta.
 FITS = {
     ("polach_2005", "exact_falling_layer"): ((0.14, 0.19, 1.25), (0.253, 0.279)),
     ("polach_2005", "modified_fastsim_falling"): ((0.1368, 0.2232, 0.99), (0.502, 0.282)),

@@ -1,8 +1,9 @@
-"""What rails carry, of a vehicle that is braked, leans and runs in curves, on springs of any stiffness.
+"""Test the moments on the rails of a vehicle that brakes, leans and runs in curves, on springs of any stiffness.
 
-Momentum and angular momentum of the whole vehicle, displaced as it is, against what the rails do where they touch the
-wheels (`tests/balance.py`): nothing of that knows a spring. Springs that push two bodies with opposite forces in two
-lines lose a couple: 4 % of what one rail carries where the coach stands on cant, 8 % where it brakes.
+Momentum and angular momentum of the whole displaced vehicle are compared with the rail forces at the contacts
+(`tests/balance.py`). This balance does not use the springs. If a spring acted on two bodies with opposite forces along
+two different lines, a couple would be missing. It would be 4 % of the load of one rail for the coach on cant, and 8 %
+during braking.
 """
 
 from __future__ import annotations
@@ -29,20 +30,21 @@ from tests.maximal.rails import Course, swept
 from tests.quick_library import quick_library
 
 VEHICLES: dict[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "coach": passenger_coach}
-#: Torque of the brake of each wheelset [N.m], a slowing of 1.1 m/s2, and how long it takes to come [s].
+#: Brake torque of each wheelset [N.m], a deceleration of 1.1 m/s2, and the time of its ramp [s].
 TORQUE, RAMP = {"bogie": 15e3, "coach": 5e3}, 1.0
-#: Shares of the weight, and of what one rail could carry, that may be missing. On level rails nothing is searched for,
-#: and velocities of 20 m/s are differenced over 1e-6 s. In space a place of contact is told to the approach of 0.1 mm
-#: times the tread's slope of 1 : 20, 5 um of 750 mm and more under more load; measured 1.0e-5. A place of a tread that
-#: fades is told to a millimetre: with a tenth of the weight on it 1.9e-4. Asked are 2e-4.
+#: Tolerances of forces, as a share of the weight, and of moments, as a share of the largest moment of one rail. On
+#: level rails no contact is searched for; velocities of 20 m/s are differentiated over 1e-6 s. In 3D a contact position
+#: has the error of the approach of 0.1 mm times the tread's slope of 1 : 20. This is 5 um of 750 mm, and more at higher
+#: load; measured 1.0e-5. The position on an unloading tread has an error of a millimetre: 1.9e-4 at a tenth of the
+#: weight. The required limit is 2e-4.
 FORCE_BAND, PLANE_BAND, SPACE_BAND = 1e-9, 2e-9, 2e-4
 FACTORS = (0.1, 1.0, 10.0)
-#: Two cants [m] on which a wheelset lies at its flange and no bump stop bears, and how far statics are off that know no
-#: rails that yield and no contacts that move on them; measured 1.2 %, and 3.7 % where soft springs double what leans.
+#: Two cants [m] at which a wheelset lies at its flange and no bump stop acts. Tolerance of linear statics, which
+#: neglect flexible rails and moving contacts; measured 1.2 %, and 3.7 % with soft springs that double the lean.
 LITTLE, LINEAR_BAND = (0.002, 0.006), 0.05
-#: On ramps a wheelset meets its rails as if they were prisms; measured 4e-5. The asked 2e-4 less a margin.
+#: Tolerance on ramps, where a wheelset meets its rails as prisms; measured 4e-5. The required 2e-4 less a margin.
 RAMP_BAND = 1e-4
-#: A transition into a curve of 300 m, and a ramp within one, as steep as 1 : 400.
+#: A transition into a curve of 300 m, and a ramp within a curve, as steep as 1 : 400.
 RAMPS = (
     Course((1 / 600, 1 / 300 / 60), (-0.03, -1 / 600), (0.01, 0.0)),
     Course((1 / 300, 0.0), (-0.05, -1 / 400), (0.0, 1 / 2000)),
@@ -51,7 +53,7 @@ RAMPS = (
 
 @dataclass(frozen=True)
 class Scene:
-    """A curve [m], its cant [m], gradient and speed [m/s]; a vehicle that stands is held by its brakes."""
+    """A curve [m], its cant [m], gradient and speed [m/s]; a standing vehicle is held by its brakes."""
 
     radius: float = math.inf
     cant: float = 0.0
@@ -60,11 +62,11 @@ class Scene:
 
     @property
     def course(self) -> Course:
-        """The line."""
+        """Return the line."""
         return curve(self.radius, self.cant, self.gradient)
 
     def pushed(self, name: str, vehicle: Vehicle) -> Pushed:
-        """What linear statics are told of it."""
+        """Return the loads of the case for linear statics."""
         number, torque = vehicle.number, TORQUE[name]
         rolling = sum(
             number(one.mass) + number(one.inertia[1]) / number("wheel_radius") ** 2 for one in vehicle.wheelsets
@@ -78,7 +80,8 @@ class Scene:
         return Pushed(slowing, aside, down, torque if self.speed else 0.0)
 
 
-#: Straight, standing on 150 mm of cant, in a wide curve with too much cant and in a narrow one with 100 mm too little.
+#: Straight track, standing on 150 mm of cant, a wide curve with cant excess, and a narrow one with 100 mm cant
+#: deficiency.
 SCENES = {
     "straight": Scene(),
     "cant": Scene(cant=0.15, speed=0.0),
@@ -86,18 +89,18 @@ SCENES = {
     "deficiency": Scene(300.0, 0.0, 17.15),
     "right": Scene(-500.0, -0.1, 22.0),
 }
-#: Of level 2.
+#: Cases of level 2.
 PLANE = {"level": Scene(), "gradient": Scene(gradient=0.02)}
 
 
 def stiffnesses(vehicle: Vehicle) -> list[str]:
-    """Parameters that are stiffnesses of a connection."""
+    """Return the names of the parameters that are stiffnesses of a connection."""
     sizes = [size for one in vehicle.connections for size in np.ravel(np.array(getattr(one, "stiffness", 0.0), object))]
     return list(dict.fromkeys(name for size in sizes for name, _ in as_sum(size).terms))
 
 
 def cases(name: str) -> Iterator[tuple[str, float]]:
-    """Each stiffness of a vehicle by name with its factors."""
+    """Return each stiffness of a vehicle by name with its factors."""
     every = stiffnesses(VEHICLES[name]())
     yield every[0], 1.0
     yield from ((one, factor) for one in every for factor in FACTORS if factor != 1.0)
@@ -114,7 +117,7 @@ def springs(name: str, stiffness: str, factor: float) -> Springs:
 
 
 def why_it_falls(name: str, scene: Scene, stiffness: str, factor: float) -> str:
-    """A sentence of linear statics, or nothing."""
+    """Return the reason from linear statics why the vehicle falls, or an empty string."""
     one = springs(name, stiffness, factor)
     softest = one.softest()
     if softest <= 0.0:
@@ -136,19 +139,19 @@ def base(name: str) -> float:
 
 @cache
 def flat(name: str) -> tuple[Library, list[str]]:
-    """Level 2 on a line, and its states."""
+    """Return the library of level 2 on a line, and its states."""
     system = planar_vehicle(VEHICLES[name](), True)
     return quick_library(model_of(system, 1e-7)), list(system.states)
 
 
-#: From a vehicle as it stands, what is missing.
+#: Returns the missing forces and moments of a vehicle in its present state.
 Missing = Callable[[Kernel], np.ndarray]
 
 
 def ride(
     name: str, library: Library, scene: Scene, missing: Missing, folder: Path, settle: float = 0.0, **values: float
 ) -> np.ndarray:
-    """Largest of what is missing, (6,): at rest, behind `settle` seconds, where the brake has come, and behind that."""
+    """Return the largest imbalance, (6,): at rest after `settle` seconds, at the end of the brake ramp, and later."""
     vehicle = VEHICLES[name]()
     brakes = [f"brake_torque_{number}" for number, _ in vehicle.numbered]
     line = file_of(scene.course, folder / "line.csv")
@@ -196,13 +199,13 @@ def check(found: np.ndarray, band: float) -> None:
     assert np.max(found[3:]) < band, found
 
 
-#: The softest and the stiffest spring that a short test takes: those against sway, which carry most aside.
+#: The softest and the stiffest spring of the short test: lateral ones, which carry the largest lateral load.
 SHORT = [("lateral_stiffness", 0.1), ("lateral_stiffness", 10.0)]
 
 
 @pytest.mark.parametrize("name", VEHICLES)
 def test_rails_carry_the_moments_of_a_braked_vehicle_in_its_plane(name: str, tmp_path: Path) -> None:
-    """Level 2, on level track and on a gradient, each stiffness in turn."""
+    """Level 2, on level track and on a gradient, with each stiffness in turn."""
     for scene in PLANE.values():
         for stiffness, factor in cases(name):
             check(ride_in_plane(name, scene, tmp_path, **value_of(name, stiffness, factor)), PLANE_BAND)
@@ -225,7 +228,7 @@ def test_rails_carry_the_moments_of_a_vehicle_that_brakes_leans_and_turns(scene:
 def test_they_carry_them_on_springs_of_any_stiffness_that_statics_let_stand(
     name: str, scene: str, tmp_path: Path
 ) -> None:
-    """Each stiffness of bogie and coach, at a tenth and ten times; prints what is missing at most."""
+    """Each stiffness of bogie and coach, at a tenth and ten times its value; print the largest imbalance."""
     for stiffness, factor in cases(name):
         falls = why_it_falls(name, SCENES[scene], stiffness, factor)
         if falls:
@@ -237,7 +240,7 @@ def test_they_carry_them_on_springs_of_any_stiffness_that_statics_let_stand(
 
 
 def test_a_weight_that_stands_a_millimetre_aside_shows(tmp_path: Path) -> None:
-    """So does a rail's force, which lies as far beside its place."""
+    """The balance also detects a rail force that acts a millimetre beside its place."""
     one, scene = machine("bogie"), SCENES["excess"]
     kernel = Kernel(one.library, line_file=file_of(scene.course, tmp_path / "line.csv"), initial_speed=scene.speed)
     kernel.initialise()
@@ -252,7 +255,7 @@ def test_a_weight_that_stands_a_millimetre_aside_shows(tmp_path: Path) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("name", VEHICLES)
 def test_rails_carry_the_moments_of_a_vehicle_on_ramps_of_cant(name: str, tmp_path: Path) -> None:
-    """On rails as they are swept along the line, where curvature, cant and gradient change."""
+    """Rails swept along a line with changing curvature, cant and gradient."""
     one = machine(name)
     for course in RAMPS:
         kernel, found = one.kernel({"initial_speed": 10.0}, course, tmp_path), []
@@ -260,14 +263,16 @@ def test_rails_carry_the_moments_of_a_vehicle_on_ramps_of_cant(name: str, tmp_pa
             now = Now.of(one.vehicle, course, kernel, one.names)
             found.append(np.abs(imbalance(now, in_space(one, now, kernel, base(name), swept))))
             kernel.advance(1.0)
-        # About the vertical the couple is missing with which two rails that rise and fall turn a wheelset.
+        # The vertical moment is not checked: it lacks the couple with which two rails of different slope turn a
+        # wheelset.
         check(np.max(found, axis=0)[:5], RAMP_BAND)
 
 
 def aside(name: str, now: Now, reactions: list[Reaction]) -> float:
-    """By how much the leading wheelset stands to the left of the middle of where its wheels bear; of half the gauge.
+    """Return the offset of the leading wheelset to the left of the middle between its contacts, over half the gauge.
 
-    A wheel on its flange bears in three places: as one vertical force that has their moment about the rails.
+    A wheel on its flange bears at three places. They are replaced by one vertical force with the same moment about the
+    rails.
     """
     middle, places = now.bodies["wheelset_1"].position, []
     axes = now.track(middle).T
@@ -287,9 +292,9 @@ def aside(name: str, now: Now, reactions: list[Reaction]) -> float:
 def test_a_little_more_cant_unloads_a_wheel_as_linear_statics_say(
     name: str, stiffness: str, factor: float, tmp_path: Path
 ) -> None:
-    """The bodies stand where their springs let them, and so do their weights.
+    """The bodies, and so their weights, are where their springs hold them.
 
-    Wheelsets lie at their flanges on both, by some micrometres more on the higher cant.
+    At both cants the wheelsets lie at their flanges, some micrometres further at the higher one.
     """
     vehicle, one, lost, asked = VEHICLES[name](), machine(name), [], []
     number = vehicle.number
@@ -307,7 +312,7 @@ def test_a_little_more_cant_unloads_a_wheel_as_linear_statics_say(
 
 @pytest.mark.long
 def test_a_vehicle_tips_over_where_linear_statics_say_so(tmp_path: Path) -> None:
-    """The bogie on vertical springs of a twentieth, which cannot hold its weight upright; on a tenth it stands."""
+    """The bogie cannot hold its weight upright on vertical springs of 1/20 of the stiffness; on 1/10 it can."""
     one = machine("bogie")
     for factor in (0.05, 0.1):
         falls = springs("bogie", "vertical_stiffness", factor).softest() <= 0.0

@@ -1,4 +1,4 @@
-"""The spatial level: energy, constraints, symmetry, limits, and the facts of chapters 4, 5 and 9."""
+"""Test the 3D level: energy, constraints, symmetry, limits, and the results of chapters 4, 5 and 9."""
 
 from __future__ import annotations
 
@@ -37,9 +37,10 @@ from tests.quick_library import quick_library
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
-#: Bands of docs/checking.md: energy relative to what is lost, gap of the constraints, mirrored answer.
+#: Tolerances of docs/checking.md: energy relative to the loss, gap of the constraints, mirrored answer.
 ENERGY_BAND, GAP_BAND, MIRROR_BAND = 1e-8, 1e-9, 1e-9
-#: Wavelength of the kinematic wave; the profiles' splines make its conicity good to 1e-3, the creep at 1 m/s to less.
+#: Tolerance of the wavelength of the kinematic wave. The profiles' splines give its conicity to 1e-3; creep at 1 m/s
+#: has a smaller effect.
 KLINGEL_BAND = 1e-3
 
 
@@ -60,7 +61,7 @@ def spatial(library: Library, **values: float) -> Kernel:
 
 
 def test_lost_energy_equals_brake_creep_and_damper_work(observed: Library) -> None:
-    """Over a lateral wave that stays off the flange, then braking to a stop."""
+    """A lateral wave without flange contact, then braking to a stop."""
     kernel = Kernel(observed, tolerance=1e-10, lateral_irregularity=0.01)
     kernel.advance(2.5)
     kernel.set(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=5e3)
@@ -75,7 +76,7 @@ def test_lost_energy_equals_brake_creep_and_damper_work(observed: Library) -> No
 @pytest.mark.parametrize("at_rail", [0.0, 1.0])
 @pytest.mark.parametrize("reaction", [0.0, 1.0])
 def test_energy_is_kept_wherever_brake_and_flange_react(observed: Library, reaction: float, at_rail: float) -> None:
-    """Braked with uneven shoes, flanges against the rails; without the energy in their springs it does not close."""
+    """Uneven brake shoes and loaded flanges; the energy balance includes the energy of their springs."""
     kernel = Kernel(observed, tolerance=1e-10, torque_reaction=reaction, flange_at_rail=at_rail)
     kernel.set(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=6e4)
     names = [*ENERGIES, *(f"integral_{name}" for name in POWERS)]
@@ -87,13 +88,14 @@ def test_energy_is_kept_wherever_brake_and_flange_react(observed: Library, react
     assert np.ptp(energy - in_spring) > -1e2 * ENERGY_BAND * lost
 
 
-#: Heights of the flange's force by moments [m]: the contacts' places are known to about 1 mm of 500, the loads exactly.
+#: Tolerance of the height of the flange force from moments [m]: contact positions have an error of 1 mm of 500, loads
+#: are exact.
 HEIGHT_BAND = 4e-3
 
 
 @pytest.mark.parametrize("at_rail", [0.0, 1.0])
 def test_flange_is_pushed_at_the_rail_or_at_the_axle(bogie: Library, at_rail: float) -> None:
-    """Eq. (3.106). Moments of all loads about the forward axis tell the height at which the force acts."""
+    """Eq. (3.106). The height of the force follows from the moments of all loads about the forward axis."""
     p, pair = tables_5_1_and_5_2(), thesis_pair()
     values = {"initial_speed": 15.0, "constant_speed": 1, "yaw_torque_1": 9e4, "flange_at_rail": at_rail}
     kernel = spatial(bogie, **values)
@@ -114,7 +116,7 @@ def test_flange_is_pushed_at_the_rail_or_at_the_axle(bogie: Library, at_rail: fl
 
 
 def test_derailment_quotient_of_a_wheel_is_that_of_all_forces_of_its_rail(bogie: Library) -> None:
-    """Steady on the flange: Y of the four wheels add up to nothing; without friction Y/Q is the cone's."""
+    """In steady flange contact the Y of the four wheels add up to zero; without friction Y/Q is that of the cone."""
     kernel = spatial(bogie, initial_speed=15.0, constant_speed=1, yaw_torque_1=9e4)
     kernel.advance(20.0)
     pushes = {}
@@ -130,7 +132,7 @@ def test_derailment_quotient_of_a_wheel_is_that_of_all_forces_of_its_rail(bogie:
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, 0.6])
 def test_nadal_limit_is_that_of_a_flange_that_slides_down(friction: float) -> None:
-    """The flange's normal force N and friction mu N up the rail, taken apart into Y and Q."""
+    """The normal force N of the flange and friction mu N up the rail, resolved into Y and Q."""
     angle = flange_of(thesis_pair()).angle
     sideways = np.sin(angle) - friction * np.cos(angle)
     down = np.cos(angle) + friction * np.sin(angle)
@@ -138,9 +140,10 @@ def test_nadal_limit_is_that_of_a_flange_that_slides_down(friction: float) -> No
 
 
 def test_flange_above_nadal_limit_warns_once_with_wheel_and_time(bogie: Library) -> None:
-    """100 kN.m of yaw torque: as printed the flanging wheel loses load and climbs at friction 0.3, not at 0.15.
+    """At a yaw torque of 100 kN.m the flanging wheel of the thesis loses load and climbs at friction 0.3, not at 0.15.
 
-    Pushed at the rail it gains load and stays below the limit, as it does where the gauge face alone is lubricated.
+    With the flange force at the rail it gains load and stays below the limit. It also stays below it with a lubricated
+    gauge face.
     """
     found = {}
     for friction, at_rail, gauge_face in ((0.3, 0.0, 1.0), (0.15, 0.0, 1.0), (0.3, 1.0, 1.0), (0.3, 0.0, 0.5)):
@@ -160,7 +163,7 @@ def test_flange_above_nadal_limit_warns_once_with_wheel_and_time(bogie: Library)
 
 
 def test_half_spacings_give_yaw_and_roll_each_its_stiffness(bogie: Library) -> None:
-    """4 k b^2 over the sprung mass's inertia, longitudinal springs against yaw, vertical ones against roll."""
+    """4 k b^2 over the sprung mass's inertia; longitudinal springs for yaw, vertical ones for roll."""
     p = tables_5_1_and_5_2()
     names = list(levels(two_axle_bogie(p))[2].states)
 
@@ -192,7 +195,7 @@ def test_wheels_stay_on_their_rails(observed: Library, irregularity: str) -> Non
 
 @pytest.mark.parametrize("yaw_torque", [1e4, 6e4])
 def test_mirrored_scene_gives_the_mirrored_answer(bogie: Library, yaw_torque: float) -> None:
-    """Off the flanges and, with the larger torque, against them."""
+    """Without flange contact and, with the larger torque, with it."""
     names = ["lateral_1", "lateral_2", "yaw_1", "frame_roll", "speed", "wheel_load_1_left", "wheel_load_1_right"]
     found = []
     for sign in (1.0, -1.0):
@@ -208,7 +211,7 @@ def test_mirrored_scene_gives_the_mirrored_answer(bogie: Library, yaw_torque: fl
 
 
 def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> None:
-    """The ellipse moves by micrometres only; measured 0.4 mm."""
+    """The contact ellipse moves by micrometres only; the distances differ by 0.4 mm."""
     stops = []
     for level in (2, 3):
         kernel = Kernel(bogie, level=level, contact_model=1, brake_torque_1=20e3, brake_torque_2=20e3)
@@ -218,12 +221,12 @@ def test_straight_symmetric_stop_is_that_of_the_planar_level(bogie: Library) -> 
     assert max(abs(stops[1][1]), abs(stops[1][2])) < 1e-9
 
 
-#: Bands of docs/checking.md against a reference from another method.
+#: Tolerances of docs/checking.md against a reference by another method.
 STOP_TIME_BAND, STOP_DISTANCE_BAND = 1e-3, 10e-3
 
 
 def test_stop_is_that_of_another_method(bogie: Library) -> None:
-    """20 kN.m from 25 m/s to where both wheelsets stand, by SciPy's Radau, 100 times tighter than these bands."""
+    """Brake with 20 kN.m from 25 m/s until both wheelsets stand; SciPy's Radau is 100 times tighter."""
     system = levels(two_axle_bogie())[2]
     names = [name for name, state in system.states.items() if not state.algebraic]
     peer = spatial(bogie, brake_torque_1=20e3, brake_torque_2=20e3)
@@ -251,17 +254,17 @@ def test_stop_is_that_of_another_method(bogie: Library) -> None:
     end = dict(zip(names, found.y[:, -1], strict=True))
     moved = end["frame_distance"] + (end["shift_1"] + end["shift_2"]) / 2
     assert table["distance"][locked] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)
-    assert kernel["distance"] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)  # it stands
+    assert kernel["distance"] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)  # the vehicle stands
     assert not any("locked" in sentence for sentence in kernel.journal)
     assert kernel["locked_1"] == kernel["locked_2"] == 0.0
 
 
-#: Of slopes [1/s2]: slip is a difference of 25 m/s in double precision, and its coefficient is 2200 1/s.
+#: Round-off of slopes [1/s2]: slip is a difference of 25 m/s in double precision, and its coefficient is 2200 1/s.
 ROUND_OFF = 1e-11
 
 
 def test_equations_without_algebraic_states_have_their_exact_jacobian(bogie: Library) -> None:
-    """By the implicit-function theorem, against central differences over a wave."""
+    """The implicit-function theorem is compared with central differences over a wave."""
     kernel = spatial(bogie, lateral_irregularity=0.01, tolerance=1e-10)
     kernel.advance(1.0)
     states = levels(two_axle_bogie())[2].states.values()
@@ -278,7 +281,7 @@ def test_equations_without_algebraic_states_have_their_exact_jacobian(bogie: Lib
 
 @pytest.mark.parametrize("reaction", [0.0, 1.0])
 def test_pitch_of_the_frame_is_that_of_the_planar_level(bogie: Library, reaction: float) -> None:
-    """Traction, then braking; with the torque on the wheelsets alone and with its reaction on the sprung mass."""
+    """Traction, then braking; with the torque on the wheelsets only, and with its reaction on the sprung mass."""
     found = []
     for level in (2, 3):
         kernel = Kernel(
@@ -294,11 +297,11 @@ def test_pitch_of_the_frame_is_that_of_the_planar_level(bogie: Library, reaction
 
 
 def test_signs_follow_x_forward_y_left_z_up(bogie: Library) -> None:
-    """A torque about the upward axis turns the nose to the left; a higher left rail rolls everything to the right."""
+    """A torque about the upward axis turns the nose to the left; a higher left rail rolls all bodies to the right."""
     turned = spatial(bogie, initial_speed=15.0, constant_speed=1, yaw_torque_1=5e3, yaw_torque_2=5e3)
     turned.advance(0.03)
     assert turned["yaw_1"] > 1e-5
-    turned.advance(1.0)  # it rolls to the left until its conicity balances the torque
+    turned.advance(1.0)  # the wheelset rolls to the left until its conicity balances the torque
     assert turned["lateral_1"] > 1e-4
     raised = spatial(bogie, initial_speed=15.0, constant_speed=1, cross_level=0.02)
     roll = np.array(raised.record(8.0, 0.01, ["frame_roll"])["frame_roll"])
@@ -313,10 +316,11 @@ def test_signs_follow_x_forward_y_left_z_up(bogie: Library) -> None:
 def test_wheelset_that_turns_ever_further_derails_where_its_wheel_falls_off_the_rail(
     wheelset: Library, torque: float, side: str
 ) -> None:
-    """A wheelset of chapter 4 that nothing turns back: yawed by 0.4 rad its wheels are 2 b (1 - cos yaw) closer.
+    """A wheelset of chapter 4 without a restoring moment. At a yaw of 0.4 rad its wheels are 2 b (1 - cos yaw) closer.
 
-    The wheel on the far side then stands on the end of its tread, s = 55 mm from the nominal contact: (b + s) cos(yaw)
-    = b + lateral gives the yaw, but for the curved profiles and the contact's place before or behind the axle.
+    The wheel on the far side then stands on the end of its tread, s = 55 mm from the nominal contact. The yaw follows
+    from (b + s) cos(yaw) = b + lateral. This neglects the curved profiles and the offset of the contact along the
+    track.
     """
     kernel = Kernel(wheelset, initial_speed=15.0, yaw_torque_1=torque)
     sentence = rf"Derailed: the {side} wheel of wheelset 1 ran off the end of its tread or of the rail's head at \d\."
@@ -352,7 +356,7 @@ def test_vehicle_that_would_start_beside_its_rails_is_refused(bogie: Library, va
 def test_wave_of_a_free_wheelset_that_starts_off_centre_is_klingels_with_the_equivalent_conicity(
     wheelset: Library,
 ) -> None:
-    """Eq. (2.1) at walking pace and without springs, dampers or flange; the conicity counts the roll."""
+    """Eq. (2.1) at walking pace, without springs, dampers or flange; the conicity includes the effect of roll."""
     softest = {f"{axis}_stiffness": 1.0 for axis in ("longitudinal", "lateral")}
     undamped = {f"{axis}_damping": 0.0 for axis in ("longitudinal", "lateral")}
     free = softest | undamped | {"flange_stiffness": 0.0, "constant_speed": 1}
@@ -366,15 +370,15 @@ def test_wave_of_a_free_wheelset_that_starts_off_centre_is_klingels_with_the_equ
     scale = pair.wheel_half_distance * pair.radius
     conicity = float(equivalent_conicity(pair, np.array([amplitude]))[0])
     assert wavelength == pytest.approx(2 * np.pi * np.sqrt(scale / conicity), rel=KLINGEL_BAND)
-    # Without the part of the motion that is the roll's, the wave would be shorter.
+    # Without the effect of roll the wave would be shorter.
     shift = contact_at(pair, amplitude).radius_difference / (2 * amplitude)
     assert wavelength != pytest.approx(2 * np.pi * np.sqrt(scale / shift), rel=10 * KLINGEL_BAND)
 
 
 def test_yaw_torque_is_square_to_the_axle(observed: Library) -> None:
-    """Like the couple of shoe forces (9.1) it does not turn the wheels, however far the wheelset has rolled.
+    """Like the couple of shoe forces (9.1) it does not turn the wheels, at any roll of the wheelset.
 
-    About the vertical of the track it would, by its sine times the torque.
+    A torque about the vertical of the track would, by the sine of the roll times the torque.
     """
     kernel = Kernel(observed, initial_speed=5.0, initial_lateral=9e-3, constant_speed=1)
     kernel.initialise()
@@ -388,7 +392,7 @@ def test_yaw_torque_is_square_to_the_axle(observed: Library) -> None:
 
 
 def test_hunting_above_the_critical_speed_grows_to_a_bounded_cycle(wheelset: Library) -> None:
-    """Section 4.4, 30 m/s: growth as the eigenvalue says, then a limit cycle at the flange."""
+    """Section 4.4, 30 m/s: growth by the eigenvalue, then a limit cycle at the flange."""
     kernel = Kernel(wheelset, initial_speed=30.0, constant_speed=1, lateral_irregularity=1e-5, tolerance=1e-9)
     lateral = np.abs(kernel.record(40.0, 0.005, ["lateral_1"])["lateral_1"])
     early, late = lateral[4000:5000].max(), lateral[6000:7000].max()  # 20 to 25 s, 30 to 35 s
@@ -403,7 +407,7 @@ def test_hunting_above_the_critical_speed_grows_to_a_bounded_cycle(wheelset: Lib
 
 
 def test_hunting_in_time_has_the_frequency_of_the_eigenvalue() -> None:
-    """The linearisation predicts how a small change of the start spreads: the growth of a mode, measured in time."""
+    """The linearisation predicts the growth of a small disturbance; the frequency of its mode is measured in time."""
     system = wheelset_in_frame()
     library = Library(build_library(model_of(system, 1e-10)))
     kernel = Kernel(library, initial_speed=25.0, constant_speed=1, lateral_irregularity=1e-6)
@@ -437,7 +441,7 @@ def test_wheelset_of_chapter_4_hunts_as_printed(wheelset: Library) -> None:
     printed = critical_speed(
         lambda v: growth(wheelset, v, longitudinal_half_spacing=0.35, vertical_half_spacing=0.35), 15.0, 40.0
     )
-    assert printed == pytest.approx(22.1, abs=0.2)  # too low for the thesis's 27: docs/fitted.md
+    assert printed == pytest.approx(22.1, abs=0.2)  # below the thesis's 27: docs/fitted.md
 
 
 def test_lateral_wave_of_chapter_5(bogie: Library) -> None:
@@ -450,7 +454,7 @@ def test_lateral_wave_of_chapter_5(bogie: Library) -> None:
 
 
 def test_asymmetric_braking_derails_at_the_fold_and_says_so(bogie: Library) -> None:
-    """Section 9.4.1, 75 % error, brake applied in 1 s: derailed at 6.1 m/s, in the thesis's reading."""
+    """Section 9.4.1, 75 % error, brake applied in 1 s: derailed at 6.1 m/s, with the thesis's interpretation."""
     kernel = spatial(bogie, yaw_torque_rotates=1, tolerance=1e-6, **AS_PRINTED)
     kernel.advance(1.0)
     kernel.set_rate(brake_torque_1=20e3, brake_torque_2=20e3, yaw_torque_1=131.76e3)
@@ -484,7 +488,7 @@ def test_locked_wheelsets_slide_with_the_friction_of_their_loads(bogie: Library)
     assert kernel["locked_1"] == kernel["locked_2"] == 1.0
     kernel.advance(1.0)
     mean = np.mean(kernel.record(1.0, 0.01, ["acceleration"])["acceleration"])
-    assert mean == pytest.approx(-0.3 * 9.81, rel=0.01)  # Polach's force is 1.5 % short of mu N at full slip
+    assert mean == pytest.approx(-0.3 * 9.81, rel=0.01)  # Polach's force is 1.5 % below mu N at full slip
 
 
 def test_fitted_ellipse_is_the_exact_one() -> None:
@@ -498,13 +502,13 @@ def test_fitted_ellipse_is_the_exact_one() -> None:
 
 
 def wheelset_on(track: Track, **values: float) -> Kernel:
-    """The wheelset of chapter 4 on another track."""
+    """Return the kernel of the wheelset of chapter 4 on another track."""
     system = spatial_vehicle(wheelset_under_frame(), track)
     return Kernel(quick_library(model_of(system, 1e-7)), **values)
 
 
 def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    """The wave (5.3) as a file with a point every 0.1 m gives the motion of the formula, here vertically."""
+    """The wave (5.3) as a file with a point every 0.1 m causes the same motion as its formula, here vertically."""
     parameters = replace(section_5_3(), vertical_irregularity=0.01)
     distance = np.arange(0.0, 60.0, 0.1)
     along = distance - 5.0
@@ -521,7 +525,7 @@ def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # typ
         found.append(np.array(kernel.record(2.0, 0.01, ["bounce"])["bounce"]))
     assert np.abs(found[0]).max() > 1e-3
     assert np.abs(found[0] - found[1]).max() < 1e-5
-    rows[distance >= 20.0, 4] = 0.5  # the rails are slippery from 20 m on: 12 kN.m lock there
+    rows[distance >= 20.0, 4] = 0.5  # rails are slippery from 20 m on: 12 kN.m lock the wheelset there
     path.write_text("distance,lateral,left,right,friction\n" + "\n".join(",".join(map(str, row)) for row in rows))
     kernel = wheelset_on(track_from_file(path), initial_speed=10.0, brake_torque_1=1.2e4)
     table = kernel.record(4.0, 0.01, ["distance", "locked_1", "speed"])
@@ -535,7 +539,7 @@ def test_track_from_points_is_the_track_of_the_formula(tmp_path) -> None:  # typ
 
 
 def test_wave_and_plateau_are_those_printed() -> None:
-    """Eqs (5.3), (5.4) away from the blends, and their derivatives against differences."""
+    """Eqs (5.3), (5.4) outside the blends, and their derivatives compared with differences."""
     parameters = replace(section_5_3(), lateral_irregularity=0.025, vertical_irregularity=0.03, cross_level=0.02)
     track = derivatives_along(parameters)
     lateral, left, right = track(15.0)[0]

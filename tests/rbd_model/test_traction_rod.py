@@ -1,4 +1,4 @@
-"""The traction rods of the coach: how its body swings along the track as the brakes bite, and how that dies out."""
+"""Test the traction rods of the coach: the body's motion along the track when the brakes apply, and its decay."""
 
 from __future__ import annotations
 
@@ -21,21 +21,22 @@ PLANAR, SPATIAL = 2, 3
 NUMBERS = (1, 2, 3, 4)
 TORQUE, SPEED, DURATION, INTERVAL = 8e3, 50.0, 10.0, 0.01
 WITHOUT_RODS = {"traction_rod_stiffness": 0.0, "traction_rod_damping": 0.0}
-#: From then on the body must be calm [s]: six times what the slower motion, its pitch, takes to fall to 1/e.
+#: Time after which the body must be at rest [s]: six time constants (1/e) of the slower motion, its pitch.
 CALM = 4.5
-#: Of the load that moves between the bogies: rigid statics, which do not know the weights that stand ahead of their
-#: springs (0.6 %), and what may still swing when all is calm, three times exp(-6).
+#: Tolerances of the load transfer between the bogies. Rigid statics neglect that weights move ahead of their springs
+#: (0.6 %). The remaining oscillation at rest is three times exp(-6).
 STATICS_BAND, CALM_BAND = 0.01, 0.0075
-#: Of the swing at this speed [m/s]: its frequency and its decay, in which creep has a part that grows with speed (6e-4,
-#: 1.6 % at 25 m/s). Of the largest load: the same creep lets the brakes bite a hundredth of a second later at 50 m/s.
+#: Speed of the oscillation test [m/s], and its tolerances of frequency and decay. Creep contributes to them with a part
+#: that grows with speed (6e-4, 1.6 % at 25 m/s). LOAD_BAND: of the largest load; the same creep delays the brake force
+#: at 50 m/s by a hundredth of a second.
 SLOW, FREQUENCY_BAND, DECAY_BAND, LOAD_BAND = 1.0, 5e-5, 1e-3, 0.015
-#: What is lost beside the work of dampers, creep and brakes.
+#: Energy lost in addition to the work of dampers, creep and brakes.
 ENERGY_BAND = 1e-8
 
 
 @cache
 def front_less_rear(level: int, rods: bool) -> tuple[np.ndarray, np.ndarray, float]:
-    """Time [s], load of the front wheels less that of the rear ones [N], deceleration at the end [m/s2]."""
+    """Return time [s], load of the front wheels less that of the rear ones [N], deceleration at the end [m/s2]."""
     brakes = {f"brake_torque_{number}": TORQUE for number in NUMBERS}
     kernel = prepare("vehicle", level=level, initial_speed=SPEED, **brakes, **({} if rods else WITHOUT_RODS))
     kernel.initialise()
@@ -46,10 +47,10 @@ def front_less_rear(level: int, rods: bool) -> tuple[np.ndarray, np.ndarray, flo
 
 @dataclass(frozen=True)
 class Swing:
-    """Linear motion in the vehicle's plane that mirrors from front to rear: mass, damping, stiffness, pull of brakes.
+    """Linear motion in the vehicle's plane, antisymmetric from front to rear: mass, damping, stiffness, brake forces.
 
-    Coordinates: body along the track and in pitch, frames along it at the height of the axles and in pitch, front frame
-    up as the rear one goes down, wheelsets along the track, which roll. vertical: row of the load that moves.
+    Coordinates: body along the track and in pitch; frames along it at axle height and in pitch; front frame up and rear
+    one down; rolling wheelsets along the track. `vertical`: row of the load transfer.
     """
 
     mass: np.ndarray
@@ -68,7 +69,8 @@ class Swing:
         mass += 2 * p.frame_mass * np.outer(centre, centre)
         along = 2 * p.secondary_longitudinal_stiffness + p.traction_rod_stiffness
         lost_along = 2 * p.secondary_longitudinal_damping + p.traction_rod_damping
-        # Each kind of spring: its stretch by the coordinates, stiffness and damping of all that are in the vehicle.
+        # For each kind of spring: its elongation by the coordinates, stiffness and damping of all of them in the
+        # vehicle.
         rows = np.array(
             [
                 [1, -below, -1, -p.secondary_height, 0, 0, 2 * along, 2 * lost_along],
@@ -88,12 +90,12 @@ class Swing:
 
     @property
     def matrix(self) -> np.ndarray:
-        """Of the first-order equations of coordinates and their rates."""
+        """Return the matrix of the first-order equations of coordinates and their rates."""
         slopes = [-np.linalg.solve(self.mass, one) for one in (self.stiffness, self.damping)]
         return np.block([[np.zeros((6, 6)), np.eye(6)], slopes])
 
     def load(self, times: np.ndarray) -> np.ndarray:
-        """Front less rear [N] at equidistant times from rest under brakes that bite at once."""
+        """Return the load front less rear [N] at equidistant times from rest, with brake forces that act at once."""
         pushed = np.zeros((13, 13))
         pushed[:12, :12] = self.matrix
         pushed[6:12, 12] = np.linalg.solve(self.mass, self.brakes)
@@ -105,14 +107,16 @@ class Swing:
 
     @property
     def along(self) -> complex:
-        """Eigenvalue of the swing along the track [1/s]: next to that of body and running gear alone on the rods."""
+        """Return the eigenvalue of the longitudinal oscillation [1/s]: the closest to that of body and running gear on
+        the rods.
+        """
         body, gear = self.mass[0, 0], self.mass[2, 2] + self.mass[5, 5]
         alone = np.sqrt(self.stiffness[0, 0] * (1 / body + 1 / gear))
         return complex(min(np.linalg.eigvals(self.matrix), key=lambda one: abs(one - 1j * alone)))
 
 
 def leaning(p: VehicleParameters, below: float) -> np.ndarray:
-    """Stiffness of weights on springs that pitch with the frames under them, to the second order of their potential."""
+    """Return the stiffness due to weights on springs that pitch with the frames: second order of the potential."""
     body = p.body_mass * p.gravity
     frames = body + 2 * p.frame_mass * p.gravity
     pitch = 2 * body * p.frame_height + body * (p.secondary_height - p.frame_height) - frames * p.frame_height
@@ -128,7 +132,7 @@ COACH = coach_with_traction_rods()
 
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 def test_a_braked_coach_carries_what_statics_say_once_its_body_is_calm(level: int) -> None:
-    """What slows the body pulls below its centre. As published it swings on and on, by more than what moves."""
+    """The longitudinal force acts below the body's centre. Without rods the load oscillates by more than that."""
     times, load, deceleration = front_less_rear(level, rods=True)
     statics = 2 * COACH.body_mass * deceleration * (COACH.body_height - COACH.secondary_height) / COACH.pivot_distance
     calm = load[times > CALM]
@@ -164,7 +168,7 @@ def test_the_swing_along_the_track_has_the_frequency_and_decay_of_masses_on_rods
 
 
 def test_what_rods_turn_to_heat_is_lost() -> None:
-    """At level 2, until the coach stands; at level 3 `test_four_axles.py` has the same. Dampers lose 1e-3 of it."""
+    """Level 2, until the coach stands; for level 3 see `test_four_axles.py`. Dampers dissipate 1e-3 of the energy."""
     energies, powers = ["kinetic_energy", "potential_energy"], ["brake_power", "creep_power", "damping_power"]
     model = model_of(planar_vehicle(passenger_coach()).with_integrals(powers).with_outputs(energies), 1e-9)
     brakes = {f"brake_torque_{number}": TORQUE for number in NUMBERS}

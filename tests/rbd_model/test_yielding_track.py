@@ -1,4 +1,4 @@
-"""Rails that yield below each wheelset: what they do to a coach in curves, and what holds them."""
+"""Test flexible rails below each wheelset: their effect on a coach in curves, and their equilibrium."""
 
 from __future__ import annotations
 
@@ -17,25 +17,28 @@ from rbd_model.track.irregularity import ballasted_track
 from rbd_model.vehicle.parameters import manchester_vehicle_1
 from scenarios.lines.flexible_track import RIGID, Scene, curve, peaks
 
-#: Asked of peaks over tolerances and dampings of the contact; measured is at most 5e-5 of either.
+#: Limit of the change of peaks over tolerances and contact dampings; measured at most 5e-5 for either.
 PEAK_BAND = 0.02
-#: Tolerance and damping of the contacts [s/m]; first the default.
+#: Tolerance and contact damping [s/m]; the first is the default.
 DEFAULT, OTHERS = (1e-6, 1.0), ((1e-5, 1.0), (1e-7, 1.0), (1e-8, 1.0), (1e-6, 0.5), (1e-6, 2.0))
 ORDINARY = curve(300.0, 0.15)
-#: Where the coach flutters on rigid rails.
+#: A case in which the coach flutters on rigid rails.
 FLUTTERS = curve(500.0, 0.15, friction=0.5)
-#: Damping of the contacts with which it runs calmly there [s/m], and the default.
+#: Contact damping with which the coach is stable there [s/m], and the default.
 CALM, ASSUMED = 2.5, 1.0
-#: Bounce and roll of a wheelset on rigid rails [Hz]; what is quicker than the slowest of wheel on rail.
+#: Frequencies of bounce and roll of a wheelset on rigid rails [Hz], and a lower limit of the frequencies of wheel on
+#: rail.
 CONTACT_MODES, QUICK = (175.0, 205.0), 60.0
-#: Statics of the track, of the static wheel load: the body still sways a little, and rails are damped; measured 2e-4.
+#: Tolerance of the track statics, of the static wheel load: the body still moves a little, and rails are damped;
+#: measured 2e-4.
 STATIC_BAND = 1e-3
-#: A track ten thousand times as stiff and damped against one that is rigid, both calm: of the largest load.
+#: Tolerance between a track of ten thousand times the stiffness and damping and a rigid one, both stable: of the
+#: largest load.
 STIFF_BAND = 1e-3
 
 
 def spread(scene: Scene, variants: tuple[tuple[float, float], ...]) -> np.ndarray:
-    """By how much the largest wheel load and the largest Y/Q differ from those of the default."""
+    """Return the relative changes of the largest wheel load and of the largest Y/Q from those with the default."""
     first, *others = (peaks(scene, tolerance=one, contact_damping=other) for one, other in (DEFAULT, *variants))
     return np.asarray(np.max(np.abs(np.array(others) / first - 1), axis=0))
 
@@ -46,7 +49,7 @@ def test_peaks_in_a_curve_hang_neither_on_the_tolerance_nor_on_the_damping_of_co
 
 
 def test_on_rigid_rails_they_hang_on_both() -> None:
-    """So that the test above can fail; there the same curve is calm on rails that yield."""
+    """This shows that the test above can fail; on flexible rails the same curve is stable."""
     rigid = replace(FLUTTERS, values=FLUTTERS.values | RIGID)
     assert np.all(spread(rigid, ((1e-4, 1.0), (1e-6, 2.0))) > 10 * PEAK_BAND)
     assert np.all(spread(FLUTTERS, ((1e-4, 1.0), (1e-6, 2.0))) < PEAK_BAND)
@@ -58,7 +61,7 @@ def test_on_rigid_rails_they_hang_on_both() -> None:
 def test_no_curve_makes_peaks_hang_on_the_tolerance_or_on_the_damping_of_contacts(
     radius: float, friction: float
 ) -> None:
-    """On 0 to 150 mm of cant, with 100 mm too much to 130 mm too little of it."""
+    """Cants from 0 to 150 mm, with 100 mm excess to 130 mm deficiency."""
     for cant, deficiency in product((0.0, 0.075, 0.15), (-0.1, -0.05, 0.0, 0.05, 0.13)):
         if cant + deficiency > 0.0:
             found = spread(curve(radius, cant, deficiency, friction), OTHERS)
@@ -66,14 +69,14 @@ def test_no_curve_makes_peaks_hang_on_the_tolerance_or_on_the_damping_of_contact
 
 
 def settled(scene: Scene = ORDINARY, **values: float) -> Kernel:
-    """The coach calm in its curve."""
+    """Return the coach in the steady state of its curve."""
     kernel = scene.kernel(tolerance=1e-7, **values)
     kernel.advance(scene.duration)
     return kernel
 
 
 def growth(matrix: np.ndarray) -> tuple[float, float]:
-    """Rate [1/s] and frequency [Hz] of the quick oscillation that grows most or decays least."""
+    """Return rate [1/s] and frequency [Hz] of the quick oscillation that grows fastest or decays slowest."""
     values = np.linalg.eigvals(matrix)
     quick = values[values.imag > 2 * pi * QUICK]
     found = quick[np.argmax(quick.real)] if quick.size else complex(-np.inf, 0.0)
@@ -81,9 +84,10 @@ def growth(matrix: np.ndarray) -> tuple[float, float]:
 
 
 def leading_wheelset(names: list[str], matrix: np.ndarray, symmetric: bool) -> np.ndarray:
-    """What moves the leading wheelset alone, of a Jacobian; symmetric: what friction takes from its stiffness put back.
+    """Return the leading wheelset's own part of a Jacobian; `symmetric`: with a symmetrised stiffness.
 
-    Of forces that have a potential the stiffness, mass times acceleration by place, is symmetric.
+    The stiffness (mass times acceleration by displacement) of forces with a potential is symmetric; friction makes it
+    asymmetric.
     """
     p = manchester_vehicle_1()
     moved = ("lateral_1", "rise_1", "roll_1", "yaw_1")
@@ -98,7 +102,7 @@ def leading_wheelset(names: list[str], matrix: np.ndarray, symmetric: bool) -> n
 
 
 def test_rigid_rails_let_friction_that_follows_the_load_shake_a_wheelset() -> None:
-    """Bounce and roll of the outer leading wheelset grow together; with a symmetric stiffness they do not."""
+    """Bounce and roll of the outer leading wheelset grow together. With a symmetric stiffness they decay."""
     place = settled(FLUTTERS, **RIGID, contact_damping=CALM).linearise().state
     kernel = FLUTTERS.kernel(**RIGID, contact_damping=ASSUMED)
     kernel.initialise()
@@ -112,7 +116,7 @@ def test_rigid_rails_let_friction_that_follows_the_load_shake_a_wheelset() -> No
 
 
 def system_on_line() -> System:
-    """The equations of the coach in space on a line."""
+    """Return the equations of the coach in 3D on a line."""
     return next(system for system in model_of("vehicle").systems if system.name == "spatial_patches_on_line")
 
 
@@ -123,7 +127,7 @@ def test_on_rails_that_yield_what_is_quick_dies_soon_whatever_the_contacts_damp(
 
 
 def test_rails_lie_where_loads_and_guiding_forces_press_them() -> None:
-    """By Hooke's law, from the forces that are outputs; heights from where the static load has pressed them."""
+    """Hooke's law with the forces given as outputs; heights are relative to the rails under static load."""
     kernel, track, p = settled(), ballasted_track(), manchester_vehicle_1()
     mass = p.body_mass + 2 * p.frame_mass + 4 * p.wheelset_mass
     static = mass * p.gravity / 8
