@@ -1,4 +1,4 @@
-"""Air through restrictions into a cylinder: closed forms of gas dynamics, and the balance of mass and energy."""
+"""Test air flow through restrictions into a cylinder: closed forms of gas dynamics, balances of mass and energy."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_p, with_d
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 
-#: Asked of the flow model against closed forms.
+#: Tolerance of the flow model against closed forms.
 CLOSED_FORM = 5e-3
-#: Asked of the balances; the integrator's own error at TIGHT is ten times smaller.
+#: Tolerance of the balances; the integrator's own error at TIGHT is a tenth of it.
 BALANCE, TIGHT = 1e-9, 1e-12
-#: Of the temperature at the default tolerance, 1e-6 of each state's nominal value in each of some hundred steps.
+#: Tolerance of the temperature at the default tolerance: 1e-6 of each state's nominal value in each of some hundred
+#: steps.
 DRIFT = 1e-4
 KAPPA = 1.4
 OBSERVED = ("mass_flow_in", "mass_flow_out", "enthalpy_in", "enthalpy_out", "piston_work", "heat_loss")
@@ -36,7 +37,7 @@ SHOWN = ("air_temperature_in_cylinder", "piston_travel", "mass_flow_in", "mass_f
 
 @pytest.fixture(scope="module")
 def air() -> Library:
-    """The flow model alone, with what its observables gather over time."""
+    """The flow model alone, with the integrals of its observables."""
     ready = qr30_experiment()
     system = flow_brake(ready.rigging, ready.flow).with_integrals(OBSERVED).with_outputs(SHOWN)
     return Library(build_library(brake_model((system,))))
@@ -48,7 +49,7 @@ def kernel_of(air: Library, ready: ReadySet, **values: float) -> Kernel:
 
 
 def stiff_cylinder(**changes: float) -> ReadySet:
-    """A cylinder of 3 litres whose piston stands still, filled up to 380 kPa."""
+    """Return a cylinder of 3 litres with a fixed piston, filled up to 380 kPa."""
     ready = uic_p()
     return replace(ready, flow=replace(ready.flow, piston_slack=0.0, dead_volume=3e-3, **changes))
 
@@ -66,7 +67,7 @@ def slope_at(ratio: float) -> float:
 
 
 def test_flow_is_the_isentropic_one_and_does_not_grow_below_the_critical_ratio() -> None:
-    """Saint-Venant and Wantzel; 0.5283 and 0.6847 stand in any table for kappa = 1.4."""
+    """Saint-Venant and Wantzel; 0.5283 and 0.6847 are in any table for kappa = 1.4."""
     assert pytest.approx(0.5283, abs=5e-5) == CRITICAL_RATIO
     assert pytest.approx(0.6847, abs=5e-5) == CHOKED_FLOW
     for ratio in (0.0, 0.1, 0.5, CRITICAL_RATIO):
@@ -82,7 +83,7 @@ def test_flow_and_its_slope_are_continuous_where_it_chokes_and_where_it_turns_la
         before, after = corner - near, corner + near
         assert flow_at(before) == pytest.approx(flow_at(after), rel=1e-6)
         assert slope_at(before) == pytest.approx(slope_at(after), rel=1e-4, abs=1e-6)
-    assert abs(slope_at(1 - LAMINAR_DIFFERENCE)) > 1.0  # so that the comparison above is not one of zeros
+    assert abs(slope_at(1 - LAMINAR_DIFFERENCE)) > 1.0  # so that the comparison above does not compare zeros
 
 
 def test_flow_is_monotonous_with_a_finite_slope_at_equal_pressures_and_never_goes_back() -> None:
@@ -97,7 +98,7 @@ def test_flow_is_monotonous_with_a_finite_slope_at_equal_pressures_and_never_goe
 
 
 def supply_flow(flow: FlowParameters, target: float) -> float:
-    """Choked mass flow from the regulator [kg/s]."""
+    """Return the choked mass flow from the regulator [kg/s]."""
     area = flow.discharge_coefficient * math.pi / 4 * flow.application_orifice**2
     return area * (target + flow.ambient_pressure) * CHOKED_FLOW / math.sqrt(GAS_CONSTANT * flow.air_temperature)
 
@@ -115,7 +116,7 @@ def test_choked_filling_raises_the_pressure_in_a_straight_line(air: Library, exp
         kernel.advance(share * choked / rate - kernel.time)
         assert kernel["mass_flow_in"] == pytest.approx(flow_in, rel=1e-9)
         assert kernel["cylinder_pressure"] == pytest.approx(share * choked, rel=CLOSED_FORM)
-        # The closed form for another exponent would be away by more than the tolerance.
+        # The closed form for another exponent differs by more than the tolerance.
         assert kernel["cylinder_pressure"] != pytest.approx(share * choked * (exponent + 0.1) / exponent, rel=0.01)
 
 
@@ -152,13 +153,13 @@ def test_choked_venting_follows_the_closed_fall(air: Library, exponent: float) -
     time = 0.5 / fall
     kernel.advance(time)
     share = math.exp(-fall * time) if exponent == 1.0 else (1 + power * fall * time) ** (-1 / power)
-    assert share * start > flow.ambient_pressure / CRITICAL_RATIO  # choked all the while
+    assert share * start > flow.ambient_pressure / CRITICAL_RATIO  # choked throughout
     assert kernel["cylinder_pressure"] + flow.ambient_pressure == pytest.approx(share * start, rel=CLOSED_FORM)
     assert math.exp(-1.03 * fall * time) * start != pytest.approx(math.exp(-fall * time) * start, rel=CLOSED_FORM)
 
 
 def test_adiabatic_charging_from_vacuum_heats_the_air_to_kappa_times_the_supply(air: Library) -> None:
-    """The textbook limit; from a hundredth of a bar it is reached to the share of air that was there before."""
+    """Textbook limit. Starting from a hundredth of a bar, the error is the share of the initial air."""
     ready = stiff_cylinder(polytropic_exponent=1.4, ambient_pressure=1e3)
     kernel = kernel_of(air, ready, pressure_demand=380e3)
     kernel.advance(60.0)
@@ -177,13 +178,13 @@ def test_isothermal_air_keeps_its_temperature(air: Library) -> None:
 
 
 def air_in(kernel: Kernel, flow: FlowParameters) -> tuple[float, float]:
-    """Mass [kg] and internal energy p V / (kappa - 1) [J] of the air in the cylinder."""
+    """Return mass [kg] and internal energy p V / (kappa - 1) [J] of the air in the cylinder."""
     volume = flow.dead_volume + flow.piston_area * kernel["piston_travel"]
     return kernel["state_air_mass"], (kernel["cylinder_pressure"] + flow.ambient_pressure) * volume / (KAPPA - 1)
 
 
 def balances(kernel: Kernel, flow: FlowParameters, before: tuple[float, float]) -> tuple[float, float]:
-    """What is missing of mass and of energy, over what went in."""
+    """Return the errors of the balances of mass and energy, over the inflow of each."""
     gathered = {name: kernel[f"integral_{name}"] for name in OBSERVED}
     mass, energy = (now - then for now, then in zip(air_in(kernel, flow), before, strict=True))
     mass_missing = gathered["mass_flow_in"] - gathered["mass_flow_out"] - mass
@@ -194,7 +195,7 @@ def balances(kernel: Kernel, flow: FlowParameters, before: tuple[float, float]) 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.2, 1.4])
 def test_mass_and_energy_of_the_air_are_balanced(air: Library, exponent: float) -> None:
-    """Through stroke, filling, partial release, hold and vent, with the piston moving both ways."""
+    """Through stroke, filling, partial release, hold and vent; the piston moves both ways."""
     ready = with_dump_valve(uic_p())
     ready = replace(ready, flow=replace(ready.flow, polytropic_exponent=exponent))
     kernel = kernel_of(air, ready, tolerance=TIGHT, pressure_demand=380e3)
@@ -208,13 +209,13 @@ def test_mass_and_energy_of_the_air_are_balanced(air: Library, exponent: float) 
         mass, energy = balances(kernel, ready.flow, before)
         assert abs(mass) < BALANCE
         assert abs(energy) < BALANCE
-        # A millionth of the dead volume would show.
+        # A millionth of the dead volume would be detected.
         if command != {"valve": 2}:
             assert abs(balances(kernel, wrong, wrong_before)[1]) > BALANCE
 
 
 def test_work_on_the_piston_is_that_of_the_spring_and_of_the_surroundings(air: Library) -> None:
-    """Against the air outside and the spring, until the shoes touch."""
+    """Work against ambient air and spring, until the shoes touch."""
     ready = uic_p()
     flow = ready.flow
     kernel = kernel_of(air, ready, tolerance=1e-9, pressure_demand=380e3)

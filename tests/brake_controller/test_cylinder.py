@@ -1,4 +1,4 @@
-"""The brake cylinder: timing, valve, fail-safe, rigging and shoe friction, against what chapters 2, 6 and 7 print."""
+"""Test the brake cylinder: timing, valve, fail-safe, rigging and shoe friction, against chapters 2, 6 and 7."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from brake_controller.rigging import force_per_pressure
 from brake_controller.shoe_friction import MEASURED_AGAINST_FORCE
 from fmu_src.kernel import Kernel, Library, SimulationError
 
-#: Error of a pressure, from the tolerance 1e-6 of 1e5 Pa per step.
+#: Error of a pressure at the tolerance of 1e-6 of 1e5 Pa per step.
 PRESSURE_ERROR = 1.0
 
 
@@ -67,7 +67,7 @@ def test_demand_that_was_never_given_applies_the_brake(brake: Library) -> None:
 def test_rod_force_is_the_printed_share_under_the_specification(
     brake: Library, pressure: int, specified: float, lost: float
 ) -> None:
-    """Sections 7.2.1, 7.3.1, 7.4.1; the percentages are printed without decimals."""
+    """Sections 7.2.1, 7.3.1, 7.4.1; the thesis reports the percentages without decimals."""
     kernel = Kernel(brake, **qr30(pressure).values(), pressure_demand=1e3 * pressure)
     kernel.advance(20.0)
     assert 100 * (1 - kernel["shoe_force"] / 2e3 / specified) == pytest.approx(lost, abs=0.5)

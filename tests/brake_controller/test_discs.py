@@ -1,4 +1,4 @@
-"""Discs against closed forms: friction over speed and temperature, and the heat of a wheelset that turns evenly."""
+"""Test discs against closed forms: friction by speed and temperature, and the heat of an evenly turning wheelset."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fmu_src.system import System, Variable, model_of
 
 TIGHT, CLOSED_FORM = 1e-11, 1e-6
 FORCE, OMEGA = 40e3, 60.0
-#: The corner of |w| at rest takes at most 0.01 m/s of 15 m/s.
+#: Relative error due to the smoothed corner of |w| at rest: at most 0.01 m/s of 15 m/s.
 CORNER = 1e-3
 DISCS = axle_discs()
 
@@ -38,7 +38,7 @@ def turned(library: Library, duration: float, **values: float) -> Kernel:
 
 
 def warmer(duration: float, mass: float, cooling: float, fall: float) -> float:
-    """Solution of d' = A (mu - b d) - K d, d(0) = 0: A = share F v / (m c), K = cooling / (m c)."""
+    """Return the solution of d' = A (mu - b d) - K d, d(0) = 0: A = share F v / (m c), K = cooling / (m c)."""
     speed = OMEGA * DISCS.friction_radius
     heat = DISCS.disc_heat_share * FORCE * speed / (mass * DISCS.disc_heat_capacity)
     rate = heat * fall + cooling / (mass * DISCS.disc_heat_capacity)
@@ -56,7 +56,7 @@ def test_discs_warm_as_the_closed_form_does(library: Library, mass: float, cooli
 
 
 def test_without_cooling_discs_take_all_heat(library: Library) -> None:
-    """m c dT = share of the work of the torque, which friction that does not change keeps constant."""
+    """m c dT = share of the work of the torque, which is constant for constant friction."""
     values = {"disc_cooling_at_rest": 0.0, "disc_cooling_over_speed": 0.0, "pad_friction_over_temperature": 0.0}
     kernel = turned(library, 12.0, **values)
     work = kernel["brake_torque"] * OMEGA * 12.0
@@ -74,7 +74,7 @@ def test_torque_is_friction_times_force_times_radius(library: Library) -> None:
 
 
 def test_the_mean_of_a_stop_from_200_km_h_is_what_the_brake_is_laid_out_for() -> None:
-    """Over the way, as UIC 541-3 takes it, so that speed falls as the root of what is left; 5 t on a disc."""
+    """Mean over distance, as in UIC 541-3: speed varies as the root of the remaining distance. 5 t per disc."""
     speed, fall = 200 / 3.6 * 0.247 / 0.46, DISCS.pad_friction_over_temperature
     motion = 0.95 * 10e3 * (200 / 3.6) ** 2 / 2 / (DISCS.disc_mass * DISCS.disc_heat_capacity)
     mean = DISCS.pad_friction_at_rest - 1e-3 * speed * 2 / 3 - fall * motion / 2

@@ -1,4 +1,4 @@
-"""A dynamic brake that blends, and traction, against closed forms: lags, limits, and what they do when asked."""
+"""Test a blended dynamic brake and traction against closed forms: lags, limits and commands."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def braking(blended: Library, seconds: float = 10.0, **values: float) -> Kernel:
 @pytest.mark.parametrize("share", [0.1, 0.4, 1.0])
 @pytest.mark.parametrize("omega", [0.0, 2.0, SLOW, FAST])
 def test_both_brakes_together_are_what_is_demanded(blended: Library, share: float, omega: float) -> None:
-    """The motor takes what torque and power allow, below 5 rad/s a part of that; the cylinder takes the rest."""
+    """The motor provides what torque and power allow, reduced below 5 rad/s; the cylinder provides the rest."""
     kernel = braking(blended, pressure_demand=share * PRESSURE, angular_velocity=omega)
     most = min(MOTOR.motor_torque, MOTOR.motor_power / max(omega, 1e-9)) * min(omega / 5.0, 1.0)
     assert kernel["dynamic_torque"] == pytest.approx(min(share * TORQUE, most), rel=1e-3, abs=20.0)
@@ -53,7 +53,7 @@ def test_both_brakes_together_are_what_is_demanded(blended: Library, share: floa
 
 @pytest.mark.parametrize("time", [0.03, 0.3, 3.0])
 def test_a_motor_comes_and_goes_in_its_times(blended: Library, time: float) -> None:
-    """1 - 20^(-t/T): 95 % after T; let go, 20^(-t/T)."""
+    """1 - 20^(-t/T): 95 % after T; during release 20^(-t/T)."""
     times = {"motor_rise_time": time, "motor_release_time": time / 2}
     half = braking(blended, 0.5 * time, **times)
     assert half["dynamic_torque"] == pytest.approx(MOTOR.motor_torque * (1 - 20**-0.5), rel=1e-6)

@@ -1,4 +1,4 @@
-"""Cylinders that a reservoir fills through valves that take their time: balances of air, and closed forms."""
+"""Test cylinders filled from a reservoir through valves with a lag: balances of air, and closed forms."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ RIGGING = replace(qr30_experiment().rigging, supply_pressure=500e3)
 
 
 def two_cylinders() -> System:
-    """Two cylinders behind one reservoir."""
+    """Return two cylinders with a common reservoir."""
     cylinders = []
     for number in (1, 2):
         one = reservoir_brake(RIGGING, FLOW, common_valves())
@@ -52,7 +52,7 @@ def kernel(library: Library, **values: float) -> Kernel:
 
 
 def mass_in_reservoir(machine: Kernel) -> float:
-    """An ideal gas at the temperature of the walls [kg]."""
+    """Return the mass of an ideal gas at wall temperature [kg]."""
     return (machine["reservoir_pressure"] + FLOW.ambient_pressure) * VOLUME / (GAS_CONSTANT * FLOW.air_temperature)
 
 
@@ -70,7 +70,7 @@ def test_the_air_that_cylinders_take_is_what_the_reservoir_loses(library: Librar
 
 
 def test_a_cylinder_that_is_filled_takes_air_by_its_polytrope(library: Library) -> None:
-    """A constant volume V filled from ambient by dp takes V dp / (n R T); the reservoir, isothermal, loses as much."""
+    """A constant volume V filled from ambient by dp takes V dp / (n R T); the isothermal reservoir loses as much."""
     machine = kernel(library)
     machine.set(pressure_demand_1=FULL, pressure_demand_2=FULL)
     machine.advance(60.0)
@@ -88,7 +88,7 @@ def test_a_reservoir_with_too_little_air_fills_its_cylinders_to_its_own_pressure
     common = 100e3 * VOLUME / (VOLUME + 2 * CYLINDER / FLOW.polytropic_exponent)
     assert machine["cylinder_pressure_1"] == pytest.approx(common, rel=1e-4)
     assert machine["reservoir_pressure"] == pytest.approx(common, rel=1e-4)
-    # Nothing flows back into a reservoir that has less.
+    # Nothing flows back into a reservoir at lower pressure.
     machine.set(pressure_demand_1=FULL, pressure_demand_2=FULL, valve_2=2)
     machine.advance(0.5)
     machine.set(pressure_demand_1=FULL, pressure_demand_2=FULL, valve_2=0)
@@ -109,7 +109,7 @@ def test_the_pipe_feeds_a_reservoir_by_choked_flow_in_a_straight_line(library: L
 
 @pytest.mark.parametrize("opening", [3e-3, 0.03, 0.3])
 def test_a_valve_lets_in_what_its_lag_leaves_open(library: Library, opening: float) -> None:
-    """A first-order lag, of which 95 % take t: behind t the choked inflow has lost the air of t / ln 20."""
+    """A first-order lag reaches 95 % after t. The choked inflow then has lost the air of t / ln 20."""
     machine = kernel(library, valve_opening_time=opening)
     machine.set(pressure_demand_1=0.0, pressure_demand_2=0.0, valve_1=1, valve_2=1)
     machine.advance(2.0)
@@ -125,7 +125,7 @@ def test_a_valve_lets_in_what_its_lag_leaves_open(library: Library, opening: flo
 
 
 def test_a_valve_that_closes_slowly_lets_out_more(library: Library) -> None:
-    """Venting for a while, then holding: the choked outflow goes on for t / ln 20 (isothermal: an exponential)."""
+    """Vent for a while, then hold: the choked outflow continues for t / ln 20 (isothermal: an exponential)."""
     found = {}
     for closing in (3e-3, 0.3):
         machine = kernel(library, valve_closing_time=closing, valve_opening_time=1e-3, polytropic_exponent=1.0)
@@ -140,5 +140,5 @@ def test_a_valve_that_closes_slowly_lets_out_more(library: Library) -> None:
         found[closing] = machine["cylinder_pressure_1"] + FLOW.ambient_pressure
     area = FLOW.discharge_coefficient * math.pi / 4 * FLOW.vent_orifice**2
     fall = math.sqrt(GAS_CONSTANT * FLOW.air_temperature) * area * CHOKED_FLOW / CYLINDER
-    assert min(found.values()) > FLOW.ambient_pressure / CRITICAL_RATIO  # choked all the while
+    assert min(found.values()) > FLOW.ambient_pressure / CRITICAL_RATIO  # choked throughout
     assert math.log(found[3e-3] / found[0.3]) == pytest.approx(fall * 0.297 / math.log(20.0), rel=1e-4)

@@ -1,4 +1,4 @@
-"""The toothed wheel's readings against closed forms of the motion that it sees."""
+"""Test the toothed-wheel sensor against closed forms of the motion that it measures."""
 
 from __future__ import annotations
 
@@ -13,20 +13,21 @@ from brake_controller.slide_protection import RIG
 from products.protection.encoder import Encoder
 
 PERIOD, RADIUS = 5e-3, 0.425
-#: Error of a reading that is asked for.
+#: Required relative accuracy of a reading.
 READING = 1e-3
-#: Teeth and errors of the teeth as shares of their pitch; the last are those of the encoders of the experiment.
+#: Teeth and their errors as shares of the pitch; the last number of teeth is that of the encoders of the experiment.
 TEETH, JITTERS = (80, 100, 128, 10000), (0.0, 0.1, 0.3)
 
 
 @pytest.mark.parametrize("teeth", TEETH)
 @pytest.mark.parametrize("jitter", JITTERS)
 def test_constant_speed_is_read_within_the_timer_and_the_errors_of_the_teeth(teeth: int, jitter: float) -> None:
-    encoder, omega = Encoder(teeth, jitter), 73.7  # with 10000 teeth edges come every 9 us, nine times the timer's
+    # With 10000 teeth edges arrive every 9 us, nine times the timer's resolution.
+    encoder, omega = Encoder(teeth, jitter), 73.7
     spread = max(encoder.errors) - min(encoder.errors) if encoder.errors else 0.0
     pitches = encoder.gate * omega / encoder.pitch
     timer = 2.0 * encoder.resolution / encoder.gate
-    # At least the gate less what the errors of two edges take; until a late edge comes the reading falls.
+    # At least the gate less the errors of two edges. Until a late edge arrives the reading falls.
     low, high = 1.0 / (1.0 + spread), 1.0 + spread / max(1.0, pitches - spread)
     found = [encoder.angular_velocity(number * PERIOD, omega * number * PERIOD) for number in range(400)][20:]
     assert omega * (low - timer) <= min(found)
@@ -39,15 +40,15 @@ def test_constant_speed_is_read_within_the_timer_and_the_errors_of_the_teeth(tee
 @pytest.mark.parametrize("timer", [1e-6, 1e-5])
 @pytest.mark.parametrize("speed", [3.0, 11.7, 55.0])
 def test_edges_of_a_wheel_that_turns_evenly_tell_its_speed(teeth: int, timer: float, speed: float) -> None:
-    """Two times, each cut off to the timer's resolution, at least a gate apart: an error of timer over gate at most."""
+    """Two times, truncated to the timer's resolution, at least a gate apart: the error is at most timer over gate."""
     encoder, omega = Encoder(teeth, resolution=timer), speed / RADIUS
     found = [encoder.angular_velocity(number * PERIOD, omega * number * PERIOD) for number in range(200)][100:]
     assert max(abs(one / omega - 1.0) for one in found) < 1.01 * timer / GATE < READING
 
 
 def test_a_sliding_wheel_is_seen_late_by_half_of_the_gate() -> None:
-    """At a deceleration a, the mean of a window w that ended t ago is a (w / 2 + t) too high; the reading is at most
-    one pitch over t, which is too high as well, for no edge came since.
+    """At a deceleration a, the mean over a window w that ended t ago is too high by a (w / 2 + t). The reading is
+    limited to one pitch over t. It is too high as well, because no edge has arrived since.
     """
     start, slows, encoder = 20.0, 10.0, Encoder(100)
     late = []
@@ -77,7 +78,7 @@ def test_uniform_deceleration_reads_the_mean_between_two_edges(teeth: int) -> No
         found = encoder.angular_velocity(time, angle)
         last = math.floor(angle / encoder.pitch + 1e-9)
         if last > 20:
-            # An edge between two looks is found as if the speed were constant: off by a look2 / 8 / w at most.
+            # The time of an edge between two samples assumes constant speed: its error is at most a look2 / 8 / w.
             late = 2.0 * (slows * look**2 / 8.0 / (omega - slows * time) + encoder.resolution)
             since, edges = passes(last) - encoder.gate, range(last - 20, last)
             firsts = {max(edge for edge in edges if passes(edge) <= since + shift) for shift in (-late, late)}
@@ -106,7 +107,7 @@ def test_a_standing_wheel_and_one_below_the_lowest_frequency_are_read_as_zero() 
 
 
 def test_the_reading_does_not_depend_on_how_often_it_is_looked_at() -> None:
-    """Two sensors of one wheel at constant speeds with a jump, looked at every 1 and every 5 ms."""
+    """Two sensors on one wheel at constant speeds with a jump, sampled every 1 and every 5 ms."""
     often, seldom = Encoder(80, jitter=0.2), Encoder(80, jitter=0.2)
     for number in range(2000):
         time = number * 1e-3
@@ -145,7 +146,7 @@ def test_encoder_that_cannot_be_is_refused(name: str) -> None:
 
 
 def test_a_wheel_that_is_turned_at_the_first_look_shows_its_teeth_sooner() -> None:
-    """From 0.4 of a tooth on what a wheel shows is what one shows that has turned so far; the reading's error moves."""
+    """A phase of 0.4 teeth equals a wheel turned that far. It changes the error of the reading."""
     turned, rate = 0.4 * math.tau / 100, 1.3
     times = [0.01 * n for n in range(60)]
 
@@ -176,13 +177,13 @@ def test_a_rotation_that_is_no_number_is_refused() -> None:
             Encoder(pulses)  # type: ignore[arg-type]
 
 
-#: Looks that a sensor remembers.
+#: Number of samples that a sensor stores.
 LOOKS = int(re.findall(r"#define ENCODER_LOOKS (\d+)", (RIG / "encoder.h").read_text(encoding="utf-8"))[0])
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5, 0.1, 0.01])
 def test_a_sensor_that_is_looked_at_more_often_than_it_remembers_shows_the_speed(share: float) -> None:
-    """At 20 m/s2 between that of now and that of half a gate ago."""
+    """At 20 m/s2 the reading is between the present speed and that half a gate ago."""
     period, probe = share * GATE / LOOKS, Encoder(1000)
     for n in range(round(0.2 / period)):
         time = period * n

@@ -1,4 +1,4 @@
-"""Laws of shoe friction, as functions and in the kernel, and the torque's slope from an empty cylinder."""
+"""Test laws of shoe friction, as functions and in the kernel, and the torque's rate from an empty cylinder."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from brake_controller.shoe_friction import (
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
 
-#: The numbers below have four decimals.
+#: Rounding of the numbers below, which have four decimals.
 PRINTED = 5e-5
-#: Shoe force [kN], speed [km/h], friction: the formula with N in kN and V in km/h, worked out by hand.
+#: Shoe force [kN], speed [km/h], friction: the formula with N in kN and V in km/h, calculated by hand.
 KARWATZKI_NUMBERS = [
     *((5, 0, 0.4629), (5, 10, 0.3394), (5, 50, 0.1984), (5, 100, 0.1543)),
     *((20, 0, 0.3046), (20, 10, 0.2234), (20, 50, 0.1305), (20, 100, 0.1015)),
@@ -45,7 +45,7 @@ def friction_at(brake: Library, law: int, speed: float, **values: float) -> floa
 @pytest.mark.parametrize(("force", "speed", "friction"), KARWATZKI_NUMBERS)
 def test_cast_iron_gives_the_published_numbers(force: float, speed: float, friction: float) -> None:
     assert float(karwatzki(1e3 * force, speed / 3.6)) == pytest.approx(friction, abs=PRINTED)
-    # Speed taken in m/s, or force in N, would be far off.
+    # A speed in m/s or a force in N would give a very different value.
     assert speed == 0 or float(karwatzki(1e3 * force, speed)) != pytest.approx(friction, abs=PRINTED)
     assert float(karwatzki(force, speed / 3.6)) != pytest.approx(friction, abs=PRINTED)
 
@@ -129,7 +129,7 @@ def test_table_that_cannot_be_one_is_refused(speeds: list[float], frictions: lis
 
 
 def test_torque_of_an_empty_cylinder_grows_at_the_rate_of_filling(brake: Library) -> None:
-    """The one-sided derivative of eqs (2.4) to (2.7) on filling; half of it was told before."""
+    """The one-sided derivative of eqs (2.4) to (2.7) during filling; half of it was returned before."""
     kernel = Kernel(brake, pressure_demand=180e3)
     kernel.initialise()
     assert kernel["cylinder_pressure"] == 0.0

@@ -1,4 +1,4 @@
-"""Times and restrictions of the ready sets, in both kinds of pneumatics, against each other and the standards."""
+"""Compare times and restrictions of the built-in sets, with both kinds of pneumatics, with the standards."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ from brake_controller.timing import (
 )
 from fmu_src.kernel import Kernel, Library
 
-#: Asked of a time found from a restriction and of the restriction found back.
+#: Tolerance of a time from a restriction, and of a restriction from a time.
 INVERSION = 5e-3
-#: Error of a pressure, from the tolerance 1e-6 of 1e5 Pa per step, over some hundred steps.
+#: Error of a pressure at the tolerance of 1e-6 of 1e5 Pa per step, over some hundred steps.
 PRESSURE_ERROR = 30.0
 TIMED, FLOW = 1, 2
 
@@ -47,7 +47,7 @@ def kernel_of(brake: Library, ready: ReadySet, cylinder_model: int, **values: fl
 
 @pytest.mark.parametrize("seconds", [0.5, 4.0, 30.0])
 def test_restriction_found_from_a_time_gives_that_time(brake: Library, seconds: float) -> None:
-    """By quadrature and by simulation, with a stroke of the piston on the way."""
+    """Compare with quadrature and simulation, with a stroke of the piston on the way."""
     ready = uic_p()
     flow = with_application_time(ready.flow, UIC_PRESSURE, seconds)
     flow = with_release_time(flow, UIC_PRESSURE, 2 * seconds)
@@ -60,7 +60,7 @@ def test_restriction_found_from_a_time_gives_that_time(brake: Library, seconds: 
     kernel.set(pressure_demand=0.0)
     kernel.advance(2 * seconds)
     assert kernel["cylinder_pressure"] == pytest.approx(0.05 * UIC_PRESSURE, rel=INVERSION)
-    # A restriction one per cent wider is two per cent faster.
+    # A restriction that is one per cent wider is two per cent faster.
     wider = replace(flow, application_orifice=1.01 * flow.application_orifice)
     assert application_time(wider, UIC_PRESSURE) != pytest.approx(seconds, rel=INVERSION)
 
@@ -133,7 +133,7 @@ def test_lost_demand_applies_the_brake_by_flow_too(brake: Library) -> None:
             assert kernel["cylinder_pressure"] == pytest.approx(0.0, abs=1e-6)
             kernel.set(**signal)
         kernel.advance(30.0)
-        # The supply of the FMU's default set, 350 kPa, is what a lost signal counts as.
+        # A lost signal applies the supply pressure of the FMU's default set, 350 kPa.
         assert kernel["cylinder_pressure"] == pytest.approx(350e3, rel=1e-6)
 
 
@@ -174,7 +174,7 @@ def test_shoes_press_only_after_the_piston_has_taken_up_the_slack(brake: Library
     assert full["shoe_force"] != pytest.approx(per_pressure * UIC_PRESSURE, rel=1e-3)
 
 
-#: Of the full shoe force: integration's 1e-6 of the pressure.
+#: Error of the integration, 1e-6 of the pressure, as a share of the full shoe force.
 SPRING_ERROR = 1e-6
 
 
@@ -183,7 +183,7 @@ SPRING_ERROR = 1e-6
 def test_shoe_force_at_a_pressure_is_the_same_by_time_and_by_flow(
     brake: Library, ready: ReadySet, share: float
 ) -> None:
-    """Eq. (2.4): the return spring holds back 300 N of the thrust of a UIC cylinder in both; at 2 % it holds it all."""
+    """Eq. (2.4): the return spring takes 300 N of the thrust of a UIC cylinder in both; at 2 % it takes all of it."""
     demand = share * ready.rigging.supply_pressure
     forces = []
     for cylinder_model in (TIMED, FLOW):

@@ -1,4 +1,4 @@
-"""Wheel-slide protection on wheels whose motion is known, its sensors, and controllers that fail."""
+"""Test wheel-slide protection on wheels with known motion, its sensors, and controllers that fail."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from products.protection.encoder import Encoder
 from products.protection.slide_protection import SlideProtection
 
 PERIOD = 5e-3
-#: Full brake on a wheelset without a rail, 20 kN.m over its inertia, times the radius [m/s2].
+#: Deceleration of a wheelset at full brake without a rail: 20 kN.m over its inertia, times the radius [m/s2].
 LOCKING = 100.0
 
 
 def played(
     speeds: Callable[[float], Sequence[float]], seconds: float, protection: SlideProtection | None = None
 ) -> list[tuple[float, list[int]]]:
-    """Times and commands of a protection that sees these speeds."""
+    """Return times and commands of a protection that receives these speeds."""
     protection = protection or SlideProtection()
     found = []
     for number in range(round(seconds / PERIOD)):
@@ -50,7 +50,7 @@ def test_a_wheel_that_slides_away_is_vented_and_the_other_is_not() -> None:
 
     commands = played(speeds, 3.0)
     vented = [time for time, (_, trailing) in commands if trailing == VENT]
-    # At a slip of 12 %: nothing acts before there is evidence, 8 % seen through a filter.
+    # At a slip of 12 %: the protection acts after it has evidence, 8 % seen through a filter.
     assert 2.0 < vented[0] < 2.4
     assert all(leading == APPLY for _, (leading, _) in commands)
 
@@ -60,7 +60,7 @@ def test_slip_within_the_band_is_held() -> None:
 
     def speeds(time: float) -> Sequence[float]:
         rolling = 20.0 - 0.5 * time
-        slip = 2.0 * middle if 2.0 < time < 3.0 else middle if time > 2.0 else 0.0  # first as much as is evidence
+        slip = 2.0 * middle if 2.0 < time < 3.0 else middle if time > 2.0 else 0.0  # first large enough to be evidence
         return [rolling, rolling * (1.0 - slip)]
 
     commands = [command for time, (_, command) in played(speeds, 6.0) if time > 4.5]
@@ -68,9 +68,9 @@ def test_slip_within_the_band_is_held() -> None:
 
 
 def test_reference_follows_the_true_speed_though_all_wheels_slide() -> None:
-    """Wheels that slide further while braked, and roll again while vented: a wheelset let go shows the true speed.
+    """Braked wheels slide further, and vented ones roll again: a vented wheelset gives the true speed.
 
-    They slow by 10 m/s2 at 20 m/s, twice what rolling wheels can; slower slides of all together have a test below.
+    They slow by 10 m/s2 at 20 m/s, twice the limit of rolling wheels. A test below covers slower slides of all wheels.
     """
     protection, slips, vents, errors = SlideProtection(), [0.0, 0.0], 0, []
     for number in range(round(15.0 / PERIOD)):
@@ -87,7 +87,7 @@ def test_reference_follows_the_true_speed_though_all_wheels_slide() -> None:
 
 
 def test_venting_ends_with_the_watchdog() -> None:
-    """A wheel that stands for ever must not keep its brake released."""
+    """A wheel that remains at rest must not keep its brake released."""
     p = common_protection()
     commands = played(
         lambda time: [20.0 - 0.1 * time, max(20.0 - LOCKING * max(time - 1.0, 0.0), 0.0)], 1.5 + 2.2 * p.watchdog
@@ -110,7 +110,7 @@ FAILURES = {
 
 @pytest.mark.parametrize("failure", FAILURES)
 def test_a_sensor_that_shows_what_no_wheel_does_moves_no_valve(failure: str) -> None:
-    """All wheels roll at 1 m/s2; the others say so."""
+    """All wheels roll at 1 m/s2; the other sensors show that."""
     commands = played(lambda time: [20.0 - time, FAILURES[failure](time, 20.0 - time)], 12.0)
     assert all(command == [APPLY, APPLY] for time, command in commands if time > 5.0)
     assert sum(command != [APPLY, APPLY] for _, command in commands) * PERIOD < 1.0
@@ -149,17 +149,19 @@ def test_thresholds_in_the_wrong_order_are_refused() -> None:
         replace(common_protection(), lower_slip=0.2, upper_slip=0.1)
 
 
-#: Teeth of the sensors; the last are those of the encoders of the experiment.
+#: Teeth of the sensors; the last number is that of the encoders of the experiment.
 TEETH = (80, 100, 128, 10000)
 
 
-# ---- rolling and sliding wheels as sensors see them ------------------------------------------------------------------
+# ---- readings of rolling and sliding wheels ------------------------------------------------------------------
 
 
 def commands_of_a_rolling_stop(
     speed: float, slows: float, teeth: int = 100, jitter: float = 0.0, period: float = PERIOD, error: float = 0.0
 ) -> int:
-    """How many commands other than to apply two wheels get that roll to rest; error: of the radius of the second."""
+    """Count the commands other than APPLY to two wheels that roll to rest; error: relative, of the radius of the second
+    one.
+    """
     encoders = [Encoder(teeth, jitter, seed) for seed in (1, 2)]
     protection, stands, radius = SlideProtection(), speed / slows, 0.46
     count = 0
@@ -199,7 +201,7 @@ def test_wheels_of_different_radii_are_left_alone(error: float) -> None:
 @pytest.mark.parametrize("speed", [10.0, 25.0, 60.0])
 @pytest.mark.parametrize("jitter", [0.0, 0.1, 0.2])
 def test_wheels_that_roll_are_left_alone_at_length(slows: float, speed: float, jitter: float) -> None:
-    """Errors of 0.2 of the pitch are too large for looks every 20 ms alone (docs/limits.md)."""
+    """Tooth errors of 0.2 of the pitch are too large for a sampling interval of 20 ms only (docs/limits.md)."""
     for teeth in TEETH:
         for period in (2e-3, 5e-3) if jitter > 0.1 else (2e-3, 5e-3, 2e-2):
             assert commands_of_a_rolling_stop(speed, slows, teeth, jitter, period, error=0.01) == 0
@@ -209,8 +211,9 @@ def test_wheels_that_roll_are_left_alone_at_length(slows: float, speed: float, j
 class EqualWheels:
     """Two wheels with the same load and rail under a mass: a bogie whose wheels can only slide together.
 
-    Per mass on a wheel: friction falls with sliding speed w by share (1 - ratio) exp(-decay w) + ratio and is reached
-    at 1 % of slip; the brake, torque over radius and mass, is `excess` above it. A wheel turns like 1/40 of its load.
+    Per mass on a wheel: friction falls with the sliding speed w by (1 - ratio) exp(-decay w) + ratio, and is reached at
+    1 % of slip. The brake, torque over radius and mass, exceeds it by the share `excess`. The rotary inertia of a wheel
+    is 1/40 of its load.
     """
 
     excess: float
@@ -219,7 +222,7 @@ class EqualWheels:
     decay: float = 0.2
 
     def stop(self, controller: SlideProtection | None, speed: float = 25.0) -> tuple[float, float]:
-        """Distance to 0.05 m/s [m], and the longest lock above 0.5 m/s [s]."""
+        """Return the distance to 0.05 m/s [m], and the longest lock above 0.5 m/s [s]."""
         size, radius, light, best = 5e-4, 0.46, 40.0, 9.81 * self.friction
         rims, angles, shares, encoders = [speed] * 2, [0.0] * 2, [0.0] * 2, [Encoder(), Encoder()]
         commands, locked, longest, way = [APPLY] * 2, [0.0] * 2, 0.0, 0.0
@@ -245,13 +248,14 @@ class EqualWheels:
         return way, longest
 
 
-#: Longest lock asked for, and distance over that of the best friction with a brake that is full at once (rails.py).
+#: Limit of the longest lock [s], and of the distance over that at the best friction with an immediately full brake
+#: (rails.py).
 LONGEST_LOCK, OVER_IDEAL = 0.4, 1.25
 
 
 @pytest.mark.parametrize("excess", [0.005, 0.05])
 def test_a_slow_slide_of_all_wheels_together_is_caught_where_friction_falls(excess: float) -> None:
-    """No wheel differs from another: the slide shows as friction falls and wheels slow faster than any rail allows."""
+    """No wheel differs from another. Detection relies on falling friction: wheels slow faster than any rail allows."""
     wheels = EqualWheels(excess, ratio=0.4)
     ideal = 25.0**2 / 2.0 / (9.81 * wheels.friction) + 25.0 * 0.67
     way, lock = wheels.stop(SlideProtection())
@@ -261,7 +265,7 @@ def test_a_slow_slide_of_all_wheels_together_is_caught_where_friction_falls(exce
 
 
 def test_a_slow_slide_of_equal_wheels_where_friction_does_not_fall_is_not_seen_and_costs_no_distance() -> None:
-    """Said in docs/limits.md: nothing that wheels show tells it from a harder brake."""
+    """A limit stated in docs/limits.md: the readings are those of a harder brake."""
     wheels = EqualWheels(0.05, ratio=1.0)
     protection = SlideProtection()
     way, lock = wheels.stop(protection)
@@ -287,13 +291,13 @@ def test_a_sensor_that_never_showed_a_speed_leaves_its_wheel_braked() -> None:
     assert all(command == [APPLY, APPLY] for _, command in commands)
 
 
-# ---- commands to the last one ----------------------------------------------------------------------------------------
+# ---- all commands ----------------------------------------------------------------------------------------
 
 
-#: Of the commands on the drawn histories, recorded: a change of any command shows, not whether it is right. A program
-#: of the protection in Python gave the same commands on ten thousand such histories.
+#: Recorded hash of the commands on random histories. It detects a change of any command, but not a wrong one. An
+#: implementation of the protection in Python gave the same commands on ten thousand such histories.
 COMMANDS = "a1552b406fb94c39"
-#: What sensors show that fail, from the true speed.
+#: Readings of failed sensors as functions of the true speed.
 SHOWN: dict[str, Callable[[float], float]] = {
     "zero": lambda speed: 0.0,
     "stuck": lambda speed: 7.0,
@@ -303,7 +307,7 @@ SHOWN: dict[str, Callable[[float], float]] = {
 
 
 def history(number: int) -> Iterator[tuple[float, list[float]]]:
-    """Times and speeds of up to 16 wheels that slide at random; sensors of some fail for a while."""
+    """Yield times and speeds of up to 16 wheels that slide at random; sensors of some fail for a while."""
     draw = random.Random(number)
     speed, slows, slips = draw.uniform(5.0, 60.0), draw.uniform(0.0, 3.0), [0.0] * draw.randint(1, 16)
     rates = [0.0] * len(slips)
@@ -321,7 +325,7 @@ def history(number: int) -> Iterator[tuple[float, list[float]]]:
 @pytest.mark.parametrize("shown", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("lost", [0, 1])
 def test_a_sensor_that_shows_no_number_takes_no_protection_from_the_others(lost: int, shown: float) -> None:
-    """The third wheel slides after the sensor of another is lost; it is vented, and the true speed stays known."""
+    """The third wheel slides after the sensor of another is lost. It is vented; the reference speed remains correct."""
 
     def speeds(time: float) -> list[float]:
         true = 30.0 - 1.0 * time
@@ -338,7 +342,7 @@ def test_a_sensor_that_shows_no_number_takes_no_protection_from_the_others(lost:
 
 
 def test_commands_on_drawn_histories_are_those_that_were_recorded() -> None:
-    """Every third with thresholds of a tenth to ten times the common ones."""
+    """Every third history uses thresholds of a tenth to ten times the common ones."""
     found = hashlib.sha256()
     for number in range(24):
         draw, common = random.Random(-number - 1), common_protection()
@@ -398,7 +402,9 @@ class Stalls:
 
 
 def test_controller_that_raises_is_named_with_its_error() -> None:
-    """And with the last line of its own file, also where what it calls raises elsewhere."""
+    """The message also has the last line of the controller's own file, even if the exception comes from a callee
+    elsewhere.
+    """
     line = Raises.step.__code__.co_firstlineno + 1
     where = rf"test_wheel_slide.py, line {line}\); the brake stays applied"
     with pytest.raises(ControllerError, match=rf"The controller Raises failed at 0.5 s .*division by zero, {where}"):
@@ -415,7 +421,7 @@ def test_controller_that_returns_nonsense_is_refused(answer: object) -> None:
 
 
 class Waits:
-    """Uses little processor time and answers after a wall time [s], as on a machine that others use."""
+    """Use little processor time and answer after a wall time [s], as on a loaded computer."""
 
     def __init__(self, wait: float) -> None:
         self.wait = wait
@@ -426,7 +432,7 @@ class Waits:
 
 
 class Computes:
-    """Uses this much processor time [s]."""
+    """Use this much processor time [s]."""
 
     def __init__(self, used: float) -> None:
         self.used = used
@@ -439,12 +445,12 @@ class Computes:
 
 
 def here(call: Callable[[], object]) -> object:
-    """Call in the main thread, where an alarm rings."""
+    """Call in the main thread, which receives signals."""
     return call()
 
 
 def elsewhere(call: Callable[[], object]) -> object:
-    """Call in another thread, as a program with windows does."""
+    """Call in another thread, as a program with a user interface does."""
     found: list[object] = []
 
     def work() -> None:
@@ -466,7 +472,7 @@ THREADS = pytest.mark.parametrize("where", [here, elsewhere])
 
 @THREADS
 def test_a_controller_that_waits_is_judged_by_its_answer(where: Callable[..., object]) -> None:
-    """Three times the limit by the clock on the wall, as it may take where others have the processor."""
+    """It takes three times the limit of wall time, as it may while other processes use the processor."""
     supervised = Supervised(Waits(0.3), 2, patience=0.1)
     assert where(lambda: supervised.step(0.5, [10.0, 10.0])) == [APPLY, VENT]
 

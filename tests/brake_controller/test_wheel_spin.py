@@ -1,4 +1,4 @@
-"""Wheel-slip protection on wheels that are made up: rolling, spinning, and with a sensor that is lost."""
+"""Test wheel-slip protection on synthetic wheels: rolling, spinning, and with a lost sensor."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PERIOD = 5e-3
 
 @pytest.mark.parametrize("acceleration", [0.1, 0.6, 1.4])
 def test_wheels_that_roll_keep_their_motors(acceleration: float) -> None:
-    """Sensors show nothing at first, and then a speed at once."""
+    """Sensors read zero at first, and then jump to the speed."""
     protection = SpinProtection()
     for number in range(4000):
         time = number * PERIOD
@@ -22,10 +22,11 @@ def test_wheels_that_roll_keep_their_motors(acceleration: float) -> None:
 
 
 def spun(growth: float, seconds: float = 30.0, rate: float = 1.0) -> tuple[float, float]:
-    """Largest slip behind the first 3 s, and share of the time in which motors gave what was demanded or held.
+    """Return the largest slip after 3 s, and the share of the time in which motors gave the demand or held their
+    torque.
 
-    Slips of two wheelsets grow while driven, from 1 s on, stay while held and vanish while let go; the vehicle gains
-    `growth` [m/s2].
+    Slips of two wheelsets grow while driven, from 1 s on. They stay constant while held and decay while released. The
+    vehicle accelerates by `growth` [m/s2].
     """
     protection, slips, largest, given = SpinProtection(), [0.0, 0.0], 0.0, 0
     steps = round(seconds / PERIOD)
@@ -49,7 +50,7 @@ def test_wheels_that_all_spin_are_held_in_the_band(growth: float) -> None:
 
 
 def test_without_looks_at_the_true_speed_they_would_run_away(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What makes the test before fail."""
+    """This shows that the test above can fail."""
     monkeypatch.setattr(SpinProtection, "_look", lambda *_: None)
     monkeypatch.setattr("brake_controller.wheel_spin.MARGIN", 1.0)
     assert spun(0.05)[0] > 0.5

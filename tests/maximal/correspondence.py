@@ -1,7 +1,7 @@
-"""What the states of level 3 at contact model 2 mean: bodies in an inertial frame, and their accelerations back.
+"""Convert states of level 3 at contact model 2 into bodies in an inertial frame, and slopes into accelerations.
 
-The model counts places and velocities in the axes of the track where a body is; its slopes are rates of these. Both are
-carried over by their meaning alone: a state a moment ago and a moment later are differenced in the inertial frame.
+The model measures positions and velocities in the axes of the track at each body; its slopes are their rates. Both are
+converted by their meaning alone: states a moment earlier and later are differenced in the inertial frame.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from tests.maximal.rails import Course
 
 #: Half of the time over which states are differenced [s].
 MOMENT = 1e-6
-#: Two depths below the place of rest by which a wheelset is pressed to tell where its wheels begin to touch [m].
+#: Two depths below the rest position to which a wheelset is pressed, to find where its wheels begin to touch [m].
 PRESSED = 20e-6, 60e-6
-#: Rows of a line are so far apart [m] that what is drawn between them is the analytical line to 1e-14 rad.
+#: Distance of the rows of a line [m]: short enough that interpolation gives the analytical line to 1e-14 rad.
 ROW_DISTANCE, LINE_BEGIN, LINE_END = 0.25, -30.0, 40.0
 
 
 def file_of(course: Course, path: Path) -> str:
-    """The line as the model reads it; the place."""
+    """Write the line as the model reads it, and return its path."""
     distance = np.arange(LINE_BEGIN, LINE_END, ROW_DISTANCE)
     rows = {"distance": distance}
     laws = {"curvature": course.curvature, "cant": course.roll, "gradient": course.gradient}
-    # A positive cant raises the right rail, which is a roll to the right.
+    # Positive cant raises the right rail, which is a roll to the right.
     factors = {"cant": -GAUGE}
     for name, (value, slope) in laws.items():
         rows[name] = factors.get(name, 1.0) * (value + slope * distance)
@@ -40,14 +40,14 @@ def file_of(course: Course, path: Path) -> str:
 
 
 def bodies_of(vehicle: Vehicle, course: Course, value: Mapping[str, float]) -> dict[str, Moving]:
-    """Bodies and wheelsets by name, of states by name."""
+    """Return bodies and wheelsets by name, from states by name."""
     first, found = vehicle.bodies[0].name, {}
     radius = vehicle.number(vehicle.wheelsets[0].mean_radius)
 
     def on_track(
         place: float, across: list[float], motion: list[float], angles: list[float], rates: list[float], spins: bool
     ) -> Moving:
-        """across: to the left and up. spins: a wheelset, whose rates are in axes that do not pitch with it."""
+        """across: to the left and up. spins: for a wheelset, whose rates are in axes that do not pitch with it."""
         track, (roll, pitch, yaw) = course.axes(place)[0], angles
         leaning = track @ about(2, yaw) @ about(0, roll)
         axes = leaning @ about(1, pitch)
@@ -86,8 +86,9 @@ def bodies_of(vehicle: Vehicle, course: Course, value: Mapping[str, float]) -> d
 
 @dataclass(frozen=True)
 class Rate:
-    """Of a body by the slopes: by how much its place and axes change otherwise than by velocity and rate, and its
-    accelerations, shape (6,) each.
+    """Rates of a body from the slopes, shape (6,) each.
+
+    `kinematic`: change of position and axes less velocity and angular velocity. `acceleration`: linear and angular.
     """
 
     kinematic: np.ndarray
@@ -97,7 +98,7 @@ class Rate:
 def rates_of(
     vehicle: Vehicle, course: Course, value: Mapping[str, float], slope: Mapping[str, float]
 ) -> dict[str, Rate]:
-    """What slopes of states say of the bodies in the inertial frame."""
+    """Return the rates of the bodies in the inertial frame from the slopes of the states."""
     now, behind, ahead = (
         bodies_of(vehicle, course, {name: start + sign * MOMENT * slope[name] for name, start in value.items()})
         for sign in (0, -1, 1)
@@ -112,7 +113,7 @@ def rates_of(
         turning = by_time(name, "axes") @ body.axes.T
         turned = np.array([turning[2, 1], turning[0, 2], turning[1, 0]]) - body.rate
         if name in wheelsets:
-            # The rotation of a wheelset counts what it turns by, not an angle of its axes.
+            # The rotation of a wheelset is a state of its own; its axes do not spin.
             turned -= body.axes[:, 1] * (body.axes[:, 1] @ turned)
         missing = np.concatenate([by_time(name, "position") - body.velocity, turned])
         found[name] = Rate(missing, np.concatenate([by_time(name, "velocity"), by_time(name, "rate")]))
@@ -120,10 +121,10 @@ def rates_of(
 
 
 def touching_rise(kernel: Kernel, names: list[str]) -> float:
-    """`rise_1` [m] at which a centred wheelset on straight and level track begins to touch its rails.
+    """Return `rise_1` [m] at which a centred wheelset on straight and level track begins to touch its rails.
 
-    That is a place from which the model counts, and all that is taken from it: by two loads and the power 3/2 of Hertz.
-    kernel: at rest, without friction; names: of its states.
+    This origin is the only value taken from the model: it follows from two loads and the power 3/2 of Hertz' law.
+    `kernel`: at rest, without friction. `names`: of its states.
     """
     state, which = kernel.linearise().state, names.index("rise_1")
     loads = []

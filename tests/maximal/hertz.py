@@ -1,4 +1,4 @@
-"""Hertz's contact by its approach and by its load: K. L. Johnson (1985), Contact Mechanics, section 4.2."""
+"""Compute Hertz's contact from its approach or its load: K. L. Johnson (1985), Contact Mechanics, section 4.2."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from functools import lru_cache
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1
 
-#: Steel, as Kalker's tabulated column has it.
+#: Poisson's ratio of steel in Kalker's table.
 POISSON = 0.25
-#: Range of ln(minor / major axis) in which the ellipse is looked for.
+#: Range of ln(minor / major axis) of the search for the ellipse.
 SLENDER = math.log(1e-3), math.log(1 - 1e-9)
 
 
 def integrals(g: float) -> tuple[float, float]:
-    """Complete elliptic integrals K and E of an ellipse whose minor axis is g times the major one."""
+    """Return the complete elliptic integrals K and E of an ellipse whose minor axis is g times the major one."""
     return float(ellipkm1(g**2)), float(ellipe(1 - g**2))
 
 
 @lru_cache(maxsize=4096)
 def minor_over_major(ratio: float) -> float:
-    """Axis ratio g <= 1 from the larger curvature over the smaller one: (E / g^2 - K) / (K - E)."""
+    """Return the axis ratio g <= 1 from the larger curvature over the smaller one: (E / g^2 - K) / (K - E)."""
 
     def missing(logarithm: float) -> float:
         g = math.exp(logarithm)
@@ -32,7 +32,7 @@ def minor_over_major(ratio: float) -> float:
 
 
 def load_of(approach: float, along: float, across: float, shear_modulus: float) -> float:
-    """Load [N] of an approach [m] and curvatures A along and B across [1/m], halves of those of the gap.
+    """Return the load [N] of an approach [m] and curvatures A along and B across [1/m], halves of those of the gap.
 
     approach = 3 N K / (2 pi a E*) and a b^2 = 3 N E / (2 pi E* (A + B)), solved for N. shear_modulus [Pa].
     """
@@ -45,7 +45,7 @@ def load_of(approach: float, along: float, across: float, shear_modulus: float) 
 
 
 def semi_axes_of(load: float, along: float, across: float, shear_modulus: float) -> tuple[float, float]:
-    """Along and across [m], of the same ellipse by its load [N]."""
+    """Return the semi-axes along and across [m] of the same ellipse from its load [N]."""
     g = minor_over_major(max(along, across) / min(along, across))
     _, e = integrals(g)
     major = (3 * load * e * (1 - POISSON) / (2 * math.pi * shear_modulus * (along + across) * g**2)) ** (1 / 3)

@@ -1,4 +1,4 @@
-"""What acts between two bodies: a potential that is differenced, and dampers by virtual power of differenced rates."""
+"""Compute forces between two bodies: a potential and dampers, by numerical derivatives and virtual power."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ STEP = 1e-5
 
 @dataclass(frozen=True)
 class End:
-    """One end: the body as it moves, the place of its centre at rest [m], whether it is a wheelset."""
+    """One end: the body in motion, the position of its centre at rest [m], and whether it is a wheelset."""
 
     body: Moving
     centre: np.ndarray
@@ -39,28 +39,28 @@ Ends = tuple[End, End]
 
 @dataclass(frozen=True)
 class Carried:
-    """Axes (columns) in which the attachment points of upper and lower end stay, and those of the directions."""
+    """Axes (columns) in which the attachment points of upper and lower end are fixed, and those of the directions."""
 
     above: np.ndarray
     below: np.ndarray
     directions: np.ndarray
 
 
-#: What carries points and directions of two ends, as upper and lower body move.
+#: Returns the carrier axes of both ends' points and of the directions for given positions of upper and lower body.
 Carriers = Callable[[Moving, Moving], Carried]
 
 
 def box(axle: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """Axes that have the axle as their second one and are square to `up` with the first, as those of an axle box."""
+    """Return axes of an axle box: the axle is the second one, and the first is square to `up`."""
     ahead = np.cross(axle, up)
     ahead = ahead / np.linalg.norm(ahead)
     return np.column_stack([ahead, axle, np.cross(ahead, axle)])
 
 
 def on_bodies(ends: Ends) -> Carriers:
-    """The lower body carries the directions. A wheelset does it, and carries its points, by its axle box.
+    """Let the lower body carry the directions. A wheelset carries directions and points by its axle box.
 
-    That yaws and rolls with the axle and pitches with the other body.
+    The axle box yaws and rolls with the axle and pitches with the other body.
     """
 
     def at(upper: Moving, lower: Moving) -> Carried:
@@ -71,12 +71,12 @@ def on_bodies(ends: Ends) -> Carriers:
     return at
 
 
-#: Of upper and lower body: what is stretched, shape (n,).
+#: Returns the elongations for given upper and lower body, shape (n,).
 Stretch = Callable[[Moving, Moving], np.ndarray]
 
 
 def between(place: np.ndarray, ends: Ends, carriers: Carriers) -> Stretch:
-    """Way between two points that are one place at rest [m], along the directions."""
+    """Return the displacement between two points that coincide at rest [m], along the directions."""
     arms = [place - end.centre for end in ends]
 
     def stretch(upper: Moving, lower: Moving) -> np.ndarray:
@@ -88,7 +88,7 @@ def between(place: np.ndarray, ends: Ends, carriers: Carriers) -> Stretch:
 
 
 def angle_between(angle: int, carriers: Carriers) -> Stretch:
-    """Roll (0), pitch or yaw of the upper end against the lower one [rad]."""
+    """Return roll (0), pitch or yaw of the upper end relative to the lower one [rad]."""
 
     def stretch(upper: Moving, lower: Moving) -> np.ndarray:
         by = carriers(upper, lower)
@@ -98,7 +98,7 @@ def angle_between(angle: int, carriers: Carriers) -> Stretch:
 
 
 def differenced(value: Stretch, bodies: tuple[Moving, Moving], step: float) -> np.ndarray:
-    """Derivatives of values, shape (n,), by small displacements of both bodies, shape (n, 12)."""
+    """Return derivatives of values, shape (n,), by small displacements of both bodies, shape (n, 12)."""
     columns = []
     for which in (0, 1):
         for way in step * np.eye(6):
@@ -112,16 +112,16 @@ def differenced(value: Stretch, bodies: tuple[Moving, Moving], step: float) -> n
 
 @dataclass(frozen=True)
 class Law:
-    """Potential of a stretch [J], and what pulls beside that, by the rate of the stretch [N]."""
+    """Potential of an elongation [J], and the additional force by its rate [N]."""
 
     potential: Callable[[np.ndarray], float]
     beside: Callable[[np.ndarray], np.ndarray] = np.zeros_like
 
 
 def wrenches_of(stretch: Stretch, law: Law, ends: Ends, step: float) -> np.ndarray:
-    """Force and moment about the centre of upper and lower body, inertial, shape (12,).
+    """Return force and moment about the centre of upper and lower body, inertial, shape (12,).
 
-    Less the slope of the potential, and less what the rest takes by virtual power.
+    It is minus the gradient of the potential, and minus the additional force, by virtual power.
     """
     bodies = ends[0].body, ends[1].body
     by_place = differenced(stretch, bodies, step)
@@ -139,9 +139,9 @@ def wrenches(
     states: Mapping[str, float],
     step: float = STEP,
 ) -> np.ndarray:
-    """Of a connection on both its sides: on upper and lower body, shape (12,).
+    """Return the wrenches of a connection, both sides together, on upper and lower body, shape (12,).
 
-    preload [N]: of each side; states: ways of dampers and sliders, and rates of these, by name.
+    `preload` [N]: of each side. `states`: travels of dampers and sliders, and their rates, by name.
     """
 
     def number(*sizes: Size) -> np.ndarray:
@@ -170,19 +170,19 @@ def wrenches(
 
 
 def component(stretch: Stretch, which: int) -> Stretch:
-    """One component of a stretch."""
+    """Return one component of an elongation."""
     return lambda upper, lower: stretch(upper, lower)[[which]]
 
 
 def beside_a_damper(stiffness: np.ndarray, damping: np.ndarray, preload: float) -> Law:
-    """Springs and dampers side by side, and a constant force that holds the upper body up."""
+    """Return the law of springs and dampers in parallel, with a constant force that supports the upper body."""
     held = np.zeros_like(stiffness)
     held[-1] = preload
     return Law(lambda way: float(stiffness @ way**2) / 2 - float(held @ way), lambda rate: damping * rate)
 
 
 def behind_a_spring(stiffness: float, damping: float, travel: float, travel_rate: float) -> Law:
-    """A spring, with a damper beside it, whose other end has gone a way [m] and moves on [m/s] by itself."""
+    """Return the law of a spring and a damper in parallel whose far end has its own displacement [m] and rate [m/s]."""
     return Law(
         lambda way: stiffness * float((way[0] - travel) ** 2) / 2,
         lambda rate: damping * (rate - travel_rate),
@@ -190,12 +190,12 @@ def behind_a_spring(stiffness: float, damping: float, travel: float, travel_rate
 
 
 def stop(connection: BumpStop) -> Law:
-    """Straight lines over the travel."""
+    """Return the law of a force that is piecewise linear in the travel."""
     return Law(lambda way: stop_energy(connection.travel, connection.force, float(way[0])))
 
 
 def stop_energy(travel: tuple[float, ...], force: tuple[float, ...], way: float) -> float:
-    """Work of straight lines through (travel, force), the same both ways, the last one going on [J]."""
+    """Return the work of a piecewise linear force through (travel, force), extrapolated and symmetric [J]."""
     x, f = np.array([0.0, *travel]), np.array([0.0, *force])
     slope, reached = (f[-1] - f[-2]) / (x[-1] - x[-2]), abs(way)
     before = x < reached

@@ -1,4 +1,4 @@
-"""The fast model at level 3, contact model 2, compiled, beside the oracle of the same vehicle."""
+"""The compiled fast model at level 3, contact model 2, and the oracle of the same vehicle."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tests.maximal.touch import touches
 from tests.quick_library import quick_library
 
 SIDES = {1: "left", -1: "right"}
-#: Rounds in which the height is found at which a wheel touches its rail.
+#: Rounds of the search for the height at which a wheel touches its rail.
 ROUNDS = 3
 ENERGIES = ("kinetic_energy", "potential_energy")
 POWERS = ("brake_power", "creep_power", "damping_power")
@@ -32,9 +32,11 @@ POWERS = ("brake_power", "creep_power", "damping_power")
 
 @dataclass(frozen=True)
 class Answer:
-    """Slopes of the states by name; of each wheel its rail's force to the left and up, and what an axle has together:
-    creep force along the track and lateral force on its flanges (side 0) [N]. rails: what moves those below an axle, to
-    the left, and each of them up [N].
+    """Results of the fast model.
+
+    `slope`: of the states, by name. `forces` [N], by wheelset and side: force of the rail on a wheel to the left and
+    up; side 0: creep force along the track and lateral flange force of the axle. `rails` [N]: forces that accelerate
+    the rails below an axle, to the left and each one up.
     """
 
     slope: dict[str, float]
@@ -43,7 +45,7 @@ class Answer:
 
 
 class Machine:
-    """A vehicle on straight track or on a line; equal wheels on equal rails. depth: of contact."""
+    """A vehicle on straight track or on a line; equal wheels on equal rails. depth: contact model."""
 
     def __init__(self, vehicle: Vehicle, on_line: bool, depth: int = 2) -> None:
         self.vehicle, self.on_line, self.support = vehicle, on_line, ballasted_track()
@@ -56,14 +58,14 @@ class Machine:
         self.half_distance, self.curve = side.rail_half_distance, Curve(side.rail)
 
     def kernel(self, scene: Mapping[str, float], course: Course, folder: Path) -> Kernel:
-        """An instance on the course, which is written to the folder."""
+        """Return an instance on the course, which is written to the folder."""
         line = {"line_file": file_of(course, folder / "line.csv")} if self.on_line else {}
         kernel = Kernel(self.library, **scene, **line)
         kernel.initialise()
         return kernel
 
     def answer(self, snapshot: Snapshot, folder: Path) -> Answer:
-        """What the fast model makes of a state."""
+        """Evaluate the fast model at a state."""
         rows = {"friction": snapshot.scene.friction, "brake_torque": snapshot.scene.brake}
         rows["traction_torque"] = snapshot.scene.traction
         given = {f"{name}_{n}": value for name, row in rows.items() for n, value in enumerate(row, 1)}
@@ -88,7 +90,7 @@ class Machine:
     def oracle(
         self, course: Course, base: float, rails: Callable[[Course, RailData], Rails] = prisms, **changes: object
     ) -> Oracle:
-        """The oracle on the course; base [m]: how high level rails lie; rails: `prisms` or `swept`."""
+        """Return the oracle on the course; base [m]: height of level rails; rails: `prisms` or `swept`."""
         both = [self.rails(side, base, course, rails) for side in SIDES]
         held = np.zeros((2, 3))
         if self.on_line:
@@ -100,11 +102,11 @@ class Machine:
         return Oracle(self.vehicle, (both[0], both[1]), course, below=held, **changes)  # type: ignore[arg-type]
 
     def rails(self, side: int, base: float, course: Course, kind: Callable[[Course, RailData], Rails]) -> Rails:
-        """One of both rails."""
+        """Return one of the two rails."""
         return kind(course, RailData(side, (self.half_distance, base), self.curve))
 
     def base(self, folder: Path) -> float:
-        """How high level rails lie in the axes of the track [m]: there a centred wheelset begins to touch them."""
+        """Return the height of level rails in track axes [m], at which a centred wheelset begins to touch them."""
         still = {"initial_speed": 0.0, "left_rail_friction": 0.0, "right_rail_friction": 0.0}
         rise = touching_rise(self.kernel(still, STRAIGHT, folder), self.names)
         radius = self.vehicle.number(self.vehicle.wheelsets[0].mean_radius)

@@ -1,4 +1,4 @@
-"""Rigid bodies in an inertial frame: where they are, how they move, what forces make of it (Newton, Euler)."""
+"""Rigid bodies in an inertial frame: position, motion and accelerations by forces (Newton, Euler)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Moving:
-    """A body: place of its centre [m], own axes (columns), velocity [m/s], angular velocity [rad/s], all inertial."""
+    """A body: position of its centre [m], own axes (columns), velocity [m/s], angular velocity [rad/s]; inertial."""
 
     position: np.ndarray
     axes: np.ndarray
@@ -17,7 +17,7 @@ class Moving:
     rate: np.ndarray
 
     def displaced(self, way: np.ndarray) -> Moving:
-        """The same after a small displacement: three of its centre [m], three of its turn [rad]."""
+        """Return the body after a small displacement: three of its centre [m], three of its rotation [rad]."""
         return replace(self, position=self.position + way[:3], axes=turn(way[3:]) @ self.axes)
 
     @property
@@ -27,7 +27,7 @@ class Moving:
 
 
 def turn(vector: np.ndarray) -> np.ndarray:
-    """Rotation matrix about a vector by its length [rad] (Rodrigues)."""
+    """Return the rotation matrix about a vector by its length [rad] (Rodrigues)."""
     angle = float(np.linalg.norm(vector))
     if angle == 0.0:
         return np.eye(3)
@@ -36,24 +36,25 @@ def turn(vector: np.ndarray) -> np.ndarray:
 
 
 def skew(vector: np.ndarray) -> np.ndarray:
-    """Matrix of a cross product from the left."""
+    """Return the matrix of a cross product from the left."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def about(axis: int, angle: float) -> np.ndarray:
-    """Rotation matrix about the first (0), second or third axis."""
+    """Return the rotation matrix about the first (0), second or third axis."""
     return turn(angle * np.eye(3)[axis])
 
 
 def roll_pitch_yaw(axes: np.ndarray) -> np.ndarray:
-    """Roll, pitch and yaw of axes that are turned by Rz(yaw) Rx(roll) Ry(pitch)."""
+    """Return roll, pitch and yaw of axes that are turned by Rz(yaw) Rx(roll) Ry(pitch)."""
     second, third = axes[:, 1], axes[2]
     return np.array([np.arcsin(second[2]), np.arctan2(-third[0], third[2]), np.arctan2(-second[0], second[1])])
 
 
 def accelerations(body: Moving, mass: float, inertia: np.ndarray, wrench: np.ndarray) -> np.ndarray:
-    """Of the centre [m/s2] and of the angular velocity [rad/s2], inertial, by Newton and Euler; shape (6,).
+    """Return accelerations of the centre [m/s2] and of the angular velocity [rad/s2], inertial, Newton and Euler; shape
+    (6,).
 
     inertia: about the own axes; wrench: force [N] and moment about the centre [N.m], inertial.
     """

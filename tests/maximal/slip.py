@@ -1,4 +1,4 @@
-"""Creep forces of one patch in plain numbers: Polach (1999) on treads, Shen, Hedrick and Elkins (1983) on flanges."""
+"""Creep forces of one patch in plain floats: Polach (1999) on treads, Shen, Hedrick and Elkins (1983) on flanges."""
 
 from __future__ import annotations
 
@@ -31,8 +31,7 @@ TABLE_E3 = (
     (1 / 0.2, 7.78, 8.14, 6.63),
     (1 / 0.1, 11.7, 12.8, 14.6),
 )
-#: The law that ships draws its coefficients through the table as ln(c) by a polynomial of ln(a/b): its degree, and the
-#: a/b where the table ends.
+#: Degree of the polynomials ln(c) over ln(a/b) that the fast model's law fits to the table, and the a/b of its end.
 DEGREE, END = 5, 10.0
 
 
@@ -43,9 +42,9 @@ def _fits() -> tuple[np.ndarray, ...]:
 
 
 def kalker(axis_ratio: float) -> tuple[float, float, float]:
-    """c11, c22 and c23 of an ellipse a/b: by the table, and where it is longer beside the limits for slender ellipses.
+    """Return c11, c22 and c23 of an ellipse a/b: from the table, and beyond it from the limits for slender ellipses.
 
-    Over these the coefficients are what they are at the end of the table, which goes to 1 with b/a.
+    Beyond the table the ratio to these limits goes from its value at the end of the table to 1, linearly in b/a.
     """
     inside = min(axis_ratio, END)
     found = np.exp([np.polyval(fit, math.log(inside)) for fit in _fits()])
@@ -56,7 +55,7 @@ def kalker(axis_ratio: float) -> tuple[float, float, float]:
 
 
 def slender(axis_ratio: float) -> np.ndarray:
-    """Limits of c11, c22, c23 for b/a -> 0: Kalker (1990), table E.3, its last row."""
+    """Return the limits of c11, c22, c23 for b/a -> 0: Kalker (1990), table E.3, last row."""
     g, nu = 1 / axis_ratio, 0.25
     size = math.log(16 / g**2)
     of_x, of_y = size - 2 * nu, (1 - nu) * size + 2 * nu
@@ -71,7 +70,7 @@ def slender(axis_ratio: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Rolling:
-    """A patch that rolls: creepages along, sideways [1] and spin [1/m], load [N], friction, semi-axes [m], G [Pa]."""
+    """A rolling patch: creepages along, sideways [1] and spin [1/m], load [N], friction, semi-axes [m], G [Pa]."""
 
     creepages: tuple[float, float, float]
     load: float
@@ -81,9 +80,10 @@ class Rolling:
 
 
 def polach(patch: Rolling) -> tuple[float, float]:
-    """Forces on the wheel along and sideways [N] with spin: O. Polach (1999), as chapter 3 prints it, (3.92)-(3.105).
+    """Return forces on the wheel along and sideways [N] with spin: O. Polach (1999) in chapter 3's form,
+    (3.92)-(3.105).
 
-    The force of spin has the sign of right-handed axes and is divided by the creepage that holds the spin.
+    The force of spin has the sign of right-handed axes and is divided by the creepage that includes the spin.
     """
     (x, y, spin), (a, b) = patch.creepages, patch.semi_axes
     c11, c22, c23 = kalker(a / b)
@@ -97,7 +97,7 @@ def polach(patch: Rolling) -> tuple[float, float]:
     gradient = math.pi / 4 * patch.shear_modulus * a * b * mean * total / limit
     force = -2 * limit / math.pi * (gradient / (1 + gradient**2) + math.atan(gradient))
 
-    # The force of spin alone.
+    # The force due to spin only.
     shape = 1 + 6.3 * (1 - math.exp(-a / b))
     e = 8 / 3 * patch.shear_modulus * b * math.sqrt(a * b) / limit * c23 * abs(corrected) / shape
     d = (e**2 - 1) / (e**2 + 1)
@@ -107,7 +107,7 @@ def polach(patch: Rolling) -> tuple[float, float]:
 
 
 def shen_hedrick_elkins(patch: Rolling) -> tuple[float, float]:
-    """Forces on the wheel [N]: Kalker's linear ones, shortened together by the cubic of Vermeulen and Johnson."""
+    """Return forces on the wheel [N]: Kalker's linear ones, reduced together by the cubic of Vermeulen and Johnson."""
     (x, y, spin), (a, b) = patch.creepages, patch.semi_axes
     c11, c22, c23 = kalker(a / b)
     linear = -patch.shear_modulus * a * b * np.array([c11 * x, c22 * y + math.sqrt(a * b) * c23 * spin])

@@ -1,4 +1,4 @@
-"""Random states of a vehicle on its rails, as the model counts them: wheels bear, everything else is anywhere."""
+"""Draw random states of a vehicle on its rails, in the model's coordinates: all wheels are loaded."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from tests.maximal.oracle import FLANGE_SLOPE, GivenWay, Oracle, Scene
 from tests.maximal.rails import Course
 from tests.maximal.touch import touches
 
-#: Largest motions of bodies: ways [m] and angles [rad].
+#: Largest displacements [m] and angles [rad] of bodies.
 WAYS = 0.02
-#: By which rails give way, to either side, up and down [m].
+#: Largest displacements of rails, to either side, up and down [m].
 GIVE = 1e-3
-#: Approaches of treads and of flanges that are laid on [m]; grid and rounds by which a wheelset is laid on its rails.
+#: Ranges of the approaches of treads and flanges [m]; grid [m] and rounds of laying a wheelset on its rails.
 TREAD, FLANGE = (0.04e-3, 0.16e-3), (0.02e-3, 0.12e-3)
 COARSE, ROUNDS = 0.2e-3, 9
-#: Share of the lines on which curvature, cant and gradient change.
+#: Share of the lines with changing curvature, cant and gradient.
 TRANSITIONS = 0.6
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """States by name and what acts from outside."""
+    """States by name and external inputs."""
 
     value: dict[str, float]
     scene: Scene
@@ -34,7 +34,7 @@ class Snapshot:
 
 
 def random_course(rng: Random) -> Course:
-    """Arc or transition: radius 200 to 1500 m to either side, cant to 150 mm, gradient, with their changes."""
+    """Draw an arc or transition: radius 200 to 1500 m to either side, cant to 150 mm, gradient, with their changes."""
     radius = rng.choice((-1, 1)) * rng.choice((200.0, 300.0, 500.0, 800.0, 1500.0))
     cant, gradient = rng.uniform(-0.03, 0.1), rng.uniform(-0.04, 0.04)
     changes = (0.0, 0.0, 0.0)
@@ -45,7 +45,7 @@ def random_course(rng: Random) -> Course:
 
 
 def random_state(vehicle: Vehicle, oracle: Oracle, course: Course, names: list[str], rng: Random) -> Snapshot:
-    """Of these states; oracle: of the vehicle, to lay the wheelsets on the rails."""
+    """Draw values of these states; `oracle` of the same vehicle is used to lay the wheelsets on the rails."""
     radius = vehicle.number(vehicle.wheelsets[0].mean_radius)
     speed = rng.uniform(3.0, 40.0)
     value = dict.fromkeys(names, 0.0)
@@ -60,7 +60,7 @@ def random_state(vehicle: Vehicle, oracle: Oracle, course: Course, names: list[s
             value[name] = rng.uniform(-WAYS, WAYS)
     first = vehicle.bodies[0].name
     value[f"{first}_distance"], value[f"{first}_speed"] = rng.uniform(0.0, 2.0), speed
-    # In a curve the middle of a body that rests on others lies inside of the track.
+    # In a curve the middle of a body on two bogies lies inside of the track.
     ends = max(abs(vehicle.number(body.along)) for body in vehicle.bodies)
     value[vehicle.bodies[0].variable("lateral")] += course.curvature[0] * ends**2 / 2
     for number, _ in vehicle.numbered:
@@ -82,7 +82,7 @@ def random_state(vehicle: Vehicle, oracle: Oracle, course: Course, names: list[s
 def lay_on_rails(
     vehicle: Vehicle, oracle: Oracle, course: Course, value: dict[str, float], number: int, flanging: int, rng: Random
 ) -> None:
-    """Rise, roll and, with a flange that bears, lateral position by which both treads press as much as drawn."""
+    """Set rise, roll and, with a loaded flange, lateral position so that both treads have their drawn approaches."""
     asked = {side: rng.uniform(*TREAD) for side in (1, -1)}
     value[f"rise_{number}"] = value[f"roll_{number}"] = 0.0
     flange = rng.uniform(*FLANGE)
@@ -99,7 +99,7 @@ def lay_on_rails(
 def approaches(
     vehicle: Vehicle, oracle: Oracle, course: Course, value: Mapping[str, float], number: int
 ) -> dict[tuple[int, bool], float]:
-    """Of treads and flanges (True) of both wheels [m]."""
+    """Return the approaches of treads (False) and flanges (True) of both wheels [m]."""
     body = bodies_of(vehicle, course, value)[wheelset_name(number)]
     found: dict[tuple[int, bool], float] = {}
     for index, side in enumerate((1, -1)):

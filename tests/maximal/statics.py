@@ -1,4 +1,4 @@
-"""What springs carry at rest, where those under each body are equal and even about its load."""
+"""Compute spring loads at rest, if the springs under each body are equal and centred about its load."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from rbd_model.vehicle.description import Vehicle
 
-#: Moment of the loads about the middle of the springs that counts as none, over their sum [m].
+#: Largest distance of a body's load from the middle of its springs that is treated as centred [m].
 EVEN = 1e-9
 
 
 def preloads(vehicle: Vehicle) -> dict[str, float]:
-    """Vertical force of each side of the connections that carry [N], by their names: equal shares, from the top down.
+    """Return the vertical force per side of the carrying connections [N], by name: equal shares, from the top down.
 
-    Raises ValueError where equal shares would not keep a body level.
+    Raises ValueError if equal shares would not keep a body level.
     """
     weight = {body.name: vehicle.number(body.mass) * vehicle.number("gravity") for body in vehicle.bodies}
     loads = {body.name: [(weight[body.name], vehicle.number(body.along), 0.0)] for body in vehicle.bodies}

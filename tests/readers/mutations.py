@@ -1,11 +1,11 @@
-"""Files of users, spoilt at random: good ones in the forms of several countries, and what is put into them."""
+"""Randomly damaged files of users: valid ones in the forms of several countries, and the strings inserted."""
 
 from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Sequence
 
-#: Put anywhere into a good file, in place of up to three of its characters.
+#: Inserted anywhere into a valid file, instead of up to three of its characters.
 ODD = (
     *("\0", '"', '""', ",", ";", "\t", "[", "(", "]", ")", "e", "-", "+", ".", " ", "#", "//", "\r", "\n", "\r\n"),
     *(
@@ -32,7 +32,7 @@ ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "cp1252")
 
 
 def mutated(good: Sequence[str], count: int, seed: int) -> Iterator[bytes]:
-    """Yield so many files, each a good one with one to four changes in its text, some with a byte changed as well."""
+    """Yield `count` files: each a valid one with up to four changes in its text, some with one byte changed as well."""
     chance = random.Random(seed)
     for _ in range(count):
         text = chance.choice(good)
@@ -47,7 +47,7 @@ def mutated(good: Sequence[str], count: int, seed: int) -> Iterator[bytes]:
         yield bytes(data)
 
 
-#: Lines; numbers with many digits, where two readers would differ first.
+#: Lines; they have numbers with many digits, which would show differences of two readers first.
 LINES = (
     "distance,curvature,cant,gradient\n0,0,0,0\n20,0.002,0.1,0.01\n35.5,-1e-3,0.05,-0.015\n",
     "sep=;\r\nDistance [km];curvature (1/km);Cant [mm];gradient [\u2030]\r\n"

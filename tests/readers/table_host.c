@@ -1,6 +1,6 @@
-/* Reads the table files whose paths stand on the lines of its input, each as an FMU does. For each it writes the number of
- * rows, -1 where it is refused, then in every row the values of the model's own columns, 0 where one is missing, or the
- * sentence of the refusal with its length before it. */
+/* Reads table files as an FMU does; each line of stdin is a path. For each file it writes the number of rows and, by row,
+ * the values of the model's own columns, 0 for a missing one. For a refused file it writes -1, and the length and the
+ * text of the message. */
 #include <locale.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-"""What command lines refuse, in one sentence each, and the units that they read."""
+"""Test the messages with which command lines refuse inputs, and the units that they read."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_a_folder_is_looked_at_and_left_as_it_was(tmp_path: Path) -> None:
 
 
 def test_every_parser_and_option_of_the_program_refuses_so() -> None:
-    """No option reads a number without limits and unit."""
+    """No option is parsed by plain `float` or `int`, which check neither limits nor units."""
 
     def parsers(one: argparse.ArgumentParser) -> list[argparse.ArgumentParser]:
         below = [action.choices for action in one._actions if isinstance(action, argparse._SubParsersAction)]

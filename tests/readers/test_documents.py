@@ -1,4 +1,4 @@
-"""JSON documents: read as they are meant, or refused with one message."""
+"""Test JSON documents: read as they are meant, or refused with one message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measured runs: names and units of a logger become those of variables."""
+"""Test measured runs: names and units of a logger become those of variables."""
 
 from __future__ import annotations
 

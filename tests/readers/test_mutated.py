@@ -1,4 +1,4 @@
-"""Files of users that were spoilt at random: each is read, or refused in one sentence that names it."""
+"""Test randomly damaged files of users: each is read, or refused with one message that names it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tests.readers.mutations import (
 
 COUNT = 2000
 LONGEST_SENTENCE = 700
-#: What reads a file of each kind: name of the file, good files, reader, how many good ones it must have read at least.
+#: Reader of each kind of file: name of the file, valid files, reader.
 KINDS: dict[str, tuple[str, Sequence[str], Callable[[Path], Any]]] = {
     "line": ("line.csv", LINES, read_line),
     "consist": ("consist.csv", CONSISTS, read_consist),
@@ -41,7 +41,7 @@ KINDS: dict[str, tuple[str, Sequence[str], Callable[[Path], Any]]] = {
 
 
 def refusal(read: Callable[[Path], Any], path: Path) -> str:
-    """Return the sentence of a refusal, empty where the file is read."""
+    """Return the message of a refusal, or an empty string if the file is read."""
     try:
         found = read(path)
     except ValueError as error:
@@ -62,7 +62,7 @@ def check_sentence(said: str, path: Path) -> None:
 def test_a_spoilt_file_is_read_or_refused_in_one_sentence(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What a disk holds is given as bytes, 2000 files take seconds to write."""
+    """The reader receives the bytes directly, because writing 2000 files takes seconds."""
     name, good, read = KINDS[kind]
     path = tmp_path / name
     for text in good:
@@ -81,7 +81,9 @@ def test_a_spoilt_file_is_read_or_refused_in_one_sentence(
 def test_a_spoilt_creep_table_is_read_or_refused_in_one_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Changes in a few rows of a table that is too large to be read 2000 times: those rows and its head alone."""
+    """Only a few rows of the table and its head are changed and read, because the whole is too large to be read 2000
+    times.
+    """
     path = tmp_path / "table.csv"
     write_table(CreepTable(np.zeros((*(place.size for place in axes()), 2))), path)
     assert refusal(read_creep_table, path) == ""
@@ -89,7 +91,7 @@ def test_a_spoilt_creep_table_is_read_or_refused_in_one_sentence(
     chance, good = random.Random(47), "\n".join(whole[:4]) + "\n"
     for data in mutated([good], COUNT, seed=48):
         monkeypatch.setattr(text_files, "_bytes_of", lambda path, largest, data=data: data)
-        check_sentence(refusal(read_creep_table, path), path)  # most places are missing
+        check_sentence(refusal(read_creep_table, path), path)  # most values are missing
     monkeypatch.undo()
     twice = [*whole[:-1], whole[chance.randrange(1, 100)]]
     path.write_text("\n".join(twice), encoding="utf-8")

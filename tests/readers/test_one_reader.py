@@ -1,4 +1,4 @@
-"""Users' tables and TOML files are read in `readers` alone."""
+"""Check that users' tables and TOML files are read only in `readers`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from products.sources import HOUSE
 from readers.units import quantity_of
 
 ROOT = Path(__file__).parents[2]
-#: What reads tables and TOML, by name.
+#: Functions that read tables and TOML, by name.
 READS = re.compile(
     r"csv\.(?:reader|DictReader)|loadtxt|genfromtxt|fromstring\(|read_csv|_?tomllib\.loads?|import tomli"
 )
-#: Files that call one: the readers, and those of tables that ship with the project.
+#: Files that call one of them: the readers, and the modules that read tables shipped with the project.
 READERS = {"readers/tables.py", "readers/toml_files.py"}
 OF_OWN_DATA = {
     *("products/promised_variables.py", "scenarios/contact/creep_laws.py", "scenarios/contact/contact_manchester.py"),

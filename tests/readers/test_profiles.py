@@ -1,4 +1,4 @@
-"""Files of profiles: read as they are meant, or refused with one sentence that names the row."""
+"""Test profile files: read as they are meant, or refused with one message that names the row."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import pytest
 from readers.profiles import contour_of, read_contour
 from readers.text import FileError
 
-#: Files of instruments and programs, where they are there: kind, points, extent in y [mm].
+#: Files of instruments and programs, if available: kind, points, extent in y [mm].
 STRANGERS = Path(os.environ.get("PROFILES_OF_OTHERS", "nowhere"))
 READ = {
     "Car7216_0001r.whl": ("wheel", 645, (-0.1571, 131.3551)),
@@ -25,11 +25,11 @@ READ = {
     "uic60_true.prr": ("rail", 801, (-40.435889, 40.435889)),
     "whl_left_iter288.whl": ("wheel", 539, (-0.2373, 145.0764)),
 }
-#: A head by a parabola [mm], and how well digits of tables keep it.
+#: A parabolic rail head [mm], and the rounding of its digits in tables.
 Y = np.arange(-36.0, 36.5, 0.5)
 Z = -0.01 * Y**2
 DIGITS = 1e-4
-#: Blanks of a row that is just not too long.
+#: Blanks of a row just below the length limit.
 BLANKS = 19_900 * " "
 
 
@@ -151,7 +151,7 @@ def test_what_is_not_one_contour_as_it_is_meant_gets_one_sentence(text: str, sen
     ids=["numbers", "text", "value", "key", "quote", "quotes", "head", "rows"],
 )
 def test_the_time_for_long_rows_of_blanks_grows_with_their_length(row: str) -> None:
-    """Time that grows with the square of the length is 20 s and more."""
+    """With quadratic growth the time would be 20 s and more."""
     begin = time.process_time()
     for text in (f"{row}\n{rows('{} {}')}", f"# {row}\n{rows('{} {}')}", f"{rows('{} {}')}\n{row}"):
         with suppress(FileError):
@@ -168,7 +168,7 @@ def test_files_of_instruments_and_programs_are_read_whole(name: str) -> None:
 
 
 def test_damaged_files_give_points_or_a_sentence() -> None:
-    """Cuts, swaps, and bytes that were another: nothing but a contour or an error of files comes out."""
+    """Cuts, swaps and changed bytes: the result is a contour or a file error."""
     random = np.random.default_rng(0)
     whole = ["XYPoints=145\nColumnDef=X,Y\n" + rows("{} {}"), "y;z\n" + rows("{};{}", ","), simpack(rows("{} {} 1"))]
     letters = '0123456789.,;-+eE \t\n"#!=[]yz\u2212'

@@ -1,4 +1,4 @@
-"""One reader of tables: tables of several countries are read as they are meant, or refused by their place."""
+"""Test the reader of tables: tables of several countries are read as they are meant, or refused with their place."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def test_growth_is_refused_by_the_row_of_the_spreadsheet() -> None:
 
 @pytest.mark.parametrize("end", ["", "# a remark\n"])
 def test_rows_are_counted_against_their_limit(end: str) -> None:
-    """By the quick way of plain numbers and by the other one; rows of separators do not count."""
+    """Both the fast path for plain numbers and the general one are checked; rows of separators are not counted."""
     text = f"distance,curvature\n{end}0,0\n,\n1,0\n"
     assert table_of(text, "line.csv", COLUMNS, most_rows=2).numbers["distance"].tolist() == [0.0, 1.0]
     with pytest.raises(TableError, match=r"line\.csv must have at most 1 rows"):

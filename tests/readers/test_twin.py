@@ -1,4 +1,4 @@
-"""The reader in C inside FMUs and that in Python take and refuse the same files, with the same bits of each number."""
+"""Check that the C reader inside FMUs and the Python reader accept the same files, with bit-identical numbers."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from tests.readers.mutations import LINES, mutated
 
 COUNT = 2000
 READER = ("decimal.c", "text_rows.c", "table_pieces.c", "table_file.c")
-#: Rows of a table, shape (rows, columns), or the sentence of a refusal.
+#: Rows of a table, shape (rows, columns), or the message of a refusal.
 Found = np.ndarray | str
 
 
 @pytest.fixture(scope="module")
 def folder() -> Iterator[Path]:
-    """In memory where this machine has such a place: 2000 small files take seconds on some disks."""
+    """A folder in memory if the system has one: 2000 small files take seconds on some disks."""
     memory = Path("/dev/shm")
     with tempfile.TemporaryDirectory(dir=memory if os.access(memory, os.W_OK) else None) as made:
         yield Path(made)
@@ -39,7 +39,7 @@ def folder() -> Iterator[Path]:
 
 @pytest.fixture(scope="module")
 def host(folder: Path) -> Path:
-    """The runtime's reader of lines as a program, with sanitizers where the compiler has them."""
+    """The runtime's reader of lines as a program, with sanitizers if the compiler supports them."""
     (folder / "given.h").write_text(f"#include <math.h>\n{table_file_source(LINE, 0)}", encoding="utf-8")
     sources = [*(RUNTIME / name for name in READER), Path(__file__).with_name("table_host.c")]
     words = [*compiling.compiler(), *compiling.FLAGS, "-O1", f"-I{RUNTIME}", f"-I{folder}", *map(str, sources)]
@@ -51,7 +51,7 @@ def host(folder: Path) -> Path:
 
 
 def read_in_c(host: Path, paths: Sequence[Path], **environment: str) -> list[Found]:
-    """Return what the program finds in each file."""
+    """Return the program's result for each file."""
     given = "".join(f"{path}\n" for path in paths).encode()
     done = subprocess.run([str(host)], input=given, capture_output=True, env=os.environ | environment)
     assert done.returncode == 0, done.stderr.decode()[-2000:]
@@ -76,7 +76,7 @@ def read_in_python(path: Path) -> Found:
 
 
 def check_twins(host: Path, paths: Sequence[Path]) -> int:
-    """Check that both readers find the same; how many files were read."""
+    """Check that both readers give the same; return how many files were read."""
     taken = 0
     for path, found in zip(paths, read_in_c(host, paths), strict=True):
         wanted = read_in_python(path)
@@ -97,12 +97,12 @@ def test_spoilt_lines_are_read_and_refused_alike(host: Path, folder: Path) -> No
 
 
 def numbers() -> Iterator[str]:
-    """Numbers whose rounding is hard, and others, all within the limits of a factor on friction, 0 to 10."""
+    """Yield numbers that are hard to round, and others, all within the limits of a friction factor, 0 to 10."""
     chance = random.Random(5)
     for _ in range(4000):
         yield repr(chance.uniform(0, 10) * 10 ** chance.randint(-30, 0))
         yield f"{chance.randrange(10 ** chance.randint(1, 25))}e-{chance.randint(25, 340)}"
-    for _ in range(1000):  # halfway between two doubles, and as little above or below as digits can say
+    for _ in range(1000):  # halfway between two doubles, and as little above or below as digits can express
         value = chance.uniform(0.1, 9.9) * 2.0 ** -chance.randint(0, 90)
         above = np.nextafter(value, 10.0)
         digits = f"{int(value * 2**160) + int(above * 2**160):d}"  # over 2^161
@@ -112,7 +112,7 @@ def numbers() -> Iterator[str]:
 
 
 def test_numbers_have_the_same_bits(host: Path, folder: Path) -> None:
-    """In any language of the host: Python's float rounds correctly."""
+    """The locale of the host has no effect: Python's float rounds correctly."""
     found = list(numbers())
     path = folder / "numbers.csv"
     rows = (f"{place},0,0,0,{number}\n" for place, number in enumerate(found))
@@ -126,7 +126,7 @@ def test_numbers_have_the_same_bits(host: Path, folder: Path) -> None:
 
 
 def test_each_unit_converts_alike(host: Path, folder: Path) -> None:
-    """Of all that are known, those of another quantity are refused by both."""
+    """Check all known units; both readers refuse those of another quantity."""
     paths = []
     for unit in (twin for units in SPELLINGS.values() for one in units for twin in twins_of(one)):
         for column, target in (("curvature", "1/m"), ("cant", "m"), ("gradient", "1")):
@@ -144,7 +144,7 @@ def test_each_unit_converts_alike(host: Path, folder: Path) -> None:
     assert check_twins(host, paths) == known
 
 
-#: A file, and parts of the sentence that both readers say.
+#: A file, and parts of the message that both readers give.
 SAID = {
     "distance,curvature,gradiant,cant\n0,0,0,0\n": ("row 1: the column 'gradiant' is unknown. Did you mean gradient?",),
     "distance,curvature,cant\n0,0,0\n1,0,0\n": ("row 1: the column gradient is missing", "Add it."),
