@@ -1,7 +1,7 @@
-"""What connections do to the bodies they join: laws that hold whatever the law of a spring is.
+"""Test the forces of connections on the bodies they join, with properties that are valid for any spring law.
 
-An isolated vehicle keeps its linear and angular momentum (Newton's third law in its strong form), and the power of its
-connections is what their potential gives up less what they lose. Nothing here knows how a connection is stretched.
+An isolated vehicle keeps its linear and angular momentum (Newton's third law in its strong form). The power of its
+connections is the decrease of their potential less their losses. No test depends on the definition of an elongation.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from rbd_model.vehicle.assembly import Assembly, assemble
 from rbd_model.vehicle.description import BumpStop, FrictionSlider, SeriesDamper, Springs, Torsion
 from rbd_model.vehicle.ready import passenger_coach
 
-#: Sums that cancel, as a share of the largest of what is added.
+#: Tolerance of sums that cancel, as a share of their largest term.
 ROUND_OFF = 1e-10
-#: Of a rate found by differences over 1e-6 s to both sides, as a share of the powers in it.
+#: Tolerance of a rate by differences over 1e-6 s to both sides, as a share of the powers in it.
 DIFFERENCED = 1e-6
 
 PLACE = (1.1, 0.7, 0.2)
@@ -48,7 +48,7 @@ LAWS = {
 
 @dataclass(frozen=True)
 class Pair:
-    """Two ends of one connection, each with its position, velocity, axes and own rate; what the connection does."""
+    """Two ends of one connection, each with its position, velocity, axes and own rate; loads, potential and power."""
 
     assembly: Assembly
     bodies: tuple[Body, Body]
@@ -57,7 +57,7 @@ class Pair:
     power: ca.SX
 
     def value(self, expression: ca.SX, state: np.ndarray, chosen: dict[str, float]) -> np.ndarray:
-        """At a state of both ends; all other symbols have the values that were drawn for them."""
+        """Evaluate an expression at a state of both ends; all other symbols have their drawn values."""
         both = ca.vertcat(*[one for body in self.bodies for one in (body.position, body.angles, rates(body))])
         value = ca.substitute(self.assembly.system.expand(ca.densify(expression)), both, state)
         symbols = ca.symvar(ca.vec(value))
@@ -70,14 +70,14 @@ def rates(body: Body) -> ca.SX:
 
 
 def end(name: str) -> Body:
-    """Anywhere in space; the pitch of a wheelset is not one of its axes'."""
+    """Return a body with free position and rotation in 3D; the axes of a wheelset do not pitch."""
     place, velocity, angles, rate = (ca.SX.sym(f"{name}_{word}", 3) for word in ("place", "velocity", "angles", "rate"))
     axes = yaw_roll(angles[2], angles[0])
     return Body(place, velocity, axes if "wheelset" in name else axes @ pitch_rotation(angles[1]), rate, angles)
 
 
 def pair(law: str, between: str) -> Pair:
-    """The connection has the name of one of the vehicle's, so that it has a preload."""
+    """Return both ends with one connection. It has the name of one of the vehicle's, so that it has a preload."""
     kind, sizes = LAWS[law]
     names = BETWEEN[between]
     connection = kind("front_secondary", *names, PLACE, **{"both_sides": kind is not Torsion} | sizes)
@@ -92,7 +92,7 @@ def pair(law: str, between: str) -> Pair:
 
 
 class Drawn(dict[str, float]):
-    """Values of parameters, states and tables that are drawn when they are asked for."""
+    """Values of parameters, states and tables, drawn on first access."""
 
     def __init__(self, chosen: dict[str, float], generator: np.random.Generator) -> None:
         super().__init__(chosen)
@@ -105,7 +105,7 @@ class Drawn(dict[str, float]):
 
 
 def drawn(one: Pair, seed: int) -> tuple[np.ndarray, Drawn]:
-    """A state of both ends, turned by up to 0.3 rad and 0.3 m apart from rest; a wheelset turns fast."""
+    """Return a state of both ends, rotated by up to 0.3 rad and displaced by 0.3 m from rest; a wheelset turns fast."""
     generator = np.random.default_rng(seed)
     state = generator.uniform(-0.3, 0.3, 24)
     state[[10, 22]] += 50.0
@@ -113,7 +113,7 @@ def drawn(one: Pair, seed: int) -> tuple[np.ndarray, Drawn]:
     return state, Drawn(parameters, generator)
 
 
-#: A wheelset's boxes pitch with the body, so that nothing can twist there.
+#: Axle boxes of a wheelset pitch with the body, so that a pitch spring has no elongation there.
 CASES = [(law, between) for law in LAWS for between in BETWEEN if between == "bodies" or law != "pitch"]
 
 
@@ -158,7 +158,7 @@ def number(value: np.ndarray) -> float:
 
 
 def advanced(one: Pair, state: np.ndarray, time: float) -> np.ndarray:
-    """The state after a time in which both ends move on; a wheelset's angles have no pitch."""
+    """Return the state after a time in which both ends move; a wheelset's angles have no pitch."""
     moved = state.copy()
     for i, body in enumerate(one.bodies):
         place, angles, velocity, rate = (state[12 * i + k : 12 * i + k + 3] for k in (0, 3, 6, 9))

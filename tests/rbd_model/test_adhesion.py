@@ -1,4 +1,4 @@
-"""Friction that falls with sliding speed and changes along the track, against closed forms and quadrature."""
+"""Test friction that falls with sliding speed and varies along the track, against closed forms and quadrature."""
 
 from __future__ import annotations
 
@@ -29,36 +29,36 @@ BOGIE = tables_5_1_and_5_2()
 STEEL, SEMI_AXES = 82e9, (6e-3, 5e-3)
 POINT, PLANAR, SPATIAL = LEVELS = (1, 2, 3)
 STATIC_LOAD = (BOGIE.wheelset_mass + BOGIE.frame_mass / 2) * BOGIE.gravity
-#: Normal force over load: in space the contact leans with the cone of 1:20.
+#: Normal force over load: in 3D the contact is inclined like the cone of 1:20.
 LEAN = {POINT: 1.0, PLANAR: 1.0, SPATIAL: math.hypot(1.0, 1 / 20)}
-#: A rail for each law of the table of rails.
+#: Rail conditions, one for each law of the table of rails.
 FALLING = ("dry", "wet", "low", "very_low")
-#: Bands: friction of a locked wheelset (in space the ellipse is a fit), stop (the suspension swings), energy.
+#: Tolerances: friction of a locked wheelset (in 3D the ellipse is a fit), stop (the suspension oscillates), energy.
 LOCKED_BAND, STOP_BAND, ENERGY_BAND = 2e-4, 1e-3, 1e-6
 
 
 def fallen(of: RailCondition, sliding: float) -> float:
-    """Polach (2005): mu0 ((1 - A) exp(-B w) + A)."""
+    """Return mu0 ((1 - A) exp(-B w) + A), Polach (2005)."""
     law = of.law
     return of.friction * ((1 - law.friction_ratio) * math.exp(-law.friction_decay * sliding) + law.friction_ratio)
 
 
 def utilised(of: RailCondition, gradient: float) -> float:
-    """Creep force over mu Q from the gradient epsilon, Polach (2005)."""
+    """Return creep force over mu Q from the gradient epsilon, Polach (2005)."""
     a, s = of.law.adhesion_reduction * gradient, of.law.slip_reduction * gradient
     return 2 / math.pi * (a / (1 + a**2) + math.atan(s))
 
 
 @lru_cache
 def contact_stiffness() -> float:
-    """G pi a b c11 / 4 over N^(2/3), of a wheel of the bogie."""
+    """Return G pi a b c11 / 4 over N^(2/3) of a wheel of the bogie."""
     shape = ellipse_shape(*(ca.SX(x) for x in (BOGIE.wheel_radius, 0.0, BOGIE.rail_head_radius, BOGIE.shear_modulus)))
     c11 = float(kalker_coefficients(shape.axis_ratio).c11)
     return math.pi / 4 * BOGIE.shear_modulus * float(shape.longitudinal) * float(shape.lateral) * c11
 
 
 def adhesion(of: RailCondition, sliding: float, speed: float, load: float = STATIC_LOAD) -> float:
-    """Creep force over the load of an axle of the bogie."""
+    """Return creep force over the load of an axle of the bogie."""
     friction = fallen(of, abs(sliding))
     creepage = sliding / math.hypot(speed, BOGIE.creepage_speed)
     return friction * utilised(of, contact_stiffness() * (load / 2) ** (-1 / 3) / friction * creepage)
@@ -87,7 +87,7 @@ def test_creep_force_is_that_of_polach_2005(name: str, creepage: float) -> None:
 
 
 def test_small_creepages_give_kalkers_slopes_times_the_mean_reduction() -> None:
-    """Longitudinal, lateral and spin alike."""
+    """Checks longitudinal creepage, lateral creepage and spin."""
     (a, b), kalker = SEMI_AXES, kalker_coefficients(ca.SX(1.2))
     mean = (wet().law.adhesion_reduction + wet().law.slip_reduction) / 2
     slopes = (a * b * float(kalker.c11), a * b * float(kalker.c22), (a * b) ** 1.5 * float(kalker.c23))
@@ -99,7 +99,7 @@ def test_small_creepages_give_kalkers_slopes_times_the_mean_reduction() -> None:
 
 
 def test_clean_surfaces_have_the_law_of_1999() -> None:
-    """To round-off, eq. (3.97)."""
+    """Eq. (3.97), to round-off."""
     rng = np.random.default_rng(1)
     for _ in range(100):
         creepage, load, friction, c11 = rng.uniform((1e-6, 1e3, 0.01, 3.0), (0.1, 2e5, 0.8, 6.0))
@@ -111,7 +111,7 @@ def test_clean_surfaces_have_the_law_of_1999() -> None:
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_what_does_not_fall_and_has_no_patch_changes_nothing(bogie: Library, level: int) -> None:
-    """Bit for bit: a ratio of 1 with any decay, a patch that is like the rest."""
+    """Bit-identical with a friction ratio of 1 at any decay, and with a patch of the same friction as the rest."""
     rows = {"brake_torque_1": 45e3, "brake_torque_2": 45e3, "level": level}
     found = []
     for values in ({}, {"friction_decay": 3.0, "patch_start": 5.0, "patch_length": 7.0, "patch_blend": 0.3}):
@@ -132,7 +132,7 @@ def test_named_conditions_say_which_are_verified() -> None:
 
 @pytest.mark.parametrize("level", [POINT, PLANAR])
 def test_wheelset_locks_beyond_the_peak_of_adhesion(bogie: Library, level: int) -> None:
-    """Torque that rises slowly walks up the curve; its top is that of the formula, and what follows is a lock."""
+    """A slowly rising torque follows the curve. Its maximum is that of the formula, and then the wheelset locks."""
     condition = dry()
     kernel = Kernel(bogie, level=level, initial_speed=40.0, **condition.values())
     kernel.initialise()
@@ -163,14 +163,14 @@ def test_locked_wheelset_slides_with_the_fallen_friction(bogie: Library, level: 
         load = kernel[f"axle_load_{number}"]
         exact = LEAN[level] * adhesion(condition, kernel["speed"], kernel["speed"], load)
         assert -kernel[f"creep_force_{number}"] / load == pytest.approx(exact, rel=LOCKED_BAND)
-    # The formula's plain limit, which the creep law nears from below.
+    # The limit of the formula, which the creep law approaches from below.
     assert exact == pytest.approx(fallen(condition, kernel["speed"]), rel=0.02)
 
 
 @pytest.mark.parametrize("name", ["dry", "wet"])
 @pytest.mark.parametrize("level", LEVELS)
 def test_locked_bogie_stops_where_quadrature_says(bogie: Library, level: int, name: str) -> None:
-    """dv/dt = -g mu(v): the distance is the integral of v / (g mu(v)), of the sprung mass, which swings less."""
+    """dv/dt = -g mu(v): the distance is the integral of v / (g mu(v)), of the sprung mass, which oscillates less."""
     place, velocity = ("distance", "speed") if level == POINT else ("state_frame_distance", "state_frame_speed")
     condition = CONDITIONS[name]()
     torques = {"brake_torque_1": 2e5, "brake_torque_2": 2e5}
@@ -187,7 +187,7 @@ def test_locked_bogie_stops_where_quadrature_says(bogie: Library, level: int, na
 
 @pytest.mark.parametrize("torque", [45e3, 60e3])
 def test_default_tolerance_finds_the_lock_on_falling_friction(bogie: Library, torque: float) -> None:
-    """The falling branch makes the rotation unstable; against a tolerance 100 times tighter."""
+    """The falling branch makes the rotation unstable. Compare with a tolerance 100 times tighter."""
     found = []
     for tolerance in (DEFAULT_TOLERANCE, 1e-2 * DEFAULT_TOLERANCE):
         values = {"brake_torque_1": torque, "brake_torque_2": torque, "tolerance": tolerance}
@@ -228,7 +228,7 @@ def test_derivatives_are_finite_without_sliding(bogie: Library, level: int, spee
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_jacobian_is_exact_on_falling_friction_within_the_end_of_a_patch(bogie: Library, level: int) -> None:
-    """Against central differences, on a patch that grows over a kilometre while the wheels skid."""
+    """Compare with central differences, on a patch that grows over a kilometre while the wheels skid."""
     patch = {"patch_start": -10.0, "patch_length": 2e3, "patch_blend": 1e3, "patch_friction": 0.2}
     values = {"brake_torque_1": 60e3, "brake_torque_2": 60e3, "tolerance": 1e-9}
     kernel = Kernel(bogie, level=level, contact_model=1, **patch, **(wet().values() | values))
@@ -259,9 +259,9 @@ def factor(place: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_each_wheelset_meets_the_patch_at_its_own_distance(bogie: Library, level: int) -> None:
-    """Locked wheels show the friction under them; the leading wheelset enters and leaves first.
+    """Locked wheels show the friction under them; the leading wheelset enters and leaves the patch first.
 
-    A reaction of so sudden a torque on the frame would lift the trailing wheelset.
+    The sudden torque has no reaction on the frame, which would lift the trailing wheelset.
     """
     values = {"brake_torque_1": 2e5, "brake_torque_2": 2e5, "torque_reaction": 0.0}
     kernel = Kernel(bogie, level=level, **values, **PATCH)
@@ -280,7 +280,7 @@ def test_each_wheelset_meets_the_patch_at_its_own_distance(bogie: Library, level
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_patch_is_not_stepped_over(bogie: Library, level: int) -> None:
-    """A slippery metre at 25 m/s in a gentle stop, whose steps would be longer; against a tighter tolerance."""
+    """A slippery metre at 25 m/s in a gentle stop, whose steps could be longer. Compare with a tighter tolerance."""
     found = []
     for tolerance in (DEFAULT_TOLERANCE, 1e-3 * DEFAULT_TOLERANCE):
         values = {"brake_torque_1": 20e3, "brake_torque_2": 20e3, "tolerance": tolerance}

@@ -1,4 +1,4 @@
-"""The bogie against closed forms: rolling, load transfer, lock, rest, energy, and a second integrator."""
+"""Test the bogie against closed forms: rolling, load transfer, lock, rest, energy; and against a second integrator."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from scenarios.thesis.traction_braking import load_transfer
 from tests.quick_library import quick_library
 
 POINT, PLANAR, SPATIAL = 1, 2, 3
-#: Bands of docs/checking.md: acceleration 0.1 %, energy 1e-6 of what was lost, load transfer 0.5 % beside moments about
-#: the rail.
+#: Tolerances of docs/checking.md: acceleration 0.1 %, energy 1e-6 of the loss, load transfer 0.5 % of moments about the
+#: rail.
 ACCELERATION_BAND, ENERGY_BAND, MOMENT_BAND = 1e-3, 1e-6, 5e-3
-#: Load that moves forward, settled, against statics of first order in a pitch of 9 mrad; measured 1.1e-4.
+#: Tolerance of the settled load transfer against statics of first order in a pitch of 9 mrad; measured 1.1e-4.
 STATICS_BAND = 2e-4
 
 
@@ -45,7 +45,7 @@ def qr30(library: Library, level: int, speed: float, **values: float) -> Kernel:
 
 
 def skid(table: dict[str, list[float]], number: int) -> int | None:
-    """Row at which a wheelset locks while the bogie moves."""
+    """Return the row at which a wheelset locks while the bogie moves."""
     rows = [i for i, locked in enumerate(table[f"locked_{number}"]) if locked and table["speed"][i] > 0.05]
     return rows[0] if rows else None
 
@@ -58,7 +58,7 @@ def skid(table: dict[str, list[float]], number: int) -> int | None:
 def test_acceleration_is_that_of_rolling_with_rotary_inertia(
     bogie: Library, level: int, kind: str, sign: float
 ) -> None:
-    """2T/r / (M + 2J/r^2) at 15 kN.m: 1.1092 m/s2 (thesis 1.109), measured after the suspension has settled."""
+    """2T/r / (M + 2J/r^2) at 15 kN.m: 1.1092 m/s2 (thesis 1.109), after the suspension has settled."""
     p = tables_5_1_and_5_2()
     mass = p.frame_mass + 2 * p.wheelset_mass + 2 * p.wheelset_pitch_inertia / p.wheel_radius**2
     exact = sign * 2 * 15e3 / p.wheel_radius / mass
@@ -71,7 +71,7 @@ def test_acceleration_is_that_of_rolling_with_rotary_inertia(
 
 
 def test_traction_and_braking_mirror_each_other(bogie: Library) -> None:
-    """A bogie that rolls backwards and is pulled forwards is the mirrored bogie that is braked by the same force."""
+    """A bogie that rolls backwards and is pulled forwards is the mirror image of the bogie braked by the same force."""
     forward = chapter_5(bogie, POINT, 10.0, drawbar_force=-2e4)
     backward = chapter_5(bogie, POINT, -10.0, drawbar_force=2e4)
     for one in (forward, backward):
@@ -105,7 +105,7 @@ def test_bogie_at_rest_stays_in_static_equilibrium(bogie: Library) -> None:
 
 @pytest.mark.parametrize("reaction", [0.0, 1.0])
 def test_load_moves_forward_by_the_moment_of_inertia_force_and_reaction(bogie: Library, reaction: float) -> None:
-    """Braking: dN L = M_s (a h + g d) + reaction x torque; the centre of mass is d ahead, by pitch and springs."""
+    """Braking: dN L = M_s (a h + g d) + reaction x torque. The centre of mass is d ahead, due to pitch and springs."""
     p = tables_5_1_and_5_2()
     one = chapter_5(bogie, PLANAR, 25.0, brake_torque_1=20e3, brake_torque_2=20e3, torque_reaction=reaction)
     one.advance(12.0)
@@ -120,7 +120,7 @@ def test_load_moves_forward_by_the_moment_of_inertia_force_and_reaction(bogie: L
 
 
 def load_moved(one: Kernel) -> tuple[float, float, float]:
-    """Load that moved to the leading wheelset [N], deceleration [m/s2] and pitch [rad], means over 3 s."""
+    """Return load transfer to the leading wheelset [N], deceleration [m/s2] and pitch [rad], means over 3 s."""
     table = {name: np.array(x) for name, x in one.record(3.0, 0.01, ["axle_load_1", "axle_load_2", *MOTION]).items()}
     slowed = (table["speed"][0] - table["speed"][-1]) / (table["time"][-1] - table["time"][0])
     return float(np.mean(table["axle_load_1"] - table["axle_load_2"])) / 2, float(slowed), float(table["pitch"].mean())
@@ -134,9 +134,9 @@ MOTION = ("speed", "pitch")
 def test_brakes_and_motors_in_the_frame_move_the_load_that_the_rails_ask_for(
     bogie: Library, level: int, kind: str, sign: float
 ) -> None:
-    """15 kN.m: 52.9 kN, of which 2.5 kN come with the pitch, 0.7 kN as springs give way.
+    """15 kN.m: 52.9 kN, of which 2.5 kN are due to pitch and 0.7 kN to deflected springs.
 
-    With torques that react on nothing a third is missing.
+    Without a reaction of the torques a third is missing.
     """
     p = tables_5_1_and_5_2()
     torques = {f"{kind}_torque_{n}": 15e3 for n in (1, 2)}
@@ -153,7 +153,7 @@ def test_brakes_and_motors_in_the_frame_move_the_load_that_the_rails_ask_for(
 
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 def test_load_transfer_on_a_stiff_suspension_is_that_of_rigid_bodies(bogie: Library, level: int) -> None:
-    """49.7 kN at 15 kN.m: a suspension a hundred times as stiff leaves no pitch to carry weight forward."""
+    """49.7 kN at 15 kN.m: with a hundred times the stiffness no pitch moves weight forward."""
     p = tables_5_1_and_5_2()
     names = [f"{direction}_{kind}" for direction in ("longitudinal", "vertical") for kind in ("stiffness", "damping")]
     stiff = {name: 100 * getattr(p, name) for name in names}
@@ -166,9 +166,9 @@ def test_load_transfer_on_a_stiff_suspension_is_that_of_rigid_bodies(bogie: Libr
 
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 def test_brake_of_the_experiment_unloads_the_wheelset_that_it_brakes(bogie: Library, level: int) -> None:
-    """Centre of mass at the height of the axles: without a reaction no load would move.
+    """The centre of mass is at axle height: without a reaction no load would move.
 
-    Rolling resistance is no part of it: the rail makes that torque, with normal forces ahead of the axle.
+    Rolling resistance is 0 here: the rail exerts that torque by normal forces ahead of the axle.
     """
     p = tables_8_1_and_8_2()
     one = qr30(bogie, level, 3.0, brake_torque_2=1200.0, rolling_resistance_torque=0.0)
@@ -179,7 +179,7 @@ def test_brake_of_the_experiment_unloads_the_wheelset_that_it_brakes(bogie: Libr
 
 
 def test_bounce_frequency_is_that_of_mass_on_four_springs(bogie: Library) -> None:
-    """2.43 Hz (section 5.3.2 prints 2.31 from a spectrum): sqrt(4k/M)/2 pi, damping included."""
+    """2.43 Hz, sqrt(4k/M)/2 pi with damping (2.31 Hz from a spectrum in section 5.3.2)."""
     p = tables_5_1_and_5_2()
     kernel = Kernel(bogie, level=2)
     kernel.initialise()
@@ -193,7 +193,7 @@ def test_bounce_frequency_is_that_of_mass_on_four_springs(bogie: Library) -> Non
 
 
 def test_traction_lifts_the_nose_and_braking_presses_it_down(bogie: Library) -> None:
-    """Section 5.4.2: pitch negative in traction, positive in braking."""
+    """Section 5.4.2: pitch is negative in traction and positive in braking."""
     pulled = chapter_5(bogie, PLANAR, 10.0, traction_torque_1=15e3, traction_torque_2=15e3)
     braked = chapter_5(bogie, PLANAR, 25.0, brake_torque_1=15e3, brake_torque_2=15e3)
     for one in (pulled, braked):
@@ -225,7 +225,7 @@ def lock_time(one: Kernel, number: int, torques: tuple[float, float]) -> float |
 
 
 def test_heavy_braking_of_the_leading_wheelset_locks_it_in_half_a_second(bogie: Library) -> None:
-    """Fig. 5.44, with the thesis's torques on the wheelsets alone; load of the reaction keeps it turning for longer."""
+    """Fig. 5.44, with the thesis's torques on the wheelsets only; the load from a reaction would delay the lock."""
     printed, hung = (lock_time(chapter_5(bogie, PLANAR, torque_reaction=x), 1, (60e3, 0.0)) for x in (0.0, 1.0))
     assert printed == pytest.approx(0.5, abs=0.1)
     assert hung is not None
@@ -233,7 +233,7 @@ def test_heavy_braking_of_the_leading_wheelset_locks_it_in_half_a_second(bogie: 
 
 
 def test_heavy_braking_of_both_locks_the_trailing_wheelset_first_because_load_moves_forward(bogie: Library) -> None:
-    """Fig. 5.46, torques on the wheelsets alone."""
+    """Fig. 5.46, torques on the wheelsets only."""
     trailing = lock_time(chapter_5(bogie, PLANAR, torque_reaction=0.0), 2, (60e3, 60e3))
     leading = lock_time(chapter_5(bogie, PLANAR, torque_reaction=0.0), 1, (60e3, 60e3))
     assert trailing == pytest.approx(0.2, abs=0.05)
@@ -242,7 +242,7 @@ def test_heavy_braking_of_both_locks_the_trailing_wheelset_first_because_load_mo
 
 
 def test_point_level_locks_both_wheelsets_at_the_same_analytic_time(bogie: Library) -> None:
-    """Full sliding from the start: t = J w0 / (T - mu N r), a little more while the creep force builds up."""
+    """Full sliding from the start: t = J w0 / (T - mu N r), and slightly more while the creep force builds up."""
     p = tables_5_1_and_5_2()
     load = (p.wheelset_mass + p.frame_mass / 2) * p.gravity
     sliding = p.wheelset_pitch_inertia * 25.0 / p.wheel_radius / (60e3 - 0.3 * load * p.wheel_radius)
@@ -259,9 +259,9 @@ def locks(library: Library, torque: float, reaction: float) -> bool:
 def test_smallest_torque_that_locks_the_experiment_is_the_closed_form_one(
     bogie: Library, reaction: float, band: tuple[float, float]
 ) -> None:
-    """The rail must give (T + T_r)/r - J a/r^2, with a = (T + 2 T_r)/r / (M + 2J/r^2), and can give mu N.
+    """The rail must exert (T + T_r)/r - J a/r^2, with a = (T + 2 T_r)/r / (M + 2J/r^2); its limit is mu N.
 
-    A brake that hangs in the frame takes T/L off N.
+    A brake mounted in the frame reduces N by T/L.
     """
     p = tables_8_1_and_8_2()
     r, inertia = p.wheel_radius, p.wheelset_pitch_inertia
@@ -274,13 +274,13 @@ def test_smallest_torque_that_locks_the_experiment_is_the_closed_form_one(
     while high - low > 1.0:
         middle = (low + high) / 2
         low, high = (low, middle) if locks(bogie, middle, reaction) else (middle, high)
-    assert high == pytest.approx(exact, rel=0.01)  # creep saturates slowly, and a late lock is at rest
+    assert high == pytest.approx(exact, rel=0.01)  # creep saturates slowly, and a late lock occurs at rest
 
 
 def test_experiment_at_1800_nm_locks_at_the_printed_speed(bogie: Library) -> None:
-    """Section 8.3.3: 1.8 m/s, simulated with torques on the wheelsets alone.
+    """Section 8.3.3: 1.8 m/s, simulated with torques on the wheelsets only.
 
-    The torque is fitted; it builds up over the printed 0.8 s from 2.9 m/s.
+    The torque is fitted; it builds up over the thesis's 0.8 s from 2.9 m/s.
     """
     one = qr30(bogie, PLANAR, 2.9, torque_reaction=0.0)
     one.initialise()
@@ -301,7 +301,7 @@ def test_experiment_at_1200_nm_rolls_and_decelerates_as_printed(bogie: Library) 
 
 
 def test_locked_wheelset_stands_exactly_and_turns_again_when_the_rail_can_turn_it(bogie: Library) -> None:
-    """And its slip (2.10) is complete."""
+    """The slip (2.10) of the locked wheelset is 1."""
     one = qr30(bogie, PLANAR, 2.9, brake_torque_2=1800.0)
     one.advance(1.5)
     assert one["slip_ratio_2"] == pytest.approx(1.0, abs=1e-3)
@@ -310,7 +310,7 @@ def test_locked_wheelset_stands_exactly_and_turns_again_when_the_rail_can_turn_i
     rotation = one["rotation_2"]
     one.advance(0.2)
     assert (one["angular_velocity_2"], one["rotation_2"]) == (0.0, rotation)
-    # The rail turns the wheel with mu N r; the brake and the rolling resistance together hold it until just below.
+    # The rail exerts mu N r on the wheel. Brake and rolling resistance together hold it until their sum is below this.
     rail = -one["creep_force_2"] * 0.398
     assert rail == pytest.approx(0.18 * one["axle_load_2"] * 0.398, rel=1e-3)
     one.set(brake_torque_2=rail - 65.0 + 2.0)
@@ -348,7 +348,7 @@ def test_planar_bogie_held_by_its_brakes_does_not_creep_away_under_a_pull(bogie:
 @pytest.mark.parametrize("reaction", [0.0, 1.0])
 @pytest.mark.parametrize("torque", [20e3, 60e3])
 def test_lost_energy_equals_brake_creep_and_damping_work(reaction: float, torque: float) -> None:
-    """Over skid, lock and rest; a creep work wrong by one part in a thousand does not close."""
+    """Includes skid, lock and rest; an error of one per mille in the creep work would be detected."""
     powers = ["brake_power", "creep_power", "damping_power"]
     energies = ["kinetic_energy", "potential_energy"]
     system = planar_vehicle(two_axle_bogie()).with_integrals(powers).with_outputs(energies)
@@ -366,9 +366,9 @@ def test_lost_energy_equals_brake_creep_and_damping_work(reaction: float, torque
 
 
 def test_undamped_rocking_keeps_its_energy() -> None:
-    """Forces and potential of the suspension belong together: 700 J swing between them and none gets lost.
+    """Forces and potential of the suspension are consistent: 700 J oscillate between them without a loss.
 
-    A traction torque that reacts on the frame sets it rocking, on wheels that spin (almost) without friction.
+    A traction torque with reaction on the frame excites it, while the wheels spin (almost) without friction.
     """
     energies = ["kinetic_energy", "potential_energy"]
     p = replace(tables_5_1_and_5_2(), longitudinal_damping=0.0, vertical_damping=0.0, torque_reaction=1.0)
@@ -423,7 +423,7 @@ def test_kernel_follows_another_method_through_a_skid() -> None:
     assert one["slip_2"] > 5.0  # it skids
 
 
-#: Bands of docs/checking.md for one stop through host steps of 0.1 to 30 ms.
+#: Tolerances of docs/checking.md for one stop with communication steps of 0.1 to 30 ms.
 STOP_TIME_BAND, STOP_DISTANCE_BAND = 2e-3, 5e-3
 
 
@@ -442,12 +442,13 @@ def test_host_step_is_not_an_integration_step(bogie: Library) -> None:
     assert np.ptp(distances) < STOP_DISTANCE_BAND
 
 
-#: Below it micrometres per second of slip decide the creep force, which has up to 4e9 N/(m/s) [m/s].
+#: Speed below which slip of micrometres per second determines the creep force, which changes by up to 4e9 N/(m/s)
+#: [m/s].
 WALKING_PACE = 0.1
 
 
 def test_creep_force_is_right_down_to_walking_pace(bogie: Library) -> None:
-    """The stiffest corner. Against a tolerance of 1e-11, host step 10 ms."""
+    """The stiffest case. Compare with a tolerance of 1e-11, at a communication step of 10 ms."""
     forces, speeds = [], []
     for tolerance in (DEFAULT_TOLERANCE, 1e-11):
         one = chapter_5(bogie, PLANAR, brake_torque_1=20e3, brake_torque_2=20e3, tolerance=tolerance)
@@ -463,7 +464,9 @@ def test_creep_force_is_right_down_to_walking_pace(bogie: Library) -> None:
 
 
 def test_default_tolerance_is_converged(bogie: Library) -> None:
-    """Stop distance and lock time against a tolerance ten thousand times tighter: far inside what anyone reads off."""
+    """Stop distance and lock time against a tolerance ten thousand times tighter: the differences have no practical
+    effect.
+    """
     found = []
     for tolerance in (DEFAULT_TOLERANCE, 1e-4 * DEFAULT_TOLERANCE):
         one = chapter_5(bogie, PLANAR, brake_torque_1=45e3, brake_torque_2=45e3, tolerance=tolerance)
@@ -475,7 +478,7 @@ def test_default_tolerance_is_converged(bogie: Library) -> None:
 
 def test_friction_of_zero_gives_no_force_and_no_failure(bogie: Library) -> None:
     values = {"friction_1": 0.0, "friction_2": 0.0, "brake_torque_1": 1e4, "brake_torque_2": 1e4}
-    one = chapter_5(bogie, PLANAR, torque_reaction=0.0, **values)  # with it the frame would rock on its axles
+    one = chapter_5(bogie, PLANAR, torque_reaction=0.0, **values)  # with a reaction the frame would rock on its axles
     one.advance(5.0)
     assert one["speed"] == pytest.approx(25.0, abs=1e-6)
     assert one["locked_1"] == 1.0

@@ -1,4 +1,4 @@
-"""Hertz and Polach against closed forms, SciPy's elliptic integrals and Kalker's exact theory."""
+"""Test Hertz and Polach against closed forms, SciPy's elliptic integrals and Kalker's exact theory."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from rbd_model.contact.creep.polach import polach, polach_force
 from rbd_model.contact.hertz import FIT_RANGE, POISSON_RATIO, ellipse_shape, moving_ellipse
 
 STEEL = 82e9
-#: Of pure longitudinal creepage, in share of mu N: Polach's own distance from the exact theory, docs/architecture.md.
+#: Difference of Polach's law from the exact theory for pure longitudinal creepage [of mu N], docs/architecture.md.
 POLACH_BAND = 0.055
-#: Forces by the exact theory; README.md beside it names the source.
+#: Forces by the exact theory; README.md in this folder gives the source.
 EXACT = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"
 
 
@@ -32,7 +32,7 @@ def axes(wheel_radius: float, wheel_curvature: float, rail_radius: float, load: 
 
 
 def scipy_axes(wheel_radius: float, wheel_curvature: float, rail_radius: float, load: float) -> tuple[float, float]:
-    """Johnson (1985), section 4.2, with SciPy's elliptic integrals and a bracketing root finder."""
+    """Return semi-axes by Johnson (1985), section 4.2, with SciPy's elliptic integrals and a bracketing root finder."""
     along, across = 1 / (2 * wheel_radius), (1 / rail_radius + wheel_curvature) / 2
     small, large = min(along, across), max(along, across)
 
@@ -76,10 +76,10 @@ def test_c11_is_kalkers_table(ratio: float, coefficient: float) -> None:
     assert float(kalker_coefficients(ca.SX(ratio)).c11) == pytest.approx(coefficient, rel=1e-12)
 
 
-#: Between the points of a table of three digits two smooth curves differ by this [1]; linear interpolation of the
-#: coefficients themselves is 7 % high at a/b = 7 and 0.7 % at 2.2.
+#: Difference of two smooth curves between the points of a table of three digits [1]. Linear interpolation of the
+#: coefficients is 7 % too high at a/b = 7 and 0.7 % at 2.2.
 BETWEEN_POINTS = 5e-3
-#: What a Poisson's ratio of 0.28 adds to c11 at a/b = 0.1, 1 and 10, and takes from the axes of the ellipse [%].
+#: Increase of c11 by a Poisson's ratio of 0.28 at a/b = 0.1, 1 and 10, and decrease of the semi-axes [%].
 C11_WIDE, C11_ROUND, C11_LONG, AXES_OF_STEEL = 4.0, 2.6, 1.1, 1.4
 COLUMNS = {"c11": C11, "c22": C22, "c23": C23}
 TABLE_RATIOS = np.array([*range(1, 11), *(100 / i for i in range(9, 0, -1))]) / 10
@@ -87,7 +87,7 @@ TABLE_RATIOS = np.array([*range(1, 11), *(100 / i for i in range(9, 0, -1))]) / 
 
 @pytest.mark.parametrize("name", list(COLUMNS))
 def test_kalkers_coefficients_between_the_points_of_his_table_lie_on_a_smooth_curve(name: str) -> None:
-    """A cubic through ln c over ln(a/b), and the polynomials for a moving contact, against the factor on the limits."""
+    """Compare a cubic of ln c over ln(a/b) and the polynomials for a moving contact with the factor on the limits."""
     ratios = np.exp(np.linspace(np.log(0.1), np.log(10.0), 301))
     cubic = CubicSpline(np.log(TABLE_RATIOS), np.log(COLUMNS[name]))
     ratio = ca.SX.sym("ratio")
@@ -100,10 +100,12 @@ def test_kalkers_coefficients_between_the_points_of_his_table_lie_on_a_smooth_cu
     assert at_points == pytest.approx(COLUMNS[name], rel=1e-12)
 
 
-#: ln(a/b) and the mean semi-axis of polynomials and of cubics behind them: measured 2.2e-4 and 4.1e-4, the errors of
-#: the fits. Held at 10.5 they were off by 0.46 and 7.1e-2 on a flange of 17 : 1, by 1.05 and 16e-2 at 30 : 1.
+#: Tolerance of ln(a/b) and of the mean semi-axis, from polynomials and cubics beyond their end: measured 2.2e-4 and
+#: 4.1e-4, the errors of the fits. With constant values beyond 10.5 the errors were 0.46 and 7.1e-2 on a flange of 17 :
+#: 1, and 1.05 and 16e-2 at 30 : 1.
 ELLIPSE_BAND = 5e-4
-#: Curvatures across over along of ellipses with a/b from 1 to 30; the fourth is a flange's of the thesis's wheel.
+#: Ratios of lateral to longitudinal curvature of ellipses with a/b from 1 to 30; the fourth is that of the thesis's
+#: flange.
 CURVATURE_RATIOS = (1.0, 3.0, 39.0, 85.0, 120.0, 237.0)
 
 
@@ -117,7 +119,7 @@ def test_ellipse_of_a_moving_contact_is_that_of_elliptic_integrals_up_to_thirty_
 
 
 def test_ellipse_and_coefficients_have_no_corner_where_polynomials_end() -> None:
-    """Slopes on both sides of 10 and of 10.5, which are not 0 as where an ellipse is held."""
+    """Slopes agree on both sides of 10 and of 10.5. They are not 0, as they would be for a constant ellipse."""
     across = ca.SX.sym("across")
     logarithm, mean = moving_ellipse(ca.SX(1.0), across, ca.SX(1.0), ca.SX(STEEL))
     kalker = smooth_kalker_coefficients(logarithm)
@@ -131,7 +133,7 @@ def test_ellipse_and_coefficients_have_no_corner_where_polynomials_end() -> None
 
 
 def test_kalkers_coefficients_beyond_his_table_go_over_into_their_limits() -> None:
-    """For a -> 0 pi^2 / (4 (1 - nu)), pi^2 / 4 and 0; for b -> 0 without bound. No jump where the table ends."""
+    """For a -> 0 pi^2 / (4 (1 - nu)), pi^2 / 4 and 0; for b -> 0 unbounded. No jump at the ends of the table."""
     slender = kalker_coefficients(ca.SX(1e-6))
     assert float(slender.c11) == pytest.approx(np.pi**2 / 3, rel=1e-5)
     assert float(slender.c22) == pytest.approx(np.pi**2 / 4, rel=1e-5)
@@ -157,7 +159,7 @@ def test_small_creepage_gives_kalkers_slope() -> None:
 
 
 def test_force_at_unit_gradient_is_polachs() -> None:
-    """Where the gradient of (3.94) is 1, eq. (3.97) gives mu Q (1/2 + pi/4) 2/pi = 0.8183 mu Q."""
+    """At a gradient (3.94) of 1, eq. (3.97) gives mu Q (1/2 + pi/4) 2/pi = 0.8183 mu Q."""
     load, friction = 75e3, 0.3
     unit = friction * load / (0.25 * np.pi * STEEL * 6e-3 * 5e-3 * float(kalker_coefficients(ca.SX(1.2)).c11))
     assert force(unit) / (friction * load) == pytest.approx(-(1 + np.pi / 2) / np.pi, rel=1e-9)
@@ -209,7 +211,7 @@ def test_force_is_mirrored_with_the_creepages() -> None:
 
 
 def linearly_interpolated(ratio: float) -> Kalker:
-    """Coefficients linear between the points of the table in the smaller of a/b and b/a, as the anchor's authors do."""
+    """Return coefficients linear between points of the table in the smaller of a/b and b/a, as in the reference."""
     coordinate = ratio if ratio <= 1 else 2 - 1 / ratio
     return Kalker(*(ca.SX(np.interp(coordinate, 0.1 * np.arange(1, 20), column)) for column in COLUMNS.values()))
 
@@ -233,7 +235,7 @@ def test_forces_are_near_the_exact_theory_and_equal_to_polachs_law() -> None:
 
 
 def test_kalkers_coefficients_hang_on_poissons_ratio_as_his_table_has_it() -> None:
-    """Its three columns at their ratios; between them what docs/limits.md tells of steel; at 0.25 the default."""
+    """Three columns at their ratios, the values for steel in docs/limits.md between them, and the default at 0.25."""
     for nu, c11 in ((0.0, 3.40), (0.25, 4.12), (0.5, 5.20)):
         assert float(kalker_coefficients(ca.SX(1.0), nu).c11) == pytest.approx(c11, rel=1e-12)
     for ratio, more in ((0.1, C11_WIDE), (1.0, C11_ROUND), (10.0, C11_LONG)):
@@ -258,7 +260,7 @@ def test_a_law_of_steel_has_steels_coefficients_and_its_smaller_ellipse() -> Non
 
 
 def patch_of_ratio(ratio: float) -> ContactPatch:
-    """Which creeps a little ahead."""
+    """Return a patch with a small longitudinal creepage."""
     axes, zero = (ca.SX(5e-3 * ratio), ca.SX(5e-3)), ca.SX(0)
     return ContactPatch(
         (ca.SX(1e-5), zero, zero), ca.SX(80e3), ca.SX(0.3), axes, ca.SX(STEEL), kalker_coefficients(ca.SX(ratio))

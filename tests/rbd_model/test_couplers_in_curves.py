@@ -1,4 +1,4 @@
-"""Couplers pull along the track where they are: in a curve they push a vehicle outwards when they are compressed."""
+"""Test couplers that act along the track: compressed in a curve they push a vehicle outwards."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import pytest
 
 from scenarios.bench.pushed_in_a_curve import on_paper, pushed
 
-#: Of the closed form, whose next term is (a / R)^2 / 2; and force [N].
+#: Tolerance of the closed form, whose next term is (a / R)^2 / 2; coupler force [N].
 BAND, FORCE = 2e-3, 100e3
 
 
 def test_rails_hold_what_compressed_couplers_push_outwards() -> None:
-    """2 F a / R: to the left, as the curve goes to the left; pulled, the other way."""
+    """2 F a / R: to the left in a curve to the left; in tension to the other side."""
     free = pushed(0.0)
     for compression in (FORCE, -FORCE):
         more = pushed(compression).force - free.force

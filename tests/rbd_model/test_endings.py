@@ -1,4 +1,4 @@
-"""How runs in space end: a vehicle that tips over, by rigid statics, against one that climbs its rail."""
+"""Test how 3D runs end: a vehicle tips over by rigid statics, or climbs its rail."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from tests.quick_library import quick_library
 from tests.rbd_model.test_standing import MAKERS, MASS, P
 
 RADIUS = 300.0
-#: Height of the centre of mass over the rails [m]: that of a rigid vehicle, frame and wheelsets.
+#: Height of the centre of mass above the rails [m], of a rigid vehicle: frame and wheelsets.
 HEIGHT = P.wheel_radius + P.frame_mass * P.frame_height / MASS
-#: Where the outer wheels bear [m] from the middle of the track: no further out than the middle of the rail's head, no
-#: further in than its gauge face; and how far the vehicle moves to them, the play of its flanges.
+#: Range of the contact of the outer wheels from the middle of the track [m]: at most the middle of the rail's head, at
+#: least its gauge face. The vehicle moves to them by PLAY, the clearance of its flanges.
 HEAD, PLAY = thesis_pair().left.rail_half_distance, P.flange_clearance
 FACE = HEAD - max(thesis_pair().left.rail.limits)
-#: Springs so stiff that the vehicle is rigid.
+#: Springs so stiff that the vehicle is nearly rigid.
 STIFF = {name: 30 * getattr(P, name) for name in ("lateral_stiffness", "vertical_stiffness", "vertical_damping")}
 
 
@@ -31,8 +31,8 @@ def patched() -> Library:
 
 
 def said_in_curve(library: Library, folder: Path, arm: float, sign: float) -> list[str]:
-    """Sentences of a bogie in a level curve to the left (1) or right (-1), fast enough to tip it over wheels that stand
-    `arm` [m] outside of its middle: M v^2 / R h = M g b.
+    """Return the messages of a bogie in a level curve to the left (1) or right (-1). It runs fast enough to tip over
+    wheels `arm` [m] outside of its middle: M v^2 / R h = M g b.
     """
     speed = math.sqrt(P.gravity * arm / HEIGHT * RADIUS)
     before, curve = straight(20.0), arc(8 * speed, sign * RADIUS)

@@ -1,4 +1,4 @@
-"""The complete vehicle: modes and loads against closed forms, mirrors, energy, and the bogie that it contains."""
+"""Test the complete vehicle: modes and loads against closed forms, mirror images, energy, and the bogie in it."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ from tests.quick_library import quick_library
 
 PLANAR, SPATIAL = 2, 3
 NUMBERS = (1, 2, 3, 4)
-#: Of frequencies and loads beside closed forms, and of what was lost beside the work of dampers and brakes.
+#: Tolerances of frequencies and loads against closed forms, and of the lost energy against the work of dampers and
+#: brakes.
 CLOSED_FORM, ENERGY_BAND, MIRROR_BAND = 1e-3, 1e-8, 1e-9
-#: Of axle loads beside statics of first order in the pitch of the frames, 5 mrad; measured 1.4e-4.
+#: Tolerance of axle loads against statics of first order in the pitch of the frames, 5 mrad; measured 1.4e-4.
 STATICS_BAND = 2e-4
 
 
@@ -44,7 +45,7 @@ def frequencies(vehicle: Library, systems: tuple[System, ...], level: int, **val
     return np.array([mode.frequency for mode in modes])
 
 
-#: Vertical springs alone, no damping, and all centres and springs at one height, so that no weight leans on them.
+#: Only vertical springs, no damping, all centres and springs at one height, so that weight causes no moments.
 VERTICAL_ALONE = {
     **{f"{direction}_stiffness": 1.0 for direction in ("longitudinal", "lateral")},
     **{f"secondary_{direction}_stiffness": 1.0 for direction in ("longitudinal", "lateral")},
@@ -59,14 +60,14 @@ VERTICAL_ALONE = {
 
 
 def two_masses(upper: float, lower: float, secondary: float, primary: float) -> list[float]:
-    """Frequencies of a mass on a mass on the ground [Hz]."""
+    """Return the frequencies of a mass on a mass on the ground [Hz]."""
     stiffness = np.array([[secondary, -secondary], [-secondary, secondary + primary]])
     values = np.linalg.eigvals(np.diag([1 / upper, 1 / lower]) @ stiffness)
     return sorted(np.sqrt(values.real) / (2 * math.pi))
 
 
 def closed_forms(p: VehicleParameters) -> dict[str, float]:
-    """Bounce, pitch and frame pitch of the Manchester vehicle 1 on its vertical springs [Hz]."""
+    """Return bounce, pitch and frame pitch of the Manchester vehicle 1 on its vertical springs [Hz]."""
     arm = p.pivot_distance / 2
     secondary, primary = 4 * p.secondary_vertical_stiffness, 8 * p.vertical_stiffness
     bounce = two_masses(p.body_mass, 2 * p.frame_mass, secondary, primary)
@@ -78,7 +79,7 @@ def closed_forms(p: VehicleParameters) -> dict[str, float]:
 
 
 def test_closed_forms_are_the_published_frequencies() -> None:
-    """Of the Manchester vehicle 1: 1.0739 and 7.4705, 1.2991 and 7.4772, 11.714 Hz."""
+    """Manchester vehicle 1: 1.0739 and 7.4705, 1.2991 and 7.4772, 11.714 Hz."""
     expected = (1.0739, 7.4705, 1.2991, 7.4772, 11.714)
     assert list(closed_forms(manchester_vehicle_1()).values()) == pytest.approx(list(expected), rel=1e-4)
 
@@ -93,7 +94,7 @@ def test_frequencies_on_vertical_springs_are_the_closed_forms(
 
 
 def test_bending_of_the_air_springs_stiffens_the_frames_pitch(vehicle: Library, systems: tuple[System, ...]) -> None:
-    """11.729 Hz: both springs of a bogie add to the primary ones; body and frames hold against each other."""
+    """11.729 Hz: both secondary springs of a bogie add to the primary ones; body and frames move in opposition."""
     p = manchester_vehicle_1()
     bent = VERTICAL_ALONE | {"secondary_bending_stiffness": p.secondary_bending_stiffness}
     stiffness = 4 * p.vertical_stiffness * (p.wheel_base / 2) ** 2 + 2 * p.secondary_bending_stiffness
@@ -105,7 +106,7 @@ def test_bending_of_the_air_springs_stiffens_the_frames_pitch(vehicle: Library, 
 
 
 def test_static_axle_load_is_a_quarter_of_the_weight(vehicle: Library) -> None:
-    """109.1 kN, at every level."""
+    """109.1 kN at every level."""
     for level in (1, PLANAR, SPATIAL):
         kernel = Kernel(vehicle, level=level, contact_model=1)
         kernel.initialise()
@@ -118,7 +119,7 @@ def test_static_axle_load_is_a_quarter_of_the_weight(vehicle: Library) -> None:
 @pytest.mark.parametrize("level", [PLANAR, SPATIAL])
 @pytest.mark.parametrize("reaction", [1.0, 0.0])
 def test_braking_moves_load_as_rigid_statics_say(vehicle: Library, level: int, reaction: float) -> None:
-    """Between the axles of each bogie and between the bogies, with the brake hung in the frame or on nothing."""
+    """Between the axles of each bogie and between the bogies; brake with and without reaction on the frame."""
     torque, p = 5e3, coach_with_traction_rods()
     brakes = {f"brake_torque_{number}": torque for number in NUMBERS}
     kernel = Kernel(
@@ -187,7 +188,7 @@ def test_a_vehicle_mirrored_front_to_back_gives_the_mirrored_answer(observed: Li
 
 
 def test_lost_energy_is_the_work_of_brakes_creep_and_dampers(observed: Library) -> None:
-    """Two wheelsets lock, the body rocks and rolls; a creep work wrong by one part in a million does not close."""
+    """Two wheelsets lock, the body rocks and rolls; an error of 1e-6 in the creep work would be detected."""
     brakes = {"brake_torque_1": 9e3, "brake_torque_2": 20e3, "brake_torque_3": 9e3, "brake_torque_4": 20e3}
     kernel = Kernel(observed, initial_lateral=3e-3, initial_speed=25.0, tolerance=1e-9, **brakes)
     kernel.initialise()
@@ -202,13 +203,13 @@ def test_lost_energy_is_the_work_of_brakes_creep_and_dampers(observed: Library) 
     assert abs(lost - sum(wrong.values())) > ENERGY_BAND * lost
 
 
-# -- the bogie that it contains -----------------------------------------------------------------------------------
+# -- the bogie in it -----------------------------------------------------------------------------------
 
 
 def test_a_wagon_on_rigid_secondary_springs_moves_as_its_bogies(vehicle: Library, bogie: Library) -> None:
     """Secondary springs 1e4 times stiffer than a bogie's: motion and weight of two bogies of chapter 5.
 
-    Loads differ by what the long body moves between the bogies, and slip with them: by 3e-5 of the distance.
+    The long body moves load between the bogies. Loads and slip differ due to it, by 3e-5 of the distance.
     """
     wagon = coal_wagon().values()
     stiff = {

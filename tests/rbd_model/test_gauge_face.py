@@ -1,4 +1,4 @@
-"""Friction by contact angle: head and gauge face of the rail, at each contact model."""
+"""Test friction by contact angle: head and gauge face of the rail, at each contact model."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from scenarios.contact import contact_manchester as manchester
 from scenarios.contact.flange_climb import ATTACK, BAND, CURVE_ANGLE, ONSET
 
 PAIR, STEEL = manchester.manchester_pair(), manchester.STEEL
-#: Of a lubricated curve: friction of the head, and of the gauge face over it.
+#: Friction of the head in a lubricated curve, and ratio of the gauge face's friction to it.
 HEAD, LUBRICATED = 0.35, 0.15 / 0.35
-#: Two numbers that are the same but for the order of a sum.
+#: Tolerance of two numbers that differ only in the order of a sum.
 ROUND_OFF = 1e-9
 
 
 def nadal(angle: float, friction: float) -> float:
-    """Y/Q at which a flange [deg] slides down: normal force and friction taken apart, Nadal (1896)."""
+    """Return Y/Q at which a flange [deg] slides down: normal force and friction resolved, Nadal (1896)."""
     sine, cosine = math.sin(math.radians(angle)), math.cos(math.radians(angle))
     return (sine - friction * cosine) / (cosine + friction * sine)
 
 
 def test_friction_goes_over_from_head_to_gauge_face_between_20_and_40_degrees() -> None:
-    """And stays that of the head on the field side."""
+    """On the field side the friction remains that of the head."""
     factor = {
         angle: float(friction_over_angle(ca.SX(math.sin(math.radians(angle))), ca.SX(0.4)))
         for angle in (-70, -5, 0, 19.9, 20, 30, 40, 40.1, 70)
@@ -52,7 +52,7 @@ def test_wheel_climbs_at_nadals_limit_for_the_friction_of_the_gauge_face(depth: 
 
 
 def creep(stand: Stand, motion: WheelVelocity, friction: float, gauge_face: float) -> np.ndarray:
-    """What friction adds to the force on a wheel by strips [N]."""
+    """Return the friction part of the force on a wheel by strips [N]."""
     smooth = press_wheel(PAIR, STEEL, 0.0, stand, motion).force
     return press_wheel(PAIR, STEEL, friction, stand, motion, gauge_face).force - smooth
 
@@ -61,7 +61,7 @@ def creep(stand: Stand, motion: WheelVelocity, friction: float, gauge_face: floa
 def test_strips_on_the_gauge_face_creep_with_its_friction_and_others_with_that_of_the_head(
     shift: float, on_face: bool
 ) -> None:
-    """A patch that lies on the one or the other as a whole creeps as on a rail that has this friction everywhere."""
+    """A patch entirely on one of them creeps as on a rail with this friction everywhere."""
     stand, motion = manchester.case("right", shift)
     stand = replace(stand, height=touching(PAIR, stand)[0] - 40e-6)
     angles = np.degrees(np.concatenate([one.strips.angle for one in patches(PAIR, stand, STEEL)]))

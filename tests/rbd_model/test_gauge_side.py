@@ -1,4 +1,4 @@
-"""The side of a contour that is turned to the middle of the track: found, told, or asked for."""
+"""Test the gauge side of a contour: detected, reported, or requested."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from rbd_model.contact.geometry import Pair, equivalent_conicity
 from rbd_model.contact.profiles import JOINTS_60E1, Profile, inclined, rail_head, read_profile
 
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
-#: Instruments' files, where they are there; rail_left_iter288 is worn at positive y.
+#: Files of instruments, if available; rail_left_iter288 is worn at positive y.
 STRANGERS = Path(os.environ.get("PROFILES_OF_OTHERS", "nowhere"))
-#: Amplitude at which EN 15302 compares conicities [m], and how well two fits of a spline to the same points agree.
+#: Amplitude at which EN 15302 compares conicities [m], and tolerance of two spline fits to the same points.
 COMPARED, FITTED = np.array([3e-3]), 1e-3
 WAYS = list(itertools.product((1, -1), (1, -1), (1, -1)))
 
@@ -25,27 +25,27 @@ def points_of(name: str) -> np.ndarray:
 
 
 def written(points: np.ndarray, folder: Path, way: tuple[int, int, int] = (1, 1, 1)) -> Path:
-    """A file of points [mm] with y, z and the order as they are (1) or turned round (-1)."""
+    """Write a file of points [mm] with y, z and the order unchanged (1) or reversed (-1); return its path."""
     path = folder / "mine.csv"
     np.savetxt(path, (points * way[:2])[:: way[2]], delimiter=";", fmt="%.7f")
     return path
 
 
 def head(inclination: float) -> np.ndarray:
-    """A head of 60E1 with its sides [mm], inclined towards negative y."""
+    """Return a head of 60E1 with its sides [mm], inclined towards negative y."""
     half = 1e3 * rail_head(JOINTS_60E1)
     half = np.concatenate([half, half[-1] + [[0.001 * n, -0.3 * n] for n in range(1, 50)]])
     return inclined(np.concatenate([half[:0:-1] * [-1, 1], half]), inclination)
 
 
 def worn(points: np.ndarray) -> np.ndarray:
-    """The head after a cone 1:20 has taken 1 mm of its crown, and a plane at 45 degrees its corner, at negative y."""
+    """Return the head with 1 mm worn off its crown (cone 1:20) and its corner at negative y (plane at 45 deg)."""
     y, z = points.T
     return np.column_stack([y, np.minimum(z, z.max() + np.minimum(0.05 * y - 1.0, y - y.min() - 14.0))])
 
 
 def scattered(points: np.ndarray) -> np.ndarray:
-    """Two contours, one 1 mm above the other, by their y."""
+    """Return two contours in the order of y, one 1 mm above the other."""
     return points + np.c_[np.zeros(len(points)), np.arange(len(points)) % 2]
 
 
@@ -55,7 +55,7 @@ def conicity(rail: Profile, wheel: Profile) -> float:
 
 
 def test_a_rail_and_a_wheel_from_either_side_have_the_same_conicity(tmp_path: Path) -> None:
-    """Upside down, from the other side and backwards: the standard's 0.188 at 3 mm, and the side is told."""
+    """Upside down, from the other side and backwards: the standard's 0.188 at 3 mm, and the correct side."""
     found = []
     for way in WAYS:
         rail = read_profile(written(points_of("SUIC519A"), tmp_path, way), "rail")
@@ -124,7 +124,7 @@ def test_a_side_that_is_given_counts(tmp_path: Path) -> None:
 def test_a_side_in_doubt_is_questioned(
     points: np.ndarray, kind: str, more: dict, sentence: str, tmp_path: Path
 ) -> None:
-    if "neither" in sentence:  # one corner off, less than wear would be
+    if "neither" in sentence:  # one corner is missing, less than by wear
         points = points[points[:, 0] > -30.0]
     with pytest.raises(ValueError, match=sentence) as told:
         read_profile(written(points, tmp_path), kind, **more)

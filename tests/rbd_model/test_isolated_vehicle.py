@@ -1,8 +1,8 @@
-"""A vehicle that nothing touches: its momentum changes by its weight alone, and its energy by what it turns to heat.
+"""Test a free vehicle: only its weight changes its momentum, and only dissipation changes its energy.
 
-By the right-hand side of level 3, whole and compiled, with the wheelsets lifted off their rails, brakes on. Newton's
-third law, in its strong form, holds whatever the law of a spring is; a connection that pushes two points beside each
-other with opposite forces keeps momentum and energy, and loses moments.
+The tests use the whole compiled right-hand side of level 3, with the wheelsets lifted off their rails and the brakes
+on. Newton's third law, in its strong form, is valid for any law of a spring. A connection whose opposite forces act at
+two different points keeps momentum and energy, but not angular momentum.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ from tests.maximal.oracle import Scene
 from tests.maximal.rails import STRAIGHT
 from tests.maximal.states import random_course
 
-#: Sums that cancel, as a share of the sizes that are added; velocities of 10 m/s are differenced over 1e-6 s: 2e-11.
+#: Tolerance of sums that cancel, as a share of the terms; velocities of 10 m/s are differenced over 1e-6 s: 2e-11.
 MOMENTUM_BAND = 1e-10
-#: Of energies that are differenced over 1e-6 s, as a share of the powers in them; measured 3e-9.
+#: Tolerance of energies differenced over 1e-6 s, as a share of the powers in them; measured 3e-9.
 ENERGY_BAND, MOMENT = 1e-7, 1e-6
-#: How high wheelsets are lifted [m], and by how much everything is away from rest [m], [rad], and moves.
+#: Lift of the wheelsets [m], largest displacement from rest [m], [rad], and largest velocity.
 LIFTED, AWAY, MOVING = 0.2, 0.05, 0.2
 STATES = 5
-#: Straight track, and in the long form lines.
+#: Straight track, and in the long run also lines.
 TRACKS = [False, pytest.param(True, marks=pytest.mark.long)]
-#: Of the largest acceleration: connections of the oracle are differenced over 10 um; measured 5e-11.
+#: Tolerance, of the largest acceleration: connections of the oracle are differenced over 10 um; measured 5e-11.
 ORACLE_BAND = 1e-9
 
 
 def everything() -> Vehicle:
-    """The bogie of chapter 5 under a load, with every connection: body to body, body to wheelset, wheelset to body."""
+    """Return the loaded bogie of chapter 5 with every connection: body to body, body to wheelset, wheelset to body."""
     bogie = two_axle_bogie()
     inertia = (3e3, 5e3, 6e3)
     ends = {"upper": "load", "lower": "frame"}, {"upper": "frame", "lower": "wheelset_1"}
@@ -90,7 +90,7 @@ class Flying:
         self.kernel = self.machine.kernel(brakes, self.course, folder)
         self.value = {name: self.drawn(name) for name in self.machine.names}
         self.arrive(self.value)
-        # Sliders go the way in which they are driven.
+        # Sliders move in the direction in which they are driven.
         for name, slope in self.slope.items():
             if name.endswith("_travel_rate"):
                 self.value[name] = float(np.sign(slope)) * MOVING
@@ -114,7 +114,7 @@ class Flying:
         return dict(zip(self.machine.names, self.kernel.slopes_at(0.0, place), strict=True))
 
     def energy(self, time: float) -> float:
-        """That the vehicle has a moment later [J]."""
+        """Return the energy of the vehicle a moment later [J]."""
         slope = self.slope
         self.arrive({name: start + time * slope[name] for name, start in self.value.items()})
         return sum(self.kernel[name] for name in ENERGIES)
@@ -122,7 +122,7 @@ class Flying:
 
 @pytest.mark.parametrize("on_line", TRACKS)
 def test_momentum_changes_by_the_weight_alone(on_line: bool, tmp_path: Path) -> None:
-    """Linear and angular, of the whole, while every connection is bent and every brake drags."""
+    """Linear and angular momentum of the whole, with every connection deflected and every brake applied."""
     vehicle = everything()
     for seed in range(STATES):
         flying = Flying(on_line, seed, tmp_path)
@@ -151,7 +151,7 @@ def test_energy_goes_into_heat_alone(on_line: bool, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("on_line", TRACKS)
 def test_every_connection_pushes_each_body_as_its_potential_and_its_dampers_say(on_line: bool, tmp_path: Path) -> None:
-    """Which body carries the directions of a connection, momentum does not tell: the oracle in maximal coordinates."""
+    """Momentum does not depend on the body that carries a connection's directions; compare with maximal coordinates."""
     vehicle = everything()
     for seed in range(STATES):
         flying = Flying(on_line, seed, tmp_path)

@@ -1,4 +1,4 @@
-"""A vehicle's creep law is chosen by name, at every level, and one of one's own is a line more."""
+"""Test that a vehicle's creep law is chosen by name, at every level, and that a law of the user is one more line."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.levels.models import STRIPS, places_of
 from tests.quick_library import quick_library
 
-#: Torques of a wheelset [N.m]: so small that every law of Kalker's slope is linear, and a third of what locks it.
+#: Torques of a wheelset [N.m]: one at which every law with Kalker's slope is linear, and a third of that which locks
+#: it.
 SMALL, LARGE = 10.0, 6e3
-#: Fits of the ellipse and of Kalker's table, which other laws follow, against Newton's method and the table: 1.03e-3.
+#: Tolerance between the fits of the ellipse and of Kalker's table, used by other laws, and exact values: 1.03e-3.
 FITS = 2e-3
 
 
@@ -30,7 +31,7 @@ def slip_ratio(law: str, torque: float, level: int) -> float:
 @pytest.mark.parametrize("level", [1, 2])
 def test_a_wheelset_creeps_by_the_law_that_its_vehicle_names(level: int) -> None:
     small, large = (slip_ratio("kalker-linear", torque, level) for torque in (SMALL, LARGE))
-    assert large / small == pytest.approx(LARGE / SMALL, rel=2e-2)  # linear but for the load that moves
+    assert large / small == pytest.approx(LARGE / SMALL, rel=2e-2)  # linear except for the load transfer
     saturates = slip_ratio("shen-hedrick-elkins", LARGE, level)
     assert saturates > 1.05 * large
     assert slip_ratio(DEFAULT_LAW, SMALL, level) == pytest.approx(small, rel=FITS)

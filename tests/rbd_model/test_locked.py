@@ -1,4 +1,4 @@
-"""A wheelset is locked where it does not turn while its axle moves; a vehicle that has come to rest stands."""
+"""Test that a wheelset is locked if it does not turn while its axle moves, and that a vehicle at rest stands."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.quick_library import quick_library
 
 LEVELS = {"point": point_vehicle, "planar": planar_vehicle}
-#: Torque of a brake that is far from the adhesion limit, by the number of axles [N.m].
+#: Brake torque far below the adhesion limit, by the number of axles [N.m].
 CLEAN = {2: 8e3, 4: 8e3, 12: 3e3}
 
 
 def long_bogie(axles: int) -> Vehicle:
-    """The frame of chapter 5 on so many axles, 1.2 m apart."""
+    """Return the frame of chapter 5 on this number of axles, 1.2 m apart."""
     law = True, (9e6, 6e6, 3e6), (8e4, 4e4, 5e4)
     places = {number: 1.2 * ((axles + 1) / 2 - number) for number in range(1, axles + 1)}
     springs = [Springs(f"springs_{n}", "frame", f"wheelset_{n}", (x, 0.9, 0.0), *law) for n, x in places.items()]
@@ -38,7 +38,7 @@ def library(level: str, axles: int) -> Library:
 
 
 def run(level: str, axles: int, seconds: float, torque: float, **values: float) -> tuple[Kernel, dict[str, np.ndarray]]:
-    """Brakes all wheelsets with one torque; speed, and which are locked and how they turn, every 2 ms."""
+    """Brake all wheelsets with one torque; return speed, locks and angular velocities every 2 ms."""
     brakes = {f"brake_torque_{number}": torque for number in range(1, axles + 1)}
     kernel = Kernel(library(level, axles), **(brakes | values))
     each = [f"{name}_{n}" for n in range(1, axles + 1) for name in ("locked", "angular_velocity")]
@@ -53,7 +53,7 @@ def run(level: str, axles: int, seconds: float, torque: float, **values: float) 
 def test_a_clean_stop_says_once_that_the_vehicle_stands_and_locks_nothing(
     level: str, axles: int, gradient: float
 ) -> None:
-    """Uphill the vehicle swings back on its springs and rolls for some millimetres, which is no second stop."""
+    """Uphill the vehicle swings back on its springs and rolls for some millimetres, without a second message."""
     kernel, table = run(level, axles, 25.0, CLEAN[axles], gradient=gradient, initial_speed=6.0)
     assert len(kernel.journal) == 1
     assert re.fullmatch(r"The vehicle stands at \S+ s\.", kernel.journal[0])
@@ -88,7 +88,7 @@ def test_a_wheelset_that_locks_is_locked_until_its_axle_rests(axles: int) -> Non
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_wheelset_that_is_dragged_off_from_rest_is_locked(level: str) -> None:
-    """Nothing switches there: the brake held it before, as the vehicle stood."""
+    """No event occurs there, because the brake held the wheelset while the vehicle stood."""
     values = {"drawbar_force": 60e3, "friction_2": 0.1, "initial_speed": 0.0}
     kernel, table = run(level, 2, 1.0, 0.0, brake_torque_2=60e3, **values)
     told = [sentence.split(" at ")[0] for sentence in kernel.journal]
@@ -112,7 +112,7 @@ def test_a_vehicle_that_starts_again_says_so_once_and_its_next_lock_is_told(leve
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_locks_and_releases_without_end_are_told_ever_less_often(level: str) -> None:
-    """As wheel-slide protection makes them; of each wheelset the first is told."""
+    """Repeated locks as with wheel-slide protection; the first one of each wheelset is reported."""
     kernel, cycles = Kernel(library(level, 12), initial_speed=40.0), 20
     seen = np.zeros(12)
     for _ in range(cycles):
@@ -131,7 +131,7 @@ def test_locks_and_releases_without_end_are_told_ever_less_often(level: str) -> 
 
 
 def brick() -> System:
-    """A brick of 1 kg on a table that holds 1 N, pushed."""
+    """Return the model of a brick of 1 kg, pushed on a table with a friction of 1 N."""
     system = System("Brick", "A brick on a table")
     push = system.input(Variable("push", "input", "N", "Force forward"))
     v, direction = system.state("speed", "m/s", 0.0, 1.0), system.direction("direction")
@@ -142,7 +142,7 @@ def brick() -> System:
 
 
 def test_a_saved_run_goes_on_counting_where_it_was() -> None:
-    """Of any machine with dry friction; what is restored tells what the run itself would."""
+    """A model with dry friction: the restored run gives the same messages as the original one."""
     one, other = (Kernel(quick_library(model_of(brick(), 1e-6))) for _ in range(2))
 
     def push(kernel: Kernel, times: int) -> list[str]:

@@ -1,4 +1,4 @@
-"""One meaning of a line with few rows, for vehicles, trains and Python: closed forms are straight lines."""
+"""Test that lines with few rows mean the same for vehicles, trains and Python: gradients are linear between rows."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.quick_library import quick_library
 
-#: A vertical curve of 120 m, 15 per mille, and one of 200 m back to the level.
+#: A vertical curve of 120 m to 15 per mille, and one of 200 m back to level.
 PLACES, GRADIENTS = [-100.0, 100.0, 220.0, 1500.0, 1700.0, 3000.0], [0.0, 0.0, 0.015, 0.015, 0.0, 0.0]
-#: Of a gradient, beyond the rounding.
+#: Tolerance of a gradient outside the rounding.
 STRAIGHT_BAND = 1e-4
-#: Within it: a sixth of the change of slope in 1 m, as cubics depart from straight lines by 4 / 27 of it.
+#: Tolerance within it: a sixth of the change of slope in 1 m; cubics deviate from straight lines by 4 / 27 of it.
 ROUNDED_BAND = ROUNDING * 0.015 / 120 / 6
-#: What creep and dampers take of the work of a hill, and errors of steps at a tolerance of 1e-8.
+#: Work of creep and dampers as a share of that of a hill, and step errors at a tolerance of 1e-8.
 HILL_BAND = 2e-3
 GRAVITY, SPEED = 9.81, 40.0
 
@@ -49,7 +49,7 @@ def rolling(vehicle: Vehicle) -> Library:
 
 @pytest.mark.parametrize("make", [two_axle_bogie, passenger_coach])
 def test_a_vehicle_feels_straight_lines_of_gradient(make, few_rows: Path) -> None:  # type: ignore[no-untyped-def]
-    """a = -g m / (m + J / r^2) times the mean of the gradients under its masses, where its wheels roll freely."""
+    """a = -g m / (m + J / r^2) times the mean of the gradients under its masses, for freely rolling wheels."""
     vehicle: Vehicle = make()
     kernel = Kernel(rolling(vehicle), line_file=str(few_rows), initial_speed=SPEED, tolerance=1e-8)
     kernel.set(rolling_resistance_torque=0.0)
@@ -109,7 +109,7 @@ def test_python_reads_straight_lines_of_gradient(few_rows: Path) -> None:
 
 
 def test_a_train_is_straight_beyond_the_ends_of_its_line(few_rows: Path) -> None:
-    """As a vehicle is: no curve holds it there, its last gradient goes on."""
+    """The same applies to a vehicle: beyond the line there is no curve, and the last gradient continues."""
     rows = {"distance": np.array([0.0, 100.0]), "gradient": np.zeros(2), "curvature": np.full(2, 1 / 300)}
     train = Train(Consist((locomotive(),)), speed=SPEED, distance=500.0, line=Line(rows))
     free = Train(Consist((locomotive(),)), speed=SPEED, distance=500.0)

@@ -1,4 +1,4 @@
-"""The parameter sets are the printed tables; unphysical values are refused with name, value and limit."""
+"""Test that the parameter sets are the thesis's tables, and that unphysical values are refused with value and limit."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_experiment_bogie_is_that_of_tables_8_1_and_8_2() -> None:
 
 
 def test_measured_wheel_load_of_the_experiment_is_the_static_one() -> None:
-    """Section 7.4.2 prints about 8.85 kN for each wheel of the braked wheelset."""
+    """Section 7.4.2 reports about 8.85 kN for each wheel of the braked wheelset."""
     p = tables_8_1_and_8_2()
     assert (p.wheelset_mass + p.frame_mass / 2) * p.gravity / 2 == pytest.approx(8850.0, rel=0.01)
 

@@ -1,4 +1,4 @@
-"""Profiles and their contact: smooth, true to their sources, and against closed forms and the EN 15302 reference."""
+"""Test profiles and their contact: smoothness, sources, closed forms and the EN 15302 reference."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ from rbd_model.contact.profiles import (
 )
 from rbd_model.vehicle.ready import wheelset_under_frame
 
-#: Facts from published sources; README.md there names them.
+#: Data from published sources; README.md there names them.
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
-#: Digits and sampling of the published contour of 60E1 [m].
+#: Digits and sampling error of the published contour of 60E1 [m].
 CONTOUR_ERROR = 0.01e-3
 
 
@@ -67,7 +67,7 @@ def test_synthetic_wheel_is_a_cone_on_its_tread_and_70_degrees_on_its_flange() -
 
 @pytest.mark.parametrize("profile", [wheel_cone_120(), rail_60kg(), wheel_s1002()], ids=lambda p: p.name)
 def test_third_derivative_is_continuous(profile: Profile) -> None:
-    """Eq. (3.72) needs it; across every knot it changes by no more than its own slope explains."""
+    """Eq. (3.72) requires it; across a knot its change is explained by its own slope."""
     knots = np.unique(profile.spline.t)[1:-1]
     jump = profile.height(knots + 1e-12, 3) - profile.height(knots - 1e-12, 3)
     assert np.abs(jump).max() < 1e-4 * np.abs(profile.height(knots, 3)).max()
@@ -84,7 +84,7 @@ def test_pieces_for_the_kernel_are_the_spline() -> None:
 
 
 def test_s1002_is_the_published_contour() -> None:
-    """Within 1 um on the tread; the knots round the corners of the flange root by up to 8 um."""
+    """Within 1 um on the tread; at corners of the flange root the knots round by up to 8 um."""
     points = reference("mbench_s1002.csv") / 1e3
     y, z = -points[:, 0], -points[:, 1]
     deviation = np.abs(wheel_s1002().height(y) - z)
@@ -93,7 +93,7 @@ def test_s1002_is_the_published_contour() -> None:
 
 
 def reference(name: str) -> np.ndarray:
-    """Numbers of a table of reference data, without its first line."""
+    """Return the numbers of a table of reference data, without its first line."""
     return np.loadtxt(REFERENCE / name, delimiter=",", skiprows=1)
 
 
@@ -103,42 +103,42 @@ def en_15302_profile(name: str) -> Profile:
 
 
 def en_15302_side(wheel: str, radius: float = 0.46) -> Side:
-    """One of the standard's wheels on its rail, tape circles 1500 mm apart."""
+    """Return one of the standard's wheels on its rail, tape circles 1500 mm apart."""
     return Side(en_15302_profile(f"RUIC519{wheel}"), en_15302_profile("SUIC519A"), radius, 0.75, 0.75)
 
 
 def en_15302_pair(wheel: str) -> Pair:
-    """Two of the standard's wheels, r0 = 460 mm."""
+    """Return two of the standard's wheels, r0 = 460 mm."""
     side = en_15302_side(wheel)
     return Pair(side.wheel, side.rail, side.radius, side.wheel_half_distance, side.rail_half_distance)
 
 
 def en_15302_conicity(case: str) -> np.ndarray:
-    """Columns amplitude [mm], tan(gamma_e), its upper and lower limit, of one case."""
+    """Return columns amplitude [mm], tan(gamma_e), its upper and lower limit, of one case."""
     lines = (REFERENCE / "en15302_conicity.csv").read_text().splitlines()
     return np.array([[float(x) for x in line.split(",")[1:]] for line in lines if line.startswith(case)]).T
 
 
 @lru_cache
 def conicity_of_equal_sides(wheel: str) -> np.ndarray:
-    """At the amplitudes of case E1, which are those of all cases."""
+    """Return the conicity at the amplitudes of case E1, which are those of all cases."""
     return equivalent_conicity(en_15302_pair(wheel), en_15302_conicity("E1")[0] / 1e3, rolls=False)
 
 
 @pytest.mark.parametrize(("wheel", "case"), [("A", "E1"), ("B", "E2"), ("H", "E3"), ("I", "E4")])
 def test_equivalent_conicity_is_that_of_en_15302_at_every_amplitude(wheel: str, case: str) -> None:
-    """Within the standard's limits; it leaves the roll out. Up to 1.7 mm nothing guides the wheels I (E4)."""
+    """Within the standard's limits, without roll. Up to 1.7 mm the wheels I are not guided (E4)."""
     amplitude, value, upper, lower = en_15302_conicity(case)
     found = conicity_of_equal_sides(wheel)
     assert amplitude == pytest.approx(en_15302_conicity("E1")[0])
     assert amplitude.size == 66
     assert np.all((found <= upper) & (found >= lower))
     assert np.median(np.abs(found - value)) < 0.005
-    # A fifth more leaves the limits.
+    # Values that are a fifth larger are outside of the limits.
     assert not np.all((1.2 * found <= upper) & (1.2 * found >= lower))
 
 
-#: Cases of annex E whose sides differ: wheel and radius [m] of the left and of the right one.
+#: Cases of annex E with different sides: wheel and radius [m] of the left and of the right one.
 UNEQUAL = {
     "E5": (("A", 0.459), ("A", 0.460)),
     "E6": (("B", 0.459), ("B", 0.460)),
@@ -157,7 +157,7 @@ def test_conicity_of_unequal_sides_is_that_of_en_15302_at_every_amplitude(case: 
     assert amplitude.size == 66
     assert np.all((found <= upper) & (found >= lower))
     assert np.median(np.abs(found - value)) < 0.005
-    # The same wheels on equal radii, or A alone, leave the limits.
+    # The same wheels on equal radii, or wheel A alone, are outside of the limits.
     equal = conicity_of_equal_sides(right[0])
     assert not np.all((equal <= upper) & (equal >= lower))
 
@@ -170,7 +170,7 @@ def test_published_radius_difference_of_wheels_of_918_and_920_mm_vanishes_where_
 
 
 def on_needle(name: str, y: np.ndarray, z: np.ndarray, radius: float = 0.46) -> Side:
-    """A wheel on an arc of 10 mm, which it touches at nearly the same place wherever it is."""
+    """Return a wheel on an arc of 10 mm, with nearly the same contact at any displacement."""
     needle = from_points("needle", "R10", (u := np.linspace(-9e-3, 9e-3, 900)), np.sqrt(0.01**2 - u**2) - 0.01)
     return Side(from_points(name, "closed form", y, z), needle, radius, 0.75, 0.75)
 
@@ -183,7 +183,7 @@ def cone(slope: float, radius: float = 0.46) -> Side:
 def test_cones_of_unequal_radius_run_off_the_middle_with_the_conicity_of_the_cone(
     difference: float, rolls: bool
 ) -> None:
-    """Towards the smaller wheel by (dr / 2) / gamma, where 2 gamma y is dr; on equal radii the axle is level again.
+    """The shift is (dr / 2) / gamma towards the smaller wheel, where 2 gamma y is dr; on equal radii the axle is level.
 
     There the wave is that of equal cones: gamma (1 + R gamma / b) where it rolls.
     """
@@ -195,7 +195,7 @@ def test_cones_of_unequal_radius_run_off_the_middle_with_the_conicity_of_the_con
 
 
 def test_cones_of_unequal_slope_and_radius_have_the_mean_conicity_about_the_shift_of_equal_radii() -> None:
-    """Dr = (gamma_l + gamma_r) y + dr + R (gamma_l^2 - gamma_r^2): they touch R gamma off the top of the arc."""
+    """Dr = (gamma_l + gamma_r) y + dr + R (gamma_l^2 - gamma_r^2): the contact is R gamma from the top of the arc."""
     left, right = 1 / 20, 1 / 40
     for difference in (0.0, 0.5e-3):
         pair = Sides(cone(left), cone(right, 0.46 + difference))
@@ -208,7 +208,7 @@ def test_cones_of_unequal_slope_and_radius_have_the_mean_conicity_about_the_shif
 def test_wave_is_made_of_its_two_half_waves() -> None:
     """Dr = 2 g y to the left, 2 h y to the right: half waves of pi sqrt(b r0 / g) and pi sqrt(b r0 / h).
 
-    Both ends have the same S, g y^2 and h y^2, so that the wave lies to the side that is softer.
+    Both ends have the same S, g y^2 and h y^2, so that the wave extends further to the side of smaller conicity.
     """
     left, right = 1 / 10, 1 / 40
     y = np.linspace(-0.02, 0.02, 401)
@@ -217,12 +217,12 @@ def test_wave_is_made_of_its_two_half_waves() -> None:
     closed = (0.5 / math.sqrt(left) + 0.5 / math.sqrt(right)) ** -2
     assert closed < 0.8 * (left + right) / 2
     for amplitude in (1e-3, 8e-3):
-        # Phases are counted from the middle of the wave, where Dr has no corner: 1e-5 is their midpoint rule's.
+        # Phases are measured from the middle of the wave, where Dr has no kink; 1e-5 is the error of the midpoint rule.
         assert along.conicity(amplitude) == pytest.approx(closed, rel=1e-5)
         assert along.middle(amplitude) == pytest.approx(-amplitude / 3, rel=1e-9)
 
 
-#: Two searches on a grid, one the mirror image of the other: parabolas refine it to better than 1 um.
+#: Tolerance of two searches on a grid, mirror images of each other; parabolas refine it to better than 1 um.
 MIRROR = 1e-6
 
 
@@ -245,13 +245,13 @@ def test_sides_that_are_equal_are_a_pair() -> None:
     assert (pair.left, pair.right) == (side, side)
     found = equivalent_conicity(Sides(side, side), amplitudes, False, 40)
     assert found == pytest.approx(equivalent_conicity(pair, amplitudes, False, 40), rel=1e-12)
-    # Nor does a difference that is nearly none change more than the grid of the search.
+    # A very small difference of the radii has an effect below the pitch of the search.
     nearly = Sides(en_15302_side("A", 0.46 + 1e-8), side)
     assert equivalent_conicity(nearly, amplitudes, False, 40) == pytest.approx(found, rel=2e-3)
 
 
 def test_every_two_of_the_reference_wheels_of_918_and_920_mm_have_a_conicity() -> None:
-    """No NaN and nothing driven outwards, also with wheels I, which nothing guides near the middle (E4)."""
+    """No NaN and no negative conicity, also with wheels I, which are not guided near the middle (E4)."""
     amplitudes = np.linspace(1e-3, 7e-3, 7)
     of_two_radii = [((left, 0.459), (right, 0.460)) for left, right in itertools.product("ABHI", "ABHI")]
     of_one = [((left, 0.460), (right, 0.460)) for left, right in itertools.combinations("ABHI", 2)]
@@ -262,7 +262,7 @@ def test_every_two_of_the_reference_wheels_of_918_and_920_mm_have_a_conicity() -
 
 
 def test_unequal_hollow_wheels_have_a_conicity_where_the_radius_difference_turns() -> None:
-    """Dr = 2 c (y^3 / w^2 - y) + dr: driven outwards about the zero near the middle, held beyond sqrt(2) w."""
+    """Dr = 2 c (y^3 / w^2 - y) + dr: unstable about the zero near the middle, guided beyond sqrt(2) w."""
     slope, turn = 1e-3, 2e-3
     y = np.linspace(-0.04, 0.04, 1600)
     near = np.clip(y, -8e-3, 8e-3)
@@ -285,16 +285,16 @@ def test_wheel_beside_its_rail_is_refused() -> None:
 
 
 def test_conicity_of_a_cone_the_wrong_way_round_is_minus_its_slope() -> None:
-    """No motion crosses the centre; the line through Dr is the cone."""
+    """No motion crosses the centre; the linear fit to Dr is the cone."""
     wheel = from_points("cone", "-1:40", (y := np.linspace(-0.04, 0.04, 400)), -y / 40)
     pair = Pair(wheel, rail_60kg(), 0.425, 0.57, 0.57)
     assert equivalent_conicity(pair, np.array([1e-3, 5e-3]), rolls=False) == pytest.approx(-1 / 40, rel=1e-3)
 
 
 def test_where_the_radius_difference_turns_near_the_centre_only_wide_waves_cross_it() -> None:
-    """Dr = 2 c (y^3 / w^2 - y) drives outwards up to w and holds a wave that starts beyond sqrt(2) w.
+    """Dr = 2 c (y^3 / w^2 - y) is unstable up to w and guides a wave that starts beyond sqrt(2) w.
 
-    Within, the line through Dr up to a has the slope 2 c (3/5 a^2 / w^2 - 1), regression over both sides.
+    Within it, the linear fit to Dr up to a has the slope 2 c (3/5 a^2 / w^2 - 1), a regression over both sides.
     """
     slope, turn = 1e-3, 2e-3
     y = np.linspace(-0.04, 0.04, 1600)
@@ -330,7 +330,7 @@ def test_shift_to_the_other_side_is_the_mirror_image(shift: float) -> None:
 
 
 def test_cone_without_roll_gives_its_own_conicity_and_with_roll_a_larger_radius_difference() -> None:
-    """Contact moves by the shift on a cone, so Dr = 2 (1/20) u; the roll adds R gamma / b of the crown and the cone."""
+    """On a cone the contact moves by the shift: Dr = 2 (1/20) u; the roll adds R gamma / b of crown and cone."""
     pair = thesis_pair()
     shifts = np.array([1e-3, 3e-3, 6e-3])
     assert rolling_radius_difference(pair, shifts, rolls=False) / (2 * shifts) == pytest.approx(0.05, rel=1e-3)
@@ -340,7 +340,7 @@ def test_cone_without_roll_gives_its_own_conicity_and_with_roll_a_larger_radius_
 
 
 def test_wave_of_a_rolling_cone_is_that_of_its_contacts_and_not_of_its_axle() -> None:
-    """gamma (1 + R gamma / b): the contacts move by b / (b - r0 gamma) of the shift, the radius difference too."""
+    """gamma (1 + R gamma / b): contacts and radius difference move by b / (b - r0 gamma) of the shift."""
     pair = thesis_pair()
     amplitudes = np.array([1e-3, 3e-3, 6e-3])
     wave = equivalent_conicity(pair, amplitudes, points=30)
@@ -350,7 +350,7 @@ def test_wave_of_a_rolling_cone_is_that_of_its_contacts_and_not_of_its_axle() ->
 
 
 def test_flange_touches_where_the_gauge_face_is_as_steep() -> None:
-    """By the arcs of the rail and the sections of the wheels, not by their splines; a chord passes over ripples."""
+    """Compare with the arcs of the rail and the sections of the wheels, not their splines; a chord averages ripples."""
     for pair, angle in ((thesis_pair(), 70.3), (european_pair(), 70.0)):  # section 4.3; EN 13715
         assert np.degrees(flange_of(pair).angle) == pytest.approx(angle, abs=0.05)
     y, z = inclined(rail_head(JOINTS_60KG) * [-1, 1], INCLINATION).T
@@ -359,9 +359,9 @@ def test_flange_touches_where_the_gauge_face_is_as_steep() -> None:
 
 
 def test_wheelset_on_its_treads_rolls_with_its_shift() -> None:
-    """A cone on cylinders: contacts stay 2 b apart, so that the roll is conicity x shift over b less r x conicity.
+    """For a cone on cylinders, contacts stay 2 b apart, so the roll is conicity x shift over b less r x conicity.
 
-    The rails' heads are round: the contacts move with the roll, and the closed form is within 5 %.
+    The rails' heads are round: contacts move with the roll, and the closed form is accurate to 5 %.
     """
     pair = thesis_pair()
     closed = INCLINATION / (pair.wheel_half_distance - INCLINATION * pair.radius)
@@ -389,7 +389,7 @@ def test_tread_contact_is_lost_where_the_curvatures_of_wheel_and_rail_sum_to_zer
 
     at_centre = gap_curvature(contact_at(pair, 0.0))
     assert at_centre == pytest.approx(1 / 0.3, rel=0.01)  # the crown against a cone
-    # Half of what is left at the fold goes within the 20 um of a step: the curvature falls like a square root.
+    # Close to the fold the curvature falls like a square root: half of the rest vanishes within the step of 20 um.
     assert 0.0 < gap_curvature(last_of_thesis_pair()) < 0.2 * at_centre
 
 
@@ -407,7 +407,7 @@ def test_head_of_60e1_is_the_published_contour() -> None:
 
 
 def test_european_pair_stands_on_a_gauge_of_1435_mm_and_has_its_usual_clearance() -> None:
-    """Rails 1435 mm apart 14 mm below their top; with new wheels 5 to 8 mm of play to each side."""
+    """Rails are 1435 mm apart 14 mm below their top; new wheels have 5 to 8 mm of play to each side."""
     pair = european_pair()
     assert 2 * (pair.rail_half_distance + gauge_face(pair.rail)) == pytest.approx(1.435, abs=1e-6) == STANDARD_GAUGE
     assert flange_contact_shift(pair) == pytest.approx(6.19e-3, abs=CONTOUR_ERROR)
@@ -452,7 +452,7 @@ def test_a_profile_in_millimetres_is_refused_before_its_knots_are_laid() -> None
 
 
 def test_profiles_sides_and_vehicles_are_equal_by_what_they_hold() -> None:
-    """Not by the objects that they are made of: two equal files are one profile, and one moved point is another."""
+    """Equality is by content, not identity: two equal files give equal profiles; one moved point changes it."""
     (y, z), name = (reference("en15302_RUIC519A.csv") / 1e3).T, "A"
     same, moved = from_points(name, "EN 15302", y, z), from_points(name, "EN 15302", y, z + 1e-9 * (y == y[500]))
     assert same == from_points(name, "EN 15302", y, z) != moved

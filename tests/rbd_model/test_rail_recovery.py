@@ -1,4 +1,4 @@
-"""Recovery of adhesion by sliding energy: closed forms, and a locked bogie that cleans its rail."""
+"""Test the recovery of adhesion by sliding energy: closed forms, and a locked bogie that cleans its rail."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from scenarios.bench.drive import prepare
 
 P = assumed_recovery()
 GAIN = P.recovered_friction - P.degraded_friction
-#: Of what one wheelset leaves to the other: where it begins, and from half a metre later on (`MOMENTS`).
+#: Errors of the friction left by one wheelset to the other: where it begins, and from half a metre later on
+#: (`MOMENTS`).
 DELAY_ERROR, LATER_ERROR = 0.02, 2e-3
 
 
@@ -30,7 +31,7 @@ def slid(rail: Library, seconds: float, **inputs: float) -> Kernel:
 
 
 def test_friction_follows_the_sliding_energy_along_the_rail(rail: Library) -> None:
-    """e = |F w| / V; the share cleaned approaches 1 - exp(-e / e_0) with exp(-x / L)."""
+    """e = |F w| / V; the cleaned share approaches 1 - exp(-e / e_0) with exp(-x / L)."""
     force, slip, seconds = 4e3, 6.0, 0.07
     kernel = slid(rail, seconds, creep_force_1=-force, slip_1=slip)
     energy = force * slip / math.hypot(20.0, SLOWEST)
@@ -40,7 +41,7 @@ def test_friction_follows_the_sliding_energy_along_the_rail(rail: Library) -> No
 
 
 def test_scatter_of_published_energies_decides_how_much_is_cleaned(rail: Library) -> None:
-    """1 - exp(-e / e_0) over the scatter around the assumed energy; a rail that stays dirty keeps its friction."""
+    """1 - exp(-e / e_0) over the scatter around the assumed energy; a rail without recovery keeps its friction."""
     sliding = {"creep_force_1": -4e3, "slip_1": 6.0}
     gains = []
     for parameters in (easy_recovery(), P, hard_recovery()):
@@ -53,7 +54,7 @@ def test_scatter_of_published_energies_decides_how_much_is_cleaned(rail: Library
 
 
 def test_trailing_wheelset_finds_the_cleaned_rail_a_wheel_base_later(rail: Library) -> None:
-    """The share left behind, 1 - exp(-(x - l) / L) of it from x = l on; half of l more or less is far off."""
+    """The share left behind, 1 - exp(-(x - l) / L) of it from x = l on; an error of half of l would be detected."""
     force, slip, speed = 4e3, 6.0, 20.0
     kernel = Kernel(rail, speed=speed, creep_force_1=-force, slip_1=slip)
     table = kernel.record(0.4, 1e-3, ["friction_1", "friction_2"])
@@ -97,7 +98,7 @@ def test_bogie_that_turns_back_finds_the_rail_that_its_leading_wheelset_has_clea
 
 
 def test_cleaned_rail_is_not_dirtier_than_a_dirty_one(rail: Library) -> None:
-    """The polynomials fall below 0 before the cleaning arrives; a bogie would refuse a friction below 0."""
+    """The polynomials fall below 0 before the cleaning arrives; a bogie would refuse negative friction."""
     kernel = Kernel(rail, speed=20.0, creep_force_1=-4e4, slip_1=6.0, degraded_friction=0.0)
     assert min(kernel.record(0.3, 1e-3, ["friction_2"])["friction_2"]) >= 0.0
 

@@ -1,7 +1,7 @@
-"""Rails that rise or turn aside against the axes of the track carry a wheel as level or straight ones that lie alike.
+"""Compare rails that rise or turn aside with level or straight rails in the same relative position.
 
-What turns the whole scene changes no force between wheel and rail: a gradient, or a heading. Axes of the track do not
-know of rails that rise or turn aside by irregularities of a line, or by a ramp of cant.
+A rotation of wheel and rail together (by a gradient or a heading) changes no force between them. Track axes do not
+include slopes of the rails by irregularities or cant ramps.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from rbd_model.track.line import Line
 from rbd_model.vehicle.ready import two_axle_bogie
 from tests.maximal.machine import Machine
 
-#: Slope of the rails [1], speed [m/s], and where the leading wheelset is on the line [m].
+#: Slope of the rails [1], speed [m/s], and position of the leading wheelset on the line [m].
 SLOPE, SPEED, PLACE = 1e-3, 20.0, 50.0
 #: The left wheel on its flange with some 60 kN, the right one on its tread: lateral position, rise [m] and roll [rad].
 STANDS = {"lateral_1": 9.5e-3, "rise_1": 1.486e-3, "roll_1": 3.385e-3}
-#: Of a static wheel load, 60 kN: of second order in the slope, 1e-6, times up to 100 for what a creepage makes of it.
-#: Measured 4.3e-5 at model 2 and 3. With creepage in the axes of the track 4e-3 to 5e-2.
+#: Tolerance, of a static wheel load of 60 kN: second order in the slope, 1e-6, times a sensitivity to creepage of up to
+#: 100. Measured 4.3e-5 at models 2 and 3. With creepage in track axes it would be 4e-3 to 5e-2.
 LOAD, BAND = 60e3, 1e-4
 
 
@@ -33,7 +33,7 @@ def library(depth: int) -> tuple[Library, list[str]]:
 
 
 def forces(depth: int, folder: Path, rows: dict[str, float], **state: float) -> dict[str, float]:
-    """Forces of the leading wheelset's rails over LOAD; rows: slopes of columns of the line, or its gradient."""
+    """Return rail forces of the leading wheelset over LOAD; rows: slopes of columns of the line, or its gradient."""
     distance = np.arange(0.0, 101.0)
     level = dict.fromkeys(("curvature", "cant", "gradient"), 0 * distance)
     columns = {name: slope * (distance - PLACE) for name, slope in rows.items()}
@@ -53,7 +53,7 @@ def forces(depth: int, folder: Path, rows: dict[str, float], **state: float) -> 
 
 @pytest.mark.parametrize("depth", [2, 3])
 def test_rails_that_rise_carry_a_wheelset_as_a_gradient_does(depth: int, tmp_path: Path) -> None:
-    """Seen from level axes it climbs, yaws by slope times roll, and the creep force has a part that is vertical."""
+    """In level axes it climbs and yaws by slope times roll, and the creep force has a vertical part."""
     there = forces(depth, tmp_path, {"gradient": SLOPE})
     climbing = {"rise_speed_1": SLOPE * SPEED, "yaw_1": SLOPE * STANDS["roll_1"]}
     here = forces(depth, tmp_path, {"left_vertical": SLOPE, "right_vertical": SLOPE}, **climbing)
@@ -65,7 +65,7 @@ def test_rails_that_rise_carry_a_wheelset_as_a_gradient_does(depth: int, tmp_pat
 
 @pytest.mark.parametrize("depth", [2, 3])
 def test_rails_that_turn_aside_carry_a_wheelset_as_straight_ones_a_yawed_one(depth: int, tmp_path: Path) -> None:
-    """By half of the slope to either side, so that its wheels lie as deep in their rails."""
+    """Rails and wheelset turn by half of the slope to either side, so that the wheels have the same penetration."""
     there = forces(depth, tmp_path, {}, yaw_1=-SLOPE / 2)
     moving = {"yaw_1": SLOPE / 2, "lateral_speed_1": SLOPE * SPEED}
     here = forces(depth, tmp_path, {"left_lateral": SLOPE, "right_lateral": SLOPE}, **moving)

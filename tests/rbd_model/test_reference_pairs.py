@@ -1,4 +1,4 @@
-"""The reference profiles of EN 15302 on a vehicle: at each contact model it runs, or one sentence says why not."""
+"""Test the reference profiles of EN 15302 on a vehicle: each contact model runs, or one message states the reason."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def vehicle_on(pair: Pair) -> Vehicle:
 
 @pytest.mark.parametrize("wheel", ["A", "B"])
 def test_parts_that_jump_too_often_are_joined(wheel: str) -> None:
-    """Their contours jump every tenth of a millimetre of shift in the flange root, those of A on the tread too."""
+    """Their contacts jump every tenth of a millimetre of shift in the flange root, those of A on the tread too."""
     one = pair_of(wheel).left
     patches = patches_of(one)
     assert 3 <= len(patches) <= MOST_PATCHES
@@ -46,7 +46,7 @@ def test_parts_that_jump_too_often_are_joined(wheel: str) -> None:
         assert offsets.size >= 6
         assert np.all(np.diff(offsets) > 0.0)
         assert np.all((places >= patch.limits[0]) & (places <= patch.limits[1]))
-    # From one end of the profile to the other, without a gap wider than the search's pitch.
+    # Segments cover the profile from one end to the other, without a gap wider than the pitch of the search.
     ends = segments_of(one)
     assert [high for _, high in ends[:-1]] == [low for low, _ in ends[1:]]
     assert wheel_on_strips(one).results is not None
@@ -69,7 +69,7 @@ def test_a_pair_that_no_ellipses_describe_is_refused_at_depth_2() -> None:
 def test_a_pair_whose_contact_jumps_is_refused_at_depth_1() -> None:
     check_one_contact(thesis_pair())
     with pytest.raises(ValueError, match="RUIC519B on rail en15302_SUIC519A jumps at 3 mm or before"):
-        check_one_contact(pair_of("B"))  # the flange root touches from 2.9 mm on, and the tread's place goes on
+        check_one_contact(pair_of("B"))  # the flange root touches from 2.9 mm on, while the tread contact continues
     with pytest.raises(
         ValueError, match=r"jumps at 0.16 mm or before, from y = 12.3 mm of the wheel. Take contact model 2 or 3"
     ):
@@ -81,7 +81,7 @@ def test_a_pair_whose_contact_jumps_is_refused_at_depth_1() -> None:
 
 
 def test_distances_that_are_none_of_a_wheel_and_its_rail_are_refused_at_once() -> None:
-    """In millimetres, the offsets to be looked at would be millions."""
+    """With distances in millimetres the search would have millions of offsets."""
     pair = pair_of("B")
     for half_distance in (750.0, 1.5, float("nan")):
         with pytest.raises(

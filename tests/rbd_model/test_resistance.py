@@ -1,4 +1,4 @@
-"""Running resistance against closed forms: run-out, rest on a gradient, the start from it, and the way back down."""
+"""Test running resistance against closed forms: run-out, rest on a gradient, start from it, and return downhill."""
 
 from __future__ import annotations
 
@@ -17,18 +17,19 @@ from tests.rbd_model.test_standing import MAKERS, MASS, P
 ROLLING = MASS + 2 * P.wheelset_pitch_inertia / P.wheel_radius**2
 GRADIENT = 0.005
 PULL = MASS * P.gravity * GRADIENT
-#: a [N], b [N.s/m], c [N.s2/m2] of Davis, and the speed from which a vehicle runs out [m/s].
+#: a [N], b [N.s/m], c [N.s2/m2] of Davis, and the initial speed of a run-out [m/s].
 DAVIS, SPEED = (900.0, 25.0, 6.0), 20.0
-#: Of a run-out, with a tolerance of 1e-7; measured 3e-10.
+#: Relative tolerance of a run-out, with a tolerance of 1e-7; measured 3e-10.
 RUN_OUT_BAND = 1e-8
-#: Way of what stands [m]: springs give way under its own parts, 11 um, and rock it on while wheels alone hold, 3 mm.
+#: Displacements of a standing vehicle [m]: springs deflect under its weight, 11 um, and rock it if only wheels hold, 3
+#: mm.
 GIVEN_WAY, ROCKED = 5e-5, 5e-3
-#: Speed gained on that gradient, in ten minutes, where slip of held torques counts, 1.4e-6; and in the first, in which
-#: springs load up, 4e-5.
+#: Tolerances of the speed gained on that gradient: in ten minutes, with slip due to held torques, 1.4e-6; and in the
+#: first minute, while springs are loaded, 4e-5.
 GAIN_BAND, START_BAND = 3e-6, 1e-4
-#: Speed downhill again, and the way: springs load up as the force turns.
+#: Tolerance of speed and position after the turn downhill; springs are loaded as the force reverses.
 BACK_BAND = 1e-6
-#: What holds: a as a share of the gradient's pull, and rolling resistance as another.
+#: Holding forces as shares of the gradient's pull: constant a, and rolling resistance.
 HELD_BY = [(1.02, 0.0), (0.0, 1.02), (0.51, 0.51)]
 
 Make = Callable[..., Kernel]
@@ -36,13 +37,13 @@ Make = Callable[..., Kernel]
 
 @pytest.fixture(scope="module", params=list(MAKERS))
 def library(request: pytest.FixtureRequest) -> Library:
-    """A bogie on a line, at each level and at two depths of contact."""
+    """A bogie on a line, at each level and with two contact models."""
     return quick_library(model_of(MAKERS[request.param](), 1e-6))
 
 
 @pytest.fixture
 def on_gradient(library: Library, tmp_path: Path) -> Make:
-    """Makes a kernel on a gradient, rising ahead; without rolling resistance of the axle boxes unless it is given."""
+    """Return a function that makes a kernel on a gradient; by default without rolling resistance of the axle boxes."""
 
     def make(gradient: float, **values: float) -> Kernel:
         path = str(line_of([straight(4000.0, gradient)]).write(tmp_path / "line.csv"))
@@ -54,7 +55,7 @@ def on_gradient(library: Library, tmp_path: Path) -> Make:
 
 
 def run_out(speed: float) -> tuple[float, float]:
-    """Way [m] and time [s] to rest by the integrals of M v dv and M dv over a + b v + c v^2."""
+    """Return distance [m] and time [s] to rest: integrals of M v dv and M dv over a + b v + c v^2."""
     a, b, c = DAVIS
     root = math.sqrt(4 * a * c - b**2)
     time = 2 * ROLLING / root * (math.atan((2 * c * speed + b) / root) - math.atan(b / root))
@@ -73,7 +74,7 @@ def test_a_vehicle_runs_out_and_stops_as_its_momentum_says(on_gradient: Make) ->
 
 @pytest.mark.parametrize(("constant", "rolling"), HELD_BY)
 def test_resistance_above_the_pull_of_a_gradient_holds(on_gradient: Make, constant: float, rolling: float) -> None:
-    """For ever: what settles in a minute goes no further in ten."""
+    """After settling for a minute the vehicle stays at rest for nine more."""
     torque = rolling * PULL * P.wheel_radius / 2
     kernel = on_gradient(-GRADIENT, initial_speed=0.0, davis_constant=constant * PULL, rolling_resistance_torque=torque)
     kernel.advance(60.0)
@@ -85,7 +86,7 @@ def test_resistance_above_the_pull_of_a_gradient_holds(on_gradient: Make, consta
 
 @pytest.mark.parametrize(("constant", "rolling"), HELD_BY)
 def test_resistance_below_it_lets_go_with_what_is_left(on_gradient: Make, constant: float, rolling: float) -> None:
-    """a = (m g i - A) / (m + J / r^2), once springs have loaded up; without wheels that hold from the start on."""
+    """a = (m g i - A) / (m + J / r^2), once springs are loaded; from the start without rolling resistance."""
     share, begin, end = 0.98 / 1.02, 60.0, 600.0
     torque = share * rolling * PULL * P.wheel_radius / 2
     kernel = on_gradient(-GRADIENT, initial_speed=0.0, davis_constant=share * constant * PULL)
@@ -99,7 +100,7 @@ def test_resistance_below_it_lets_go_with_what_is_left(on_gradient: Make, consta
 
 
 def test_resistance_turns_with_the_motion(on_gradient: Make) -> None:
-    """Uphill gravity and resistance add, downhill they differ: speed and place 20 s after the turn."""
+    """Uphill gravity and resistance add, downhill they subtract: speed and position 20 s after the turn."""
     gradient, begin, after = 0.02, 5.0, 20.0
     gravity, resistance = MASS * P.gravity * gradient, 0.3 * MASS * P.gravity * gradient
     up, down = (gravity + resistance) / ROLLING, (gravity - resistance) / ROLLING
@@ -110,7 +111,7 @@ def test_resistance_turns_with_the_motion(on_gradient: Make) -> None:
 
 
 def test_without_resistance_nothing_happens_at_rest(on_gradient: Make) -> None:
-    """A pull to and fro through rest switches nothing where a, b and c are 0."""
+    """A force that alternates about rest causes no event if a, b and c are 0."""
     kernel = on_gradient(0.0, initial_speed=0.0)
     for sign in (1.0, -2.0, 2.0, -1.0):
         kernel.set(drawbar_force=sign * 1e3)

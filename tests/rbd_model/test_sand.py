@@ -1,4 +1,4 @@
-"""Sand on the rail against closed forms at constant speed: how much lies there, where, from when, and what it does."""
+"""Test sand on the rail against closed forms at constant speed: amount, place, delay and effect."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def library() -> Library:
 
 
 def sanded(library: Library, seconds: float, **values: float) -> list[float]:
-    """Friction under each wheelset so long after sand began to fall."""
+    """Return the friction under each wheelset `seconds` after sand starts to fall."""
     frictions = {f"friction_{number}": POOR for number in range(1, 5)}
     kernel = Kernel(library, **frictions | {"speed": SPEED} | values)
     kernel.initialise()
@@ -42,7 +42,7 @@ def test_sand_on_a_metre_is_the_rate_over_the_speed(library: Library) -> None:
 
 
 def test_it_reaches_a_wheelset_once_the_train_has_come_that_far(library: Library) -> None:
-    """From wheelset 2 to wheelset 3 there are 8.8 m; wheelset 1 is ahead of the sander, and finds none."""
+    """The distance from wheelset 2 to wheelset 3 is 8.8 m. Wheelset 1 is ahead of the sander and meets no sand."""
     early, late = (sanded(library, way / SPEED, sand_rate_2=RATE) for way in (8.7, 9.4))
     assert early == pytest.approx([POOR, law(RATE / SPEED), POOR, POOR])
     assert late == pytest.approx([POOR, law(RATE / SPEED), law(RATE / SPEED), POOR])

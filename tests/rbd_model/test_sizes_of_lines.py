@@ -1,4 +1,4 @@
-"""Numbers that size the work of a line: limits that are told before the work begins."""
+"""Test the limits on the size of a line, which are checked before the work begins."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_irregularities_of_too_many_rows_and_waves_are_refused(waves: tuple[floa
 
 
 def test_points_of_a_track_that_are_nearly_one_are_refused() -> None:
-    """Steps resolve what lies between points: with these they would be 1e-10 m long."""
+    """Steps resolve the distance between points: with these they would be 1e-10 m long."""
     flat = np.zeros(7)
     with pytest.raises(ValueError, match=r"Points of a track must be at least 0.001 m apart; got 1e-09 m"):
         track_from_points(np.array([0.0, 1.0, 1.0 + 1e-9, 2.0, 3.0, 4.0, 5.0]), flat, flat, flat, flat + 1)

@@ -1,4 +1,4 @@
-"""Vehicles that stand on locked wheels: held by their rails, let go by their brakes, pulled harder than friction."""
+"""Test vehicles at rest on locked wheels: held by their rails, released, or pulled harder than friction."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ BOGIE = two_axle_bogie()
 P = BOGIE.parameters
 MASS = P.frame_mass + 2 * P.wheelset_mass
 GRADIENT, DAY, HOLDING = 0.04, 86400.0, 20e3
-#: Round-off of a distance of some metres, over a day [m]; how late it may start [s]: half of the issue's own is slip's.
+#: Round-off of a distance of some metres, over a day [m]; latest start [s], half of which is due to slip.
 STANDING_BAND, LATE_BAND = 1e-9, 1e-3
-#: Friction times load: the creep law is within 2 % of it where wheels slide as a whole (3.97).
+#: Tolerance of friction times load: the creep law is within 2 % of it at full sliding (3.97).
 SLIDING_BAND = 0.02
 
 
@@ -42,7 +42,7 @@ def library(request) -> Library:  # type: ignore[no-untyped-def]
 
 @pytest.fixture
 def uphill(library: Library, tmp_path: Path):  # type: ignore[no-untyped-def]
-    """Makes a kernel on 40 per mille."""
+    """Return a function that makes a kernel on a gradient of 40 per mille."""
     path = str(line_of([straight(3000.0, GRADIENT)]).write(tmp_path / "line.csv"))
 
     def make(**values: float) -> Kernel:
@@ -84,13 +84,13 @@ def test_vehicle_stands_as_long_as_friction_times_load_holds_it(uphill) -> None:
 
 
 def test_brake_that_lets_go_slowly_holds_until_its_torque_is_what_gravity_asks(uphill) -> None:  # type: ignore[no-untyped-def]
-    """Down to exactly 0 within one step of the host: it lets go in time and not at the end of the step."""
+    """The torque falls to 0 within one communication step: the vehicle starts in time, not at the end of the step."""
     kernel = uphill()
     kernel.advance(30.0)
     kernel.set_rate(brake_torque_1=-HOLDING / 10.0, brake_torque_2=-HOLDING / 10.0)
     kernel.advance(10.0)
     asked = MASS * P.gravity * GRADIENT * P.wheel_radius / 2
-    rolled = HOLDING / 10.0  # from there the brake loses as much torque each second
+    rolled = HOLDING / 10.0  # from there the brake loses the same torque each second
     left = asked / rolled
     mass = MASS + 2 * P.wheelset_pitch_inertia / P.wheel_radius**2
     closed = -2 * rolled / P.wheel_radius / mass * left**2 / 2

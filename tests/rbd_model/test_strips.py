@@ -1,4 +1,4 @@
-"""Contact by strips against Hertz, elements, Kalker's exact theory and the Manchester contact benchmark."""
+"""Test contact by strips against Hertz, elements, Kalker's exact theory and the Manchester contact benchmark."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from scenarios.thesis.creep_forces import EXACT, FRICTION, LOAD, SEMI_AXES, SHEA
 from tests.rolling_half_space import Grid, grid_of, pressure, rolling_forces, tractions
 
 STEEL = Steel(82e9, 0.28)
-#: 24 strips across the overlap against closed forms, measured up to 1.2 %: the edge lies somewhere within a strip.
+#: Error of 24 strips across the overlap against closed forms, measured up to 1.2 %: the edge is inside a strip.
 STRIP_ERROR = 0.02
-#: Against elements: measured up to 1.5 % in load and, where the patch has a shoulder, 0.14 mm in place.
+#: Errors against elements: measured up to 1.5 % in load and, for a patch with a shoulder, 0.14 mm in position.
 ELEMENT_ERROR, ELEMENT_PLACE = 0.025, 0.2e-3
 #: FASTSIM on an ellipse against CONTACT [% of mu N], largest and mean: measured 6.0 and 1.8, without strong spin 2.7.
 FASTSIM_ERROR, FASTSIM_MEAN, FASTSIM_CREEP = 6.5, 2.0, 3.0
 
 
 def crowned(rail_radius: float, wheel_radius: float = 0.5) -> Pair:
-    """A cylinder on a crown: curvatures that are constant."""
+    """Return a cylinder on a crown: constant curvatures."""
     y = np.arange(-0.03, 0.03, 0.02e-3)
     wheel = from_points("cylinder", "0", y, 0.0 * y)
     return Pair(wheel, from_points("crown", "arc", y, np.sqrt(rail_radius**2 - y**2) - rail_radius), wheel_radius, 1, 1)
@@ -55,7 +55,7 @@ def test_crowned_bodies_press_as_hertz_says(rail_radius: float) -> None:
     assert np.max(patch.pressure) == pytest.approx(top, rel=STRIP_ERROR)
     assert np.max(patch.half_length) == pytest.approx(a, rel=STRIP_ERROR)
     assert patch.centre(patch.strips.on_rail) == pytest.approx(0.0, abs=1e-6)
-    # A twentieth more approach leaves the band.
+    # An approach that is a twentieth larger is out of tolerance.
     (more,) = patches(pair, Stand(0.0, 0.5 - 1.05 * approach, 0.0, 0.0), STEEL)
     assert more.load != pytest.approx(patch.load, rel=STRIP_ERROR)
 
@@ -67,19 +67,21 @@ def test_table_of_ellipses_is_round_where_the_curvatures_are_equal() -> None:
     assert found == pytest.approx([2.0, 4 / math.pi], rel=1e-5)
 
 
-#: Elements of the exact theory.
+#: Number of elements of the exact theory.
 ELEMENTS = (64, 128)
 
 
 def held(name: str, shift: float, load: float = 10e3) -> tuple[Stand, list[Pressed]]:
-    """A wheel of the benchmark under its load."""
+    """Return a wheel of the benchmark under its load."""
     stand, motion = manchester.case(name, shift)
     return under_load(manchester.manchester_pair(), stand, STEEL, 0.3, lambda s: creepages_of(s, motion), load)
 
 
 @pytest.mark.parametrize(("shift", "patch_count"), [(0.0, 1), (0.5, 1), (2.0, 1), (5.0, 2), (6.0, 1), (8.0, 1)])
 def test_load_and_place_are_those_of_elements(shift: float, patch_count: int) -> None:
-    """At 0.5 mm the patch has a long shoulder, at 5 mm there are two which lower the surface under each other."""
+    """At 0.5 mm the patch has a long shoulder. At 5 mm there are two patches, each of which deforms the surface under
+    the other.
+    """
     pair = manchester.manchester_pair()
     stand, contacts = held("right", shift)
     overlapping = areas(pair, stand)
@@ -94,7 +96,7 @@ def test_load_and_place_are_those_of_elements(shift: float, patch_count: int) ->
 
 
 def test_patches_that_feel_each_other_carry_less_and_the_smaller_one_loses_most() -> None:
-    """And sum up to the load of the wheel."""
+    """The sum is the load of the wheel."""
     pair = manchester.manchester_pair()
     stand, contacts = held("right", 5.0)
     together, alone = patches(pair, stand, STEEL), patches(pair, stand, STEEL, apart=True)
@@ -150,7 +152,7 @@ def test_yaw_to_the_other_side_moves_the_contact_as_far_behind_the_axle() -> Non
 
 
 def test_both_wheels_are_mirror_images() -> None:
-    """A wheelset turned over from left to right: the other wheel feels the same, in track axes with y reversed."""
+    """For a wheelset mirrored left to right the other wheel has the same forces, in track axes with y reversed."""
     pair = manchester.manchester_pair()
     forces = []
     for side, mirror in ((LEFT, 1), (RIGHT, -1)):
@@ -162,7 +164,7 @@ def test_both_wheels_are_mirror_images() -> None:
 
 
 def test_without_yaw_a_light_wheel_touches_where_rigid_profiles_do() -> None:
-    """Against the search of section 4.3, which knows no yaw: place on the wheel within its parabola, angle."""
+    """Compare position on the wheel (within its parabola) and angle with the search of section 4.3, without yaw."""
     pair = manchester.manchester_pair()
     for shift in (2e-3, 4e-3):
         rigid = contact_at(pair, shift)
@@ -174,9 +176,10 @@ def test_without_yaw_a_light_wheel_touches_where_rigid_profiles_do() -> None:
 
 @pytest.mark.parametrize("name", ["left", "right"])
 def test_creepages_of_the_benchmark_follow_from_its_motion(name: str) -> None:
-    """At its own places and angles; it divides by another speed, up to 2 % from that of the axle.
+    """Evaluated at its own positions and angles. The benchmark divides by another speed, up to 2 % from that of the
+    axle.
 
-    Near 0 the creepage ahead is a difference of speeds, which a place of 0.01 mm changes by 2e-6.
+    Near 0 the longitudinal creepage is a difference of speeds; a displacement of 0.01 mm changes it by 2e-6.
     """
     pair, columns = manchester.manchester_pair(), manchester.table("exact")
     rows = slice(0, 11) if name == "left" else slice(11, 22)
@@ -200,7 +203,7 @@ def test_place_of_the_exact_theory_lies_between_its_two_patches() -> None:
 
 
 def ellipse(semi_axes: tuple[float, float], load: float, count: int = 40) -> ContactArea:
-    """An ellipse of Hertz in strips, level."""
+    """Return a level Hertzian ellipse in strips."""
     a, b = semi_axes
     y = b * ((np.arange(count) + 0.5) / count * 2 - 1)
     zero, half_length = 0.0 * y, a * np.sqrt(1 - (y / b) ** 2)
@@ -210,7 +213,7 @@ def ellipse(semi_axes: tuple[float, float], load: float, count: int = 40) -> Con
 
 
 def creep_of(creepages: tuple[float, float, float], patch: ContactArea) -> np.ndarray:
-    """Force of plane creepages: spin lets the creepage ahead fall across."""
+    """Return the force for planar creepages: spin makes the longitudinal creepage vary across the patch."""
     x, y, spin = creepages
     given = Creepages(
         x - spin * patch.strips.on_rail, y + 0.0 * patch.strips.on_rail, spin + 0.0 * patch.strips.on_rail
@@ -229,7 +232,7 @@ def test_fastsim_is_near_kalkers_exact_theory_with_and_without_spin() -> None:
 
 @pytest.mark.parametrize(("semi_axes", "column"), [((5e-3, 5e-3), 9), ((6e-3, 3e-3), 14), ((3e-3, 6e-3), 4)])
 def test_small_creepages_give_kalkers_linear_theory(semi_axes: tuple[float, float], column: int) -> None:
-    """Within the table's three digits and the cells: 1 %."""
+    """To 1 %: the table's three digits, and the cells."""
     patch, small = ellipse(semi_axes, LOAD, 200), 1e-7
     a, b = semi_axes
     scale = SHEAR_MODULUS * a * b
@@ -257,16 +260,17 @@ def test_rail_of_the_benchmark_is_its_contour_and_stands_on_its_gauge() -> None:
     assert face == pytest.approx(manchester.GAUGE_FACE, abs=1e-7)
 
 
-#: Exact theory by elements against CONTACT on an ellipse [% of mu N]: measured 5.4 with 12 x 12 of them and 2.7
-#: with 20 x 20, as the stretch is taken over a whole element; on the patch at 0.5 mm 64 x 96 are within 0.4 of 24 x 40.
+#: Error of the exact theory by elements against CONTACT on an ellipse [% of mu N]. Measured 5.4 with 12 x 12 of them
+#: and 2.7 with 20 x 20, because the displacement is taken over a whole element. On the patch at 0.5 mm 64 x 96 elements
+#: are within 0.4 of 24 x 40.
 ELEMENT_CREEP, COARSE, FINE, ROLLING_ELEMENTS = 4.0, 12, 20, (24, 40)
-#: Creep of a patch with a shoulder, which one equivalent ellipse had up to 21 off [% of mu N]: the same as is asked of
-#: the whole benchmark. Measured up to 4.8. How far 24 strips are from 96: measured up to 0.6.
+#: Errors of the creep force of a patch with a shoulder [% of mu N]: one equivalent ellipse had up to 21; the limit is
+#: that of the whole benchmark, measured up to 4.8. Difference of 24 strips from 96: measured up to 0.6.
 SHOULDER_ERROR, LIMIT_ERROR = manchester.FORCE_BAND, 1.0
 
 
 def rolling_ellipse(count: int, rows: np.ndarray) -> np.ndarray:
-    """Largest distance of exact theory by count x count elements from rows of CONTACT [% of mu N]."""
+    """Return the largest distance of exact theory by count x count elements from rows of CONTACT [% of mu N]."""
     steel, off = Steel(SHEAR_MODULUS, 0.25), []
     size = tuple(2 * axis / count for axis in SEMI_AXES)
     places = np.array(np.meshgrid(np.arange(count), np.arange(count))).reshape(2, -1)
@@ -288,7 +292,7 @@ def test_elements_roll_as_kalkers_program_says_and_more_of_them_are_nearer() -> 
 
 
 def elements_on(stand: Stand, contacts: list[Pressed]) -> tuple[Grid, np.ndarray]:
-    """Elements over all patches of a wheel of the benchmark, and their pressure [Pa]."""
+    """Return elements over all patches of a wheel of the benchmark, and their pressure [Pa]."""
     overlapping = areas(manchester.manchester_pair(), stand)
     reach = overlapping[0][0] - 0.2e-3, overlapping[-1][1] + 0.2e-3
     length = 2.3 * max(float(np.max(one.patch.half_length)) for one in contacts)
@@ -297,19 +301,19 @@ def elements_on(stand: Stand, contacts: list[Pressed]) -> tuple[Grid, np.ndarray
 
 
 def creep_of_elements(stand: Stand, contacts: list[Pressed], motion: manchester.Motion) -> np.ndarray:
-    """Creep force on the right wheel of the benchmark, ahead, outwards and up, over its friction times load."""
+    """Return the creep force on the benchmark's right wheel, ahead, outwards and up, over its friction times load."""
     grid, found = elements_on(stand, contacts)
     ahead, aside = rolling_forces(grid, found, creepages_of(grid.strips, motion), STEEL, manchester.FRICTION)
     return in_track(grid.strips.angle, ahead, aside) / (manchester.FRICTION * np.sum(found) * grid.area)
 
 
 def in_track(angle: np.ndarray, ahead: np.ndarray, aside: np.ndarray) -> np.ndarray:
-    """Sum of creep forces, ahead, outwards and up."""
+    """Return the sum of creep forces, ahead, outwards and up."""
     return np.array([np.sum(ahead), np.cos(angle) @ aside, np.sin(angle) @ aside])
 
 
 def creep_by_strips(stand: Stand, motion: manchester.Motion) -> np.ndarray:
-    """As `creep_of_elements`, by the study tool."""
+    """Return the same as `creep_of_elements`, by the study tool."""
     pair = manchester.manchester_pair()
     contacts = pressed(pair, stand, STEEL, manchester.FRICTION, lambda s: creepages_of(s, motion))
     creep = sum(in_track(one.patch.strips.angle, *one.creep) for one in contacts)
@@ -317,7 +321,7 @@ def creep_by_strips(stand: Stand, motion: manchester.Motion) -> np.ndarray:
 
 
 def creep_of_level(stand: Stand, motion: manchester.Motion) -> np.ndarray:
-    """As `creep_of_elements`, by contact model 3."""
+    """Return the same as `creep_of_elements`, by contact model 3."""
     pair = manchester.manchester_pair()
     sliding, smooth = (press_wheel(pair, STEEL, mu, stand, motion).force for mu in (manchester.FRICTION, 0.0))
     return np.asarray(sliding - smooth) / (manchester.FRICTION * float(np.hypot(*smooth[1:])))
@@ -325,7 +329,7 @@ def creep_of_level(stand: Stand, motion: manchester.Motion) -> np.ndarray:
 
 @pytest.mark.parametrize("shift", [0.25, 0.5, 0.75])
 def test_patch_with_a_shoulder_creeps_as_elements_do(shift: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the patch is up to 16 mm wide, three quarters of it flat: with any number of strips, which converge."""
+    """The patch is up to 16 mm wide, three quarters of it flat; compare several numbers of strips, which converge."""
     stand, contacts = held("right", shift)
     _, motion = manchester.case("right", shift)
     exact = creep_of_elements(stand, contacts, motion)
@@ -338,14 +342,17 @@ def test_patch_with_a_shoulder_creeps_as_elements_do(shift: float, monkeypatch: 
     assert 100 * math.hypot(*(found[24] - found[96])) < LIMIT_ERROR
 
 
-#: Of friction times load: elements against the benchmark with all in one plane, measured up to 1.6 %, model 3 against
-#: them with the slip and the normal of each place, measured up to 0.9 %; what these are apart, measured 4.0 and 3.3 %.
+#: Tolerances, of friction times load: elements in one plane against the benchmark, measured up to 1.6 %. Model 3
+#: against elements with the slip and the normal of each place, measured up to 0.9 %. APART: least difference of the two
+#: kinds of elements, measured 4.0 and 3.3 %.
 PLANE_ERROR, PLACE_ERROR, APART = 0.02, 0.0125, 0.03
 
 
 @pytest.mark.parametrize("shift", [0.0, 5.0])
 def test_what_depth_3_misses_most_of_the_benchmark_is_that_it_puts_contact_in_one_plane(shift: float) -> None:
-    """On a patch 16 mm wide, and on two 0.16 rad apart: slip that is linear about one place, one normal."""
+    """A patch 16 mm wide, and two patches 0.16 rad apart. In one plane the slip is linear about one place, with one
+    normal.
+    """
     stand, contacts = held("right", shift)
     _, motion = manchester.case("right", shift)
     grid, found = elements_on(stand, contacts)
@@ -355,7 +362,7 @@ def test_what_depth_3_misses_most_of_the_benchmark_is_that_it_puts_contact_in_on
     plane = Creepages(own.ahead[middle] - own.spin[middle] * y, *(0 * y + one[middle] for one in (own.aside, own.spin)))
 
     def forces(creepages: Creepages, angle: np.ndarray) -> np.ndarray:
-        """On the wheel, ahead and outwards, over friction times load of the wheel."""
+        """Return the force on the wheel, ahead and outwards, over friction times load of the wheel."""
         ahead, aside = rolling_forces(grid, found, creepages, STEEL, manchester.FRICTION)
         outwards = np.sum(np.cos(angle) * aside - np.sin(angle) * loads)
         return np.array([np.sum(ahead), outwards]) / (manchester.FRICTION * manchester.LOAD)
@@ -372,4 +379,4 @@ def test_what_depth_3_misses_most_of_the_benchmark_is_that_it_puts_contact_in_on
 
 def test_the_ellipses_of_kalkers_table_are_those_that_strips_make() -> None:
     made = [c_of_ellipse(float(ratio)) for ratio in AXIS_RATIOS[::6]]
-    assert made == pytest.approx(C_OF_ELLIPSES[::6], rel=1e-11, abs=0.0)  # all digits that they are written with
+    assert made == pytest.approx(C_OF_ELLIPSES[::6], rel=1e-11, abs=0.0)  # all digits of the stored values

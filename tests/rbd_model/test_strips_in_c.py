@@ -1,4 +1,4 @@
-"""Contact model 3: the strips in C against the finer study tool in NumPy, differences, and what has no contact."""
+"""Test contact model 3: strips in C against the finer study tool in NumPy, differences, and wheels without contact."""
 
 from __future__ import annotations
 
@@ -21,20 +21,22 @@ from scenarios.bench.wheel_on_strips import library_of_wheel, press_wheel
 from scenarios.contact import contact_manchester as manchester
 
 PAIR, STEEL = manchester.manchester_pair(), manchester.STEEL
-#: 8 strips against 24: measured up to 2.5 % of the load; where an area of contact goes over a cut between two segments,
-#: which begin with half of its breadth each, up to 8.2 %. In approach, 3 and 9 um at the largest here, 150 um.
+#: Tolerances of 8 strips against 24: measured up to 2.5 % of the load. If a contact area crosses the cut between two
+#: segments, each begins with half of its width: up to 8.2 %. In approach 3 and 9 um at the largest here, 150 um.
 LOAD_BAND, CUT_BAND = 0.03, 0.10
-#: Creep forces of 8 strips against those of 24, of friction times load: measured up to 3.6 %; where contact goes over
-#: a cut 6.3 %, CUT_BAND.
+#: Tolerance of creep forces of 8 strips against those of 24, of friction times load: measured up to 3.6 %. Across a
+#: cut, 6.3 %, CUT_BAND applies.
 CREEP_BAND = 0.05
-#: Of the load: what the next micrometre sideways may change beside what the last one did; a jump would be percent.
+#: Largest difference between the changes over two consecutive micrometres sideways, of the load; a jump would be
+#: percent.
 JUMP_BAND = 0.5e-2
-#: Differences of results and of a search against differences with steps a hundred times larger, per largest derivative.
+#: Tolerance of differences of results and of a search against those with steps a hundred times larger, of the largest
+#: derivative.
 SLOPE_BAND = 1e-3
 
 
 def at(name: str, shift: float, approach: float) -> tuple[Stand, manchester.Motion]:
-    """A wheel of the benchmark that presses so far into its rail."""
+    """Return a wheel of the benchmark at this penetration of its rail."""
     stand, motion = manchester.case(name, shift)
     return replace(stand, height=touching(PAIR, stand)[0] - approach), motion
 
@@ -66,7 +68,7 @@ def test_strips_of_the_level_carry_what_finer_ones_do(name: str, shift: float, b
     ],
 )
 def test_strips_of_the_level_creep_as_finer_ones_do(name: str, shift: float, band: float) -> None:
-    """On broad patches and long ones, up to six times as long as broad."""
+    """On wide patches and on long ones, up to six times as long as wide."""
     stand, motion = at(name, shift, 40e-6)
     sliding, smooth = (press_wheel(PAIR, STEEL, mu, stand, motion).force for mu in (manchester.FRICTION, 0.0))
     contacts = pressed(PAIR, stand, STEEL, manchester.FRICTION, lambda strips: creepages_of(strips, motion))
@@ -80,7 +82,7 @@ def test_strips_of_the_level_creep_as_finer_ones_do(name: str, shift: float, ban
 
 @pytest.mark.parametrize("name", ["left", "right"])
 def test_forces_do_not_jump_where_contact_goes_from_one_part_of_the_wheel_to_the_next(name: str) -> None:
-    """Over the half millimetre in which the right wheel's contact goes over a cut in its tread."""
+    """Over the half millimetre in which the right wheel's contact crosses a cut in its tread."""
     forces = []
     for shift in np.arange(0.4, 0.9, 1e-3):
         stand, motion = at(name, float(shift), 60e-6)
@@ -92,7 +94,7 @@ def test_forces_do_not_jump_where_contact_goes_from_one_part_of_the_wheel_to_the
 
 @pytest.mark.parametrize(("name", "shift"), [("left", 3.0), ("right", 0.0), ("right", 5.0), ("right", 8.0)])
 def test_derivatives_are_those_of_larger_differences(name: str, shift: float) -> None:
-    """By what a wheelset moves by, one after the other; central differences."""
+    """Central differences by each input, one after the other."""
     stand, motion = at(name, shift, 60e-6)
     given = (*motion.velocity, *motion.rotation, stand.lateral, stand.height, stand.yaw, stand.roll, 0.0, 0.0, 0.3)
     names = [f"found_{i}" for i in range(strips_in_c.OF_SEGMENT * len(strips_in_c.segments_of(PAIR.left)))]
@@ -144,7 +146,7 @@ def test_wheel_with_more_parts_than_there_is_room_for_is_refused(monkeypatch: py
 
 
 def test_constants_do_not_hang_on_the_threads_of_blas() -> None:
-    """They would give an FMU another GUID on a machine with more processors, or where a test sets its threads."""
+    """Otherwise an FMU would have another GUID on a computer with more processors, or where a test sets its threads."""
     program = "from rbd_model.contact.strips_in_c import fits_in_c; print(fits_in_c())"
     written = [
         subprocess.run(

@@ -1,4 +1,4 @@
-"""Creep laws from a table: as near as its places allow, mirrored, smooth, and read from a file."""
+"""Test creep laws from a table: accuracy, mirror images, smoothness, and reading from a file."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from scenarios.contact.creep_laws import exact
 from scenarios.measuring.creep_cost import values
 from tests.quick_library import quick_library
 
-#: Between the places of the table, of mu N: measured 0.53 % at the cases of exact theory, 0.07 % on average.
+#: Errors between the nodes of the table, of mu N: measured 0.53 % at the cases of exact theory, 0.07 % on average.
 TABLE_ERROR, MEAN_ERROR = 0.01, 0.003
-#: Values are stored as float.
+#: Rounding of values stored as float.
 STORED = 1e-5
 
 
@@ -34,13 +34,13 @@ def of_polach() -> CreepTable:
 
 
 def distance(law: CreepLaw, other: CreepLaw, points: np.ndarray) -> np.ndarray:
-    """Of the forces, as a share of mu N."""
+    """Return the distance of the forces, as a share of mu N."""
     limit = points[:, 3] * points[:, 4]
     return np.asarray(np.hypot(*(values(law, points) - values(other, points)).T) / limit)
 
 
 def test_table_gives_the_law_that_it_was_made_of() -> None:
-    """At the cases of exact theory, with signs of all kinds; another law is further away."""
+    """Compare at the cases of exact theory, with signs of all kinds; another law is further away."""
     points, law = exact()[0], tabulated(of_polach())
     signs = np.random.default_rng(1).choice([-1.0, 1.0], (len(points), 3))
     points = np.column_stack([points[:, :3] * signs, points[:, 3:]])
@@ -101,7 +101,7 @@ def test_table_is_written_and_read_in_any_order_and_a_missing_place_is_told(tmp_
 
 
 def test_a_wheelset_stops_by_a_table_as_by_its_law() -> None:
-    """Also the exact Jacobian, without which steps would fail: about as many are taken."""
+    """This includes the exact Jacobian: without it steps would fail. The number of steps is about the same."""
     found = []
     for law in (polach, tabulated(of_polach())):
         system = spatial_vehicle(wheelset_under_frame(), irregular_track(section_5_3()), Contact(2, creep_law=law))

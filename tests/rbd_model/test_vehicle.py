@@ -1,4 +1,4 @@
-"""A vehicle as data: what cannot be built, and each connection alone against a closed form."""
+"""Test a vehicle as data: descriptions that are refused, and each connection alone against a closed form."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ from rbd_model.vehicle.description import (
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie
 
-#: Tolerance of the runs below, and how far they may be from a closed form.
+#: Integration tolerance of the runs below, and their tolerance against a closed form.
 TOLERANCE, CLOSED_FORM = 1e-9, 1e-6
 
 
-# -- what cannot be built -----------------------------------------------------------------------------------------
+# -- descriptions that are refused
+# -----------------------------------------------------------------------------------------
 
 
 def bogie_with(**changes: object) -> Vehicle:
@@ -69,14 +70,14 @@ def of_unknown_size() -> Vehicle:
 
 
 def leaning_on_a_line() -> Vehicle:
-    """Free to roll, on springs at y = 0."""
+    """Return a bogie that is free to roll, on springs at y = 0."""
     return bogie_with(
         connections=tuple(replace(one, place=(one.place[0], 0.0, 0.0)) for one in two_axle_bogie().connections)
     )
 
 
 def hung_from_its_axle() -> Vehicle:
-    """A brake that reacts on a wheelset, not on a body."""
+    """Return a bogie whose brake reacts on a wheelset, not on a body."""
     first, second = two_axle_bogie().wheelsets
     return bogie_with(wheelsets=(replace(first, reacts_on="wheelset_2"), second))
 
@@ -169,7 +170,7 @@ def test_sizes_are_sums_of_parameters() -> None:
 
 # -- each connection alone ----------------------------------------------------------------------------------------
 
-#: A block of 1000 kg that slides on the locked bogie at the height of its centre, each behind one connection.
+#: Blocks of 1000 kg that slide on the locked bogie at the height of its centre, each on one connection.
 MASS, STIFFNESS, SPRING_DAMPING, DAMPING, CAPACITY, SLIDER = 1000.0, 1e5, 4e3, 2e4, 500.0, 10.0
 BLOCKS = ("spring", "stop", "damper", "wedge")
 TRAVEL, FORCE = (0.010, 0.020, 0.030), (0.0, 1000.0, 4000.0)
@@ -178,7 +179,7 @@ AT = (0.0, 0.0, "frame_height")
 
 
 def blocks() -> tuple[list[RigidBody], list[SuspensionElement], list[Pull]]:
-    """The first is held by a spring and a damper, the stop and the wedge each by itself, the damper beside a spring."""
+    """Return blocks: on a spring with a damper, on the stop with a damper, on a series damper, and on the wedge."""
     inertia = (1.0, 1.0, 1.0)
     bodies = [RigidBody(name, name, MASS, inertia, 0.0, "frame_height", HELD) for name in BLOCKS]  # type: ignore[arg-type]
     ends = {name: (name, "frame", AT, False) for name in BLOCKS}
@@ -208,7 +209,7 @@ def bench() -> Library:
 
 
 def standing(bench: Library, **values: float) -> Kernel:
-    """On a frame that nothing moves: locked wheels, 1e6 times the mass, 1e3 times the stiffness."""
+    """Return a kernel with a frame that does not move: locked wheels, 1e6 times the mass, 1e3 times the stiffness."""
     locked = {"brake_torque_1": 1e9, "brake_torque_2": 1e9, "initial_speed": 0.0, "friction_1": 2.0, "friction_2": 2.0}
     heavy = {"frame_mass": 6e10, "longitudinal_stiffness": 9.5e12, "vertical_stiffness": 3.5e12}
     kernel = Kernel(bench, **locked, **heavy, **values)
@@ -235,14 +236,14 @@ def test_spring_and_damper_oscillate_as_one_degree_of_freedom(bench: Library) ->
 def test_bump_stop_rests_where_its_lines_carry_the_force(
     bench: Library, sign: float, force: float, travel: float
 ) -> None:
-    """The last slope, 3e5 N/m, goes on beyond the last point."""
+    """The last slope, 3e5 N/m, applies beyond the last point."""
     kernel = standing(bench, force_stop=sign * force)
     kernel.advance(20.0)
     assert way(kernel, "stop") == pytest.approx(sign * travel, rel=CLOSED_FORM)
 
 
 def test_bump_stop_is_not_felt_within_its_clearance(bench: Library) -> None:
-    """A push that leaves 5 mm of way by its damper alone: F t / c."""
+    """A force that only the damper resists over 5 mm: F t / c."""
     kernel = standing(bench, force_stop=100.0)
     kernel.advance(1.0)
     expected = 100.0 / DAMPING * (1.0 - MASS / DAMPING * (1 - math.exp(-DAMPING / MASS)))
@@ -250,7 +251,7 @@ def test_bump_stop_is_not_felt_within_its_clearance(bench: Library) -> None:
 
 
 def test_series_damper_creeps_at_its_speed_and_keeps_its_springs_way(bench: Library) -> None:
-    """After the swing of mass and spring has died: speed F / c, and ahead of the damper by F / k."""
+    """After the oscillation has decayed: speed F / c, and F / k ahead of the damper."""
     kernel = standing(bench, force_damper=1000.0)
     kernel.advance(8.0)
     ahead = way(kernel, "damper") - kernel["state_damper_law_travel"]
@@ -259,7 +260,7 @@ def test_series_damper_creeps_at_its_speed_and_keeps_its_springs_way(bench: Libr
 
 
 def test_friction_slider_sticks_below_its_capacity_and_slides_above(bench: Library) -> None:
-    """Stuck, it is its spring alone, and its velocity exactly 0; beyond the capacity the block accelerates freely."""
+    """Stuck, it is only its spring, with a velocity of exactly 0; beyond the capacity the block accelerates freely."""
     stuck = standing(bench, force_wedge=0.4 * CAPACITY)
     stuck.advance(5.0)
     assert stuck["state_wedge_law_travel_rate"] == 0.0
@@ -275,7 +276,7 @@ def test_friction_slider_sticks_below_its_capacity_and_slides_above(bench: Libra
 
 
 def test_each_connection_closes_its_energy(bench: Library) -> None:
-    """Pulled, then let go: what was stored and moving is lost in dampers and friction."""
+    """Pulled, then released: stored and kinetic energy is dissipated in dampers and friction."""
     forces = {f"force_{name}": 2000.0 for name in BLOCKS}
     kernel = standing(bench, **forces)
     kernel.advance(0.2)
@@ -286,7 +287,7 @@ def test_each_connection_closes_its_energy(bench: Library) -> None:
     lost = sum(before[name] - after[name] for name in ENERGIES)
     work = sum(after[f"integral_{name}"] - before[f"integral_{name}"] for name in POWERS)
     assert lost > 50.0
-    # The sums hold the weight of the frame, 6e10 kg: round-off of its height is 1e-8 of what is lost.
+    # The sums include the weight of the frame, 6e10 kg: round-off of its height is 1e-8 of the loss.
     assert work == pytest.approx(lost, rel=1e-5)
     assert 1.001 * work != pytest.approx(lost, rel=1e-5)
 
@@ -296,7 +297,7 @@ def measured(kernel: Kernel) -> Mapping[str, float]:
 
 
 def test_torsion_turns_both_ends_by_hookes_law() -> None:
-    """A beam that pitches on the frame by a torsion spring alone: sqrt(k / I), the frame being heavy."""
+    """A beam that pitches on the heavy frame by a torsion spring only: sqrt(k / I)."""
     stiffness, inertia = 5e5, 100.0
     good = two_axle_bogie(replace(tables_5_1_and_5_2(), frame_mass=6e10, frame_pitch_inertia=6e10))
     beam = RigidBody("beam", "beam", MASS, (1.0, inertia, 1.0), 0.0, "frame_height", HELD - {"pitch"})
