@@ -153,7 +153,7 @@ def test_thresholds_in_the_wrong_order_are_refused() -> None:
 TEETH = (80, 100, 128, 10000)
 
 
-# ---- readings of rolling and sliding wheels ------------------------------------------------------------------
+# ---- readings of rolling and sliding wheels --------------------------------------------------------------------------
 
 
 def commands_of_a_rolling_stop(
@@ -291,7 +291,7 @@ def test_a_sensor_that_never_showed_a_speed_leaves_its_wheel_braked() -> None:
     assert all(command == [APPLY, APPLY] for _, command in commands)
 
 
-# ---- all commands ----------------------------------------------------------------------------------------
+# ---- all commands ----------------------------------------------------------------------------------------------------
 
 
 #: Recorded hash of the commands on random histories. It detects a change of any command, but not a wrong one. An

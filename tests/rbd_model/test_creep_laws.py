@@ -201,7 +201,7 @@ def test_more_creepage_gives_no_less_force_without_spin(name: str) -> None:
         assert np.diff(found).min() > -ROUND_OFF * found.max()
 
 
-# -- properties of 1e5 patches --------------------------------------------------------------------------------
+# -- properties of 1e5 patches --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ALL)

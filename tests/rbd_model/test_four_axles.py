@@ -203,7 +203,7 @@ def test_lost_energy_is_the_work_of_brakes_creep_and_dampers(observed: Library) 
     assert abs(lost - sum(wrong.values())) > ENERGY_BAND * lost
 
 
-# -- the bogie in it -----------------------------------------------------------------------------------
+# -- the bogie in it ----------------------------------------------------------------------------------------------
 
 
 def test_a_wagon_on_rigid_secondary_springs_moves_as_its_bogies(vehicle: Library, bogie: Library) -> None:

@@ -102,7 +102,7 @@ def differences(one: Mapping[str, np.ndarray], other: Mapping[str, np.ndarray]) 
     return {kind: float(np.max(np.abs(one[kind] - other[kind]))) / size for kind, size in sizes.items()}
 
 
-# ---- properties of the steady state
+# ---- properties of the steady state -----------------------------------------------------------------------------
 # -----------------------------------------------------------------------------------
 
 
@@ -207,7 +207,7 @@ def test_who_starts_in_any_curve_stands_as_who_was_led_into_it(name: str, radius
             assert max(found.values()) < LED_BAND, (cant, deficiency, found)
 
 
-# ---- a start remains steady ------------------------------------------------------------------------------------------
+# ---- a start remains steady ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("name", "radius"), [("bogie", 300.0), ("vehicle", 800.0)])
@@ -312,7 +312,7 @@ def test_the_input_gradient_starts_level_2_as_a_line_does(tmp_path: Path) -> Non
         assert [one[name] for name in names] == pytest.approx([other[name] for name in names], rel=1e-9, abs=1e-12)
 
 
-# ---- no steady state exists or is needed
+# ---- no steady state exists or is needed ----------------------------------------------------------------------------
 # ---------------------------------------------------------------------------------
 
 
@@ -349,7 +349,7 @@ def test_on_straight_and_level_track_nothing_is_sought(tmp_path: Path) -> None:
         assert saved[0] == saved[1]
 
 
-# ---- suspensions with many positions of rest
+# ---- suspensions with many positions of rest -------------------------------------------------------------------------
 # ---------------------------------------------------------------------------
 
 

@@ -33,7 +33,7 @@ from rbd_model.vehicle.ready import two_axle_bogie
 TOLERANCE, CLOSED_FORM = 1e-9, 1e-6
 
 
-# -- descriptions that are refused
+# -- descriptions that are refused --------------------------------------------------------------------------------
 # -----------------------------------------------------------------------------------------
 
 
