@@ -1,4 +1,4 @@
-"""What a page makes hard for people who hear it, enlarge it or use no mouse, as axe-core finds it.
+"""List the accessibility faults of a page, as found by axe-core.
 
 The rules are those of https://dequeuniversity.com/rules/axe/4.4.
 """
@@ -15,10 +15,10 @@ TAGS = ("wcag2a", "wcag2aa", "wcag21a", "wcag21aa")
 
 
 def violations(page: Page, *more: str) -> list[str]:
-    """A line for each element that breaks a rule: the rule, where the element is, and what would mend it.
+    """Return one line for each element that breaks a rule: the rule, the element's place and the remedy.
 
-    Hidden elements, such as those in a closed `<details>`, and pages within the page are not looked at. more: names of
-    rules beside those of the levels A and AA, such as "heading-order".
+    Hidden elements, such as those in a closed `<details>`, and embedded pages are not checked. more: names of rules to
+    check in addition to the levels A and AA, such as "heading-order".
     """
     script = needed_package("axe_core_python") / "axe.min.js"
     page.evaluate(script.read_text(encoding="utf-8") + "; undefined")

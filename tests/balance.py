@@ -1,8 +1,8 @@
-"""Newton's and Euler's laws for a vehicle as a whole, about one fixed point, at any state, at rest or not.
+"""Newton's and Euler's laws for a whole vehicle about one fixed point, in any state, moving or at rest.
 
-The rails push the wheels where they touch, and all parts have weight: that changes momentum and angular momentum, and
-nothing else does. Of the model come states, their slopes and the forces of the rails. Parts are data, the track is
-analytical, and places of contact are searched for on the surfaces.
+Only weight and the forces of the rails on the wheels change momentum and angular momentum. The model supplies the
+states, their derivatives and the forces of the rails. The parts are data, the track is analytical, and the contact
+points are searched for on the surfaces.
 """
 
 from __future__ import annotations
@@ -25,9 +25,10 @@ from tests.maximal.motion import Moving
 from tests.maximal.rails import Course, RailData, Rails, prisms
 from tests.maximal.touch import Touch, Wheel, axle_axes, touches
 
-#: Grid of the contacts [m], and where a line of one curve begins and how long it is [m].
+#: Grid of the contact search [m]; start and length of a line of one curve [m].
 GRID, BEGIN, LENGTH = 0.05e-3, -30.0, 3000.0
-#: How far about the axle a wheel is looked at [rad], from whose lowest point a yawed tread is nearest.
+#: Half range of the angle about the axle [rad] in which the nearest point of a tread is searched; yaw moves it away
+#: from the lowest point.
 FADING = 0.01
 #: `prisms` or `swept`.
 Shape = Callable[[Course, RailData], Rails]
@@ -37,7 +38,7 @@ OF_WHEELSETS = ("lateral", "lateral_speed", "rise", "rise_speed", "roll", "roll_
 
 @dataclass(frozen=True)
 class Now:
-    """States of a vehicle by name and their slopes, on a course."""
+    """States of a vehicle and their derivatives by name, on a course."""
 
     vehicle: Vehicle
     course: Course
@@ -46,23 +47,23 @@ class Now:
 
     @classmethod
     def of(cls, vehicle: Vehicle, course: Course, kernel: Kernel, names: list[str]) -> Now:
-        """As a kernel stands; names: of its states."""
+        """Return the current state of a kernel; names: the names of its states."""
         found = kernel.linearise()
         none = dict.fromkeys((f"{name}_{number}" for number, _ in vehicle.numbered for name in OF_WHEELSETS), 0.0)
         value, slope = (none | dict(zip(names, row, strict=True)) for row in (found.state, found.slope))
         return cls(vehicle, course, value, slope)
 
     def changed(self, **values: float) -> Now:
-        """With other states."""
+        """Return a copy with some states replaced."""
         return replace(self, value={**self.value, **values})
 
     @property
     def bodies(self) -> dict[str, Moving]:
-        """All parts in the inertial frame."""
+        """Return all parts in the inertial frame."""
         return bodies_of(self.vehicle, self.course, self.value)
 
     def track(self, place: np.ndarray) -> np.ndarray:
-        """Axes of the track (columns) beside a place."""
+        """Return the axes of the track (columns) at the point of the track nearest to a place."""
         return np.asarray(self.course.axes(self.course.place_of(place[None]))[0])
 
 
@@ -75,7 +76,7 @@ class Reaction:
 
 
 def parts(vehicle: Vehicle) -> dict[str, tuple[float, np.ndarray]]:
-    """Mass [kg] and moments of inertia of bodies and wheelsets by name."""
+    """Return the mass [kg] and the moments of inertia of each body and wheelset by name."""
     every = {body.name: body for body in vehicle.bodies}
     every |= {wheelset_name(number): data for number, data in vehicle.numbered}  # type: ignore[dict-item]
     number = vehicle.number
@@ -83,7 +84,7 @@ def parts(vehicle: Vehicle) -> dict[str, tuple[float, np.ndarray]]:
 
 
 def pushed(body: Moving, mass: float, inertia: np.ndarray, acceleration: np.ndarray, gravity: float) -> np.ndarray:
-    """Force and moment about the origin, beside the weight, that accelerate a body so: Newton, Euler; shape (6,)."""
+    """Return force and moment about the origin, without the weight, for an acceleration (Newton, Euler); shape (6,)."""
     tensor = body.axes @ np.diag(inertia) @ body.axes.T
     force = mass * (acceleration[:3] + np.array([0.0, 0.0, gravity]))
     turned = tensor @ acceleration[3:] + np.cross(body.rate, tensor @ body.rate)
@@ -91,20 +92,22 @@ def pushed(body: Moving, mass: float, inertia: np.ndarray, acceleration: np.ndar
 
 
 def curve(radius: float = np.inf, cant: float = 0.0, gradient: float = 0.0) -> Course:
-    """An arc, to the left where its radius [m] is positive; cant [m] has the sign of the radius it suits."""
+    """Return an arc, to the left if its radius [m] is positive; cant [m] has the sign of the radius that it suits."""
     return Course((1 / radius, 0.0), (-cant / GAUGE, 0.0), (gradient, 0.0))
 
 
 def file_of(course: Course, path: Path) -> str:
-    """The same as the model reads it; the place."""
+    """Write the course as a line file that the model can read; return its path."""
     curvature, cant, gradient = course.curvature[0], -course.roll[0] * GAUGE, course.gradient[0]
     whole = Segment(LENGTH, (curvature, curvature), (cant, cant), (gradient, gradient))
     return str(line_of([whole], BEGIN).write(path))
 
 
 def imbalance(now: Now, reactions: list[Reaction]) -> np.ndarray:
-    """What rails and weights have more than momentum asks for: force, and moment about the track's centre under the
-    first body, in the axes of the track there, as shares of the weight and of what one rail could carry; shape (6,).
+    """Return the resultant of rail forces and weight minus the rate of momentum; shape (6,).
+
+    Force and moment are about the track's centre under the first body, in the axes of the track there. The force is a
+    share of the weight, the moment a share of the weight times half the distance of the rails.
     """
     vehicle, bodies = now.vehicle, now.bodies
     rates = rates_of(vehicle, now.course, now.value, now.slope)
@@ -122,7 +125,7 @@ def imbalance(now: Now, reactions: list[Reaction]) -> np.ndarray:
 
 
 def in_plane(now: Now, kernel: Kernel) -> list[Reaction]:
-    """Of the rails of level 2, below each axle at the height of the rails."""
+    """Return the rail reactions of level 2, below each axle at rail height."""
     found = []
     for number, data in now.vehicle.numbered:
         axle = now.bodies[wheelset_name(number)].position
@@ -144,10 +147,11 @@ class OnRail:
     near: list[Touch]
 
     def arm(self, patch: Patch) -> np.ndarray:
-        """From the wheelset's centre to where a patch bears [m].
+        """Return the vector from the wheelset's centre to the point where a patch carries load [m].
 
-        One that has no place of its own, but fades, or lies flat on its rail beside that, bears on the last that its
-        table has, towards the field, where the wheel is nearest to the rail about its axle.
+        A patch that fades, or lies flat on its rail beyond its limits, has no contact point of its own. Its load then
+        acts at the last point of its table towards the field side, at the angle about the axle where the wheel is
+        nearest to the rail.
         """
         last = np.max(patch.nearest[1][:, 0]) + LARGEST_STEP
         own = [one for one in self.near if one.approach > 0.0 and patch.limits[0] <= one.across <= last]
@@ -160,7 +164,7 @@ class OnRail:
 
 
 def wheels(machine: Machine, now: Now, base: float, shape: Shape = prisms) -> Iterator[OnRail]:
-    """All of level 3; base [m]: how high level rails lie."""
+    """Yield all wheels of level 3; base: height of level rails [m]."""
     bodies, oracle = now.bodies, machine.oracle(now.course, base)
     for number, _ in now.vehicle.numbered:
         body = bodies[wheelset_name(number)]
@@ -172,7 +176,7 @@ def wheels(machine: Machine, now: Now, base: float, shape: Shape = prisms) -> It
 
 
 def in_space(machine: Machine, now: Now, kernel: Kernel, base: float, shape: Shape = prisms) -> list[Reaction]:
-    """Of the rails of level 3, contact model 2, on each patch of each wheel."""
+    """Return the rail reactions of level 3, contact model 2, on each patch of each wheel."""
     found = []
     for one in wheels(machine, now, base, shape):
         track, data = now.track(one.body.position), now.vehicle.wheelsets[one.number - 1]
@@ -185,7 +189,7 @@ def in_space(machine: Machine, now: Now, kernel: Kernel, base: float, shape: Sha
 
 
 def holding(now: Now, kernel: Kernel, number: int) -> Iterator[Reaction]:
-    """What holds an axle that stands on its locked wheelset, as far below it as that would roll."""
+    """Yield the force that holds an axle at rest on its locked wheelset, one rolling radius below the axle."""
     if now.value[f"{now.vehicle.bodies[0].name}_speed"] + now.value[f"shift_speed_{number}"] == 0.0:
         axle = now.bodies[wheelset_name(number)].position
         track, radius = now.track(axle), now.vehicle.number(now.vehicle.wheelsets[number - 1].mean_radius)

@@ -22,12 +22,12 @@ import pytest
 from tests.needed import needed
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
-#: The processor draws what WebGL asks for; a machine that runs tests has no other.
+#: The processor renders WebGL; test computers have no graphics card.
 FLAGS = (
     *("--headless=new", "--no-sandbox", "--no-first-run", "--disable-dev-shm-usage", "--hide-scrollbars"),
     *("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--remote-debugging-pipe"),
 )
-#: The browser reads from its file 3 and writes to its file 4; a shell may know no file above 9.
+#: The browser reads from its file 3 and writes to its file 4; some shells support no file number above 9.
 BEGINNING = """
 import fcntl, os, sys
 both = [fcntl.fcntl(int(end), fcntl.F_DUPFD, 10) for end in sys.argv[1:3]]
@@ -41,7 +41,7 @@ PATIENCE = 60.0
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """It ends with its module: its pages cost."""
+    """Yield a browser that ends with the test module: opening pages is expensive."""
     found = needed(*NAMES, packages="chromium")
     # Its processes may still write while they end.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
@@ -51,7 +51,7 @@ def browser() -> Iterator[Browser]:
 
 
 class Browser:
-    """One Chromium process; `open` gives its pages."""
+    """One Chromium process; `open` returns its pages."""
 
     def __init__(self, program: str, profile: str) -> None:
         reads, self._out = os.pipe()
@@ -69,7 +69,7 @@ class Browser:
         self._pages: dict[str, Page] = {}
 
     def call(self, method: str, session: str | None = None, **parameters: Any) -> dict[str, Any]:
-        """Answer of a method of the protocol; what the browser tells meanwhile goes to its page."""
+        """Return the answer of a method of the protocol; pass events that arrive meanwhile to their page."""
         self._number += 1
         message = {"id": self._number, "method": method, "params": parameters}
         message |= {"sessionId": session} if session else {}
@@ -81,7 +81,7 @@ class Browser:
                 return dict(answer["result"])
 
     def next_message(self) -> dict[str, Any]:
-        """An answer, or an event, which its page has then heard of."""
+        """Return the next answer or event; an event is first passed to its page."""
         end = time.monotonic() + PATIENCE
         while b"\0" not in self._rest:
             ready, _, _ = select.select([self._in], [], [], end - time.monotonic())
@@ -95,7 +95,7 @@ class Browser:
         return message
 
     def open(self, path: Path, width: int, height: int = 900, link: str = "") -> Page:
-        """A page from a file, in a window of this size [pixels], when it is loaded; link: goes behind its address."""
+        """Open a file in a window of this size [pixels] and return the loaded page; link: is added to its address."""
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         page = self._pages[session] = Page(self, session)
@@ -115,7 +115,7 @@ class Browser:
 
 
 class Page:
-    """A loaded page: `errors` that its console got, `requests` for anything that is not in its own file."""
+    """A loaded page: `errors` of its console, and `requests` for anything outside its own file."""
 
     def __init__(self, browser: Browser, session: str) -> None:
         self._browser, self._session = browser, session
@@ -142,20 +142,20 @@ class Page:
         return self._browser.call(method, self._session, **parameters)
 
     def evaluate(self, script: str) -> Any:
-        """Value of a JavaScript expression; a promise is waited for."""
+        """Return the value of a JavaScript expression; wait for a promise."""
         done = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in done, done["exceptionDetails"]
         return done["result"].get("value")
 
     def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
-        """Moves the mouse with its left button down, in pixels of the window."""
+        """Move the mouse with its left button down, in pixels of the window."""
         middle = ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2)
         steps = [("mousePressed", begin), ("mouseMoved", middle), ("mouseMoved", end), ("mouseReleased", end)]
         for kind, (x, y) in steps:
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
 
     def press(self, key: str) -> None:
-        """Presses a key and lets it go: " " or "Tab"."""
+        """Press and release a key: " " or "Tab"."""
         code = {" ": 32, "Tab": 9}[key]
         about = {"key": key, "code": key.replace(" ", "Space"), "windowsVirtualKeyCode": code}
         text = {"text": key} if key == " " else {}
@@ -163,15 +163,15 @@ class Page:
         self.call("Input.dispatchKeyEvent", type="keyUp", **about)
 
     def prefer(self, scheme: str) -> None:
-        """Whether the reader wants a page "light" or "dark"."""
+        """Set the preferred colour scheme of the reader: "light" or "dark"."""
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     def close(self) -> None:
-        """Ends it, so that it costs nothing any more."""
+        """Close the page, so that it uses no more processor time."""
         self.call("Page.close")
 
     def screenshot(self, path: Path) -> None:
-        """The whole page as PNG."""
+        """Write the whole page as PNG."""
         size = self.call("Page.getLayoutMetrics")["cssContentSize"]
         area = {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}
         shot = self.call("Page.captureScreenshot", captureBeyondViewport=True, clip=area)

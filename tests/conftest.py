@@ -11,7 +11,7 @@ from fmu_src.kernel import Library
 from products.building import KINDS, kernel_of, up_to_date
 from products.registry import DIFFERENT
 
-#: Files whose fixtures take a minute: they come first, for whoever comes to them last lets the other processor wait.
+#: Files whose fixtures take a minute. They come first, so that no processor waits for them at the end.
 SLOW_TO_BEGIN = {"test_installation.py", "test_pages_run.py"}
 
 
@@ -30,7 +30,7 @@ def brake() -> Library:
 
 
 class Fmus(Mapping[tuple[str, str], Path]):
-    """FMUs by (name, kind), all whose equations differ; each built when it is asked for, unless it was before."""
+    """FMUs by (name, kind), for all that differ in their equations; each is built at its first use, if necessary."""
 
     def __init__(self) -> None:
         self.built: dict[tuple[str, str], Path] = {}

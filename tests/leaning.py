@@ -1,4 +1,4 @@
-"""Whether a vehicle stands on its springs and on both rails, by its tangent stiffness at rest: linear statics."""
+"""Check by the tangent stiffness at rest (linear statics) that a vehicle stands on its springs and on both rails."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from tests.maximal.correspondence import bodies_of
 from tests.maximal.joints import End, on_bodies, wrenches
 from tests.maximal.statics import preloads
 
-#: By which bodies are displaced for differences of forces [m], [rad].
+#: Displacement of the bodies for difference quotients of forces [m], [rad].
 AWAY = 1e-4
 
 
 @dataclass(frozen=True)
 class Pushed:
-    """What pushes a vehicle: it slows [m/s2], and apparent gravity pulls to the left and more than g down [m/s2].
+    """Loads on a vehicle: its deceleration, and apparent gravity to the left and beyond g downwards, all in [m/s2].
 
-    torque [N.m]: of the brake of each wheelset, which hangs in its frame.
+    torque: brake torque of each wheelset, which reacts on its frame [N.m].
     """
 
     slowing: float = 0.0
@@ -30,7 +30,7 @@ class Pushed:
 
 
 class Springs:
-    """Forces and moments of all connections on all parts, (6,) each, by small displacements from rest, linear."""
+    """Linearised forces and moments of all connections on each part, (6,), for small displacements from rest."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self.vehicle = vehicle
@@ -44,18 +44,18 @@ class Springs:
             self.matrix[np.ix_(places, places)] += self.stiffness_of(connection)
 
     def rows(self, name: str) -> np.ndarray:
-        """Of a part."""
+        """Return the row numbers of a part."""
         return 6 * self.names.index(name) + np.arange(6)
 
     def stiffness_of(self, connection: SuspensionElement) -> np.ndarray:
-        """Slopes of what it does to both ends by displacements of both, with the sign of a stiffness, (12, 12)."""
+        """Return the derivatives of both ends' wrenches by both displacements, signed as a stiffness, (12, 12)."""
         columns = []
         for way in AWAY * np.eye(12):
             columns.append((self.wrench(connection, -way) - self.wrench(connection, way)) / (2 * AWAY))
         return np.column_stack(columns)
 
     def wrench(self, connection: SuspensionElement, way: np.ndarray) -> np.ndarray:
-        """What it does to both ends that are displaced, (12,)."""
+        """Return the wrenches of a connection on both of its displaced ends, (12,)."""
         bodies = [
             self.rest[name].displaced(part)
             for name, part in zip((connection.upper, connection.lower), (way[:6], way[6:]), strict=True)
@@ -72,16 +72,16 @@ class Springs:
 
     @property
     def free(self) -> np.ndarray:
-        """Rows of the bodies that wheelsets carry."""
+        """Return the rows of the bodies that the wheelsets carry."""
         return np.concatenate([self.rows(body.name) for body in self.vehicle.bodies])
 
     def softest(self) -> float:
-        """Smallest eigenvalue of the bodies' stiffness [N/m], [N.m/rad]: where it is not above 0, they tip over."""
+        """Return the smallest eigenvalue of the bodies' stiffness [N/m], [N.m/rad]; 0 or less means tipping over."""
         matrix = self.matrix[np.ix_(self.free, self.free)]
         return float(np.linalg.eigvalsh((matrix + matrix.T) / 2)[0])
 
     def least_load(self, pushed: Pushed) -> float:
-        """Least share of its load at rest that a wheel keeps, as the bodies lean."""
+        """Return the smallest share of its load at rest that any wheel keeps while the bodies lean."""
         vehicle, number = self.vehicle, self.vehicle.number
         gravity, given = number("gravity"), np.zeros(len(self.matrix))
         for name, (mass, inertia) in parts(vehicle).items():
@@ -104,14 +104,15 @@ class Springs:
             )
             load = resting + number(wheelset.mass) * gravity
             half = wheelset.pair.left.rail_half_distance
-            # Counted about the rails; a wheel's load is half of all less or more what the moment takes.
+            # Moments are about the rails. A wheel carries half of the vertical load, plus or minus the share of the
+            # moment.
             moment = abs(roll - aside * number(wheelset.mean_radius))
             least = min(least, ((load - up) / 2 - moment / (2 * half)) / (load / 2))
         return float(least)
 
 
 class _Zero(dict):  # type: ignore[type-arg]
-    """States that are 0 but for those that are given."""
+    """States that are 0 if they are not given."""
 
     def __missing__(self, name: str) -> float:
         return 0.0

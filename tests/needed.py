@@ -11,10 +11,10 @@ import pytest
 
 
 def needed(*names: str, packages: str) -> str:
-    """Path of the first of these programs that is here; PyPI does not have them.
+    """Return the path of the first of these programs that is installed; PyPI does not have them.
 
-    Where there is none the test is skipped, but for CI=true, which must have what it says that it tests (`.ci/run`
-    installs it); packages: those of Debian.
+    If none is installed, the test is skipped. With CI=true it fails, because CI must have everything that it tests with
+    (`.ci/run` installs it). packages: names of the Debian packages.
     """
     found = next(filter(None, map(shutil.which, names)), None)
     if found is None and os.environ.get("CI") != "true":
@@ -24,7 +24,7 @@ def needed(*names: str, packages: str) -> str:
 
 
 def needed_package(name: str) -> Path:
-    """Folder of a Python package of the extra `test`; the test is skipped as by `needed` where it is not installed."""
+    """Return the folder of a Python package of the extra `test`; if it is not installed, skip as `needed` does."""
     found = find_spec(name)
     advice = 'pip install -e ".[test]"'
     if found is None and os.environ.get("CI") != "true":

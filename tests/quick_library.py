@@ -1,4 +1,4 @@
-"""Libraries of models that one file asks little of."""
+"""Libraries of models for files that run them only briefly."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ FLAGS = ("-O0", *compiling.FLAGS, "-DLANES_WIDEST=2")
 
 
 def quick_library(model: Model) -> Library:
-    """A library whose equations are compiled as they stand, for two lanes at most: for those that run briefly.
+    """Return a library that is compiled without optimisation, for at most two lanes: for models that run briefly.
 
-    In a quarter of the time. More lanes have the same bits (tests/test_lanes.py). The cache remembers the library of
-    a model with the same content, so that its equations are not differentiated and written again.
+    Compiling takes a quarter of the time. More lanes give bit-identical results (tests/test_lanes.py). The cache keeps
+    the library of a model with the same content, so that its equations are not differentiated and written again.
     """
 
     def make() -> str:
@@ -47,7 +47,7 @@ def content_of(model: Model) -> str:
 
 
 class _Content:
-    """Words for what an object holds, and its expressions, one behind the other: nodes that they share stand once."""
+    """Description of an object's content, and its expressions in order, with shared nodes only once."""
 
     def __init__(self) -> None:
         self.words: list[str] = []
@@ -86,5 +86,5 @@ class _Content:
 
     @staticmethod
     def _value(one: object, name: str) -> object:
-        """Return the value of a field; of a start value that a function makes, what it made."""
+        """Return the value of a field; for a start value made by a function, the result of that function."""
         return one.start if isinstance(one, State) and name == "starts" else getattr(one, name)

@@ -1,4 +1,4 @@
-/* Turns the rig as instances do, with machines that are made up; 0: every run came to its end. */
+/* Run the rig as instances do, with vehicles of prescribed motion; exit status 0 if every run ended. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +18,7 @@ static void step(void *memory, double time, const double *speed, int *valve) {
     for (int i = 0; i < wheelsets; ++i) valve[i] = time > 15.0 && i == 3 ? 9 : speed[i] < 5.0;
 }
 
-/* What a machine shows that slows by 1 m/s2; its wheels slide. */
+/* Write the observations of a vehicle that decelerates by 1 m/s2 with sliding wheels. */
 static void show(double time, int row, double *shown) {
     const double speed = fmax(20.0 - row - time, 0.0);
     memset(shown, 0, WIDTH * sizeof(double));
@@ -33,7 +33,7 @@ static void show(double time, int row, double *shown) {
     shown[WIDTH - 1] = 5e5 - time;
 }
 
-/* inside: the controller is C; own: that which comes with the brake. */
+/* inside: the controller is in C; own: use the built-in wheel-slide protection. */
 static int run(bool inside, bool own) {
     rig_settings settings = {WHEELSETS, 0.46, 5e-3, 1.0, 380e3, 300.0, 0.3, 0.3, 3.0, 1, 0, {300, 0.03, 1e-6, 5.0}};
     rig_controller controller = {start, step, sizeof(int)};
@@ -61,7 +61,7 @@ static int run(bool inside, bool own) {
     }
     for (int n = 0; n < LOOKS; ++n) {
         for (int row = 0; row < ROWS; ++row) show(5e-3 * n, row, shown + row * WIDTH);
-        status[ROWS - 1] = n > 1000 ? 3 : 0; /* this one is lost on the way */
+        status[ROWS - 1] = n > 1000 ? 3 : 0; /* this run is lost on the way */
         if (inside) rig_between(self, 0, ROWS, status, shown, told);
         else {
             valve[0] = n > 500 ? 5 : 2;

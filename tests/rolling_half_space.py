@@ -1,8 +1,8 @@
-"""Exact theory of contact and rolling on rectangles of a half space: what strips and creep laws are held against.
+"""Exact theory of contact and rolling on rectangles of a half space, the reference for strips and creep laws.
 
-Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact: Boussinesq's and Cerruti's solutions summed over
-rectangles, pressure and tangential stress of any patch, which is unrolled into a plane. It shares with the strips where
-the undeformed surfaces are, and nothing else.
+Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact. Boussinesq's and Cerruti's solutions are summed over
+rectangles: pressure and tangential stress of any patch, which is unrolled into a plane. It shares only the positions of
+the undeformed surfaces with the strips.
 """
 
 from __future__ import annotations
@@ -16,13 +16,14 @@ from rbd_model.contact.geometry import Pair
 from rbd_model.contact.normal import Steel
 from rbd_model.contact.strip_creep import Creepages
 
-#: Rounds of both solutions at most; share of the load, and of the largest stress, whose change ends them.
+#: Largest number of rounds of both solutions, each with the change that ends it, as a share of the load and of the
+#: largest stress.
 ROUNDS, CHANGE, NEWTON_ROUNDS, SETTLED = 300, 1e-6, 100, 1e-8
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Rectangles: how many and how long along the rail and across [m]; the strip in whose middle each column lies."""
+    """Rectangles: number and size along the rail and across it [m], and the strip in the middle of each column."""
 
     count: tuple[int, int]
     size: tuple[float, float]
@@ -30,23 +31,23 @@ class Grid:
 
     @property
     def along(self) -> np.ndarray:
-        """Places of the rows along the rail [m], 0 where the lowest column is nearest to it."""
+        """Return the positions of the rows along the rail [m], 0 where the lowest column is nearest to it."""
         return (np.arange(self.count[0]) + 0.5 - self.count[0] / 2) * self.size[0]
 
     @property
     def ahead(self) -> np.ndarray:
-        """By how much the nearest point of each column lies ahead [m]."""
+        """Return the distance by which the nearest point of each column lies ahead [m]."""
         middle = self.strips.arm[0]
         return np.asarray(middle - middle[np.argmin(self.strips.distance)])
 
     @property
     def area(self) -> float:
-        """Of each [m2]."""
+        """Return the area of a rectangle [m2]."""
         return self.size[0] * self.size[1]
 
 
 def grid_of(pair: Pair, stand: Stand, on_wheel: tuple[float, float], length: float, count: tuple[int, int]) -> Grid:
-    """on_wheel: the part of the wheel that is looked at, length: of the elements together along the rail [m]."""
+    """Return a grid; on_wheel: the part of the wheel that it covers, length: its length along the rail [m]."""
     fine = strips_at(pair, stand, np.linspace(*on_wheel, 4000))
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(fine.arm[1]), np.diff(fine.arm[2])))])
     broad = arc[-1] / count[1]
@@ -55,7 +56,7 @@ def grid_of(pair: Pair, stand: Stand, on_wheel: tuple[float, float], length: flo
 
 
 def pressure(grid: Grid, steel: Steel) -> np.ndarray:
-    """Pressure of each rectangle [Pa]; conjugate gradients of Polonsky and Keer (1999), Wear 231."""
+    """Return the pressure on each rectangle [Pa], by conjugate gradients of Polonsky and Keer (1999), Wear 231."""
     gap = grid.strips.distance + grid.strips.curvature * (grid.along[:, None] - grid.ahead) ** 2
     influence, twice = _transformed_influence(grid, steel), tuple(2 * n for n in grid.count)
 
@@ -84,14 +85,14 @@ def pressure(grid: Grid, steel: Steel) -> np.ndarray:
 
 
 def _transformed_influence(grid: Grid, steel: Steel) -> np.ndarray:
-    """Transformed influence numbers of an element on all others, on a grid twice as large."""
+    """Return the Fourier transform of an element's influence on all others, on a grid twice as large."""
     x, y = (np.fft.fftfreq(2 * n, 1 / (2 * n)) * size for n, size in zip(grid.count, grid.size, strict=True))
     along, across, _ = _integrals(x[:, None], y[None, :], grid.size)
     return np.fft.rfft2((along + across) * (1 - steel.poisson_ratio) / (np.pi * steel.shear_modulus))
 
 
 def _integrals(x: np.ndarray, y: np.ndarray, size: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Integrals over a rectangle at the origin of x^2 / R^3, y^2 / R^3 and x y / R^3, seen from (x, y)."""
+    """Return the integrals over a rectangle at the origin of x^2 / R^3, y^2 / R^3 and x y / R^3, seen from (x, y)."""
     a, b = size[0] / 2, size[1] / 2
     corners = [(x + i * a, y + j * b, i * j) for i in (1, -1) for j in (1, -1)]
     along = sum(sign * v * np.arcsinh(u / np.abs(v)) for u, v, sign in corners)
@@ -102,12 +103,13 @@ def _integrals(x: np.ndarray, y: np.ndarray, size: tuple[float, float]) -> tuple
 def tractions(
     places: np.ndarray, size: tuple[float, float], limit: np.ndarray, rigid: np.ndarray, steel: Steel
 ) -> np.ndarray:
-    """Stresses on the wheel, ahead and to the side, where it rolls steadily [Pa], shape (2, n).
+    """Return the stresses on the wheel in steady rolling, ahead and to the side [Pa], shape (2, n).
 
-    places: of the rectangles counted in their sizes, limit: friction times pressure [Pa], rigid: velocity of the
-    undeformed surface over the speed, (2, n). The surfaces stretch by the difference of their displacements from here
-    to one rectangle ahead, Kalker (1990), chapter 4. Newton's method on p = the nearest of p - r s within the limit,
-    which says both that what sticks does not slide and that what slides is held against its sliding.
+    places: positions of the rectangles in units of their sizes, limit: friction times pressure [Pa], rigid: velocity of
+    the undeformed surface over the speed, (2, n). The surfaces stretch by the difference of their displacements from
+    here to one rectangle ahead, Kalker (1990), chapter 4. Newton's method solves p = P(p - r s), where P projects onto
+    the friction limit. This equation contains both conditions: adhering points do not slide, and friction opposes
+    sliding.
     """
     slopes = _slopes(places, size, steel)
     count, r = limit.size, 1 / slopes[0, 0]
@@ -131,7 +133,7 @@ def tractions(
 
 
 def _slopes(places: np.ndarray, size: tuple[float, float], steel: Steel) -> np.ndarray:
-    """Minus the slope of the displacement ahead by the stresses (x of all rectangles, then y), shape (2 n, 2 n)."""
+    """Return minus the derivative of the displacement ahead by the stresses (x of all, then y), shape (2 n, 2 n)."""
     x, y = ((one[:, None] - one) * length for one, length in zip(places, size, strict=True))
     moved = []
     for there in (x, x + size[0]):
@@ -142,7 +144,7 @@ def _slopes(places: np.ndarray, size: tuple[float, float], steel: Steel) -> np.n
 
 
 def _newton_matrix(slopes: np.ndarray, trial: np.ndarray, beyond: np.ndarray, limit: np.ndarray) -> np.ndarray:
-    """Derivative of `left`: what sticks follows the trial stress, what slides turns with it."""
+    """Return the derivative of `left`: adhering rectangles follow the trial stress, sliding ones turn with it."""
     count, slides = limit.size, beyond > limit
     share, ahead = np.where(slides, limit / np.maximum(beyond, 1e-300), 1.0), trial / np.maximum(beyond, 1e-300)
     matrix, rows = np.empty((2 * count, 2 * count)), np.arange(count)
@@ -158,9 +160,9 @@ def _newton_matrix(slopes: np.ndarray, trial: np.ndarray, beyond: np.ndarray, li
 def rolling_forces(
     grid: Grid, pressed: np.ndarray, creepages: Creepages, steel: Steel, friction: float | np.ndarray
 ) -> np.ndarray:
-    """Creep forces on the wheel, ahead and to the side, of each column [N], shape (2, columns).
+    """Return the creep forces on the wheel of each column, ahead and to the side [N], shape (2, columns).
 
-    creepages: of the grid's strips; friction: of all columns or of each.
+    creepages: of the grid's strips; friction: one value, or one for each column.
     """
     rows, columns = np.nonzero(pressed > 0.0)
     limit = np.broadcast_to(friction, grid.count[1])[columns] * pressed[rows, columns]

@@ -1,4 +1,4 @@
-"""The arrows of the house, and what must never be in the repository."""
+"""Permitted imports between packages, and content that must never be in the repository."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import hatch_build
 from products.sources import ROOMS
 
 ROOT = Path(__file__).parents[1]
-#: Which of our packages a package may import.
+#: Packages of this repository that each package may import.
 ALLOWED = {
     "readers": {"readers"},
     "fmu_src": {"fmu_src", "readers"},
@@ -26,7 +26,7 @@ OURS = {*ROOMS, "build_fmu"}
 
 
 def test_rooms_are_imported_from_by_name() -> None:
-    """`import fmu_src.system` has no form that a wheel could put below its one name (hatch_build.py)."""
+    """A wheel moves all packages below one name, and `import fmu_src.system` cannot be adapted (hatch_build.py)."""
     for room in (*ROOMS, "bogie_braking"):
         for path in (ROOT / room).rglob("*.py"):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -59,12 +59,12 @@ def test_imports_run_one_way(package: str) -> None:
                 assert allowed, f"{path.relative_to(ROOT)} imports {name}"
 
 
-#: How rbd_model may be built: files beside its rooms, and floors, where a room stands above all that it imports.
+#: Limits of rbd_model: files next to its subpackages, and layers, where a subpackage is above all that it imports.
 FILES_BESIDE, FLOORS = 4, 6
 
 
 def arrows(package: str) -> dict[str, set[str]]:
-    """What each module of a package imports of it, imports for type checkers among them."""
+    """Return the imports of each module within a package, including those for type checkers."""
     places = {
         ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
         for path in (ROOT / package).rglob("*.py")
@@ -73,7 +73,7 @@ def arrows(package: str) -> dict[str, set[str]]:
 
 
 def floors(above: dict[str, set[str]]) -> dict[str, int]:
-    """The floor on which each stands, from 1; raises AssertionError with the ring where there is one."""
+    """Return the layer of each module, from 1. Raises AssertionError with the cycle if imports form one."""
     found: dict[str, int] = {}
 
     def stand(one: str, way: tuple[str, ...]) -> int:
@@ -109,16 +109,17 @@ def test_a_ring_is_found() -> None:
     assert floors({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == {"c": 1, "b": 2, "a": 3}
 
 
-#: Rooms of scenarios/ that hold scenarios, one file each; `coupling` is one with its parts, the others the machinery.
+#: Subpackages of scenarios/ with one scenario in each file (`coupling` is one scenario in several files). The others
+#: are infrastructure.
 SUBJECTS = ("thesis", "brakes", "vehicles", "contact", "lines", "numerics", "trains", "comparisons")
 
 
-#: What comparisons stand on, which no wheel has.
+#: Package that comparisons import and that no wheel contains.
 PEERS = "scenarios.comparisons.peers"
 
 
 def test_a_wheel_imports_nothing_that_it_leaves_out() -> None:
-    """But for the lists of scenarios and of revisions, which look first whether it is there."""
+    """The lists of scenarios and of revisions are exempt: they check first that the module exists."""
     looking = {ROOT / "scenarios" / "catalogue.py", ROOT / "scenarios" / "numerics" / "speed.py"}
     for room in (*ROOMS, "bogie_braking"):
         for path in {*(ROOT / room).rglob("*.py")} - looking:
@@ -148,7 +149,7 @@ Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 
 
 def public(path: Path) -> Iterator[tuple[str, Definition]]:
-    """Functions, classes and their methods whose names have no leading underscore, with the names of their classes."""
+    """Yield functions, classes and methods without a leading underscore; methods have the names of their classes."""
 
     def within(body: Sequence[ast.stmt], outer: str) -> Iterator[tuple[str, Definition]]:
         for node in body:
@@ -167,13 +168,13 @@ def test_every_public_function_method_and_class_says_what_it_is(package: str) ->
             assert ast.get_docstring(node), f"{path.relative_to(ROOT)}: {name} has no doc string; say what it is."
 
 
-#: An equation, a place in the thesis, a source with its year or a standard, or a principle by its name.
+#: An equation, a place in the thesis, a source with its year, a standard, or a principle by its name.
 CITATION = re.compile(
     r"\([2-9]\.\d+|\b([Ss]ections?|chapter|Tables?|Figs?\.) \d"
     r"|\b[A-Z][a-z]+ \(\d{4}\)|\b(EN|ISO|UIC) \d+|RSSB T\d+|Karwatzki|MaSzyna"
     r"|SUBSET-\d+|Newton's|Hooke's|implicit function theorem|First law|ideal gas|isentropic"
 )
-#: Functions without physics of their own, by file: they build FMUs, declare variables, read files, serve numerics.
+#: Functions without physics of their own, by file: they build FMUs, declare variables, read files or do numerics.
 PLUMBING = {
     "rbd_model/vehicle/assembly.py": {"assemble"},
     "rbd_model/levels/models.py": {
@@ -236,7 +237,7 @@ PLUMBING = {
 
 
 def test_every_function_of_the_physics_cites_its_source() -> None:
-    """And what is listed as plumbing exists and cites nothing, so that the list stays short."""
+    """Functions listed as plumbing exist and cite nothing, so that the list stays short."""
     silent: dict[str, set[str]] = {}
     for package in ("rbd_model", "brake_controller"):
         for path in (ROOT / package).rglob("*.py"):

@@ -1,4 +1,4 @@
-"""axe-core finds what is wrong with a small page, and nothing with the same page when that is mended."""
+"""axe-core finds the faults of a small page, and none after they are corrected."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from tests.browser import Browser, browser
 
 __all__ = ["browser"]
 
-#: A picture without a text, grey on white of contrast 1.6 : 1, a field without a name, and h3 after h1.
+#: An image without alternative text, grey on white (contrast 1.6 : 1), an unlabelled field, and h3 after h1.
 BAD = """<!DOCTYPE html><html lang="en"><title>bad</title><body style="background: #fff">
 <h1>Head</h1><h3>Below</h3><img src="data:,"><p style="color: #ccc">pale</p><input></body></html>"""
 CHANGES = {"<img": '<img alt="a picture"', "#ccc": "#333", "<input": '<input aria-label="field"', "h3": "h2"}
 
 
 def found(browser: Browser, page: Path, text: str, *more: str) -> list[str]:
-    """Names of the rules that a page with this text breaks."""
+    """Return the names of the rules that a page with this text breaks."""
     page.write_text(text, encoding="utf-8")
     opened = browser.open(page, 800)
     names = sorted(line.split(":")[0] for line in violations(opened, *more))

@@ -1,4 +1,4 @@
-"""Batches: each run has the bits and sentences that it has alone; instances in control steps; what is refused."""
+"""Batches: each run equals a single run in numbers and messages; instances in control steps; refused inputs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from fmu_src.kernel import Kernel, SimulationError
 
 BRAKED = {"initial_speed": 25.0, "brake_torque_1": 20e3, "brake_torque_2": 20e3}
 OUTPUTS = ["distance", "speed", "locked_1", "axle_load_1"]
-#: Friction low enough that wheels lock, and some that the bogie refuses.
+#: Friction low enough that wheels lock, and two values that the bogie refuses.
 FRICTION = np.concatenate([np.linspace(0.02, 0.3, 21), [-1.0, np.nan]])
 
 
@@ -32,7 +32,7 @@ def alone(what: object, duration: float, line: bb.Line | None, row: dict[str, fl
 
 
 def assert_same(ends: Ends, rows: list[tuple[list[float], str]]) -> None:
-    """To the last bit, and to the last letter."""
+    """Compare all numbers bit for bit, and all messages."""
     for column, name in enumerate(OUTPUTS):
         assert np.array_equal(ends[name], [values[column] for values, _ in rows], equal_nan=True), name
     assert ends.said == [said for _, said in rows]
@@ -46,7 +46,7 @@ def planar() -> BatchLibrary:
 def test_a_long_elimination_is_cut_into_any_number_of_pieces(
     planar: BatchLibrary, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """More than 8, the most lanes, which names end with; they make the same runs."""
+    """More than 8 pieces, the largest number of lanes that a name ends with, give the same runs."""
     monkeypatch.setattr(elimination, "LONGEST", 8)
     model = planar.model
     system = next(one for one in model.systems if one.name == "planar")
@@ -73,7 +73,7 @@ def test_a_long_elimination_is_cut_into_any_number_of_pieces(
     ],
 )
 def test_each_run_of_a_batch_is_that_which_it_is_alone(what: str, scene: dict[str, float], on_line: bool) -> None:
-    """Lock-ups, stops and refusals among them."""
+    """The runs include lock-ups, stops and refusals."""
     line = bb.line_of([bb.straight(500.0, gradient=-0.01)]) if on_line else None
     ends = bb.batch(what, 15.0, OUTPUTS, line, said=True, **scene, friction_1=FRICTION, friction_2=FRICTION)
     assert ends.said is not None
@@ -84,7 +84,7 @@ def test_each_run_of_a_batch_is_that_which_it_is_alone(what: str, scene: dict[st
     assert np.isnan(ends.time[21:]).all()
 
 
-#: Method and fixed step [s] of each row: neighbours have others, and each pair stands in several lanes.
+#: Method and fixed step [s] of each row. Neighbouring rows differ, and each pair occurs in several lanes.
 MIXED = [(1, 0.0), (2, 5e-3), (1, 5e-3), (2, 0.0), (3, 2e-4), (2, 2e-3), (1, 2e-3)] * 3
 
 
@@ -103,7 +103,7 @@ def test_runs_with_other_methods_beside_them_are_those_which_they_are_alone() ->
 
 
 def test_runs_in_space_that_end_early_are_those_which_they_are_alone() -> None:
-    """In a curve the fast ones tip over; they leave their lanes to the runs behind them."""
+    """In a curve the fast vehicles tip over, and waiting runs take over their lanes."""
     before, curve = bb.straight(20.0), bb.arc(500.0, 300.0)
     line = bb.line_of([before, bb.clothoid(60.0, before, curve), curve])
     scene = {"level": 3, "constant_speed": 1}
@@ -139,7 +139,7 @@ def test_a_batch_of_no_runs_is_empty(planar: BatchLibrary) -> None:
 
 
 def test_a_lost_signal_is_said_and_changes_no_other_run() -> None:
-    """A torque that is no number counts as its safe side, in its lane alone."""
+    """A NaN torque is replaced by its safe value, in its own lane only."""
     torque = [20e3, np.nan, 10e3]
     scene = {"initial_speed": 25.0, "level": 1}
     ends = bb.batch("bogie", 5.0, OUTPUTS, said=True, **scene, brake_torque_1=torque)
@@ -147,7 +147,7 @@ def test_a_lost_signal_is_said_and_changes_no_other_run() -> None:
 
 
 def test_a_system_with_algebraic_states_is_in_its_lane_what_it_is_alone() -> None:
-    """It makes its trial steps alone, with a Jacobian of its own."""
+    """Its trial steps are made outside the lanes, with a separate Jacobian."""
     speeds = np.linspace(5.0, 40.0, 11)
     ends = bb.batch("wheelset", 3.0, ["speed", "distance"], said=True, initial_speed=speeds)
     for speed, *found in zip(speeds.tolist(), ends["speed"], ends["distance"], strict=True):
@@ -156,7 +156,7 @@ def test_a_system_with_algebraic_states_is_in_its_lane_what_it_is_alone() -> Non
 
 
 def test_an_fmu_of_one_system_has_batches_too() -> None:
-    """Its parameters choose no level."""
+    """Its parameters do not select a level."""
     demand = np.linspace(1e5, 4e5, 9)
     torques = bb.batch("brake", 3.0, ["brake_torque"], pressure_demand=demand, angular_velocity=10.0)["brake_torque"]
     runs = [bb.run("brake", 3.0, pressure_demand=one, angular_velocity=10.0) for one in demand.tolist()]
@@ -164,7 +164,7 @@ def test_an_fmu_of_one_system_has_batches_too() -> None:
 
 
 def test_an_own_system_runs_in_lanes() -> None:
-    """A body that falls until it is below the ground, against its closed form."""
+    """A body falls until it is below the ground; the reference is the closed form."""
     fall = bb.System("FallsInLanes", "A body that falls")
     gravity = fall.parameter(bb.Variable("gravity", "parameter", "m/s2", "Gravity", 9.81))
     height, speed = fall.state("height", "m", 0.0, 1.0), fall.state("speed", "m/s", 0.0, 1.0)
@@ -179,7 +179,7 @@ def test_an_own_system_runs_in_lanes() -> None:
 
 
 def test_a_long_sweep_is_a_batch_and_the_same_table(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Here and by an executor, whose tasks are several rows; what no batch can be runs as before."""
+    """The sweep runs here and by an executor with several rows a task; what no batch supports runs one by one."""
     vary = {"friction_1": FRICTION, "friction_2": FRICTION[::-1]}
     scene = {**BRAKED, "level": 2}
     one_by_one = bb.sweep("bogie", 20.0, ["distance", "locked_1"], vary, **scene)
@@ -212,7 +212,7 @@ COUNT, SIZE = 13, 5e-3
 
 
 def torque(number: int) -> np.ndarray:
-    """Brakes that lock wheels and let go of them."""
+    """Return torques that lock the wheels and release them."""
     return np.where((number // 60) % 2 == 0, 60e3, 0.0) * np.linspace(0.5, 1.0, COUNT)
 
 
@@ -224,7 +224,7 @@ def together(request: pytest.FixtureRequest) -> Iterator[tuple[object, dict[str,
 
 
 def test_instances_in_control_steps_are_those_which_they_are_alone(together, planar: BatchLibrary) -> None:  # type: ignore[no-untyped-def]
-    """Wheels lock and turn again; one row begins anew in between, from another speed."""
+    """Wheels lock and turn again; one row restarts in between from another speed."""
     made, scene = together
     kernels = [Kernel(planar, **scene) for _ in range(COUNT)]
     for kernel in kernels:
@@ -284,7 +284,7 @@ def test_masked_inputs_of_a_step_are_refused() -> None:
 
 
 def test_names_that_are_there_twice_are_refused() -> None:
-    """One of two columns of the same name would be lost, or stay at its start."""
+    """One of two columns of the same name would be lost, or would keep its start value."""
     for inputs, outputs in ((["brake_torque_1"] * 2, ["speed"]), (["brake_torque_1"], ["speed", "speed"])):
         with pytest.raises(ValueError, match=r"must have a name of its own; got \w+ twice\. Leave one out\."):
             bb.instances("bogie", 2, inputs, outputs)
@@ -300,7 +300,7 @@ def test_a_step_that_fails_leaves_the_others_where_they_came_to(planar: BatchLib
 
 
 def test_a_step_that_fails_on_the_way_leaves_all_as_it_was() -> None:
-    """Bit for bit, in lanes and alone: x' = u - 1 / sqrt(x) reaches 0 at t = 2/3 where u is 0."""
+    """All stays bit-identical, in lanes and alone: x' = u - 1 / sqrt(x) reaches 0 at t = 2/3 if u is 0."""
     system = bb.System("falling", "A state whose slope ends")
     u = system.input(bb.Variable("u", "input", "1", "Slope beside the fall"))
     x = system.state("x", "1", 1.0, 1.0)

@@ -1,4 +1,4 @@
-"""BrakedVehicle with the brakes of the test rig: by flow of air, on treads and on discs; and on a line."""
+"""BrakedVehicle with the brakes of the test rig (flow of air; treads and discs), and on a line."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from products.protection.rig import Rig
 from products.protection.runs import Run
 from products.protection.settings import BRAKE_START, STANDING, Settings
 
-#: Between two integrations of one system whose tolerances are 1e-6.
+#: Difference between two integrations of one system with tolerances of 1e-6.
 SAME = 1e-5
 
 
 def stop_of(brake: int, line: bb.Line | None = None, **values: Any) -> bb.Recording:
-    """Full brake from 25 m/s at BRAKE_START, as on the rig."""
+    """Run a full brake application from 25 m/s at BRAKE_START, as the rig does."""
     times, pressure = np.array([0.0, BRAKE_START, BRAKE_START + 1e-6]), coach().full_pressure
     demand = {f"pressure_demand_{n}": (times, np.array([0.0, 0.0, pressure])) for n in coach().numbers}
     names = ["speed", "distance", "reservoir_pressure", "brake_torque_1"]
@@ -34,7 +34,7 @@ def stop_of(brake: int, line: bb.Line | None = None, **values: Any) -> bb.Record
 
 @pytest.mark.parametrize(("brake", "equipment"), [(BY_FLOW, ()), (DISCS, ("discs",))], ids=["treads", "discs"])
 def test_its_stop_is_that_of_the_rig(brake: int, equipment: tuple[str, ...]) -> None:
-    """One machine in both: the same distance, and the same air from the reservoir."""
+    """The rig and the FMU simulate one vehicle: the same distance, and the same air from the reservoir."""
     stop = stop_of(brake)
     run = Run(RAILS[0].values(len(coach().numbers)), equipment=equipment)
     [same] = Rig(coach(), None, Settings(), by_flow=True).runs([run])
@@ -47,7 +47,7 @@ def test_its_stop_is_that_of_the_rig(brake: int, equipment: tuple[str, ...]) -> 
 
 @pytest.mark.parametrize(("share", "mass"), [(0.95, 200.0), (0.3, 2000.0)])
 def test_discs_take_their_share_of_the_energy_and_treads_warm_none(share: float, mass: float) -> None:
-    """Without cooling, that share of (m + 4 I / r^2) v^2 / 2, which rolling resistance and creep take 1 % of."""
+    """Without cooling, discs take this share of (m + 4 I / r^2) v^2 / 2, less 1 % for rolling resistance and creep."""
     cold = {"disc_cooling_at_rest": 0.0, "disc_cooling_over_speed": 0.0}
     stop = stop_of(DISCS, disc_heat_share=share, disc_mass=mass, **cold)
     warm = sum(stop[f"disc_temperature_{n}"].max() - 293.15 for n in coach().numbers)
@@ -56,13 +56,13 @@ def test_discs_take_their_share_of_the_energy_and_treads_warm_none(share: float,
 
 
 def moving(speed: float) -> float:
-    """Energy of the coach that rolls at a speed [J]."""
+    """Return the energy of the coach rolling at a speed [J]."""
     p, wheelsets = coach().parameters, len(coach().numbers)
     return (coach().mass + wheelsets * p.wheelset_pitch_inertia / p.wheel_radius**2) * speed**2 / 2
 
 
 def test_discs_of_another_radius_brake_as_their_radius_has_it() -> None:
-    """T = mu F r, and the friction falls with the speed at r; shoes' numbers do not act on them."""
+    """T = mu F r, and the friction falls with the speed at r; parameters of the shoes have no effect on discs."""
     fixed = {"pad_friction_over_speed": 0.0, "pad_friction_over_temperature": 0.0}
 
     def torque(**values: float) -> float:
@@ -74,7 +74,7 @@ def test_discs_of_another_radius_brake_as_their_radius_has_it() -> None:
 
 @pytest.mark.parametrize("brake", [TIMED, DISCS])
 def test_it_runs_on_a_line(brake: int) -> None:
-    """Down 10 per mille a full brake slows by g i over the share of rotating masses less."""
+    """Down 10 per mille a full brake decelerates less, by g i over the factor of rotating masses."""
     line, slope = bb.line_of([bb.straight(1500.0, gradient=-0.01)]), 0.01 * 9.81
     runs = {"down": stop_of(brake, line), "level": stop_of(brake)}
     full = 4.0 + BRAKE_START

@@ -1,4 +1,7 @@
-"""The pages are true: what they name exists, what is generated is new. That they run: `tests/test_pages_run.py`."""
+"""Everything that the pages name exists, and generated pages are up to date.
+
+`tests/test_pages_run.py` runs the code of the pages.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ WRITTEN = sorted(
     path.relative_to(ROOT).as_posix() for folder in ("*", "hosts/*") for path in ROOT.glob(f"docs/{folder}.md")
 )
 PAGES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "EQUATIONS.md", *WRITTEN]
-#: Written when something is built or run, within an archive, or named as an example.
+#: Files that a build or a run writes, files in an archive, and examples of names.
 MADE = (
     "build/",
     "results/",
@@ -33,7 +36,7 @@ MADE = (
     "brake_controller/distributors/direct.py",
 )
 GENERATORS = ("charts", "counts", "numbers_of_pages", "equations", "variables", "catalogue")
-#: A file with its folder, and a name in it.
+#: A file with its folder, optionally followed by a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
 
 
@@ -41,13 +44,13 @@ PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:
 
 
 def anchors(text: str) -> set[str]:
-    """Of the headings of a page, as GitHub makes them."""
+    """Return the anchors of the headings of a page, as GitHub makes them."""
     heads = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
 
 
 def broken_links(page: str, text: str) -> list[str]:
-    """Relative links that lead nowhere, to a file or to a heading."""
+    """Return the relative links whose file or heading does not exist."""
     broken = []
     for link in re.findall(r"\]\(([^)\s]+)\)", text):
         name, _, anchor = link.partition("#")
@@ -61,7 +64,7 @@ def broken_links(page: str, text: str) -> list[str]:
 
 @functools.cache
 def definitions(path: Path) -> set[str]:
-    """Names of the functions and classes of a Python file, those within others as Outer.inner."""
+    """Return the names of the functions and classes of a Python file, nested ones as Outer.inner."""
     found, left = set(), [("", node) for node in ast.parse(path.read_text(encoding="utf-8")).body]
     while left:
         outer, node = left.pop()
@@ -72,7 +75,7 @@ def definitions(path: Path) -> set[str]:
 
 
 def unknown_places(text: str) -> list[str]:
-    """Files, and functions in files (`path.py: name`, path.py::name), that are not there; links are another matter."""
+    """Return cited files, and functions in files (`path.py: name`, path.py::name), that do not exist; skip links."""
     unknown = []
     for name, inside in PLACE.findall(re.sub(r"\]\([^)]*\)", "]", text)):
         path = ROOT / name
@@ -83,7 +86,7 @@ def unknown_places(text: str) -> list[str]:
 
 
 def exists_in_packages(dotted: str) -> bool:
-    """Whether a dotted name leads to a module of ours, or to something in one."""
+    """Return whether a dotted name is a module of this repository, or an attribute of one."""
     module, _, name = dotted.rpartition(".")
     try:
         return hasattr(importlib.import_module(module), name) or importlib.util.find_spec(dotted) is not None
@@ -92,7 +95,7 @@ def exists_in_packages(dotted: str) -> bool:
 
 
 def unknown_names(text: str) -> list[str]:
-    """Dotted names of our packages, C functions, make targets and scenarios to run that do not exist."""
+    """Return the dotted names, C functions, make targets and scenarios to run that do not exist."""
     runtime = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "fmu_src/runtime").glob("*.[ch]"))
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     scenarios = {"NAME", *(scenario.name for scenario in SCENARIOS)}
@@ -134,7 +137,7 @@ def test_every_dependency_stands_in_the_table_of_licences() -> None:
 
 
 def test_code_and_tests_cite_pages_that_are_here() -> None:
-    """A document that does not travel with the code explains nothing."""
+    """A citation of a document outside the repository explains nothing."""
     pages = {Path(page).name for page in PAGES}
     sources = [path for package in (*HOUSE, "tests", "docs/generate") for path in (ROOT / package).rglob("*.[pch]*")]
     for path in [ROOT / "Makefile", ROOT / "build_fmu.py", *sources]:
@@ -145,7 +148,7 @@ def test_code_and_tests_cite_pages_that_are_here() -> None:
 
 @pytest.mark.parametrize("generator", GENERATORS)
 def test_generated_page_is_what_it_is_made_from(generator: str) -> None:
-    """When this fails, run `make pages` and read what it says; after a change of methods or scenes `make charts`."""
+    """If this fails, run `make pages` and read its output; after a change of methods or cases run `make charts`."""
     script = ROOT / "docs" / "generate" / f"{generator}.py"
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, script, "--check"], env=environment, capture_output=True, text=True)
@@ -153,7 +156,7 @@ def test_generated_page_is_what_it_is_made_from(generator: str) -> None:
 
 
 def test_numbers_of_checks_are_those_of_the_tests_wherever_they_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Random states, random calls: each in words that the generator knows, which writes a wrong one anew."""
+    """The counts of random states and calls use fixed phrases; the generator replaces a wrong number."""
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
     counts = importlib.import_module("counts")
     for words, value in counts.PHRASES.items():
@@ -167,7 +170,7 @@ def test_numbers_of_checks_are_those_of_the_tests_wherever_they_are_said(monkeyp
 
 
 def test_a_number_with_a_mark_is_that_of_its_source(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A row that is kept, or a constant; another number is written anew, and a run that moves it is told."""
+    """The source is a stored row or a constant. The generator corrects numbers; a run reports a row that it changes."""
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
     numbers = importlib.import_module("numbers_of_pages")
     rows = {("a-scenario", "a row"): -14.37}
@@ -188,7 +191,7 @@ def test_a_number_with_a_mark_is_that_of_its_source(monkeypatch: pytest.MonkeyPa
 
 
 def test_every_mark_on_a_page_names_a_source(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A mark that is written in another way would be left alone without a word."""
+    """A mark with another spelling would be ignored without a message."""
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
     numbers = importlib.import_module("numbers_of_pages")
     known = numbers.values()

@@ -1,4 +1,4 @@
-"""Environments for learning: what they show, what a stop costs, and what Gymnasium asks of them."""
+"""Environments for reinforcement learning: observations, rewards of a stop, and the requirements of Gymnasium."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ from bogie_braking.gym import NAME  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
 DRY, LOW = RAILS[0], RAILS[2]
-#: Wheels that roll creep a little: tests/test_rig.py holds the same stop in the rig to this share.
+#: Creep of rolling wheels; tests/test_rig.py allows the same share for the same stop on the rig.
 ROLLING = 5e-3
-#: What a vector of these rows takes in memory at least [bytes], and how often one is made and let go of.
+#: Least memory of a vector of these rows [bytes], and how often one is created and released.
 ROWS, ROW, TIMES = 256, 30e3, 8
 
 
 class LetGo:
-    """A controller of many machines: lets go of what is slower than the fastest."""
+    """A controller of many vehicles that releases wheelsets slower than the fastest one."""
 
     def start(self, rows: NDArray[np.intp], count: int, wheelsets: int, period: float) -> None:
         pass
@@ -49,7 +49,7 @@ class LetGo:
 
 
 def slowly(random: np.random.Generator, wheelsets: int) -> Run:
-    """Short stops: of walking pace, on any rail."""
+    """Draw a short stop from walking pace on any rail."""
     return replace(drawn_run(random, wheelsets), speed=float(random.uniform(0.5, 1.5)))
 
 
@@ -69,7 +69,7 @@ def only(run: Run) -> Any:
 
 
 def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
-    """The stop itself, to the last bit; its cost is written anew here, from what a privileged row shows."""
+    """The stop is bit-identical; its reward is computed here again from the observations of a privileged row."""
     with_pause, step = Settings(period=10e-3), 10e-3
     own = begun(drawn_run, 8, with_pause, privileged=True, step=step)
     total, outside, steps = np.zeros(8), np.zeros(8), 0
@@ -188,7 +188,7 @@ def test_gymnasium_finds_nothing_wrong(vehicle: str, privileged: bool) -> None:
 
 
 def test_a_row_of_a_vector_is_the_single_one_with_its_seed() -> None:
-    """Beside Gymnasium's own vector of single ones, over stops that begin anew: the same bits in everything."""
+    """Gymnasium's own vector of single environments gives bit-identical results, also over stops that restart."""
     kwargs: dict[str, Any] = {"rails": slowly, "privileged": True}
     ours = gymnasium.make_vec(NAME, 5, **kwargs)
     other = gymnasium.make_vec(NAME, 5, vectorization_mode="sync", **kwargs)
@@ -327,13 +327,13 @@ for keeps, closes in ((False, True), (False, False), (True, False)):
 
 
 def resident() -> float:
-    """What this process holds in memory [bytes]."""
+    """Return the resident memory of this process [bytes]."""
     return 4096.0 * int(Path("/proc/self/statm").read_text().split()[1])
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="reads memory where Linux tells it")
 def test_environments_that_are_made_and_let_go_of_leave_no_memory() -> None:
-    """Closed, or not even that; kept, they take what they take. In a process of its own, whose heap has no room yet."""
+    """Some are closed, some only released; if kept, they hold their memory. A new process has no free heap yet."""
     done = subprocess.run([sys.executable, "-c", GROWTH], cwd=ROOT, capture_output=True, text=True, check=True)
     closed, let_go, kept = map(float, done.stdout.split())
     assert closed < ROWS * ROW
@@ -343,7 +343,7 @@ def test_environments_that_are_made_and_let_go_of_leave_no_memory() -> None:
 
 @pytest.mark.long
 def test_ten_thousand_environments_a_hundred_times_leave_memory_flat() -> None:
-    """Prints what was held after each."""
+    """Prints the resident memory after each round."""
     held = []
     for number in range(100):
         made = gymnasium.make_vec(NAME, 10_000)

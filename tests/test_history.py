@@ -1,4 +1,4 @@
-"""The course of a stop as the test rig writes it down: what a controller saw and said; it changes no run."""
+"""The recorded course of a stop on the test rig: inputs and commands of a controller; recording changes no run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ RUNS = [Run(rail.values()) for rail in RAILS[:3]]
 
 
 class Notes(LetGo):
-    """Notes what it saw and said."""
+    """Record inputs and commands."""
 
     said: ClassVar[list[list[float]]] = []
 
@@ -33,7 +33,7 @@ class Notes(LetGo):
 
 
 def test_a_run_that_is_written_down_is_the_same_in_every_form(monkeypatch: pytest.MonkeyPatch) -> None:
-    """To the last bit, with rows that take the next run; and all forms write the same."""
+    """Runs are bit-identical, also in rows that take over the next run, and all forms record the same."""
     forms = (LetGo, Arrays(LetAllGo()), in_c())
     monkeypatch.setattr(module, "AT_ONCE", 2)
     written = []
@@ -65,7 +65,7 @@ def test_what_is_written_down_is_what_the_controller_saw_and_said() -> None:
 
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_the_course_of_a_stop_ends_where_the_stop_does(machine: Machine) -> None:
-    """Its distance is the integral of its speed; wheels roll at first, and those that lock stand."""
+    """Its distance is the integral of its speed; wheels roll at first, and locked wheels stand still."""
     count = len(machine.numbers)
     run = Run(RAILS[2].values(count), faults=(Fault(1, sensor="zero", sensor_from=3.0),))
     [stop] = Rig(machine, None, Settings()).runs([run], every=EVERY)

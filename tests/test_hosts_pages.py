@@ -1,6 +1,6 @@
-"""The pages of hosts: each has its row in the table of all, and says what was run, or how it was tried.
+"""Each page of a host has its row in the common table and states what was run or tried.
 
-That the code on them runs is tested in `tests/test_pages_run.py`.
+`tests/test_pages_run.py` runs the code on these pages.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(path.name for path in ROOT.glob("docs/hosts/*.md"))
-#: Of a row: whether the host was run, its versions, its page.
+#: A row of the table: whether the host was run, its versions, its page.
 ROW = re.compile(r"^\|[^|]+\| (yes|no)\b[^|]*\| *([^|]*?) *\| \[[^]]+\]\(hosts/([\w-]+\.md)\) \|$", re.MULTILINE)
 NOT_RUN, VERSION, NUMBER = "**Not run here.**", re.compile(r"\b\d+\.\d+(?:\.\d+)*\b"), re.compile(r"\b\d+\.\d{4,}\b")
 
 
 def table() -> dict[str, tuple[bool, list[str]]]:
-    """By page: whether the host was run, and its versions. A page has one row."""
+    """Return by page whether the host was run, and its versions. Each page has one row."""
     rows = ROW.findall((ROOT / "docs" / "hosts.md").read_text(encoding="utf-8"))
     found = {page: (run == "yes", VERSION.findall(versions)) for run, versions, page in rows}
     assert len(found) == len(rows)
@@ -26,7 +26,7 @@ def table() -> dict[str, tuple[bool, list[str]]]:
 
 
 def faults(text: str, run: bool, versions: list[str]) -> list[str]:
-    """What a page does not say and should."""
+    """Return the required statements that a page lacks."""
     first = " ".join(text.split("\n\n")[1].split())
     says = {
         "steps": re.search(r"^1\. .*\n", text, re.MULTILINE),

@@ -1,4 +1,4 @@
-"""An ordinary installation: the wheel of a release in an empty environment, away from the checkout, runs and builds."""
+"""An ordinary installation (a release's wheel in an empty environment, away from the checkout) runs and builds."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ from products.sources import HOUSE, ROOMS
 from scenarios.catalogue import COMPARISONS, SCENARIOS
 from scenarios.live.page import page
 
-#: Of the FMUs that a release compiles, that of the scenario that runs here.
+#: The only one of a release's compiled FMUs that the scenarios in this file run.
 FMUS = ["wheelset"]
 OWN = next(tag for tag in platform_tags() if tag in release.WHEELS)
 
-#: The cache and the compiler of all tests, that of an extra where the machine has none.
+#: The cache and the compiler of all tests; the compiler is that of an extra if the system has none.
 HERE = {"BOGIE_BRAKING_CACHE": str(CACHE), "CC": " ".join(compiler())}
-#: Of an installation without what pip itself weighs and what Python compiles on the way [bytes].
+#: Limit of an installation without pip and without the files that Python compiles [bytes].
 MOST_SIZE = 700e6
 
 
 @pytest.fixture(scope="module")
 def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The sdist, the wheel for all platforms and that for this one, with two FMUs."""
+    """Return the folder with the sdist, the universal wheel and the wheel for this platform."""
     out = tmp_path_factory.mktemp("release")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(release, "DIFFERENT", FMUS)
@@ -49,13 +49,13 @@ def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def environment(place: Path) -> Path:
-    """Python of a new environment that holds nothing."""
+    """Create an empty environment and return its Python."""
     venv.create(place)
     return place / ("Scripts" if os.name == "nt" else "bin") / "python"
 
 
 def install(wheels: Path, python: Path, *how: str) -> None:
-    """Installs the wheel of this platform, and what it asks for, into an environment by the pip of this one."""
+    """Install the wheel of this platform and its requirements into an environment, by the pip of this one."""
     [wheel] = wheels.glob(f"*{OWN}.whl")
     pip = [sys.executable, "-m", "pip", "--python", str(python), "install", "--quiet", "--no-compile"]
     call = [*pip, "--disable-pip-version-check", *how, str(wheel)]
@@ -63,7 +63,7 @@ def install(wheels: Path, python: Path, *how: str) -> None:
 
 
 def asked_for() -> set[str]:
-    """Names of the packages that ours asks for, of those that these ask for, and so on, without extras."""
+    """Return the names of all required packages, direct and indirect, without extras."""
     found, waiting = set(), ["bogie-braking"]
     while waiting:
         asked = map(Requirement, requires(waiting.pop()) or [])
@@ -74,7 +74,7 @@ def asked_for() -> set[str]:
 
 
 def link_packages(names: set[str], folder: Path) -> None:
-    """Puts packages of this environment into a folder, with what Python compiled of them; links, on one disk."""
+    """Link packages of this environment into a folder, with the compiled files of Python; copies across disks."""
     for one in map(distribution, names):
         for file in one.files or []:
             if ".." in file.parts:
@@ -89,7 +89,7 @@ def link_packages(names: set[str], folder: Path) -> None:
 
 @pytest.fixture(scope="module")
 def installed(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Beside what it asks for, which pip looks at and need not fetch: the long test below does."""
+    """Return the Python of an installation whose requirements are already there, so that pip fetches nothing."""
     folder = tmp_path_factory.mktemp("installation")
     python = environment(folder / "environment")
     link_packages(asked_for(), packages_of(python, folder))
@@ -98,13 +98,13 @@ def installed(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def contents(folder: Path) -> dict[str, tuple[int, int]]:
-    """Size and time of each file below a folder; Python's own compiled files come and go."""
+    """Return the size and time of each file below a folder; files compiled by Python itself are left out."""
     files = (path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
     return {str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns) for path in files}
 
 
 def call(python: Path, folder: Path, *arguments: str, status: int = 0, **variables: str) -> str:
-    """Runs the environment's Python in a folder, with a home of its own and the cache of all tests; what it printed."""
+    """Run the environment's Python in a folder with its own home and the common cache; return its output."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     environment |= HERE | {"HOME": str(folder)} | variables
     done = subprocess.run([python, *arguments], cwd=folder, env=environment, capture_output=True, text=True)
@@ -119,13 +119,13 @@ def packages_of(python: Path, folder: Path) -> Path:
 
 @pytest.fixture
 def no_compiler(tmp_path: Path) -> Mapping[str, str]:
-    """Variables with which no compiler is found: the environment has none, which is an extra, and PATH is empty."""
+    """Return variables that hide every compiler: PATH is empty, and the environment lacks the compiler's extra."""
     return {"PATH": str(tmp_path / "empty"), "CC": "", "BOGIE_BRAKING_CACHE": str(tmp_path / "cache")}
 
 
 @pytest.fixture
 def plotly(tmp_path: Path) -> Mapping[str, str]:
-    """Variables with which Python finds the packages of the extra `pages`, which tests have."""
+    """Return variables with which Python finds the packages of the extra `pages`, which the test environment has."""
     (tmp_path / "pages").mkdir()
     for one in map(distribution, ("plotly", "narwhals")):
         for name in {file.parts[0] for file in one.files or []} - {".."}:
@@ -144,7 +144,7 @@ def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
     call(installed, tmp_path, "-m", "bogie_braking", "live", **no_compiler)
     assert (tmp_path / "results" / "live.html").read_text(encoding="utf-8") == page()
     assert not [path for path in (tmp_path / "cache").rglob("*") if path.suffix in (".c", ".o", ".so", ".dll")]
-    # Pages need their extra, and nothing else that the wheel does not ask for.
+    # Pages need only their extra and what the wheel requires.
     pages = ("-m", "bogie_braking", "run", "creep-forces", "--html")
     shown = call(installed, tmp_path, *pages, status=BAD_INPUT, **no_compiler)
     assert shown == "A page of results needs Plotly: pip install 'bogie-braking[pages]'.\n"
@@ -153,7 +153,7 @@ def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
     assert "report.html" in shown
     call(installed, tmp_path, "-m", "bogie_braking", "report", **no_compiler, **plotly)
     assert "creep-forces/report.html" in (tmp_path / "results" / "index.html").read_text(encoding="utf-8")
-    # The guard bites: what no wheel brings is compiled, and cannot be.
+    # This shows that the guard works: a model outside the wheel has to be compiled, which fails here.
     shown = call(installed, tmp_path, "-m", "bogie_braking", "run", "qr30-180kpa", status=3, **no_compiler)
     assert "There is no C compiler on this machine" in shown
     assert "pip install 'bogie-braking[compiler]'" in shown
@@ -164,7 +164,7 @@ def test_wheel_runs_a_scenario_without_a_compiler_and_is_left_as_it_was(
 
 
 def test_an_installation_is_light(installed: Path, tmp_path: Path) -> None:
-    """A compiler and what draws pages are extras. With pip and compiled Python it is below 800 MB."""
+    """The compiler and the packages for pages are extras. With pip and compiled Python files it is below 800 MB."""
     packages = packages_of(installed, tmp_path)
     ours = {one.name for one in packages.iterdir()} - {"pip", "setuptools"}
     found = (path for name in ours for path in (packages / name).rglob("*") if "__pycache__" not in path.parts)
@@ -185,7 +185,7 @@ def test_installed_package_builds_fmus_and_is_left_as_it_was(installed: Path, tm
 
 
 def test_installed_package_is_the_one_that_runs(installed: Path, tmp_path: Path) -> None:
-    """Not this checkout, which the tests have on their path; the command is the same as the module."""
+    """The checkout is on the path of the tests but not of this Python; the command equals the module."""
     place = call(installed, tmp_path, "-c", "import bogie_braking; print(bogie_braking.__file__)").strip()
     assert Path(place).is_relative_to(installed.parents[1])
     assert call(installed, tmp_path, "-m", "bogie_braking", "--version") == f"bogie-braking {__version__}\n"
@@ -195,7 +195,7 @@ def test_installed_package_is_the_one_that_runs(installed: Path, tmp_path: Path)
 
 
 def test_a_wheel_brings_one_name_and_minds_no_folder_of_the_user(installed: Path, tmp_path: Path) -> None:
-    """A folder that is called as one of our rooms hides none."""
+    """A user's folder with the name of one of our packages hides none of them."""
     files = "print(*importlib.metadata.files('bogie-braking'), sep='\\n')"
     names = call(installed, tmp_path, "-c", f"import importlib.metadata; {files}").splitlines()
     info = f"bogie_braking-{__version__}.dist-info"
@@ -211,9 +211,9 @@ def test_a_wheel_brings_one_name_and_minds_no_folder_of_the_user(installed: Path
 
 @pytest.mark.parametrize("part", ["begin", pytest.param("whole", marks=pytest.mark.long)])
 def test_the_page_of_the_public_face_runs_from_a_wheel(installed: Path, tmp_path: Path, part: str) -> None:
-    """Its blocks one after another, and what they print; runs, lines, own vehicles and controllers at its begin.
+    """Run its blocks in order and compare their output. The part `begin`: runs, lines, own vehicles, controllers.
 
-    From the checkout all of them run (tests/test_pages_run.py).
+    tests/test_pages_run.py runs all of them from the checkout.
     """
     page = (ROOT / "docs" / "public.md").read_text(encoding="utf-8")
     if part == "begin":
@@ -252,7 +252,7 @@ def test_a_wheel_that_is_uninstalled_leaves_nothing(wheels: Path, tmp_path: Path
 
 
 def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
-    """From another folder, at another time, byte for byte."""
+    """The second release is made in another folder at another time and is identical byte for byte."""
     release.write_wheels([], tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {path.name for path in wheels.iterdir() if OWN not in path.name}
@@ -262,14 +262,14 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 
 ROOT = Path(release.__file__).parent
-#: Looked for before they are imported (`scenarios/comparisons/peers/sundials.py: is_installed`,
-#: `products/study/cluster.py: client_of`, `bogie_braking/commands.py: look_for_plotly`), or at the beginning of their
-#: only file (`bogie_braking/gym.py`).
+#: Packages whose presence is checked before the import (`scenarios/comparisons/peers/sundials.py: is_installed`,
+#: `products/study/cluster.py: client_of`, `bogie_braking/commands.py: look_for_plotly`), or at the beginning of the
+#: only file that imports them (`bogie_braking/gym.py`).
 LOOKED_FOR = {"sksundae", "distributed", "plotly", "gymnasium"}
 
 
 def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:
-    """Packages that statements import, but for those that say what to do when they are not there."""
+    """Yield the packages that statements import without a message for the case that they are missing."""
     for node in body:
         guarded = isinstance(node, ast.Try) and "ImportError" in ast.unparse(node.handlers)
         for_types = isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
@@ -284,7 +284,7 @@ def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:
 
 
 def test_what_is_imported_without_a_way_out_is_installed_with_the_rest() -> None:
-    """No command needs an extra, unless it says so."""
+    """No command needs an extra without a message about it."""
     asked = {Requirement(text).name for text in requires("bogie-braking") or [] if "extra ==" not in text}
     files = [path for package in HOUSE for path in (ROOT / package).rglob("*.py") if "hosts" not in path.parts]
     found = {
@@ -313,7 +313,7 @@ def test_archive_holds_the_fmus_for_all_platforms_sets_and_systems(
 
 @pytest.mark.long
 def test_from_an_empty_machine_to_the_picture_in_a_minute(tmp_path: Path) -> None:
-    """The whole wheel of this platform, also a second time the same; a run in 15 s."""
+    """The whole wheel of this platform is reproducible. A run takes 15 s at most, with the installation a minute."""
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
         release.write_wheels([OWN], tmp_path / folder)

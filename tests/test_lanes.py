@@ -1,4 +1,4 @@
-"""Lanes (fmu_src/runtime/lanes.h): the same bits at every width and of every compiler, errors, special values."""
+"""Lanes (fmu_src/runtime/lanes.h): bit-identical at every width and for every compiler; errors; special values."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ Array = NDArray[np.float64]
 
 
 def third_power(x: Array) -> Array:
-    """x to the power of a third: of a negative number there is none."""
+    """Return x to the power of a third, NaN if x is negative."""
     return np.where(x < 0, np.nan, np.abs(np.cbrt(x)))
 
 
-#: Functions of one and of two arguments, each with the largest error [units in the last place] that lanes_math.h names
-#: and with NumPy's function.
+#: Functions of one and of two arguments, each with NumPy's function and the largest error [units in the last place]
+#: that lanes_math.h states.
 ONE: dict[str, tuple[float, Callable[..., Array]]] = {
     "exp": (0.95, np.exp),
     "log": (0.85, np.log),
@@ -46,10 +46,10 @@ TWO: dict[str, tuple[float, Callable[..., Array]]] = {
     "atan2": (1.5, np.arctan2),
     "copysign": (0, np.copysign),
 }
-#: Those that the C library computes lane by lane.
+#: Functions that the C library computes lane by lane.
 BY_LIBRARY = ("sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "expm1", "log1p", "erf")
 BY_LIBRARY_TWO = ("fmod", "remainder", "hypot")
-#: Expressions of x and z that are not functions of one or two arguments.
+#: Expressions of x and z other than one function.
 EXPRESSIONS = {
     "mixed": "(x * 2.0 - 1.0 / z) / 3.0 + -x",
     "select": "real_select(x < z, x, z)",
@@ -63,7 +63,7 @@ ZIG = f"{sys.executable} -m ziglang cc -mcpu=baseline"
 
 
 def source() -> str:
-    """C that evaluates all of them over arrays, at each width that the compiler has."""
+    """Return C code that evaluates all of them over arrays, at each width that the compiler supports."""
     loop = "for (long long i = 0; i < n; i += LANES) {{ const real x = real_load(a + i), z = real_load(b + i); "
     loop += "(void)z; real_store(y + i, {}); }} LANES_LEAVE; "
     called = {name: f"real_{name}(x)" for name in (*ONE, *BY_LIBRARY)}
@@ -75,7 +75,7 @@ def source() -> str:
     )
     text = '#include "lanes_widest.h"\n#define SHOWN __attribute__((visibility("default")))\n'
     text += "SHOWN int widest(void) { return lanes_of_processor(); }\n"
-    for width in (1, 2, 4, 8, 4):  # a unit may have a width twice
+    for width in (1, 2, 4, 8, 4):  # one file may contain the same width twice
         again = functions if f"LANES {width}\n" not in text else ""
         text += f'#if LANES_WIDEST >= {width}\n#define LANES {width}\n#include "lanes.h"\n{again}'
         text += '#include "lanes_end.h"\n#endif\n'
@@ -83,7 +83,7 @@ def source() -> str:
 
 
 def compiled(folder: Path) -> ctypes.CDLL:
-    """The library of `source`, of the compiler that is used now."""
+    """Return the compiled library of `source`, by the current compiler."""
     (folder / "lanes.c").write_text(source())
     flags = [*FLAGS, OPTIMISE_GENERATED, f"-I{RUNTIME}", "-shared"]
     run([*flags, "-o", f"lanes{library_suffix()}", "lanes.c", "-lm"], None, folder)
@@ -109,7 +109,7 @@ def widths(library: ctypes.CDLL) -> list[int]:
 
 
 def evaluate(library: ctypes.CDLL, name: str, width: int, x: Array, z: Array) -> Array:
-    """One function over arrays, padded with ones to whole vectors."""
+    """Evaluate one function over arrays, padded with ones to whole vectors."""
     padding = np.ones(-len(x) % 8)
     arguments = [np.concatenate([array, padding]) for array in (x, z)]
     y = np.empty_like(arguments[0])
@@ -119,7 +119,7 @@ def evaluate(library: ctypes.CDLL, name: str, width: int, x: Array, z: Array) ->
 
 
 def of_all_magnitudes(generator: np.random.Generator) -> Array:
-    """Random numbers of every exponent and sign, and special values: infinities, NaN, zeros and more."""
+    """Return random numbers of every exponent and sign, and special values: infinities, NaN, zeros and more."""
     special = np.array([*SPECIAL, np.inf])
     random = generator.integers(0, 2**64, COUNT, dtype=np.uint64).view(np.float64)
     return np.concatenate([random, generator.uniform(-5, 5, COUNT), special, -special, [np.nan]])
@@ -153,7 +153,7 @@ def test_a_wrong_bit_is_seen() -> None:
 
 
 def arguments_of(name: str) -> Sequence[tuple[Array, Array]]:
-    """Arguments where a function is hard: ends of its range, ends of its pieces, cancellation."""
+    """Return arguments where a function is difficult: ends of its range, ends of its pieces, cancellation."""
     g = np.random.default_rng(47)
     near_one, wide, turns = g.uniform(0.5, 2, COUNT), g.uniform(-1e6, 1e6, COUNT), g.integers(-600_000, 600_000, COUNT)
     angles = [g.uniform(-4, 4, COUNT), wide, turns * (np.pi / 2), g.uniform(-1e-3, 1e-3, COUNT)]

@@ -1,4 +1,4 @@
-"""Friction of the rail from the log of a protected stop: found again, and told apart from a wrong law."""
+"""Fit the rail's friction to the log of a protected stop, and detect a wrong friction law."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from products.bogie import TORQUE_PER_PRESSURE
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 
-#: Friction with the law of its fall known, and without: measured 2.1 % and 4.8 %, by sensors whose teeth are 2 % of the
-#: pitch out of place; pulls of 5 to 80 1/s give no more. The slope of its fall at rest: measured 10 %.
+#: Errors of the friction with its law known (measured 2.1 %) and unknown (4.8 %). Sensors have errors of the teeth of 2
+#: % of the pitch; pulls of 5 to 80 1/s give no larger errors. Error of the law's slope at rest: measured 10 %.
 KNOWN, FITTED, SLOPE = 0.03, 0.07, 0.3
-#: Speed in the half that was not fitted [m/s]; measured 0.006 and 0.025, with a friction that does not fall 0.2.
+#: Error of the speed in the half that was not fitted [m/s]; measured 0.006 and 0.025, and 0.2 with constant friction.
 HELD_OUT = 0.05
 LAW = {name: value for name, value in low().law.values().items() if name != "friction_decay"}
 DECAY = low().law.values()["friction_decay"]
@@ -27,7 +27,7 @@ UNTIL = 20.0
 
 @pytest.fixture(scope="module")
 def log() -> bb.Recording:
-    """What a recorder on the vehicle has every 20 ms: its speed, pressures, and what the sensors showed."""
+    """Return the log of an on-board recorder every 20 ms: speed, pressures, sensor readings."""
     seen: list[list[float]] = []
 
     class Heard(SlideProtection):
@@ -106,6 +106,6 @@ def test_what_cannot_be_fitted_is_refused(log: bb.Recording) -> None:
 def test_a_coach_is_driven_by_a_log_too() -> None:
     times = np.array([0.0, 10.0])
     driven = {f"pressure_{n}": (times, np.full(2, 380e3)) for n in range(1, 5)}
-    driven |= {f"wheel_speed_{n}": (times, np.zeros(2)) for n in range(1, 5)}  # sensors that are lost pull nothing
+    driven |= {f"wheel_speed_{n}": (times, np.zeros(2)) for n in range(1, 5)}  # lost sensors exert no pull
     stop = bb.run(logged_machine("vehicle"), 10.0, None, ["speed"], 1.0, initial_speed=25.0, friction_1=0.5, **driven)
-    assert stop["speed"][0] - stop["speed"][-1] == pytest.approx(12.0, rel=0.03)  # full brake, 1.2 m/s2 by its sizing
+    assert stop["speed"][0] - stop["speed"][-1] == pytest.approx(12.0, rel=0.03)  # full brake, designed for 1.2 m/s2

@@ -1,4 +1,4 @@
-"""Controllers in C and in FMUs, in a process of their own: the same stops, and what crashes, hangs or lies."""
+"""Controllers in C and in FMUs, in a separate process: the same stops; crashes, hangs and false values."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ NAMES = {
 
 
 def let_go(folder: Path, name: str = "let_go", step: str = "") -> Path:
-    """The trivial controller in C; step: what it does first."""
+    """Write the trivial controller in C; step: C code at the beginning of its step function."""
     path = folder / f"{name}.c"
     text = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\n    {step}")
     path.write_text(f"#define SHARE {SHARE}\n#include <math.h>\n#include <stdlib.h>\n#include <unistd.h>\n{text}")
@@ -95,7 +95,7 @@ def test_an_fmu_that_needs_python_makes_the_stops_of_its_class(tmp_path: Path) -
     ids=["abort", "crash", "wait", "hang"],
 )
 def test_what_ends_its_process_ends_no_comparison(step: str, words: str, limits: Limits, tmp_path: Path) -> None:
-    """From 12 m/s on a low rail it comes that far; from 5 m/s on a dry one it stops before."""
+    """The fault occurs in a stop from 12 m/s on a low rail; a stop from 5 m/s on a dry rail ends before it."""
     low, soon = Run(RAILS[2].values(), speed=12.0), Run(RAILS[0].values(), speed=5.0)
     form, runs = made_of(let_go(tmp_path, "bad", step)), [soon, low, *[soon] * ("abort" in step)]
     found = runs_apart(Order(bogie(), form, Settings()), runs, limits)
@@ -121,7 +121,7 @@ def test_what_is_no_controller_is_told(tmp_path: Path) -> None:
     (tmp_path / "nothing.c").write_text("int nothing;\n")
     whole = compiled(tmp_path / "nothing.c").path.read_bytes()
     (tmp_path / "cut.so").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(OSError, match=r"cut\.so is cut off at \d+ of \d+ bytes"):  # a bus error ended Python
+    with pytest.raises(OSError, match=r"cut\.so is cut off at \d+ of \d+ bytes"):  # a bus error terminated Python
         InC(tmp_path / "cut.so").functions(2)
     for path in (tmp_path / "libtext.so", compiled(tmp_path / "nothing.c").path):
         with pytest.raises(NoControllerError):
@@ -156,7 +156,7 @@ def test_an_fmu_for_a_coach_is_refused_on_a_bogie_and_a_table_names_other_variab
 
 
 def test_an_fmu_that_allows_one_instance_never_has_two(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Four runs that wait for each other."""
+    """Four runs wait for each other."""
     made: list[Path] = []
 
     class Noted(FmuInstance):

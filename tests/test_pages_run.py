@@ -1,8 +1,8 @@
-"""Everything that the pages show runs, from the top of a page to its end, and prints what stands below it.
+"""Run everything that the pages show, each page from top to bottom, and compare the output with the page.
 
-Python runs, or is written where its first line names a file, as C and TOML are; changes are made; commands are
-called, a few of them in a short form (SHORT). The folder is a copy of the checkout, with the FMUs that
-`make demo` makes in build/. What needs other programs is only read (UNTESTED).
+Python code is run, or written to a file if its first line names one, as C and TOML are. Changes are applied and
+commands called, a few of them in a short form (SHORT). The folder is a copy of the checkout with the FMUs that `make
+demo` builds. Blocks that need other programs are not run (UNTESTED).
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ from products.sources import HOUSE
 ROOT = Path(__file__).parents[1]
 #: A fenced block: its language and its text.
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-#: What a block may be and is not tested: commands (`bash`, `bat`), what they print (`log`), other languages and files,
-#: and Python (`py`) that needs what takes too long to build.
+#: Kinds of blocks that are not run: commands (`bash`, `bat`), their output (`log`), other languages and files, and
+#: Python (`py`) that takes too long to build.
 UNTESTED = {"bash", "bat", "csv", "java", "julia", "log", "py", "rust", "xml"}
-#: What a block may be: Python, commands, changes, what is printed, other files.
+#: All kinds of blocks; those run are Python, commands, changes, output and other files.
 KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "toml"}
-#: What the commands of a block may call.
+#: Programs that the commands of a block may call.
 PROGRAMS = {"python", "make", "cc", "c++", "./host"}
-#: Packages that a page needs and that not every installation has, and the extra that brings them.
+#: Packages that a page needs but an installation may lack, and the extra that installs them.
 EXTRAS = {"docs/hosts/ecos-and-libcosim.md": ("masters", ("ecospy", "libcosimpy"))}
-#: Commands that install, or test all of this, and what is called in their place, always.
+#: Commands that install, or run all tests, and their replacements in every run.
 DRY = {f"make {target}": f"make --dry-run {target}" for target in ("demo", "test")}
-#: Commands that take more than some seconds, and what is called in their place; `make test-long` calls them themselves.
+#: Commands that take more than some seconds, and their replacements; `make test-long` runs the originals.
 SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",
     "python -m bogie_braking run wheelset-constant-speed --html": "python -m bogie_braking run critical-speed --html",
     "python -m bogie_braking live": "python -m bogie_braking live --help",
     "python -m bogie_braking pace spatial --step 1ms --seconds 10": "python -m bogie_braking pace --help",
     "python study.py": "python -m py_compile study.py",
-    # With one phase of the teeth in place of three, what the page shows is the same.
+    # One phase of the teeth instead of three gives the output that the page shows.
     "python -m bogie_braking controllers compare --programme starts": (
         "python -m bogie_braking controllers compare --programme starts --phases 1"
     ),
@@ -80,7 +80,7 @@ PAGES = [
     if BLOCK.search(path.read_text("utf-8"))
 ]
 WRITING = "docs/writing-a-system.md"
-#: The one that trains takes minutes.
+#: The notebook that trains takes minutes.
 NOTEBOOKS = [
     pytest.param(path, marks=[pytest.mark.long] if path.stem == "training" else [], id=path.stem)
     for path in sorted(ROOT.glob("docs/notebooks/*.ipynb"))
@@ -88,13 +88,13 @@ NOTEBOOKS = [
 
 
 def name(page: Path) -> str:
-    """Of a page, from the root."""
+    """Return the path of a page from the root."""
     return page.relative_to(ROOT).as_posix()
 
 
 @pytest.fixture
 def checkout(tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A copy of what a newcomer has after `make demo`, to work in."""
+    """Return a copy of a newcomer's checkout after `make demo`, as the current folder."""
     for package in (*HOUSE, "docs", "tests"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
     for file in (
@@ -118,7 +118,7 @@ def checkout(tmp_path: Path, fmus: dict, monkeypatch: pytest.MonkeyPatch) -> Pat
 
 
 def apply(change: str, before: str) -> None:
-    """Puts the lines with + behind the line above them, in the file that the page names last before the block."""
+    """Insert the lines with + after the line above them, in the last file that the page names before the block."""
     target = Path(re.findall(r"`([\w/]+\.py)`", before)[-1])
     text, above = target.read_text(encoding="utf-8"), ""
     for line in change.splitlines(keepends=True):
@@ -130,7 +130,7 @@ def apply(change: str, before: str) -> None:
 
 
 def shown_by_commands(commands: str, instead: Mapping[str, str]) -> str:
-    """What the commands of a block print; each must succeed. instead: what is called in the place of some."""
+    """Return the output of the commands of a block; each must succeed. instead: replacements of some commands."""
     shown = ""
     for line in commands.splitlines():
         command = line.split("#")[0].strip()
@@ -145,7 +145,7 @@ def shown_by_commands(commands: str, instead: Mapping[str, str]) -> str:
 
 
 def shown_by_python(code: str, names: dict[str, object]) -> str:
-    """What a block prints, which goes on with the names of those before; nothing where it only becomes a file."""
+    """Return the output of a block that shares the names of earlier ones; a block that becomes a file has none."""
     file = re.match(r"# ([\w/]+\.py)\n", code)
     if file:
         Path(file.group(1)).write_text(code, encoding="utf-8")
@@ -156,14 +156,14 @@ def shown_by_python(code: str, names: dict[str, object]) -> str:
 
 
 def skip_without_extra(page: str) -> None:
-    """Ends the test of a page here if a package is missing that it needs."""
+    """Skip the test of a page here if a required package is missing."""
     extra, packages = EXTRAS.get(page, ("", ()))
     if any(importlib.util.find_spec(package) is None for package in packages):
         pytest.skip(f"install the extra: pip install -e .[{extra}]")
 
 
 def run_page(page: str, instead: Mapping[str, str]) -> None:
-    """Runs the blocks of a page in the current folder."""
+    """Run the blocks of a page in the current folder."""
     shown, names = "", {}
     for block in BLOCK.finditer(page):
         kind, text = block.groups()
@@ -198,7 +198,7 @@ def test_a_page_runs_whole(page: str, checkout: Path) -> None:
 
 def test_a_newcomer_gets_from_equations_to_an_fmu_and_its_pages(checkout: Path) -> None:
     run_page((checkout / WRITING).read_text(encoding="utf-8"), {})
-    # What make pages does: the new system has its table, and the other pages can be written.
+    # As in `make pages`: the new system gets its table, and the other pages can be written.
     for generator in ("charts", "counts", "equations", "variables", "catalogue"):
         shown_by_commands(f"python docs/generate/{generator}.py", {})
     assert "## RollerRig\n" in (checkout / "docs" / "variables.md").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The public face: what it names, and what its names do."""
+"""The public API: its names and their behaviour."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "public.md").read_text(encoding="utf-8")
 MOST_NAMES = 31
 MOST_LINES = 10
-#: What `import bogie_braking` may import of others: nothing that is heavy.
+#: Heavy third-party packages that `import bogie_braking` must not import.
 HEAVY = ("numpy", "casadi", "scipy", "matplotlib", "fmpy", "pandas")
 BRAKED = {"initial_speed": 25.0, "brake_torque_1": 20e3, "brake_torque_2": 20e3}
-#: A coach that is braked at 300 kPa, with the friction of its shoes that the data are made with, and their noise [m/s].
+#: A coach braked at 300 kPa; the friction of its shoes and the noise [m/s] in the generated data.
 DEMANDS = {f"pressure_demand_{number}": 300e3 for number in (1, 2, 3, 4)}
 COACH = {"level": 2.0, "initial_speed": 30.0, **DEMANDS}
 FRICTION, NOISE = "constant_shoe_friction", 0.1
@@ -48,7 +48,7 @@ def test_the_page_tells_of_every_name_and_of_no_other() -> None:
 
 
 def test_type_checkers_and_the_interpreter_find_the_same_names() -> None:
-    """Those see what stands under TYPE_CHECKING, this what `__getattr__` finds."""
+    """Type checkers read the imports under TYPE_CHECKING, the interpreter calls `__getattr__`."""
     tree = ast.parse((ROOT / "bogie_braking" / "__init__.py").read_text(encoding="utf-8"))
     [seen] = [node for node in tree.body if isinstance(node, ast.If)]
     found = {alias.asname: (node.module, alias.name) for node in seen.body for alias in node.names}  # type: ignore[attr-defined]
@@ -74,7 +74,7 @@ def test_a_task_of_the_page_takes_ten_lines_at_most() -> None:
 
 
 def test_the_import_is_light_and_so_is_the_help() -> None:
-    """Prints what they take."""
+    """Prints the time that each takes."""
     asked = f"import sys, bogie_braking; print([name for name in {HEAVY} if name in sys.modules])"
     for command in (["-c", asked], ["-m", "bogie_braking", "--help"]):
         begin = time.perf_counter()
@@ -120,7 +120,7 @@ def test_a_run_that_is_continued_from_a_saved_state_is_the_same_to_the_last_bit(
 
 
 def test_a_vehicle_goes_on_with_the_system_that_is_chosen_before_the_start() -> None:
-    """Its name stands for all levels, of which one is compiled at a time; on a line, which it keeps."""
+    """Its name stands for all levels, but only the chosen one is compiled; the vehicle keeps its line."""
     climb = bb.line_of([bb.straight(1000.0, gradient=0.01)])
     chosen, moved = bb.Simulation("bogie", climb, level=1, **BRAKED), bb.Simulation("bogie", climb, **BRAKED)
     moved.set(level=1)
@@ -157,7 +157,7 @@ def test_what_cannot_be_is_told_in_a_sentence() -> None:
 
 
 def test_an_fmu_gives_the_numbers_of_a_run() -> None:
-    """Through FMI, in steps of its host, to the tolerance of its integration."""
+    """The FMU runs in communication steps and agrees within the tolerance of its integration."""
     with bb.FmuInstance(bb.fmu("bogie"), initial_speed=25.0) as bogie:
         bogie.start(brake_torque_1=20e3, brake_torque_2=20e3)
         for number in range(100):
@@ -232,7 +232,7 @@ def test_a_mistake_is_told_in_a_sentence(call: Callable[[], object], error: type
 
 
 def test_equations_of_ones_own_become_an_fmu_of_any_kind(tmp_path: Path) -> None:
-    """A body that falls, against its closed form; a model of several systems goes the same way."""
+    """A body falls; the reference is the closed form. A model of several systems is exported the same way."""
     fall = bb.System("Fall", "A body that falls")
     gravity = fall.parameter(bb.Variable("gravity", "parameter", "m/s2", "Gravity", 9.81))
     height, speed = fall.state("height", "m", 0.0, 1.0), fall.state("speed", "m/s", 0.0, 1.0)
@@ -255,13 +255,13 @@ def test_equations_of_ones_own_become_an_fmu_of_any_kind(tmp_path: Path) -> None
 
 
 def test_an_input_over_time_turns_a_shaft_as_its_integral_says() -> None:
-    """A mass of 2 kg, against closed forms: straight lines to the last digits, a function to its samples."""
+    """A mass of 2 kg against closed forms: exact for straight lines, within sampling error for a function."""
     system = bb.System("Pushed", "A mass that is pushed")
     force = system.input(bb.Variable("force", "input", "N", "Force", 0.0))
     speed = system.state("speed", "m/s", 0.0, 1.0)
     system.derivative(speed, force / 2.0)
     system.output(bb.Variable("forward", "output", "m/s", "Speed"), speed)
-    table = ([0.5, 1.5, 1.5, 2.0], [0.0, 4.0, -2.0, -2.0])  # a ramp, a jump, and held from then on
+    table = ([0.5, 1.5, 1.5, 2.0], [0.0, 4.0, -2.0, -2.0])  # a ramp, a jump, then constant
     run = bb.run(system, 3.0, None, ["forward", "force"], 0.3, force=table)
     time = run["time"]
     ramp = np.clip(time - 0.5, 0.0, 1.0) ** 2
@@ -271,11 +271,11 @@ def test_an_input_over_time_turns_a_shaft_as_its_integral_says() -> None:
     assert run["force"][6:] == pytest.approx(-2.0)
     swung = bb.run(system, 3.0, None, ["forward"], 0.25, force=lambda time: 2.0 * np.cos(5.0 * time))
     assert swung["forward"] == pytest.approx(np.sin(5.0 * swung["time"]) / 5.0, abs=5e-6)
-    assert abs(swung["forward"] - np.sin(5.0 * swung["time"]) / 5.0).max() > 1e-9  # its samples do tell
+    assert abs(swung["forward"] - np.sin(5.0 * swung["time"]) / 5.0).max() > 1e-9  # its samples do make a difference
 
 
 def test_a_brake_over_time_is_that_of_the_steps_which_set_it() -> None:
-    """Step by step by hand, and by a table; saved in the middle and continued, the same."""
+    """The brake is set step by step, by a table, and by a run saved in the middle and continued: the same results."""
     times, torques = [0.0, 2.0, 2.0, 4.0], [0.0, 20e3, 5e3, 5e3]
     by_table = bb.run(
         "bogie", 6.0, None, ["speed", "distance"], 0.5, initial_speed=25.0, brake_torque_1=(times, torques)
@@ -294,7 +294,7 @@ def test_a_brake_over_time_is_that_of_the_steps_which_set_it() -> None:
 
 
 def test_a_ramp_that_ends_at_a_limit_is_not_refused() -> None:
-    """Whatever its last digit: a brake torque is never below 0."""
+    """The rounding of the last digit must not put a brake torque below 0."""
     for torque in np.random.default_rng(3).uniform(1.0, 20e3, 50):
         run = bb.run("bogie", 0.5, None, ["brake_torque_1"], 0.1, level=1, brake_torque_1=([0.1, 0.37], [torque, 0.0]))
         assert run["brake_torque_1"][-1] == pytest.approx(0.0, abs=1e-4)
@@ -331,7 +331,7 @@ def test_what_cannot_be_an_input_over_time_is_refused(name: str, given: object, 
         bb.run("bogie", 2.0, **{name: given})  # type: ignore[arg-type]
 
 
-#: Share of the load that moves by which a frame still rocks on its springs in the mean of the last second.
+#: Rocking of the frame on its springs in the mean of the last second, as a share of the transferred load.
 ROCKING = 0.03
 
 
@@ -339,7 +339,7 @@ ROCKING = 0.03
 
 
 def longer(name: str = "Longer", half_base: float = 1.75) -> parts.Vehicle:
-    """The bogie of chapter 5 with its wheelsets at other places."""
+    """Return the bogie of chapter 5 with another wheel base."""
     bogie = bb.vehicle("bogie")
     places = {"wheelset_1": half_base, "wheelset_2": -half_base}
     axles = tuple(parts.Wheelset(place, "frame") for place in places.values())
@@ -357,7 +357,7 @@ def test_a_ready_vehicle_as_data_runs_as_its_fmu_does() -> None:
 
 
 def test_a_vehicle_of_ones_own_transfers_its_load_by_its_own_base(tmp_path: Path) -> None:
-    """Moments about the rail: the front axle gains what the rear one loses, by the inverse of the base."""
+    """The front axle gains the load that the rear one loses, inversely to the wheel base (moments about the rail)."""
     loads = ["axle_load_1", "axle_load_2"]
     near, far = (bb.run(longer(half_base=half), 4.0, names=loads, **BRAKED) for half in (1.5, 3.0))
     moved = [float(run["axle_load_1"][-100:].mean() - run["axle_load_2"][-100:].mean()) for run in (near, far)]
@@ -370,7 +370,7 @@ def test_a_vehicle_of_ones_own_transfers_its_load_by_its_own_base(tmp_path: Path
 
 
 def test_vehicles_that_differ_in_their_profiles_alone_are_not_taken_for_each_other() -> None:
-    """Descriptions are compared by the content of their profiles, and each has equations of its own."""
+    """Descriptions are compared by the content of their profiles, and each has its own equations."""
     wheelset, pair = bb.vehicle("wheelset"), bb.vehicle("vehicle").wheelsets[0].pair
     other = replace(wheelset, wheelsets=tuple(replace(one, pair=pair) for one in wheelset.wheelsets))
     assert other != wheelset
@@ -400,14 +400,14 @@ def test_what_cannot_be_of_a_vehicle_is_told_in_a_sentence(tmp_path: Path) -> No
 
 
 class LetGo:
-    """Lets go of what is slower than the fastest wheelset."""
+    """Release wheelsets slower than the fastest one."""
 
     def step(self, time: float, wheel_speeds: list[float]) -> list[int]:
         return [2 if speed < 0.8 * max(wheel_speeds) else 0 for speed in wheel_speeds]
 
 
 class Fails:
-    """Gives no commands."""
+    """Return no commands."""
 
     def step(self, time: float, wheel_speeds: list[float]) -> list[int]:
         raise RuntimeError("no more")
@@ -432,7 +432,7 @@ def test_a_controller_of_ones_own_stops_on_all_rails() -> None:
 
 
 def test_a_stop_over_time_is_that_of_the_table() -> None:
-    """With the protection of the brake and sensors of its own, asked as often as is said."""
+    """The stop uses the brake and the sensors of the protection, sampled at the given period."""
     table = bb.protected_stops("protection", rails=["low"], pulses=80, period=10e-3)
     stop = bb.protected_stop("protection", "low", pulses=80, period=10e-3)
     assert stop.status == table.status
@@ -478,7 +478,7 @@ def test_what_is_no_controller_is_refused(given: object, more: dict, error: type
 
 
 def test_a_sweep_is_its_runs_in_their_order_whoever_makes_them() -> None:
-    """Threads here, processes as a cluster has them; a run that is refused keeps its row and says why."""
+    """Run by threads here and by processes as on a cluster; a refused run keeps its row and gives the reason."""
     vary = {"friction_1": [0.1, 0.2, 0.3, -1.0], "friction_2": [0.1, 0.2, 0.3, 0.3]}
     threads = bb.sweep("bogie", 60.0, ["distance"], vary, **BRAKED)
     with ProcessPoolExecutor(1) as executor:
@@ -496,7 +496,7 @@ def test_a_sweep_is_its_runs_in_their_order_whoever_makes_them() -> None:
 
 
 class Mixed(ThreadPoolExecutor):
-    """Gives the results of its first task for all that come after it."""
+    """Return the results of the first task for all later ones."""
 
     first: Any = None
 
@@ -513,7 +513,7 @@ def test_results_of_another_row_are_refused(count: int) -> None:
 
 
 def test_a_sweep_in_a_folder_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
-    """By the journal and the table of the command line; the same table as without a folder."""
+    """It resumes from the event log and the table that the command line uses, and equals the sweep without a folder."""
     folder, vary = tmp_path / "stops", {"friction_1": [0.1, 0.2, -1.0]}
     scene: dict[str, Any] = {"level": 1, "friction_2": 0.2, **BRAKED}
     without = bb.sweep("bogie", 5.0, ["distance"], vary, **scene)
@@ -539,7 +539,7 @@ def test_a_sweep_in_a_folder_goes_on_where_it_was_interrupted(tmp_path: Path) ->
 def test_a_value_that_is_refused_is_told_with_its_row_and_no_other_stays_in_force(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Alone and in a batch. The sentence said that the start value was taken, where the row is NaN."""
+    """Run alone and in a batch. An earlier message claimed that the start value was used where the row is NaN."""
     system = sled().systems[0]
     masses = {"mass": [10.0, -1e9, float("nan"), 10.0]}
     tables = [bb.sweep(system, 0.5, ["distance"], masses)]
@@ -560,14 +560,14 @@ def test_a_value_that_is_refused_is_told_with_its_row_and_no_other_stays_in_forc
 
 
 def test_a_signal_that_is_lost_before_the_first_step_is_told() -> None:
-    """It was told to nobody, and the brake was applied."""
+    """Before, the brake was applied without a message."""
     assert bb.run("brake", 0.1, pressure_demand=float("nan")).sentences == [
         "The signal pressure_demand is lost (NaN): it counts as 350000 Pa, the safe side."
     ]
 
 
 def test_a_dask_cluster_gives_the_numbers_of_threads_here() -> None:
-    """Two workers, processes of their own, which are given an input over time, a vehicle of ours and a line."""
+    """Two worker processes receive an input over time, one of our vehicles and a line."""
     distributed = pytest.importorskip("distributed")
     line = bb.line_of([bb.straight(500.0, gradient=-0.01)])
     scene = {"level": 2, "initial_speed": 20.0, "brake_torque_1": ([0.0, 1.0], [0.0, 9e3])}
@@ -600,7 +600,7 @@ def test_equations_of_ones_own_are_swept_here_and_sent_nowhere() -> None:
 
 
 def measured(seed: int) -> bb.Recording:
-    """The coach's speed every 0.1 s, with noise."""
+    """Return the coach's speed every 0.1 s, with noise."""
     run = bb.run("braked-vehicle", 20.0, None, ["speed"], 0.1, **COACH, **{FRICTION: TRUE_FRICTION})
     noise = np.random.default_rng(seed).normal(0.0, NOISE, run["speed"].size)
     return bb.Recording(run.units, np.column_stack([run["time"], run["speed"] + noise]).tolist())
@@ -627,7 +627,7 @@ def test_parameters_that_act_together_alone_and_those_that_do_not_act_are_named(
 
 
 def table_of(units: dict[str, str]) -> bb.Recording:
-    """Three rows that grow."""
+    """Return three rows of growing values."""
     return bb.Recording(units, [[0.1 * row + column for column, _ in enumerate(units)] for row in range(3)])
 
 
@@ -663,7 +663,7 @@ def test_a_file_that_is_no_measured_run_is_refused(text: str, sentence: str, tmp
 
 
 def test_a_fit_takes_a_line_and_the_inputs_that_were_measured() -> None:
-    """Down a gradient under a torque that was measured too: the mass that made the data, which neither alone gives."""
+    """The run descends a gradient under a measured torque. The fit finds the mass; without the line it cannot."""
     line = bb.line_of([bb.straight(1000.0, gradient=-0.02)])
     torque = np.array([0.0, 0.0, 4e3, 9e3, 9e3, 2e3])
     time = np.arange(6.0)

@@ -1,4 +1,4 @@
-"""A library is remembered by all that its model holds: whatever is changed in a model gives it another one."""
+"""The cache finds a library by the whole content of its model: any change of a model gives another library."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.quick_library import content_of
 
 
 def brick(change: Callable[[System], object] = lambda _: None, **values: float) -> Model:
-    """A brick on a table; `change` makes another system of it, values: of its numbers in place of 1."""
+    """Return the model of a brick on a table; `change` alters its system, and `values` replace its numbers 1."""
     number = {"start": 1.0, "factor": 1.0, "nominal": 1.0, "slope": 1.0} | values
     system = System("Brick", "A brick on a table")
     push = system.input(Variable("push", "input", "N", "Force forward"))
@@ -56,7 +56,7 @@ def test_a_number_that_differs_in_its_last_bit_is_another_model(name: str) -> No
 
 @pytest.mark.parametrize("change", [one_symbol_twice, another_sentence, another_word])
 def test_a_model_with_a_changed_part_is_another_one(change: Callable[[System], object]) -> None:
-    """Also where a symbol is replaced by another one of the same name."""
+    """This includes a symbol replaced by another one of the same name."""
     assert content_of(brick(change)) != content_of(brick())
 
 

@@ -1,4 +1,4 @@
-"""Rails by name: one friction and one law wherever a name is read, and on the page that lists them."""
+"""Rails by name: every reader and the page that lists them use the same friction and law."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from products.protection.rails import RAILS
 from rbd_model.track.friction import CONDITIONS
 
 NAMED = {name: make() for name, make in CONDITIONS.items()}
-#: Endings of parameter sets.
+#: Suffixes of parameter sets and their rails.
 SETS = {"dry-rail": "dry", "wet-rail": "wet", "low-adhesion": "low", "very-low-adhesion": "very_low"}
 
 
@@ -37,7 +37,7 @@ def test_protected_stops_and_parameter_sets_have_the_rails_of_the_table() -> Non
 
 
 def test_cases_of_programmes_are_called_by_the_rail_that_they_have() -> None:
-    """A friction in place of the rail's own is none that has a name."""
+    """A case with its own friction differs from all named rails."""
     for file in ("programme.toml", "starts.toml"):
         for case in read_programme(Path(rails.__file__).with_name(file)):
             first = case.name.split(",")[0].replace(" ", "_")

@@ -1,4 +1,4 @@
-"""Rare events by splitting: closed forms, plain runs, how often intervals hold, and what is said where they may not."""
+"""Rare events by splitting: closed forms, plain runs, coverage of intervals, and warnings where they may fail."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ from bogie_braking.splitting import Numbers, Population, climb, confidence_of
 from bogie_braking.splitting_doubts import doubts_about
 
 ROOT = Path(__file__).parents[1]
-#: Of 200 intervals of 95 %, so many hold: 190 and two and a half standard deviations of the binomial distribution.
+#: Acceptance limits for the coverage of 200 intervals of 95 %: 190 and 2.5 standard deviations of the binomial
+#: distribution.
 FEWEST, MOST = 180, 198
 #: Stops of the point model at a friction of 0.3, all wheels rolling.
 DRY: dict[str, Any] = {"level": 1, "initial_speed": 25.0, "friction_1": 0.3, "friction_2": 0.3}
 TORQUES = ("brake_torque_1", "brake_torque_2")
-#: Creep and the last centimetres, which the closed form of a rolling stop leaves out; measured 3e-3.
+#: Creep and the last centimetres, which the closed form of a rolling stop neglects; measured 3e-3.
 ROLLING = 1e-2
 
 
 def plane(points: Numbers) -> Numbers:
-    """A linear limit state: standard normal, whatever the number of inputs."""
+    """Linear limit state, standard normal for any number of inputs."""
     return np.sum(points, axis=1) / np.sqrt(points.shape[1])
 
 
@@ -55,7 +56,7 @@ def doubts(populations: list[Population], limit: float, moves: int = 5) -> str:
 
 
 def quick(limit: float = 29.6, **more: Any) -> Rare:
-    """Bogies that brake for 1.2 s."""
+    """Run the estimate for bogies that brake for 1.2 s."""
     vary = {"friction_1": norm(0.2, 0.03), "brake_torque_1": norm(20e3, 2e3)}
     given: dict[str, Any] = {"vary": vary, "particles": 20, "moves": 3, "level": 1, "initial_speed": 25.0, **more}
     return bb.rare("bogie", 1.2, "distance", limit, **given)
@@ -72,7 +73,7 @@ def test_a_linear_limit_state_has_the_probability_of_its_closed_form(inputs: int
 
 
 def test_intervals_of_95_per_cent_hold_as_often_at_1e_4() -> None:
-    """Seeds 0 to 199, chosen before any was run; and their mean has no bias."""
+    """Seeds 0 to 199 were chosen before any run; the mean of the estimates has no bias."""
     limit = -float(ndtri(1e-4))
     told = np.array([confidence_of(climbed(plane, limit, seed), limit) for seed in range(200)])
     assert FEWEST <= np.sum((told[:, 1] <= 1e-4) & (told[:, 2] >= 1e-4)) <= MOST
@@ -80,7 +81,7 @@ def test_intervals_of_95_per_cent_hold_as_often_at_1e_4() -> None:
 
 
 def test_intervals_as_if_particles_were_independent_hold_too_seldom_and_short_chains_are_told() -> None:
-    """With one move copies stand where their parents do; of 60 seeds an honest interval would miss some three."""
+    """With one move, copies stay where their parents are; an honest interval would miss in about three of 60 seeds."""
     limit, hold, told = -float(ndtri(1e-4)), 0, 0
     for seed in range(60):
         populations = climbed(plane, limit, seed, moves=1, inputs=5)
@@ -94,9 +95,9 @@ def test_intervals_as_if_particles_were_independent_hold_too_seldom_and_short_ch
 
 
 def test_a_point_model_that_rolls_has_the_probability_of_its_torque() -> None:
-    """One torque is random, and distance falls with it, so that the root of the model itself is the quantile.
+    """One torque is random. Distance falls as it grows: the torque whose stop has the limit's length is the quantile.
 
-    By hand distance is v^2 / (2 a) of wheels that roll, with a = 2 T / r / (M + 2 m + 2 J / r^2).
+    The closed form of the distance with rolling wheels is v^2 / (2 a), with a = 2 T / r / (M + 2 m + 2 J / r^2).
     """
     torque, limit = norm(20e3, 1.5e3), 345.0
 
@@ -120,13 +121,13 @@ def test_a_point_model_that_rolls_has_the_probability_of_its_torque() -> None:
 
 @pytest.fixture
 def stops(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """What made docs/data/rare-stops.json."""
+    """Import the script that wrote docs/data/rare-stops.json."""
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
     return importlib.import_module("rare_stops")
 
 
 def test_splitting_holds_ten_million_plain_runs(stops: ModuleType) -> None:
-    """At 1e-5; and what 200 seeds of the point model told at 1e-4."""
+    """Compare at 1e-5, and check the stored coverage of 200 seeds of the point model at 1e-4."""
     data = json.loads(stops.DATA.read_text(encoding="utf-8"))
     count = data["counts"][str(stops.LIMIT_5)] / data["runs"]
     found = stops.splitting(stops.LIMIT_5, 0, particles=50)
@@ -187,7 +188,7 @@ def test_a_frequent_event_is_counted_and_a_sure_one_is_not_taken_for_certain() -
 
 
 def test_ties_keep_the_estimate_and_are_told() -> None:
-    """As a lock time of 0 s where nothing locks: P(z > 5), with an atom of 98 %; and an output of steps alone."""
+    """As for a lock time of 0 s if nothing locks: P(z > 5) with an atom of 98 %; and an output with discrete values."""
     atom = climbed(lambda points: np.maximum(points[:, 0] - 2.0, 0.0), 2.0)
     _, low, high = confidence_of(atom, 2.0)
     assert low < ndtr(-4.0) < high
@@ -206,7 +207,7 @@ def test_a_limit_that_nothing_reaches_has_no_probability_and_a_bound() -> None:
 
 
 def test_chains_that_stand_still_and_populations_that_are_small_are_told() -> None:
-    """An output of needles, which no move stays within."""
+    """The output consists of needles, and no move stays within one."""
     rough = climbed(lambda points: np.modf(np.abs(1e4 * points[:, 0]))[0], 1.0 - 1e-5)
     assert "Chains stand still: of the last moves" in doubts(rough, 1.0 - 1e-5)
     few = climbed(plane, 5.5, particles=10, moves=2)
@@ -214,7 +215,7 @@ def test_chains_that_stand_still_and_populations_that_are_small_are_told() -> No
 
 
 def test_a_region_that_few_populations_find_is_told() -> None:
-    """Half of all that is rare lies where the output is low for long and then grows steeply."""
+    """Half of the rare region has a low output that then grows steeply."""
 
     def late(points: Numbers) -> Numbers:
         return np.maximum(points[:, 0], 3.0 * (points[:, 1] - 3.0))
@@ -224,7 +225,7 @@ def test_a_region_that_few_populations_find_is_told() -> None:
 
 
 def test_a_cliff_that_nothing_leads_to_is_missed_without_a_word() -> None:
-    """What docs/rare.md says that nobody can see: most estimates are those of the other region alone."""
+    """No diagnostic can detect it (docs/rare.md): most estimates cover the other region alone."""
 
     def cliff(points: Numbers) -> Numbers:
         return np.where(points[:, 1] > 4.4, 9.0, points[:, 0])
@@ -236,7 +237,7 @@ def test_a_cliff_that_nothing_leads_to_is_missed_without_a_word() -> None:
 
 
 def test_populations_that_end_apart_are_told() -> None:
-    """Two regions far from each other, of which small populations keep one each."""
+    """There are two distant regions, and each small population keeps one of them."""
     populations = climbed(lambda points: np.abs(points[:, 0]), 5.0, particles=10)
     assert "Populations ended apart in input_0" in doubts(populations, 5.0)
 

@@ -1,4 +1,4 @@
-"""What there is can be found from the README, in minutes, and its commands work in a fresh clone."""
+"""The README leads to every part within minutes, and its commands work in a fresh clone."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_every_scenario_is_on_the_page_to_which_the_readme_leads() -> None:
     assert "(docs/scenarios.md)" in README
 
 
-#: Lies in a folder beside the development checkout only.
+#: This file exists only next to the development checkout.
 THESIS = next(ROOT.parent.glob("*/thesis.txt"), None)
 
 
@@ -61,9 +61,9 @@ def test_numbers_of_equations_are_those_of_the_thesis() -> None:
 # -- its commands ----------------------------------------------------------------------------------------------------
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-#: Take minutes, and are tests, or are run by tests, themselves: in a fresh clone they are looked at only.
+#: Commands that take minutes and run tests, or are themselves run by tests; in the fresh clone they are only checked.
 MINUTES = ("make test", "make test-fast")
-#: What people do next: a page, a sweep, and all on one page.
+#: Typical next commands: a result page, a sweep, and all results on one page.
 NAME = "wheelset-constant-speed"
 FURTHER = (
     f"python -m bogie_braking run {NAME} --html",
@@ -74,14 +74,14 @@ FURTHER = (
 
 
 def commands() -> list[str]:
-    """Commands of the README for a shell, in their order, each once."""
+    """Return the shell commands of the README in order, each once."""
     shown = [line.split("#")[0] for kind, text in BLOCK.findall(README) if kind == "sh" for line in text.splitlines()]
     said = re.findall(r"`((?:make|python)\s[^`]+)`", BLOCK.sub("", README))
     return list(dict.fromkeys(" ".join(command.split()) for command in (*shown, *said)))
 
 
 def test_every_command_is_one_that_there_is(capsys: pytest.CaptureFixture[str]) -> None:
-    """A short form: make says what it would do, programs say how they are used; also of what a newcomer does next."""
+    """A quick check: `make` dry runs and `--help` of the programs, also for the typical next commands."""
     found = commands()
     assert found[0] == "make demo"
     assert MINUTES[0] in found
@@ -98,7 +98,7 @@ def test_every_command_is_one_that_there_is(capsys: pytest.CaptureFixture[str]) 
 
 
 def fresh_clone(folder: Path) -> None:
-    """What git tracks, as it is in the working tree."""
+    """Copy all files that git tracks, as they are in the working tree."""
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
     if listed.returncode != 0:
         pytest.skip("not a git checkout")
@@ -109,7 +109,7 @@ def fresh_clone(folder: Path) -> None:
 
 @pytest.mark.long
 def test_every_command_works_in_a_fresh_clone(tmp_path: Path) -> None:
-    """From `make demo`, whose environment the others use, to all results on one page; the Python that is shown too."""
+    """Run all commands from `make demo`, whose environment the others use, to the common page; run the Python too."""
     clone = tmp_path / "clone"
     fresh_clone(clone)
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}

@@ -36,13 +36,13 @@ from scenarios.controllers.scoring import ideal_distance
 from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetAllGo, LetGo
 from tests.fmu.sanitized import SANITIZERS, run
 
-#: Without jitter at 100 teeth above 3 m/s: what is asked of a reading.
+#: Largest error of a reading without jitter, at 100 teeth above 3 m/s.
 READING = 1e-3
-#: Between the loop through FMPy, where torques come a step late, and the composed system; measured 6e-4.
+#: Difference between FMUs coupled by FMPy, where torques lag by a step, and the composed system; measured 6e-4.
 COUPLED = 2e-3
-#: Rolling resistance, 65 N.m on each wheelset beside 10 kN.m and more, which the closed form of a stop leaves out.
+#: Rolling resistance, 65 N.m on each wheelset next to 10 kN.m or more; the closed form of a stop neglects it.
 ROLLING = 65.0 / 10e3
-#: Between the ideal, whose filling is looked up in 200 points, and an integration of its own; measured 3.5e-5.
+#: Difference between the ideal stop (filling from a table of 200 points) and our integration; measured 3.5e-5.
 IDEAL = 1e-4
 LOW, RADIUS = RAILS[2], 0.425
 
@@ -68,7 +68,7 @@ def test_all_forms_of_a_controller_make_the_same_stop(machine: Machine, tmp_path
 
 
 def coupled_stop(rail: dict[str, float]) -> tuple[float, float]:
-    """An oracle of the rig: FMUs that a master couples. Distance [m] of LetGo's stop, and its longest lock [s]."""
+    """Simulate LetGo's stop by FMUs that a master couples: the distance [m] and the longest lock [s]."""
     brake = brake_values() | {"application_time": APPLICATION_TIME, "release_time": RELEASE_TIME, "tolerance": 1e-6}
     names = ("speed", "distance", "rotation_1", "rotation_2", "angular_velocity_1", "angular_velocity_2")
     sensors, controller, locked, longest = [Encoder(), Encoder()], LetGo(), [0.0, 0.0], 0.0
@@ -101,7 +101,7 @@ def test_a_stop_is_that_of_coupled_fmus() -> None:
 
 
 def test_runs_that_wait_are_those_that_run_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Rows that are done take the next run; so do controllers and sensors."""
+    """Rows that finish take over the next run, and so do controllers and sensors."""
     rails = [{**LOW.values(), "friction_1": f, "friction_2": f} for f in np.linspace(0.07, 0.2, 11)]
     form, settings = in_c(tmp_path), Settings(jitter=0.1)
     alone = [Rig(bogie(), form, settings).stops([rail])[0] for rail in rails]
@@ -124,7 +124,7 @@ def test_all_forms_make_the_same_stop_by_flow_of_air(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_a_stop_without_protection_takes_one_filling_of_air(machine: Machine) -> None:
-    """n V p / (1.2 R T) for n cylinders (`EXPONENT`), which the reservoir loses at its constant temperature."""
+    """n cylinders take n V p / (1.2 R T) (`EXPONENT`), and the reservoir loses it at constant temperature."""
     count = len(machine.numbers)
     [stop] = Rig(machine, None, Settings(), by_flow=True).runs([Run(RAILS[0].values(count) | {"feed_orifice": 0.0})])
     taken = count * 10.3e-3 * machine.full_pressure / (1.2 * 287.05287 * 293.15)
@@ -134,9 +134,9 @@ def test_a_stop_without_protection_takes_one_filling_of_air(machine: Machine) ->
 
 
 def test_an_empty_reservoir_brakes_as_little_as_its_air(tmp_path: Path) -> None:
-    """Two cylinders of 10.3 l and 100 l of air come to one pressure, and the brake to its share of the full one.
+    """Two cylinders of 10.3 l and 100 l of air reach one pressure; the brake has the same share of its full force.
 
-    How long cylinders take to fill adds a way in proportion to the speed: it drops out of d(25 m/s) - 2.5 d(10 m/s).
+    The filling time adds a distance proportional to the speed, which cancels in d(25 m/s) - 2.5 d(10 m/s).
     """
     dry = RAILS[0].values() | {"feed_orifice": 0.0}
     pressure = 60e3 / (1.0 + 2 * 10.3e-3 / 1.2 / 0.1)
@@ -156,7 +156,7 @@ def test_an_empty_reservoir_brakes_as_little_as_its_air(tmp_path: Path) -> None:
 
 
 def test_slow_valves_stop_later(tmp_path: Path) -> None:
-    """At a tenth of their time the controller's own period and sensor are what is slow, at ten times the valves are."""
+    """At a tenth of the valve times the period and the sensor limit the controller, at ten times the valves do."""
     times = [{"valve_opening_time": t, "valve_closing_time": t} for t in (3e-3, 0.03, 0.3)]
     fast, common, slow = Rig(bogie(), in_c(tmp_path), Settings(), by_flow=True).stops(
         [LOW.values() | one for one in times]
@@ -187,7 +187,7 @@ def test_another_level_is_refused() -> None:
 
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_locked_wheels_turn_the_energy_of_motion_into_sliding(machine: Machine) -> None:
-    """All but what the brakes took until they locked, which fifty times the brake makes next to nothing: m v^2 / 2."""
+    """Sliding dissipates m v^2 / 2 minus the brakes' work before locking, which fifty times the brake makes small."""
     [stop] = Rig(machine, None, Settings(strength=50.0)).stops([LOW.values(len(machine.numbers))])
     motion = machine.mass * 25.0**2 / 2
     assert 0.985 * motion < sum(stop.sliding) < motion
@@ -201,8 +201,8 @@ def test_locked_wheels_turn_the_energy_of_motion_into_sliding(machine: Machine) 
 # ---- what a machine has ----------------------------------------------------------------------------------------------
 
 
-#: Of the ideal, by an integration of its own: what the rig may be off where all wheels roll. A cylinder refills behind
-#: its regulator as a dynamic brake fades, which the ideal does at once.
+#: Tolerances of the rig against the ideal of a separate integration, where all wheels roll. A cylinder refills through
+#: its regulator while a dynamic brake fades; in the ideal it refills at once.
 ROLLS, REFILLS = 1e-3, 2e-2
 
 
@@ -225,7 +225,7 @@ def test_where_all_wheels_roll_a_run_is_the_ideal_one(equipment: tuple[str, ...]
 
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_motors_that_spin_turn_their_work_into_motion_and_sliding(machine: Machine) -> None:
-    """On a rail of next to no friction, m v^2 / 2 + J w^2 / 2 + sliding is the work: power all the time, once fast."""
+    """With almost no friction, m v^2 / 2 + J w^2 / 2 + sliding equals the work at constant power, once fast."""
     count = len(machine.numbers)
     low = {f"friction_{number}": 0.02 for number in machine.numbers}
     run = Run(LOW.values(count) | low, 4.0, 3.0, equipment=("traction",))
@@ -241,7 +241,7 @@ def test_motors_that_spin_turn_their_work_into_motion_and_sliding(machine: Machi
 
 
 def test_a_protection_against_spin_gains_speed_sooner_than_motors_that_spin() -> None:
-    """Friction and strength drawn anew; on a dry rail no motor is told anything."""
+    """Friction and strength are drawn at random; on a dry rail no motor receives a command."""
     draw = np.random.default_rng(32)
     for machine in (bogie(), coach()):
         count = len(machine.numbers)
@@ -272,7 +272,7 @@ def test_sand_stops_a_machine_sooner_the_further_ahead_it_falls() -> None:
 
 
 def test_a_dynamic_brake_lets_go_when_its_valve_vents(tmp_path: Path) -> None:
-    """Here nothing but motors brakes: cylinders are cut off from their air. Wheels slide, until the brakes fade."""
+    """Only the motors brake here, as the cylinders have no air. Wheels slide until the brakes fade."""
     rail = LOW.values() | {"initial_reservoir_pressure": 0.0, "feed_orifice": 0.0, "motor_torque": 15e3}
     run = Run(rail, 15.0, equipment=("dynamic brake",))
     [alone], [protected] = (
@@ -317,7 +317,7 @@ def test_what_a_machine_has_not_is_told() -> None:
 
 
 class Notes:
-    """Applies all brakes, and notes what it sees."""
+    """Apply all brakes and record the inputs."""
 
     seen: ClassVar[list[list[float]]] = []
 
@@ -327,7 +327,7 @@ class Notes:
 
 
 def noted(*faults: Fault) -> NDArray[np.float64]:
-    """Times and speeds that a controller sees of a stop on the dry rail."""
+    """Return the times and speeds that a controller receives in a stop on the dry rail."""
     Notes.seen.clear()
     Rig(bogie(), Notes, Settings()).runs([Run(RAILS[0].values(), faults=faults)])
     return np.array(Notes.seen)
@@ -362,7 +362,7 @@ def test_a_valve_that_sticks_stays_where_it_stands() -> None:
     assert (stuck.distance, stuck.commands) == (none.distance, 0)
     assert one.distance is not None
     assert one.distance > 1.5 * (none.distance or 0.0)
-    # It stuck behind the command to vent: nothing brakes.
+    # The valve stuck after the command to vent: nothing brakes.
     assert later.distance is None
 
 
@@ -502,7 +502,7 @@ class ManyTruths(LetAllGo):
 
 
 NONSENSE = SOURCE.replace("? WHEEL_SLIDE_VENT", "? 7")
-#: Behind its memory at the third second, and behind its valves.
+#: Condition of writes beyond the controller's memory and beyond its valves: after the third second.
 LATE = "if (time > 3.0)"
 BEYOND_MEMORY = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\n    {LATE} ((char *)memory)[200] = 1;")
 BEYOND_VALVES = SOURCE.replace("double fastest = 0.0;", f"double fastest = 0.0;\n    {LATE} valve[9] = 0;")
@@ -523,7 +523,7 @@ def failing(tmp_path: Path) -> Iterator[tuple[str, Form]]:
 
 
 def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> None:
-    """A sentence, no distance; the machine stops as without a controller where it failed before it did anything."""
+    """A message and no distance. If it fails before its first command, the vehicle stops as without a controller."""
     [unprotected] = Rig(bogie(), None, Settings()).stops([LOW.values()])
     for words, form in failing(tmp_path):
         [stop] = Rig(bogie(), form, Settings()).stops([LOW.values()])
@@ -537,7 +537,7 @@ def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> Non
 
 
 class Waits(LetGo):
-    """Waits longer than anybody does, from the third second on."""
+    """Wait longer than the limit, from the third second on."""
 
     def step(self, time: float, speeds: Sequence[float]) -> list[int]:
         clock.sleep(5.0 * (time > 3.0))
@@ -545,7 +545,7 @@ class Waits(LetGo):
 
 
 class WaitsForAll(LetAllGo):
-    """The same of many machines."""
+    """The same for many vehicles."""
 
     def step(self, time: NDArray[np.float64], speeds: NDArray[np.float64]) -> NDArray[np.integer]:
         clock.sleep(5.0 * bool(time.max() > 3.0))
@@ -554,7 +554,7 @@ class WaitsForAll(LetAllGo):
 
 @pytest.mark.parametrize("form", [Waits, Arrays(WaitsForAll())], ids=["class", "arrays"])
 def test_runs_of_a_controller_that_gives_no_answer_are_not_judged(form: Form, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nor are those in which it is not asked again; a run that ended before counts."""
+    """Later runs, for which it is not called again, are excluded too; a run that ended before is kept."""
     monkeypatch.setattr("products.protection.rig.GUARD", 1.0)
     monkeypatch.setattr("products.protection.rig.SILENCES", 1)
     soon, *others = Rig(bogie(), form, Settings()).runs([Run(RAILS[0].values(), speed=1.0), *[Run(LOW.values())] * 2])
@@ -565,7 +565,7 @@ def test_runs_of_a_controller_that_gives_no_answer_are_not_judged(form: Form, mo
 
 
 def test_a_look_that_takes_long_on_a_busy_machine_changes_no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At one look it waits for longer than the limit of its processor time; many share an alarm."""
+    """One call waits for longer than the limit of processor time; many runs share an alarm."""
     monkeypatch.setattr("products.protection.rig.PATIENCE", 0.1)
 
     class Late(LetGo):
@@ -578,7 +578,7 @@ def test_a_look_that_takes_long_on_a_busy_machine_changes_no_stop(monkeypatch: p
 
 
 def test_a_machine_that_goes_no_further_says_why(tmp_path: Path) -> None:
-    """A frame as high as this tips over its leading wheelset; runs beside it go on."""
+    """A very high frame tips over its leading wheelset; the other runs continue."""
     rail = RAILS[0].values()
     runs = [Run(rail | {"frame_height": 3.0}), Run(rail, strength=1.0)]
     for form in (LetGo, Arrays(LetAllGo()), in_c(tmp_path)):
@@ -588,7 +588,7 @@ def test_a_machine_that_goes_no_further_says_why(tmp_path: Path) -> None:
         assert stop == Rig(bogie(), form, Settings()).stops([rail])[0]
 
 
-#: Between the filling that the ideal looks up in 200 points and the cylinders of the rig; measured 8e-4.
+#: Difference between the filling from the ideal's table of 200 points and the rig's cylinders; measured 8e-4.
 FILLING = 1e-3
 
 
@@ -603,9 +603,9 @@ FILLING = 1e-3
     ids=["straight", "gradient", "curve", "laden"],
 )
 def test_the_ideal_knows_what_else_holds_a_machine_back(values: dict[str, float], held: float) -> None:
-    """Full brake and rolling wheels: two speeds, between whose stops g times the share held back adds to the brake.
+    """Full brake with rolling wheels: between stops from two speeds, g times the resistance adds to the brake.
 
-    Curve: von Roeckl, 0.65 m / (R - 55 m). Filling drops out of d(25 m/s) - 2.5 d(10 m/s) to its second order.
+    Curve: von Roeckl, 0.65 m / (R - 55 m). The filling cancels in d(25 m/s) - 2.5 d(10 m/s) to second order.
     """
     machine, rail = bogie(), RAILS[0].values() | values
     added = values.get("frame_mass", machine.parameters.frame_mass) - machine.parameters.frame_mass
@@ -620,7 +620,7 @@ def test_the_ideal_knows_what_else_holds_a_machine_back(values: dict[str, float]
 
 @pytest.mark.parametrize("strength", [0.5, 1.0, 1.5])
 def test_where_all_wheels_roll_the_stop_is_the_ideal_one(strength: float) -> None:
-    """As the brake fills, 1 - 20^(-t/T) of its deceleration: its integrals in closed form, without any creep."""
+    """While the brake fills, the deceleration is 1 - 20^(-t/T) of its full value; closed-form integrals, no creep."""
     machine, settings = bogie(), Settings(strength=strength)
     [stop] = Rig(machine, None, settings).stops([RAILS[0].values()])
     a, tau = machine.deceleration(strength * machine.full_torque), settings.application_time / math.log(20.0)
@@ -631,8 +631,9 @@ def test_where_all_wheels_roll_the_stop_is_the_ideal_one(strength: float) -> Non
 
 
 def filled_by_flow(full: float, lasts: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times [s], and shares of the full gauge pressure [Pa] then, of a constant volume that an isentropic flow fills
-    from empty, 95 % in `lasts` [s]: dp/dt is in proportion to the flow function (ISO 6358-1).
+    """Return times [s] and shares of the full gauge pressure [Pa] for the filling of a constant volume from empty.
+
+    The flow is isentropic and takes `lasts` [s] to 95 %: dp/dt is proportional to the flow function (ISO 6358-1).
     """
     k, air, share = 1.4, 101325.0, 0.999 * (1.0 - np.linspace(1.0, 0.0, 20_000) ** 2)
     ratio = np.maximum((share * full + air) / (full + air), (2 / (k + 1)) ** (k / (k - 1)))
@@ -643,7 +644,7 @@ def filled_by_flow(full: float, lasts: float) -> tuple[NDArray[np.float64], NDAr
 
 @pytest.mark.parametrize("strength", [0.5, 1.0, 1.5])
 def test_where_all_wheels_roll_a_stop_by_flow_of_air_is_the_ideal_one(strength: float) -> None:
-    """As the brake fills, its deceleration follows the pressure: integrated here, without any creep."""
+    """While the brake fills, the deceleration follows the pressure; integrated here without creep."""
     machine, settings = bogie(), Settings(strength=strength)
     [stop] = Rig(machine, None, settings, by_flow=True).stops([RAILS[0].values()])
     time = np.linspace(0.0, 60.0, 600_001)
@@ -659,7 +660,7 @@ def test_where_all_wheels_roll_a_stop_by_flow_of_air_is_the_ideal_one(strength: 
 @pytest.mark.parametrize("kind", ["zero", "stuck", "doubled"])
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_the_protection_does_without_a_sensor_that_fails(kind: str, machine: Machine) -> None:
-    """From any second on that was looked at: never more than four fifths of the distance of locked wheels."""
+    """At every time tested, the distance is at most four fifths of that of locked wheels."""
     rail, times = LOW.values(len(machine.numbers)), (3.0, 6.0, 12.0, 20.0, 30.0)
     runs = [Run(rail, faults=(Fault(1, sensor=kind, sensor_from=time),)) for time in times]
     stops = Rig(machine, slide_protection(), Settings(), by_flow=True).runs(runs)
@@ -670,7 +671,7 @@ def test_the_protection_does_without_a_sensor_that_fails(kind: str, machine: Mac
 @pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_no_failure_of_a_sensor_makes_a_stop_longer_than_locked_wheels(machine: Machine, by_flow: bool) -> None:
-    """Which one, how, when, on which low rail: drawn anew, with teeth that err; measured at most 0.80."""
+    """Kind, wheelset, time and low rail are drawn at random, with errors of the teeth; measured at most 0.80."""
     draw, runs, whole = np.random.default_rng(2026), [], []
     for _ in range(4):
         friction = draw.uniform(0.05, 0.1)
@@ -686,7 +687,7 @@ def test_no_failure_of_a_sensor_makes_a_stop_longer_than_locked_wheels(machine: 
 
 @pytest.mark.parametrize(("pulses", "jitter"), [(60, 0.0), (80, 0.1), (100, 0.1), (300, 0.1), (2000, 0.3)])
 def test_the_protection_believes_teeth_that_err(pulses: int, jitter: float) -> None:
-    """At no look."""
+    """No reading is rejected."""
     doubted: list[list[bool]] = []
 
     class Watched(SlideProtection):
@@ -710,7 +711,7 @@ def test_a_machine_that_does_not_stop_says_so() -> None:
 
 
 class NeverBrakes:
-    """Vents all cylinders from the first look on."""
+    """Vent all cylinders from the first step on."""
 
     def step(self, time: float, speeds: Sequence[float]) -> list[int]:
         return [2] * len(speeds)
@@ -734,7 +735,7 @@ def test_the_most_wheelsets_are_told_once_in_c_and_once_in_python() -> None:
 
 
 def test_the_rig_in_c_reads_and_writes_nothing_but_its_own(tmp_path: Path) -> None:
-    """Under sanitizers: 16 wheelsets whose sensors and valves fail, lost runs, controllers that fail, our own."""
+    """Under sanitizers: 16 wheelsets with failing sensors and valves, lost runs, failing controllers, and our own."""
     files = [RIG / name for name in ("rig.c", "encoder.c", "slide_protection.c")]
     flags = [flag for flag in FLAGS if flag != "-fvisibility=hidden"]
     (tmp_path / "slide_thresholds.h").write_text(slide_sources()["slide_thresholds.h"])

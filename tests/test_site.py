@@ -1,6 +1,6 @@
-"""The site has every page, every scenario and every public name, no dead link, and asks no network for anything.
+"""The site has every page, scenario and public name, no dead link, and loads nothing from a network.
 
-Its search finds for the words of a user the page that is meant, and its first page is for everybody.
+Its search finds the right page for the words of a user, and its first page addresses all readers.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ ROOT = Path(__file__).parents[1]
 
 
 class Leads(HTMLParser):
-    """Where a page leads to: places within it, links, and what a browser fetches for it by itself."""
+    """Collect the targets of a page: anchors, links, and files that a browser loads by itself."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -43,7 +43,7 @@ class Leads(HTMLParser):
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Called for each tag, by the base class."""
+        """Collect the targets of one tag; the base class calls it."""
         given = {name: value or "" for name, value in attrs}
         self.anchors |= {given[name] for name in ("id", "name") if name in given}
         self.links |= {given[name] for name in ("href", "src") if name in given}
@@ -53,11 +53,11 @@ class Leads(HTMLParser):
 
 leads_of = functools.cache(Leads)
 MOST_TABS = 8
-#: Numbers that must have been compared, so that the comparison has seen the pages.
+#: Least count of compared numbers, which shows that the pages were read.
 MANY = 40
-#: One of at least two digits; years and versions do not stand beside a link.
+#: A number of at least two digits; years and versions do not occur next to a link.
 NUMBER = re.compile(r"(?<![\w.])\d[\d.e-]*\d(?![\w.])")
-#: What a user types, and the page that is meant; a host's page may stand for that of all hosts.
+#: Search words and the page that they should find; the page of one host may replace that of all hosts.
 ASKED = {
     "stopping distance": "public",
     "shoe friction": "physics",
@@ -70,7 +70,7 @@ ASKED = {
     "license": "installation",
     "units": "units",
 }
-#: Types into the search of a page, and waits until what is found changes.
+#: Type into the search of a page, and wait until the results change.
 SEARCH = """new Promise(done => {
   const field = document.querySelector(".md-search__input"), list = document.querySelector(".md-search-result__list")
   list.replaceChildren()
@@ -83,19 +83,19 @@ SEARCH = """new Promise(done => {
   }, 50)
   setTimeout(() => done([]), 20000)
 })"""
-#: Behind a host, or where no file is.
+#: Addresses on a network, and addresses that are not files of the site.
 FROM_NETWORK, ELSEWHERE = re.compile(r"(https?:)?//"), re.compile(r"\w+:|//")
 
 
 def pages(entries: list) -> Iterator[str]:
-    """All pages of a navigation."""
+    """Yield all pages of a navigation."""
     for entry in entries:
         for value in entry.values() if isinstance(entry, dict) else [entry]:
             yield from [value] if isinstance(value, str) else pages(value)
 
 
 def test_every_page_and_every_notebook_has_its_place() -> None:
-    """Scenarios and public names find theirs by themselves (`docs/generate/website.py`)."""
+    """Scenarios and public names are added automatically (`docs/generate/website.py`)."""
     tabs = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"]
     assert len(tabs) <= MOST_TABS
     found = list(pages(tabs))
@@ -113,7 +113,7 @@ def test_every_page_and_every_notebook_has_its_place() -> None:
 
 
 def test_numbers_of_summaries_stand_on_the_pages_that_they_cite() -> None:
-    """In each paragraph of the first page and of the questions, and what validation says was asked and measured."""
+    """Checks each paragraph of the first page and of the questions, and the tables of validation."""
     front, questions, validation = (
         (ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("index.md", "faq.md", "validation.md")
     )
@@ -128,7 +128,7 @@ def test_numbers_of_summaries_stand_on_the_pages_that_they_cite() -> None:
     assert looked_at > MANY
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # ziamath, as it is imported
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # ziamath warns at import
 def test_links_to_the_root_hold_in_pages_of_hosts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "generate"))
     website = importlib.import_module("website")
@@ -157,7 +157,7 @@ def test_downloads_list_the_files_of_a_release_where_there_is_one(
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built without a warning; notebooks run for it."""
+    """Build the site without a warning; the build runs the notebooks."""
     folder = tmp_path_factory.mktemp("site")
     call = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
     environment = os.environ | {"PYTHONPATH": str(ROOT), "NO_MKDOCS_2_WARNING": "1"}
@@ -180,7 +180,7 @@ def test_every_public_name_is_in_the_site_and_no_page_is_of_a_room(site: Path) -
 
 @pytest.mark.long
 def test_the_pages_that_brake_are_those_and_no_guides(site: Path) -> None:
-    """A guide of the same name would take the place of one."""
+    """A guide of the same name would replace one of them."""
     for name in ("live.html", "live-train.html"):
         assert "brake" in leads_of(site / name).anchors, name
     assert "in-python" in leads_of(site / "train.html").anchors
@@ -195,7 +195,7 @@ def test_every_scenario_has_a_page(site: Path) -> None:
 
 
 def text_of(path: Path) -> str:
-    """What a page shows, without tags."""
+    """Return the text of a page without tags."""
     return re.sub(r"<[^>]*>", "", path.read_text(encoding="utf-8"))
 
 
@@ -210,7 +210,7 @@ def test_formulas_and_places_in_the_code_are_what_they_should_be(site: Path) -> 
 
 
 def html_of(site: Path) -> list[Path]:
-    """All pages but that for addresses that are none, which a server shows and which counts from the server's root."""
+    """Return all pages except 404.html, whose links start at the server's root."""
     return [path for path in site.rglob("*.html") if path.name != "404.html"]
 
 
@@ -229,7 +229,7 @@ def test_no_link_is_dead(site: Path) -> None:
         for link in leads_of(path).links:
             if ELSEWHERE.match(link):
                 continue
-            name, _, anchor = link.removesuffix("#embed=1").partition("#")  # that tells the live page what to show
+            name, _, anchor = link.removesuffix("#embed=1").partition("#")  # `#embed=1` sets the view of the live page
             target = (path.parent / name).resolve() if name else path
             if not target.is_file() or (anchor and target.suffix == ".html" and anchor not in leads_of(target).anchors):
                 dead.add(f"{path.relative_to(site)}: {link}")

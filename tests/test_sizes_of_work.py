@@ -1,4 +1,4 @@
-"""Numbers that size a run have limits, told in the words of who gave them: times, steps, records, speeds, lengths."""
+"""Sizes of a run (times, steps, records, speeds, lengths) have limits, and messages use the user's terms."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rbd_model.vehicle.ready import passenger_coach, two_axle_bogie
 from tests.fmu.sled import sled
 
 DAY = 86400.0
-#: What a user sees: 160 km/h in place of 160 m/s, and 460 mm in place of 460 m.
+#: Hints to the user: 160 km/h instead of 160 m/s, and 460 mm instead of 460 m.
 IN_KILOMETRES_AN_HOUR = r"160 m/s is 576 km/h; did you mean 160 km/h = 44\.44 m/s\?"
 IN_MILLIMETRES = r"Did you mean 460 mm = 0\.46 m\?"
 
@@ -163,7 +163,7 @@ def test_too_much_is_refused_with_its_limit(what: str) -> None:
 
 
 def test_a_day_is_not_too_much() -> None:
-    """Of a sled that its brake holds."""
+    """A brake holds the sled for a day."""
     kernel = Kernel(on_a_track(), initial_speed=0.0, brake=1.0)
     kernel.advance(DAY)
     assert kernel.time == DAY
@@ -210,7 +210,7 @@ def test_a_row_of_a_sweep_and_of_a_batch_says_the_same(at_a_point: bb.Vehicle) -
 
 
 def test_what_parameters_must_keep_together_follows_from_the_description() -> None:
-    """Of a coach: two bogies of two wheelsets each, and between them the middle wheelsets."""
+    """A coach: two bogies of two wheelsets each, and the inner wheelsets of both bogies."""
     coach_ = passenger_coach()
     relations = relations_of(coach_, {"pivot_distance", "wheel_base", "wheel_radius"})
     assert [dict(one.terms) for one in relations] == [

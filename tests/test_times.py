@@ -1,4 +1,4 @@
-"""Times of inputs and of logs: read as they are meant, or refused with one sentence."""
+"""Times of inputs and of logs are read as meant, or refused with one message."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ import bogie_braking as bb
 from bogie_braking.times_and_values import times_and_values
 from tests.fmu.sled import sled
 
-#: The sled's mass that the data are made with [kg], force of its brake [N], speed at the start [m/s].
+#: The sled's mass [kg], brake force [N] and start speed [m/s] in the generated data.
 MASS, BRAKE, SPEED = 10.0, 5.0, 2.0
-#: Error of a fit to data without noise: a run's tolerance of 1e-6, of the speed, over what the mass moves it.
+#: Error of a fit to noise-free data: the run's tolerance of 1e-6 of the speed, divided by its sensitivity to the mass.
 FITTED = 1e-4
-#: Begin of a log [s]: none, a moment, minutes, seconds since 1970.
+#: Start time of a log [s]: zero, a moment, minutes, seconds since 1970.
 BEGINS = (0.0, 5.0, 100.0, 1.7e9)
-#: Forms of the same push, 0 N at 0 s and 20 N at 2 s.
+#: Equivalent forms of one push, 0 N at 0 s and 20 N at 2 s.
 TIMES, PUSH = [0.0, 2.0], [0.0, 20.0]
 MILLISECONDS = np.array([0, 2000], "timedelta64[ms]")
 FIELDS = np.array(list(zip(TIMES, PUSH, strict=True)), [("time", float), ("push", float)])
 
 
 def logged(begin: float) -> bb.Recording:
-    """A log of a sled under constant braking, by its closed form v = v0 - F t / m."""
+    """Return the log of a sled under constant braking, by the closed form v = v0 - F t / m."""
     elapsed = np.linspace(0.0, 2.0, 21)
     return bb.Recording({"time": "s", "speed": "m/s"}, np.c_[begin + elapsed, SPEED - BRAKE * elapsed / MASS])
 
@@ -43,11 +43,11 @@ def test_a_fit_finds_the_mass_whenever_the_log_begins(begin: float) -> None:
 
 @pytest.mark.parametrize("begin", BEGINS)
 def test_a_measured_input_counts_from_the_same_row_as_what_it_moves(begin: float) -> None:
-    """A push that grows by g each second: v = v0 + g t^2 / 2 m."""
+    """The push grows by g each second: v = v0 + g t^2 / 2 m."""
     elapsed = np.linspace(0.0, 2.0, 21)
     columns = np.c_[begin + elapsed, SPEED + 10.0 * elapsed**2 / (2 * MASS), 10.0 * elapsed]
     log = bb.Recording({"time": "s", "speed": "m/s", "push": "N"}, columns)
-    # Between rows 0.1 s apart a parabola is up to a t^2 / 8 above its chord, 1.25e-3 m/s of 2.
+    # A parabola between rows 0.1 s apart is up to a t^2 / 8 above its chord: 1.25e-3 m/s of 2.
     assert bb.fit(sled(), log, {"mass": 7.0}, length=100.0).values["mass"] == pytest.approx(MASS, rel=2e-3)
 
 
@@ -61,7 +61,7 @@ def test_the_unit_of_a_logs_time_counts() -> None:
 
 
 def test_a_log_may_begin_after_its_run() -> None:
-    """Rows from 0.5 s on: the run starts at 0 s, as it is told."""
+    """The rows begin at 0.5 s, but `begin` sets the start of the run to 0 s."""
     whole = logged(0.0)
     late = bb.Recording(whole.units, np.c_[whole["time"], whole["speed"]][5:])
     found = bb.fit(sled(), late, {"mass": 7.0}, begin=0.0, brake=BRAKE, length=100.0)
@@ -89,7 +89,7 @@ def test_a_log_may_begin_after_its_run() -> None:
     ids=str,
 )
 def test_every_form_of_a_table_is_the_same_push(given: Any) -> None:
-    """It grows by 10 N each second, so that the sled gains 10 t^2 / 2 m."""
+    """The push grows by 10 N each second, so the sled gains 10 t^2 / 2 m."""
     run = bb.run(sled(), 2.0, names=["speed"], interval=0.5, push=given, length=100.0)
     assert run["speed"] == pytest.approx(SPEED + 10.0 * run["time"] ** 2 / (2 * MASS), rel=1e-6)
 
@@ -134,7 +134,7 @@ def test_a_table_that_can_be_read_in_two_ways_or_in_none_gets_one_sentence(given
 
 
 def test_columns_of_a_data_frame_are_columns() -> None:
-    """They have an order and a length but are no lists, as a Series is none."""
+    """They have an order and a length without being lists, as a pandas Series."""
 
     class Column:
         def __init__(self, values: list[float]) -> None:

@@ -1,4 +1,4 @@
-"""The signs that docs/units.md tells of, each in a run."""
+"""The sign conventions of docs/units.md, each checked in a run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SPATIAL = {"level": 3, "initial_speed": 15.0}
 
 
 def ends(*names: str, line: bb.Line | None = None, duration: float = 3.0, **values: float) -> dict[str, float]:
-    """What a run of the bogie ends with."""
+    """Return the final values of a run of the bogie."""
     table = bb.run("bogie", duration, line, list(names), duration, **values)
     return {name: float(table[name][-1]) for name in names}
 

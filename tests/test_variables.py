@@ -1,4 +1,4 @@
-"""What people read about variables, in docs/variables.md and inside FMUs, is what modelDescription.xml tells hosts."""
+"""docs/variables.md and the documentation inside FMUs agree with modelDescription.xml."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from fmu_src.system import Model, Variable, choosing
 from products.registry import FMUS, model_of, variables_of
 
 MODELS = [*FMUS, "protection"]
-#: Attributes of XML that have a column of their name, as text and as numbers.
+#: Attributes of XML with a column of the same name, as text and as numbers.
 TEXTS, NUMBERS = ("causality", "variability"), ("start", "min", "max")
 
 
@@ -29,7 +29,7 @@ def model(name: str) -> Model:
 
 
 def rows_of(text: str) -> dict[str, dict[str, str]]:
-    """Rows of Markdown tables by the name of their variable."""
+    """Return the rows of Markdown tables by the name of their variable."""
     found, heads = {}, []
     for line in text.splitlines():
         cells = [cell.strip() for cell in line.strip("|").split(" | ")] if line.startswith("|") else []
@@ -43,7 +43,7 @@ def rows_of(text: str) -> dict[str, dict[str, str]]:
 
 @pytest.mark.parametrize("name", FMUS)
 def test_some_systems_have_all_variables_of_an_fmu(name: str) -> None:
-    """In their order: one level of a vehicle is compiled behind the whole table, for which not all are written."""
+    """The order is the same: one compiled level has the whole table of variables, but not all levels' equations."""
     assert variables_of(name) == model_of(name).variables
 
 
@@ -95,7 +95,7 @@ def test_the_page_inside_an_fmu_tells_the_same_and_its_heads_have_a_scope() -> N
 
 @pytest.mark.parametrize("name", MODELS)
 def test_every_number_that_chooses_has_a_meaning(name: str) -> None:
-    """An integer of two values 0 and 1 is a switch, which its description explains."""
+    """An integer with the values 0 and 1 is a switch, and its description explains it."""
     for variable in model(name).variables:
         numbers = [number for number, _ in variable.choices]
         if variable.kind == "integer" and (variable.minimum, variable.maximum) != (0.0, 1.0):

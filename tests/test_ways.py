@@ -1,4 +1,4 @@
-"""docs/ways.md names functions that exist and the words in them that lead on, in few files."""
+"""docs/ways.md names functions that exist and the words in them that lead to the next one, in few files."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-#: Python files that each way may pass through.
+#: Largest number of Python files on each path through the code.
 MOST_FILES = {"`brake_torque_1`": 8, "A curvature": 9, "A creep law": 6}
 ROW = re.compile(r"^\| `(?P<file>[\w/]+\.py): (?P<name>[\w.]+)` \| .+ \| `(?P<word>\w+)` \|$", re.MULTILINE)
 
@@ -17,14 +17,14 @@ Way = list[tuple[str, str, str]]
 
 
 def ways() -> dict[str, Way]:
-    """Rows (file, function, word) by the title of the way."""
+    """Return the rows (file, function, word) of each path by its title."""
     page = (ROOT / "docs" / "ways.md").read_text(encoding="utf-8")
     titles = re.split(r"^## (.+)$", page, flags=re.MULTILINE)[1:]
     return {title: ROW.findall(text) for title, text in zip(titles[::2], titles[1::2], strict=True)}
 
 
 def source_of(file: str, name: str) -> str:
-    """Source of a function, a method or a class. Raises AssertionError where there is none of that name."""
+    """Return the source of a function, method or class. Raises AssertionError if the name does not exist."""
     text = (ROOT / file).read_text(encoding="utf-8")
     body: list[ast.stmt] = ast.parse(text).body
     found: ast.stmt | None = None

@@ -1,4 +1,4 @@
-"""Points that cost nothing, for the tests of sweeps; worker processes import this file, so it imports little."""
+"""Cheap points for the tests of sweeps. Worker processes import this file, so it imports little."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from unittest.mock import patch
 
 
 def cheap(x: float = 1.0, y: float = 2.0, z: float = 0.1) -> dict[str, float | None]:
-    """A product and a ratio with all their digits; no ratio by zero."""
+    """Return a product and a ratio with all their digits; no ratio if y is 0."""
     time.sleep(0.001)
     return {"product": x * y * z, "ratio": x / y if y else None}
 
 
 def moody(mood: float = 0.0) -> object:
-    """Whatever a point may do."""
+    """Return or fail in every way that a point can."""
     if mood == 1:
         raise ValueError("The spring is\nbroken.")
     if mood == 5:
@@ -40,12 +40,12 @@ def moody(mood: float = 0.0) -> object:
 
 
 def scratch(token: float) -> Path:
-    """A file that a point may use; sweeps hand points nothing but numbers."""
+    """Return the path of a file for a point; sweeps pass only numbers to points."""
     return Path(tempfile.gettempdir()) / f"bogie-braking-sweep-{int(token)}"
 
 
 def dies_once(token: float, x: float = 0.0) -> dict[str, float]:
-    """Kills its worker the first time."""
+    """Terminate the worker process at the first call."""
     if x == 1.0 and not scratch(token).exists():
         scratch(token).write_text("")
         os.kill(os.getpid(), signal.SIGTERM)
@@ -53,7 +53,7 @@ def dies_once(token: float, x: float = 0.0) -> dict[str, float]:
 
 
 def ticks(token: float) -> dict[str, float]:
-    """Lets a file grow as long as it lives, 20 s at most."""
+    """Append to a file for 20 s at most, so that the test sees whether the process lives."""
     for _ in range(1000):
         with scratch(token).open("a") as file:
             file.write(".")
@@ -62,14 +62,14 @@ def ticks(token: float) -> dict[str, float]:
 
 
 def in_here(jobs: int, evaluate: Callable[[Any], Any], points: Mapping[int, Any]) -> Iterator[dict[int, Any]]:
-    """Outcomes without worker processes, which take half a second to begin."""
+    """Yield outcomes without worker processes, which take half a second to start."""
     for number, point in points.items():
         yield {number: evaluate(point)}
 
 
 @cache
 def made_by() -> tuple[str, dict[str, str]]:
-    """The digest of the sources and the versions of packages, looked up once: that takes longer than a sweep here."""
+    """Return the digest of the sources and the package versions, once: finding them takes longer than a sweep here."""
     from products.sources import versions
     from products.study.points import sources
 
@@ -78,7 +78,7 @@ def made_by() -> tuple[str, dict[str, str]]:
 
 @contextmanager
 def catalogued(evaluator: Callable[..., Any] | None, code: tuple[str, dict[str, str]]) -> Iterator[None]:
-    """These points are scenarios, and an evaluator may stand in for worker processes."""
+    """Make these points scenarios; an evaluator may replace the worker processes."""
     from products.study import study
     from products.study.points import in_processes, sources
     from scenarios import catalogue
@@ -97,7 +97,7 @@ def catalogued(evaluator: Callable[..., Any] | None, code: tuple[str, dict[str, 
         scenario("ticks", Sweepable({"token": "1"}, {"done": "1"}, ticks)),
     ]
     known = [(study, "versions", lambda: code[1]), (command, "in_processes", evaluator or in_processes)]
-    if study.sources is sources:  # what a test has put there stays
+    if study.sources is sources:  # a value patched by a test stays
         known.append((study, "sources", lambda: code[0]))
     try:
         with ExitStack() as patches:
@@ -113,7 +113,7 @@ def run(
     evaluator: Callable[..., Any] | None = None,
     code: tuple[str, dict[str, str]] | None = None,
 ) -> int:
-    """The command line with these points as scenarios, also in a process of its own; code: as `made_by` has it."""
+    """Run the command line with these points as scenarios, in any process; code: the result of `made_by`."""
     from bogie_braking.__main__ import main
 
     with catalogued(evaluator, code or made_by()):
@@ -121,7 +121,7 @@ def run(
 
 
 def run_here(arguments: list[str]) -> int:
-    """The command line without worker processes."""
+    """Run the command line without worker processes."""
     return run(arguments, in_here)
 
 
@@ -138,7 +138,7 @@ def run_and_stay(arguments: list[str], count: int, code: tuple[str, dict[str, st
 
 
 def run_with_room(arguments: list[str], room: int, fatal: bool, said: Path, code: tuple[str, dict[str, str]]) -> None:
-    """Run in a process whose files may have `room` bytes. At more the system kills it, or refuses to write."""
+    """Run in a process whose files are limited to `room` bytes; beyond that the system kills it or refuses to write."""
     import resource
 
     sys.stderr, sys.dont_write_bytecode = said.open("w", encoding="utf-8"), True

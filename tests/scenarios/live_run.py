@@ -1,4 +1,4 @@
-"""The drive of the live page's `Simulation` with the kernel and the protection of Python, for tests of the page."""
+"""Python counterpart of the live page's `Simulation`, with the kernel and the protection of Python."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ from scenarios.live.lines import line_for
 from scenarios.live.machines import MACHINES, YAW_PER_BRAKE_TORQUE, model_of
 from scenarios.live.presets import DEFAULTS, PERIOD
 
-#: LEAVES and RESTS of the page: [m], [1], [m/s].
+#: LEAVES (distance ahead and length [m], friction [1]) and RESTS [m/s] of the page.
 AHEAD, LENGTH, LEAVES, RESTS = 25.0, 100.0, 0.05, 0.01
 
 
 class Run:
-    """One run of the page. start: settings as a link has them, those of DEFAULTS otherwise; actions: step, control and
-    value; resolution: of the timers of the wheels' sensors [s].
+    """One run of the page.
+
+    start: settings as in a link, otherwise those of DEFAULTS; actions: step, control and value; resolution: of the
+    timers of the wheel sensors [s].
     """
 
     def __init__(
@@ -60,7 +62,7 @@ class Run:
         self.begun: float | None = None
 
     def act(self) -> None:
-        """Carries out what is due."""
+        """Carry out all actions that are due."""
         while self.actions and self.actions[0][0] <= self.steps:
             _, name, value = self.actions.pop(0)
             if name == "leaves":
@@ -101,7 +103,7 @@ class Run:
         self.steps += 1
 
     def stop(self) -> float:
-        """Goes on to rest; the distance since braking [m]."""
+        """Continue to rest and return the distance since braking [m]."""
         while self.begun is None or self.kernel["speed"] >= RESTS:
             self.step()
         return float(self.kernel["distance"] - self.begun)

@@ -1,4 +1,4 @@
-"""Fixtures and functions for tests of sweeps: cheap points, processes that run them, their files."""
+"""Fixtures and functions for tests of sweeps: cheap points, processes that run them, result files."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ JOURNAL = "journal.jsonl"
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a sweep over GRID, made by two worker processes without an interruption."""
+    """Return the folder of a sweep over GRID by two worker processes without an interruption."""
     out = tmp_path_factory.mktemp("whole")
     assert points.run(["sweep", "cheap", *GRID, "--jobs", "2", "--out", str(out)]) == 0
     return out / "sweep-cheap"
@@ -29,7 +29,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def token() -> Iterator[int]:
-    """Number of a scratch file that is not there."""
+    """Yield the number of a scratch file that does not exist."""
     number = random.SystemRandom().randrange(2**40)
     yield number
     points.scratch(number).unlink(missing_ok=True)
@@ -37,7 +37,7 @@ def token() -> Iterator[int]:
 
 @pytest.fixture(scope="module")
 def start() -> Callable[..., Any]:
-    """Starts a function in a process of its own that has imported what takes long."""
+    """Return a function that starts another one in a separate process, where slow imports are done."""
     forkserver = multiprocessing.get_context("forkserver")
     forkserver.set_forkserver_preload(["bogie_braking.commands"])
 

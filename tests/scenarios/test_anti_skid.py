@@ -1,4 +1,4 @@
-"""Wheel-slide protection on the bogie: what is asked of it on a low rail, and what it leaves alone on a dry one."""
+"""Wheel-slide protection on the bogie: requirements on a low rail, and no action on a dry rail."""
 
 from __future__ import annotations
 
@@ -27,11 +27,12 @@ from scenarios.brakes import anti_skid
 from tests.rbd_model.test_adhesion import adhesion
 
 DRY, _, LOW, _ = (rail.values() for rail in RAILS)
-#: Braking force and largest creep force: the brake fills to 1e-3, slip ratios are tried 20 % apart.
+#: Braking force over the largest creep force: the brake fills to 1e-3, and slip ratios are tried 20 % apart.
 USED_BAND = 3e-3
-#: Distances over the ideal that are above OVER_IDEAL, and the band of these values. Thresholds were chosen with
-#: cylinders that fill by time. By flow of air they refill 2.6 times as slowly at first: venting for nothing costs more.
-#: Sensors: teeth, jitter, whether by flow of air. Rails, of the bogie by flow of air: name, initial speed [m/s].
+#: Ratios of distance to the ideal that exceed OVER_IDEAL, and their tolerance. Thresholds were chosen with timed
+#: filling of the cylinders. With flow of air, cylinders refill 2.6 times as slowly at first, so unnecessary venting
+#: costs more. Sensors: teeth, jitter, whether by flow of air. Rails, of the bogie by flow of air: name, initial speed
+#: [m/s].
 MISSED_BY_SENSORS = {(2000, 0.3, True): 1.325}
 MISSED_ON_RAILS = {
     ("0.08 falling", 40.0): 1.260,
@@ -51,7 +52,7 @@ def stopped(
     every: float = 0.0,
     by_flow: bool = True,
 ) -> Stop:
-    """One stop of the bogie."""
+    """Run one stop of the bogie."""
     [stop] = Rig(bogie(), make, settings or Settings(), by_flow=by_flow).runs([Run(rail)], every=every)
     return stop
 
@@ -76,7 +77,7 @@ def test_protection_neither_locks_nor_wastes_adhesion(ideal: float, period: floa
 
 
 def test_without_protection_the_wheels_lock_and_the_stop_is_longer(locked: Stop, ideal: float) -> None:
-    """On the dry rail the same brake locks none, and there is nothing to compare."""
+    """On the dry rail the same brake locks no wheel, so nothing is compared."""
     assert locked.longest_lock > 10.0
     assert locked.course.locks(0.3)
     assert locked.share_in_band < SHARE
@@ -86,8 +87,10 @@ def test_without_protection_the_wheels_lock_and_the_stop_is_longer(locked: Stop,
 
 
 def test_what_a_stop_uses_of_a_rail_is_told_apart_from_its_distance() -> None:
-    """On the wet rail the brake alone decides the distance, which is the ideal one; at its end 0.6 of the largest creep
-    force are used, by Polach (2005), and in the mean 0.5 of friction without sliding, by momentum.
+    """On the wet rail the brake alone limits the distance, which is the ideal one.
+
+    At the end of the stop the wheels use 0.6 of the largest creep force, by Polach (2005). On average they use 0.5 of
+    the friction, derived from the loss of momentum.
     """
     rail, own = RAILS[1], bogie()
     stop, best = stopped(None, rail.values(), every=5e-3), PeakAdhesion(own, rail.values())
@@ -103,14 +106,14 @@ def test_what_a_stop_uses_of_a_rail_is_told_apart_from_its_distance() -> None:
     assert row.simulated == pytest.approx(slowed / own.parameters.gravity / rail.condition.friction, rel=USED_BAND)
 
 
-#: Teeth, and errors of their places as a share of the pitch.
+#: Numbers of teeth, and errors of their places as shares of the pitch.
 SENSORS = [(80, 0.0), (100, 0.1), (200, 0.0), (2000, 0.3), (10000, 0.0)]
 
 
 @pytest.mark.parametrize(("teeth", "jitter"), SENSORS)
 @pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 def test_every_sensor_is_enough_on_a_low_rail(ideal: float, teeth: int, jitter: float, by_flow: bool) -> None:
-    """All but the known misses, whose values are held."""
+    """The known misses are compared with their stored values."""
     stop = stopped(SlideProtection, LOW, Settings(pulses=teeth, jitter=jitter), by_flow=by_flow)
     assert stop.distance is not None
     assert stop.longest_lock <= LONGEST_LOCK
@@ -127,7 +130,7 @@ DRY_SENSORS = [(80, 0.0), (100, 0.1), (100, 0.2), (2000, 0.3)]
 
 @pytest.mark.parametrize(("teeth", "jitter"), DRY_SENSORS)
 def test_no_valve_leaves_apply_where_wheels_roll(teeth: int, jitter: float) -> None:
-    """On dry rail the bogie's wheels roll up to 1.6 of the full service brake; counted are commands, not metres."""
+    """On dry rail the wheels roll up to 1.6 of the full service brake; the test counts valve commands, not metres."""
     rig = Rig(bogie(), SlideProtection, Settings(pulses=teeth, jitter=jitter), by_flow=True)
     assert [stop.commands for stop in rig.runs([Run(DRY, strength=strength) for strength in (1.0, 1.5)])] == [0, 0]
 
@@ -140,7 +143,7 @@ def test_no_valve_of_the_coach_leaves_apply_where_wheels_roll() -> None:
 
 
 def test_a_brake_a_little_above_the_limit_of_adhesion_locks_no_wheel_for_long() -> None:
-    """The full brake uses an adhesion of 0.15: all wheels slide slowly, at different rates as their loads differ."""
+    """The full brake uses an adhesion of 0.15: all wheels slide slowly, at rates that differ with their loads."""
     laws, frictions = (constant_friction(), low().law), (0.135, 0.15)
     rails = [RailCondition(friction, law, verified=False).values() for law in laws for friction in frictions]
     alone, protected = (Rig(bogie(), make, Settings(), by_flow=True).stops(rails) for make in (None, SlideProtection))
@@ -166,7 +169,7 @@ def test_an_ideal_that_never_stops_is_refused(monkeypatch: pytest.MonkeyPatch) -
 @pytest.mark.parametrize("make", [bogie, coach])
 @pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 def test_thresholds_hold_on_rails_on_which_they_were_not_chosen(make: Callable[[], Machine], by_flow: bool) -> None:
-    """All but the known misses, whose values are held."""
+    """The known misses are compared with their stored values."""
     found = scores(make(), for_reporting(), common_protection(), Settings(), by_flow)
     ratios = {(score.trial.rail.name, score.trial.speed): score.over_ideal or math.inf for score in found}
     missed = {trial: ratio for trial, ratio in ratios.items() if ratio > OVER_IDEAL}
@@ -181,7 +184,7 @@ def test_rails_for_choosing_and_reporting_share_none() -> None:
 
 
 def test_a_band_far_from_the_best_slip_costs_distance(ideal: float) -> None:
-    """What the band decides: at half the speed the friction of the low rail has fallen by a third."""
+    """The slip range matters: at half the speed, friction of the low rail has fallen by a third."""
     wide = replace(common_protection(), lower_slip=0.45, upper_slip=0.55)
     ratio = stopped(lambda: SlideProtection(wide), LOW).over(ideal)
     assert ratio is not None

@@ -1,4 +1,4 @@
-"""What was made from unchanged sources is found at once, and nothing else is."""
+"""A model or page built from unchanged sources is found in the cache; any other is built again."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from rbd_model.vehicle.description import Vehicle
 
 @pytest.fixture(scope="module")
 def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache with the objects of the rail's kernel and nothing else, as the tests here compile the same files."""
+    """Return a cache with only the rail kernel's objects, as all tests here compile the same files."""
     folder = tmp_path_factory.mktemp("objects")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compiling, "CACHE", folder)
@@ -42,7 +42,7 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def made(objects: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
-    """A cache without libraries and notes, and how often equations were written since then."""
+    """Set up a cache without libraries and notes; return a function that counts how often equations were generated."""
     written: list[str] = []
     model_of = building.model_of
 
@@ -87,7 +87,7 @@ def test_changed_sources_are_written_again(made: Callable[[], int], monkeypatch:
     ],
 )
 def test_what_is_written_again_hangs_on_a_changed_file(changed: str, of_the_bogie: bool, of_the_brake: bool) -> None:
-    """Of a model on what its function imports, on C and data beside that, and on all of fmu_src; of a page on none."""
+    """A model depends on the imports of its function, on C and data next to them, and on fmu_src, but on no page."""
     maker = building.build_library.__module__
     found = (files_of(FMUS[name].model.__module__, maker) for name in ("bogie", "brake"))
     assert (ROOT / changed).is_file()
@@ -129,7 +129,7 @@ def test_a_note_that_was_not_finished_counts_for_nothing(made: Callable[[], int]
 def test_a_model_that_other_sources_write_is_never_remembered(
     made: Callable[[], int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Those of a test, or of a person: their changes are not looked for."""
+    """Changes of such sources, in a test or in a user's file, are not detected."""
     monkeypatch.setitem(FMUS, "rail", Fmu(lambda: brake_cylinder(qr30(150))))
     building.kernel_of("rail")
     once = made()
@@ -138,7 +138,7 @@ def test_a_model_that_other_sources_write_is_never_remembered(
 
 
 def test_every_file_that_an_fmu_or_the_live_page_is_made_from_is_looked_at() -> None:
-    """Also those that are not Python: a host in C#, a picture, a style. Of what was promised nothing is made."""
+    """Other files than Python count too: a host in C#, an image, a style. The interface baseline is excluded."""
     found = (path for place in PAGE_SOURCES for path in (ROOT / place).rglob("*") if path != TABLE)
     places = [path for path in found if path.is_file()]
     kinds = {path.suffix for path in places if "__pycache__" not in path.parts and "prebuilt" not in path.parts}
@@ -151,7 +151,7 @@ def test_units_are_those_of_the_variables() -> None:
 
 
 def test_a_model_is_written_once_however_many_threads_ask(monkeypatch: pytest.MonkeyPatch) -> None:
-    """CasADi bears one thread that writes equations: several crash the process, or hang it, where a cache is empty."""
+    """CasADi supports one thread that generates equations; several crash or hang the process with an empty cache."""
     begun, writing = [], threading.Semaphore()
 
     def slow() -> Model:
@@ -169,7 +169,7 @@ def test_a_model_is_written_once_however_many_threads_ask(monkeypatch: pytest.Mo
 
 
 def test_levels_are_written_by_one_thread_whichever_ask_which_serves(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Scenes ask in threads: `thesis-step` crashed where both wrote the bogie at once."""
+    """Cases call it in threads: `thesis-step` crashed when two threads generated the bogie's equations."""
     writing, written = threading.Semaphore(), models.levels
 
     def slow(vehicle: Vehicle) -> tuple[System, ...]:

@@ -1,4 +1,4 @@
-"""What the command line says to people, to programs and to shells."""
+"""Output of the command line for people, programs and shells."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_a_refusal_is_said_also_where_quiet_is_asked_for(capsys: pytest.CaptureF
 def test_what_is_said_is_right_without_the_sources(
     arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """No file of a checkout is named."""
+    """The message names no file of a checkout."""
     with contextlib.suppress(SystemExit):
         main(arguments)
     shown = "".join(capsys.readouterr())
@@ -98,7 +98,7 @@ def test_list_for_people_stands_in_groups(capsys: pytest.CaptureFixture[str]) ->
 
 
 class Terminal(io.StringIO):
-    """What people would see."""
+    """A terminal that records its output."""
 
     def isatty(self) -> bool:
         return True
@@ -119,7 +119,7 @@ def test_bars_are_on_terminals_alone_and_hidden_within(monkeypatch: pytest.Monke
 
 
 def test_every_bar_is_one_that_no_file_gets() -> None:
-    """tqdm writes into files unless it is told not to; `counting` and `disable=None` tell it."""
+    """tqdm writes into files by default; `counting` and `disable=None` prevent it."""
     rooms = (*HOUSE, "docs/generate")
     sources = [*ROOT.glob("*.py"), *(path for room in rooms for path in (ROOT / room).rglob("*.py"))]
     calls = {
@@ -132,7 +132,7 @@ def test_every_bar_is_one_that_no_file_gets() -> None:
 
 
 def test_a_bar_moves_with_the_clock_where_nothing_else_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Towards the time that a run took last; without that, it tells the time that has gone."""
+    """It advances towards the last run's duration, or shows the elapsed time if that is unknown."""
     for name in ("PATIENCE", "TICK"):
         monkeypatch.setattr(progress, name, 0.01)
     for expected, words in ((90.0, "00:00 of about 01:30"), (0.4, "###"), (None, "working: 00:00")):
@@ -229,7 +229,7 @@ def test_a_folder_that_cannot_be_is_told_before_the_run(
 
 
 def said(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
-    """Verdict by the words that a line begins with."""
+    """Return the verdict by the first words of each line."""
     lines = [line for line in capsys.readouterr().out.splitlines() if not line.startswith(" ")]
     return {line[9:].split(":")[0]: line[:8].strip() for line in lines}
 
@@ -242,7 +242,7 @@ def test_all_that_is_needed_is_there(capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_doctor_works_where_packages_are_missing(tmp_path: Path) -> None:
-    """In a Python that has none of them it says what to install, before anything of theirs is imported."""
+    """Without any package, it names the packages to install before it imports one of them."""
     command = [sys.executable, "-S", "-m", "bogie_braking", "doctor"]
     done = subprocess.run(command, cwd=ROOT, env={"PATH": ""}, capture_output=True, text=True)
     assert done.returncode == 1, done.stderr

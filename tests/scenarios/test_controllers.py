@@ -15,7 +15,7 @@ from products.protection.programme import OWN
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "controller.md").read_text(encoding="utf-8")
-#: The printed row of the page, to the last digit shown.
+#: The page's result in the table, with all digits that it shows.
 LETS_GO = re.search(r"^low +LetGo +([0-9.]+)", PAGE, re.MULTILINE)
 
 
@@ -40,7 +40,7 @@ class Gains:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """With the controllers of the page in Python and in C, and one that fails."""
+    """Change to a folder with the page's controllers in Python and in C, and a failing one."""
     (tmp_path / "let_go.py").write_text(block("python", "# let_go.py"))
     (tmp_path / "let_go.c").write_text(block("c", "/* let_go.c */"))
     (tmp_path / "bad.py").write_text("class Bad:\n    def step(self, time, speeds):\n        return 1 / 0\n")
@@ -54,7 +54,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def block(language: str, first: str) -> str:
-    """The code of the page that begins with this line."""
+    """Return the code of the page whose first line is this."""
     return next(text for text in re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL) if text.startswith(first))
 
 
@@ -71,7 +71,7 @@ def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: py
     assert len(set(runs["LetGo"]["distances"])) == 3
     assert runs["LetGo"]["distances"] == runs["let_go"]["distances"]
     assert 0.5 < runs["LetGo"]["spread"] < 0.02 * runs["LetGo"]["distance"]
-    assert runs["none"]["spread"] == 0.0  # no sensor has a part in it
+    assert runs["none"]["spread"] == 0.0  # no sensor is involved
     assert runs["protection"]["over_ideal"] < runs["LetGo"]["over_ideal"] < runs["none"]["over_ideal"]
     assert json.loads((folder / "results/controllers/compare.json").read_text())["vehicle"] == "bogie"
     assert (folder / "results/controllers/compare.png").exists()
@@ -159,7 +159,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(
     given: list[str], sentence: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["controllers", "compare", *given]) == 2
-    assert sentence in capsys.readouterr().err  # behind a bar, where compiling takes long
+    assert sentence in capsys.readouterr().err  # preceded by a progress bar if compiling takes long
 
 
 def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -183,7 +183,7 @@ def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixt
     shown = capsys.readouterr().out
     distances = dict(re.findall(r"^slow, one sensor lost +(\w+) +([0-9.]+)", shown, re.MULTILINE))
     assert distances.keys() == {"none", "protection", "let_go"}
-    # The controller lets go of a wheel that seems to stand.
+    # The controller releases a wheel that seems to stand still.
     assert float(distances["let_go"]) > 1.2 * float(distances["none"])
     (folder / "my.toml").write_text(case + "values = { nothing = 1.0 }\n")
     assert main(["controllers", "compare", "--programme", "my.toml", "let_go.c"]) == 2
@@ -207,7 +207,7 @@ def test_starts_are_compared_with_a_protection_of_their_own(
     assert distances["protection"] < 0.8 * distances["none"]
     page = (folder / "results/controllers/compare.html").read_text()
     assert "below it the torque of its motor" in page
-    monkeypatch.setattr("products.protection.rig.LONGEST", 20.0)  # in place of 300 s
+    monkeypatch.setattr("products.protection.rig.LONGEST", 20.0)  # instead of 300 s
     (folder / "slow.toml").write_text(case.replace("low", "very_low").replace("20km/h", "300km/h"))
     assert main(["controllers", "compare", "--programme", "slow.toml", "--phases", "1"]) == 1
     assert re.search(

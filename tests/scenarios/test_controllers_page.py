@@ -1,4 +1,4 @@
-"""The page on which stops play, in a real browser: its numbers, its controls, and names that are no more than text."""
+"""The page that plays stops, in a real browser: numbers, controls, and names that must stay plain text."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tests.axe import violations
 from tests.browser import Browser, Page, browser
 
 __all__ = ["browser"]  # a fixture
-#: Largest page of two cases and three controllers [bytes]: 45 kB are its scripts and style, a stop is 3 kB.
+#: Largest page of two cases and three controllers [bytes]: scripts and style take 45 kB, a stop 3 kB.
 LARGEST = 70_000
 NASTY = "<script>globalThis.bad = 1</script>@DATA@ & \"'"
 PROGRAMME = f"""
@@ -50,7 +50,7 @@ GAINS = "Named('<img src=x onerror=globalThis.bad=2>')"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """With a programme and the page of a comparison."""
+    """Return a folder with a case file and the page of a comparison."""
     found = tmp_path_factory.mktemp("compared")
     (found / "named.py").write_text(CONTROLLER)
     (found / "my.toml").write_text(PROGRAMME)
@@ -70,7 +70,7 @@ def page(browser: Browser, folder: Path, request: pytest.FixtureRequest) -> Iter
 
 
 def choose(page: Page, case: int) -> None:
-    """As a person does."""
+    """Choose a case in the selection list."""
     page.evaluate(f"at('case').value = '{case}', at('case').dispatchEvent(new Event('change'))")
 
 
@@ -94,7 +94,7 @@ def test_the_page_is_small_and_fits_its_window(page: Page, folder: Path) -> None
 
 
 def test_the_page_has_the_numbers_of_the_rig(page: Page, folder: Path) -> None:
-    """Of the protection that comes along: speeds within 1 cm/s, distances within 1 dm, straight between two looks."""
+    """The built-in protection: speeds within 1 cm/s, distances within 1 dm, linear between two samples."""
     choose(page, 0)
     run = read_programme(folder / "my.toml")[0].run(bogie())
     [stop] = Rig(bogie(), SlideProtection, Settings(), by_flow=True).runs([run], every=EVERY)
@@ -110,7 +110,7 @@ def test_the_page_has_the_numbers_of_the_rig(page: Page, folder: Path) -> None:
         assert found["wheel"] == pytest.approx(wheels, abs=0.01)
         assert found["valve"] == history.valve[history.time.searchsorted(time + 1e-9)].tolist()
     shown, turning = (page.evaluate(f"player.tracks[1].stop.{name}[1]") for name in ("shown", "wheel"))
-    # The median of some looks, as a sensor lags behind a wheel that gains or loses speed.
+    # A median over several samples, because a sensor lags behind an accelerating wheel.
     assert np.median(np.divide(shown[30:42], turning[30:42])) == pytest.approx(2.0, rel=0.05)
     assert page.evaluate("player.tracks[1].stop.at(3.7).speed") != pytest.approx(history.speed[40], abs=0.01)
 

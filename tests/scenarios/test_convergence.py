@@ -1,4 +1,4 @@
-"""Every number of a study in space is converged: ten times tighter tolerance moves it by less than 1 %."""
+"""All numbers of a 3D study are converged: a ten times tighter tolerance changes them by less than 1 %."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ IN_SPACE = (
     *("bogie-lateral", "bogie-vertical", "bogie-crosslevel", "bogie-pitch", "bogie-lateral-under-torque", "bogie-skid"),
     "asymmetric-braking",
 )
-#: Behind flange impacts (peaks beyond the clearance) the motion is chaotic; the spread found is up to 5 %. On elastic
-#: patches it is not, but where wheels come off their rails: there the spread found is 9 %.
+#: After flange impacts (peaks beyond the clearance) the motion is chaotic, with a spread of up to 5 %. On elastic
+#: patches it is chaotic only where wheels lift off, with a spread of 9 %.
 BAND, CHAOTIC_BAND, LIFTING_BAND, FLANGE = 0.01, 0.06, 0.12, 9.5
 ON_PATCHES, LIFTING = "contact model 2", "rotating axis, contact model 2, trailing, 75 %"
 
@@ -31,7 +31,7 @@ def tighter(library: Library, **values: float) -> Kernel:
 
 
 def band_of(row: Row) -> float:
-    """What a ten times tighter tolerance may change of a row of asymmetric braking, as a share."""
+    """Return the largest change of a row of asymmetric braking at a ten times tighter tolerance, as a share."""
     if row.unit != "mm" or row.simulated is None or row.simulated <= FLANGE:
         return BAND
     if LIFTING in row.quantity:
@@ -41,7 +41,7 @@ def band_of(row: Row) -> float:
 
 @pytest.fixture
 def fastest_application(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of the cases of chapter 9 those braked hardest; the others meet the same flanges more slowly."""
+    """Keep the hardest-braked cases of chapter 9; the others reach the same flanges more slowly."""
     for name in ("CASES", "FURTHER_CASES"):
         cases = [case for case in getattr(asymmetric_braking, name) if case.application == FASTEST]
         monkeypatch.setattr(asymmetric_braking, name, cases)

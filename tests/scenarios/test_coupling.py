@@ -1,4 +1,4 @@
-"""The master: order of its methods, steps chosen by the coupling error, rollback, and the energy of the coupling."""
+"""The master: order of its methods, adaptive steps by the coupling error, rollback, energy of the coupling."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from bogie_braking.__main__ import main
 from fmu_src.cosimulation.master import GAUSS_SEIDEL, JACOBI, Connection, Coupling, Master, cosimulate
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 
-#: A full application by the measured law, in which the shoe friction falls with the force, and a stop behind it.
+#: A full application by the measured law, whose shoe friction falls with the force, and then a stop.
 SECONDS = 1.2
 
 
 @contextmanager
 def train(fmus: dict, kind: str = "native") -> Iterator[tuple[FmuInstance, FmuInstance, list]]:
-    """Brake and bogie, started: half of the QR30's cylinder force on the chapter 5 bogie's trailing wheelset."""
+    """Yield brake and bogie, started: half of the QR30's cylinder force on the chapter 5 bogie's trailing wheelset."""
     with FmuInstance(fmus["brake", kind]) as brake, FmuInstance(fmus["bogie", kind], initial_speed=10.0) as bogie:
         brake.start(pressure_demand=150e3)
         bogie.start()
@@ -49,7 +49,7 @@ def distance(fmus: dict, master: Master, step: float) -> tuple[float, Coupling]:
     ],
 )
 def test_error_of_the_coupling_falls_with_its_order(fmus: dict, master: Master, order: float) -> None:
-    """Distance against very small steps; held inputs are of first order, lines of second."""
+    """Distance against very small steps: a zero-order hold is of first order, linear extrapolation of second."""
     exact, _ = distance(fmus, Master(GAUSS_SEIDEL, extrapolated=True), 2e-4)
     sizes = np.array([0.1, 0.05, 0.025, 0.0125])
     errors = np.abs([distance(fmus, master, size)[0] - exact for size in sizes])
@@ -58,7 +58,7 @@ def test_error_of_the_coupling_falls_with_its_order(fmus: dict, master: Master, 
 
 
 def test_jacobi_does_not_depend_on_the_order_of_the_slaves(fmus: dict) -> None:
-    """Every line begins with the rate at the start of the step, also of a slave that has gone already."""
+    """Every extrapolation starts with the rate at the start of the step, also for a slave that has already stepped."""
     found = []
     for turned in (False, True):
         with train(fmus) as (brake, bogie, connections):
@@ -70,7 +70,7 @@ def test_jacobi_does_not_depend_on_the_order_of_the_slaves(fmus: dict) -> None:
 
 
 def test_steps_are_chosen_by_the_coupling_error(fmus: dict) -> None:
-    """A tighter tolerance makes more steps and a smaller error; steps that were too long are taken back."""
+    """A tighter tolerance gives more steps and a smaller error; steps that were too long are repeated."""
     exact, _ = distance(fmus, Master(GAUSS_SEIDEL, extrapolated=True), 2e-4)
     found = [distance(fmus, Master(JACOBI, True, tolerance), 0.1) for tolerance in (1e-2, 1e-3, 1e-4)]
     errors = [abs(value - exact) for value, _ in found]
@@ -82,7 +82,7 @@ def test_steps_are_chosen_by_the_coupling_error(fmus: dict) -> None:
 
 
 def test_rollback_leaves_no_trace(fmus: dict) -> None:
-    """The accepted steps of an adaptive run, made again one by one, give the same bits."""
+    """The accepted steps of an adaptive run, repeated one by one, give bit-identical results."""
     with train(fmus) as (brake, bogie, connections):
         coupling = Coupling([brake, bogie], connections, Master(JACOBI, True, 1e-4))
         times = [0.0, *coupling.run(SECONDS, 0.1)]
@@ -112,7 +112,7 @@ def test_no_step_crosses_a_given_instant(fmus: dict) -> None:
 
 
 def test_line_that_leads_below_zero_shortens_the_step(fmus: dict) -> None:
-    """The brake is released: its torque falls, and held on its line over a long step it would be negative."""
+    """The brake is released. Its torque falls and would be negative at the end of a long extrapolation."""
     with train(fmus) as (brake, bogie, connections):
         coupling = Coupling([bogie, brake], connections, Master(JACOBI, True, 10.0))
 
@@ -140,7 +140,7 @@ def test_tolerance_that_cannot_be_met_is_told(fmus: dict) -> None:
 
 
 def test_columns_of_two_slaves_with_outputs_of_one_name_are_told_apart(fmus: dict) -> None:
-    """Time stays the first column and rises; each cylinder's pressure stands under its own instance."""
+    """Time is the first column and increases; each cylinder's pressure has the name of its instance."""
     path = fmus["brake", "native"]
     with FmuInstance(path, "front") as front, FmuInstance(path, "rear") as rear:
         front.start(pressure_demand=100e3)
@@ -164,7 +164,7 @@ def test_two_slaves_of_one_name_cannot_share_a_column(fmus: dict) -> None:
 
 
 def test_connection_multiplies_with_its_factor(fmus: dict) -> None:
-    """Twice the torque on the bogie slows it twice as much as the torque itself, while it rolls."""
+    """Twice the torque doubles the deceleration of the rolling bogie."""
     slowed = []
     for factor in (1.0, 2.0):
         with train(fmus) as (brake, bogie, _):

@@ -1,4 +1,4 @@
-"""The macro step: what a held torque costs, what a torque with sign does, and where fed-back slip begins to grow."""
+"""The macro step: error of a held torque, effect of a signed torque, stability limit of fed-back slip."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ from scenarios.coupling.signed_torque import (
 
 #: The next term of the error is h over the cylinder's lag of 0.27 s times 1/6 to 1/3: 1.3 % at 10 ms.
 NEXT_TERM = 0.02
-#: The slope of the creep force, which is not quite constant in a skid.
+#: Variation of the creep force's slope in a skid.
 SKIDDING = 0.02
-#: Off the boundary by this share the disturbance must decide; the scenario finds the boundary to 0.3 %.
+#: At this relative distance from the boundary the disturbance must grow or decay; the scenario finds it to 0.3 %.
 NEAR = 0.1
 
 
@@ -65,7 +65,7 @@ def plant() -> Plant:
 def test_stop_errs_by_the_surplus_of_the_torques_impulse(
     slaves: tuple[FmuInstance, FmuInstance], exact: CoupledStop, name: str
 ) -> None:
-    """A torque held from the start of each step brakes half a step late; from its end, half a step early."""
+    """A torque held from the start of each step acts half a step late, one from its end half a step early."""
     master, steps = MASTERS[name], (0.02, 0.01, 0.005)
     errors = [coupled_stop(*slaves, master, step).minus(exact).distance for step in steps]
     paper = [error_on_paper(master, step, exact).distance for step in steps]
@@ -84,7 +84,7 @@ def test_capacity_holds_the_bogie_at_any_macro_step(slaves: tuple[FmuInstance, F
 
 @pytest.mark.parametrize("step", [5e-4, 1e-2, 1e-1])
 def test_torque_with_sign_never_lets_the_bogie_stand(slaves: tuple[FmuInstance, FmuInstance], step: float) -> None:
-    """It rolls backward, by more than its deceleration in a macro step."""
+    """The bogie rolls backward, faster than its loss of speed in one macro step."""
     found = signed_stop(slaves[1], step)
     assert found.standing == 0.0
     assert found.backward > jump_of_whole_bogie(step)
@@ -102,7 +102,7 @@ def test_jump_of_the_wheels_is_torque_by_macro_step_over_inertia(
 
 
 def test_smoothed_sign_stands_when_it_is_wide_enough_for_the_step(slaves: tuple[FmuInstance, FmuInstance]) -> None:
-    """But it then creeps under a force, so that it is no way out: only a lock holds."""
+    """It then creeps under a force, so this does not solve the problem: only a lock holds the bogie."""
     step = 2e-3
     sharp = signed_stop(slaves[1], step, 0.8 * width_on_paper(step)).jump
     wide = signed_stop(slaves[1], step, 1.1 * width_on_paper(step)).jump
@@ -124,7 +124,7 @@ def test_disturbance_decays_below_the_boundary_and_grows_above(
 def test_gauss_seidel_bears_a_gain_with_which_jacobi_grows(
     slaves: tuple[FmuInstance, FmuInstance], plant: Plant
 ) -> None:
-    """The torque of the step before is one macro step more of dead time."""
+    """The torque of the previous step adds one macro step of dead time."""
     step = 5e-3
     gain = 1.2 * boundary_on_paper(plant, JACOBI, step)
     with closing(ClosedLoop(*slaves, plant)) as loop:
@@ -143,7 +143,7 @@ def test_slip_that_follows_at_once_leaves_the_boundary_of_one_lag(step: float) -
 
 
 def test_linear_bogie_answers_a_torque_as_the_equations_do(plant: Plant) -> None:
-    """Two runs with torques 2 % apart; their speeds part by 1.5 %, and the slip ratio hardly hangs on the speed."""
+    """Two runs with torques 2 % apart differ by 1.5 % in speed; the slip ratio hardly depends on the speed."""
     slips = []
     for torque in (0.99 * TORQUE, 1.01 * TORQUE):
         inputs = STEADY | {"brake_torque_1": torque, "brake_torque_2": torque}

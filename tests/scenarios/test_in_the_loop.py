@@ -1,4 +1,4 @@
-"""The test rig behind a UDP socket: clients in Python and in C, and packets that are lost, late, wrong or repeated."""
+"""The test rig at a UDP socket: clients in Python and in C; packets that are lost, late, wrong or repeated."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class LetGo:
     def step(self, time, speeds):
         return [2 if speed < {share} * max(speeds) else 0 for speed in speeds]
 """
-#: How much longer than its periods a paced run may take: nothing adds up. Where it does, 1.16.
+#: Largest duration of a paced run over its periods; delays must not add up, which would give 1.16.
 OVER = 1.1
 
 
 @pytest.fixture
 def own() -> Iterator[socket.socket]:
-    """The rig's end, at a port of its own."""
+    """Yield the rig's socket, at a free port."""
     with loop.socket_at(HOST, 0) as found:
         yield found
 
@@ -66,7 +66,7 @@ def reply(sequence: int, valves: list[int], magic: bytes = MAGIC, kind: int = AN
 
 @pytest.fixture
 def asked(own: socket.socket, client: socket.socket, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[int]]:
-    """Asks for the next period, with packets that wait for the question already."""
+    """Return a function that requests the next period, with packets already waiting for the request."""
     monkeypatch.setattr(remote, "ANSWER_WITHIN", 0.01)
     one = Remote(own, 5e-3, 0.0, counting(text="", unit="s"))
     one.client = client.getsockname()
@@ -85,7 +85,7 @@ def asked(own: socket.socket, client: socket.socket, monkeypatch: pytest.MonkeyP
 
 @pytest.fixture(scope="module")
 def here() -> object:
-    """The stop of the class in this process."""
+    """Return the stop of the class in this process."""
     return Rig(bogie(), LetGo, Settings(), by_flow=True).runs([RUN])[0]
 
 
@@ -183,7 +183,7 @@ def test_packets_from_others_move_no_valve(asked: Callable[..., list[int]]) -> N
 def test_a_flood_of_packets_makes_no_period_longer(
     asked: Callable[..., list[int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """There is always one more packet."""
+    """Another packet is always waiting."""
     monkeypatch.setattr(Remote, "_next", lambda self, patience: (b"flood", ("127.0.0.1", 9)))
     for _ in range(5):
         assert within(Watch(1.0), asked) == [0, 0]
@@ -227,7 +227,7 @@ def test_a_paced_run_takes_as_long_as_its_periods(own: socket.socket) -> None:
     ended = clock()
     thread.join()
     due = (found.counts.periods - 1) * SHORT.period / pace
-    assert (found.stop.distance is None) is bool(found.counts.for_the_rig)  # on a busy machine it is not judged
+    assert (found.stop.distance is None) is bool(found.counts.for_the_rig)  # excluded on a busy computer
     assert 0.98 * due < ended - began[0] < OVER * due
     assert any(line.startswith("The rig asked late by") for line in sentences(found))
 

@@ -1,4 +1,4 @@
-"""What the levels of detail share and where they part: each difference is as large as the physics behind it says."""
+"""Common results of the levels of detail, and differences, each as large as physics predicts."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from scenarios.numerics.levels import FRICTION, Answers, brake, error, lock_boun
 POINT, PLANAR, SPATIAL = 1, 2, 3
 BOGIE = tables_5_1_and_5_2()
 MASS = BOGIE.frame_mass + 2 * BOGIE.wheelset_mass
-#: Mass that the rotation of both wheelsets adds, as a share: J/r^2 each.
+#: Mass added by the rotation of both wheelsets, as a share: J/r^2 each.
 ROTARY = 2 * BOGIE.wheelset_pitch_inertia / (BOGIE.wheel_radius**2 * MASS)
-#: A wheelset begins to lock a little below mu N: Polach's law reaches it at infinite creepage and is 0.424/g^3 short of
-#: it, which is 1e-3 at g = 7.5, where the slip is 0.8 %; the boundary is enclosed to 1e-4.
+#: A wheelset begins to lock a little below mu N. Polach's law reaches mu N at infinite creepage. At g = 7.5, where the
+#: slip is 0.8 %, it is lower by 0.424/g^3, or 1e-3. The boundary is enclosed to 1e-4.
 BOUNDARY_TOLERANCE = 1e-3
 
 
@@ -45,9 +45,9 @@ def test_static_loads_lock_both_wheelsets_where_brakes_outdo_adhesion_and_rotary
 
 
 def test_trailing_wheelset_locks_where_load_transfer_leaves_it_too_little_adhesion() -> None:
-    """Rigid bogie: load m a h / L leaves the trailing wheelset, which takes half of the braking force M a.
+    """Rigid bogie: the trailing wheelset loses the load m a h / L and takes half of the braking force M a.
 
-    So does the torque of both brakes over L, because they hang in the frame.
+    It also loses the torque of both brakes over L, because the brakes react on the frame.
     """
     share = BOGIE.frame_mass * BOGIE.frame_height / (MASS * BOGIE.wheel_base)
     hung = (1.0 + ROTARY) * BOGIE.wheel_radius / BOGIE.wheel_base
@@ -56,15 +56,15 @@ def test_trailing_wheelset_locks_where_load_transfer_leaves_it_too_little_adhesi
     damped = {f"{way}_damping": 30 * BOGIE.values()[f"{way}_damping"] for way in ("longitudinal", "vertical")}
     rigid = lock_boundary(PLANAR, 2, **stiff, **damped)
     assert rigid == pytest.approx(expected, rel=BOUNDARY_TOLERANCE)
-    # On its springs the mass moves 6 mm forward as it brakes, and 1 % more load leaves the trailing wheelset.
+    # On its springs the mass moves 6 mm forward under braking, and the trailing wheelset loses another 1 % of load.
     soft = lock_boundary(PLANAR, 2)
     assert soft is not None
     assert 0.98 * expected < soft < (1.0 - BOUNDARY_TOLERANCE) * expected
-    assert lock_boundary(PLANAR, 1) is None  # the leading one gains what the trailing one loses
+    assert lock_boundary(PLANAR, 1) is None  # the leading wheelset gains the load that the trailing one loses
 
 
-#: Beside the spatial level, once the friction is that of the cone: what its spin adds moves a stop by 5 mm and, 0.1
-#: above the boundary, a lock by 1.5 ms.
+#: Differences from the spatial level after correcting friction for the cone: spin changes a stop by 5 mm and, 0.1 above
+#: the boundary, a lock by 1.5 ms.
 CONE_DISTANCE, CONE_TIME = 0.01, 2e-3
 
 
@@ -80,7 +80,7 @@ def test_inclination_of_the_cone_is_the_difference_of_planar_and_spatial_stops(u
 
 
 def creepage_for(demand: float, spin: float) -> float:
-    """Longitudinal creepage of a wheel at its static load that is asked for a share `demand` of mu N, by Polach's law.
+    """Return the longitudinal creepage of a wheel at its static load that transmits `demand` of mu N, by Polach's law.
 
     spin [1/m].
     """
@@ -94,7 +94,7 @@ def creepage_for(demand: float, spin: float) -> float:
     return float(brentq(lambda value: float(law(value)) + demand, 1e-6, 0.05))
 
 
-#: Of the ratio of two creepages: load transfer and the fit of Kalker's table (0.5 %) change it by less.
+#: Tolerance of the ratio of two creepages: load transfer and the fit of Kalker's table (0.5 %) have less effect.
 SPIN_TOLERANCE = 2e-3
 
 
@@ -125,13 +125,13 @@ def test_planar_stop_and_lock_are_those_of_the_spatial_level(utilisation: float)
 
 
 def test_no_bound_in_seconds_holds_at_the_edge_of_locking() -> None:
-    """There the smallest difference of adhesion decides when a wheelset locks; the stop distance does not care."""
+    """There the smallest difference of adhesion changes the time of the lock, but hardly the stopping distance."""
     spatial, planar = answers(SPATIAL, 0.71), answers(PLANAR, 0.71)
     assert off(planar, spatial, "lock_time_2") > 10 * levels.TIME_BOUND
     assert off(planar, spatial, "stop_distance") < levels.DISTANCE_BOUND
 
 
-#: Share of what two levels differ by that the integration may add to an answer.
+#: Largest effect of the integration on an answer, as a share of the difference of two levels.
 INTEGRATION_SHARE = 0.01
 
 
@@ -140,7 +140,7 @@ def test_integration_error_is_far_below_that_of_the_levels(utilisation: float) -
     spatial = answers(SPATIAL, utilisation)
 
     def moved(level: int, tolerance: float) -> float:
-        """Largest change against a hundredfold tighter run, over the error of the planar level."""
+        """Return the largest change against a hundredfold tighter run, over the error of the planar level."""
         one, exact = answers(level, utilisation, tolerance), answers(level, utilisation, 1e-2 * levels.TOLERANCE)
         asked = ["stop_distance", "peak_slip_2"] + ([] if spatial.lock_time_2 is None else ["lock_time_2"])
         planar = answers(PLANAR, utilisation)
@@ -172,9 +172,9 @@ def test_lock_time_is_located_and_not_sampled() -> None:
     assert found[0] == found[1]
 
 
-#: Share of an output's largest value; what static loads are to keep, and what is clearly wrong.
+#: Errors over an output's largest value: limit for static loads, and a value that is clearly wrong.
 RIGHT, WRONG = 2e-3, 0.1
-#: The spatial level's creep force rocks for a second after the torque has grown, by 2.0e-3 of its largest value.
+#: The spatial creep force oscillates for a second after the torque increases, by 2.0e-3 of its largest value.
 ROCKING = 2.1e-3
 ALWAYS_WRONG = ("slip", "slip_ratio", "axle_load")
 WRONG_NEAR_THE_LIMIT = ("locked", "creep_force")
@@ -182,9 +182,9 @@ RIGHT_BELOW = ("speed", "distance", "angular_velocity", "rotation")
 
 
 def point_off(utilisation: float) -> dict[str, float]:
-    """Largest error of each output of the point level while the bogie moves, over the largest value, both wheelsets.
+    """Return the largest error of each output of the point level over its largest value, for both wheelsets in motion.
 
-    Without the acceleration, which rocks on the suspension for a second after the torque has grown, by a tenth.
+    The acceleration is left out: it oscillates on the suspension for a second after the torque increases, by a tenth.
     """
     names = {f"{family}_{n}" for family in (*ALWAYS_WRONG, *WRONG_NEAR_THE_LIMIT, *RIGHT_BELOW[2:]) for n in (1, 2)}
     read = [*RIGHT_BELOW[:2], *sorted(names)]
@@ -210,7 +210,7 @@ def test_smallest_level_takes_load_transfer_where_its_absence_is_seen() -> None:
     assert max(below[family] for family in WRONG_NEAR_THE_LIMIT) < ROCKING
     assert min(below[family] for family in ALWAYS_WRONG) > WRONG
     assert min(above[family] for family in DECIDED_BY_LOAD_TRANSFER) > WRONG
-    # Above the limit static loads are wrong for everything: the bound on what the brakes ask for is needed.
+    # Above the limit, all results with static loads are wrong, so the limit on the braking demand is needed.
     assert min(above[family] for family in RIGHT_BELOW) > 10 * RIGHT
 
 

@@ -1,4 +1,4 @@
-"""Lines as scenarios use them: files of one's own, their pictures, and what is measured on them."""
+"""Lines in scenarios: user files, their figures, and measurements on them."""
 
 from __future__ import annotations
 
@@ -68,10 +68,10 @@ def test_speed_leaves_no_more_cant_deficiency_than_it_may() -> None:
     tight = math.sqrt(9.81 * 150.0 * (0.05 + MOST_DEFICIENCY) / 1.5)
     assert speed(150.0, 0.05) == pytest.approx(tight, rel=1e-12)
     assert speed(-150.0, -0.05) == pytest.approx(tight, rel=1e-12)
-    assert speed(150.0, -0.05) < tight  # cant that suits the other side
+    assert speed(150.0, -0.05) < tight  # cant with the wrong sign
 
 
-#: Of lengths of 100 m, by straight pieces of 5 m and less.
+#: Error of lengths of 100 m drawn with straight pieces of 5 m and less.
 PICTURE_BAND = 0.01
 
 
@@ -97,7 +97,7 @@ def test_load_that_a_twist_moves_is_that_of_statics() -> None:
     series = case.run()
     moved = transition.by_twist(case, series, transition.moved(series))
     assert moved == pytest.approx(transition.statics(case), rel=transition.BAND)
-    # Springs without what leans on them are 4 % off, a ramp of 1:410 is 2.5 %.
+    # Springs without the leaning bodies give 4 % of error, a ramp of 1:410 gives 2.5 %.
     assert moved != pytest.approx(transition.shares(case, series)["springs"], rel=transition.BAND)
     assert moved != pytest.approx(transition.statics(transition.Case(410.0, transition.SLOW)), rel=transition.BAND)
 

@@ -1,4 +1,4 @@
-"""The live page in a real browser: controls, pictures, links, and its kernel and protection against those of Python."""
+"""The live page in a real browser: controls, figures, links; its kernel and protection against Python."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tests.scenarios.live_run import Run
 
 __all__ = ["browser"]
 
-#: What runs start with here: wheels that slide; at level 3 a curve downhill over a wave, with uneven shoes.
+#: Start values here: wheels that slide; at level 3 a curve downhill over a wave, with uneven shoes.
 FRICTION = 0.08
 START = {
     1: {"gradient": -5},
@@ -31,25 +31,26 @@ START = {
     3: {"gradient": -5, "curve": 500, "wave": 5, "uneven": 10},
 }
 ACTIONS = ((0, "lever", 100.0), (0, "leaves", 1.0))
-#: Of outputs that may be small: forces of contacts, loads [N].
+#: Reference values of outputs that may be small: forces of contacts, loads [N].
 NOMINAL = {"lateral_force": 1e3, "flange_force": 1e3, "guiding_force": 1e3, "creep_force": 1e3}
-#: Looks of a stop without and with protection, 20 and 8 s: valves that act on sliding wheels enlarge rounding in time.
+#: Samples of a stop without protection (20 s) and with it (8 s), where valves amplify rounding over time.
 STEPS = {False: round(20 / PERIOD), True: round(8 / PERIOD)}
-#: Resolution of the timers of the wheels' sensors [s], so fine that it does not enlarge rounding.
+#: Resolution of the wheel sensors' timers [s], so fine that it does not amplify rounding.
 FINE_TIMER = 1e-12
-#: Rounding of two mathematical libraries, relative; and what becomes of it where valves act on what the wheels do: the
-#: local error that is allowed, the default `tolerance`.
+#: Relative rounding difference of two mathematical libraries. If valves react to the wheels, it grows to the allowed
+#: local error, the default `tolerance`.
 BANDS = {False: 1e-9, True: 1e-6}
-#: An output beyond its band may differ by so many times what Python's own runs do where friction is off by ROUNDING.
+#: Largest difference of an output beyond its tolerance, as a multiple of the spread of Python's own runs with friction
+#: changed by ROUNDING.
 MORE, ROUNDING = 10.0, (1e-15, -1e-15, 1e-13, -1e-13)
-#: Bytes that a telephone should be asked to load at most.
+#: Largest download for a telephone [bytes].
 LARGEST = 3 * 2**20
 GRAVITY = 9.81
-#: Of a window: width and height [pixels].
+#: Width and height of windows [pixels].
 SIZES = [(1440, 900), (390, 844)]
 
 
-#: What a person does, and the drive of `Run`, in the language of the page.
+#: Actions of a user, and the drive of `Run`, in JavaScript.
 HANDS = f"""
 function move(values) {{
   for (const [name, value] of Object.entries(values)) {{
@@ -116,7 +117,7 @@ def page(browser: Browser, file: Path, request: pytest.FixtureRequest) -> Iterat
 
 @pytest.fixture(scope="module")
 def still(browser: Browser, file: Path) -> Iterator[Page]:
-    """A page that does not go on by itself."""
+    """Yield a page that does not run by itself."""
     for page in opened(browser, file, 800):
         page.evaluate("live.running = false")
         yield page
@@ -133,7 +134,7 @@ def test_brake_and_main_chart_are_on_the_first_screen(page: Page) -> None:
 
 
 def test_the_lever_brakes_and_wheels_lock(page: Page) -> None:
-    """Controls as a person moves them: without protection wheels lock; charts move."""
+    """The controls are moved as by a user: without protection wheels lock; charts move."""
     page.evaluate("openLink('')")
     page.evaluate(f"move({{ pace: 4, friction: {FRICTION}, protection: false, lever: 100 }})")
     moved = "chart.toDataURL() !== before"
@@ -184,7 +185,7 @@ def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
 
 
 def test_pictures_for_the_documentation(page: Page) -> None:
-    """Wheels that have locked, with the full brake as the run before."""
+    """Locked wheels, after a run with the full brake; optionally writes the figures of the documentation."""
     for name in ("full", "locks"):
         page.evaluate(f"stopped('#{PRESETS[name].link}')")
         page.evaluate("draw()")
@@ -197,7 +198,7 @@ def test_pictures_for_the_documentation(page: Page) -> None:
 
 
 def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
-    """Nothing is drawn while it is paused, until a control moves."""
+    """A paused page draws nothing until a control moves."""
     frames = (
         "new Promise((done) => { let n = 0; const on = () => (n++ < 20 ? requestAnimationFrame(on) : done()); on(); })"
     )
@@ -214,7 +215,7 @@ def test_a_page_that_stands_still_costs_nothing(still: Page) -> None:
 def test_the_page_computes_what_python_does(
     still: Page, name: str, level: int, protection: bool, tmp_path: Path
 ) -> None:
-    """A stop with leaves, at level 3 over a wave in a curve: all outputs, and how often valves vent."""
+    """A stop with leaves, at level 3 over a wave in a curve: all outputs, and the number of valve commands."""
     outputs = [variable.name for variable in model_of(name).variables if variable.causality == "output"]
     start = {"machine": name, "level": level, "friction": FRICTION, "protection": int(protection), **START[level]}
     steps = STEPS[protection]
@@ -239,7 +240,7 @@ def test_the_page_computes_what_python_does(
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_a_preset_ends_as_the_native_kernel_does(still: Page, name: str, tmp_path: Path) -> None:
-    """The distance of its end sentence to 0.1 %, the longest lock to 0.1 s."""
+    """Its final message agrees to 0.1 % in distance, and to 0.1 s in the longest lock."""
     sentence = still.evaluate(f"stopped('#{PRESETS[name].link}')")
     run = Run(PRESETS[name].start, PRESETS[name].actions, tmp_path, TIMER)
     distance = run.stop()
@@ -275,7 +276,7 @@ def test_a_number_that_is_no_start_is_refused(still: Page) -> None:
 
 
 def test_wheels_that_are_locked_slow_the_coach_by_friction_times_gravity(still: Page) -> None:
-    """All weight rests on sliding wheels and nothing else brakes: mu g, in any vehicle."""
+    """All weight rests on sliding wheels and nothing else brakes: deceleration is mu g for any vehicle."""
     still.evaluate(f"stopped('#{PRESETS['locks'].link}')")
     speeds = still.evaluate(
         "[10, 25].map((time) => live.simulation.history[Math.round(time / (PERIOD * KEPT))].speed / 3.6)"
@@ -286,7 +287,7 @@ def test_wheels_that_are_locked_slow_the_coach_by_friction_times_gravity(still: 
 @pytest.mark.parametrize("gradient", [-10, 20])
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_a_coach_rolls_downhill_as_masses_and_turning_wheels_do(still: Page, level: int, gradient: int) -> None:
-    """m a = m g sin, the four wheelsets' inertia included: (m + 4 J / r^2) a. The numbers are the benchmark's."""
+    """m g sin = (m + 4 J / r^2) a, where m includes the four wheelsets. The values are the benchmark's."""
     mass, turning = 32000.0 + 2 * 2615.0 + 4 * 1813.0, 4 * 112.0 / 0.46**2
     still.evaluate(f"openLink('#level={level}&gradient={gradient}').then(() => {{ live.running = false }})")
     still.evaluate("live.simulation.advance(10)")
@@ -303,7 +304,7 @@ def test_in_a_curve_to_the_left_the_right_flange_of_the_leading_wheelset_guides(
 
 
 def test_of_two_runs_that_are_asked_for_the_second_goes(still: Page) -> None:
-    """Though the kernel of the first is ready later."""
+    """The kernel of the first one is ready later."""
     waits = "if (name === 'bogie') await new Promise((on) => setTimeout(on, 100));"
     still.evaluate(f"globalThis.own = kernelOf, kernelOf = async (name) => {{ {waits} return own(name) }}, null")
     still.evaluate("Promise.all([openLink('#machine=bogie'), openLink('#friction=0.2')])")
@@ -316,7 +317,7 @@ def test_of_two_runs_that_are_asked_for_the_second_goes(still: Page) -> None:
 
 
 def test_a_link_brings_back_the_run_to_the_last_digit(browser: Browser, file: Path) -> None:
-    """A run by hand in frames of any length, its address opened anew, in a page that computes it in one go."""
+    """A run by hand in frames of any length is repeated from its address, in a page that computes it at once."""
     for page in opened(browser, file, 800):
         page.evaluate("move({ machine: 'bogie', speed: 40, gradient: -10 })")
         page.evaluate("new Promise((found) => setInterval(() => live.settings.gradient === '-10' && found(), 20))")
@@ -347,7 +348,7 @@ def test_a_link_that_cannot_be_says_what_is_left_out(still: Page) -> None:
 
 
 def test_a_stop_counts_from_the_last_braking(still: Page) -> None:
-    """Released in between, it is the stop from the second braking; what was before does not count."""
+    """After a release, the stop starts with the second braking."""
     whole = "#do=0:lever:100,600:lever:0,1600:lever:100"
     assert re.match(r"Stopped in [\d.]+ m and [\d.]+ s from 7\d km/h;", still.evaluate(f"stopped('{whole}')"))
     begun = still.evaluate("live.simulation.stop.begun.time")
@@ -355,7 +356,7 @@ def test_a_stop_counts_from_the_last_braking(still: Page) -> None:
 
 
 def test_a_vehicle_that_its_brake_does_not_hold_is_told_of(still: Page) -> None:
-    """40 in 1000, friction of 0.03: it stands for an instant and slides back; downhill it gets faster."""
+    """40 in 1000 with a friction of 0.03: it stands for an instant and slides back; downhill it accelerates."""
     assert "slides back" in still.evaluate("stopped('#gradient=40&friction=0.03&speed=40&do=0:lever:100')")
     still.evaluate("openLink('#gradient=-40&friction=0.02&do=0:lever:100').then(() => { live.running = false })")
     still.evaluate("live.simulation.advance(20), showDoing()")
@@ -403,7 +404,7 @@ def test_the_table_holds_the_run(still: Page) -> None:
 @pytest.mark.parametrize("level", [1, 2])
 @pytest.mark.parametrize("name", MACHINES)
 def test_no_valve_of_the_page_leaves_apply_on_dry_rail(still: Page, name: str, level: int) -> None:
-    """Half the brake and then all of it, to rest and beyond, on rails with the friction that the page starts with."""
+    """Half the brake and then all of it, to rest and beyond, with the page's initial friction."""
     commands, speed = still.evaluate(f"commandsOnDryRail({name!r}, {level})")
     assert commands == 0
     assert abs(speed) < 0.01

@@ -1,4 +1,4 @@
-"""Messages of pictures follow what was measured: of results that are written here, and of other ones."""
+"""Messages of figures follow from the data, which are written here."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NEVER = 99.0
 
 
 def locking(**times: float) -> Recording:
-    """A braked motion in which wheelsets lock at times [s]; NEVER: not at all."""
+    """Return a braked motion in which wheelsets lock at given times [s], or never with NEVER."""
     units = {"time": "s", "speed": "m/s", "distance": "m"} | dict.fromkeys(times, "1")
     instants = [0.1 * number for number in range(100)]
     rows = [[time, 25.0 - time, 20.0 * time, *(time >= lock for lock in times.values())] for time in instants]

@@ -1,4 +1,4 @@
-"""New against old: ratios, what is wanted of them, and what is said of revisions that cannot be measured."""
+"""New against old: ratios and their limits, and messages about revisions that cannot be measured."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_binaries_are_compared_where_both_have_them(tmp_path: Path) -> None:
 
 
 def answers(monkeypatch: pytest.MonkeyPatch, **known: str) -> None:
-    """git as it would answer."""
+    """Replace git by fixed answers."""
     monkeypatch.setattr(old_and_new, "git", lambda *words: known.get(words[0].replace("-", "_")))
 
 

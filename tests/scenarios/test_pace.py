@@ -1,4 +1,4 @@
-"""Runs at the pace of the clock, and what they report."""
+"""Runs in real time, and their reports."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.conftest import Fmus
 
 
 def test_a_run_takes_as_long_as_it_says_and_reports_its_steps(capsys: pytest.CaptureFixture[str]) -> None:
-    main(["pace", "point", "--step", "10ms", "--seconds", "0.01", "--quiet"])  # built, if it was not
+    main(["pace", "point", "--step", "10ms", "--seconds", "0.01", "--quiet"])  # built if necessary
     begin = time.perf_counter()
     status = main(["pace", "point", "--step", "10ms", "--seconds", "0.5", "--json"])
     assert 0.49 <= time.perf_counter() - begin < 5.0
@@ -80,7 +80,7 @@ def test_a_run_that_fails_says_so(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_the_fmu_of_a_stop_is_the_list_s(tmp_path: Path) -> None:
-    """Every vehicle of the list makes a stop, so that no FMU is paced at a standstill unawares."""
+    """Every listed vehicle makes a stop, so that no FMU is paced at a standstill by mistake."""
     from products.registry import FMUS, model_of
 
     driven = {name for name in FMUS if any(v.name == "brake_torque_2" for v in model_of(name).variables)}

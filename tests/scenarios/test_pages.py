@@ -1,4 +1,4 @@
-"""Pages of results in a real browser: nothing amiss, all charts there, numbers those of the files, bodies that move."""
+"""Result pages in a real browser: no errors, all charts, the numbers of the files, moving bodies."""
 
 from __future__ import annotations
 
@@ -37,17 +37,17 @@ ROOT = Path(__file__).parents[2]
 NAME, WIDE, NARROW = "bogie-lateral", 1440, 390
 REPORT, INDEX = f"{NAME}/report.html", "index.html"
 WORDS = {True: "\u2713 holds", False: "\u2717 does not hold", None: "\u2013 not judged"}
-#: Of lengths that were 32-bit floats on their way, and count from rails that are straight over 0.25 m [m].
+#: Rounding of lengths by 32-bit floats, measured from rails that are straight over 0.25 m [m].
 ROUNDED = 5e-6
-#: A rigid contact has no gap; the section leaves out the yaw, and draws profiles with straight lines [mm].
+#: Gap of a rigid contact in the drawn section [mm], which neglects yaw and draws profiles with straight lines.
 TOUCHES = 0.05
-#: Half width in which a wheel stands on its tread [mm]; beyond it a flange at contact model 1 is a spring that yields.
+#: Half width of contact on the tread [mm]; beyond it a flange at contact model 1 is an elastic spring.
 TREAD = 25.0
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Results of one scenario in space, with its page and the index."""
+    """Return the results of one 3D scenario, with its page and the index."""
     out = tmp_path_factory.mktemp("results")
     assert main(["run", NAME, "--html", "--out", str(out)]) == DOES_NOT_HOLD  # as docs/checking.md says
     assert main(["report", "--out", str(out)]) == 0
@@ -56,13 +56,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def opened(browser: Browser, folder: Path) -> Callable[[str, int], Page]:
-    """Gives a file of the folder in a window of some width, each opened once."""
+    """Return a function that opens a file of the folder in a window of a given width, once each."""
     return lru_cache(lambda file, width: browser.open(folder / file, width))
 
 
 @pytest.fixture
 def report(opened: Callable[[str, int], Page]) -> Page:
-    """In front of the others, where time and mouse go on."""
+    """Return the report as the front page, where time and mouse are active."""
     page = opened(REPORT, WIDE)
     page.call("Page.bringToFront")
     return page
@@ -74,7 +74,7 @@ def summary(folder: Path) -> dict[str, Any]:
 
 
 def cut(page: Page) -> list[str]:
-    """What reaches out of the window."""
+    """Return the elements that extend beyond the window."""
     return list(
         page.evaluate(
             """[...document.querySelectorAll("body *:not(svg *):not(#js-plotly-tester)")].filter((one) => {
@@ -175,7 +175,7 @@ def test_dragging_zooms_a_chart(report: Page) -> None:
 
 
 def shown_at(page: Page, row: int, factor: int) -> dict[str, np.ndarray]:
-    """Points of each part of the vehicle when the time bar stands at a row, by name; shape (3, n)."""
+    """Return the points of each vehicle part by name, with the time bar at a row; shape (3, n)."""
     page.evaluate(
         f"""["time", "exaggeration"].forEach((name, n) => {{
             const bar = document.getElementById(`${{name}}`);
@@ -191,7 +191,7 @@ def shown_at(page: Page, row: int, factor: int) -> dict[str, np.ndarray]:
 
 
 def test_time_bar_moves_the_bodies_as_the_run_did(report: Page) -> None:
-    """Against states of the kernel that the page does not know: a wheelset's place across the track, not the rails."""
+    """Compare with the kernel's states, which the page does not have: lateral position of a wheelset, not of rails."""
     vehicle, factor = two_axle_bogie(), 5
     scene = AS_PRINTED | {"constant_speed": 1, LATERAL.name: LATERAL.amplitude}
     kernel = prepare("bogie", **RIGID, initial_speed=SPEEDS[0], **scene)
@@ -267,7 +267,7 @@ BREAKS = "</script><script>document.title = 'broken'</script> <b>&lt; 1 'x' \"y\
 
 
 def nasty_report() -> Report:
-    """Every text of it could end the page; one row of each verdict, and a motion in the plane."""
+    """Return a report whose strings could each end the page, with a row of each verdict and a planar motion."""
     time = np.linspace(0.0, 1.0, 11)
     series = Recording({"time": "s"}, [[instant] for instant in time])
     series.add(BREAKS, BREAKS, time)
@@ -301,7 +301,7 @@ def test_texts_of_a_result_are_shown_and_never_obeyed(browser: Browser, tmp_path
     verdicts = page.evaluate("[...document.querySelectorAll('.rows .verdict')].map((one) => one.textContent)")
     assert verdicts == [WORDS[False], WORDS[True], WORDS[None]]
     assert page.evaluate("document.getElementById('section')") is None
-    # Planar: nothing is across the track, and the wheels' radius has its unit.
+    # Planar: everything is on the centre line, and the wheels' radius has its unit.
     assert abs(shown_at(page, 10, 50)["wheelset 1"][1].mean()) < ROUNDED
     assert main(["report", "--out", str(tmp_path)]) == 0
     assert browser.open(tmp_path / "index.html", WIDE).errors == []
@@ -314,7 +314,7 @@ RADIUS, CANT, RAMP, GRADIENT = 300.0, 0.15, 60.0, 5e-3
 
 @pytest.fixture(scope="module")
 def curve() -> Motion:
-    """A bogie in an arc to the left, up a cant ramp and a gradient; its rails lie 3 mm beside their place."""
+    """Return a bogie in an arc to the left, up a cant ramp and a gradient; its rails are displaced by 3 mm."""
     bend, uphill = (1 / RADIUS, 1 / RADIUS), (GRADIENT, GRADIENT)
     vehicle, line = two_axle_bogie(), line_of([Segment(RAMP, bend, (0.0, CANT), uphill)])
     aside = {f"{side}_lateral": np.full_like(line.rows["distance"], 3e-3) for side in ("left", "right")}
@@ -327,9 +327,9 @@ def curve() -> Motion:
 
 
 def without_cant(points: np.ndarray, middle: float) -> np.ndarray:
-    """Points (3, n) turned back about the track's axis by the cant where their part is; with it the right is higher.
+    """Rotate points (3, n) back about the track's axis by the cant at their part; cant raises the right side.
 
-    Of a wheelset all points turn with its middle; rails and sleepers are lines across or along the track.
+    All points of a wheelset turn with its centre; rails and sleepers are lines across or along the track.
     """
     x, y, z = points
     rigid = points.shape[1] > 2 and not np.isnan(points).any()
@@ -339,7 +339,7 @@ def without_cant(points: np.ndarray, middle: float) -> np.ndarray:
 
 
 def test_a_curve_bends_before_and_behind_the_vehicle(browser: Browser, curve: Motion, tmp_path: Path) -> None:
-    """By x^2 / (2 R) from its tangent, as its wheelsets do, which turn by x / R."""
+    """The offset is x^2 / (2 R) from its tangent, and the wheelsets turn by x / R."""
     report = Report([], curve.series, lambda: single("title", "x [m]", "y [m]")[0], {}, 1.0, motion=lambda: curve)
     scenario, factor, row = Scenario("curve", "An arc.", lambda options: report), 20, 5
     save(report, "curve", tmp_path, 1.0, lambda report, folder: write_report(scenario, report, folder))
@@ -351,7 +351,7 @@ def test_a_curve_bends_before_and_behind_the_vehicle(browser: Browser, curve: Mo
     middle = curve.series["distance"][row]
     parts = {name: without_cant(points, middle) for name, points in parts.items()}
     count = parts["rails"].shape[1] // 2
-    x, y, left = parts["rails"][:, : count - 1]  # without the gap behind it
+    x, y, left = parts["rails"][:, : count - 1]  # without the gap after it
     right = parts["rails"][2, count:-1]
     assert [left, right] == [pytest.approx(0.0, abs=ROUNDED)] * 2
     half = curve.vehicle.wheelsets[0].pair.left.wheel_half_distance
@@ -368,7 +368,7 @@ def test_a_curve_bends_before_and_behind_the_vehicle(browser: Browser, curve: Mo
 
 
 def test_the_bend_of_a_transition_is_its_double_integral() -> None:
-    """Exact where curvature grows evenly: curvature 1e-4 x, 2 m before its place 10 m on."""
+    """The result is exact for linear curvature 1e-4 x; the vehicle is 10 m on, the point 2 m behind it."""
     rails = Rails(np.array([0.0, 100.0]), {"curvature": np.array([0.0, 1e-2])})
     aside, turned = rails.bend(np.array([10.0]), -2.0)
     assert aside == pytest.approx(1e-4 * (10.0 * 2.0**2 / 2 - 2.0**3 / 6))
@@ -432,7 +432,7 @@ def test_no_results_are_refused_with_a_sentence(tmp_path: Path, capsys: pytest.C
     assert f"There are no results in {tmp_path}; run a scenario first" in capsys.readouterr().err
 
 
-#: A row, and a sweep, that lack something.
+#: An incomplete row and an incomplete sweep.
 BARE_RUN = '{"scenario": "levels", "rows": [{"holds": true}], "wall_seconds": 1.0}'
 BARE_SWEEP = '{"sweep": "levels", "vary": {"level": []}, "units": {"level": "1"}, "points": 0, "failed": 0}'
 

@@ -1,4 +1,4 @@
-"""Every picture has a message: there is one, in few words, and a report tells it."""
+"""Every figure has a short message, and a report contains it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a release has compiled serves as long as the sources would make the same, and no longer."""
+"""Files compiled by a release are used as long as the sources would give the same ones."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PLATFORM = next(tag for tag in platform_tags() if tag in release.WHEELS)
 
 @pytest.fixture(scope="module")
 def filled_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder as in a wheel, with the brake."""
+    """Return a folder as in a wheel, with the brake."""
     folder = tmp_path_factory.mktemp("prebuilt")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(release, "DIFFERENT", ["brake"])
@@ -33,7 +33,7 @@ def filled_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def filled(filled_once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A copy of it."""
+    """Return a copy of `filled_once`."""
     shutil.copytree(filled_once, tmp_path / "prebuilt")
     monkeypatch.setattr(prebuilt, "PREBUILT", tmp_path / "prebuilt")
     return tmp_path / "prebuilt"
@@ -69,13 +69,13 @@ def test_the_protection_that_a_wheel_brings_needs_no_compiler(filled: Path, monk
 def test_sources_that_make_the_same_are_recognised_by_what_they_make(
     filled: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A comment, say."""
+    """For example, after a change of a comment."""
     monkeypatch.setattr(prebuilt, "digest", lambda *_: "another")
     assert building.up_to_date("brake", "native").is_relative_to(filled)
 
 
 def test_what_was_changed_is_built(filled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A brake with other start values; nothing but its sources says so."""
+    """The brake has other start values, and nothing except its sources shows it."""
     monkeypatch.setattr(prebuilt, "digest", lambda *_: "another")
     for module in (prebuilt, building):
         monkeypatch.setattr(module, "model_of", lambda _: brake_cylinder(qr30(150)))
@@ -86,7 +86,7 @@ def test_what_was_changed_is_built(filled: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def test_an_fmu_with_another_picture_is_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A cache that knew no pictures gave FMUs with those of before."""
+    """A cache that ignored images returned FMUs with outdated ones."""
     before = prebuilt.content_of("brake")
     shutil.copytree(prebuilt.PICTURES, tmp_path / "pictures")
     monkeypatch.setattr(prebuilt, "PICTURES", tmp_path / "pictures")
@@ -120,6 +120,6 @@ def test_a_release_goes_into_an_empty_folder(tmp_path: Path, capsys: pytest.Capt
 def test_checksums_are_those_of_the_files(tmp_path: Path) -> None:
     (tmp_path / "abc").write_bytes(b"abc")
     release.write_checksums(tmp_path)
-    # FIPS 180-4, the example of one block.
+    # FIPS 180-4, example with one block.
     known = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
     assert (tmp_path / "SHA256SUMS").read_text() == f"{known}  abc\n"

@@ -1,4 +1,4 @@
-"""Profiles from files on the command line: the cases of EN 15302 come out, and bad input gets one sentence."""
+"""Profiles from files on the command line: the cases of EN 15302, and one message for each bad input."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def wheel(letter: str) -> Path:
 
 
 def en_15302(case: str) -> np.ndarray:
-    """Columns amplitude [mm], tan(gamma_e), its upper and lower limit, of one case."""
+    """Return the columns amplitude [mm], tan(gamma_e), its upper and lower limit, of one case."""
     lines = (REFERENCE / "en15302_conicity.csv").read_text().splitlines()
     return np.array([[float(x) for x in line.split(",")[1:]] for line in lines if line.startswith(case)]).T
 
 
 @pytest.fixture
 def few_shifts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer rows of the table of contacts, which is not what is compared."""
+    """Shorten the table of contacts, which is not compared."""
     monkeypatch.setattr(contact_geometry, "FILE_SHIFTS", np.linspace(-8e-3, 8e-3, 17))
 
 
@@ -66,7 +66,7 @@ def test_conicity_of_files_is_that_of_en_15302_at_every_amplitude(
 def test_a_rail_from_its_other_side_is_told_and_changes_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
-    """The conicity of case E1, and the side in the summary's parameters; a side that is given is checked."""
+    """The conicity of case E1 and the side in the summary's parameters are unchanged; a given side is checked."""
     monkeypatch.setattr(contact_geometry, "FILE_SHIFTS", np.array([-1e-3, 0.0, 1e-3]))
     monkeypatch.setattr(contact_geometry, "FILE_AMPLITUDES", np.array([1e-3, 3e-3]))
     mirrored = tmp_path / "mirrored.csv"

@@ -1,4 +1,4 @@
-"""The replay of a log: commands against those written here, forms of a controller, refusals."""
+"""Replay of a log: expected commands, forms of a controller, refusals."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ void wheel_slide_step(void *memory, double time, const double *v, int *valve)
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A log of 4 s, a row every 10 ms: wheelset 2 turns at half of the speed of wheelset 1 from 1 s to 2.5 s."""
+    """Change to a folder with a log of 4 s, a row every 10 ms; from 1 to 2.5 s wheelset 2 has half of wheelset 1's
+    speed.
+    """
     time = 0.01 * np.arange(401)
     slides = (time > 0.995) & (time < 2.495)
     rows = np.column_stack([time, np.full(401, 20.0), np.where(slides, 10.0, 20.0), 2.0 * slides])
@@ -73,7 +75,7 @@ def test_a_valve_vents_while_its_wheel_slides(
     first, second = told["wheelsets"]
     assert told["questions"] == told["answers"] == round(4.0 / step) + 1
     assert (first["apply"], first["first_command"], first["longest_vent"], first["as_in_log"]) == (1, None, 0, None)
-    # Of the questions every step those from 1 s to 2.5 s, where the row at 2.5 s is the first that rolls.
+    # The steps from 1 s to 2.5 s; the row at 2.5 s is the first that rolls.
     begin, end = np.ceil(1.0 / step - 1e-9) * step, np.ceil(2.5 / step - 1e-9) * step
     assert second["first_command"] == pytest.approx(begin)
     assert second["longest_vent"] == pytest.approx(end - begin)
@@ -83,7 +85,7 @@ def test_a_valve_vents_while_its_wheel_slides(
 
 
 def test_the_log_of_a_protected_stop_shows_the_commands_that_were_given(tmp_path: Path) -> None:
-    """What the sensors showed is the log; true speeds, which the recording has, give other commands."""
+    """The log contains the sensor readings; the true speeds of the recording would give other commands."""
     seen: list[list[float]] = []
 
     class Heard(SlideProtection):
@@ -165,7 +167,7 @@ def test_a_log_that_cannot_be_replayed_is_refused(
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
 def test_a_log_from_a_spreadsheet_is_read(encoding: str, folder: Path) -> None:
-    """With decimal commas, in the units and the names of its logger."""
+    """It has decimal commas, and the logger's units and names."""
     text = "Time [ms];Wheel speed 1 [km/h];valve 1;cabin (degC)\r\n0;72,0;0;21,5\r\n10;36,0;2;21,5\r\n;;;\r\n"
     (folder / "log.csv").write_text(text, encoding=encoding)
     log = read_log(Path("log.csv"))

@@ -1,4 +1,4 @@
-"""The train on sand against an integration of its own, written here from the page's sentences alone."""
+"""The train on sand against a separate integration, based on the page's text alone."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from rbd_model.track.sand import common_sand
 from scenarios.brakes import sanding
 from scenarios.brakes.sanding import FITTED, NONE, ONE, TWO, Trial
 
-#: Between two methods; sand begins over half a metre.
+#: Difference of two methods; sand begins over half a metre.
 SAME = 2e-3
 #: Four cars of 20 m: bogies of 2.6 m, 14 m apart.
 PLACES = np.array([-(20.0 * car + along) for car in range(4) for along in (0.0, 2.6, 14.0, 16.6)])
 
 
 def way(trial: Trial) -> float:
-    """Stopping distance [m] of wheelsets that use all adhesion; sand from 2 s on, the brake from 1 s on."""
+    """Return the stopping distance [m] of wheelsets that use all adhesion, braked after 1 s, with sand after 2 s."""
     rate, limit = (4 / 60, 7.5e-3) if trial.varies else (2 / 60, np.inf)
     law = common_sand()
 
@@ -47,7 +47,7 @@ def test_stops_on_sand_are_those_of_another_integration(trial: Trial) -> None:
 
 
 def test_the_numbers_of_the_law_are_those_that_are_fitted() -> None:
-    """As they stand in rbd_model/track/sand.py, to their digits; a law with another fall meets the trials no more."""
+    """Compare the values in rbd_model/track/sand.py to their digits; a law with another decay misses the trials."""
     found = sanding.fitted()
     assert common_sand().sanded_friction == pytest.approx(found.sanded_friction, rel=0.01)
     assert common_sand().sand_scale == pytest.approx(found.sand_scale, rel=0.01)

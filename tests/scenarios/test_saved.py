@@ -1,4 +1,4 @@
-"""Saved results of scenarios and sweeps are shown as they were saved, or refused with the reason."""
+"""Saved results of scenarios and sweeps are shown unchanged, or refused with the reason."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Summary = dict[str, Any]
 
 @pytest.fixture(scope="module")
 def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A scenario's results: a row that holds, one that does not, one that is not judged."""
+    """Return a scenario's results: a row within its tolerance, one outside, and one without a verdict."""
     rows = [
         Row("mass", "kg", 1.1, 1.0, 0.2, "chapter 5"),
         Row("speed", "m/s", None, 2.0, at_most(1.0), ""),
@@ -54,7 +54,7 @@ def read_back(folder: Path, summary: Summary) -> Run | Sweep:
 
 
 def row(number: int, **values: Any) -> Callable[[Summary], Summary]:
-    """Changes of a row."""
+    """Return a change of values in one row."""
     return lambda summary: (
         summary | {"rows": [one | values if n == number else one for n, one in enumerate(summary["rows"], 1)]}
     )
@@ -124,7 +124,7 @@ def test_two_thousand_mutated_summaries_are_shown_or_refused_with_a_sentence(sum
     for _ in range(MUTATIONS):
         text = chance.choice(texts)
         at = chance.randrange(len(text))
-        (tmp_path / "summary.json").unlink(missing_ok=True)  # some file systems flush what is written over
+        (tmp_path / "summary.json").unlink(missing_ok=True)  # some file systems flush a file that is overwritten
         (tmp_path / "summary.json").write_bytes(text[:at] + chance.choice(pieces) + text[at + chance.randrange(12) :])
         try:
             found = read(tmp_path)

@@ -1,4 +1,4 @@
-"""Every scenario runs, leaves what it promises, and refuses bad input with one sentence."""
+"""Every scenario runs, writes all its files, and refuses bad input with one message."""
 
 from __future__ import annotations
 
@@ -66,20 +66,20 @@ def summary(out: Path, name: str) -> dict:
 
 @pytest.fixture
 def short_oracle(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The oracle takes a minute; a tenth of each scene shows that it runs."""
+    """The oracle takes a minute; a tenth of each case shows that it runs."""
     short = [replace(scene, duration=0.1 * scene.duration) for scene in oracle.SCENES]
     monkeypatch.setattr(oracle, "SCENES", short)
 
 
 @pytest.fixture
 def short_coupling(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Macro steps below 1 ms take most of the time and tell nothing that the others do not."""
+    """Macro steps below 1 ms take most of the time and give no further information."""
     monkeypatch.setattr(coupling_step, "STEPS", (1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 2.5e-2, 5e-2, 6e-2, 7.5e-2, 1e-1))
 
 
 @pytest.fixture
 def short_study(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One setting of each method on one scene; the whole study takes minutes, see `make charts`."""
+    """One setting of each method on one case; the whole study takes minutes, see `make charts`."""
     chosen = (six_scenes.LOCK_UP,)
     monkeypatch.setattr(speed_accuracy, "all_studies", partial(speed_accuracy.all_studies, True, chosen))
     monkeypatch.setattr(speed_accuracy, "HOST_STEPS", (1e-2,))
@@ -89,7 +89,7 @@ def short_study(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_ensembles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One setting of each way, few stops."""
+    """One setting of each method, few stops."""
     shorter = {"TOLERANCES": (1e-6,), "COARSE": (1e-5,), "FIXED_STEPS": (1e-2,), "ROUNDS": 1, "JUDGED": 2}
     shorter |= {"IN_A_BATCH": {"planar": 32, "spatial": 16}, "OF_A_THREAD": 1, "OF_A_PROCESS": 1}
     for name, value in shorter.items():
@@ -98,7 +98,7 @@ def short_ensembles(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer periods and a shorter count; tests/scenarios/test_anti_skid.py has the others."""
+    """Fewer periods and a shorter count; tests/scenarios/test_anti_skid.py covers the others."""
     monkeypatch.setattr(anti_skid, "PERIODS", (5e-3,))
     monkeypatch.setattr(anti_skid, "TEETH", (80, 10000))
     monkeypatch.setattr(anti_skid, "STRENGTHS", anti_skid.STRENGTHS[:2])
@@ -106,7 +106,7 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is measured for people is measured once and briefly, and stability at fewer speeds, frictions and loads."""
+    """Speed is measured once and briefly, stability at fewer speeds, frictions and loads."""
     monkeypatch.setattr(speed, "REPEATS", 1)
     monkeypatch.setattr(speed, "HOST_STEPS", 500)
     monkeypatch.setattr(speed, "CALLS", 1000)
@@ -130,7 +130,7 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_vehicles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Longer macro steps, whose orders are the same, and the rail that is cleaned."""
+    """Longer macro steps, whose orders are the same, and only the cleaned rail."""
     monkeypatch.setattr(vehicle_composed, "STEPS", tuple(1e-3 * n for n in (2, 2.5, 4, 5, 8, 10, 12.5, 16, 20, 25)))
     monkeypatch.setattr(vehicle_composed, "SHOWN", 2e-3)
     monkeypatch.setattr(vehicle_hunting, "SPEEDS", np.arange(10.0, 111.0, 10.0))
@@ -139,7 +139,7 @@ def short_vehicles(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_track(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What does not vibrate on rigid rails; tests/rbd_model/test_yielding_track.py has what does."""
+    """Only cases that do not vibrate on rigid rails; tests/rbd_model/test_yielding_track.py covers the others."""
     calm = [scene for scene in flexible_track.scenes() if scene.name in ("curve 800 m", "straight, braked")]
     monkeypatch.setattr(flexible_track, "scenes", lambda: calm)
     monkeypatch.setattr(flexible_track, "SHOWN", "curve 800 m")
@@ -148,27 +148,27 @@ def short_track(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two steps, and the stops alone; the whole takes a minute and a half."""
+    """Two steps, and only the stops; all of it takes a minute and a half."""
     monkeypatch.setattr(thesis_step, "RUNS", tuple(thesis_step.SHOES.values()))
     monkeypatch.setattr(thesis_step, "STEPS", (8e-4, thesis_step.CLOSER))
 
 
 @pytest.fixture
 def short_laws(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The laws that compile in a second; tests/rbd_model/test_creep_laws.py asks of the others what this one does."""
+    """Only laws that compile in a second; tests/rbd_model/test_creep_laws.py tests the others in the same way."""
     chosen = ("Kalker, linear", "Shen, Hedrick, Elkins", "Polach", "FASTSIM 5 x 5")
     monkeypatch.setattr(creep_laws, "LAWS", {name: creep_laws.LAWS[name] for name in chosen})
 
 
 @pytest.fixture
 def short_flange(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The flange of the curves; test_every_flange_is_climbed_at_nadals_limit has the other two."""
+    """Use only the flange of the curves; test_every_flange_is_climbed_at_nadals_limit has the other two."""
     monkeypatch.setattr(flange_climb, "ANGLES", (flange_climb.CURVE_ANGLE,))
 
 
 @pytest.fixture
 def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer settings of methods, shorter trains, few macro steps; tests/train has the others."""
+    """Fewer settings of methods, shorter trains, few macro steps; tests/train covers the others."""
     few = {name: (work, settings[-1:], text) for name, (work, settings, text) in train_methods.METHODS.items()}
     explicit, implicit = train_methods.EXPLICIT, train_methods.MIDPOINT
     few[explicit] = (few[explicit][0], (train_methods.SHARE, train_methods.LYING), few[explicit][2])
@@ -192,7 +192,8 @@ def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(train_pace, number, count)
 
 
-#: What is known not to hold, by scenario; docs/checking.md says why. A miss that is gone is told as one that is new.
+#: Known misses by scenario; docs/checking.md states the reasons. A miss that disappears fails the test as a new one
+#: does.
 MISSES = {
     "asymmetric-braking": {
         *(f"rotating axis, leading, {error} %, 1 s: time to stop" for error in (25, 50)),
@@ -217,17 +218,17 @@ MISSES = {
         for quantity in ("the place on the rail", "the force ahead", "the force sideways")
     },
     "creep-forces": {"largest distance from exact theory, with spin"},
-    # And the 99 % at random states of FASTSIM and FaStrip, which short_laws leaves out.
+    # The 99 % at random states of FASTSIM and FaStrip is missed too, but short_laws leaves it out.
     "creep-laws": {f"Polach: {kind}, largest distance" for kind in ("mixed", "spin-dominated", "saturated")},
     "vehicle-anti-skid": {"low, cleaned: least rise of braking force over load from one wheelset to the next"},
-    "vehicle-composed": {"coupled, held: error of distance at 2 ms"},  # as short_vehicles has it
+    "vehicle-composed": {"coupled, held: error of distance at 2 ms"},  # with the steps of short_vehicles
     "wheelset-skid": {"friction 0.3: time from brake to lock"},
     "wheelset-torque": {"distance slipped while braking"},
 }
 
-#: Of the lock that the torque was fitted to [m/s, s]: 2.7 s hangs on when the brake starts, which is assumed.
+#: Tolerance of the lock to which the torque was fitted [m/s, s]: 2.7 s depends on the assumed start of the brake.
 FITTED_BAND = 0.1
-#: What the view in space of a report is drawn from.
+#: Data of the 3D view of a report.
 MOTION = re.compile(r'<script id="data" type="application/json">(.*?)</script>')
 
 
@@ -277,7 +278,7 @@ def test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_pictu
 
 @pytest.mark.long
 def test_every_flange_is_climbed_at_nadals_limit(tmp_path: Path) -> None:
-    """The scenario without short_flange."""
+    """Run the scenario without short_flange."""
     test_scenario_holds_but_for_its_known_misses_and_leaves_table_data_and_picture("flange-climb", tmp_path)
 
 
@@ -303,7 +304,7 @@ def test_row_that_does_not_hold_gives_exit_status_1(tmp_path: Path, monkeypatch:
 
 
 def test_fitted_torque_locks_where_it_was_fitted_to(tmp_path: Path) -> None:
-    """No finding, and so not judged by the scenario; that it stays so is asked here (section 8.3.3)."""
+    """This is a fit and not a finding, so the scenario has no verdict for it (section 8.3.3)."""
     assert main(["run", "qr30-180kpa", "--out", str(tmp_path), "--step", "0.01"]) == 0
     rows = {row["quantity"]: row for row in summary(tmp_path, "qr30-180kpa")["rows"]}
     for quantity, printed in (("fitted torque: speed at lock", 1.8), ("fitted torque: time of lock", 2.7)):
@@ -316,7 +317,7 @@ def test_measured_torque_history_replaces_the_cylinder(tmp_path: Path, capsys: p
     history.write_text("time [s],torque [N.m]\n10.0,0\n10.8,1800\n16.0,1800\n")
     arguments = ["run", "qr30-180kpa", "--torque-csv", str(history), "--out", str(tmp_path)]
     assert main(arguments) == 0
-    # The brake hangs in the frame; on the wheelset alone, as the thesis has it, this torque locks at 1.8 m/s.
+    # The brake reacts on the frame here; on the wheelset alone, as in the thesis, this torque locks at 1.8 m/s.
     assert "the trailing wheelset locked at 1.93 m/s" in capsys.readouterr().out
 
 
@@ -395,7 +396,7 @@ def test_failure_while_writing_leaves_the_old_results(
     monkeypatch.setattr(Figure, "savefig", fail)
     assert main(arguments) == 3
     words = f"Cannot write {tmp_path / name}: the disk is full. Choose another folder with --out.\n"
-    assert capsys.readouterr().err.endswith(words)  # behind what a slow machine shows of its progress
+    assert capsys.readouterr().err.endswith(words)  # preceded by the progress of a slow computer
     assert (tmp_path / name / "summary.json").read_text() == before
     assert [p.name for p in tmp_path.iterdir()] == [name]
 
@@ -477,6 +478,6 @@ def test_a_table_leaves_out_columns_without_a_value() -> None:
 def test_verdicts_are_computed() -> None:
     assert Row("q", "m", 1.0, 1.05, 0.1, "s").holds is True
     assert Row("q", "m", 1.0, 1.2, 0.1, "s").holds is False
-    assert Row("q", "m", 1.0, None, 0.1, "s").holds is False  # it should have happened and did not
+    assert Row("q", "m", 1.0, None, 0.1, "s").holds is False  # an expected event that did not happen
     assert Row("q", "m", None, 1.2, None, "s").holds is None
     assert "DOES NOT HOLD" in report.table([Row("q", "m", 1.0, 1.2, 0.1, "s")])

@@ -1,4 +1,4 @@
-"""Sweeps: the grid, the table, what a point may do, workers that die, a cluster, and bad input."""
+"""Sweeps: grid, table, failures of points, worker processes that terminate, a cluster, bad input."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_a_report_shows_a_sweep_as_long_as_it_is_whole(tmp_path: Path, capsys: p
     [shown] = re.findall(r'<table id="sweeps">.*?</table>', page, re.DOTALL)
     assert 'href="sweep-moody/table.csv"' in shown
     assert re.findall(r">([^<>\n]+)</td>", shown) == ["mood 0, 1", "2", "1"]
-    # An interrupted sweep has its journal alone.
+    # An interrupted sweep leaves only its event log.
     for name in FILES:
         (folder / name).unlink(missing_ok=True)
     assert main(["report", "--out", str(tmp_path)]) == 2
@@ -99,7 +99,7 @@ def test_failed_points_stay_in_the_table_with_their_reason(tmp_path: Path, capsy
         10.0: f"ValueError: \\udcff{400 * 'long '}"[:2000] + "...",
     }
     before = files(tmp_path / "sweep-moody")
-    assert points.run(arguments) == 1  # nothing is run again, and the status stays
+    assert points.run(arguments) == 1  # no point runs again, and the status stays
     assert "11 of 11 points are done already" in capsys.readouterr().out
     assert files(tmp_path / "sweep-moody") == before
 
@@ -119,7 +119,7 @@ def test_point_function_that_workers_cannot_load_ends_the_sweep(
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    """A scheduler and two workers on this machine, reached through TCP."""
+    """Yield a scheduler and two workers on this computer, connected by TCP."""
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
         n_workers=2,
@@ -180,7 +180,7 @@ def test_without_the_extra_there_is_the_csv_and_a_sentence(
 
 
 HEAVY = "bogie-heavy-braking"
-#: Scenarios that take part, as they are listed.
+#: Scenarios that can be swept, in the order of the list.
 SWEPT = f"{HEAVY}, anti-skid, braking-distance, train-braking, levels"
 
 

@@ -1,4 +1,4 @@
-"""The journal of a sweep, its writers killed or its lines edited: each row has its own results, or it is refused."""
+"""The event log of a sweep after killed writers or edited lines: each row has its own results or is refused."""
 
 from __future__ import annotations
 
@@ -32,25 +32,25 @@ POSIX = pytest.mark.skipif(sys.platform == "win32", reason="Windows has neither 
 
 
 def lines_of(path: Path) -> list[bytes]:
-    """Whole lines of a journal, the head among them."""
+    """Return the complete lines of an event log, including the head."""
     return path.read_bytes().split(b"\n")[:-1] if path.exists() else []
 
 
 def small(out: Path) -> int:
-    """Runs the small sweep here."""
+    """Run the small sweep here."""
     return int(points.run_here(["sweep", "cheap", *SMALL, "--out", str(out)]))
 
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> list[bytes]:
-    """Lines of the journal of the small sweep."""
+    """Return the lines of the small sweep's event log."""
     out = tmp_path_factory.mktemp("small")
     assert small(out) == 0
     return lines_of(out / "sweep-cheap" / JOURNAL)
 
 
 def written(out: Path, lines: list[bytes]) -> Path:
-    """A journal of these lines in a folder for results."""
+    """Write an event log of these lines in a folder for results."""
     path = out / "sweep-cheap" / JOURNAL
     path.parent.mkdir()
     path.write_bytes(b"\n".join([*lines, b""]))
@@ -58,7 +58,7 @@ def written(out: Path, lines: list[bytes]) -> Path:
 
 
 def test_infinite_results_are_kept_as_they_are(tmp_path: Path) -> None:
-    """JSON has no number for them; they ended a sweep."""
+    """JSON has no numbers for them; before, they ended a sweep."""
     found = Outcome({"product": math.inf, "ratio": -math.inf}, point={"x": 1.0})
     before: dict[int, Outcome]
     for before in ({}, {0: found}):
@@ -75,7 +75,7 @@ def test_infinite_results_are_kept_as_they_are(tmp_path: Path) -> None:
 def test_killed_at_ten_random_bytes_or_without_room_and_resumed_gives_the_same_bytes(
     start: Callable[..., Any], whole: Path, tmp_path: Path
 ) -> None:
-    """The system ends a process in the middle of a line, or refuses the rest of it, as a full disk does."""
+    """The system kills a process in the middle of a line, or refuses the rest of the line, as a full disk does."""
     arguments, folder, said = (
         ["sweep", "cheap", *GRID, "--out", str(tmp_path)],
         tmp_path / "sweep-cheap",
@@ -128,7 +128,7 @@ def test_workers_leave_with_a_killed_parent(start: Callable[..., Any], tmp_path:
     while sizes[-1] != sizes[-2]:
         time.sleep(0.5)
         sizes.append(file.stat().st_size)
-    assert sizes[-1] < 1000  # what a worker writes that stays
+    assert sizes[-1] < 1000  # only permanent output of a worker
 
 
 def test_a_line_that_was_cut_off_is_dropped_and_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -138,7 +138,7 @@ def test_a_line_that_was_cut_off_is_dropped_and_told(tmp_path: Path, capsys: pyt
     capsys.readouterr()
     for cut in (1, 5, len(journal.split(b"\n")[-2]), len(journal) - 20):
         (folder / JOURNAL).write_bytes(journal[:-cut])
-        left = folder / f".0123456789abcdef{PARTIAL}"  # of a table that was being written when its writer was killed
+        left = folder / f".0123456789abcdef{PARTIAL}"  # of a table whose writer was killed
         left.write_text("x,y")
         assert small(tmp_path) == 0
         assert not left.exists()
@@ -218,7 +218,7 @@ def test_journal_of_another_sweep_is_refused(
     assert [row[0] for row in rows(tmp_path / "sweep-cheap")[1:]] == ["1.0", "3.0"]
 
 
-#: Texts that replace line 4, and the beginnings of the messages; tests/readers/test_documents.py has the other kinds.
+#: Replacements of line 4, and the beginnings of the messages; tests/readers/test_documents.py has the other kinds.
 DAMAGED = {
     "no JSON": (b"nonsense", "line 4 must be JSON"),
     "empty": (b"", "line 4 must be JSON"),
@@ -245,7 +245,7 @@ def test_a_damaged_line_is_refused_by_its_number(
 Line = dict[str, Any]
 
 
-#: Edits of a line whose check is written anew: what another program, or a fault in this one, could leave.
+#: Edits of a line with a recomputed check: possible results of another program, or of an error in this one.
 FORGED: dict[str, Callable[[Line], Line]] = {
     "must have the parameters of point 3": lambda line: line | {"point": 3},
     "an integer from 0 to 5; got 6": lambda line: line | {"point": 6},
@@ -305,7 +305,7 @@ def test_equal_lines_are_one_and_lines_that_disagree_are_refused(
 
 
 def edited(chance: random.Random, lines: list[bytes], others: list[bytes]) -> bytes:
-    """A journal after one edit; others: lines of another sweep over the same grid."""
+    """Return an event log after one edit; others: lines of another sweep over the same grid."""
     some, text = list(lines), b"\n".join([*lines, b""])
     at, one, two = chance.randrange(len(text)), *chance.sample(range(len(lines)), 2)
     kind = chance.randrange(10)
@@ -349,7 +349,7 @@ def test_after_a_thousand_random_edits_each_row_has_its_own_results_or_the_journ
     named, sentences = [point | {"z": 0.1} for point in grid], []
     chance, path, whole = random.Random(1000), tmp_path / JOURNAL, 0
     for _ in range(EDITS):
-        path.unlink(missing_ok=True)  # some file systems flush what is written over
+        path.unlink(missing_ok=True)  # some file systems flush a file that is overwritten
         path.write_bytes(edited(chance, lines, others))
         try:
             found = Journal(path, head, named, ["product", "ratio"]).outcomes

@@ -1,4 +1,4 @@
-"""An explicit step moves numbers above its stability limit, and says so; below it they are the accurate ones."""
+"""An explicit step above its stability limit changes the results and is reported; below it they are accurate."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from scenarios.thesis.thesis_step import GRID, RUNS, Run, thesis_reading
 
 #: Below the limit: RK4 at 0.4 ms and RODAS5P at its default tolerance of 1e-6 agree to 1e-7 on the largest shift.
 BELOW_BAND = 1e-6
-#: Classical Runge-Kutta is of order 4; the slope of three errors that span a factor of 5.
+#: Classical Runge-Kutta is of order 4; tolerance of the slope of three errors over a factor of 5.
 ORDER, ORDER_BAND = 4.0, 0.1
 
 
 def run_of(words: str) -> Run:
-    """The run with a printed number of this name."""
+    """Return the run with a published number of this name."""
     return next(run for run in RUNS if any(words in printed.quantity for printed in run.printed))
 
 
@@ -29,7 +29,7 @@ def test_step_above_the_limit_moves_the_spectral_peak_to_the_printed_one_and_the
     printed = LATERAL.printed[0].thesis
     assert abs(coarse.values[0] - printed) < GRID
     assert abs(accurate.values[0] - printed) > 5 * GRID
-    assert abs(coarse.values[1] / accurate.values[1] - 1.0) > 100 * BELOW_BAND  # what the band below must tell apart
+    assert abs(coarse.values[1] / accurate.values[1] - 1.0) > 100 * BELOW_BAND  # far above BELOW_BAND
 
 
 def test_step_below_the_limit_is_silent_and_gives_the_accurate_numbers() -> None:

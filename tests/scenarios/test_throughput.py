@@ -1,4 +1,4 @@
-"""Error against throughput: which way is best at an error, and what the picture and its rows say of it."""
+"""Error against throughput: the best method at an error, and the figure's messages and rows."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from scenarios.measuring.runs import Run
 
 
 def found() -> Study:
-    """A batch that makes 40 times the stops of CVODE with a good error in the plane, 20 times in space."""
+    """Return a batch with 40 times the stops of CVODE at a good error in the planar model, and 20 times in 3D."""
     rates = []
     for level, stops in (("planar", 400.0), ("spatial", 200.0)):
         rates += [
             Rate(level, BATCH, DEFAULT_TOLERANCE, 1e-7, stops),
-            Rate(level, BATCH, 1e-3, 5e-5, 2 * stops),  # good too, and not what the title counts
+            Rate(level, BATCH, 1e-3, 5e-5, 2 * stops),  # also good, but not the one in the title
             Rate(level, ALONE, DEFAULT_TOLERANCE, 1e-7, stops / 8),
             Rate(level, IN_THREADS, 1e-3, 2e-4, 50.0),
             Rate(level, IN_THREADS, 1e-5, 1e-5, 10.0),
@@ -80,13 +80,13 @@ def test_failures_are_on_the_picture_and_in_no_line() -> None:
     throughput.plt.close(figure)
 
 
-#: Seconds in which some wheelset is pushed forwards, by method and fixed step: docs/real_time.md.
+#: Seconds in which any wheelset is pushed forwards, by method and fixed step: docs/real_time.md.
 PUSHED = [({}, 0.0, 0.0), ((2, 5e-4), 0.0, 0.0), ((1, 1e-3), 0.5, 4.0)]
 
 
 @pytest.mark.parametrize(("chosen", "least", "most"), PUSHED, ids=["default", "method 2", "method 1"])
 def test_the_rail_pushes_no_braked_wheelset_forwards(chosen: tuple[int, float], least: float, most: float) -> None:
-    """By the sign of the force, whatever the tolerance; method 1 does what its page says of it."""
+    """The sign of the force decides, regardless of the tolerance; method 1 behaves as its page states."""
     model = rates.braked_bogie()
     inputs = [f"{name}_{number}" for name in ("pressure_demand", "valve") for number in (1, 2)]
     read = [

@@ -1,4 +1,4 @@
-"""The page on which a train brakes, in a real browser: its numbers are those of Python, controls do what they say."""
+"""The page that brakes a train, in a real browser: its numbers agree with Python, and its controls work."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from tests.browser import Browser, Page, browser
 
 __all__ = ["browser"]
 
-#: Rounding of what a browser and C compute, relative to 1 bar; bytes that a telephone should be asked to load at most.
+#: Rounding difference of browser and C, relative to 1 bar; largest download for a telephone [bytes].
 ROUNDING, LARGEST = 1e-6, 300_000
 #: STEP and RESTS of train.js: [s], [m/s].
 STEP, RESTS = 0.02, 0.01
-#: Of a window: width and height [pixels].
+#: Width and height of windows [pixels].
 SIZES = [(1440, 900), (390, 844)]
 
 HANDS = """
@@ -84,7 +84,7 @@ def test_an_emergency_on_the_page_is_that_of_python(page: Page) -> None:
 
 
 def test_an_emergency_stops_where_that_of_python_does(page: Page) -> None:
-    """The distance of the sentence to 0.1 %, the force to 1 kN; the same once more from the link that it has left."""
+    """The final message agrees to 0.1 % in distance and 1 kN in force, and once more from the resulting link."""
     sentence = page.evaluate(f"stopped({json.dumps('#' + PRESETS['Emergency, 40 wagons'])})")
     train, begun, pushed = Train(block_train(40), speed=100 / 3.6, settings=Settings()), 0.0, 0.0
     while train.speed[0] >= RESTS:

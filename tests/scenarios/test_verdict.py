@@ -1,4 +1,4 @@
-"""What a comparison of controllers says, in a table, a sentence and a picture, of scores that are written here."""
+"""The verdict on a comparison of controllers, as a table, a message and a figure, from scores written here."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def scores(*names: str, cases: int = 4) -> list[Scored]:
 
 
 def shown(figure: Figure) -> list[tuple[float, bool]]:
-    """Places of all markers along the axis, and which are hollow."""
+    """Return the positions of all markers along the axis, and whether they are hollow."""
     [axis] = figure.axes
     found = [
         (float(place), line.get_markerfacecolor() == "none")
@@ -59,7 +59,7 @@ def test_the_best_has_the_fewest_failures_then_the_smallest_median_then_the_smal
 
 
 def test_distances_count_where_a_wheel_slides() -> None:
-    """On three dry rails nothing slides, and a brake without protection has the ideal distance there."""
+    """On three dry rails nothing slides, so a brake without protection has the ideal distance there."""
     dry = [scored(f"dry {n}", name, 1.0) for n in range(3) for name in RATIOS]
     rolls = [replace(one, stop=replace(one.stop, longest_lock=0.0)) for one in dry]
     found = verdicts([*rolls, *scores("none", "PD")])
@@ -78,7 +78,7 @@ def in_phases(case: str, controller: str, *ratios: float) -> Scored:
 
 
 def test_controllers_whose_difference_is_within_their_spread_are_equal() -> None:
-    """PD is 1 % shorter in the mean than PI. Over the phases PI spreads by 1.5 %, or by 0.2 %, and so PD is best."""
+    """PD is 1 % shorter on average than PI, whose spread over the phases is 1.5 % or 0.2 %. With 0.2 % PD is best."""
     pd = [in_phases(case, "PD", 1.20, 1.21, 1.19) for case in ("a", "b", "c")]
     for spread, said in ((0.015, "All controllers are alike: they stop"), (0.002, "PD is best: it stops")):
         pi = [in_phases(case, "PI", 1.212, 1.212 - spread / 2, 1.212 + spread / 2) for case in ("a", "b", "c")]
@@ -92,7 +92,7 @@ def test_controllers_whose_difference_is_within_their_spread_are_equal() -> None
 
 
 def test_a_spread_that_moves_the_cases_against_each_other_is_not_that_of_the_median() -> None:
-    """What is ranked is the median; its spread is that over the phases of the median itself."""
+    """Controllers are ranked by their median, so the spread is that of the median over the phases."""
     [found] = verdicts([in_phases("a", "PI", 1.0, 1.2), in_phases("b", "PI", 1.1, 1.1), in_phases("c", "PI", 1.2, 1.0)])
     assert found.median is not None
     assert (found.median.mean, found.median.spread) == pytest.approx((1.1, 0.0))
@@ -111,7 +111,7 @@ def test_stops_of_all_phases_are_one_in_the_table() -> None:
 
 
 def test_what_is_not_judged_is_no_score_and_is_told() -> None:
-    """It is no failure either, and does not make its controller the best by leaving out a hard case."""
+    """It is not counted as a failure, and leaving out a hard case does not make its controller the best."""
     hung = replace(STOP, distance=None, judged=False, said="PI gave no answer.", longest_lock=60.0)
     silent = Scored("case 3", "PI", hung, 0.46, 100.0, None)
     given = [*scores("PI", cases=3)[:3], silent, *scores("none")]
@@ -130,7 +130,7 @@ def test_what_is_not_judged_is_no_score_and_is_told() -> None:
 
 
 def test_wheels_that_lock_count_before_the_distance() -> None:
-    """A flat costs more than some metres: 0.5 s is a lock, 0.3 s is none."""
+    """A flat costs more than some metres. A standstill of 0.5 s is a lock, one of 0.3 s is too short."""
     rolls = [replace(one, stop=replace(one.stop, longest_lock=0.3)) for one in scores("protection")]
     [first, _] = sentences(verdicts([*rolls, *scores("none", "PD")]))
     assert first == "protection is best: it stops in every case, after 1.12 of the ideal distance in the median."
@@ -199,7 +199,7 @@ def test_the_axis_is_logarithmic_where_distances_lie_far_apart() -> None:
 
 @pytest.mark.parametrize("skid", [1.0, 100.0, 900.0])
 def test_a_flat_grows_as_its_own_contact_wears(skid: float) -> None:
-    """dV = WORN w L ds with V = w L^3 / (12 R), integrated step by step; without a skid there is none."""
+    """dV = WORN w L ds with V = w L^3 / (12 R), integrated step by step; without a skid no flat appears."""
     radius, width = 0.46, 0.015
 
     def growth(way: float, length: np.ndarray) -> np.ndarray:
