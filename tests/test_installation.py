@@ -28,7 +28,7 @@ from products.sources import HOUSE, ROOMS
 from scenarios.catalogue import COMPARISONS, SCENARIOS
 from scenarios.live.page import page
 
-#: The only one of a release's compiled FMUs that the scenarios in this file run.
+#: The compiled FMU of the scenario that these tests run; a release compiles more.
 FMUS = ["wheelset"]
 OWN = next(tag for tag in platform_tags() if tag in release.WHEELS)
 

@@ -37,7 +37,7 @@ def token() -> Iterator[int]:
 
 @pytest.fixture(scope="module")
 def start() -> Callable[..., Any]:
-    """Return a function that starts another one in a separate process, where slow imports are done."""
+    """Return a function that starts another one in a separate process that has already made the slow imports."""
     forkserver = multiprocessing.get_context("forkserver")
     forkserver.set_forkserver_preload(["bogie_braking.commands"])
 

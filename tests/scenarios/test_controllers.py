@@ -15,7 +15,7 @@ from products.protection.programme import OWN
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "controller.md").read_text(encoding="utf-8")
-#: The page's result in the table, with all digits that it shows.
+#: LetGo's row for the low rail on the page, with all digits shown.
 LETS_GO = re.search(r"^low +LetGo +([0-9.]+)", PAGE, re.MULTILINE)
 
 

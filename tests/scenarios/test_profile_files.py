@@ -66,7 +66,7 @@ def test_conicity_of_files_is_that_of_en_15302_at_every_amplitude(
 def test_a_rail_from_its_other_side_is_told_and_changes_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
-    """The conicity of case E1 and the side in the summary's parameters are unchanged; a given side is checked."""
+    """The mirrored rail has the conicity of case E1, the summary states its gauge side, and a wrong side is refused."""
     monkeypatch.setattr(contact_geometry, "FILE_SHIFTS", np.array([-1e-3, 0.0, 1e-3]))
     monkeypatch.setattr(contact_geometry, "FILE_AMPLITUDES", np.array([1e-3, 3e-3]))
     mirrored = tmp_path / "mirrored.csv"

@@ -106,7 +106,7 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Speed is measured once and briefly, stability at fewer speeds, frictions and loads."""
+    """Speed and throughput are measured once and briefly, stability at fewer speeds, frictions and loads."""
     monkeypatch.setattr(speed, "REPEATS", 1)
     monkeypatch.setattr(speed, "HOST_STEPS", 500)
     monkeypatch.setattr(speed, "CALLS", 1000)
