@@ -16,6 +16,8 @@
                                          files hold. It needs no compiler where a wheel is installed
   python build_fmu.py coupler --coupler draft-gear
                                          Coupler.fmu, one coupler between two vehicles
+  python build_fmu.py sensor --wheelsets 4
+                                         WheelSpeedSensor4.fmu: measured wheel speeds from rotations, for a controller
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
 Exit status: 0 all FMUs are valid; 1 one is not valid; 2 bad input; 3 one was not built; 130 interrupted with Ctrl-C.
@@ -32,6 +34,7 @@ from fmu_src.model_description import variable_table
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
 from products.promised_variables import build_note
+from products.protection.sensor_fmu import build_sensor
 from products.registry import ALIASES, FMUS, fmu_named, model_of
 from products.systems import build_systems
 from products.train.building import build_coupler, build_train
@@ -42,7 +45,7 @@ from readers.command_line import CommandLine, check_folder, quantity, whole
 from readers.text import BadInputError
 
 #: Names of FMUs and systems.
-NAMES = (*FMUS, "train", "coupler", "ssp", "all")
+NAMES = (*FMUS, "train", "coupler", "sensor", "ssp", "all")
 #: Exit status.
 DONE, NOT_VALID, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -84,7 +87,7 @@ def parser_of(program: str | None) -> argparse.ArgumentParser:
     add("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")
     add("--controller", metavar="FILE", help="only the FMU of FILE.py:CLASS, a wheel-slide protection, or of FILE.c")
     wheelsets = whole("--wheelsets", 1, MOST_WHEELSETS)
-    text = f"of the vehicle that it protects, 1 to {MOST_WHEELSETS} (default: {BOGIE})"
+    text = f"of the vehicle with the controller or the sensors, 1 to {MOST_WHEELSETS} (default: {BOGIE})"
     add("--wheelsets", type=wheelsets, default=BOGIE, metavar="COUNT", help=text)
     add("--consist", type=Path, metavar="FILE", help="of the train, CSV or TOML (default: a locomotive and 20 wagons)")
     add("--line", type=Path, metavar="FILE", help="that the train runs on, CSV (default: straight and level)")
@@ -99,7 +102,7 @@ def parser_of(program: str | None) -> argparse.ArgumentParser:
 
 def kinds_of(chosen: argparse.Namespace) -> list[str]:
     """Return the kinds of FMUs to build. Raises BadInputError for options that do not go together."""
-    native_only = chosen.platforms == "all" or chosen.model in ("train", "coupler")
+    native_only = chosen.platforms == "all" or chosen.model in ("train", "coupler", "sensor")
     able = ["native"] if chosen.model == "ssp" else [*NATIVE] if native_only else [*KINDS]
     if chosen.kind not in ("all", *able):
         of = "--platforms all" if chosen.platforms == "all" and chosen.model != "ssp" else chosen.model
@@ -115,6 +118,8 @@ def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
     every = chosen.platforms == "all"
     if chosen.model == "coupler":
         return bool(build_coupler(chosen.out, kinds, chosen.coupler, every))
+    if chosen.model == "sensor":
+        return bool(build_sensor(chosen.out, kinds, chosen.wheelsets, every))
     if chosen.model == "train":
         settings = Settings(depth=chosen.depth, cells=chosen.cells)
         return bool(build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every))

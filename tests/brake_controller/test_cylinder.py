@@ -134,5 +134,5 @@ def test_bad_value_gets_a_sentence(brake: Library, values: dict[str, float], sen
 
 
 def test_unknown_pressure_of_the_experiment_is_refused() -> None:
-    with pytest.raises(ValueError, match="130, 150, 180 kPa: it was 140 kPa"):
+    with pytest.raises(ValueError, match="pressure_kpa must be one of 130, 150, 180; got 140"):
         qr30(140)

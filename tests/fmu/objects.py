@@ -15,6 +15,7 @@ from fmu_src.codegen import generate
 from fmu_src.compile import FLAGS, FOREIGN_FLAGS, compiler, objects_of
 from fmu_src.step_fmu_in_c import step_in_c
 from fmu_src.system import Model, System, Variable, model_of_choices
+from products.protection.sensor_fmu import sensor_in_c
 from products.train.consist import block_train
 from products.train.coupler_fmu import coupler_in_c
 from products.train.fmu import train_in_c
@@ -190,6 +191,11 @@ OBJECTS = {
         "driver_position=0:4 driver_step=0:1 pull=-1e4:1e4 friction=0.1:0.3 protection=0:2 coupling_closed=0:1 "
         "start_speed=-1:20 start_pipe_pressure=4e5:5e5 end_force=-1e3:1e3",
         reads_files=True,
+    ),
+    "sensor": Behind(
+        lambda _: all_sources(sensor_in_c()),
+        _nothing,
+        "rotation_1=-50:50 rotation_2=-50:50 period=1e-3:1e-2",
     ),
     "controller": Behind(_controller, _nothing, "wheel_speed_1=-4:20 wheel_speed_2=-4:20 period=1e-3:1e-2", ends=True),
 }
