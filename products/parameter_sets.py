@@ -126,10 +126,12 @@ def set_files(fmu: str) -> dict[str, bytes]:
 
 
 def write_sets(names: Sequence[str], out: Path) -> None:
-    """Write the parameter sets of the named FMUs into OUT/parameters/, and print how many."""
+    """Write the parameter sets of the named FMUs into OUT/parameters/, and print how many if there are any."""
     folder = out / "parameters"
-    folder.mkdir(parents=True, exist_ok=True)
     files = {name: data for fmu in names for name, data in set_files(fmu).items()}
+    if not files:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
     for name, data in files.items():
         write_whole(folder / name, data)
     print(f"{folder}  {len(files)} parameter sets (.ssv)")

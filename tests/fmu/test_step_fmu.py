@@ -82,7 +82,7 @@ def test_one_command_makes_the_fmu_of_a_class(tmp_path: Path, capsys: pytest.Cap
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("nowhere.py:Class", "There is no file nowhere.py; give the path of a controller."),
+        ("nowhere.py:Class", "The file nowhere.py does not exist. Check the path."),
         ("no-class-at-all", "does not become an FMU"),
     ],
 )

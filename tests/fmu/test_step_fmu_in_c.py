@@ -105,7 +105,7 @@ def test_the_period_is_fixed_once_it_runs(counts: Path) -> None:
         (
             "pi.c",
             '#include "wheel_slide.h"\n',
-            "pi.c lacks wheel_slide_size, wheel_slide_start, wheel_slide_step, func",
+            "it lacks wheel_slide_size, wheel_slide_start, wheel_slide_step. Add them.",
         ),
     ],
 )

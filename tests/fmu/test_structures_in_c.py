@@ -67,7 +67,7 @@ def test_structures_are_the_same_in_c_and_in_python(tmp_path: Path) -> None:
 def test_tables_of_objects_name_the_members_in_their_order() -> None:
     """modelDescription.xml is generated from these comments; a NULL row has no other name."""
     header = (RUNTIME / "object.h").read_text()
-    struct = header[header.index("/* Members that are not said") : header.index("} object_functions;")]
+    struct = header[header.index("/* Members that are not marked") : header.index("} object_functions;")]
     code = re.sub(r"/\*.*?\*/", "", struct, flags=re.DOTALL)
     members = re.findall(r"\(\*(\w+)\)\(|\*(exchange);", code)
     names = [one or other for one, other in members]
