@@ -60,7 +60,10 @@ FLAGS_X86 = ("-msse2", "-mfpmath=sse")
 #: Generated code at -O2 takes three times as long to compile and runs 5 % faster; the runtime is small.
 OPTIMISE_GENERATED, OPTIMISE_RUNTIME = "-O1", "-O2"
 #: Files of the runtime that each step runs through, which are compiled as the runtime is; the others as generated code.
-STEPPING = ("evaluate.c", "linear.c", "rosenbrock.c", "algebraic.c", "reuse.c", "outputs.c", "integrate.c", "step.c")
+STEPPING = (
+    *("evaluate.c", "linear.c", "rosenbrock.c", "algebraic.c", "reuse.c", "outputs.c"),
+    *("integrate.c", "step.c", "fixed.c", "locate.c", "modes.c"),
+)
 #: Messages of compilers if a disk, a quota or a limit is full.
 FULL_DISK = ("No space left", "Disk quota exceeded", "File size limit", "File too large")
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
