@@ -60,6 +60,13 @@ double *arrays_read(const char *folder, const char *name, size_t *count, char pr
     return numbers;
 }
 
+bool arrays_is_due(double gone, double period, double *count) {
+    static const double ROUNDING = 1e-9; /* [s] */
+    if (gone < *count * period - ROUNDING) return false;
+    *count = floor(gone / period + ROUNDING) + 1.0;
+    return true;
+}
+
 unsigned long long arrays_mark_of(const double *numbers, size_t count) {
     return seal_hash(SEAL_BEGIN, numbers, count * sizeof *numbers);
 }

@@ -13,13 +13,11 @@
 #include "step_model.h"
 
 enum { FIRST_OUTPUT = INPUTS + 1, VARIABLES = INPUTS + 1 + OUTPUTS };
-/* Rounding that a host's times may have [s]. */
-static const double ROUNDING = 1e-9;
 
 /* Everything that a run changes; the memory of the three functions follows it, aligned for any type. */
 typedef struct {
     double value[VARIABLES], start_time;
-    long long int asked;
+    double called; /* multiples of the period so far */
 } values;
 enum { OFFSET = (sizeof(values) + 63) / 64 * 64 };
 
@@ -70,7 +68,7 @@ void arrays_reset(arrays_object *self) {
 void arrays_start(arrays_object *self, double time) {
     memset(memory_of(self), 0, self->numbers * sizeof(double) - OFFSET);
     self->now->start_time = time;
-    self->now->asked = 0;
+    self->now->called = 0.0;
     START(memory_of(self), COUNT, self->now->value[INPUTS]);
 }
 
@@ -93,10 +91,8 @@ static bool ask(arrays_object *self, double time, char problem[MESSAGE_SIZE]) {
 
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     values *now = self->now;
-    const double gone = time - now->start_time, period = now->value[INPUTS];
     (void)step;
-    if (gone < (double)now->asked * period - ROUNDING) return KERNEL_OK;
-    now->asked = (long long int)floor(gone / period + ROUNDING) + 1;
+    if (!arrays_is_due(time - now->start_time, now->value[INPUTS], &now->called)) return KERNEL_OK;
     for (int i = 0; i < INPUTS; ++i)
         if (!isfinite(now->value[i])) {
             make_safe(self);

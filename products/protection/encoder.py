@@ -37,10 +37,8 @@ class Encoder:
     pitch: float = field(init=False)
 
     def __post_init__(self) -> None:
-        if self.pulses < 1:
-            raise ValueError(f"pulses must be at least 1; got {self.pulses}.")
-        if self.pulses != int(self.pulses) or self.pulses > MOST_PULSES:
-            raise ValueError(f"pulses must be an integer of at most {MOST_PULSES}; got {self.pulses}. Give another.")
+        if not (1 <= self.pulses <= MOST_PULSES and self.pulses == int(self.pulses)):
+            raise ValueError(f"pulses must be an integer from 1 to {MOST_PULSES}; got {self.pulses}.")
         if not math.isfinite(self.phase):
             raise ValueError(f"phase must be finite; got {self.phase}. Give the share of a tooth.")
         if not (math.isfinite(self.jitter) and self.jitter >= 0.0):
@@ -64,5 +62,5 @@ class Encoder:
         """
         for name, value, unit in (("time", time, "s"), ("rotation", rotation, "rad")):
             if not math.isfinite(value):
-                raise ValueError(f"{name} must be finite; got {value} {unit}. Leave the look out.")
+                raise ValueError(f"{name} must be finite; got {value} {unit}. Leave this reading out.")
         return float(self._call.encoder_read(self._memory, self._settings, time, rotation))

@@ -309,7 +309,7 @@ class Loop:
         desk = rig_in_c.Desk(*(one.ctypes.data for one in (self.time, self.speeds, self.valves)))
         self.own = self.call.rig_create(self.count, settings, controller, desk)
         if not self.own:
-            raise MemoryError("There is not enough memory for {self.count} rows of sensors; take fewer at once.")
+            raise MemoryError(f"There is not enough memory for {self.count} rows of sensors; take fewer at once.")
         place = ctypes.cast(self.call.rig_scores(self.own), ctypes.POINTER(ctypes.c_char))
         whole = np.ctypeslib.as_array(place, (self.count * SCORE.itemsize,))
         self.score = whole.view(SCORE)

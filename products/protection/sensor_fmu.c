@@ -3,7 +3,6 @@
  *
  * A sensor is read at the start of the first step that begins at or after each multiple of the period; its output holds in
  * between. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,13 +10,9 @@
 #include "encoder.h"
 #include "sensor_arrays.h"
 
-/* Rounding that a host's times may have [s]. */
-static const double ROUNDING = 1e-9;
-
 struct arrays_object {
     double values[ARRAYS_MOST]; /* rotations, speeds, parameters */
-    double start_time;
-    long long int read; /* how often the sensors have been read */
+    double start_time, read; /* [s]; multiples of the period so far */
     encoder sensor[WHEELSETS];
 };
 
@@ -42,7 +37,7 @@ void arrays_reset(arrays_object *self) {
 
 void arrays_start(arrays_object *self, double time) {
     self->start_time = time;
-    self->read = 0;
+    self->read = 0.0;
     for (int i = 0; i < WHEELSETS; ++i) {
         encoder_begin(&self->sensor[i], NULL, 0.0);
         self->values[SPEEDS + i] = 0.0;
@@ -51,11 +46,10 @@ void arrays_start(arrays_object *self, double time) {
 
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     (void)step, (void)ended, (void)problem;
-    const double gone = time - self->start_time, period = self->values[PERIOD];
+    const double gone = time - self->start_time;
     const encoder_settings settings = {(int)self->values[PULSES], self->values[GATE], self->values[TIMER],
                                        self->values[LOWEST_FREQUENCY]};
-    if (gone < (double)self->read * period - ROUNDING) return KERNEL_OK;
-    self->read = (long long int)floor(gone / period + ROUNDING) + 1;
+    if (!arrays_is_due(gone, self->values[PERIOD], &self->read)) return KERNEL_OK;
     for (int i = 0; i < WHEELSETS; ++i) {
         const double found = encoder_read(&self->sensor[i], &settings, gone, self->values[i]);
         self->values[SPEEDS + i] = found * self->values[WHEEL_RADIUS];

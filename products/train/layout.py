@@ -84,7 +84,9 @@ INPUTS = (
     ),
     Array("ends", "N", -1e8, 1e8, "Pull forwards at the head, and backwards at the end", of="ends", called="end_force"),
     _chosen("external_vehicle", _LED, "vehicles", ("not", "held", "corrected")),
-    Array("external_vehicle_speed", "m/s", -300.0, 300.0, "Speed of a vehicle that is led", of="vehicles"),
+    Array(
+        "external_vehicle_speed", "m/s", -300.0, 300.0, "Speed of a vehicle that is computed elsewhere", of="vehicles"
+    ),
 )
 
 
