@@ -43,9 +43,9 @@ void arrays_load(arrays_object *self, const double *numbers);
 /* Return the numbers in a file of a folder. NULL, with the reason in `problem`, if it cannot be read, is empty or contains
  * other data. */
 double *arrays_read(const char *folder, const char *name, size_t *count, char problem[MESSAGE_SIZE]);
-/* Return whether a step that begins `gone` seconds after the start is the first at or after a multiple of the period; `count`, 0
- * at the start, is the number of multiples so far. A host's times may be rounded. */
-bool arrays_is_due(double gone, double period, double *count);
+/* Return whether a step that begins at a time is the first at or after the start and a multiple of the period; `count`, 0 at the
+ * start, is the number of multiples so far. A host's times are rounded: each by half of its last bit, and by its sums. */
+bool arrays_is_due(double time, double start, double period, double *count);
 /* Return a hash of numbers. */
 unsigned long long arrays_mark_of(const double *numbers, size_t count);
 

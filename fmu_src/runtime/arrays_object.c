@@ -60,10 +60,10 @@ double *arrays_read(const char *folder, const char *name, size_t *count, char pr
     return numbers;
 }
 
-bool arrays_is_due(double gone, double period, double *count) {
-    static const double ROUNDING = 1e-9; /* [s] */
-    if (gone < *count * period - ROUNDING) return false;
-    *count = floor(gone / period + ROUNDING) + 1.0;
+bool arrays_is_due(double time, double start, double period, double *count) {
+    const double gone = time - start, rounding = 1e-9 + 4.5e-16 * fabs(time); /* [s] */
+    if (gone < *count * period - rounding) return false;
+    *count = floor((gone + rounding) / period) + 1.0;
     return true;
 }
 

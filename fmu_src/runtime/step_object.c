@@ -92,7 +92,7 @@ static bool ask(arrays_object *self, double time, char problem[MESSAGE_SIZE]) {
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     values *now = self->now;
     (void)step;
-    if (!arrays_is_due(time - now->start_time, now->value[INPUTS], &now->called)) return KERNEL_OK;
+    if (!arrays_is_due(time, now->start_time, now->value[INPUTS], &now->called)) return KERNEL_OK;
     for (int i = 0; i < INPUTS; ++i)
         if (!isfinite(now->value[i])) {
             make_safe(self);

@@ -46,12 +46,11 @@ void arrays_start(arrays_object *self, double time) {
 
 kernel_status arrays_go(arrays_object *self, double time, double step, bool *ended, char problem[MESSAGE_SIZE]) {
     (void)step, (void)ended, (void)problem;
-    const double gone = time - self->start_time;
     const encoder_settings settings = {(int)self->values[PULSES], self->values[GATE], self->values[TIMER],
                                        self->values[LOWEST_FREQUENCY]};
-    if (!arrays_is_due(gone, self->values[PERIOD], &self->read)) return KERNEL_OK;
+    if (!arrays_is_due(time, self->start_time, self->values[PERIOD], &self->read)) return KERNEL_OK;
     for (int i = 0; i < WHEELSETS; ++i) {
-        const double found = encoder_read(&self->sensor[i], &settings, gone, self->values[i]);
+        const double found = encoder_read(&self->sensor[i], &settings, time - self->start_time, self->values[i]);
         self->values[SPEEDS + i] = found * self->values[WHEEL_RADIUS];
     }
     return KERNEL_OK;

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from fmpy.validation import validate_fmu
 
 import build_fmu
+from brake_controller.sensors import LOWEST_FREQUENCY
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.protection.encoder import Encoder
 from products.protection.sensor_fmu import build_sensor_fmu
@@ -44,24 +46,38 @@ def test_it_is_valid(fmu: Path) -> None:
     assert validate_fmu(str(fmu)) == []
 
 
-@pytest.mark.parametrize("values", [{}, {"pulses": 300, "gate": 0.003}, {"pulses": 60, "timer": 1e-4}])
+@pytest.mark.parametrize(
+    "values", [{}, {"pulses": 300, "gate": 0.003}, {"pulses": 60, "timer": 1e-4}, {"lowest_frequency": 500.0}]
+)
 def test_it_reads_as_the_encoder_of_the_test_rig(fmu: Path, values: dict[str, float]) -> None:
-    renamed = {"pulses": 100, "gate": 0.03, "timer": 1e-6} | values
-    encoder = Encoder(int(renamed["pulses"]), gate=renamed["gate"], resolution=renamed["timer"])
+    given = {"pulses": 100, "gate": 0.03, "timer": 1e-6, "lowest_frequency": LOWEST_FREQUENCY} | values
+    encoder = Encoder(int(given["pulses"]), gate=given["gate"], resolution=given["timer"])
+    encoder = replace(encoder, lowest_frequency=given["lowest_frequency"])
     expected = [RADIUS * encoder.angular_velocity(n * PERIOD, rotation(n * PERIOD)) for n in range(400)]
     found = readings(fmu, PERIOD, 400, **values)
     assert [one for one, _ in found] == expected
     assert {stands for _, stands in found} == {0.0}
 
 
-def test_a_shorter_step_and_another_start_time_change_nothing(fmu: Path) -> None:
+def test_it_is_read_once_in_its_own_period(fmu: Path) -> None:
+    encoder, found = Encoder(), [one for one, _ in readings(fmu, PERIOD, 400, period=2 * PERIOD)]
+    times = [2 * PERIOD * n for n in range(200)]
+    expected = [RADIUS * encoder.angular_velocity(time, rotation(time)) for time in times]
+    assert found[::2] == found[1::2] == expected
+
+
+def test_a_shorter_step_changes_nothing(fmu: Path) -> None:
     """It is read once a period; its output holds in between."""
-    coarse, fine = readings(fmu, PERIOD, 100), readings(fmu, PERIOD / 8, 800)
-    assert fine[::8] == fine[7::8]
-    assert [one for one, _ in fine[::8]] == pytest.approx([one for one, _ in coarse], rel=1e-9)
-    assert [one for one, _ in readings(fmu, PERIOD, 100, start=0.5)] == pytest.approx(
-        [one for one, _ in coarse], rel=1e-9
-    )
+    coarse, fine = ([one for one, _ in readings(fmu, PERIOD / parts, 100 * parts)] for parts in (1, 8))
+    assert all(fine[k::8] == fine[::8] for k in range(8))
+    assert fine[::8] == pytest.approx(coarse, rel=1e-9)
+
+
+@pytest.mark.parametrize(("start", "band"), [(0.3, 1e-9), (1e6, 1e-8), (1.7e9, 5e-5)])
+def test_another_start_time_changes_nothing(fmu: Path, start: float, band: float) -> None:
+    """Doubles at 1.7e9 s are 2.4e-7 s apart, by which the times of edges err over a gate of 0.03 s."""
+    expected = [one for one, _ in readings(fmu, PERIOD, 100)]
+    assert [one for one, _ in readings(fmu, PERIOD, 100, start=start)] == pytest.approx(expected, rel=band)
 
 
 def test_a_speed_is_right_to_the_timer_over_the_gate(fmu: Path) -> None:
@@ -73,9 +89,17 @@ def test_a_speed_is_right_to_the_timer_over_the_gate(fmu: Path) -> None:
         assert sensor["wheel_speed_1"] == pytest.approx(31.0, rel=1.01e-6 / 0.03)
 
 
-@pytest.mark.parametrize("values", [{"pulses": 0}, {"gate": 0.0}, {"period": math.nan}, {"wheel_radius": 460.0}])
-def test_a_value_out_of_its_limits_is_refused(fmu: Path, values: dict[str, float]) -> None:
-    with FmuInstance(fmu) as sensor, pytest.raises(CosimulationError, match=next(iter(values))):
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"pulses": 0}, "Set pulses to 1 to 10000: it was 0"),
+        ({"gate": 0.0}, "Set gate to 0.0001 to 10 s: it was 0"),
+        ({"period": math.nan}, "Set period to 1e-05 to 1 s: it was nan"),
+        ({"wheel_radius": 460.0}, "Set wheel_radius to 0.1 to 2 m: it was 460"),
+    ],
+)
+def test_a_value_out_of_its_limits_is_refused(fmu: Path, values: dict[str, float], message: str) -> None:
+    with FmuInstance(fmu) as sensor, pytest.raises(CosimulationError, match=message):
         sensor.start(**values)
 
 
@@ -96,8 +120,10 @@ def test_it_measures_the_wheels_of_a_braked_bogie(fmu: Path, fmus: dict) -> None
             for n in range(400):
                 sensor.set(rotation_1=bogie["rotation_1"], rotation_2=bogie["rotation_2"])
                 sensor.step(n * PERIOD, PERIOD)
-                true, slows = radius * bogie["angular_velocity_1"], -bogie["acceleration"]
+                wheels = {number: radius * bogie[f"angular_velocity_{number}"] for number in (1, 2)}
+                slows = -bogie["acceleration"]
                 bogie.step(n * PERIOD, PERIOD)
-                if n > 40:
-                    late = sensor["wheel_speed_1"] - true
-                    assert 0.0 < late < slows * ((gate + pitch / true) / 2 + pitch / true) + true * 1e-6 / gate
+                for number, true in wheels.items() if n > 40 else ():
+                    late, timer = sensor[f"wheel_speed_{number}"] - true, true * 1e-6 / gate
+                    least, most = slows * gate / 2, slows * ((gate + pitch / true) / 2 + pitch / true)
+                    assert least - timer < late < most + timer
