@@ -241,6 +241,14 @@ def cylinder_air(full_pressure: float, application_time: float = APPLICATION_TIM
     return with_release_time(flow, full_pressure, RELEASE_TIME)
 
 
+def filling_by_time(application_time: float = APPLICATION_TIME) -> Callable[[float], float]:
+    """Return the share of the full pressure as a function of the time [s] since the demand, by the timed law.
+
+    application_time: to 95 % [s].
+    """
+    return lambda since: 1.0 - 20.0 ** (-max(since, 0.0) / application_time)
+
+
 @lru_cache
 def filling_by_flow(full_pressure: float, application_time: float = APPLICATION_TIME) -> Callable[[float], float]:
     """Return the function of time since the demand [s] that gives the share of the full pressure, from empty.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from brake_controller.slide_protection import SlideProtectionParameters
-from products.machine import Machine
+from products.machine import Machine, filling_by_flow, filling_by_time
 from products.protection.rails import RailCase
 from products.protection.rig import Rig
 from products.protection.runs import Run
@@ -70,8 +70,10 @@ def scores(
     """Return the scores of protected stops on these rails; by_flow: as `Rig` takes it."""
     runs = [Run(trial.rail.values(len(machine.numbers)), trial.speed) for trial in trials]
     stops = Rig(machine, lambda: SlideProtection(parameters), settings, by_flow=by_flow).runs(runs)
+    lasts = settings.application_time
+    filling = filling_by_flow(machine.full_pressure, lasts) if by_flow else filling_by_time(lasts)
     ideal = [
-        PeakAdhesion(machine, run.values).stopping_distance(trial.speed)
+        PeakAdhesion(machine, run.values, filling).stopping_distance(trial.speed)
         for run, trial in zip(runs, trials, strict=True)
     ]
     return [

@@ -123,6 +123,8 @@ def message(scores: Sequence[Scored]) -> str:
         return f"{name} is not judged"
     if not best.stopped:
         return f"{name} does not {words.do}"
+    if best.failed and best.median is None:
+        return f"{name} {words.does} in {best.stopped} of {cases} cases"
     if best.worst is None or cases == 1:
         return f"{name} takes {best.worst.mean:.2f} of the ideal distance" if best.worst else f"{name} {words.does}"
     near = count(near_ratios(scores, best.controller), best.sliding)

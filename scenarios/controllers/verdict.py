@@ -113,19 +113,19 @@ def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
 
 
 def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str]) -> Verdict:
-    """Return the verdict of one controller with the scores `own`; sliding: the cases whose distances count."""
+    """Return the verdict on the scores `own` of one controller; sliding: the cases that count in the median."""
     judged = [one for one in own if one.stop.judged]
-    phases = {one.case: ratios for one in judged if one.case in sliding and (ratios := one.ratios)}
-    each = list(zip(*phases.values(), strict=True))
+    every = {one.case: ratios for one in judged if (ratios := one.ratios)}
+    each = list(zip(*(ratios for case, ratios in every.items() if case in sliding), strict=True))
     failed = [one.case for one in judged if one.stop.distance is None]
-    worst = max(phases, key=lambda case: mean(phases[case])) if phases else ""
+    worst = max(every, key=lambda case: mean(every[case])) if every else ""
     return Verdict(
         name,
         len(judged) - len(failed),
         len(failed),
         sum(one.stop.longest_lock > LONGEST_LOCK for one in judged),
         ratio([median(of_phase) for of_phase in each]),
-        ratio(phases.get(worst, ())),
+        ratio(every.get(worst, ())),
         failed[0] if failed else worst,
         max((one.stop.longest_lock for one in judged), default=math.nan),
         sum(one.air for one in judged) / len(judged) if judged else math.nan,

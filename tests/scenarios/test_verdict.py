@@ -72,6 +72,23 @@ def test_distances_count_where_a_wheel_slides() -> None:
     assert sentences(verdicts(rolls))[0].startswith("All controllers are alike: they stop in every case, after 1.00")
 
 
+def test_the_worst_case_is_one_of_all_cases() -> None:
+    """A controller that wastes the brake where nothing slides is not best for its median alone."""
+    dry = [scored("dry", name, ratio) for name, ratio in (("none", 1.0), ("Timid", 1.8), ("Bold", 1.0))]
+    rolls = [replace(one, stop=replace(one.stop, longest_lock=0.0)) for one in dry]
+    low = [scored("low", name, ratio) for name, ratio in (("none", 2.0), ("Timid", 1.2), ("Bold", 1.2))]
+    found = {one.controller: one for one in verdicts([*rolls, *low])}
+    assert found["Timid"].worst
+    assert found["Timid"].worst.mean == pytest.approx(1.8)
+    assert found["Timid"].worst_case == "dry"
+    assert sentences([*found.values()])[0].startswith("Bold is best")
+
+
+def test_a_controller_that_fails_where_alone_wheels_slide_is_said_to_fail() -> None:
+    rolls = [replace(one, stop=replace(one.stop, longest_lock=0.0)) for one in [scored("dry", "Mine", 1.0)]]
+    assert message([*rolls, scored("low", "Mine", None)]) == "Mine stops in 1 of 2 cases"
+
+
 def in_phases(case: str, controller: str, *ratios: float) -> Scored:
     stops = [replace(STOP, distance=100.0 * ratio) for ratio in ratios]
     return Scored(case, controller, together(stops), 0.46, 100.0, None, stops=tuple(stops))
