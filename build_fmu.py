@@ -110,7 +110,22 @@ def kinds_of(chosen: argparse.Namespace) -> list[str]:
     if chosen.model != "train" and (chosen.consist or chosen.line):
         given = "--consist" if chosen.consist else "--line"
         raise BadInputError(f"{given} belongs to the train; got {chosen.model}. Write: train {given} FILE.")
+    if chosen.describe and chosen.model in ("train", "coupler", "sensor", "ssp"):
+        raise BadInputError(f"--describe must be with an FMU of {', '.join(FMUS)}; got {chosen.model}.")
+    if chosen.controller:
+        check_controller(chosen)
     return able if chosen.kind == "all" else [chosen.kind]
+
+
+def check_controller(chosen: argparse.Namespace) -> None:
+    """Refuse options that have no effect on the FMU of a controller. Raises BadInputError."""
+    if chosen.model != "all":
+        raise BadInputError(f"--controller builds an FMU of its own; got {chosen.model} too. Leave one of both out.")
+    if chosen.platforms == "all":
+        raise BadInputError("--controller builds for this platform; got --platforms all. Leave it out.")
+    able = NATIVE if chosen.controller.endswith(".c") else ("python",)
+    if chosen.kind not in ("all", *able):
+        raise BadInputError(f"--kind must be {' or '.join(able)} for {chosen.controller}; got {chosen.kind}.")
 
 
 def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:

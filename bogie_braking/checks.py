@@ -42,11 +42,11 @@ def known(name: str, those: Iterable[str], what: str) -> str:
     if not isinstance(name, str):
         raise TypeError(f"The name of the {what} must be a text; got {shown(name)}.")
     those = list(those)
+    if name in those:
+        return name
     if fmu_named(name) in those:
         return fmu_named(name)
-    if name not in those:
-        raise KeyError(f"There is no {what} {name}; {near(name, those)}")
-    return name
+    raise KeyError(f"There is no {what} {name}; {near(name, those)}")
 
 
 def near(name: str, those: Iterable[str]) -> str:

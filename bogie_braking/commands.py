@@ -150,7 +150,8 @@ def carry_out(chosen: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt as interrupt:
-        earlier = f"Interrupted; what {chosen.out} held before is as it was."
+        out = getattr(chosen, "out", None)
+        earlier = "Interrupted." if out is None else f"Interrupted; what {out} held before is as it was."
         print(interrupt if interrupt.args else earlier, file=sys.stderr)
         return INTERRUPTED
     except (CosimulationError, CompilerError, SimulationError, SweepError) as error:
@@ -162,5 +163,5 @@ def carry_out(chosen: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return FAILED
     except OSError as error:
-        print(cannot_write(chosen.out, error, "choose another folder with --out"), file=sys.stderr)
+        print(cannot_write(getattr(chosen, "out", Path()), error, "choose another folder with --out"), file=sys.stderr)
         return FAILED

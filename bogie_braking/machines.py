@@ -229,16 +229,16 @@ def machine_at(name: str, place: int | None) -> Machine:
 
 def announce(name: str, place: int) -> None:
     """Say which equations of an FMU are compiled, and about how long that takes, if standard error is a terminal."""
-    if not sys.stderr.isatty():
+    if not (sys.stderr and sys.stderr.isatty()):
         return
     both = ((level, contact) for level in LEVELS for contact in LEVELS)
-    level, contact = next(
-        (one for one in both if any(place in places_of(*one, line) for line in (False, True))), (3, 3)
-    )
+    found = next((one for one in both if any(place in places_of(*one, line) for line in (False, True))), None)
+    level, contact = found or (2, 0)
     vehicle = FMUS[name].vehicle
     wheelsets = len(vehicle().wheelsets) if vehicle else 1
     seconds = wheelsets * COMPILING[level]
     which = f"level {level}" + (f" with contact model {contact}" if level == LEVELS[-1] else "")
+    which += "" if found else " with cylinders by flow of air"
     words = (
         f"Compiling the {name} at {which}: about {seconds:g} s on two processors. Later runs take it from the cache."
     )

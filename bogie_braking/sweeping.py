@@ -25,6 +25,7 @@ from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import SimulationError
 from fmu_src.system import Model, System
+from products.registry import FMUS
 from products.study.points import AHEAD, Evaluate, Outcome, Outcomes, Point, outcomes_from
 from products.study.study import Study, kept_outcomes_of, outcomes_of
 from rbd_model.track.line import Line
@@ -172,6 +173,7 @@ def sweep(
     not_both(columns, values, "as a column of what varies and as a value")
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     what = model_from(what) if isinstance(what, System) else what
+    what = known(what, FMUS, "FMU") if isinstance(what, str) else what
     machine = machine_of(what, {**values, **rows[0]}, line is not None)
     for name in (*vary, *values):
         known(name, machine.variables, "variable")

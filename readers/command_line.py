@@ -171,10 +171,16 @@ def check_folder(folder: Path, option: str = "--out") -> None:
         If it is a file, or if it or its nearest existing parent cannot be written.
     """
     places = (folder.absolute(), *folder.absolute().parents)
-    place = next(one for one in places if one.exists() or one.is_symlink())
     remedy = f"Choose another folder with {option}."
-    if not place.is_dir():
-        raise BadInputError(f"{option} must be a folder; got {folder}, and {place} is a file. {remedy}")
+    try:
+        place = next(one for one in places if one.exists() or one.is_symlink())
+        is_folder = place.is_dir()
+    except OSError as error:  # a name that is too long, or a folder that may not be entered
+        said = f"{option} must be a folder that can be written; got {shown(folder)} ({error.strerror}). {remedy}"
+        raise BadInputError(said) from None
+    if not is_folder:
+        kind = "a link to nothing" if place.is_symlink() and not place.exists() else "a file"
+        raise BadInputError(f"{option} must be a folder; got {folder}, and {place} is {kind}. {remedy}")
     probe = place / f".{secrets.token_hex(8)}{PARTIAL}"
     try:
         probe.mkdir()

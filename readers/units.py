@@ -32,7 +32,16 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         "in": (254, 10_000),
     },
     "per length": {"1/m": (1, 1), "rad/m": (1, 1), "m-1": (1, 1), "1/km": (1, 1000), "rad/km": (1, 1000)},
-    "time": {"s": (1, 1), "sec": (1, 1), "ms": (1, 1000), "us": (1, 1_000_000), "min": (60, 1), "h": (3600, 1)},
+    "time": {
+        "s": (1, 1),
+        "sec": (1, 1),
+        "ms": (1, 1000),
+        "us": (1, 1_000_000),
+        "\u00b5s": (1, 1_000_000),
+        "\u03bcs": (1, 1_000_000),
+        "min": (60, 1),
+        "h": (3600, 1),
+    },
     "speed": {
         "m/s": (1, 1),
         "km/h": (10, 36),
@@ -148,6 +157,8 @@ def likely_unit(value: float, unit: str, least: float, most: float) -> str:
     str
         A question with a leading space, or no text if no usual unit puts the value inside the limits.
     """
+    if value == 0.0:
+        return ""
     for usual in USUAL.get(unit, ()):
         found = factor(usual, unit)
         if found is None:

@@ -18,9 +18,11 @@ import pytest
 
 import bogie_braking as bb
 from bogie_braking import machines, parts, sweeping
+from bogie_braking.checks import known
 from bogie_braking.machines import machine_of
 from bogie_braking.sweeping import PAYS_FROM
 from fmu_src.system import model_of
+from products import braked_vehicle
 from rbd_model.levels.models import places_of
 from tests.fmu.sled import sled
 
@@ -707,6 +709,19 @@ def test_a_file_that_is_not_there_is_named_with_what_it_should_be() -> None:
         bb.measured_from("none.csv")
     with pytest.raises(FileNotFoundError, match=r"There is no file none\.fmu; give the path of an FMU"):
         bb.FmuInstance("none.fmu")
+
+
+def test_a_name_of_ones_own_is_no_alias() -> None:
+    assert known("coach", ["coach", "vehicle"], "variable") == "coach"
+    assert known("coach", ["bogie", "vehicle"], "FMU") == "vehicle"
+
+
+def test_a_terminal_is_told_of_cylinders_by_flow_of_air(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    machines.announce("braked-vehicle", max(braked_vehicle.PLACES))
+    assert "Compiling the braked-vehicle at level 2 with cylinders by flow of air" in capsys.readouterr().err
 
 
 def test_people_say_coach() -> None:

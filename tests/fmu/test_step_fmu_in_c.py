@@ -105,7 +105,8 @@ def test_the_period_is_fixed_once_it_runs(counts: Path) -> None:
         (
             "pi.c",
             '#include "wheel_slide.h"\n',
-            "it lacks wheel_slide_size, wheel_slide_start, wheel_slide_step. Add them.",
+            "pi.c must have all functions of wheel_slide.h; it lacks "
+            "wheel_slide_size, wheel_slide_start, wheel_slide_step. Add them.",
         ),
     ],
 )
@@ -114,6 +115,21 @@ def test_what_becomes_no_fmu_is_refused(
 ) -> None:
     (tmp_path / name).write_text(text)
     assert build_fmu.main(["--controller", str(tmp_path / name), "--out", str(tmp_path)]) == 2
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["train"], "--controller builds an FMU of its own; got train too."),
+        (["--platforms", "all"], "--controller builds for this platform; got --platforms all."),
+        (["--kind", "python"], "--kind must be native or fmi3 for pi.c; got python."),
+    ],
+)
+def test_an_option_without_effect_on_a_controller_is_refused(
+    more: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert build_fmu.main(["--controller", "pi.c", *more]) == 2
     assert words in capsys.readouterr().err
 
 

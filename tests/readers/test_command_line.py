@@ -75,6 +75,11 @@ def test_a_folder_is_looked_at_and_left_as_it_was(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(BadInputError, match=r"--out must be a folder; got .*file.* is a file\. Choose another folder"):
         check_folder(tmp_path / "file" / "below")
+    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
+    with pytest.raises(BadInputError, match=r"link is a link to nothing\. Choose another folder"):
+        check_folder(tmp_path / "link" / "below")
+    with pytest.raises(BadInputError, match=r"--out must be a folder that can be written; got .*too long"):
+        check_folder(tmp_path / ("n" * 300))
 
 
 def test_every_parser_and_option_of_the_program_refuses_so() -> None:

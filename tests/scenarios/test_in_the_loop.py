@@ -250,6 +250,11 @@ def test_the_command_prints_what_came(capsys: pytest.CaptureFixture[str], tmp_pa
     assert json.loads((tmp_path / "controllers" / "loop.json").read_text()) == told
 
 
+def test_a_port_that_another_program_has_is_refused(own: socket.socket, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["controllers", "loop", "--port", str(port_of(own))]) == 2
+    assert f"Port {port_of(own)} of {HOST} cannot be had (" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -85,3 +85,14 @@ def test_the_fmu_of_a_stop_is_the_list_s(tmp_path: Path) -> None:
 
     driven = {name for name in FMUS if any(v.name == "brake_torque_2" for v in model_of(name).variables)}
     assert set(pace.VEHICLES) == {name for name in driven if name != "braked-vehicle"}
+
+
+def test_a_pace_that_is_interrupted_ends_with_a_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(_: object) -> bool:
+        raise KeyboardInterrupt("Interrupted after 7 of 9 steps.")
+
+    monkeypatch.setattr(pace, "run", interrupted)
+    assert main(["pace", "bogie"]) == 130
+    assert capsys.readouterr().err == "Interrupted after 7 of 9 steps.\n"
