@@ -70,6 +70,15 @@ def test_discs_of_another_radius_brake_as_their_radius_has_it() -> None:
 
     assert torque(friction_radius=0.5) / torque(friction_radius=0.25) == pytest.approx(2.0, rel=1e-6)
     assert torque(constant_shoe_friction=0.9) == torque()
+    slope, least = 4e-3, {"pad_friction_over_temperature": 0.0, "least_pad_friction": 0.0}
+    for radius in (0.25, 0.5):
+        given = {"friction_radius": radius} | least
+        falls, same = (stop_of(DISCS, **given, pad_friction_over_speed=one) for one in (slope, 0.0))
+        at = int(np.searchsorted(falls["time"], 6.0))
+        share = 1.0 - slope * falls["speed"][at] * radius / coach().parameters.wheel_radius / 0.38
+        assert falls["brake_torque_1"][at] / same["brake_torque_1"][at] == pytest.approx(share, rel=2e-3)
+    treads = [stop_of(BY_FLOW, constant_shoe_friction=one)["brake_torque_1"].max() for one in (0.25, 0.5)]
+    assert treads[1] / treads[0] == pytest.approx(2.0, rel=1e-4)
 
 
 @pytest.mark.parametrize("brake", [TIMED, DISCS])

@@ -12,6 +12,7 @@ import time
 import venv
 import zipfile
 from collections.abc import Iterator, Mapping
+from email import message_from_bytes
 from importlib.metadata import distribution, requires
 from pathlib import Path
 
@@ -62,14 +63,17 @@ def install(wheels: Path, python: Path, *how: str) -> None:
     subprocess.run(call, check=True, capture_output=True, text=True, cwd=python.parent)
 
 
-def asked_for() -> set[str]:
-    """Return the names of all required packages, direct and indirect, without extras."""
-    found, waiting = set(), ["bogie-braking"]
+def asked_for(wheel: Path) -> set[str]:
+    """Return the names of all packages that a wheel requires, direct and indirect, without extras."""
+    with zipfile.ZipFile(wheel) as packed:
+        [name] = [one for one in packed.namelist() if one.endswith(".dist-info/METADATA")]
+        waiting = list(message_from_bytes(packed.read(name)).get_all("Requires-Dist") or [])
+    found = set[str]()
     while waiting:
-        asked = map(Requirement, requires(waiting.pop()) or [])
-        names = {one.name for one in asked if one.marker is None or one.marker.evaluate({"extra": ""})} - found
-        found |= names
-        waiting += names
+        one = Requirement(waiting.pop())
+        if one.name not in found and (one.marker is None or one.marker.evaluate({"extra": ""})):
+            found.add(one.name)
+            waiting += requires(one.name) or []
     return found
 
 
@@ -92,7 +96,8 @@ def installed(wheels: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the Python of an installation whose requirements are already there, so that pip fetches nothing."""
     folder = tmp_path_factory.mktemp("installation")
     python = environment(folder / "environment")
-    link_packages(asked_for(), packages_of(python, folder))
+    [wheel] = wheels.glob(f"*{OWN}.whl")
+    link_packages(asked_for(wheel), packages_of(python, folder))
     install(wheels, python, "--no-index")
     return python
 

@@ -52,10 +52,11 @@ SHORT = {
         "python -m bogie_braking controllers compare --programme starts --phases 1"
     ),
     "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)' --rails low": (
-        "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' --rails dry --phases 1"
+        "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)'"
+        " --rails dry --phases 1"
     ),
     "python -m bogie_braking controllers compare many.py:LetAllGo let_go.py:LetGo --rails wet,low": (
-        "python -m bogie_braking controllers compare many.py:LetAllGo --rails dry --phases 1"
+        "python -m bogie_braking controllers compare many.py:LetAllGo let_go.py:LetGo --rails dry --phases 1"
     ),
     "python -m bogie_braking controllers compare let_go.c let_go.py:LetGo --vehicle coach --programme my.toml": (
         "python -m bogie_braking controllers compare --help"

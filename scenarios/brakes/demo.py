@@ -1,8 +1,9 @@
-"""First stops: a coach on a dry and on a wet rail, and a bogie coupled with its brake cylinder, all by FMPy.
+"""First stops of FMUs: a coach on a dry and on a wet rail, and a bogie coupled with its brake cylinder.
 
 The coach is BrakedVehicle.fmu, run by `fmpy.simulate_fmu`: full brake from 160 km/h with a heavier body. The bogie and
-its brake are two FMUs of FMI 2.0, BogieDynamics.fmu and BrakeCylinder.fmu. FMPy couples them in macro steps of 1 ms:
-the cylinder gives the brake torque, the bogie returns the speed of rotation.
+its brake are two FMUs of FMI 2.0, BogieDynamics.fmu and BrakeCylinder.fmu. `bb.cosimulate` loads them with FMPy and
+couples them in macro steps, of 1 ms by default: the cylinder gives the brake torque, the bogie returns the speed of
+rotation.
 """
 
 import math
@@ -205,7 +206,7 @@ def draw(stops: dict[str, Recording], bogie: Recording) -> Figure:
         speed = 3.6 * COACH.wheel_radius * stops["wet"][f"angular_velocity_{number}"]
         label = wheels if number == 1 else "_"
         axis.plot(stops["wet"]["distance"], speed, "--", color=plots.TRAILING, linewidth=1.2, label=label)
-    text = "bogie + brake cylinder: two FMUs, coupled by FMPy"
+    text = "bogie + brake cylinder: two FMUs, coupled"
     axis.plot(bogie["distance"], 3.6 * bogie["speed"], "-.", color=plots.BOGIE, linewidth=1.4, label=text)
     axis.set(xlim=(0.0, None), ylim=(0.0, 1.3 * 3.6 * SPEED))
     axis.legend(loc="upper right")
@@ -215,7 +216,7 @@ def draw(stops: dict[str, Recording], bogie: Recording) -> Figure:
 
 SCENARIO = Scenario(
     "demo",
-    "First stops: a coach on dry and wet rail, a bogie coupled with its brake cylinder, all by FMPy",
+    "First stops of FMUs: a coach on dry and wet rail, a bogie coupled with its brake cylinder",
     run,
     takes=frozenset({"step"}),
 )

@@ -337,6 +337,7 @@ def test_a_sensor_that_shows_no_number_takes_no_protection_from_the_others(lost:
     found = [(n * PERIOD, protection.step(n * PERIOD, speeds(n * PERIOD))) for n in range(1600)]
     assert all(set(commands) == {APPLY} for time, commands in found if time < 6.0)
     assert any(commands[2] == VENT for time, commands in found if 6.0 < time < 7.0)
+    assert all(commands[n] == APPLY for _, commands in found for n in (1 - lost, 3))
     assert protection.believed == [number != lost for number in range(4)]
     assert 0.9 < protection.reference / 22.0 < 1.1
 

@@ -64,7 +64,7 @@ function lineText(radius, gradient) {
   return [`${heads},gradient`, ...rows.map((row) => `${row},${gradient}`)].join("\n") + "\n";
 }
 
-// A finished run remains as a pale line.
+// Returns the rows of the line as numbers: distance, curvature, cant; none if it is straight.
 function curvesOf(radius) {
   const [, ...rows] = DATA.curves[radius].rows;
   return radius === "0" ? [] : rows.map((row) => row.split(",").map(Number));

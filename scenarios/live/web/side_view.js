@@ -6,20 +6,20 @@ const FRAME = { size: 0.5, beyond: 0.6 }, CAR = { size: 2.6, beyond: 2.5 }; // h
 const PANE = { pitch: 2, width: 1.3 }; // of windows, drawn [m]
 const CAPTION = 20; // height of the caption above the vehicle [pixels]
 const PLAN = { width: 110, length: 200 }; // of the track from above [pixels], [m]
-const SMALLEST = 12; // a wheel with its number in it [pixels]
-const VALVES = ["", "hold", "vent"]; // a wheel that contains its number [pixels]
+const SMALLEST = 12; // a wheel that contains its number [pixels]
+const VALVES = ["", "hold", "vent"]; // by command; "apply" needs no word
 
-// by command; "apply" needs no word
+// Bodies that carry wheelsets are drawn as frames, bodies on frames as cars.
 function shapeOf(body) {
   return body.carries.length ? FRAME : CAR;
 }
 
-// Bodies that carry wheelsets are drawn as frames, bodies on frames as cars.
+// Returns whether a wheelset is locked while the vehicle moves.
 function slides(kernel, number) {
   return kernel.get(`locked_${number}`) > 0.5;
 }
 
-// Returns whether a wheelset is locked while the vehicle moves.
+// Returns the curvature at a place on the line, linear between its rows [1/m].
 function curvatureAt(rows, place) {
   const after = rows.findIndex(([at]) => at > place);
   if (after <= 0) return after < 0 ? rows.at(-1)[1] : rows[0][1];
@@ -102,7 +102,7 @@ class SideView {
     }
     context.fillStyle = look.soft;
     context.textAlign = "center";
-    const reach = machine.wheelsets[0].along + CAR.beyond + 1.5; // posts astern of the vehicle are hidden
+    const reach = machine.wheelsets[0].along + CAR.beyond + 1.5; // posts behind the vehicle are hidden
     for (let post = Math.ceil((distance - half) / POSTS) * POSTS; post < distance + half; post += POSTS) {
       if (Math.abs(post - distance) < reach) continue;
       context.fillRect(x(post - distance) - 1, rail - 1.4 * scale, 2, 1.4 * scale);
