@@ -18,8 +18,15 @@ ROOT = Path(__file__).parents[1]
 ALLOWED = {
     "readers": {"readers"},
     "fmu_src": {"fmu_src", "readers"},
-    "rbd_model": {"rbd_model", "readers", "fmu_src.system", "fmu_src.chain", "fmu_src.piecewise"},
-    "brake_controller": {"brake_controller", "readers", "fmu_src.system", "fmu_src.chain", "fmu_src.piecewise"},
+    "rbd_model": {"rbd_model", "readers", "fmu_src.system", "fmu_src.chain", "fmu_src.piecewise", "fmu_src.records"},
+    "brake_controller": {
+        "brake_controller",
+        "readers",
+        "fmu_src.system",
+        "fmu_src.chain",
+        "fmu_src.piecewise",
+        "fmu_src.records",
+    },
     "products": {"products", "readers", "fmu_src", "rbd_model", "brake_controller"},
 }
 OURS = {*ROOMS, "build_fmu"}

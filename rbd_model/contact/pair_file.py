@@ -1,0 +1,214 @@
+"""Files of contact tables: a pair of profiles as data of an instance, which FMUs and kernels read (`profile_file`).
+
+The file is text. Its first rows are remarks that name the pair. Then each row is one item of `pair_table.PAIR`: a
+number (`radius,0.46`), the head of a table (`table,nearest,322`) with its rows of a breakpoint and the coefficients of
+the polynomial from there on, or the head of a list (`list,treads,2`) with its records. Numbers are written with as many
+digits as they have, so that a table that is read is the one that was written. `fmu_src/runtime/record_file.c` reads
+the same files.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmu_src.records import LARGEST_NUMBER, MOST_PIECES, Pieces, Record, RecordKind, TableOfRecord
+from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
+from rbd_model.contact.pair_table import PAIR, PATCH, SIDE, pair_record
+from readers.storage import write_whole
+from readers.tables import number_of
+from readers.text import BadInputError, rows_of, shown, text_of
+
+#: Format of the file, in its first row after the remarks.
+VERSION = 1
+#: Largest difference of cosine^2 + sine^2 from 1.
+UNIT = 1e-9
+#: How to mend a damaged file.
+MAKE_AGAIN = "Make the file again with bogie-braking profile"
+
+
+def write_pair(sides: Sides, path: str | Path) -> Path:
+    """Write the contact table of a pair of profiles (section 4.3), for the parameter `profile_file`.
+
+    Parameters
+    ----------
+    sides : Sides
+        Both wheels on their rails; they may differ.
+    path : str or Path
+        File to write.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    BadInputError
+        If contact model 2 cannot follow the contact of the pair.
+    StorageError
+        If the file cannot be written.
+    """
+    record = pair_record(sides)
+    rows = [*remarks(sides), f"{PAIR.name},{VERSION}", *rows_of_record(record)]
+    target = Path(path)
+    write_whole(target, "".join(f"{row}\n" for row in rows).encode())
+    return target
+
+
+def remarks(sides: Sides) -> Iterator[str]:
+    """Yield the rows that tell what pair it is."""
+    yield "# Contact table of wheels and rails for the parameter profile_file of bogie-braking. Units: metres, radians."
+    equal = sides.left == sides.right
+    for word, one in (("Both sides", sides.left),) if equal else (("Left", sides.left), ("Right", sides.right)):
+        yield f"# {word}: wheel {_name(one.wheel.name)} on rail {_name(one.rail.name)}, {_places(one)}."
+    gauge = sum(one.rail_half_distance + gauge_face(one.rail) for one in sides.both)
+    yield (
+        f"# Gauge {1e3 * gauge:.2f} mm, {1e3 * GAUGE_DEPTH:g} mm below the top; radius of the wheels at y = 0: "
+        f"{1e3 * sides.mean_radius:g} mm."
+    )
+
+
+def _name(name: str) -> str:
+    return "".join(letter if letter.isprintable() else " " for letter in name)[:200]
+
+
+def _places(one: Side) -> str:
+    return (
+        f"y = 0 of the wheel {1e3 * one.wheel_half_distance:.6g} mm and of the rail "
+        f"{1e3 * one.rail_half_distance:.6g} mm from the middle"
+    )
+
+
+def rows_of_record(record: Record) -> Iterator[str]:
+    """Yield the rows of a record: numbers, tables, lists."""
+    for number, value in zip(record.kind.numbers, record.numbers, strict=True):
+        yield f"{number.name},{value!r}"
+    for about, (breakpoints, coefficients) in zip(record.kind.tables, record.tables, strict=True):
+        yield f"table,{about.name},{len(coefficients)}"
+        for place, row in zip(breakpoints, coefficients, strict=False):
+            yield ",".join(map(repr, (place, *row)))
+        yield repr(breakpoints[-1])
+    for one, records in zip(record.kind.lists, record.lists, strict=True):
+        yield f"list,{one.name},{len(records)}"
+        for each in records:
+            yield from rows_of_record(each)
+
+
+def read_pair(path: str | Path) -> Record:
+    """Return the contact table in a file that `write_pair` has written.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Record
+        Equal to the `pair_record` that was written.
+
+    Raises
+    ------
+    BadInputError
+        If the file is not a contact table, or is damaged; the message names row, value and limit.
+    FileError
+        If the file cannot be read as text.
+    """
+    reader = _Reader(str(path), rows_of(text_of(path), str(path)))
+    [version] = reader.cells(PAIR.name, 1)
+    if version != str(VERSION):
+        raise reader.refused(f"the format must be {VERSION}; got {shown(version)}")
+    record = reader.record(PAIR)
+    reader.end()
+    return record
+
+
+@dataclass
+class _Reader:
+    path: str
+    rows: Iterator[tuple[int, str]]
+    row: int = 0
+
+    def refused(self, problem: str) -> BadInputError:
+        """Return the error for the row that was read last."""
+        return BadInputError(f"Contact table {self.path}, row {self.row}: {problem}. {MAKE_AGAIN}.")
+
+    def next_row(self, wanted: str) -> list[str]:
+        """Return the cells of the next row."""
+        found = next(self.rows, None)
+        self.row = found[0] if found else self.row + 1
+        if found is None:
+            raise self.refused(f"the row must be {wanted}; the file ends")
+        return [cell.strip() for cell in found[1].split(",")]
+
+    def end(self) -> None:
+        """Refuse a row after the last record."""
+        for number, row in self.rows:
+            self.row = number
+            raise self.refused(f"the file must end after its last record; got {shown(row)}")
+
+    def cells(self, name: str, count: int) -> list[str]:
+        """Return the cells after the name at the beginning of the next row."""
+        found = self.next_row(f"'{name}'")
+        if found[0] != name or len(found) != 1 + count:
+            raise self.refused(f"the row must be '{name}' with {count} more cells; got {shown(','.join(found))}")
+        return found[1:]
+
+    def record(self, kind: RecordKind) -> Record:
+        numbers = tuple(
+            self.number(one.name, self.cells(one.name, 1)[0], one.minimum, one.maximum) for one in kind.numbers
+        )
+        tables = tuple(self.table(one) for one in kind.tables)
+        lists = tuple(
+            tuple(self.record(one.kind) for _ in range(self.count("list", one.name, one.least, one.most)))
+            for one in kind.lists
+        )
+        found = Record(kind, numbers, tables, lists)
+        self.check(found)
+        return found
+
+    def check(self, found: Record) -> None:
+        """Refuse a record whose numbers do not fit each other; the twin in C is pair.c."""
+        if found.kind is PATCH:
+            cosine, sine = found.number("cosine"), found.number("sine")
+            if not abs(cosine**2 + sine**2 - 1) <= UNIT:
+                raise self.refused(f"cosine and sine above must be those of one angle; got {cosine:g} and {sine:g}")
+        if found.kind is SIDE:
+            for word in ("wheel", "rail"):
+                begins, ends = (found.number(f"{word}_{end}") for end in ("begins", "ends"))
+                if not begins < ends:
+                    raise self.refused(f"{word}_begins above must be below {word}_ends; got {begins:g} and {ends:g}")
+
+    def number(self, name: str, cell: str, minimum: float, maximum: float) -> float:
+        value = number_of(cell)
+        if not minimum <= value <= maximum:
+            raise self.refused(f"{name} must be a number from {minimum:g} to {maximum:g}; got {shown(cell)}")
+        return value
+
+    def count(self, word: str, name: str, least: int, most: int) -> int:
+        own, number = self.cells(word, 2)
+        if own != name:
+            raise self.refused(f"the {word} must be {name}; got {shown(own)}")
+        count = self.number(f"the length of {name}", number, least, most)
+        if count != math.floor(count):
+            raise self.refused(f"the length of {name} must be a whole number; got {shown(number)}")
+        return int(count)
+
+    def table(self, about: TableOfRecord) -> Pieces:
+        breakpoints: list[float] = []
+        rows: list[tuple[float, ...]] = []
+        for left in range(self.count("table", about.name, 1, MOST_PIECES), -1, -1):
+            cells = self.next_row(f"one of {about.name}")
+            terms = 2 + about.degree if left else 1
+            if len(cells) != terms:
+                raise self.refused(f"a row of {about.name} must have {terms} numbers here; got {len(cells)}")
+            place = self.number("a breakpoint", cells[0], about.minimum, about.maximum)
+            if breakpoints and not place > breakpoints[-1]:
+                raise self.refused(f"breakpoints of {about.name} must grow; got {cells[0]} after {breakpoints[-1]!r}")
+            breakpoints.append(place)
+            row = tuple(self.number("a coefficient", cell, -LARGEST_NUMBER, LARGEST_NUMBER) for cell in cells[1:])
+            rows += [row] if left else []
+        return tuple(breakpoints), tuple(rows)
