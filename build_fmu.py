@@ -44,20 +44,28 @@ from rbd_model.train.coupler import COUPLERS
 from readers.command_line import CommandLine, check_folder, quantity, whole
 from readers.text import BadInputError
 
+#: Name of this program.
+PROGRAM = "python build_fmu.py"
 #: Names of FMUs and systems.
 NAMES = (*FMUS, "train", "coupler", "sensor", "ssp", "all")
 #: Exit status.
 DONE, NOT_VALID, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
 
-def main(arguments: Sequence[str] | None = None, program: str | None = None) -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Build the FMUs of a command line; return the exit status."""
+    parser = CommandLine(PROGRAM)
+    add_arguments(parser)
     try:
-        chosen = parser_of(program).parse_args(arguments)
-        kinds = kinds_of(chosen)
+        return run(parser.parse_args(arguments))
     except BadInputError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Build the chosen FMUs; return the exit status. Raises BadInputError."""
+    kinds = kinds_of(chosen)
     try:
         if not chosen.describe:
             check_folder(chosen.out)
@@ -73,15 +81,14 @@ def main(arguments: Sequence[str] | None = None, program: str | None = None) -> 
         return INTERRUPTED
 
 
-def parser_of(program: str | None) -> argparse.ArgumentParser:
-    """Return the parser of the command line; program: the name by which it is called."""
-    shape = argparse.RawDescriptionHelpFormatter
-    about = (__doc__ or "").replace("python build_fmu.py", program or "python build_fmu.py")
-    parser = CommandLine(program, description=about, formatter_class=shape)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add description and options, for this program or for the command `bogie-braking build`."""
+    parser.description = (__doc__ or "").replace(PROGRAM, parser.prog)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
     add = parser.add_argument
     also = "; ".join(f"{own} = {name}" for own, name in ALIASES.items())
     text = f"{', '.join(NAMES)} (default: all); {also}"
-    add("model", nargs="?", default="all", type=fmu_named, choices=NAMES, metavar="FMU", help=text)
+    add("model", nargs="?", default="all", type=fmu_named, choices=[*NAMES, *ALIASES], metavar="FMU", help=text)
     add("--kind", default="all", choices=[*KINDS, "all"], help="FMI 2.0, FMI 3.0, pythonfmu or all")
     add("--out", type=Path, default=Path("build"), help="folder of the FMUs (default: build)")
     add("--platforms", choices=["own", "all"], default="own", help="of native FMUs (default: own)")
@@ -97,7 +104,6 @@ def parser_of(program: str | None) -> argparse.ArgumentParser:
     text = f"of the pipe in each vehicle, {least:g} to {most:g} (default: 2)"
     add("--cells", type=quantity("--cells", least=least, most=most), default=2.0, metavar="COUNT", help=text)
     add("--describe", action="store_true", help="print the table of variables instead of building")
-    return parser
 
 
 def kinds_of(chosen: argparse.Namespace) -> list[str]:

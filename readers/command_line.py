@@ -19,6 +19,8 @@ from readers.units import factor, likely_unit, spellings_for
 
 #: A number and its unit.
 NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
+#: An argument that begins so is a negative value, not an option.
+NEGATIVE = re.compile(r"-(\d|\.\d)")
 #: Share of letters in common from which an option is suggested.
 NEAR = 0.7
 #: Options of other names in earlier versions, by the old ones.
@@ -46,6 +48,10 @@ SENTENCES: tuple[tuple[str, Callable[..., str]], ...] = (
 
 class CommandLine(argparse.ArgumentParser):
     """An `ArgumentParser` that raises BadInputError with one message, without its usage."""
+
+    def __init__(self, *given: Any, **named: Any) -> None:
+        super().__init__(*given, **named)
+        self._negative_number_matcher = NEGATIVE  # argparse's own pattern allows no unit
 
     def error(self, message: str) -> NoReturn:
         """Raise BadInputError with the replacement of a message of argparse."""

@@ -11,12 +11,7 @@ SHELLS = shtab.SUPPORTED_SHELLS
 COMMAND = "bogie-braking"
 
 
-def completion(
-    parser: argparse.ArgumentParser,
-    commands: Mapping[str, argparse.ArgumentParser],
-    names: Mapping[str, Sequence[str]],
-    shell: str,
-) -> str:
+def completion(parser: argparse.ArgumentParser, names: Mapping[str, Sequence[str]], shell: str) -> str:
     """Return the completion script of a shell.
 
     The parser is changed and must not be used afterwards: its error messages would list all names.
@@ -24,19 +19,24 @@ def completion(
     Parameters
     ----------
     parser : argparse.ArgumentParser
-        The command line.
-    commands : mapping of str to argparse.ArgumentParser
-        Its commands, whose options and files are completed.
+        The command line, with the options of all commands.
     names : mapping of str to sequence of str
-        Scenarios that each command takes.
+        What each command takes as its argument `name`.
     shell : str
         Name of the shell.
     """
     parser.prog = COMMAND
-    for command, subparser in commands.items():
-        for action in subparser._actions:
-            if action.dest == "name":
-                action.choices = names[command]
-            elif action.type is Path:
-                action.complete = shtab.FILE  # type: ignore[attr-defined]
+    complete(parser, names, "")
     return shtab.complete(parser, shell)
+
+
+def complete(parser: argparse.ArgumentParser, names: Mapping[str, Sequence[str]], command: str) -> None:
+    """Let a shell complete names and files in a command and in the commands below it."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, below in action.choices.items():
+                complete(below, names, command or name)
+        elif action.dest == "name" and command in names:
+            action.choices = names[command]
+        elif action.type is Path:
+            action.complete = shtab.FILE  # type: ignore[attr-defined]

@@ -20,7 +20,6 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from products.study.cluster import cluster
 from products.study.grid import grid_of, points_of
@@ -32,28 +31,16 @@ from scenarios import catalogue
 from scenarios.scenario import BadInputError
 
 
-def add_command(commands: Any) -> None:
-    """Add `sweep` to the commands of the command line."""
-    parser = commands.add_parser(
-        "sweep",
-        help="run one scenario over a grid of parameters",
-        description=__doc__,
-        epilog=sweepable_text(),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.epilog = sweepable_text()
     parser.add_argument("name", help="a scenario that takes part in sweeps")
-    parser.add_argument(
-        "--vary",
-        action="append",
-        default=[],
-        metavar="PARAMETER",
-        help="name=first:last:count or name=a,b,c; several give every combination, the first varying slowest",
-    )
+    text = "name=first:last:count or name=a,b,c; several give every combination, the first varying slowest"
+    parser.add_argument("--vary", action="append", default=[], metavar="PARAMETER", help=text)
     text = "worker processes (default: one per processor)"
     parser.add_argument("--jobs", type=whole("--jobs", 1), metavar="COUNT", help=text)
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, whose workers take the points")
     parser.add_argument("--restart", action="store_true", help="drop the points of an earlier sweep")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
 
 
 def sweepable_text() -> str:

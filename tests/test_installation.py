@@ -268,8 +268,8 @@ def test_a_release_made_again_is_the_same(wheels: Path, tmp_path: Path) -> None:
 
 ROOT = Path(release.__file__).parent
 #: Packages whose presence is checked before the import (`scenarios/comparisons/peers/sundials.py: is_installed`,
-#: `products/study/cluster.py: client_of`, `bogie_braking/commands.py: look_for_plotly`), or at the beginning of the
-#: only file that imports them (`bogie_braking/gym.py`).
+#: `products/study/cluster.py: client_of`, `bogie_braking/commands/shared.py: look_for_plotly`), or at the beginning
+#: of the only file that imports them (`bogie_braking/gym.py`).
 LOOKED_FOR = {"sksundae", "distributed", "plotly", "gymnasium"}
 
 

@@ -143,7 +143,7 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
     text = (
         f"{' or '.join(MACHINES)}; {' and '.join(f'{own} = {name}' for own, name in ALIASES.items())} (default: bogie)"
     )
-    parser.add_argument("--vehicle", type=fmu_named, choices=list(MACHINES), default="bogie", help=text)
+    parser.add_argument("--vehicle", type=fmu_named, choices=[*MACHINES, *ALIASES], default="bogie", help=text)
     speed = quantity("--speed", "m/s", 0.0, FASTEST, above=True)
     text = "at the start, as 25 or 90km/h (default: 25 m/s)"
     parser.add_argument("--speed", type=speed, default=25.0, metavar="SPEED", help=text)

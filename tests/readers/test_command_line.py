@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bogie_braking.__main__ import parser_of
+from bogie_braking.commands import COMMANDS, parser_of
 from readers.command_line import CommandLine, check_folder, number_in, quantity, whole
 from readers.text import BadInputError
 
@@ -52,6 +52,7 @@ def parser() -> CommandLine:
         ("one", "name must be given; got nothing. See top one --help."),
         ("one a --step 5", "--step must be from 1e-05 to 0.1 s; got 5. Did you mean 5 ms = 0.005 s?"),
         ("one a --step 5h", "--step must be from 1e-05 to 0.1 s; got 5h."),
+        ("one a --step -5ms", "--step must be from 1e-05 to 0.1 s; got -5ms."),
         ("one a --step x", "--step must be from 1e-05 to 0.1 s; got x. Give a number in s, sec, ms, us, min, h."),
         ("one a --step", "--step must have a value; got none. See top one --help."),
         ("one a --pulses 1.5", "--pulses must be an integer of at least 1; got 1.5."),
@@ -89,6 +90,6 @@ def test_every_parser_and_option_of_the_program_refuses_so() -> None:
         below = [action.choices for action in one._actions if isinstance(action, argparse._SubParsersAction)]
         return [one, *(found for choices in below for sub in choices.values() for found in parsers(sub))]
 
-    for one in parsers(parser_of("completion")[0]):
+    for one in parsers(parser_of(COMMANDS)):
         assert isinstance(one, CommandLine)
         assert all(action.type not in (float, int) for action in one._actions)

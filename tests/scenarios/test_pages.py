@@ -422,7 +422,10 @@ def test_index_shows_what_does_not_hold_first_and_what_is_not_judged_last(tmp_pa
 
 
 def test_what_pages_need_is_imported_for_pages_alone() -> None:
-    asked = "import sys, bogie_braking.commands; print([name for name in ('plotly', 'jinja2') if name in sys.modules])"
+    asked = (
+        "import sys; from bogie_braking import commands; [commands.module_of(name) for name in commands.COMMANDS]; "
+        "print([name for name in ('plotly', 'jinja2') if name in sys.modules])"
+    )
     done = subprocess.run([sys.executable, "-c", asked], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

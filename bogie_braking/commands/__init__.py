@@ -1,0 +1,60 @@
+"""Commands of the command line: a table, and a module for each.
+
+The module of a command is imported only if that command is given. It has two functions, and may have a third:
+
+  add_arguments(parser)   adds options; also the description
+  run(chosen)             runs the command, returns its exit status
+  names()                 returns what a shell completes as the argument `name`
+
+A new command needs a line of the table and its module. Errors of `run` are handled for all (`failures.py`).
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Collection
+from importlib import import_module
+from typing import Any
+
+from fmu_src import __version__
+from readers.command_line import CommandLine
+
+#: Commands by name: help, and module in this package.
+COMMANDS = {
+    "list": ("list all scenarios", "listing"),
+    "doctor": ("say what is installed and what is missing, each with what to do", "doctor"),
+    "completion": ("print a script with which a shell completes this command", "completion"),
+    "run": ("run one scenario", "run"),
+    "report": ("join all results into one page", "report"),
+    "sweep": ("run one scenario over a grid of parameters", "sweep"),
+    "pace": ("run an FMU in real time on this machine: longest step, overruns, jitter", "pace"),
+    "controllers": ("compare wheel-slide controllers, a Python class, C or a library, on the test rig", "controllers"),
+    "live": ("write pages that brake a coach, a bogie or a train in any browser", "live"),
+    "build": ("build FMUs", "build"),
+}
+
+
+def module_of(name: str) -> Any:
+    """Import the module of a command."""
+    return import_module(f"{__name__}.{COMMANDS[name][1]}")
+
+
+def parser_of(loaded: Collection[str], about: str | None = None) -> argparse.ArgumentParser:
+    """Return the command line.
+
+    Parameters
+    ----------
+    loaded : collection of str
+        Commands that get their options; the others get their help alone, so that their modules are not imported.
+    about : str, optional
+        Description of the program.
+    """
+    shape = argparse.RawDescriptionHelpFormatter
+    parser = CommandLine(prog="bogie-braking", description=about, formatter_class=shape)
+    parser.add_argument("--version", action="version", version=f"bogie-braking {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True)
+    for name, (text, _) in COMMANDS.items():
+        of_command = commands.add_parser(name, help=text)
+        if name in loaded:
+            module_of(name).add_arguments(of_command)
+    return parser
