@@ -17,9 +17,10 @@ GAUGE = 1.5
 #: Length on either side of a row over which a corner is rounded [m], so that the values are smooth for an integrator;
 #: assumed (the stiffness of rails has about this effect).
 ROUNDING = 1.0
-#: Largest turn between two rows [rad], between which the plan is a polynomial; number of rows in the shortest feature
-#: of a line that steps resolve.
-LARGEST_TURN, RESOLVING_ROWS = 0.05, 8.0
+#: Largest turn between two rows [rad], between which the plan is a quintic. The quintic deviates from an arc by the
+#: radius times the sixth power of the turn over 46080: 0.3 um where a curve of 50 m has rows every 12.5 m. Number of
+#: rows in the shortest feature of a line that steps resolve.
+LARGEST_TURN, RESOLVING_ROWS = 0.25, 8.0
 #: Least change of gradient [1] or curvature [1/m] relative to a straight line that makes a row a corner: 1e-6 m/s2.
 LEAST_CORNER = 1e-7
 #: Largest share of the distance to a corner in one step, because no step lets a speed grow by more than half

@@ -174,9 +174,9 @@ SAID = {
     "distance,curvature,cant,gradient\n5,0,0,0\n\n4,0,0,0\n": (
         "row 4, column distance: values must grow by at least 0.001 m; got 4 m after 5 m. Sort the rows, or remove",
     ),
-    "distance,curvature,cant,gradient\n0,0.01,0,0\n9,0.01,0,0\n": (
+    "distance,curvature,cant,gradient\n0,0.01,0,0\n29,0.01,0,0\n": (
         "row 3",
-        "the line turns by 0.09 rad over the 9 m",
+        "the line turns by 0.29 rad over the 29 m",
     ),
     "distance,curvature,cant,gradient\n0,0,0,0\n": ("must have at least 2 rows of values; it has 1. Add rows.",),
     'distance,curvature,cant,gradient\n0,"0,0,0\n': ("row 2: quotes must close within the row. Remove the quotes.",),
