@@ -165,7 +165,9 @@ def prepared(
         known(name, variables_of_batch(library), "variable")
     for name in library.model.selectors:
         if name in given.keys() - single.keys():
-            raise ValueError(f"Give {name} one number for all runs: it chooses their equations; make a batch of each.")
+            raise ValueError(
+                f"{name} must be one number for all runs, because it chooses their equations. Make a batch of each."
+            )
     if line is not None and not library.file:
         raise refused(f"{library.model.name} runs on no line; leave the line out.")
     return library, given

@@ -152,7 +152,9 @@ def maker_of(controller: Controller) -> Callable[[], WheelSlideController] | Non
         if not steps:
             raise TypeError(f'The controller must be a class, "protection" or None; got {controller!r}.')
         name = type(controller).__name__
-        raise TypeError(f"Give the class {name} and no object of it: each stop begins with a new controller.")
+        raise TypeError(
+            f"The controller must be the class {name}; got an object of it. Each stop begins with a new one."
+        )
     if isinstance(controller, type) and not steps:
         raise TypeError(f"The class {controller.__name__} has no method step(time, wheel_speeds); give it one.")
     return controller

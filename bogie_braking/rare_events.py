@@ -236,7 +236,7 @@ def rare(
     check_executor(executor, what)
     distributions = distributions_of(vary)
     if twice := {name for names in distributions for name in names} & values.keys():
-        raise ValueError(f"Give {min(twice)} a distribution or a number, not both.")
+        raise ValueError(f"{min(twice)} must have a distribution or a number; got both.")
     what = model_from(what) if isinstance(what, System) else what
     middle = values_of(distributions, np.zeros((1, len(distributions))))
     library, _ = prepared(what, line, {**values, **middle})
@@ -296,9 +296,11 @@ def distributions_of(vary: Mapping[str | tuple[str, ...], Distribution]) -> dict
             such = "a distribution of scipy.stats, such as norm(0.15, 0.02)"
             raise TypeError(f"{', '.join(names)} must have {such}; got {shown(one)}.")
         if not np.isfinite(one.ppf(0.5)):
-            raise ValueError(f"Give {', '.join(names)} a distribution that there is: its parameters allow no median.")
+            raise ValueError(
+                f"The distribution of {', '.join(names)} must have a median; got parameters that allow none."
+            )
         if twice := next((name for name in names if every.count(name) > 1), None):
-            raise ValueError(f"Give {twice} one distribution: it has {every.count(twice)}.")
+            raise ValueError(f"{twice} must have one distribution; got {every.count(twice)}.")
     return found
 
 

@@ -104,6 +104,11 @@ class Simulation:
 
         The times of an input are relative to the start of the run.
 
+        Parameters
+        ----------
+        **values : float, or pair of times and values
+            Values by name, in their units.
+
         Raises
         ------
         SimulationError
@@ -192,7 +197,7 @@ class Simulation:
         asked = names_of(names, variables)
         if duration / interval * (1 + len(asked)) > MOST_NUMBERS:
             raise ValueError(
-                f"Give an interval above {interval:g} s: {duration:g} s would be more than {MOST_NUMBERS:g} numbers."
+                f"The interval must be longer; got {interval:g} s, over {MOST_NUMBERS:g} numbers in {duration:g} s."
             )
         duration, interval = seconds("the duration", duration), seconds("the interval", interval)
         before = kernel.counts if kernel.initialised else {}
@@ -247,11 +252,22 @@ class Simulation:
         return [list(row) for row in zip(*(table[name] for name in names), strict=True)]
 
     def save(self) -> bytes:
-        """Return the complete state, for a file or another process; inputs over time are not included."""
+        """Return the complete state, for a file or another process; inputs over time are not included.
+
+        Returns
+        -------
+        bytes
+            The state, for `restore`.
+        """
         return _mark(self._machine.name, self._machine.place) + self._kernel.save()
 
     def restore(self, state: bytes) -> None:
         """Restore a saved state of the same FMU, also from another process.
+
+        Parameters
+        ----------
+        state : bytes
+            A result of `save`.
 
         Raises
         ------

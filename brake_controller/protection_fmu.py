@@ -69,7 +69,7 @@ def wheel_slide_in_c(file: Path, wheelsets: int = BOGIE) -> StepInC:
         If the name of the file cannot be that of a model.
     """
     if not re.fullmatch(r"[A-Za-z_]\w*", file.stem, re.ASCII):
-        raise ValueError(f"Name the file by letters, digits and _, as the FMU is called like it: it was {file.name}.")
+        raise ValueError(f"The name of the file, and of its FMU, must be of letters, digits and _; got {file.name}.")
     sources = {one.name: one.read_text(encoding="utf-8") for one in (file, RIG / HEADER)}
     return _in_c(file.stem, file.name, sources, wheelsets)
 

@@ -41,9 +41,14 @@ class FrictionTable:
 
     def __post_init__(self) -> None:
         if len(self.speeds) != len(self.frictions) or len(self.speeds) < 2:
-            raise ValueError("Give the table at least two speeds and as many frictions.")
+            raise ValueError(
+                f"The table must have at least two speeds and as many frictions; got {len(self.speeds)} and "
+                f"{len(self.frictions)}."
+            )
         if min(self.speeds) < 0.0 or min(self.frictions) < 0.0:
-            raise ValueError("Set speeds and frictions of the table to at least 0.")
+            raise ValueError(
+                f"Speeds and frictions of the table must be at least 0; got {min(*self.speeds, *self.frictions):g}."
+            )
 
 
 def sliding_speed(angular_velocity: ca.SX, wheel_radius: ca.SX) -> ca.SX:

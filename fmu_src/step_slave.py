@@ -58,11 +58,11 @@ class StepSlave(TellingSlave):
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Make a step (fmi2DoStep), times in s; False discards the step, and the log has the reason."""
         if not step_size <= LONGEST_STEP:
-            self.log(f"Take steps of at most {LONGEST_STEP:g} s: this one was of {step_size:g} s.", Fmi2Status.error)
+            self.log(f"The step must be at most {LONGEST_STEP:g} s; got {step_size:g} s.", Fmi2Status.error)
             return False
         period = self.values[self.input_count]
         if not (math.isfinite(period) and period > 0.0):
-            self.failure = f"Set period above 0 s: it was {period:g} s."
+            self.failure = f"period must be above 0 s; got {period:g} s."
         elif not self.failure and current_time - self.start_time >= self.asked * period - 1e-9:
             self._ask(current_time, period)
         if self.failure:

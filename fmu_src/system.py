@@ -29,7 +29,32 @@ ARGUMENTS = ("time", "states", "inputs", "input_rates", "parameters", "derived",
 
 @dataclass(frozen=True)
 class Variable:
-    """One entry of the table of variables; SI units, `display_unit` only for people. A string starts as no text."""
+    """One entry of the table of variables.
+
+    Parameters
+    ----------
+    name : str
+        Name in the FMU.
+    causality : str
+        "parameter", "input", "output" or "local".
+    unit, description : str
+        SI unit; "1" for a pure number. A text for people.
+    start, minimum, maximum : float
+        Start value and limits, in the unit. A string starts empty.
+    kind : str
+        "real", "integer", "boolean" or "string".
+    display_unit : str, optional
+        Unit that a host may show.
+    when_lost : float, optional
+        Value that the equations receive for NaN, a lost signal. None: NaN is refused.
+    choices : tuple of tuple
+        Numbers of an integer selector and their meanings, which `choosing` adds to the description.
+
+    Raises
+    ------
+    ValueError
+        If the start value is not finite or not within the limits.
+    """
 
     name: str
     causality: Causality
@@ -69,7 +94,22 @@ def choice(description: str, choices: Mapping[int, str]) -> Any:
 def quantity(
     unit: str, description: str, minimum: float = -math.inf, maximum: float = math.inf, kind: Kind = "real"
 ) -> Any:
-    """Return a field of a `ParameterSet`: unit, meaning (with the source's symbol) and limits."""
+    """Return a field of a `ParameterSet`.
+
+    Parameters
+    ----------
+    unit, description : str
+        SI unit, and the meaning with the symbol of the source.
+    minimum, maximum : float
+        Limits [unit].
+    kind : str
+        "real", "integer" or "boolean".
+
+    Returns
+    -------
+    Any
+        A dataclass field.
+    """
     return field(
         metadata={"unit": unit, "description": description, "minimum": minimum, "maximum": maximum, "kind": kind}
     )
@@ -115,16 +155,33 @@ class ParameterSet:
             low, high = item.metadata["minimum"], item.metadata["maximum"]
             if not (math.isfinite(value) and low <= value <= high):
                 raise ValueError(
-                    f"Set {item.name} to a finite value from {low:g} to {high:g} {unit}: it was {value:g} {unit}."
+                    f"{item.name} must be from {low:g} to {high:g} {unit}; got {value:g} {unit}."
                     f"{other_unit(value, unit, low, high)}"
                 )
 
     def values(self) -> dict[str, float]:
-        """Return all fields by name, in SI units."""
+        """Return all fields by name.
+
+        Returns
+        -------
+        dict of str to float
+            Values in SI units.
+        """
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     def variable(self, name: str) -> Variable:
-        """Return the FMU parameter of one field, with this set's value as its start value."""
+        """Return the FMU parameter of one field.
+
+        Parameters
+        ----------
+        name : str
+            Name of the field.
+
+        Returns
+        -------
+        Variable
+            The parameter, with this set's value as its start value.
+        """
         item = next(item for item in fields(self) if item.name == name)
         return Variable(name, "parameter", start=getattr(self, name), **item.metadata)
 
@@ -162,9 +219,18 @@ SAME_PLACE = 10
 
 @dataclass(frozen=True)
 class Piece:
-    """Polynomials of `degree` (5 at most) between two rows of a table file.
+    """Polynomials between two rows of a table file.
 
     Beyond the ends of the table it keeps its last value or, if `goes_on`, its last slope.
+
+    Parameters
+    ----------
+    name, unit : str
+        Name and unit.
+    degree : int
+        Degree, at most 5.
+    goes_on : bool
+        True: the last slope continues.
     """
 
     name: str
@@ -291,10 +357,21 @@ class Friction:
 
 @dataclass(frozen=True)
 class Condition:
-    """The run ends, or warns once, when `margin` (dimensionless, of order 1) turns negative.
+    """The run ends, or warns once, when a margin turns negative.
 
-    `sentence` holds one %s, the time. `candidate`: an expression that costs less and is negative wherever the margin
-    may be, which is computed only there; None: the margin itself.
+    Parameters
+    ----------
+    margin : SX
+        Dimensionless, of order 1.
+    sentence : str
+        The message; its one %s is the time [s].
+    candidate : SX, optional
+        A cheaper expression that is negative wherever the margin may be. The margin is computed only there.
+
+    Raises
+    ------
+    ValueError
+        If the message does not have one %s.
     """
 
     margin: ca.SX
@@ -359,7 +436,21 @@ class Observable:
 
 @dataclass
 class System(Chain):
-    """One machine at one level of detail. Build it by asking it for symbols, then give the equations back."""
+    """The equations of one FMU at one level of detail.
+
+    Create it with a name and a description. Then call its methods for symbols, and pass the equations to it. The other
+    fields are filled by these methods.
+
+    Parameters
+    ----------
+    name, description : str
+        Name of the model, and a sentence for modelDescription.xml.
+
+    Raises
+    ------
+    ValueError
+        From `ode`, if a state has no equation.
+    """
 
     name: str
     description: str
@@ -385,15 +476,60 @@ class System(Chain):
     # -- symbols ------------------------------------------------------------------------------------------------
 
     def input(self, variable: Variable) -> ca.SX:
-        """Return the symbol of an input; constant or linear in time within a step."""
+        """Declare an input.
+
+        Parameters
+        ----------
+        variable : Variable
+            Its entry in the table of variables, of the causality "input".
+
+        Returns
+        -------
+        SX
+            Its symbol; constant or linear in time within a step.
+
+        Raises
+        ------
+        ValueError
+            If the variable has another causality.
+        """
         return self._declare(variable, "input", self.input_symbols)
 
     def parameter(self, variable: Variable) -> ca.SX:
-        """Return the symbol of a parameter; fixed from initialisation on."""
+        """Declare a parameter.
+
+        Parameters
+        ----------
+        variable : Variable
+            Its entry in the table of variables, of the causality "parameter".
+
+        Returns
+        -------
+        SX
+            Its symbol; fixed from initialisation on.
+
+        Raises
+        ------
+        ValueError
+            If the variable has another causality.
+        """
         return self._declare(variable, "parameter", self.parameter_symbols)
 
     def derived(self, name: str, expression: ca.SX) -> ca.SX:
-        """Return the symbol of a constant that is computed once from the parameters, at initialisation."""
+        """Declare a constant that is computed once from the parameters, at initialisation.
+
+        Parameters
+        ----------
+        name : str
+            Name of the symbol.
+        expression : SX
+            Expression of parameters and of other such constants.
+
+        Returns
+        -------
+        SX
+            Its symbol.
+        """
         symbol = ca.SX.sym(name)
         known = list(self.derived_symbols.values())
         values = list(self.derived_expressions.values())
@@ -402,7 +538,7 @@ class System(Chain):
         return symbol
 
     def state(self, name: str, unit: str, start: Start, nominal: float) -> ca.SX:
-        """Return the symbol of a state.
+        """Declare a state.
 
         Equations, frictions and limits take the symbol; states are not referred to by name elsewhere.
 
@@ -415,6 +551,11 @@ class System(Chain):
         nominal : float
             Size to which the tolerance refers, above 0, in `unit`.
 
+        Returns
+        -------
+        SX
+            Its symbol.
+
         Raises
         ------
         ValueError
@@ -423,7 +564,27 @@ class System(Chain):
         return self._add_state(name, unit, start, nominal, algebraic=False)
 
     def algebraic(self, name: str, unit: str, guess: Start, nominal: float) -> ca.SX:
-        """Return the symbol of an algebraic state, which an equation from `residual` determines at every instant."""
+        """Declare an algebraic state, which an equation from `residual` determines at every instant.
+
+        Parameters
+        ----------
+        name, unit : str
+            Name and unit.
+        guess : SX, float or callable
+            First value of the solution at initialisation.
+        nominal : float
+            Size to which the tolerance refers, above 0, in `unit`.
+
+        Returns
+        -------
+        SX
+            Its symbol.
+
+        Raises
+        ------
+        ValueError
+            If `nominal` is not above 0.
+        """
         return self._add_state(name, unit, guess, nominal, algebraic=True)
 
     def _add_state(self, name: str, unit: str, start: Start, nominal: float, algebraic: bool) -> ca.SX:
@@ -435,17 +596,73 @@ class System(Chain):
         return symbol
 
     def table(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
-        """Return the value of a piecewise polynomial at `argument` (see `look_up`); derivatives of it are exact."""
+        """Return the value of a piecewise polynomial; its derivatives are exact.
+
+        Parameters
+        ----------
+        name : str
+            Name of the table in messages.
+        breakpoints : ndarray, shape (pieces + 1,)
+            Increasing places.
+        coefficients : ndarray, shape (pieces, degree + 1)
+            Lowest power first, of (argument - left breakpoint).
+        argument : SX
+            The place. Beyond the breakpoints the value is that of the end.
+
+        Returns
+        -------
+        SX
+            The value.
+
+        Raises
+        ------
+        ValueError
+            If breakpoints do not increase or the shapes do not fit.
+        """
         return self.curve(name, breakpoints, coefficients, argument, 0)[0]
 
     def curve(
         self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX, order: int
     ) -> list[ca.SX]:
-        """Return a table's value and its derivatives by the argument up to `order`; parameters as in `look_up`."""
+        """Return a piecewise polynomial and its derivatives by the argument.
+
+        Parameters
+        ----------
+        name, breakpoints, coefficients, argument
+            As in `table`.
+        order : int
+            Highest derivative.
+
+        Returns
+        -------
+        list of SX
+            Value and derivatives up to `order`.
+
+        Raises
+        ------
+        ValueError
+            If breakpoints do not increase or the shapes do not fit.
+        """
         return polynomials(self.look_up(name, breakpoints, coefficients, argument), argument, order)
 
     def look_up(self, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
-        """Return a table's piece at `argument`, for `polynomials`."""
+        """Return a table's piece at a place, for `polynomials`.
+
+        Parameters
+        ----------
+        name, breakpoints, coefficients, argument
+            As in `table`.
+
+        Returns
+        -------
+        SX
+            Left breakpoint and coefficients of the piece.
+
+        Raises
+        ------
+        ValueError
+            If breakpoints do not increase or the shapes do not fit.
+        """
         return look_up(self, name, breakpoints, coefficients, argument)
 
     def from_file(self, file: TableFile, name: str, argument: ca.SX, order: int = 0) -> list[ca.SX]:
@@ -493,17 +710,54 @@ class System(Chain):
         return next((table.file for table in self.tables), None)
 
     def direction(self, name: str) -> ca.SX:
-        """Return the symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards."""
+        """Return the symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards.
+
+        Parameters
+        ----------
+        name : str
+            Name of the symbol.
+
+        Returns
+        -------
+        SX
+            The symbol: -1, 0 or 1.
+        """
         return ca.SX.sym(name)
 
     # -- equations ----------------------------------------------------------------------------------------------
 
     def derivative(self, state: ca.SX, expression: ca.SX) -> None:
-        """Set the equation of a state: its derivative by time, in its unit per second."""
+        """Set the equation of a state.
+
+        Parameters
+        ----------
+        state : SX
+            A symbol from `state`.
+        expression : SX
+            Its derivative by time, in its unit per second.
+
+        Raises
+        ------
+        ValueError
+            If `state` is not a state of this system.
+        """
         self.derivatives[self.name_of(state)] = ca.SX(expression)
 
     def residual(self, algebraic: ca.SX, expression: ca.SX) -> None:
-        """Set the equation `expression` = 0 of an algebraic state; together they must be solvable for all of them."""
+        """Set an equation of an algebraic state; together they must be solvable for all of them.
+
+        Parameters
+        ----------
+        algebraic : SX
+            A symbol from `algebraic`.
+        expression : SX
+            Expression that must be 0.
+
+        Raises
+        ------
+        ValueError
+            If `algebraic` is not a state of this system.
+        """
         self.derivatives[self.name_of(algebraic)] = ca.SX(expression)
 
     def dry_friction(
@@ -547,17 +801,58 @@ class System(Chain):
 
         Use it for effects that the error estimate misses: an event within a step, or a stiffness that changes with the
         state.
+
+        Parameters
+        ----------
+        largest : SX
+            Largest change, in the unit of the states.
+        *states : SX
+            One or two symbols from `state`.
+
+        Raises
+        ------
+        ValueError
+            If one is not a state of this system.
         """
         self.largest_changes.append((tuple(self.name_of(state) for state in states), largest))
 
     def add_to_start(self, state: ca.SX, more: ca.SX) -> None:
-        """Add to the start value of a state."""
+        """Add to the start value of a state.
+
+        Parameters
+        ----------
+        state : SX
+            A symbol from `state`.
+        more : SX
+            The increase, in its unit.
+
+        Raises
+        ------
+        ValueError
+            If `state` is not a state of this system.
+        """
         name = self.name_of(state)
         before = self.states[name]
         self.states[name] = replace(before, starts=lambda: before.start + more)
 
     def name_of(self, state: ca.SX) -> str:
-        """Return the name of a state. Raises ValueError if `state` is not a symbol from `state` or `algebraic`."""
+        """Return the name of a state.
+
+        Parameters
+        ----------
+        state : SX
+            A symbol from `state` or `algebraic`.
+
+        Returns
+        -------
+        str
+            Its name.
+
+        Raises
+        ------
+        ValueError
+            If `state` is not such a symbol of this system.
+        """
         one = ca.SX(state)
         name = one.name() if one.is_valid_input() and one.is_scalar() else ""
         if name not in self.states or not ca.is_equal(self.states[name].symbol, one):
@@ -567,11 +862,30 @@ class System(Chain):
         return name
 
     def start_steady(self, start: SteadyStart) -> None:
-        """Let runs start in a steady state. `compose` drops it: the joined systems may not have one together."""
+        """Let runs start in a steady state. `compose` removes it: joined systems may have no common steady state.
+
+        Parameters
+        ----------
+        start : SteadyStart
+            Conditions and states of the steady state.
+        """
         self.steady_start = start
 
     def output(self, variable: Variable, expression: ca.SX | float) -> None:
-        """Declare an output and its expression at every instant. Raises ValueError if the variable is not an output."""
+        """Declare an output and its expression at every instant.
+
+        Parameters
+        ----------
+        variable : Variable
+            Its entry in the table of variables, of the causality "output".
+        expression : SX or float
+            Its value, in its unit.
+
+        Raises
+        ------
+        ValueError
+            If the variable is not an output.
+        """
         if variable.causality != "output":
             raise ValueError(f"{variable.name} is declared as {variable.causality}, not as output.")
         self.variables.append(variable)
@@ -590,11 +904,29 @@ class System(Chain):
         self.end_conditions.append(Condition(margin, sentence))
 
     def warn_when_negative(self, margin: ca.SX, sentence: str, candidate: ca.SX | None = None) -> None:
-        """Warn once when `margin` falls below 0; the run continues. `candidate`: see `Condition`."""
+        """Warn once when `margin` falls below 0; the run continues.
+
+        Parameters
+        ----------
+        margin : SX
+            Dimensionless, of order 1.
+        sentence : str
+            The message; its %s is the time [s].
+        candidate : SX, optional
+            A cheaper expression that is negative wherever the margin may be.
+        """
         self.warnings.append(Condition(margin, sentence, candidate))
 
     def observe(self, name: str, unit: str, expression: ca.SX) -> None:
-        """Declare an expression for studies, which costs nothing in an FMU; see `with_integrals`."""
+        """Declare an expression for studies, which costs nothing in an FMU; see `with_integrals`.
+
+        Parameters
+        ----------
+        name, unit : str
+            Name and unit.
+        expression : SX
+            Its value, in the unit.
+        """
         self.observables[name] = Observable(unit, ca.SX(expression))
 
     # -- derived from the above -----------------------------------------------------------------------------------
@@ -628,7 +960,23 @@ class System(Chain):
         return ca.vertcat(*[self.derivatives[name] for name in self.states])
 
     def with_integrals(self, names: Sequence[str]) -> System:
-        """Return a copy that also integrates the named observables; `integral_NAME` is then a state and an output."""
+        """Return a copy that also integrates some observables.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Observables of this system.
+
+        Returns
+        -------
+        System
+            The copy, in which `integral_NAME` is a state and an output.
+
+        Raises
+        ------
+        KeyError
+            If an observable does not exist.
+        """
         copy = replace(
             self,
             variables=list(self.variables),
@@ -648,7 +996,23 @@ class System(Chain):
         return copy
 
     def with_outputs(self, names: Sequence[str]) -> System:
-        """Return a copy that has the named observables as outputs."""
+        """Return a copy that has some observables as outputs.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Observables of this system.
+
+        Returns
+        -------
+        System
+            The copy.
+
+        Raises
+        ------
+        KeyError
+            If an observable does not exist.
+        """
         copy = replace(self, variables=list(self.variables), outputs=dict(self.outputs))
         for name in names:
             observable = self.observables[name]
@@ -702,9 +1066,21 @@ def state_variable(state: str) -> str:
 
 @dataclass(frozen=True)
 class Relation:
-    """A relation between parameters: `constant` plus parameters by name, each times a factor, must be above 0.
+    """A relation between parameters: a sum that must be above 0.
 
-    sentence: the message if it is broken; its one %s is the missing amount.
+    Parameters
+    ----------
+    terms : tuple of tuple
+        Names of parameters, each with its factor.
+    constant : float
+        Constant of the sum.
+    sentence : str
+        The message if the relation is broken; its one %s is the missing amount.
+
+    Raises
+    ------
+    ValueError
+        If there are no terms, or if the message does not have one %s.
     """
 
     terms: tuple[tuple[str, float], ...]
@@ -722,6 +1098,12 @@ class Model:
 
     Attributes
     ----------
+    name, description : str
+        Name of the FMU, and a sentence for modelDescription.xml.
+    variables : tuple of Variable
+        The table of variables.
+    systems : tuple of System
+        Systems that the selectors choose from.
     selectors : tuple of str
         Integer parameters, each counted from 1, that choose a system together.
     choice : tuple of int
@@ -794,7 +1176,23 @@ class Model:
         return next((system.table_file for system in self.systems if system.table_file), self.reads)
 
     def index(self, name: str) -> int:
-        """Return the value reference of a variable."""
+        """Return the value reference of a variable.
+
+        Parameters
+        ----------
+        name : str
+            Name of the variable.
+
+        Returns
+        -------
+        int
+            Its number.
+
+        Raises
+        ------
+        KeyError
+            If the variable does not exist.
+        """
         return self._indices[name]
 
     @cached_property

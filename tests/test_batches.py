@@ -80,7 +80,7 @@ def test_each_run_of_a_batch_is_that_which_it_is_alone(what: str, scene: dict[st
     assert_same(ends, [alone(what, 15.0, line, {**scene, "friction_1": mu, "friction_2": mu}) for mu in FRICTION])
     assert sum("locked" in said for said in ends.said) > 5
     assert sorted(ends.failures) == [21, 22]
-    assert "Set friction_1 to at least 0" in ends.failures[21]
+    assert "friction_1 must be at least 0" in ends.failures[21]
     assert np.isnan(ends.time[21:]).all()
 
 
@@ -293,7 +293,7 @@ def test_names_that_are_there_twice_are_refused() -> None:
 def test_a_step_that_fails_leaves_the_others_where_they_came_to(planar: BatchLibrary) -> None:
     with bb.instances("bogie", 3, ["friction_1"], ["speed"], **BRAKED) as made:
         made.step(SIZE, {"friction_1": 0.2})
-        with pytest.raises(SimulationError, match="Instance 1 of 3: Set friction_1 to at least 0"):
+        with pytest.raises(SimulationError, match="Instance 1 of 3: friction_1 must be at least 0"):
             made.step(SIZE, {"friction_1": [0.2, -1.0, 0.2]})
         assert made.time == pytest.approx([2 * SIZE, SIZE, 2 * SIZE])
         made.step(SIZE, {"friction_1": 0.2})
@@ -358,7 +358,7 @@ def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> N
             ValueError,
             "brake_torque_1 must be one number, or a list of numbers",
         ),
-        (lambda: bb.batch("bogie", 1.0, ["speed"], level=[1, 2]), ValueError, "Give level one number for all runs"),
+        (lambda: bb.batch("bogie", 1.0, ["speed"], level=[1, 2]), ValueError, "level must be one number for all runs"),
         (lambda: bb.batch("bogie", 1.0, ["speed"], level=4), ValueError, "level must be 1, 2 or 3; got 4."),
         (lambda: bb.batch("bogie", 1.0, ["speed"])["sped"], KeyError, "no output sped; did you mean speed?"),
         (
@@ -370,7 +370,7 @@ def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> N
         (
             lambda: bb.instances("bogie", 2, [], ["speed"], friction_1=[0.1, -1.0]),
             SimulationError,
-            "Instance 1 of 2: Set friction_1 to at least 0",
+            "Instance 1 of 2: friction_1 must be at least 0",
         ),
     ],
 )

@@ -246,7 +246,7 @@ def test_inputs_without_effect_runs_that_fail_and_runs_that_still_move_are_told(
     vary = {"friction_1": norm(0.05, 0.05), "frame_pitch_inertia": uniform(5e4, 1e4)}
     found = quick(vary=vary, brake_torque_1=20e3)
     assert "frame_pitch_inertia has no effect: another value of it changed none of 100 runs." in found.status
-    assert "runs failed and count as not above the limit; the first: Set friction_1 to at least 0" in found.status
+    assert "runs failed and count as not above the limit; the first: friction_1 must be at least 0" in found.status
     assert "were still moving at their end; give a duration in which all stop" in found.status
 
 
@@ -258,16 +258,16 @@ def test_inputs_without_effect_runs_that_fail_and_runs_that_still_move_are_told(
         ({"vary": {"friction_1": norm(0.2, -1.0)}}, "a distribution that there is"),
         (
             {"vary": {"friction_1": norm(), ("friction_1", "friction_2"): norm()}},
-            "Give friction_1 one distribution: it has 2",
+            "friction_1 must have one distribution; got 2",
         ),
         ({"vary": {"friction": norm(0.2, 0.01)}}, "There is no variable friction; did you mean friction_2"),
-        ({"friction_1": 0.1}, "Give friction_1 a distribution or a number, not both"),
+        ({"friction_1": 0.1}, "friction_1 must have a distribution or a number; got both"),
         ({"limit": float("nan")}, "The limit of distance must be a finite number; got nan"),
         ({"particles": 3}, "Particles must be a whole number of at least 10; got 3"),
         ({"moves": 0}, "Moves must be a whole number of at least 1; got 0"),
         ({"seed": -1}, "The seed must be a whole number of at least 0; got -1"),
         ({"executor": 2}, "executor must be an executor of concurrent.futures"),
-        ({"vary": {"friction_1": norm(-9.0, 0.1)}}, "None of 100 runs could be made: Set friction_1 to at least 0"),
+        ({"vary": {"friction_1": norm(-9.0, 0.1)}}, "None of 100 runs could be made: friction_1 must be at least 0"),
     ],
 )
 def test_what_cannot_be_asked_is_refused(more: dict[str, Any], sentence: str) -> None:

@@ -50,7 +50,7 @@ REFUSED: dict[str, tuple[Call, type[Exception], str]] = {
     "a step of a kernel": (
         lambda: Kernel(on_a_track()).advance(1e300),
         SimulationError,
-        "at most 86400 s, a day: it was 1e",
+        "at most 86400 s, a day; got 1e",
     ),
     "just above a day": (lambda: Kernel(on_a_track()).advance(DAY + 1.0), SimulationError, "at most 86400 s, a day"),
     "a record": (
@@ -88,7 +88,11 @@ REFUSED: dict[str, tuple[Call, type[Exception], str]] = {
     ),
     "a train goes": (lambda: train().advance(1e6), ValueError, "from 0 to 86400 s; got 1000000"),
     "a train records": (lambda: train().record(1e6), ValueError, "the time at most 86400 s"),
-    "each moment of a train": (lambda: train().record(60.0, 1e-9), ValueError, "Give an interval above 1e-09 s"),
+    "each moment of a train": (
+        lambda: train().record(60.0, 1e-9),
+        ValueError,
+        "The interval must be longer; got 1e-09 s",
+    ),
     "a train's speed": (
         lambda: bb.train(1, speed=160.0),
         ValueError,
@@ -181,13 +185,13 @@ def at_a_point() -> bb.Vehicle:
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"initial_speed": 160.0}, f"Set initial_speed to at most 150 m/s: 160 m/s .* {IN_KILOMETRES_AN_HOUR}$"),
+        ({"initial_speed": 160.0}, f"initial_speed must be at most 150 m/s; got 160 m/s.* {IN_KILOMETRES_AN_HOUR}$"),
         (
             {"initial_speed": -160.0},
-            r"Set initial_speed to at least -150 m/s: .* did you mean -160 km/h = -44\.44 m/s\?$",
+            r"initial_speed must be at least -150 m/s; got .* did you mean -160 km/h = -44\.44 m/s\?$",
         ),
-        ({"initial_speed": 1e9}, r"Set initial_speed to at most 150 m/s: 1e\+09 m/s is above this limit\.$"),
-        ({"wheel_radius": 460.0}, f"Set wheel_radius to at most 1.5 m: 460 m .* {IN_MILLIMETRES}$"),
+        ({"initial_speed": 1e9}, r"initial_speed must be at most 150 m/s; got 1e\+09 m/s\.$"),
+        ({"wheel_radius": 460.0}, f"wheel_radius must be at most 1.5 m; got 460 m.* {IN_MILLIMETRES}$"),
         (
             {"wheel_base": 0.8},
             r"the wheels of wheelset_1 and wheelset_2 must not overlap; they do by 0\.05 m; set wheel_base and",

@@ -44,7 +44,7 @@ static double *read_numbers(FILE *file, size_t *count) {
 
 double *arrays_read(const char *folder, const char *name, size_t *count, char problem[MESSAGE_SIZE]) {
     if (!folder) {
-        strcpy(problem, "Give the instance the folder of its resources, which holds what it is made of.");
+        strcpy(problem, "The folder of resources must be given to the instance; got none.");
         return NULL;
     }
     const size_t length = strlen(folder) + strlen(name) + 2;
@@ -133,8 +133,8 @@ static kernel_status refuse(fmu_object *self, unsigned variable, size_t element,
     const bool bare = !*about->unit || strcmp(about->unit, "1") == 0;
     char place[32] = "";
     if (object_length(self, variable) > 1) snprintf(place, sizeof place, "[%zu]", element + 1);
-    return say(self, KERNEL_ERROR, "Set %s%s to %g to %g%s%s: it was %g.", about->name, place, about->minimum, about->maximum,
-               bare ? "" : " ", bare ? "" : about->unit, value);
+    return say(self, KERNEL_ERROR, "%s%s must be from %g to %g%s%s; got %g.", about->name, place, about->minimum,
+               about->maximum, bare ? "" : " ", bare ? "" : about->unit, value);
 }
 
 static kernel_status object_check(fmu_object *self, unsigned variable, size_t first, size_t count, const double *value) {
@@ -187,8 +187,8 @@ static kernel_status object_step(fmu_object *self, double time, double step) {
     if (size_is_wrong(step, wrong) || time_is_wrong(time, step, self->now.time, self->stop, wrong))
         return say(self, KERNEL_ERROR, "%s", wrong);
     if (time + step > 2.0 * FARTHEST_TIME)
-        return say(self, KERNEL_ERROR, "Take steps up to a time of %g s: this one was of %g s at %g s.", 2.0 * FARTHEST_TIME,
-                   step, time);
+        return say(self, KERNEL_ERROR, "Steps must end at most at %g s; got a step of %g s at %g s.", 2.0 * FARTHEST_TIME, step,
+                   time);
     const kernel_status status = arrays_go(self->own, time, step, &ended, problem);
     if (status != KERNEL_OK) (void)say(self, status, "%s", problem);
     if (status > KERNEL_WARNING && !ended) return status;

@@ -30,7 +30,7 @@ static kernel_status differentiate_outputs(kernel *self, const double *place) {
 static const double *prepare_derivatives(kernel *self) {
     char when[TIME_TEXT];
     if (!self->system) {
-        (void)kernel_fail(self, KERNEL_ERROR, "Initialise %s before asking for derivatives.", MODEL.name);
+        (void)kernel_fail(self, KERNEL_ERROR, "Initialise %s before its derivatives.", MODEL.name);
         return NULL;
     }
     kernel_gather_inputs(self);
@@ -74,7 +74,7 @@ static kernel_status pick_derivatives(kernel *self, int count, const int *variab
         if (status != KERNEL_OK) return status;
         const variable_description *description = &MODEL.variable[variable[i]];
         if (description->causality < CAUSALITY_OUTPUT || description->kind != KIND_REAL)
-            return kernel_fail(self, KERNEL_ERROR, "Only real outputs have derivatives; %s is none.", description->name);
+            return kernel_fail(self, KERNEL_ERROR, "A derivative must be of a real output; got %s.", description->name);
         result[i] = 0.0;
         for (int j = 0; j < self->system->states; ++j)
             if (self->system->state_variable[j] == variable[i]) result[i] = self->given.seed[1 + j];
@@ -114,7 +114,7 @@ kernel_status kernel_get_directional(kernel *self, int unknowns, const int *unkn
         const variable_description *description = &MODEL.variable[known[i]];
         const bool taken = description->causality == CAUSALITY_INPUT || description->causality == CAUSALITY_LOCAL;
         if (!taken || description->kind != KIND_REAL)
-            return kernel_fail(self, KERNEL_ERROR, "Derivatives are taken by real inputs and states; %s is none.",
+            return kernel_fail(self, KERNEL_ERROR, "A derivative must be with respect to a real input or state; got %s.",
                                description->name);
         for (int j = 0; j < system->states; ++j)
             if (system->state_variable[j] == known[i]) self->given.seed[1 + j] += change[i];

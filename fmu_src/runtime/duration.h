@@ -33,12 +33,11 @@ static inline double time_slack(double time, double size) {
 static inline bool plan_is_wrong(double start, const double *stop, char problem[DURATION_PROBLEM]) {
     char begin[TIME_TEXT], end[TIME_TEXT];
     if (!isfinite(start)) {
-        snprintf(problem, DURATION_PROBLEM, "Set the start time to a finite time: %g s was given.", start);
+        snprintf(problem, DURATION_PROBLEM, "The start time must be a finite number; got %g.", start);
         return true;
     }
     if (!stop || *stop >= start) return false;
-    snprintf(problem, DURATION_PROBLEM,
-             "Set the stop time to the start time of %s s or later: %s s was given; nothing was changed.",
+    snprintf(problem, DURATION_PROBLEM, "The stop time must be at least the start time of %s s; got %s s. Nothing was changed.",
              time_text(start, 9, begin), time_text(*stop, 9, end));
     return true;
 }
@@ -47,9 +46,9 @@ static inline bool plan_is_wrong(double start, const double *stop, char problem[
 static inline bool size_is_wrong(double size, char problem[DURATION_PROBLEM]) {
     if (size > 0.0 && size <= LONGEST_STEP) return false;
     if (size > 0.0 && isfinite(size))
-        snprintf(problem, DURATION_PROBLEM, "Give a step of at most %g s, a day: it was %g s; nothing was advanced.",
+        snprintf(problem, DURATION_PROBLEM, "The step must be at most %g s, a day; got %g s. Nothing was advanced.",
                  LONGEST_STEP, size);
-    else snprintf(problem, DURATION_PROBLEM, "Give a step size above 0 s: it was %g s; nothing was advanced.", size);
+    else snprintf(problem, DURATION_PROBLEM, "The step must be above 0 s; got %g s. Nothing was advanced.", size);
     return true;
 }
 
@@ -61,15 +60,15 @@ static inline bool time_is_wrong(double time, double size, double now, double st
     const double slack = time_slack(now, size);
     if (!(fabs(time - now) <= slack))
         snprintf(problem, DURATION_PROBLEM,
-                 "Step from t = %s s, where the last step ended: %s s was given; nothing was advanced.",
+                 "The step must begin at t = %s s, where the last step ended; got %s s. Nothing was advanced.",
                  time_text(now, 9, here), time_text(time, 9, there));
     else if (!(end > time))
         snprintf(problem, DURATION_PROBLEM,
-                 "Give a longer step at t = %s s: %g s is lost in the round-off of the time; nothing was advanced.",
+                 "The step must be above the round-off of the time t = %s s; got %g s. Nothing was advanced.",
                  time_text(time, 9, here), size);
     else if (end > stop + slack)
         snprintf(problem, DURATION_PROBLEM,
-                 "End the last step at the stop time of %s s: this one would end at %s s; nothing was advanced.",
+                 "The step must end at most at the stop time of %s s; got an end at %s s. Nothing was advanced.",
                  time_text(stop, 9, here), time_text(end, 9, there));
     else return false;
     return true;

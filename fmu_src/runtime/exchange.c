@@ -65,8 +65,8 @@ static const char *name_of_state(const kernel *self, int state) {
 
 kernel_status kernel_set_time(kernel *self, double time) {
     if (!isfinite(time))
-        return kernel_fail(self, KERNEL_ERROR, "Set the time to a finite number: it was given %g, and %g s stays in force.",
-                           time, self->run.now->time);
+        return kernel_fail(self, KERNEL_ERROR, "The time must be a finite number; got %g. %g s stays in force.", time,
+                           self->run.now->time);
     self->run.now->time = time;
     self->run.now->outputs_stale = true;
     return KERNEL_OK;

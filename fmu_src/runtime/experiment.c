@@ -6,8 +6,8 @@
 static kernel_status suggest_tolerance(kernel *self, double tolerance) {
     const variable_description *own = &MODEL.variable[MODEL.tolerance];
     if (tolerance >= own->minimum && tolerance <= own->maximum) return kernel_set(self, MODEL.tolerance, tolerance);
-    return kernel_fail(self, KERNEL_WARNING, "Give a tolerance from %g to %g, or none: %g was given, and %g stays in force.",
-                       own->minimum, own->maximum, tolerance, self->run.value[MODEL.tolerance]);
+    return kernel_fail(self, KERNEL_WARNING, "The tolerance must be from %g to %g; got %g. %g stays in force.", own->minimum,
+                       own->maximum, tolerance, self->run.value[MODEL.tolerance]);
 }
 
 kernel_status kernel_plan(kernel *self, const double *tolerance, double start, const double *stop) {

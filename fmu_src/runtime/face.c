@@ -116,10 +116,10 @@ static fmu_object *from_resources(const component *self, const char *resources, 
 
 static fmu_object *make_object(const component *self, const char *token, const char *resources, char problem[MESSAGE_SIZE]) {
     const char *wrong = NULL;
-    if (!*self->name) wrong = "Give the instance a name.";
+    if (!*self->name) wrong = "The instance must have a name; got none.";
     else if (!token || strcmp(token, OBJECT.token()) != 0)
         wrong = "The identifier of modelDescription.xml is not that of the binary; build both together.";
-    else if (self->exchange && !OBJECT.exchange) wrong = "Take this FMU for co-simulation; it has no model exchange.";
+    else if (self->exchange && !OBJECT.exchange) wrong = "This FMU has no model exchange. Import it for co-simulation.";
     if (wrong) strcpy(problem, wrong);
     return wrong ? NULL : from_resources(self, resources, problem);
 }
@@ -220,7 +220,7 @@ static bool find_place(const component *self, unsigned reference, int kind, bool
 static bool sizes_differ(const component *self, size_t due, size_t size) {
     if (due == size) return false;
     char sentence[120];
-    snprintf(sentence, sizeof sentence, "Give all elements of each variable, %zu values: they were %zu.", due, size);
+    snprintf(sentence, sizeof sentence, "The call must have %zu values, all elements of each variable; got %zu.", due, size);
     (void)face_error(self, sentence);
     return true;
 }
@@ -477,7 +477,7 @@ static bool wrong_size(const component *self, size_t count, int expected, const 
     if (face_is_cosimulation(self)) return true;
     if (count == (size_t)expected) return face_missing(self, count, array, array);
     char sentence[160];
-    snprintf(sentence, sizeof sentence, "Give an array of %d values, as modelDescription.xml says.", expected);
+    snprintf(sentence, sizeof sentence, "The array must have %d values, as in modelDescription.xml; got %zu.", expected, count);
     (void)face_error(self, sentence);
     return true;
 }

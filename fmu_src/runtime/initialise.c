@@ -86,17 +86,17 @@ static kernel_status check_relations(kernel *self) {
 }
 
 kernel_status kernel_initialise(kernel *self, double time) {
-    if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "Start at a finite time: %g was given.", time);
+    if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "The start time must be a finite number; got %g.", time);
     if (self->run.value[MODEL.integration_method] == (double)METHOD_EXPLICIT && self->run.value[MODEL.integration_step] == 0.0)
         return kernel_fail(self, KERNEL_ERROR,
-                           "Set integration_step above 0 s: integration_method %d, explicit, has no error control that "
-                           "could choose its steps.",
+                           "integration_step must be above 0 s with integration_method %d, explicit, which has no error "
+                           "control; got 0 s. Set a fixed step.",
                            METHOD_EXPLICIT);
     if (check_relations(self) != KERNEL_OK) return KERNEL_ERROR;
     const int chosen = chosen_system(self, -1, 0, self->table != NULL);
     if (chosen < 0) return refuse_choice(self);
     if (!self->table && MODEL.system[chosen].tables > 0)
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file with a %s; this model has no other.",
+        return kernel_fail(self, KERNEL_ERROR, "%s must be the path of a file with a %s; got no path. This model has no other.",
                            kernel_name_of_table_file(), MODEL.table_file->noun);
     self->run.now->system = chosen;
     kernel_enter_system(self);

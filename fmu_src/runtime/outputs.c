@@ -24,7 +24,9 @@ kernel_status kernel_get(kernel *self, int variable, double *value) {
     kernel_status status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
-    if (description->kind == KIND_STRING) return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", description->name);
+    if (description->kind == KIND_STRING)
+        return kernel_fail(self, KERNEL_ERROR, "%s must be set and read as a text; got a call for a number.",
+                           description->name);
     const bool follows = description->causality >= CAUSALITY_OUTPUT;
     if (follows && !self->system)
         return kernel_fail(self, KERNEL_ERROR, "%s has a value from the initialisation on; initialise %s first.",

@@ -12,10 +12,11 @@ kernel_status kernel_take_block(kernel *self, const void *bytes) {
     run_record saved;
     memcpy(&saved, bytes, sizeof saved);
     if (saved.system < -1 || saved.system >= MODEL.systems || (saved.table && !MODEL.table_file))
-        return kernel_fail(self, KERNEL_ERROR, "The saved state is not one of %s; nothing was restored.", MODEL.name);
+        return kernel_fail(self, KERNEL_ERROR, "The saved state must be of %s; got another one. Nothing was restored.",
+                           MODEL.name);
     if (saved.table && saved.table != self->run.now->table)
         return kernel_fail(self, KERNEL_ERROR,
-                           "The saved state is one %s another %s; set %s as it was then. Nothing was restored.",
+                           "The saved state is one %s another %s. Set %s to that of the saved state. Nothing was restored.",
                            MODEL.table_file->in_use, MODEL.table_file->noun, kernel_name_of_table_file());
     if (!saved.table) kernel_leave_table(self);
     memcpy(self->run.block, bytes, kernel_block_size(self));

@@ -62,17 +62,15 @@ static inline bool seal_holds(const void *state, size_t size, unsigned long long
     memset(&head, 0, sizeof head);
     if (state && size >= sizeof head) memcpy(&head, state, sizeof head);
     if (!state) {
-        snprintf(problem, SEALED_PROBLEM, "Give a saved state: there was a null pointer.");
+        snprintf(problem, SEALED_PROBLEM, "The saved state must be given; got a null pointer.");
     } else if (size >= sizeof head && head.model != model) {
-        snprintf(problem, SEALED_PROBLEM,
-                 "This state is not one of this FMU with the same resources; give one that it has saved.");
+        snprintf(problem, SEALED_PROBLEM, "A saved state must be of this FMU with the same resources; got another one.");
     } else if (size != sealed_size(block)) {
-        snprintf(problem, SEALED_PROBLEM, "A saved state of this FMU must have %zu bytes; got %zu. Give it as it was written.",
+        snprintf(problem, SEALED_PROBLEM, "A saved state of this FMU must have %zu bytes; got %zu. Pass it unchanged.",
                  sealed_size(block), size);
     } else {
         if (head.size != size || head.checksum != seal_hash(SEAL_BEGIN, sealed_content(state), block))
-            snprintf(problem, SEALED_PROBLEM,
-                     "The bytes of this state have changed since it was saved; give them as they were.");
+            snprintf(problem, SEALED_PROBLEM, "A saved state must be unchanged; got one whose checksum differs.");
     }
     return !problem[0];
 }

@@ -21,8 +21,8 @@ static kernel_status check_step(kernel *self, double time, double size) {
     const double fixed = self->run.value[MODEL.integration_step];
     if (fixed > 0.0 && size / fixed > (double)MOST_TRIALS)
         return kernel_fail(self, KERNEL_ERROR,
-                           "Give a step of at most %g s, or a longer integration_step: %g s are more than %d steps of %g s; "
-                           "nothing was advanced.",
+                           "The step must be at most %g s; got %g s, more than %d integration steps of %g s. Give a longer "
+                           "integration_step. Nothing was advanced.",
                            (double)MOST_TRIALS * fixed, size, MOST_TRIALS, fixed);
     for (int i = 0; i < self->system->inputs; ++i) {
         const int variable = self->system->input_variable[i];

@@ -96,7 +96,8 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     for (int i = 0; i < INPUTS; ++i)
         if (!isfinite(now->value[i])) {
             make_safe(self);
-            snprintf(problem, MESSAGE_SIZE, "Input %d is no finite number at %g s: the outputs are %d.", i + 1, time, SAFE);
+            snprintf(problem, MESSAGE_SIZE, "Input %d must be a finite number; got %g at %g s. The outputs are %d.", i + 1,
+                     now->value[i], time, SAFE);
             return KERNEL_WARNING;
         }
     if (ask(self, time, problem)) return KERNEL_OK;

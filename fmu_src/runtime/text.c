@@ -8,7 +8,8 @@
 static kernel_status check_text(kernel *self, int variable) {
     const kernel_status status = kernel_check_reference(self, variable);
     if (status != KERNEL_OK || (MODEL.table_file && variable == MODEL.table_file->variable)) return status;
-    return kernel_fail(self, KERNEL_ERROR, "%s is a number, no text.", MODEL.variable[variable].name);
+    return kernel_fail(self, KERNEL_ERROR, "%s must be set and read as a number; got a call for a text.",
+                       MODEL.variable[variable].name);
 }
 
 void kernel_leave_table(kernel *self) {
@@ -24,7 +25,9 @@ kernel_status kernel_set_text(kernel *self, int variable, const char *text) {
     if (status != KERNEL_OK) return status;
     const char *name = MODEL.variable[variable].name, *fixed = why_fixed(&MODEL.variable[variable], self->system != NULL);
     if (fixed) return kernel_fail(self, KERNEL_ERROR, "%s %s", name, fixed);
-    if (!text) return kernel_fail(self, KERNEL_ERROR, "Set %s to the path of a file, or to no text for none.", name);
+    if (!text)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "%s must be the path of a file; got a null pointer. Set an empty text for no file.", name);
     if (!*text) {
         kernel_leave_table(self);
         return KERNEL_OK;

@@ -9,7 +9,7 @@ static const double LEAST_STEP = 1e-7; /* s, of integration_step: a hundredth of
 
 kernel_status kernel_check_reference(kernel *self, int variable) {
     if (variable >= 0 && variable < MODEL.variables) return KERNEL_OK;
-    return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d: %s has the numbers 0 to %d.", variable, MODEL.name,
+    return kernel_fail(self, KERNEL_ERROR, "There is no variable number %d; %s has the numbers 0 to %d.", variable, MODEL.name,
                        MODEL.variables - 1);
 }
 
@@ -47,16 +47,15 @@ kernel_status kernel_check_value(kernel *self, const variable_description *varia
     char text[32], other[120];
     const char *unit = after_number(variable, text);
     if (!isfinite(value))
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to a finite number: it was given %g, and %g%s stays in force.", name,
-                           value, kept, unit);
+        return kernel_fail(self, KERNEL_ERROR, "%s must be a finite number; got %g. %g%s stays in force.", name, value, kept,
+                           unit);
     if (value < variable->minimum)
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to at least %g%s: %g%s is below this limit, and %g%s stays in force%s",
-                           name, variable->minimum, unit, value, unit, kept, unit, other_unit(variable, value, other));
+        return kernel_fail(self, KERNEL_ERROR, "%s must be at least %g%s; got %g%s. %g%s stays in force%s", name,
+                           variable->minimum, unit, value, unit, kept, unit, other_unit(variable, value, other));
     if (value > variable->maximum)
-        return kernel_fail(self, KERNEL_ERROR, "Set %s to at most %g%s: %g%s is above this limit, and %g%s stays in force%s",
-                           name, variable->maximum, unit, value, unit, kept, unit, other_unit(variable, value, other));
-    return kernel_fail(self, KERNEL_ERROR, "Set %s to a whole number: it was given %g, and %g stays in force.", name, value,
-                       kept);
+        return kernel_fail(self, KERNEL_ERROR, "%s must be at most %g%s; got %g%s. %g%s stays in force%s", name,
+                           variable->maximum, unit, value, unit, kept, unit, other_unit(variable, value, other));
+    return kernel_fail(self, KERNEL_ERROR, "%s must be an integer; got %g. %g stays in force.", name, value, kept);
 }
 
 /* Warn once that an input has no effect in the chosen system, so that it is not ignored in silence. */
@@ -101,8 +100,7 @@ kernel_status kernel_warn_of_idle_parameters(kernel *self) {
 static kernel_status check_integration_step(kernel *self, double value) {
     const double kept = self->run.value[MODEL.integration_step];
     if (value == 0.0 || value >= LEAST_STEP) return KERNEL_OK;
-    return kernel_fail(self, KERNEL_ERROR,
-                       "Set integration_step to 0 s or to at least %g s: %g s is below this limit, and %g s stays in force.",
+    return kernel_fail(self, KERNEL_ERROR, "integration_step must be 0 s or at least %g s; got %g s. %g s stays in force.",
                        LEAST_STEP, value, kept);
 }
 
@@ -112,7 +110,9 @@ kernel_status kernel_check_set(kernel *self, int variable, double value) {
     const variable_description *description = &MODEL.variable[variable];
     const char *fixed = why_fixed(description, false);
     if (fixed) return kernel_fail(self, KERNEL_ERROR, "%s %s", description->name, fixed);
-    if (description->kind == KIND_STRING) return kernel_fail(self, KERNEL_ERROR, "%s is a text, no number.", description->name);
+    if (description->kind == KIND_STRING)
+        return kernel_fail(self, KERNEL_ERROR, "%s must be set and read as a text; got a call for a number.",
+                           description->name);
     if (isnan(value) && !isnan(description->when_lost)) return KERNEL_OK;
     if (kernel_check_value(self, description, value, self->run.value[variable]) != KERNEL_OK) return KERNEL_ERROR;
     return variable == MODEL.integration_step ? check_integration_step(self, value) : KERNEL_OK;
@@ -143,10 +143,9 @@ kernel_status kernel_check_rate(kernel *self, int variable, double rate) {
     if (status != KERNEL_OK) return status;
     const variable_description *description = &MODEL.variable[variable];
     if (description->causality != CAUSALITY_INPUT || description->kind != KIND_REAL)
-        return kernel_fail(self, KERNEL_ERROR, "Only real inputs have a rate of change; %s is none.", description->name);
+        return kernel_fail(self, KERNEL_ERROR, "A rate of change must be of a real input; got %s.", description->name);
     if (!isfinite(rate))
-        return kernel_fail(self, KERNEL_ERROR, "Set the rate of %s to a finite number: it was given %g.", description->name,
-                           rate);
+        return kernel_fail(self, KERNEL_ERROR, "The rate of %s must be a finite number; got %g.", description->name, rate);
     return KERNEL_OK;
 }
 

@@ -397,7 +397,7 @@ class Loop:
         try:
             answer = np.asarray(within(Watch(limit, GUARD), lambda: controller.step(*given)))
             if answer.shape != self.valves.shape:
-                raise ValueError(f"its commands have the shape {answer.shape}, due was {self.valves.shape}")
+                raise ValueError(f"its commands must have the shape {self.valves.shape}; got {answer.shape}")
             self._take_all(answer)
             return None
         except LateError:

@@ -18,7 +18,7 @@ FORMS = "write name=first:last:count or name=a,b,c"
 def grid_of(texts: Sequence[str], parameters: Mapping[str, str], scenario: str) -> Grid:
     """The grid of all --vary of a command; `parameters` are those of the scenario. Raises BadInputError."""
     if not texts:
-        raise BadInputError(f"Give at least one --vary: {FORMS}; {scenario} has {', '.join(parameters)}.")
+        raise BadInputError(f"--vary must be given; got none: {FORMS}; {scenario} has {', '.join(parameters)}.")
     grid: dict[str, list[float]] = {}
     for text in texts:
         name, equals, values = text.partition("=")
@@ -28,10 +28,10 @@ def grid_of(texts: Sequence[str], parameters: Mapping[str, str], scenario: str) 
             advice = suggestion(name, parameters, f"it has {', '.join(parameters)}.")
             raise BadInputError(f"{scenario} has no parameter {name} to vary; {advice}")
         if name in grid:
-            raise BadInputError(f"Vary {name} once: --vary {text} is the second.")
+            raise BadInputError(f"{name} must be varied once; got --vary {text} as the second.")
         grid[name] = values_of(text, values)
     if size(grid) > LARGEST_GRID:
-        raise BadInputError(f"Give a grid of at most {LARGEST_GRID} points: this one has {size(grid)}.")
+        raise BadInputError(f"The grid must have at most {LARGEST_GRID} points; got {size(grid)}.")
     return grid
 
 
@@ -40,7 +40,7 @@ def values_of(text: str, values: str) -> list[float]:
     if ":" not in values:
         found = [number(text, part) for part in values.split(",")]
         if len(set(found)) < len(found):
-            raise BadInputError(f"Give each value once: --vary {text} repeats one.")
+            raise BadInputError(f"Each value must be given once; got --vary {text}, which repeats one.")
         return found
     parts = values.split(":")
     if len(parts) != 3:
@@ -53,7 +53,7 @@ def values_of(text: str, values: str) -> list[float]:
     if not 1 <= count <= LARGEST_GRID:
         raise BadInputError(f"--vary {text} must have a count from 1 to {LARGEST_GRID}; got {count}.")
     if count > 1 and first == last:
-        raise BadInputError(f"Give each value once: --vary {text} begins where it ends.")
+        raise BadInputError(f"Each value must be given once; got --vary {text}, which begins where it ends.")
     return evenly_spaced(first, last, count)
 
 

@@ -121,9 +121,9 @@ class Pipe(Air):
         for name, values in (above | least).items():
             good = row(values) > 0.0 if name in above else row(values) >= 0.0
             if not (good & np.isfinite(row(values))).all():
-                limit = "above 0" if name in above else "of at least 0"
+                limit = "above 0" if name in above else "at least 0"
                 wrong = row(values)[~(good & np.isfinite(row(values)))][0]
-                raise ValueError(f"Set {name} of a pipe to finite values {limit}: one was {wrong:g}.")
+                raise ValueError(f"{name} of a pipe must be finite and {limit}; got {wrong:g}.")
         state, library = np.array([density, momentum, energy]), functions()
         own = library.pipe_create(cells, state.ctypes.data, constants.ctypes.data)
         super().__init__(library, own, np.pi / 4 * constants[1] ** 2 * (constants[0] + constants[7]))

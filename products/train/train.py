@@ -169,7 +169,7 @@ class Train:
         units = {"time": "s"} | {name: one.unit for one in RECORDED for name in self._names(one.name)}
         if seconds / interval * len(units) > MOST:
             raise ValueError(
-                f"Give an interval above {interval:g} s: {seconds:g} s would be more than {MOST:g} numbers."
+                f"The interval must be longer; got {interval:g} s, more than {MOST:g} numbers in {seconds:g} s."
             )
         rows = [self._row()]
         for _ in range(round(seconds / interval)):

@@ -93,6 +93,16 @@ def straight(length: float, gradient: float = 0.0) -> Segment:
         Length [m], above 0.
     gradient : float
         Rise per metre [1].
+
+    Returns
+    -------
+    Segment
+        The segment.
+
+    Raises
+    ------
+    ValueError
+        If the length is not above 0.
     """
     return Segment(length, gradient=(gradient, gradient))
 
@@ -111,13 +121,18 @@ def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) 
     gradient : float
         Rise per metre [1].
 
+    Returns
+    -------
+    Segment
+        The segment.
+
     Raises
     ------
     ValueError
-        If the radius is 0 m or not a number.
+        If the radius is 0 m or not a number, or the length not above 0.
     """
     if not isinstance(radius, Real) or radius == 0.0 or math.isnan(radius):
-        raise ValueError(f"Give an arc a radius that is not 0 m; straight makes what has none. It was {radius!r}.")
+        raise ValueError(f"The radius of an arc must be a number other than 0 m; got {radius!r}. Use straight().")
     return Segment(length, (1 / radius, 1 / radius), (cant, cant), (gradient, gradient))
 
 
@@ -131,6 +146,11 @@ def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
     before, behind : Segment
         The segments before and after it.
 
+    Returns
+    -------
+    Segment
+        The segment.
+
     Raises
     ------
     TypeError
@@ -139,7 +159,7 @@ def clothoid(length: float, before: Segment, behind: Segment) -> Segment:
         If the length is not above 0.
     """
     if not (isinstance(before, Segment) and isinstance(behind, Segment)):
-        raise TypeError("Give a clothoid its length and two segments: that before it and that behind it.")
+        raise TypeError("A clothoid must have a length and two segments, that before it and that behind it.")
     (*_, first), (last, *_) = before.ends, behind.ends
     return Segment(length, *(tuple(pair) for pair in zip(first.tolist(), last.tolist(), strict=True)))
 
@@ -166,7 +186,18 @@ class Line:
 
     @classmethod
     def of_any_size(cls, rows: dict[str, np.ndarray]) -> Line:
-        """Return a line of valid rows, without a check of the limits of their columns."""
+        """Return a line of valid rows, without a check of the limits of their columns.
+
+        Parameters
+        ----------
+        rows : dict of str to array, shape (n,)
+            Columns of LINE by name, each in its unit.
+
+        Returns
+        -------
+        Line
+            The line.
+        """
         line = object.__new__(cls)
         object.__setattr__(line, "rows", rows)
         return line
@@ -201,6 +232,11 @@ class Line:
         order : int
             Order of the derivative, 0 to 2.
 
+        Returns
+        -------
+        ndarray
+            Values in the shape of `distance`, in the unit of the column over m^order.
+
         Raises
         ------
         KeyError
@@ -231,24 +267,63 @@ class Line:
         return np.where(beyond & ((order > 0) | (name == "curvature")), 0.0, found)
 
     def breaks(self) -> np.ndarray:
-        """Return the places between which every column is one polynomial [m]: rows, and where rounding ends."""
+        """Return the places between which every column is one polynomial: rows, and where rounding ends.
+
+        Returns
+        -------
+        ndarray
+            Places in ascending order [m].
+        """
         s = self.rows["distance"]
         far = np.diff(s) > 2 * ROUNDING
         return np.sort(np.concatenate([s, s[:-1][far] + ROUNDING, s[1:][far] - ROUNDING]))
 
     def write(self, path: Path) -> Path:
-        """Write the file that a kernel reads, with all digits of each number, and return its path."""
+        """Write the file that a kernel reads, with all digits of each number.
+
+        Parameters
+        ----------
+        path : Path
+            The file.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
         lines = self.lines_of([name for name in NAMES if name in self.rows])
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
         return path
 
     def lines_of(self, names: Sequence[str]) -> list[str]:
-        """Return the lines of that file with only these columns."""
+        """Return the lines of that file with only these columns.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Columns that the line has.
+
+        Returns
+        -------
+        list of str
+            The head, then one text for each row.
+        """
         table = np.column_stack([self.rows[name] for name in names]).tolist()
         return [",".join(names), *(",".join(map(repr, row)) for row in table)]
 
     def mirrored(self) -> Line:
-        """The line with left and right exchanged."""
+        """Return the line with left and right exchanged.
+
+        Returns
+        -------
+        Line
+            The mirrored line.
+        """
         rows = {name: -values if name in ("curvature", "cant") else values for name, values in self.rows.items()}
         swapped = dict(rows)
         for name in rows:
@@ -303,6 +378,16 @@ def share_of_end(straight: np.ndarray, slope: np.ndarray, bend: np.ndarray, reac
 def read_line(path: Path) -> Line:
     """Return the line in a file, by the rules of the kernel that reads it (fmu_src/runtime/table_file.c, line.c).
 
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    Line
+        The line.
+
     Raises
     ------
     FileError
@@ -332,6 +417,11 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
     start : float
         Distance at the start of the first one [m].
 
+    Returns
+    -------
+    Line
+        The line, with rows at most ROW_DISTANCE apart.
+
     Raises
     ------
     TypeError
@@ -341,7 +431,7 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
     """
     given = [] if isinstance(segments, Segment) else list(segments)
     if isinstance(segments, Segment) or not all(isinstance(one, Segment) for one in given):
-        raise TypeError("Give a line its segments as a list, such as line_of([straight(100), arc(200, 400)]).")
+        raise TypeError("The segments of a line must be a list, such as line_of([straight(100), arc(200, 400)]).")
     if not isinstance(start, Real) or not math.isfinite(start):
         raise ValueError(f"The start of a line must be a finite distance [m]; got {start!r}. Give a number.")
     pieces = joined(given)
@@ -370,7 +460,7 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
 def joined(segments: Sequence[Segment]) -> list[Segment]:
     """Return the segments, with each one that continues the one before joined to it. ValueError: see `line_of`."""
     if not segments:
-        raise ValueError("Give a line at least one segment.")
+        raise ValueError("A line must have at least one segment; got none.")
     found = [segments[0]]
     for before, segment in pairwise(segments):
         meets = np.allclose(before.ends[1], segment.ends[0], rtol=1e-12, atol=1e-15)

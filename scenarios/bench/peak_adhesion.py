@@ -128,7 +128,7 @@ class PeakAdhesion:
         found = solve_ivp(slope, (0.0, LONGEST), [0.0, start], events=there, max_step=0.25, rtol=1e-3, atol=1e-2)
         if not found.t_events[0].size:
             does = f"brings the vehicle to {end:g} m/s" if self.driven else f"stops the vehicle from {start:g} m/s"
-            raise ValueError(f"Give a rail that {does} within {LONGEST:g} s: it did not.")
+            raise ValueError(f"The rail must be one that {does} within {LONGEST:g} s; got one that does not.")
         return float(found.y[0, -1])
 
     def used(self, stop: Stop) -> np.ndarray:

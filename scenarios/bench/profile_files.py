@@ -32,7 +32,9 @@ def sides_from_files(options: Options) -> Sides:
     """
     if not options.wheel or not options.rail:
         missing = "--rail" if options.wheel else "--wheel"
-        raise BadInputError(f"Give {missing} FILE too: conicity needs a wheel on a rail, and there is no {missing}.")
+        raise BadInputError(
+            f"{missing} FILE must be given too, because conicity needs a wheel on a rail; got no {missing}."
+        )
     lean = 0.0 if options.inclination is None else 1 / within("--inclination", options.inclination, "", 5.0, 1000.0)
     wheels = profiles("--wheel", options.wheel)
     rails = profiles("--rail", options.rail, lean, options.gauge_side or [None])
@@ -62,7 +64,9 @@ def left_and_right(option: str, given: Sequence[Given]) -> tuple[Given, Given]:
         If there are more than two values.
     """
     if len(given) > 2:
-        raise BadInputError(f"Give {option} once for both sides or twice, left and right: there were {len(given)}.")
+        raise BadInputError(
+            f"{option} must be given once for both sides or twice, left and right; got it {len(given)} times."
+        )
     return given[0], given[-1]
 
 

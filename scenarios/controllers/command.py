@@ -184,7 +184,7 @@ def cases_of(chosen: argparse.Namespace) -> list[Case]:
         if name not in known:
             raise BadInputError(f"There is no rail {name}; give some of {', '.join(known)}.")
         if names.count(name) > 1:
-            raise BadInputError(f"Give each of --rails once: {name} was there {names.count(name)} times.")
+            raise BadInputError(f"Each of --rails must be given once; got {name} {names.count(name)} times.")
     return [known[name] for name in names]
 
 

@@ -151,8 +151,8 @@ def with_gains(file: Path, name: str, gains: str) -> tuple[str, Form]:
         values = [ast.literal_eval(one) for one in call.args]
         named = {str(one.arg): ast.literal_eval(one.value) for one in call.keywords}
     except (SyntaxError, ValueError):
-        words = f"Give gains as numbers or texts, as in {file}:{name}(0.3, limit=2)"
-        raise BadInputError(f"{words}: it was {gains}.") from None
+        words = f"Gains must be numbers or texts, as in {file}:{name}(0.3, limit=2)"
+        raise BadInputError(f"{words}; got {gains}.") from None
     form = partial(found_in(file, name), *values, **named)
     try:
         form()

@@ -387,7 +387,7 @@ def one_stop(
         If the utilisation is not above 0, or the level unknown.
     """
     if not utilisation > 0.0:
-        raise ValueError(f"A stop needs an adhesion utilisation above 0: it was {utilisation:g}.")
+        raise ValueError(f"The adhesion utilisation of a stop must be above 0; got {utilisation:g}.")
     if level not in LEVELS:
         raise ValueError(f"There is no level {level:g}; take {', '.join(f'{n} ({LEVELS[n]})' for n in LEVELS)}.")
     return asdict(stop(start(int(level), frame_height=frame_height), utilisation))

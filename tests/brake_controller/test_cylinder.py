@@ -121,11 +121,11 @@ def test_piston_and_rigging_ratio_give_the_force_per_pressure() -> None:
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"pressure_demand": -1.0}, "Set pressure_demand to at least 0 Pa"),
-        ({"valve": 3}, "Set valve to at most 2"),
-        ({"valve": 0.5}, "Set valve to a whole number"),
-        ({"application_time": 0.0}, "Set application_time to at least 0.001 s"),
-        ({"rigging_efficiency": 1.2}, "Set rigging_efficiency to at most 1"),
+        ({"pressure_demand": -1.0}, "pressure_demand must be at least 0 Pa"),
+        ({"valve": 3}, "valve must be at most 2"),
+        ({"valve": 0.5}, "valve must be an integer"),
+        ({"application_time": 0.0}, "application_time must be at least 0.001 s"),
+        ({"rigging_efficiency": 1.2}, "rigging_efficiency must be at most 1"),
     ],
 )
 def test_bad_value_gets_a_sentence(brake: Library, values: dict[str, float], sentence: str) -> None:

@@ -122,9 +122,7 @@ def test_a_kernel_refuses_damaged_states() -> None:
     whole = kernel.save()
     refused(kernel.restore, whole, SimulationError)
     assert kernel.save() == whole
-    with pytest.raises(
-        SimulationError, match=rf"must have {len(whole)} bytes; got 3\. Give it as it was written\. Nothing"
-    ):
+    with pytest.raises(SimulationError, match=rf"must have {len(whole)} bytes; got 3\. Pass it unchanged\. Nothing"):
         kernel.restore(whole[:3])
 
 

@@ -406,7 +406,7 @@ def test_calls_of_the_other_interface_and_out_of_order_are_refused(paths: dict, 
         before = one.state()
         assert one.raw("EnterContinuousTimeMode") == ERROR
         assert one.raw("GetContinuousStates", (c_double * 3)(), c_size_t(3)) == ERROR
-        assert one.said[-1] == "Give an array of 2 values, as modelDescription.xml says."
+        assert one.said[-1] == "The array must have 2 values, as in modelDescription.xml; got 3."
         assert one.raw("GetContinuousStates", None, c_size_t(2)) == ERROR
         step = [c_double(0.0), c_double(0.1), True, *([byref(c_bool())] * 3 + [byref(c_double())] if one.three else [])]
         assert one.raw("DoStep", *step) == ERROR

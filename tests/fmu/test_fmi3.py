@@ -144,7 +144,7 @@ def test_wrong_type_and_bad_value_are_refused_with_sentences(fmus: dict) -> None
             with pytest.raises(FMICallException):
                 call()
         assert "is not a variable of type Real" in said[0]
-        assert "Set wheelset_mass to at least" in said[1]
+        assert "wheelset_mass must be at least" in said[1]
         assert "see the state machine of FMI 3.0" in said[2]
         assert "speed is an output" in said[3]
 

@@ -160,12 +160,12 @@ def test_saved_state_of_the_native_fmu_is_bit_identical(fmus: dict) -> None:
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda b: b.set(brake_torque_1=-5.0), "Set brake_torque_1 to at least 0 N.m"),
-        (lambda b: b.set(brake_torque_1=math.nan), "Set brake_torque_1 to a finite number"),
-        (lambda b: b.step(0.0, 0.0), "Give a step size above 0 s"),
-        (lambda b: b.step(0.0, -1.0), "Give a step size above 0 s"),
-        (lambda b: b.step(0.0, math.nan), "Give a step size above 0 s"),
-        (lambda b: b.step(7.0, 0.1), "Step from t = 0 s"),
+        (lambda b: b.set(brake_torque_1=-5.0), "brake_torque_1 must be at least 0 N.m"),
+        (lambda b: b.set(brake_torque_1=math.nan), "brake_torque_1 must be a finite number"),
+        (lambda b: b.step(0.0, 0.0), "The step must be above 0 s"),
+        (lambda b: b.step(0.0, -1.0), "The step must be above 0 s"),
+        (lambda b: b.step(0.0, math.nan), "The step must be above 0 s"),
+        (lambda b: b.step(7.0, 0.1), "The step must begin at t = 0 s"),
         (lambda b: b["nothing"], "has no variable nothing"),
         (lambda b: b["sped"], "has no variable sped; did you mean speed?"),
     ],
@@ -199,7 +199,7 @@ def test_bad_parameter_never_starts_a_run(fmus: dict, kind: str) -> None:
     with FmuInstance(fmus["bogie", kind], wheelset_mass=-1.0) as bogie:
         with pytest.raises(CosimulationError) as caught:
             begin(bogie)
-        assert "Set wheelset_mass to at least 1e-06 kg" in str(caught.value)
+        assert "wheelset_mass must be at least 1e-06 kg" in str(caught.value)
 
 
 def test_end_of_a_run_is_a_discarded_step_with_its_sentence(fmus: dict) -> None:

@@ -153,7 +153,7 @@ def test_start_values_that_are_none_leave_no_instance(fmus: dict, tmp_path: Path
     shutil.copyfile(fmus["brake", "native"], path)
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr(FILE, f"{row}\n")
-    with pytest.raises(CosimulationError, match=r"start_values\.csv, row 1: |Set pressure_demand to at least 0 Pa"):
+    with pytest.raises(CosimulationError, match=r"start_values\.csv, row 1: |pressure_demand must be at least 0 Pa"):
         FmuInstance(path)
 
 

@@ -92,10 +92,10 @@ def test_a_speed_is_right_to_the_timer_over_the_gate(fmu: Path) -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"pulses": 0}, "Set pulses to 1 to 10000: it was 0"),
-        ({"gate": 0.0}, "Set gate to 0.0001 to 10 s: it was 0"),
-        ({"period": math.nan}, "Set period to 1e-05 to 1 s: it was nan"),
-        ({"wheel_radius": 460.0}, "Set wheel_radius to 0.1 to 2 m: it was 460"),
+        ({"pulses": 0}, "pulses must be from 1 to 10000; got 0"),
+        ({"gate": 0.0}, "gate must be from 0.0001 to 10 s; got 0"),
+        ({"period": math.nan}, "period must be from 1e-05 to 1 s; got nan"),
+        ({"wheel_radius": 460.0}, "wheel_radius must be from 0.1 to 2 m; got 460"),
     ],
 )
 def test_a_value_out_of_its_limits_is_refused(fmu: Path, values: dict[str, float], message: str) -> None:

@@ -108,7 +108,7 @@ def test_a_value_that_is_refused_is_told_with_the_sentence_of_the_fmu(fmus: dict
     for kind in ("native", "fmi3"):
         with (
             FmuInstance(fmus["bogie", kind]) as slave,
-            pytest.raises(CosimulationError, match="Set brake_torque_1 to at least 0"),
+            pytest.raises(CosimulationError, match="brake_torque_1 must be at least 0"),
         ):
             slave.start(brake_torque_1=-1.0)
 

@@ -154,9 +154,9 @@ def test_directional_derivatives_are_those_of_differences(bogie: Library, level:
     differences = (np.array(shifted[0]) - np.array(shifted[1])) / (2 * size)
     assert found == pytest.approx(list(differences), rel=1e-5, abs=1e-6)
     assert abs(found[0]) > 0.0
-    with pytest.raises(SimulationError, match="Derivatives are taken by real inputs and states; level is none"):
+    with pytest.raises(SimulationError, match="A derivative must be with respect to a real input or state; got level"):
         kernel.directional(["speed"], {"level": 1.0})
-    with pytest.raises(SimulationError, match="Only real outputs have derivatives; locked_1 is none"):
+    with pytest.raises(SimulationError, match="A derivative must be of a real output; got locked_1"):
         kernel.rates(["locked_1"])
 
 

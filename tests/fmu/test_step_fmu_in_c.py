@@ -78,14 +78,14 @@ def test_an_input_that_is_no_number_applies_the_brake(counts: Path) -> None:
         slave.set(wheel_speed_1=float("nan"))
         slave.step(PERIOD, PERIOD)
         assert slave["valve_2"] == 0
-        assert "Input 1 is no finite number at 0.005 s: the outputs are 0." in slave.messages
+        assert "Input 1 must be a finite number; got nan at 0.005 s. The outputs are 0." in slave.messages
 
 
 @pytest.mark.parametrize("period", [0.0, 2.0, float("nan")])
 def test_a_period_that_cannot_be_is_refused(counts: Path, period: float) -> None:
     with (
         FmuInstance(counts, period=period) as slave,
-        pytest.raises(CosimulationError, match="Set period to 1e-06 to 1 s"),
+        pytest.raises(CosimulationError, match="period must be from 1e-06 to 1 s"),
     ):
         slave.start()
 
@@ -100,7 +100,7 @@ def test_the_period_is_fixed_once_it_runs(counts: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("p-i.c", COUNTS, "Name the file by letters, digits and _, as the FMU is called like it: it was p-i.c."),
+        ("p-i.c", COUNTS, "The name of the file, and of its FMU, must be of letters, digits and _; got p-i.c."),
         ("pi.c", "int wrong(;", "pi.c does not compile. The C compiler ("),
         (
             "pi.c",

@@ -64,7 +64,7 @@ def test_a_vehicle_at_one_level_starts_at_it_and_takes_no_other(
     other, limit = (level - 1, "least") if level > 1 else (level + 1, "most")
     with (
         FmuInstance(path, level=other) as one,
-        pytest.raises(CosimulationError, match=f"Set level to at {limit} {level}"),
+        pytest.raises(CosimulationError, match=f"level must be at {limit} {level}"),
     ):
         one.start()
     if level == 3:

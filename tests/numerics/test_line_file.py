@@ -200,11 +200,11 @@ def test_files_that_are_none_are_refused(surveyor: Library, tmp_path: Path) -> N
         kernel.set(line_file=str(tmp_path / "missing.csv"))
     with pytest.raises(SimulationError, match=r"Line .* Give"):
         kernel.set(line_file=str(tmp_path))
-    with pytest.raises(SimulationError, match="is a text, no number"):
+    with pytest.raises(SimulationError, match="must be set and read as a text"):
         kernel.set(line_file=3.0)
-    with pytest.raises(SimulationError, match="is a number, no text"):
+    with pytest.raises(SimulationError, match="must be set and read as a number"):
         kernel.set(speed="fast")
-    with pytest.raises(SimulationError, match="Set line_file to the path of a file with a line"):
+    with pytest.raises(SimulationError, match="line_file must be the path of a file with a line"):
         kernel.initialise()
 
 
@@ -269,7 +269,7 @@ def test_a_saved_state_belongs_to_its_line(surveyor: Library, tmp_path: Path) ->
     for file in (other, mirrored):
         stranger = Kernel(surveyor, line_file=file, speed=10.0)
         stranger.initialise()
-        with pytest.raises(SimulationError, match="one on another line; set line_file as it was then"):
+        with pytest.raises(SimulationError, match=r"one on another line\. Set line_file to that of the saved state"):
             stranger.restore(saved)
     twin = Kernel(surveyor, line_file=one, speed=10.0)
     twin.restore(saved)

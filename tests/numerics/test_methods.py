@@ -137,7 +137,7 @@ def test_fixed_step_says_when_its_error_exceeds_the_tolerance() -> None:
 
 
 def test_explicit_method_without_a_step_is_refused_with_a_sentence() -> None:
-    with pytest.raises(SimulationError, match="Set integration_step above 0 s") as refused:
+    with pytest.raises(SimulationError, match="integration_step must be above 0 s") as refused:
         SMOOTH.kernel(integration_method=3)
     assert refused.value.status == ERROR
 

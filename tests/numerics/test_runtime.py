@@ -303,7 +303,7 @@ def test_saved_state_of_another_model_is_refused() -> None:
     kernel = Kernel(library(sliding_block))
     kernel.advance(1.0)
     before = kernel.save()
-    with pytest.raises(SimulationError, match=r"not one of this FMU .* Nothing was restored"):
+    with pytest.raises(SimulationError, match=r"must be of this FMU .* Nothing was restored"):
         kernel.restore(b"\x7f" * len(before))
     assert kernel.save() == before
 
@@ -396,9 +396,9 @@ def test_saved_state_continues_bit_for_bit() -> None:
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"capacity": -1.0}, "Set capacity to at least 0"),
-        ({"capacity": math.nan}, "Set capacity to a finite number"),
-        ({"force": math.inf}, "Set force to a finite number"),
+        ({"capacity": -1.0}, "capacity must be at least 0"),
+        ({"capacity": math.nan}, "capacity must be a finite number"),
+        ({"force": math.inf}, "force must be a finite number"),
         ({"x": 1.0}, "x is an output"),
         ({"forse": 1.0}, "did you mean force"),
     ],
@@ -414,7 +414,7 @@ def test_bad_value_gets_a_sentence_and_the_old_one_stays(values: dict[str, float
 def test_bad_step_size_advances_nothing(size: float) -> None:
     kernel = Kernel(library(sliding_block))
     kernel.initialise()
-    with pytest.raises(SimulationError, match="Give a step size above 0 s"):
+    with pytest.raises(SimulationError, match="The step must be above 0 s"):
         kernel.step(0.0, size)
     assert (kernel.time, kernel["v"]) == (0.0, 3.0)
 
@@ -422,7 +422,7 @@ def test_bad_step_size_advances_nothing(size: float) -> None:
 def test_step_from_another_time_is_refused() -> None:
     kernel = Kernel(library(sliding_block))
     kernel.advance(1.0)
-    with pytest.raises(SimulationError, match="Step from t = 1 s"):
+    with pytest.raises(SimulationError, match="The step must begin at t = 1 s"):
         kernel.step(3.0, 0.1)
 
 

@@ -112,7 +112,7 @@ def test_a_bad_map_is_refused_in_its_own_words(pump: Library, tmp_path: Path, ro
 
 
 def test_a_pump_without_a_map_asks_for_one(pump: Library) -> None:
-    with pytest.raises(SimulationError, match="Set map_file to the path of a file with a map; this model has no other"):
+    with pytest.raises(SimulationError, match=r"map_file must be the path of a file with a map; got no path"):
         Kernel(pump).initialise()
 
 

@@ -487,13 +487,13 @@ def test_friction_of_zero_gives_no_force_and_no_failure(bogie: Library) -> None:
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"brake_torque_1": -5.0}, r"Set brake_torque_1 to at least 0 N\.m: -5 N\.m is below this limit"),
-        ({"brake_torque_2": math.nan}, "Set brake_torque_2 to a finite number"),
-        ({"wheelset_mass": 0.0}, "Set wheelset_mass to at least 1e-06 kg"),
-        ({"frame_mass": -1.0}, "Set frame_mass to at least 1e-06 kg"),
-        ({"friction_1": -0.1}, "Set friction_1 to at least 0"),
-        ({"level": 4}, "Set level to at most 3: 4 is above this limit"),
-        ({"tolerance": 0.0}, "Set tolerance to at least 1e-12"),
+        ({"brake_torque_1": -5.0}, r"brake_torque_1 must be at least 0 N\.m; got -5 N\.m"),
+        ({"brake_torque_2": math.nan}, "brake_torque_2 must be a finite number"),
+        ({"wheelset_mass": 0.0}, "wheelset_mass must be at least 1e-06 kg"),
+        ({"frame_mass": -1.0}, "frame_mass must be at least 1e-06 kg"),
+        ({"friction_1": -0.1}, "friction_1 must be at least 0"),
+        ({"level": 4}, "level must be at most 3; got 4"),
+        ({"tolerance": 0.0}, "tolerance must be at least 1e-12"),
     ],
 )
 def test_bad_value_gets_a_sentence(bogie: Library, values: dict[str, float], sentence: str) -> None:

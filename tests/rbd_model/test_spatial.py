@@ -349,7 +349,7 @@ def test_vehicle_starts_where_it_is_put_with_both_wheels_on_the_rails(
 
 @pytest.mark.parametrize("values", [{"initial_lateral": 0.011}, {"initial_yaw": -0.06}])
 def test_vehicle_that_would_start_beside_its_rails_is_refused(bogie: Library, values: dict[str, float]) -> None:
-    with pytest.raises(SimulationError, match=r"Set initial_(lateral|yaw) to at (most|least) -?0\.0"):
+    with pytest.raises(SimulationError, match=r"initial_(lateral|yaw) must be at (most|least) -?0\.0"):
         spatial(bogie, **values)
 
 

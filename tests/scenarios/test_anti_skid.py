@@ -171,7 +171,7 @@ def test_a_sweep_says_that_a_run_never_stopped(monkeypatch: pytest.MonkeyPatch) 
 
 def test_an_ideal_that_never_stops_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scenarios.bench.peak_adhesion.LONGEST", 5.0)
-    with pytest.raises(ValueError, match="Give a rail that stops the vehicle from 25 m/s within 5 s"):
+    with pytest.raises(ValueError, match="The rail must be one that stops the vehicle from 25 m/s within 5 s"):
         PeakAdhesion(bogie(), LOW).stopping_distance(25.0)
 
 

@@ -19,7 +19,7 @@ PAGE = (ROOT / "docs" / "controller.md").read_text(encoding="utf-8")
 LETS_GO = re.search(r"^low +LetGo +([0-9.]+)", PAGE, re.MULTILINE)
 
 
-LITERAL = "Give gains as numbers or texts, as in gains.py:Gains(0.3, limit=2): it was"
+LITERAL = "Gains must be numbers or texts, as in gains.py:Gains(0.3, limit=2); got"
 GAINS = """
 from __future__ import annotations
 from dataclasses import dataclass
@@ -137,7 +137,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         (["let_go.py:LetGo", "--pulses", "0"], "--pulses must be an integer from 1 to 10000; got 0."),
         (["let_go.py:LetGo", "--phases", "0"], "--phases must be an integer from 1 to 100; got 0."),
         (["let_go.py:LetGo", "--jitter", "nan"], "--jitter must be from 0 to 0.5; got nan."),
-        (["let_go.py:LetGo", "--rails", "low,low"], "Give each of --rails once: low was there 2 times."),
+        (["let_go.py:LetGo", "--rails", "low,low"], "Each of --rails must be given once; got low 2 times."),
         (
             ["gains.py:Gains(2 * 3)"],
             f"{LITERAL} (2 * 3).",

@@ -85,9 +85,13 @@ def test_a_rail_from_its_other_side_is_told_and_changes_nothing(
 def test_option_given_twice_is_left_and_right_as_two_files_are(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     start = ["run", "contact-geometry", "--out", str(tmp_path), "--rail", str(RAIL), str(RAIL), str(RAIL)]
     assert main([*start, "--wheel", str(wheel("A"))]) == 2
-    assert "Give --rail once for both sides or twice, left and right: there were 3." in capsys.readouterr().err
+    assert (
+        "--rail must be given once for both sides or twice, left and right; got it 3 times." in capsys.readouterr().err
+    )
     assert main([*start[:6], "--wheel", str(wheel("A")), "--wheel", str(wheel("B")), "--wheel", str(wheel("B"))]) == 2
-    assert "Give --wheel once for both sides or twice, left and right: there were 3." in capsys.readouterr().err
+    assert (
+        "--wheel must be given once for both sides or twice, left and right; got it 3 times." in capsys.readouterr().err
+    )
 
 
 def test_diameter_is_that_of_the_tape_circle_wherever_the_file_has_its_zero(tmp_path: Path) -> None:
@@ -120,8 +124,8 @@ def test_rail_that_stands_upright_in_its_file_is_laid_inclined_without_what_over
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--wheel", "A"], "Give --rail FILE too"),
-        (["--diameter", "920"], "Give --wheel FILE too"),
+        (["--wheel", "A"], "--rail FILE must be given too"),
+        (["--diameter", "920"], "--wheel FILE must be given too"),
         (["--wheel", "A", "--rail", "missing.csv"], "The file missing.csv does not exist. Check the path."),
         (["--wheel", "README", "--rail", "RAIL"], "README.md has 0 points; a wheel profile needs at least 20 rows"),
         (

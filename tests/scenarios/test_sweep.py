@@ -189,7 +189,10 @@ SWEPT = f"{HEAVY}, anti-skid, braking-distance, train-braking, levels"
     [
         (["levles", "--vary", "level=1"], "There is no scenario levles; did you mean levels?"),
         (["speed", "--vary", "level=1"], f"speed takes no part in sweeps; these do: {SWEPT}."),
-        ([HEAVY], "Give at least one --vary: write name=first:last:count or name=a,b,c; bogie-heavy-braking has fric"),
+        (
+            [HEAVY],
+            "--vary must be given; got none: write name=first:last:count or name=a,b,c; bogie-heavy-braking has fric",
+        ),
         ([HEAVY, "--vary", "frictoin=1"], f"{HEAVY} has no parameter frictoin to vary; did you mean friction?"),
         ([HEAVY, "--vary", "zzz=1"], f"{HEAVY} has no parameter zzz to vary; it has friction, brake_torque_1"),
         ([HEAVY, "--vary", "friction"], "--vary friction cannot be read; write name="),
@@ -203,11 +206,17 @@ SWEPT = f"{HEAVY}, anti-skid, braking-distance, train-braking, levels"
         ([HEAVY, "--vary", "friction=0.1:0.2:9999999999"], "must have a count from 1 to 1000000; got 9999999999."),
         ([HEAVY, "--vary", "friction=0.1:nan:3"], "needs finite numbers: nan is not."),
         ([HEAVY, "--vary", "friction=1,1e999"], "needs finite numbers: 1e999 is not."),
-        ([HEAVY, "--vary", "friction=1,1.0"], "Give each value once: --vary friction=1,1.0 repeats one."),
-        ([HEAVY, "--vary", "friction=1:1:2"], "Give each value once: --vary friction=1:1:2 begins where it ends."),
+        (
+            [HEAVY, "--vary", "friction=1,1.0"],
+            "given once; got --vary friction=1,1.0, which repeats one.",
+        ),
+        (
+            [HEAVY, "--vary", "friction=1:1:2"],
+            "Each value must be given once; got --vary friction=1:1:2, which begins where it ends.",
+        ),
         (
             [HEAVY, "--vary", "friction=1", "--vary", "friction=2"],
-            "Vary friction once: --vary friction=2 is the second",
+            "friction must be varied once; got --vary friction=2 as the second",
         ),
         ([HEAVY, "--vary", "friction=0:1:2000", "--vary", "frame_height=0:1:2000"], "a grid of at most 1000000 points"),
         ([HEAVY, "--vary", "friction=1", "--jobs", "0"], "--jobs must be an integer of at least 1; got 0."),
@@ -275,5 +284,5 @@ def test_a_point_of_heavy_braking_is_its_scenario() -> None:
 def test_a_point_of_levels_says_what_it_cannot_do() -> None:
     with pytest.raises(ValueError, match="There is no level 4; take 1"):
         stop_of_levels(level=4.0)
-    with pytest.raises(ValueError, match="above 0: it was -1"):
+    with pytest.raises(ValueError, match="above 0; got -1"):
         stop_of_levels(utilisation=-1.0)

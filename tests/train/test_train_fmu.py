@@ -356,7 +356,7 @@ def test_a_state_of_another_consist_is_refused(name: str, train: Host, fmus: dic
     other = started(fmus[name, 2 if train.two else 3])
     with other.slave:
         state, saved = other.state(), other.slave.save()
-        words = "This state is not one of this FMU with the same resources; give one that it has saved."
+        words = "A saved state must be of this FMU with the same resources; got another one."
         assert refused(train, lambda: train.take(state)) == words
         assert refused(train, lambda: train.slave.restore(saved)) == words
         other.slave.forget(saved)
@@ -369,11 +369,11 @@ def test_a_state_of_another_consist_is_refused(name: str, train: Host, fmus: dic
     ("name", "values", "words"),
     [
         ("speed", [1.0, 1.0, 1.0], "speed is an output and cannot be set; read it instead."),
-        ("driver_position", [7], "Set driver_position to 0 to 4: it was 7."),
-        ("friction", [0.3, -1.0, 0.3], "Set friction[2] to 0 to 2: it was -1."),
-        ("friction", [0.3, 0.3, math.nan], "Set friction[3] to 0 to 2: it was nan."),
-        ("pull", [1e300, 0.0, 0.0], "Set pull[1] to -1e+07 to 1e+07 N: it was 1e+300."),
-        ("hose_state", [3, 0], "Set hose_state[1] to 0 to 2: it was 3."),
+        ("driver_position", [7], "driver_position must be from 0 to 4; got 7."),
+        ("friction", [0.3, -1.0, 0.3], "friction[2] must be from 0 to 2; got -1."),
+        ("friction", [0.3, 0.3, math.nan], "friction[3] must be from 0 to 2; got nan."),
+        ("pull", [1e300, 0.0, 0.0], "pull[1] must be from -1e+07 to 1e+07 N; got 1e+300."),
+        ("hose_state", [3, 0], "hose_state[1] must be from 0 to 2; got 3."),
     ],
 )
 def test_what_cannot_be_set_is_refused_and_nothing_changes(
@@ -388,7 +388,7 @@ def test_sizes_that_do_not_fit_are_refused(count: int, fmus: dict[tuple[str, int
     host = started(fmus["short", 3])
     with host.slave:
         reference, fmu = host.slave._reference("pull")[0], host.slave.fmu
-        words = f"Give all elements of each variable, 3 values: they were {count}."
+        words = f"The call must have 3 values, all elements of each variable; got {count}."
         assert refused(host, lambda: fmu.setFloat64([reference], [0.0] * count)) == words
         assert refused(host, lambda: fmu.getFloat64([reference], count)) == words
 
@@ -568,7 +568,7 @@ def test_a_cock_that_a_coarse_pipe_does_not_have_is_told(tmp_path: Path) -> None
     with host.slave:
         joined = [0.0] * (len(CONSISTS["long"].vehicles) - 1)
         host.put("hose_state", [1, *joined[1:]])
-        with pytest.raises(CosimulationError, match=r"Set hose_state\[1\] to what can be there: it was 1"):
+        with pytest.raises(CosimulationError, match=r"hose_state\[1\] must be possible at its place; got 1"):
             host.go(1)
         host.put("hose_state", joined)
         host.go(1)

@@ -117,14 +117,14 @@ kernel_status arrays_go(arrays_object *self, double time, double step, bool *end
     if (wrong >= 0) {
         snprintf(
             problem, MESSAGE_SIZE,
-            "Set %s[%lld] to what can be there: it was %g. Where a cell of the pipe spans vehicles there is no cock or hose.",
+            "%s[%lld] must be possible at its place; got %g. A cell of the pipe that spans vehicles has no cock and no hose.",
             ARRAYS_ABOUT[FIRST_INPUT + wrong].name, element + 1, values_of(self, FIRST_INPUT + wrong)[element]);
         return KERNEL_DISCARD;
     }
     if (train_go(self->own, step)) {
         snprintf(problem, MESSAGE_SIZE,
-                 "From %g s on %g s lead to no finite state, and the train is as it was; look at what was set, or take a "
-                 "shorter step.",
+                 "The step of %g s at %g s has no finite solution. The train stays at its start. Check the inputs, or take "
+                 "a shorter step.",
                  time, step);
         return KERNEL_DISCARD;
     }
