@@ -2,15 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import casadi as ca
 
 from brake_controller.air import AMBIENT
 from brake_controller.rigging import shoe_force
-from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI, LAWS, composite, karwatzki
+from brake_controller.shoe_friction import (
+    COMPOSITE,
+    CONSTANT,
+    KARWATZKI,
+    KILOMETRES_PER_HOUR,
+    LAWS,
+    composite,
+    karwatzki,
+)
 from fmu_src.chain import function_of
 from fmu_src.system import ParameterSet, choice, quantity
+
+#: Friction as two fractions, of shoe force and of speed, with constants of the vehicle (`fractions`).
+FRACTIONS = 6
+_LAWS = {law: LAWS[law] for law in (CONSTANT, KARWATZKI, COMPOSITE)}
+
+
+def _of_law_6(unit: str, description: str, default: float, minimum: float = -math.inf) -> Any:
+    """Return a field like `quantity`, with a default for brakes of other laws."""
+    limits = {"minimum": minimum, "maximum": math.inf}
+    return field(default=default, metadata={"unit": unit, "description": description, "kind": "real"} | limits)
 
 
 @dataclass(frozen=True)
@@ -21,15 +42,75 @@ class VehicleBrake(ParameterSet):
     counter_force: float = quantity("N", "Force of springs at the shoes that draw them back", 0.0)
     efficiency: float = quantity("1", "Efficiency of the rigging", 0.0, 1.0)
     shoes: float = quantity("1", "Number of shoes", 1.0)
-    friction_law: float = choice("Shoe friction", {law: LAWS[law] for law in (CONSTANT, KARWATZKI, COMPOSITE)})
+    friction_law: float = choice("Shoe friction", _LAWS | {FRACTIONS: "two fractions"})
     constant_friction: float = quantity("1", "Friction with law 0; of discs, times their radius over the wheel's", 0.0)
+    friction_scale: float = _of_law_6("1", "Factor of the fractions, law 6", 0.0, 0.0)
+    friction_force_added: float = _of_law_6("N", "Shoe force that law 6 adds above the line", 1.0)
+    friction_force_divisor: float = _of_law_6("N", "Shoe force that law 6 adds below the line", 1.0)
+    friction_speed_added: float = _of_law_6("m/s", "Speed that law 6 adds above the line", 1.0, 0.0)
+    friction_speed_divisor: float = _of_law_6("m/s", "Speed that law 6 adds below the line", 1.0, 1e-3)
+    friction_force_limit: float = _of_law_6("N", "Shoe force above which law 6 is constant", 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Fractions:
+    """Friction mu = k1 (F + k2) / (F + k3) (V + k4) / (V + k5), F in kN for each shoe, V in km/h.
+
+    most_force: shoe force above which friction is constant [kN].
+    """
+
+    k1: float
+    k2: float
+    k3: float
+    k4: float
+    k5: float
+    most_force: float
+
+    def values(self) -> dict[str, float]:
+        """Return the parameters of `VehicleBrake`, in SI units."""
+        return {
+            "friction_law": float(FRACTIONS),
+            "friction_scale": self.k1,
+            "friction_force_added": 1e3 * self.k2,
+            "friction_force_divisor": 1e3 * self.k3,
+            "friction_speed_added": self.k4 / KILOMETRES_PER_HOUR,
+            "friction_speed_divisor": self.k5 / KILOMETRES_PER_HOUR,
+            "friction_force_limit": 1e3 * self.most_force,
+        }
+
+
+#: Laws that depend on shoe force, by the names in consists. Constants of a public train simulation (the program that
+#: runs Open Rails trains in Rust). Cast iron P6 is Karwatzki's formula, and composite is 0.44 (K + 20) / (4 K + 20)
+#: (V + 150) / (2 V + 150), K in tf. The law of pads has a pole at 27.2 kN. Assumed: it is constant from 20 kN on.
+FRICTIONS: Mapping[str, Mapping[str, float]] = {
+    "cast-iron-p6": {"friction_law": float(KARWATZKI)},
+    "cast-iron-p10": Fractions(0.05, 62.5, 31.25, 100.0, 20.0, 1e3).values(),
+    "composite": Fractions(0.055, 200.0, 50.0, 150.0, 75.0, 1e3).values(),
+    "pads": Fractions(0.385, -24.5, -27.2, 39.5, 33.0, 20.0).values(),
+}
+#: Laws that do not depend on shoe force: 0.3 - 0.00081 V, and a constant.
+FORCELESS: Mapping[str, Mapping[str, float]] = {
+    "composite-k": {"friction_law": float(COMPOSITE)},
+    "constant": {"friction_law": float(CONSTANT)},
+}
+
+
+def fractions(p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
+    """Return friction of law 6, k1 (F + k2) / (F + k3) (v + k4) / (v + k5); force in N, speed in m/s.
+
+    Karwatzki (1950) has this form for cast iron; other blocks and pads are fitted with other constants.
+    """
+    force = ca.fmin(force_of_one_shoe, p["friction_force_limit"])
+    above = (force + p["friction_force_added"]) * (speed + p["friction_speed_added"])
+    below = (force + p["friction_force_divisor"]) * (speed + p["friction_speed_divisor"])
+    return p["friction_scale"] * above / below
 
 
 def braking() -> ca.Function:
     """Return the function for the brake force at the rim of a vehicle [N], eqs (2.4), (2.6) and (2.7).
 
     Arguments: cylinder pressure [Pa], speed of the wheels at the rim [m/s], and the brake. Friction is by the laws of
-    `shoe_friction`.
+    `shoe_friction`, or by `fractions`.
     """
     fields = list(VehicleBrake.__dataclass_fields__)
     cylinder, wheel, given = ca.SX.sym("cylinder"), ca.SX.sym("wheel"), ca.SX.sym("given", len(fields))
@@ -39,4 +120,5 @@ def braking() -> ca.Function:
     fast, one = ca.fabs(wheel), pressed / p["shoes"]
     friction = ca.if_else(p["friction_law"] == KARWATZKI, karwatzki(one, fast), p["constant_friction"])
     friction = ca.if_else(p["friction_law"] == COMPOSITE, composite(fast), friction)
+    friction = ca.if_else(p["friction_law"] == FRACTIONS, fractions(p, one, fast), friction)
     return function_of("braking", [cylinder, wheel, given], friction * pressed)

@@ -25,6 +25,8 @@ from readers.units import factor, quantity_of, spellings_for
 
 #: Most rows of a table, unless a caller sets another limit.
 MOST_ROWS = 4_000_000
+#: Longest text in a cell of a column of texts.
+LONGEST_TEXT = 60
 #: Rows by which the separator is found where there are no names.
 SAMPLE = 50
 SEPARATORS = ("\t", ";", ",")
@@ -77,6 +79,8 @@ class Column:
         Allowed words of a column of words; empty: it holds numbers.
     whole : bool
         Whether its numbers are integers.
+    text : bool
+        Whether it holds any printable text instead of numbers.
     """
 
     name: str
@@ -87,6 +91,12 @@ class Column:
     filled: bool = True
     words: tuple[str, ...] = ()
     whole: bool = False
+    text: bool = False
+
+    @property
+    def holds_words(self) -> bool:
+        """Whether it holds words or text instead of numbers."""
+        return bool(self.words) or self.text
 
 
 @dataclass(frozen=True, eq=False)
@@ -373,7 +383,7 @@ def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
 
 
 def _factor(column: Column, unit: str, place: str) -> tuple[float, float]:
-    if column.words and unit:
+    if column.holds_words and unit:
         raise TableError(
             f"{place}: the column {column.name} holds words and has no unit; got {quoted(unit)}. Remove it."
         )
@@ -406,7 +416,7 @@ class _Body:
         bare = self.separator + BLANK
         places = [at for at in range(names, len(lines)) if lines[at].strip(bare)]
         gapless = [one.at for one in layout] == list(range(len(layout)))
-        if not gapless or not 0 < len(places) <= self.most_rows or any(one.column.words for one in layout):
+        if not gapless or not 0 < len(places) <= self.most_rows or any(one.column.holds_words for one in layout):
             return None
         values, marks = np.empty((len(places), len(layout))), set()
         for begin in range(0, len(places), BLOCK):
@@ -452,7 +462,7 @@ class _Body:
         for one in layout:
             texts = [row[one.at] if one.at < len(row) else "" for _, row in body]
             cells_of_column = _Cells(self.source, places, one)
-            if one.column.words:
+            if one.column.holds_words:
                 words[one.column.name] = cells_of_column.words(texts)
             else:
                 numbers[one.column.name] = cells_of_column.numbers(texts, mark)
@@ -531,7 +541,12 @@ class _Cells:
     def words(self, cells: Sequence[str]) -> list[str]:
         choice = self.column.words
         for row, cell in enumerate(cells):
-            if cell not in choice and (cell or self.column.filled):
+            if self.column.text and (len(cell) > LONGEST_TEXT or not cell.isprintable()):
+                raise self.refusal(
+                    row,
+                    f"the text must be printable, at most {LONGEST_TEXT} characters; got {quoted(cell)}. Shorten it.",
+                )
+            if not self.column.text and cell not in choice and (cell or self.column.filled):
                 raise self.refusal(
                     row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. Choose one."
                 )

@@ -12,9 +12,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 import casadi as ca
+import numpy as np
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from brake_controller.air import (
     AMBIENT,
@@ -34,6 +37,8 @@ from fmu_src.system import quantity
 
 #: Pressure difference over which a relay opens [Pa]: the cylinder is controlled to a few kPa.
 RELAY = 5e3
+#: Pressure of a charged reservoir [Pa, gauge] (UIC 540).
+CHARGED = 500e3
 #: States, absolute pressures [Pa], each with its start.
 STATES = (("control", "charged"), ("accelerator", "around"), ("auxiliary", "charged"), ("cylinder", "cylinder"))
 
@@ -112,8 +117,80 @@ def filling_choke(p: UicDistributor, time: float) -> float:
 
 def release_choke(p: UicDistributor, time: float) -> float:
     """Return the diameter [m] with which a cylinder falls from full to 0.4 bar in a time [s] (UIC 540), isothermal."""
-    integral = quad(lambda x: 1.0 / _flow_of_a_metre(x + AMBIENT, AMBIENT), 40e3, p.full_pressure, limit=200)[0]
+    integral = _release_integral(p.full_pressure)
     return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
+
+
+def release_time(p: UicDistributor) -> float:
+    """Return the time [s] in which a cylinder falls from full to 0.4 bar, isothermal; see `release_choke`."""
+    integral = _release_integral(p.full_pressure)
+    return p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / p.release_choke**2
+
+
+@lru_cache(maxsize=1024)
+def _release_integral(full_pressure: float) -> float:
+    """Return int dp / (G of a metre) from full to 0.4 bar [Pa.s/kg]."""
+    return float(quad(lambda x: 1.0 / _flow_of_a_metre(x + AMBIENT, AMBIENT), 40e3, full_pressure, limit=200)[0])
+
+
+def reached_pressure(p: UicDistributor) -> float:
+    """Return the gauge pressure [Pa] of reservoir and cylinder in balance, the reservoir charged to 5 bar (Boyle)."""
+    whole = p.auxiliary_volume + p.cylinder_volume
+    return ((CHARGED + AMBIENT) * p.auxiliary_volume + AMBIENT * p.cylinder_volume) / whole - AMBIENT
+
+
+@lru_cache
+def _flow_function() -> ca.Function:
+    """Return `_flow_of_a_metre` as a function of both pressures."""
+    before, after = ca.SX.sym("before"), ca.SX.sym("after")
+    area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
+    return ca.Function("flow", [before, after], [elliptic_flow(area, before, ca.SX(WALL), after)])
+
+
+@lru_cache(maxsize=1024)
+def with_times(p: UicDistributor, filling: float, release: float) -> UicDistributor:
+    """Return a distributor whose cylinder fills to 95 % of its pressure, and releases to 0.4 bar, in these times [s].
+
+    Isothermal, from a charged reservoir that falls as the cylinder fills, through both chokes up to the in-shot:
+    t = V / (R T) int dp / G (ISO 6358-1, Boyle). The pipe is taken to fall and rise at once.
+
+    Raises
+    ------
+    ValueError
+        If the reservoir does not reach the cylinder's pressure.
+    """
+    reached = reached_pressure(p)
+    if not reached > p.full_pressure:
+        raise ValueError(
+            f"full_pressure must be below {1e-5 * reached:.4g} bar, which a reservoir of {1e3 * p.auxiliary_volume:g} l"
+            f" at 5 bar reaches with a cylinder of {1e3 * p.cylinder_volume:g} l; got {1e-5 * p.full_pressure:.4g} bar."
+            " Increase auxiliary, or decrease cylinder or full_pressure."
+        )
+
+    def excess(logarithm: float) -> float:
+        return filling_time(replace(p, filling_choke=math.exp(logarithm)), 0.95 * p.full_pressure) - filling
+
+    choke = math.exp(brentq(excess, math.log(1e-5), math.log(1.0), xtol=1e-13))
+    return replace(p, filling_choke=choke, release_choke=release_choke(p, release))
+
+
+def filling_time(p: UicDistributor, pressure: float) -> float:
+    """Return the time [s] in which an empty cylinder fills to a gauge pressure [Pa] from its reservoir, isothermal.
+
+    The in-shot closes over the band of its relay, as in `whole`.
+    """
+    edges = [0.0, *(edge for edge in (p.inshot - RELAY, p.inshot) if 0.0 < edge < pressure), pressure]
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    time = 0.0
+    for low, high in pairwise(edges):
+        over = (low + high) / 2 + (high - low) / 2 * nodes
+        supply = CHARGED + AMBIENT - over * p.cylinder_volume / p.auxiliary_volume
+        opens = np.clip((p.inshot - over) / RELAY, 0.0, 1.0)
+        flow = (p.filling_choke**2 + opens * p.inshot_choke**2) * np.asarray(
+            _flow_function()(supply[None, :], over[None, :] + AMBIENT)
+        )
+        time += float(weights @ (1.0 / np.ravel(flow))) * (high - low) / 2
+    return p.cylinder_volume / (GAS_CONSTANT * WALL) * time
 
 
 def fastest_change(p: UicDistributor) -> float:

@@ -32,6 +32,8 @@ HOSE = 0.62
 ROTATING = 0.04
 #: Masses without a load [kg].
 WAGON, LOCOMOTIVE, COACH = 20e3, 84e3, 46e3
+#: Brake weight percentage of kinds without data of their cylinders [%]. Assumed.
+PERCENTAGE = {"locomotive": 85.0, "coach": 135.0}
 #: Length of a vehicle at most [m].
 LONGEST_VEHICLE = 31.0
 
@@ -43,9 +45,9 @@ class TrainVehicle:
     """A vehicle: masses [kg], lengths [m], resistance a + b v + c v^2 [N, N.s/m, N.s2/m2].
 
     braked_share: share of its weight on braked wheels. distributor_at: position of its distributor, as a share of its
-    length. valve: driver's valve, at its front end (at its back end in the last vehicle); leads: whether it is the
-    head's; valve_delay: delay after the first valve of the train [s], below 0: it does not follow. leak: effective area
-    of the leaks of its pipe [m2]; branch: volume of its branches [m3].
+    length. name: any text. valve: driver's valve, at its front end (at its back end in the last vehicle); leads:
+    whether it is the head's; valve_delay: delay after the first valve of the train [s], below 0: it does not follow.
+    leak: effective area of the leaks of its pipe [m2]; branch: volume of its branches [m3].
     """
 
     kind: str
@@ -66,6 +68,7 @@ class TrainVehicle:
     valve: DriversValve | None = None
     valve_delay: float = -1.0
     leads: bool = False
+    name: str = ""
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""
@@ -76,15 +79,18 @@ class TrainVehicle:
 
     @property
     def percentage(self) -> float:
-        """Brake weight percentage [%] of its full cylinders from 100 km/h.
+        """Brake weight percentage [%] of its full cylinders from 100 km/h; 0 if the stop is longer than that of 0 %.
 
         S = T v + int m v / (F + R) dv (EN 14531-1).
         """
         full = self.distributor.full_pressure + AMBIENT
         given = list(self.brake.values().values())
         force = np.array([float(_BRAKING(full, speed, given)) for speed in SPEEDS])
+        if not force.any():
+            return 0.0
         way = braking_way(force, (1 + self.rotating_share) * self.mass, self.resistance)
-        return percentage_of_vehicle(VEHICLE_BUILD_UP * FROM_100.speed + way, FROM_100)
+        stop = VEHICLE_BUILD_UP * FROM_100.speed + way
+        return percentage_of_vehicle(stop, FROM_100) if stop < FROM_100.constant / FROM_100.offset else 0.0
 
     @property
     def pipe_length(self) -> float:
@@ -101,21 +107,49 @@ def freight_resistance(mass: float) -> tuple[float, float, float]:
     return (1.6e-3 * weight, 0.0, 5.7e-3 * weight / 27.8**2)
 
 
-def braked_by(percentage: float, mass: float, resistance: Sequence[float] = (0.0, 0.0, 0.0)) -> VehicleBrake:
-    """Return shoes of constant friction that give a mass [kg] a brake weight percentage [%] at 3.8 bar (UIC 544-1).
+def braked_by(
+    percentage: float,
+    mass: float,
+    resistance: Sequence[float] = (0.0, 0.0, 0.0),
+    rotating: float = ROTATING,
+    pressure: float = 380e3,
+) -> VehicleBrake:
+    """Return shoes of constant friction that give a mass [kg] a brake weight percentage [%] (UIC 544-1).
 
     A resistance (a, b, c) does not change the stopping distance of the percentage: the force of the shoes is reduced by
-    it.
+    it. rotating: share of the rotating masses [1]; pressure: that of the full cylinder [Pa].
+
+    Raises
+    ------
+    ValueError
+        If the resistance alone stops the vehicle in the distance of the percentage.
     """
-    mean = force_of_percentage(percentage, (1 + ROTATING) * mass, FROM_100)
-    way = (1 + ROTATING) * mass * FROM_100.speed**2 / (2 * mean)
+    mean = force_of_percentage(percentage, (1 + rotating) * mass, FROM_100)
+    way = (1 + rotating) * mass * FROM_100.speed**2 / (2 * mean)
 
     def too_long(force: float) -> float:
-        return braking_way(np.full(SPEEDS.size, force), (1 + ROTATING) * mass, resistance) - way
+        return braking_way(np.full(SPEEDS.size, force), (1 + rotating) * mass, resistance) - way
 
-    force = brentq(too_long, 0.2 * mean, 1.001 * mean)
+    check_percentage(percentage, (1 + rotating) * mass, resistance)
+    least = 0.2 * mean if too_long(0.2 * mean) > 0.0 else 1e-3 * mean
+    return braked_with(brentq(too_long, least, 1.001 * mean), pressure)
+
+
+def check_percentage(percentage: float, turning_mass: float, resistance: Sequence[float]) -> None:
+    """Check that a brake is needed for a percentage [%]: 1e-3 of the mean force at least. Raises ValueError."""
+    mean = force_of_percentage(percentage, turning_mass, FROM_100)
+    way = turning_mass * FROM_100.speed**2 / (2 * mean)
+    if braking_way(np.full(SPEEDS.size, 1e-3 * mean), turning_mass, resistance) <= way:
+        raise ValueError(
+            f"lambda must be above that of the running resistance alone; got {percentage:g} %, and the resistance stops"
+            " the vehicle in a shorter distance. Increase lambda, or decrease the resistance."
+        )
+
+
+def braked_with(force: float, pressure: float = 380e3) -> VehicleBrake:
+    """Return shoes of constant friction with a force at the rims [N] at a pressure of the full cylinder [Pa]."""
     return VehicleBrake(
-        force_per_pressure=force / 380e3 / 0.3,
+        force_per_pressure=force / pressure / 0.3,
         counter_force=0.0,
         efficiency=1.0,
         shoes=8.0,
@@ -171,7 +205,7 @@ def locomotive(load: float = 0.0, position: str = "P") -> TrainVehicle:
         mass,
         19.0,
         freight(position),
-        braked_by(85.0, mass, resistance),
+        braked_by(PERCENTAGE["locomotive"], mass, resistance),
         resistance=resistance,
         valve=drivers_valve(),
     )
@@ -181,7 +215,7 @@ def coach(load: float = 0.0, position: str = "P") -> TrainVehicle:
     """Return a coach of 46 t and 26.4 m with discs. Assumed: a brake weight percentage of 135 % for any load."""
     mass = COACH + load
     resistance = freight_resistance(mass)
-    brake = braked_by(135.0, mass, resistance)
+    brake = braked_by(PERCENTAGE["coach"], mass, resistance)
     return TrainVehicle("coach", mass, 26.4, freight(position), brake, resistance=resistance)
 
 
@@ -211,7 +245,8 @@ class Consist:
     def percentage(self) -> float:
         """Brake weight percentage of the train [%], all braked weights over all masses (UIC 544-1)."""
         masses = [one.mass for one in self.vehicles]
-        weights = [braked_weight(one.percentage, one.mass) for one in self.vehicles]
+        own = [(one.percentage, one.mass) for one in self.vehicles]
+        weights = [braked_weight(percentage, mass) if percentage > 0.0 else 0.0 for percentage, mass in own]
         return train_percentage(weights, masses)
 
 

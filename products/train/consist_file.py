@@ -1,27 +1,12 @@
 """Consists from files: CSV with a row for each kind of vehicle in turn, or TOML with a [[vehicle]] for each.
 
-kind        wagon, locomotive, coach
-count       how many of them, one behind the other (default 1)
-load        on each [t] (default 60 t for wagons, otherwise 0)
-distributor of each: uic (default uic)
-position    of the distributor, P or G (default P)
-coupler     behind each: screw, draft-gear, rigid (default screw)
-weighing    of a wagon's brake: lever (for empty and loaded) or continuous (default lever)
-lambda      brake weight percentage [%], in place of the cylinder's and shoes' data
-mass        of one with its load [t], in place of load
-length      over buffers [m], in place of the kind's
-rotating    mass of what turns at the rim, over the vehicle's [%] (default 4)
-at          of the distributor, as a share of the length from the front (default 0.5); counts from two cells on
-leak        of the pipe, diameter of a hole [mm] (default 0)
-branch      what branches of the pipe hold [l] (default 0)
-valve       of a driver: head, second (it follows the head's by radio) or none; by itself the first locomotive is head
-delay       of that radio [s] (default 0)
+The columns are those of `columns.py`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,56 +15,34 @@ from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import drivers_valve
 from fmu_src.suggestion import suggestion
-from products.train.consist import EMPTY, KINDS, LONGEST_VEHICLE, Consist, TrainVehicle, braked_by
+from products.train.columns import LONGEST_NAME, MOST, NAMES, NUMBERS, TEXTS, WHOLE, WORDS, columns
+from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle
 from products.train.layout import MOST_VALVES
+from products.train.stated import brake_of, check_force, distributor_of
 from rbd_model.train.coupler import COUPLERS
-from readers.tables import Column, number_of, read_table
+from readers.tables import number_of, read_table
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
 
-#: Largest number of vehicles, and limits of a consist: load and mass [t], lambda [%], delay [s], leak [mm].
-MOST = 2000
-LIMITS = {
-    "count": (1, MOST),
-    "load": (0.0, 200.0),
-    "lambda": (1.0, 250.0),
-    "mass": (1.0, 300.0),
-    "length": (3.0, LONGEST_VEHICLE),
-    "at": (0.0, 1.0),
-    "rotating": (0.0, 100.0),
-    "leak": (0.0, 10.0),
-    "branch": (0.0, 25.0),
-    "delay": (0.0, 9.0),
-}
-UNITS = {
-    "rotating": "%",
-    "load": "t",
-    "lambda": "%",
-    "mass": "t",
-    "length": "m",
-    "leak": "mm",
-    "branch": "l",
-    "delay": "s",
-}
-WORDS: dict[str, Collection[str]] = {
-    "kind": tuple(KINDS),
-    "distributor": DISTRIBUTORS,
-    "position": ("P", "G"),
-    "coupler": tuple(COUPLERS),
-    "weighing": ("lever", "continuous"),
-    "valve": ("head", "second", "none"),
-}
-
-
-def _columns() -> list[Column]:
-    """Return the columns of a CSV file: empty cells leave a value to its default."""
-    found = [
-        Column(name, words=tuple(words), required=name == "kind", filled=name == "kind")
-        for name, words in WORDS.items()
-    ]
-    for name, limits in LIMITS.items():
-        found.append(Column(name, UNITS.get(name, "1"), *limits, filled=False, whole=name == "count"))
-    return found
+#: Columns that leave the brake of the kind as it is.
+WITHOUT_BRAKE = (
+    "kind",
+    "name",
+    "count",
+    "load",
+    "mass",
+    "length",
+    "distributor",
+    "position",
+    "coupler",
+    "weighing",
+    "valve",
+    "at",
+    "leak",
+    "branch",
+    "delay",
+    "pipe_diameter",
+)
 
 
 def read_consist(path: Path) -> Consist:
@@ -93,7 +56,7 @@ def read_consist(path: Path) -> Consist:
     if path.suffix.lower() == ".toml":
         rows = _rows_of_toml(path)
         return consist_of(rows, str(path), [f"vehicle {number}" for number in range(1, len(rows) + 1)])
-    table = read_table(path, _columns(), most_rows=MOST)
+    table = read_table(path, columns(), most_rows=MOST)
     rows = []
     for row in range(table.places.size):
         numbers = {name: float(values[row]) for name, values in table.numbers.items() if not math.isnan(values[row])}
@@ -134,6 +97,7 @@ def consist_of(rows: list[dict[str, Any]], name: str = "the consist", places: Se
     if not vehicles:
         raise ValueError(f"{name} must have vehicles; it has none. Give it a row for each kind of vehicle in turn.")
     led = _with_head(vehicles, name)
+    _check_pipe(led, name)
     valves = sum(one.valve is not None for one in led)
     if valves > MOST_VALVES:
         raise ValueError(f"{name} must have at most {MOST_VALVES} driver's valves; it has {valves}. Take fewer.")
@@ -150,14 +114,31 @@ def _with_head(vehicles: list[TrainVehicle], name: str) -> list[TrainVehicle]:
     return [replace(one, valve=None) if i in places and i != head else one for i, one in enumerate(vehicles)]
 
 
+def _check_pipe(vehicles: Sequence[TrainVehicle], name: str) -> None:
+    """Check that all pipes have one diameter. Raises ValueError."""
+    found = sorted({round(1e3 * one.pipe_diameter, 6) for one in vehicles})
+    if len(found) > 1:
+        raise ValueError(
+            f"{name}: pipe_diameter must be one number for all vehicles; got {found[0]:g} and {found[-1]:g} mm. Give it"
+            " to all, as it is 31.75 mm where it is left out."
+        )
+
+
 def _number(name: str, value: Any) -> float:
     number = number_of(value)
-    low, high = LIMITS[name]
-    unit = f" {UNITS[name]}" if name in UNITS else ""
-    if not low <= number <= high or (name == "count" and number != int(number)):
-        kind = "an integer" if name == "count" else "a number"
-        raise ValueError(f"{name} must be {kind} from {low:g} to {high:g}{unit}; got {shown(value)}. Correct it.")
+    unit, low, high = NUMBERS[name]
+    if not low <= number <= high or (name in WHOLE and number != int(number)):
+        kind = "an integer" if name in WHOLE else "a number"
+        said = f"{low:g} to {high:g} {unit}" if unit != "1" else f"{low:g} to {high:g}"
+        raise ValueError(f"{name} must be {kind} from {said}; got {shown(value)}. Correct it.")
     return number
+
+
+def _text(name: str, value: Any) -> str:
+    if not isinstance(value, str) or len(value) > LONGEST_NAME or not value.isprintable():
+        limit = f"printable text of at most {LONGEST_NAME} characters"
+        raise ValueError(f"{name} must be {limit}; got {shown(value)}. Correct it.")
+    return value.strip()
 
 
 def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -167,15 +148,26 @@ def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
     for name, value in row.items():
         if name in WORDS and value not in WORDS[name]:
             raise ValueError(f"{name} must be one of {', '.join(WORDS[name])}; got {shown(value)}. Choose one.")
-        if name not in WORDS and name not in LIMITS:
-            raise ValueError(f"the name {quoted(str(name))} is unknown; {suggestion(str(name), [*WORDS, *LIMITS])}")
-        values[name] = value if name in WORDS else _number(name, value)
+        if name not in NAMES:
+            raise ValueError(f"the name {quoted(str(name))} is unknown; {suggestion(str(name), NAMES)}")
+        values[name] = value if name in WORDS else _text(name, value) if name in TEXTS else _number(name, value)
     if "kind" not in values:
         raise ValueError(f"a vehicle must have a kind, one of {', '.join(KINDS)}. Add it.")
     return values
 
 
 def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
+    one = _bare(values)
+    check_force(values)
+    one = replace(one, distributor=distributor_of(values, one.distributor))
+    if set(values) - set(WITHOUT_BRAKE):
+        one = replace(one, brake=brake_of(values, one))
+    one = _with_valve(values, one)
+    return [one] * int(values.get("count", 1))
+
+
+def _bare(values: Mapping[str, Any]) -> TrainVehicle:
+    """Return a vehicle with its masses, resistance, distributor, pipe and coupler."""
     kind = values["kind"]
     if "load" in values and "mass" in values:
         raise ValueError("a vehicle must have load or mass, not both. The mass is that with the load.")
@@ -188,26 +180,44 @@ def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
     one = KINDS[kind](1e3 * load, values.get("position", "P"), **more)
     if "distributor" in values:
         one = replace(one, distributor=DISTRIBUTORS[values["distributor"]].ready(values.get("position", "P")))
-    if "lambda" in values:
-        one = replace(one, brake=braked_by(values["lambda"], one.mass, one.resistance))
-    one = replace(
+    return replace(
         one,
+        name=values.get("name", ""),
         length=values.get("length", one.length),
+        resistance=_resistance(values, one),
         rotating_share=1e-2 * values["rotating"] if "rotating" in values else one.rotating_share,
         coupler=COUPLERS[values.get("coupler", "screw")](),
         distributor_at=values.get("at", 0.5),
+        pipe_diameter=1e-3 * values["pipe_diameter"] if "pipe_diameter" in values else one.pipe_diameter,
         branch=1e-3 * values.get("branch", 0.0),
         leak=DISCHARGE * math.pi / 4 * (1e-3 * values.get("leak", 0.0)) ** 2,
     )
-    valve = values.get("valve")
+
+
+def _resistance(values: Mapping[str, Any], one: TrainVehicle) -> tuple[float, float, float]:
+    """Return a + b v + c v^2 of a row [N] (Davis 1926), or that of the vehicle's kind."""
+    names = ("resistance_a", "resistance_b", "resistance_c")
+    stated = [name for name in names if name in values]
+    if not stated:
+        return one.resistance
+    if stated not in (["resistance_a"], list(names)):
+        raise ValueError(
+            f"resistance_a must come alone, or all of {', '.join(names)}; got {', '.join(stated)}. Add 0s."
+        )
+    a, b, c = (values.get(name, 0.0) for name in names)
+    return a, b, c
+
+
+def _with_valve(values: Mapping[str, Any], one: TrainVehicle) -> TrainVehicle:
+    """Return a vehicle with its driver's valve."""
+    valve, count = values.get("valve"), int(values.get("count", 1))
     if "delay" in values and valve != "second":
         raise ValueError("delay must be of a valve that follows by radio. Set valve to second, or leave it out.")
-    if valve == "none":
-        one = replace(one, valve=None)
-    elif valve is not None:
-        delay = values.get("delay", 0.0) if valve == "second" else -1.0
-        one = replace(one, valve=drivers_valve(), valve_delay=delay, leads=valve == "head")
-    count = int(values.get("count", 1))
     if valve in ("head", "second") and count > 1:
         raise ValueError(f"count must be 1 with a {valve} valve; got {count}. Give that vehicle a row of its own.")
-    return [one] * count
+    if valve == "none":
+        return replace(one, valve=None)
+    if valve is None:
+        return one
+    delay = values.get("delay", 0.0) if valve == "second" else -1.0
+    return replace(one, valve=drivers_valve(), valve_delay=delay, leads=valve == "head")

@@ -1,0 +1,93 @@
+"""Columns of a consist: names, units, limits and words. The table in docs/train.md explains each.
+
+A CSV file has them in its first row, a TOML file as keys of each [[vehicle]].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
+from products.train.consist import KINDS, LONGEST_VEHICLE
+from rbd_model.train.coupler import COUPLERS
+from readers.tables import LONGEST_TEXT, Column
+
+#: Largest number of vehicles, and of characters of a name.
+MOST, LONGEST_NAME = 2000, LONGEST_TEXT
+#: Numbers: unit and limits, both included. Columns of the vehicle itself, and of its resistance a + b v + c v^2.
+VEHICLE: dict[str, tuple[str, float, float]] = {
+    "count": ("1", 1, MOST),
+    "load": ("t", 0.0, 200.0),
+    "mass": ("t", 1.0, 300.0),
+    "length": ("m", 3.0, LONGEST_VEHICLE),
+    "rotating": ("%", 0.0, 100.0),
+    "resistance_a": ("N", 0.0, 1e5),
+    "resistance_b": ("N/(m/s)", 0.0, 1e4),
+    "resistance_c": ("N/(m/s)^2", 0.0, 1e3),
+}
+#: Columns that state the brake's force, one group of them in a row, and its friction.
+FORCE: dict[str, tuple[str, float, float]] = {
+    "lambda": ("%", 1.0, 250.0),
+    "deceleration": ("m/s2", 0.01, 3.0),
+    "brake_force": ("kN", 0.1, 1000.0),
+    "shoe_force": ("kN", 0.1, 5000.0),
+    "shoes": ("1", 1, 96),
+    "cylinder_diameter": ("mm", 50.0, 1000.0),
+    "cylinders": ("1", 1, 32),
+    "rigging_ratio": ("1", 0.1, 50.0),
+    "rigging_efficiency": ("1", 0.1, 1.0),
+    "return_force": ("N", 0.0, 20e3),
+    "friction_value": ("1", 0.01, 1.0),
+    "friction_radius": ("1", 0.1, 1.0),
+}
+#: Columns of the air: cylinder, reservoirs and pipe.
+AIR: dict[str, tuple[str, float, float]] = {
+    "full_pressure": ("bar", 1.0, 8.0),
+    "fill_time": ("s", 0.5, 120.0),
+    "release_time": ("s", 0.5, 240.0),
+    "auxiliary": ("l", 5.0, 1000.0),
+    "cylinder": ("l", 0.5, 200.0),
+    "pipe_diameter": ("mm", 15.0, 60.0),
+    "at": ("1", 0.0, 1.0),
+    "leak": ("mm", 0.0, 10.0),
+    "branch": ("l", 0.0, 25.0),
+    "delay": ("s", 0.0, 9.0),
+}
+NUMBERS = VEHICLE | FORCE | AIR
+#: Columns of integers.
+WHOLE = ("count", "shoes", "cylinders")
+#: Columns of words with a choice; the names of distributors are those that there are when a file is read.
+WORDS: dict[str, Collection[str]] = {
+    "kind": tuple(KINDS),
+    "distributor": DISTRIBUTORS,
+    "position": ("P", "G"),
+    "friction": (*FRICTIONS, *FORCELESS),
+    "coupler": tuple(COUPLERS),
+    "weighing": ("lever", "continuous"),
+    "valve": ("head", "second", "none"),
+}
+#: Columns of free text.
+TEXTS = ("name",)
+#: All names, in the order in which files are written.
+NAMES = (
+    "kind",
+    *TEXTS,
+    *VEHICLE,
+    *FORCE,
+    "friction",
+    *AIR,
+    *(name for name in WORDS if name not in ("kind", "friction")),
+)
+
+
+def columns() -> list[Column]:
+    """Return the columns of a CSV file: empty cells leave a value to its default."""
+    found = [
+        Column(name, words=tuple(words), required=name == "kind", filled=name == "kind")
+        for name, words in WORDS.items()
+    ]
+    found += [Column(name, filled=False, text=True) for name in TEXTS]
+    for name, (unit, least, most) in NUMBERS.items():
+        found.append(Column(name, unit, least, most, filled=False, whole=name in WHOLE))
+    return found

@@ -1,0 +1,191 @@
+"""Consists as files: rows of columns, or the rows that state a consist of vehicles."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from brake_controller.air import DISCHARGE
+from brake_controller.distributors import DISTRIBUTORS, kind_of
+from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
+from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake
+from products.train.columns import NAMES, NUMBERS, WHOLE
+from products.train.consist import Consist, TrainVehicle
+from products.train.consist_file import consist_of
+from products.train.stated import PAD_RADIUS
+from rbd_model.train.coupler import COUPLERS
+from readers.storage import write_whole
+
+#: Diameters of cylinders by which a brake without a stated cylinder is written [mm].
+DIAMETERS = (406.0, 150.0, 1000.0, 50.0)
+#: Relative difference of numbers that are equal: rounding of a column's unit.
+ROUNDING = 1e-9
+
+Row = dict[str, Any]
+
+
+def write_consist(what: Consist | Iterable[Mapping[str, Any]], path: str | Path) -> None:
+    """Write a consist to a file, TOML where its name ends so, otherwise CSV with commas.
+
+    Parameters
+    ----------
+    what : Consist, or iterable of mappings
+        Vehicles, or rows of columns as `consist_of` takes them. They are read first, so that the file is a consist.
+    path : str or Path
+        The file.
+
+    Raises
+    ------
+    ValueError
+        If rows are no consist, or a vehicle has a value that no column states.
+    StorageError
+        If the file cannot be written.
+    """
+    rows = rows_of(what) if isinstance(what, Consist) else [dict(row) for row in what]
+    consist_of(rows)
+    place = Path(path)
+    text = _toml(rows) if place.suffix.lower() == ".toml" else _csv(rows)
+    write_whole(place, text.encode())
+
+
+def _number(name: str, value: Any) -> str:
+    return str(int(value)) if name in WHOLE else repr(float(value))
+
+
+def _toml(rows: Iterable[Row]) -> str:
+    """Return rows as TOML, numbers with all digits."""
+    parts = []
+    for row in rows:
+        lines = [
+            f"{name} = {_number(name, row[name]) if name in NUMBERS else json.dumps(row[name], ensure_ascii=False)}"
+            for name in NAMES
+            if name in row
+        ]
+        parts.append("\n".join(["[[vehicle]]", *lines]) + "\n")
+    return "\n".join(parts)
+
+
+def _csv(rows: list[Row]) -> str:
+    """Return rows as CSV, with the columns that any of them has."""
+    names = [name for name in NAMES if any(name in row for row in rows)]
+    units = {name: f" [{NUMBERS[name][0]}]" for name in names if name in NUMBERS and NUMBERS[name][0] != "1"}
+    lines = [",".join(f"{name}{units.get(name, '')}" for name in names)]
+    for row in rows:
+        cells = ("" if name not in row else _cell(name, row[name]) for name in names)
+        lines.append(",".join(cells))
+    return "\n".join(lines) + "\n"
+
+
+def _cell(name: str, value: Any) -> str:
+    if name in NUMBERS:
+        return _number(name, value)
+    quote = '"'
+    return f'"{value.replace(quote, 2 * quote)}"' if name == "name" and value else str(value)
+
+
+def rows_of(consist: Consist) -> list[Row]:
+    """Return the rows that state a consist.
+
+    Raises
+    ------
+    ValueError
+        If a vehicle has a value that no column states; the message names it.
+    """
+    rows = []
+    for one, several in groupby(consist.vehicles):
+        row, count = row_of(one), len(list(several))
+        rows.append(row | ({"count": count} if count > 1 else {}))
+    found = consist_of(rows).vehicles
+    for number, (one, again) in enumerate(zip(consist.vehicles, found, strict=True), 1):
+        own, other = _numbers(one), _numbers(again)
+        off = [name for name in own if not np.allclose(own[name], other.get(name, math.nan), rtol=ROUNDING, atol=1e-15)]
+        if off or type(one.distributor) is not type(again.distributor):
+            name = off[0] if off else "distributor"
+            raise ValueError(f"vehicle {number} must have values that columns state; its {name} has none. Change it.")
+    return rows
+
+
+def _numbers(one: TrainVehicle) -> dict[str, Any]:
+    """Return the numbers of a vehicle by name, forces of the brake after its losses."""
+    brake = one.brake.values()
+    lost = brake.pop("efficiency")
+    brake |= {name: lost * brake[name] for name in ("force_per_pressure", "counter_force")}
+    brake.pop("shoes")
+    own = {"length": one.length, "at": one.distributor_at, "leak": one.leak, "branch": one.branch}
+    own |= {"pipe_diameter": one.pipe_diameter, "valve_delay": one.valve_delay, "braked_share": one.braked_share}
+    valve = list(one.valve.numbers(0, 0.0, one.valve_delay).values()) if one.valve else [0.0]
+    return brake | own | {"valve": valve} | one.motion() | one.distributor.values() | one.coupler.values()
+
+
+def row_of(one: TrainVehicle) -> Row:
+    """Return the row that states a vehicle, as near as columns can."""
+    a, b, c = one.resistance
+    row: Row = {"kind": one.kind} | ({"name": one.name} if one.name else {})
+    row |= {"mass": 1e-3 * one.mass, "length": one.length, "rotating": 1e2 * one.rotating_share}
+    row |= {"resistance_a": a, "resistance_b": b, "resistance_c": c}
+    row |= _brake(one) | _distributor(one)
+    row |= {"pipe_diameter": 1e3 * one.pipe_diameter, "at": one.distributor_at}
+    if one.leak:
+        row["leak"] = 1e3 * (4 / math.pi * one.leak / DISCHARGE) ** 0.5
+    if one.branch:
+        row["branch"] = 1e3 * one.branch
+    row["coupler"] = next((name for name, made in COUPLERS.items() if made() == one.coupler), "screw")
+    return row | _valve(one)
+
+
+def _valve(one: TrainVehicle) -> Row:
+    if one.valve is None:
+        return {"valve": "none"} if one.kind == "locomotive" else {}
+    return {"valve": "head"} if one.valve_delay < 0.0 else {"valve": "second", "delay": one.valve_delay}
+
+
+def _distributor(one: TrainVehicle) -> Row:
+    """Return the columns of a distributor: a built-in one by its name and position, or one of UIC with its times."""
+    own = one.distributor
+    kind = kind_of(own)
+    named: Row = {} if kind.name == "uic" else {"distributor": kind.name}
+    for position in ("P", "G"):
+        if DISTRIBUTORS[kind.name].ready(position) == own:
+            return named | {"position": position}
+    if not isinstance(own, UicDistributor):
+        return named | {"full_pressure": 1e-5 * own.full_pressure}
+    volumes = {"auxiliary": 1e3 * own.auxiliary_volume, "cylinder": 1e3 * own.cylinder_volume}
+    times = {"fill_time": filling_time(own, 0.95 * own.full_pressure), "release_time": release_time(own)}
+    return {"full_pressure": 1e-5 * own.full_pressure} | volumes | times
+
+
+def _friction(one: VehicleBrake) -> Row:
+    """Return the columns of a brake's friction."""
+    scaled = one.friction_scale / FRICTIONS["pads"]["friction_scale"]
+    for name, law in {**FRICTIONS, **FORCELESS}.items():
+        pads = {"friction_scale": law["friction_scale"] * scaled} if name == "pads" else {}
+        if replace(one, **(dict(law) | pads)) != one:
+            continue
+        if name == "pads":
+            return {"friction": name, "shoes": one.shoes} | (
+                {} if scaled == PAD_RADIUS else {"friction_radius": scaled}
+            )
+        more = {"shoes": one.shoes} if name in FRICTIONS else {}
+        return {"friction": name} | more | ({"friction_value": one.constant_friction} if name == "constant" else {})
+    return {}
+
+
+def _brake(one: TrainVehicle) -> Row:
+    """Return the columns of a brake: force of the shoes, or cylinder data if springs draw these back."""
+    own, friction = one.brake, _friction(one.brake)
+    if own.counter_force == 0.0:
+        force = own.force_per_pressure * own.efficiency * one.distributor.full_pressure
+        return {"shoe_force": 1e-3 * force} | friction
+    ratios = {d: own.force_per_pressure / (math.pi / 4 * (1e-3 * d) ** 2) for d in DIAMETERS}
+    diameter, ratio = next(
+        ((d, i) for d, i in ratios.items() if 0.2 <= i <= 40.0), (DIAMETERS[0], ratios[DIAMETERS[0]])
+    )
+    data = {"cylinder_diameter": diameter, "rigging_ratio": ratio, "rigging_efficiency": own.efficiency}
+    return data | {"return_force": own.counter_force / ratio} | friction

@@ -1,0 +1,213 @@
+"""The brake of a vehicle as a row of a consist states it: each combination has an effect, or is refused."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from brake_controller.air import AMBIENT
+from brake_controller.brake_weight import FROM_100, force_of_percentage
+from brake_controller.distributors.distributor import DistributorParameters
+from brake_controller.distributors.uic import UicDistributor, with_times
+from brake_controller.shoe_friction import CONSTANT
+from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking
+from products.train.consist import (
+    PERCENTAGE,
+    SPEEDS,
+    TrainVehicle,
+    braked_by,
+    braked_with,
+    braking_way,
+    check_percentage,
+)
+
+#: Statements of a brake's force: the column that begins each, and those that belong to it alone.
+STATEMENTS: dict[str, tuple[str, ...]] = {
+    "lambda": (),
+    "deceleration": (),
+    "brake_force": (),
+    "shoe_force": (),
+    "cylinder_diameter": ("cylinders", "rigging_ratio", "rigging_efficiency", "return_force"),
+}
+#: Statements of the force at the rims, in which friction is included already.
+AT_RIMS = ("lambda", "deceleration", "brake_force")
+#: Cylinder data that are not stated: those of the wagon [1], [1], [N].
+CYLINDER = {"cylinders": 1.0, "rigging_efficiency": 0.83, "return_force": 1500.0}
+#: Friction radius of pads over the wheel's radius. Assumed.
+PAD_RADIUS = 0.6
+#: Times of filling and release by position [s], middle of those of UIC 540.
+TIMES = {"P": (4.0, 17.5), "G": (24.0, 52.5)}
+#: Columns of a UIC distributor's cylinder and reservoirs.
+OF_UIC = ("fill_time", "release_time", "auxiliary", "cylinder")
+
+_BRAKING = braking()
+
+
+def check_force(values: Mapping[str, Any]) -> None:
+    """Check that a row states a brake's force once, and nothing that has no effect with it. Raises ValueError."""
+    stated = [name for name in STATEMENTS if name in values]
+    if len(stated) > 1:
+        raise ValueError(f"a brake must be stated once; got {' and '.join(stated)}. Leave all but one out.")
+    for first, others in STATEMENTS.items():
+        for name in others:
+            if name in values and first not in values:
+                raise ValueError(f"{name} must come with {first}. Add {first}, or leave {name} out.")
+    if "cylinder_diameter" in values and "rigging_ratio" not in values:
+        raise ValueError("cylinder_diameter must come with rigging_ratio. Add it.")
+    if stated and "weighing" in values:
+        raise ValueError(f"weighing must be left out with {stated[0]}, which is that of the load. Leave it out.")
+    _check_friction(values, stated)
+
+
+def _check_friction(values: Mapping[str, Any], stated: list[str]) -> None:
+    friction, at_rims = values.get("friction"), [name for name in AT_RIMS if name in values]
+    if not stated and values["kind"] in PERCENTAGE:
+        at_rims = [f"the lambda of a {values['kind']}"]
+    if "deceleration" in values and friction not in (None, "constant"):
+        raise ValueError(f"friction must be constant with deceleration; got {friction}. State brake_force instead.")
+    if "friction_value" in values and friction != "constant":
+        raise ValueError("friction_value must come with friction = constant. Add it, or leave friction_value out.")
+    if "friction_value" in values and at_rims:
+        raise ValueError(f"friction_value must be left out with {at_rims[0]}, a force at the rims. Leave it out.")
+    if "friction_radius" in values and friction != "pads":
+        raise ValueError("friction_radius must come with friction = pads. Add it, or leave friction_radius out.")
+    if "shoes" in values and friction not in FRICTIONS:
+        raise ValueError(
+            f"shoes must come with a friction that depends on the force of a shoe, one of {', '.join(FRICTIONS)}. Add "
+            "friction, or leave shoes out."
+        )
+    needs = values["kind"] != "wagon" and ("shoe_force" in values or "cylinder_diameter" in values)
+    if needs and friction is None:
+        raise ValueError(f"friction must come with {stated[0]} of a {values['kind']}. Add friction.")
+    if friction == "constant" and "friction_value" not in values and not at_rims:
+        raise ValueError("friction = constant must come with friction_value. Add it.")
+
+
+def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> DistributorParameters:
+    """Return a vehicle's distributor with the pressure, times and volumes of a row.
+
+    Parameters
+    ----------
+    values : mapping
+        The row.
+    one : DistributorParameters
+        The distributor without them.
+
+    Raises
+    ------
+    ValueError
+        If the distributor has no such value, or its reservoir does not reach the pressure.
+    """
+    own = [name for name in OF_UIC if name in values]
+    if own and not isinstance(one, UicDistributor):
+        raise ValueError(f"{own[0]} must be of the distributor uic; got {values['distributor']}. Leave {own[0]} out.")
+    if "full_pressure" in values:
+        one = replace(one, full_pressure=1e5 * values["full_pressure"])
+    if not isinstance(one, UicDistributor) or not (own or "full_pressure" in values):
+        return one
+    volumes = {"auxiliary": "auxiliary_volume", "cylinder": "cylinder_volume"}
+    one = replace(one, **{of: 1e-3 * values[name] for name, of in volumes.items() if name in values})
+    filling, release = TIMES[values.get("position", "P")]
+    return with_times(one, values.get("fill_time", filling), values.get("release_time", release))
+
+
+def brake_of(values: Mapping[str, Any], one: TrainVehicle) -> VehicleBrake:
+    """Return a vehicle's brake by a row.
+
+    Parameters
+    ----------
+    values : mapping
+        The row, checked by `check_force`.
+    one : TrainVehicle
+        The vehicle with its mass, resistance and distributor, and with the brake of its kind.
+
+    Raises
+    ------
+    ValueError
+        If no brake has the stated force.
+    """
+    pressure, friction = one.distributor.full_pressure, friction_of(values)
+    shoes = values.get("shoes", one.brake.shoes)
+    if "cylinder_diameter" in values:
+        return _by_cylinder(values, replace(one.brake, shoes=shoes, **friction))
+    if "shoe_force" in values:
+        plain = replace(one.brake, counter_force=0.0, efficiency=1.0, shoes=shoes, **friction)
+        return replace(plain, force_per_pressure=1e3 * values["shoe_force"] / pressure)
+    if "deceleration" in values:
+        return braked_with(values["deceleration"] * (1 + one.rotating_share) * one.mass, pressure)
+    law = bool(friction) and friction["friction_law"] != CONSTANT
+    if "brake_force" in values:
+        force = 1e3 * values["brake_force"]
+        return _standing_with(force, pressure, friction, shoes) if law else braked_with(force, pressure)
+    percentage = values.get("lambda", PERCENTAGE.get(values["kind"]))
+    if percentage is None:
+        return replace(one.brake, shoes=shoes, **friction)
+    if law:
+        return _sized_by(percentage, one, friction, shoes)
+    return braked_by(percentage, one.mass, one.resistance, one.rotating_share, pressure)
+
+
+def friction_of(values: Mapping[str, Any]) -> dict[str, float]:
+    """Return the numbers of a row's friction for `VehicleBrake`; none: that of the vehicle's kind."""
+    name = values.get("friction")
+    if name is None:
+        return {}
+    found = dict({**FRICTIONS, **FORCELESS}[name]) | {"constant_friction": values.get("friction_value", 0.0)}
+    if name == "pads":
+        found["friction_scale"] *= values.get("friction_radius", PAD_RADIUS)
+    return found
+
+
+def _by_cylinder(values: Mapping[str, Any], one: VehicleBrake) -> VehicleBrake:
+    """Return a brake by its cylinders and rigging, eqs (2.4) to (2.6)."""
+    given = CYLINDER | {name: values[name] for name in CYLINDER if name in values}
+    transmitted = given["cylinders"] * values["rigging_ratio"]
+    return replace(
+        one,
+        force_per_pressure=transmitted * math.pi / 4 * (1e-3 * values["cylinder_diameter"]) ** 2,
+        counter_force=transmitted * given["return_force"],
+        efficiency=given["rigging_efficiency"],
+    )
+
+
+def _pressed(force: float, pressure: float, friction: Mapping[str, float], shoes: float) -> VehicleBrake:
+    """Return a brake whose shoes have a force [N] at a pressure [Pa]."""
+    return replace(braked_with(0.3 * force, pressure), shoes=shoes, **({"constant_friction": 0.0} | dict(friction)))
+
+
+def _force_at(one: VehicleBrake, pressure: float, speed: float) -> float:
+    return float(_BRAKING(pressure + AMBIENT, speed, list(one.values().values())))
+
+
+def _standing_with(force: float, pressure: float, friction: Mapping[str, float], shoes: float) -> VehicleBrake:
+    """Return a brake with a force at the rims [N] at standstill."""
+
+    def excess(pressed: float) -> float:
+        return _force_at(_pressed(pressed, pressure, friction, shoes), pressure, 0.0) - force
+
+    return _pressed(_root(excess, force, 100.0 * force), pressure, friction, shoes)
+
+
+def _sized_by(percentage: float, one: TrainVehicle, friction: Mapping[str, float], shoes: float) -> VehicleBrake:
+    """Return a brake with a brake weight percentage [%] from 100 km/h, S = int m v / (F + R) dv (EN 14531-1)."""
+    turning, pressure = (1 + one.rotating_share) * one.mass, one.distributor.full_pressure
+    check_percentage(percentage, turning, one.resistance)
+    mean = force_of_percentage(percentage, turning, FROM_100)
+    way = turning * FROM_100.speed**2 / (2 * mean)
+
+    def excess(pressed: float) -> float:
+        own = _pressed(pressed, pressure, friction, shoes)
+        force = np.array([_force_at(own, pressure, speed) for speed in SPEEDS])
+        return way - braking_way(force, turning, one.resistance)
+
+    return _pressed(_root(excess, 1e-2 * mean, 200.0 * mean), pressure, friction, shoes)
+
+
+def _root(excess: Callable[[float], float], low: float, high: float) -> float:
+    """Return the shoe force [N] without excess; the force at the rims grows with it in all laws."""
+    return float(brentq(excess, low, high, rtol=1e-13))
