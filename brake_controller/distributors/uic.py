@@ -122,7 +122,7 @@ def release_choke(p: UicDistributor, time: float) -> float:
 
 
 def release_time(p: UicDistributor) -> float:
-    """Return the time [s] in which a cylinder falls from full to 0.4 bar, isothermal; see `release_choke`."""
+    """Return the time [s] in which a cylinder falls from full to 0.4 bar, isothermal (ISO 6358-1)."""
     integral = _release_integral(p.full_pressure)
     return p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / p.release_choke**2
 
@@ -134,7 +134,10 @@ def _release_integral(full_pressure: float) -> float:
 
 
 def reached_pressure(p: UicDistributor) -> float:
-    """Return the gauge pressure [Pa] of reservoir and cylinder in balance, the reservoir charged to 5 bar (Boyle)."""
+    """Return the gauge pressure [Pa] of reservoir and cylinder in balance, from a reservoir charged to 5 bar.
+
+    Boyle's law (1662): p V of both is kept.
+    """
     whole = p.auxiliary_volume + p.cylinder_volume
     return ((CHARGED + AMBIENT) * p.auxiliary_volume + AMBIENT * p.cylinder_volume) / whole - AMBIENT
 
@@ -177,7 +180,7 @@ def with_times(p: UicDistributor, filling: float, release: float) -> UicDistribu
 def filling_time(p: UicDistributor, pressure: float) -> float:
     """Return the time [s] in which an empty cylinder fills to a gauge pressure [Pa] from its reservoir, isothermal.
 
-    The in-shot closes over the band of its relay, as in `whole`.
+    Flows by ISO 6358-1. The in-shot closes over the band of its relay, as in `whole`.
     """
     edges = [0.0, *(edge for edge in (p.inshot - RELAY, p.inshot) if 0.0 < edge < pressure), pressure]
     nodes, weights = np.polynomial.legendre.leggauss(40)
