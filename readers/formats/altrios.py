@@ -1,0 +1,276 @@
+"""Trains of ALTRIOS (YAML): kinds of cars, a train of them by number, locomotives.
+
+Fields as ALTRIOS writes them, in SI units; numbers of a train name cars by their car_type. The resistance of a car is,
+by its module train/resistance,
+
+    R = axles x bearing + (rolling_ratio + davis_b v) W + 0.5 rho cd_area v^2,    W = m g
+
+`braking_ratio` is the brake force over the weight. ALTRIOS takes it as retardation, 0.11 g loaded and 0.25 g empty. The
+figures are those of AAR net braking ratios, the force of all shoes over the weight. They are read so, with a friction
+of the shoes on top. This is assumed, not ALTRIOS' own reading.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from readers.formats import Imported, Row
+from readers.formats.any_case import in_any_case
+from readers.formats.notes import Notes
+from readers.formats.vehicle_rows import AIR, GRAVITY, MOST, checked, fitting, named_number, rounded, whole_train
+from readers.text import FileError, quoted, shown
+from readers.yaml_files import yaml_of
+
+#: Friction of composite shoes on wheels, on top of a net braking ratio. Assumed.
+FRICTION = 0.3
+#: Shoes of an axle. Assumed.
+SHOES = 2
+#: Spellings of each number of a car, the newest first.
+SPELLINGS: dict[str, tuple[str, ...]] = {
+    "length": ("length_meters", "length", "Length (m)"),
+    "axles": ("axle_count", "Axle Count"),
+    "base": ("mass_static_base_kilograms", "mass_static_base"),
+    "freight": ("mass_freight_kilograms", "mass_freight"),
+    "static": ("mass_static_kilograms", "mass_static", "Mass Static Loaded (kg)"),
+    "ratio": ("braking_ratio", "Braking Ratio Loaded"),
+    "rotating": ("mass_rot_per_axle_kilograms", "mass_rot_per_axle", "mass_extra_per_axle", "Mass Extra per Axle (kg)"),
+    "bearing": ("bearing_res_per_axle_newtons", "bearing_res_per_axle", "Bearing Res per Axle (N)"),
+    "rolling": ("rolling_ratio", "Rolling Ratio"),
+    "davis_b": ("davis_b_seconds_per_meter", "davis_b", "Davis B (s/m)"),
+    "area": ("cd_area_square_meters", "cd_area", "drag_area", "Drag Area Cd*A Loaded (m^2)"),
+}
+#: Limits of each number.
+LIMITS: dict[str, tuple[float, float, str]] = {
+    "length": (1.0, 1000.0, "m"),
+    "axles": (1, 400, ""),
+    "base": (100.0, 1e7, "kg"),
+    "freight": (0.0, 1e7, "kg"),
+    "static": (100.0, 1e7, "kg"),
+    "ratio": (0.0, 2.0, ""),
+    "rotating": (0.0, 1e5, "kg"),
+    "bearing": (0.0, 1e5, "N"),
+    "rolling": (0.0, 0.1, ""),
+    "davis_b": (0.0, 1.0, "s/m"),
+    "area": (0.0, 100.0, "m2"),
+}
+#: Fields without a column, each with the reason.
+LEFT = {
+    "brake_count": "a number of control valves; a vehicle has one distributor",
+    "speed_max_meters_per_second": "it does not affect braking",
+    "curve_coeff_0": "curve resistance is that of the line",
+    "curve_coeff_1": "curve resistance is that of the line",
+    "curve_coeff_2": "curve resistance is that of the line",
+    "Curve Coefficient 0": "curve resistance is that of the line",
+    "Braking Ratio Empty": "the loaded state is read",
+    "Mass Static Empty (kg)": "the loaded state is read",
+}
+#: Fields of a train without a column.
+LEFT_OF_TRAIN = {
+    "train_type": "it does not affect the brake",
+    "cd_area_vec": "drag by place in the train has no column; each car has its own cd_area",
+    "history": "a recorded run",
+    "state": "a recorded run",
+    "save_interval": "a setting of ALTRIOS",
+}
+
+
+@dataclass(frozen=True)
+class Car:
+    """A car: its numbers by the names in SPELLINGS, and its name."""
+
+    name: str
+    numbers: Mapping[str, float]
+
+
+def read_altrios(path: Path) -> Imported:
+    """Return the train of a file: one car, cars with numbers of them, or locomotives.
+
+    Raises
+    ------
+    FileError
+        If the file is not one of these, a car is missing, or a number is missing or outside its limits.
+    """
+    read = yaml_of(path)
+    if not isinstance(read, dict):
+        raise FileError(f"{path} must be a rolling stock or a train of ALTRIOS; got {shown(read)}. Give another file.")
+    notes, source = Notes(), str(path)
+    train = read.get("train_config", read)
+    config = train if isinstance(train, dict) else read
+    rows = _locomotives(read, source, notes)
+    if "n_cars_by_type" in config or "rail_vehicles" in config:
+        rows += _cars_of_train(config, path, notes)
+        _tell_train(config, read, rows, notes)
+    elif not rows:
+        rows = _car_rows(_car(read, source), 1, source, notes)
+        _tell_left(read, LEFT, notes)
+    return notes.imported(whole_train(rows, notes, source))
+
+
+def _number(read: Mapping[str, Any], what: str, source: str, default: float | None = None) -> float:
+    """Return a number of a car by any spelling. Raises FileError if it is missing without a default."""
+    for name in SPELLINGS[what]:
+        if read.get(name) is not None:
+            low, high, unit = LIMITS[what]
+            return checked(named_number(read[name], name, source), name, (low, high), unit, source)
+    if default is None:
+        raise FileError(f"{source} must have {SPELLINGS[what][0]}; got {shown(', '.join(map(str, read)))}. Add it.")
+    return default
+
+
+def _car(read: Mapping[str, Any], source: str) -> Car:
+    """Return a car of its file. Raises FileError."""
+    name = read.get("car_type", read.get("Car Type", "car"))
+    numbers = {what: _number(read, what, source) for what in ("length", "axles", "ratio", "rolling")}
+    numbers |= {what: _number(read, what, source, 0.0) for what in ("rotating", "bearing", "davis_b", "area")}
+    if any(one in read for one in SPELLINGS["base"]):
+        numbers["mass"] = _number(read, "base", source) + _number(read, "freight", source, 0.0)
+    else:
+        numbers["mass"] = _number(read, "static", source)
+    return Car(_printable(name), numbers)
+
+
+def _printable(name: Any) -> str:
+    return "".join(one if one.isprintable() else " " for one in str(name))[:60].strip() or "car"
+
+
+def _car_rows(car: Car, count: int, source: str, notes: Notes) -> list[Row]:
+    """Return the rows of cars of one kind."""
+    notes.begin(car.name)
+    n, weight = car.numbers, car.numbers["mass"] * GRAVITY
+    row: Row = {"kind": "wagon", "name": car.name, "mass": rounded(1e-3 * n["mass"]), "length": rounded(n["length"])}
+    notes.taken("length_meters -> length [m]")
+    notes.converted("mass_static_base + mass_freight -> mass [t]")
+    row["rotating"] = rounded(100 * n["axles"] * n["rotating"] / n["mass"])
+    notes.converted("mass_rot_per_axle: 100 x axle_count x mass_rot_per_axle / mass -> rotating [%]")
+    row["resistance_a"] = rounded(n["axles"] * n["bearing"] + n["rolling"] * weight)
+    row["resistance_b"] = rounded(n["davis_b"] * weight)
+    row["resistance_c"] = rounded(0.5 * AIR * n["area"])
+    notes.converted(
+        "bearing_res_per_axle, rolling_ratio, davis_b, cd_area: axles x bearing + rolling_ratio x weight, davis_b x "
+        f"weight, 0.5 x {AIR:g} kg/m3 x cd_area -> resistance_a, _b, _c (weight with {GRAVITY:g} m/s2)"
+    )
+    row |= _brake(n, weight, notes)
+    parts = fitting(row, notes, source)
+    return [{**part, "count": count} for part in parts] if len(parts) == 1 else parts * count
+
+
+def _brake(n: Mapping[str, float], weight: float, notes: Notes) -> Row:
+    """Return the shoe force of a net braking ratio, and its friction."""
+    if n["ratio"] == 0.0:
+        notes.converted("braking_ratio 0 -> brake = none")
+        return {"brake": "none"}
+    notes.converted("braking_ratio: ratio x weight -> shoe_force [kN], with friction = constant")
+    own = n["ratio"] * GRAVITY
+    notes.assumed(
+        f"braking_ratio is read as an AAR net braking ratio, shoe force over weight, with a friction of {FRICTION:g}: "
+        f"{FRICTION * own:.2f} m/s2. ALTRIOS takes it as retardation: {own:.2f} m/s2. "
+        "Set friction_value = 1 for its reading."
+    )
+    notes.assumed("Filling and release times: those of position P; a built train of ALTRIOS has a ramp of 0 s.")
+    return {
+        "shoe_force": rounded(1e-3 * n["ratio"] * weight),
+        "friction": "constant",
+        "friction_value": FRICTION,
+    }
+
+
+def _cars_of_train(config: Mapping[str, Any], path: Path, notes: Notes) -> list[Row]:
+    """Return the rows of a train's cars in the order of n_cars_by_type. Raises FileError."""
+    source = str(path)
+    counts, stated = config.get("n_cars_by_type"), config.get("rail_vehicles", [])
+    if not isinstance(counts, dict) or not isinstance(stated, list):
+        raise FileError(f"{source} must have n_cars_by_type with names and numbers; got {shown(counts)}. Correct it.")
+    cars = {}
+    for number, one in enumerate(stated):
+        if not isinstance(one, dict):
+            raise FileError(f"{source}: rail_vehicles must hold cars; got {shown(one)}. Correct it.")
+        cars[str(one.get("car_type"))] = _car(one, f"{source}, car {number + 1}")
+    rows: list[Row] = []
+    for name, count in counts.items():
+        if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= MOST:
+            raise FileError(
+                f"{source}: n_cars_by_type must have integers from 0 to {MOST}; got {shown(count)}. Correct it."
+            )
+        car = cars.get(str(name)) or _car_beside(str(name), path)
+        rows += _car_rows(car, count, source, notes) if count else []
+        if len(rows) > MOST:
+            raise FileError(f"{source} must have at most {MOST} vehicles; got more. Take cars away.")
+    notes.vehicle = ""
+    notes.taken("n_cars_by_type -> count")
+    if len(counts) > 1:
+        notes.assumed("The order of the cars is that of n_cars_by_type; a train of ALTRIOS is a sum without an order.")
+    return rows
+
+
+def _car_beside(name: str, path: Path) -> Car:
+    """Return the car of a name from a file beside the train, or in rolling_stock there. Raises FileError."""
+    for folder in (path.parent, path.parent / "rolling_stock", path.parent.parent / "rolling_stock"):
+        for ending in (".yaml", ".yml"):
+            found = in_any_case(folder, f"{name}{ending}") if "/" not in name and "\\" not in name else None
+            if found is not None:
+                read = yaml_of(found)
+                if isinstance(read, dict):
+                    return _car(read, str(found))
+    raise FileError(
+        f"{path} must have the car {quoted(name)} in rail_vehicles, or in {name}.yaml beside it; got neither. Add it."
+    )
+
+
+def _locomotives(read: Mapping[str, Any], source: str, notes: Notes) -> list[Row]:
+    """Return the rows of the locomotives in loco_con or loco_vec, none if the file has none. Raises FileError."""
+    consist = read.get("loco_con", read)
+    stated = consist.get("loco_vec") if isinstance(consist, dict) else None
+    if stated is None:
+        return []
+    if not isinstance(stated, list) or len(stated) > MOST:
+        raise FileError(f"{source}: loco_vec must be a list of at most {MOST} locomotives; got another. Correct it.")
+    rows: list[Row] = []
+    notes.begin("locomotives")
+    for number, one in enumerate(stated):
+        place = f"{source}, locomotive {number + 1}"
+        if not isinstance(one, dict):
+            raise FileError(f"{place} must be a locomotive; got {shown(one)}. Correct it.")
+        row: Row = {"kind": "locomotive", "name": f"locomotive {number + 1}"}
+        given = one.get("mass_kilograms", one.get("mass"))
+        if given is None:
+            notes.assumed("Mass of a locomotive: missing; that of the kind.")
+        else:
+            row["mass"] = rounded(checked(1e-3 * named_number(given, "mass", place), "mass", (1.0, 300.0), "t", place))
+            notes.taken("loco_vec mass -> mass [t]")
+        rows.append(row)
+    notes.assumed(
+        "Length, running resistance and brake of a locomotive: those of the kind; ALTRIOS does not have them."
+    )
+    notes.left("Powertrain of a locomotive: traction and dynamic brakes are an input of the train.")
+    return rows
+
+
+def _tell_left(read: Mapping[str, Any], reasons: Mapping[str, str], notes: Notes) -> None:
+    told: dict[str, list[str]] = {}
+    for name, reason in reasons.items():
+        if read.get(name) is not None:
+            told.setdefault(reason, []).append(name)
+    for reason, names in told.items():
+        notes.left(f"{', '.join(names)}: {reason}.")
+
+
+def _tell_train(config: Mapping[str, Any], read: Mapping[str, Any], rows: list[Row], notes: Notes) -> None:
+    """Tell fields of a train without a column; its mass and length where they differ from those of its cars."""
+    notes.vehicle = ""
+    _tell_left({**read, **config}, LEFT_OF_TRAIN, notes)
+    for one in config.get("rail_vehicles", []):
+        _tell_left(one, LEFT, notes)
+    for names, column, factor in (
+        (("train_mass_kilograms", "train_mass"), "mass", 1e3),
+        (("train_length_meters", "train_length"), "length", 1.0),
+    ):
+        for name in names:
+            if isinstance(value := config.get(name), int | float) and value:
+                total = factor * sum(row.get(column, 0.0) * row.get("count", 1) for row in rows)
+                notes.left(f"{name} = {value:g}: the sum of the vehicles is taken, {total:g}.")
+    brake = read.get("fric_brake")
+    if isinstance(brake, dict):
+        notes.left("fric_brake: one force of the whole train has no column; each car has its braking_ratio.")

@@ -1,0 +1,155 @@
+"""Trains of Open Rails and MSTS: a consist (.con) with its vehicles (.eng, .wag), or one vehicle.
+
+A consist names vehicles by file and folder. They are looked for as MSTS keeps them, in TRAINS/TRAINSET/folder beside
+TRAINS/CONSISTS, first in a folder OpenRails there, and in the folder of the consist.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from readers.formats import Imported, Row
+from readers.formats.any_case import in_any_case
+from readers.formats.notes import Notes
+from readers.formats.open_rails_fields import Fields
+from readers.formats.open_rails_text import Block, Reader
+from readers.formats.open_rails_vehicle import vehicle_of
+from readers.formats.vehicle_rows import MOST, fitting, rounded, whole_train
+from readers.text import FileError
+
+#: Names that a message about missing files lists.
+LISTED = 3
+#: Slack of a coupler whose r0 does not begin with 0, and largest slack [m], as Open Rails takes them.
+SLACK, MOST_SLACK = 0.012, 0.1
+
+
+def read_open_rails(path: Path) -> Imported:
+    """Return the train of a .con file, or the vehicle of an .eng or .wag file.
+
+    Raises
+    ------
+    FileError
+        If a file cannot be read, is not whole, includes itself, is missing, or has no mass or length.
+    """
+    notes = Notes()
+    if path.suffix.lower() == ".con":
+        entries = _entries(path, notes)
+        files = _files(path, entries)
+    else:
+        entries, files = [Block("wagon")], [path]
+    read: dict[Path, tuple[Row, list[Block]]] = {}
+    rows: list[Row] = []
+    for entry, file in zip(entries, files, strict=True):
+        if file not in read:
+            notes.begin(file.name)
+            read[file] = vehicle_of(file, notes)
+        notes.vehicle = file.name
+        row, couplings = read[file]
+        flipped = entry.last("flip") is not None or "flip" in [word.lower() for word in entry.words]
+        rows += fitting(row | _coupler(couplings, flipped, notes), notes, str(file))
+        if flipped:
+            notes.taken("Flip: the coupler behind the vehicle is its front one")
+    return notes.imported(whole_train(rows, notes, str(path)))
+
+
+def _entries(path: Path, notes: Notes) -> list[Block]:
+    """Return the entries of a consist from its head. Raises FileError."""
+    reader = Reader()
+    root = reader.read(path)
+    for remark in reader.remarks:
+        notes.assumed(remark)
+    train = root.last("train")
+    config = train.last("traincfg") if train else root.last("traincfg")
+    if config is None:
+        raise FileError(f"{path} must have Train ( TrainCfg ( ) ); got none. Give a .con file.")
+    entries = config.all("engine", "wagon")
+    if not 1 <= len(entries) <= MOST:
+        raise FileError(f"{path} must have 1 to {MOST} vehicles in TrainCfg; got {len(entries)}. Correct the file.")
+    outside = len(train.all("engine", "wagon")) if train else 0
+    if outside:
+        notes.left(f"{outside} vehicles outside TrainCfg: Open Rails ignores them, MSTS adds them.")
+    notes.left("MaxVelocity, Durability, Serial, UiD, NextWagonUID: they do not affect braking.")
+    return entries
+
+
+def _files(path: Path, entries: list[Block]) -> list[Path]:
+    """Return the files of the entries. Raises FileError that names missing ones."""
+    found: list[Path] = []
+    missing: list[str] = []
+    for entry in entries:
+        data = entry.last(f"{entry.name}data")
+        if data is None or not data.words:
+            raise FileError(
+                f"{path}, row {entry.row}: {entry.name} must name its file with {entry.name}data ( file folder ); got "
+                "none. Add it."
+            )
+        name = f"{data.words[0]}.{'eng' if entry.name == 'engine' else 'wag'}"
+        folder = data.words[1] if len(data.words) > 1 else data.words[0]
+        place = _place(path.parent, folder, name)
+        if place is None:
+            missing.append(f"{folder}/{name}")
+        else:
+            found.append(place)
+    if missing:
+        names = list(dict.fromkeys(missing))
+        more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
+        raise FileError(
+            f"{path} must have its vehicles in {path.parent.parent / 'TRAINSET'} or beside it; got no "
+            f"{', '.join(names[:LISTED])}{more}. Copy the folders there."
+        )
+    return found
+
+
+def _place(folder: Path, own: str, name: str) -> Path | None:
+    """Return the file of a vehicle in its folder, with letters of any case, or None."""
+    for base in (folder.parent, folder):
+        for way in ("TRAINSET/", ""):
+            for kind in ("OpenRails/", ""):
+                found = in_any_case(base, f"{way}{own}/{kind}{name}")
+                if found is not None:
+                    return found
+    return in_any_case(folder, name)
+
+
+def _coupler(couplings: list[Block], flipped: bool, notes: Notes) -> Row:
+    """Return the coupler behind a vehicle: its last one, or its first one if it is flipped."""
+    if not couplings:
+        notes.assumed("Coupling: missing; a screw coupler.")
+        return {}
+    block = couplings[0] if flipped else couplings[-1]
+    own = Fields(block.blocks, notes)
+    kind = own.word("Type")
+    rigid = own.word("CouplingHasRigidConnection") not in ("", "0", "false") or (
+        own.has("CouplingHasRigidConnection") and not own.word("CouplingHasRigidConnection")
+    )
+    if rigid or kind == "bar":
+        notes.taken("Coupling: rigid connection or Bar -> coupler = rigid")
+        return {"coupler": "rigid"}
+    row: Row = {"coupler": "draft-gear" if kind == "automatic" else "screw"}
+    notes.taken("Coupling: Automatic -> draft-gear, others -> screw")
+    spring = own.blocks.get("spring")
+    if spring is None:
+        return row
+    return row | _spring(Fields(spring.blocks, notes), notes)
+
+
+def _spring(own: Fields, notes: Notes) -> Row:
+    """Return stiffness, slack and strength of a coupler."""
+    row: Row = {}
+    if any(name.startswith("orts") for name in own.blocks):
+        notes.left("Coupling, ORTS fields of advanced couplers: Open Rails reads their stiffness as a force.")
+        return row
+    if stiffness := own.number("Stiffness", "N/m"):
+        row["coupler_stiffness"] = rounded(1e-6 * stiffness)
+        notes.taken("Coupling Stiffness, first value -> coupler_stiffness [MN/m]")
+    near, far = own.number("r0", "m"), own.number("r0", "m", 1) if len(own.words("r0")) > 1 else None
+    if near is not None:
+        slack = min(far / 2, MOST_SLACK) if near == 0.0 and far else SLACK
+        row["coupler_slack"] = rounded(1e3 * slack)
+        notes.converted("Coupling r0: half of the second value if the first is 0, else 12 mm -> coupler_slack [mm]")
+    if strength := own.number("Break", "N"):
+        row["coupler_strength"] = rounded(1e-3 * strength)
+        notes.taken("Coupling Break, first value -> coupler_strength [kN]")
+    if own.has("Damping"):
+        notes.left("Coupling Damping: friction of the coupler is that of its kind.")
+    return row

@@ -1,0 +1,206 @@
+"""Brakes of Open Rails and MSTS vehicles as columns of a consist.
+
+`MaxBrakeForce` is a force at the rims, behind the friction of the shoes; `ORTSMaxBrakeShoeForce` is the force of all
+shoes, before it. A file without a type of shoe has no law of friction: Open Rails then takes MaxBrakeForce at a
+friction of 0.20, and multiplies it by (7.6 / (V + 17.5) + 0.07) / 0.20, V in km/h, where this is below 1 (its source,
+TrainCar.cs).
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from readers.formats import Row
+from readers.formats.notes import Notes
+from readers.formats.open_rails_fields import Fields
+from readers.formats.open_rails_left import EQUIPMENT
+from readers.formats.open_rails_units import PSI
+from readers.formats.vehicle_rows import rounded
+from readers.text import quoted
+
+#: Cylinder pressure of MaxBrakeForce that Open Rails takes where the file has none [bar], and its default rate [bar/s].
+PRESSURE, DEFAULT_RATE = 64 * PSI, 0.9 * PSI
+#: Share of a pressure at which a cylinder counts as full, and pressure at which it counts as empty [bar] (UIC 540).
+FULL, EMPTY = 0.95, 0.4
+#: Friction laws by the word of ORTSBrakeShoeType.
+FRICTIONS = {
+    "cast_iron_p6": "cast-iron-p6",
+    "cast_iron_p10": "cast-iron-p10",
+    "high_friction_composite": "composite",
+    "disc_pads": "pads",
+}
+
+
+def brake_of(fields: Fields, notes: Notes) -> Row:
+    """Return the columns of a vehicle's brake: its kind, force, friction, pressure and times."""
+    system = fields.word("BrakeSystemType").strip()
+    _tell_equipment(fields, notes)
+    if system in ("air_piped", "vacuum_piped", "manual_braking"):
+        notes.converted("BrakeSystemType: without a brake that the train applies -> brake = none")
+        return {"brake": "none"}
+    vacuum = system.startswith(("vacuum", "straight_vacuum"))
+    found = _system(system, fields, notes)
+    if vacuum:
+        return found | _force(fields, None, notes)
+    reference = fields.number("ORTSBrakeForceReferencePressure", "bar")
+    most = fields.number("BrakeCylinderPressureForMaxBrakeBrakeForce", "bar")
+    pressure = most or reference
+    found |= _force(fields, (most / reference) if most and reference else None, notes)
+    if pressure and len(found) > 1:
+        notes.taken("BrakeCylinderPressureForMaxBrakeBrakeForce -> full_pressure [bar]")
+        found["full_pressure"] = rounded(pressure)
+    return found | _times(fields, pressure or PRESSURE, notes)
+
+
+def _system(system: str, fields: Fields, notes: Notes) -> Row:
+    """Return the kind of brake by BrakeSystemType."""
+    if system.startswith(("vacuum", "straight_vacuum")):
+        notes.assumed("BrakeSystemType: a vacuum brake is simulated as a compressed-air brake of equal force.")
+    elif system in ("ep", "ecp", "sme"):
+        if fields.word("ORTSEPBrakeControlsBrakePipe").startswith("1"):
+            notes.left("ORTSEPBrakeControlsBrakePipe: valves along the pipe have no column; the brake is pneumatic.")
+        else:
+            notes.taken(f"BrakeSystemType {system.upper()} -> brake = ep-direct")
+            return {"brake": "ep-direct"}
+    elif system.startswith("air_twin_pipe"):
+        notes.left(
+            "BrakeSystemType Air_twin_pipe: a main pipe has no column; reservoirs are charged by the brake pipe."
+        )
+    elif system.startswith("air_single_pipe"):
+        notes.taken("BrakeSystemType -> brake = pneumatic")
+    else:
+        notes.assumed(f"BrakeSystemType: {quoted(system) if system else 'missing'}; taken as pneumatic.")
+    return {"brake": "pneumatic"}
+
+
+def _tell_equipment(fields: Fields, notes: Notes) -> None:
+    """Tell words of BrakeEquipmentType that are unknown; spelling errors are common."""
+    words = [one.strip() for one in fields.word("BrakeEquipmentType").split(",")]
+    for word in words:
+        if word and word not in EQUIPMENT:
+            notes.left(f"BrakeEquipmentType: the word {quoted(word)} is unknown, and Open Rails ignores it.")
+    if "triple_valve" in words and "distributor" not in words and "graduated_release_triple_valve" not in words:
+        notes.left("BrakeEquipmentType triple_valve: direct release has no column; the distributor releases gradually.")
+
+
+def _force(fields: Fields, over_reference: float | None, notes: Notes) -> Row:
+    """Return the force of the brake; `over_reference`: largest pressure over that of MaxBrakeForce."""
+    law = FRICTIONS.get(fields.word("ORTSBrakeShoeType"))
+    shoe_force = fields.number("ORTSMaxBrakeShoeForce", "N")
+    rim_force = fields.number("MaxBrakeForce", "N")
+    scale = over_reference or 1.0
+    if over_reference and abs(over_reference - 1.0) > 1e-9:
+        notes.converted("ORTSBrakeForceReferencePressure: the force is scaled to the largest cylinder pressure.")
+    if shoe_force and (law or not rim_force):
+        notes.taken("ORTSMaxBrakeShoeForce, of all shoes, before friction -> shoe_force [kN]")
+        return {"shoe_force": rounded(1e-3 * shoe_force * scale)} | _friction(fields, law, notes)
+    if rim_force:
+        notes.taken("MaxBrakeForce, at the rims, behind friction -> brake_force [kN]")
+        return {"brake_force": rounded(1e-3 * rim_force * scale)} | _friction_of_rims(fields, law, notes)
+    if rim_force == 0.0:
+        notes.converted("MaxBrakeForce 0 -> brake = none")
+        return {"brake": "none"}
+    notes.assumed("Brake force: the file has no MaxBrakeForce; the brake of the vehicle's kind applies.")
+    return {}
+
+
+def _friction(fields: Fields, law: str | None, notes: Notes) -> Row:
+    """Return the friction between shoes of a stated force and the wheels."""
+    if law is not None:
+        notes.taken("ORTSBrakeShoeType -> friction")
+        return {"friction": law} | _shoes(fields, notes)
+    if mean := _mean_friction(fields):
+        notes.converted(
+            f"ORTSBrakeShoeFriction: its mean over speed -> friction = constant, friction_value = {mean:.3g}."
+            " A table of friction has no column."
+        )
+        return {"friction": "constant", "friction_value": rounded(mean)}
+    notes.assumed("ORTSBrakeShoeType: missing or unknown; friction = cast-iron-p6, because Open Rails takes cast iron.")
+    return {"friction": "cast-iron-p6"} | _shoes(fields, notes)
+
+
+def _shoes(fields: Fields, notes: Notes) -> Row:
+    shoes = fields.number("ORTSNumberCarBrakeShoes", "1")
+    if shoes is not None and shoes >= 1:
+        notes.taken("ORTSNumberCarBrakeShoes -> shoes")
+        return {"shoes": int(shoes)}
+    axles = sum(fields.number(name, "1") or 0.0 for name in ("ORTSNumberAxles", "ORTSNumberDriveAxles"))
+    shoes = 4 * int(axles)
+    notes.assumed(
+        f"ORTSNumberCarBrakeShoes: missing; {f'4 for each of {axles:g} axles' if shoes else 'that of the kind'}."
+    )
+    return {"shoes": shoes} if shoes else {}
+
+
+def _friction_of_rims(fields: Fields, law: str | None, notes: Notes) -> Row:
+    """Return the friction law of a force at the rims, which belongs to standstill; none: constant force."""
+    if law is not None:
+        notes.assumed("MaxBrakeForce with ORTSBrakeShoeType: the force is that at standstill, and falls by that law.")
+        return {"friction": law} | _shoes(fields, notes)
+    table = _friction_table(fields)
+    if table:
+        at_100 = _at(table, 100.0) / table[0][1]
+        notes.left(
+            f"ORTSBrakeShoeFriction: a table of friction has no column; the force is constant here, and in Open Rails "
+            f"it is {100 * at_100:.0f} % of MaxBrakeForce at 100 km/h."
+        )
+    else:
+        notes.assumed(
+            "MaxBrakeForce without a friction: constant over speed, as in MSTS. Open Rails takes it at friction 0.20 "
+            "and reduces it above 41 km/h by cast iron, to 67 % at 100 km/h."
+        )
+    return {}
+
+
+def _friction_table(fields: Fields) -> list[tuple[float, float]]:
+    """Return speeds [km/h] and friction of ORTSBrakeShoeFriction, rising, none if it is not such a table."""
+    try:
+        numbers = [float(word) for word in fields.words("ORTSBrakeShoeFriction")]
+    except ValueError:
+        return []
+    pairs = list(zip(numbers[::2], numbers[1::2], strict=False))
+    good = len(pairs) >= 2 and all(math.isfinite(a) and 0.0 < b <= 2.0 for a, b in pairs)
+    return pairs if good and all(b[0] > a[0] for a, b in pairwise(pairs)) else []
+
+
+def _at(table: list[tuple[float, float]], speed: float) -> float:
+    """Return the friction at a speed [km/h], linear between rows, constant beyond them."""
+    for (low, first), (high, second) in pairwise(table):
+        if low <= speed <= high:
+            return first + (second - first) * (speed - low) / (high - low)
+    return table[0][1] if speed < table[0][0] else table[-1][1]
+
+
+def _mean_friction(fields: Fields) -> float | None:
+    """Return the mean of a friction table over its speeds, or None."""
+    table = _friction_table(fields)
+    if not table:
+        return None
+    area = sum((b[0] - a[0]) * (a[1] + b[1]) / 2 for a, b in pairwise(table))
+    return area / (table[-1][0] - table[0][0])
+
+
+def _times(fields: Fields, pressure: float, notes: Notes) -> Row:
+    """Return filling and release times [s] of rates that change a cylinder between 0 and a pressure [bar]."""
+    found: Row = {}
+    fill = fields.number("MaxApplicationRate", "bar/s") or fields.number("BrakeDistributorApplicationRate", "bar/s")
+    if fill and fill > 0.0:
+        found["fill_time"] = rounded(FULL * pressure / fill)
+        notes.converted("MaxApplicationRate: 0.95 pressure / rate -> fill_time [s] (to 95 %, UIC 540)")
+        if abs(fill - DEFAULT_RATE) < 1e-6:
+            notes.assumed(
+                f"MaxApplicationRate 0.9 psi/s is Open Rails' default, {found['fill_time']:.0f} s; UIC 540 has 3 to 5 "
+                "s (P) and 18 to 30 s (G). Check it."
+            )
+    release = fields.number("MaxReleaseRate", "bar/s") or fields.number("BrakeDistributorReleaseRate", "bar/s")
+    if release and release > 0.0 and pressure > EMPTY:
+        found["release_time"] = rounded((pressure - EMPTY) / release)
+        notes.converted("MaxReleaseRate: (pressure - 0.4 bar) / rate -> release_time [s] (to 0.4 bar, UIC 540)")
+    if "fill_time" not in found:
+        notes.assumed("MaxApplicationRate: missing; the times of position P apply, not Open Rails' default of 71 s.")
+    for name, column in (("ORTSAuxiliaryResCapacity", "auxiliary"), ("ORTSBrakeCylinderVolume", "cylinder")):
+        if volume := fields.number(name, "l"):
+            found[column] = rounded(volume)
+            notes.taken(f"{name} -> {column} [l]")
+    return found

@@ -1,0 +1,89 @@
+"""Numbers of Open Rails and MSTS: with their unit written behind them, or in the unit of their field."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+
+#: A number, with commas between groups of three digits, and its unit; a remark may follow after #.
+NUMBER = re.compile(r"(?P<number>[+-]?(?:\d+(?:,\d{3})*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?),?\s*(?P<unit>[^#]*)(?:#.*)?")
+POUND, FOOT, INCH, MILE_PER_HOUR = 0.45359237, 0.3048, 0.0254, 0.44704
+POUND_FORCE = POUND * 9.80665
+PSI = 1e-5 * POUND_FORCE / INCH**2
+_FOOT3, _GALLON = 1e3 * FOOT**3, 3.785411784
+_PRESSURES = {"psi": PSI, "bar": 1.0, "kpa": 0.01, "inhg": 0.0338638866667}
+#: Factors by quantity and unit in small letters; the empty unit is that of a field that writes none.
+_FACTORS: dict[str, dict[str, float]] = {
+    "1": {"": 1.0},
+    "kg": {"": 1.0, "kg": 1.0, "g": 1e-3, "t": 1e3, "lb": POUND, "t-us": 2000 * POUND, "t-uk": 2240 * POUND},
+    "m": {
+        "": 1.0,
+        "m": 1.0,
+        "cm": 0.01,
+        "mm": 0.001,
+        "km": 1e3,
+        "ft": FOOT,
+        "'": FOOT,
+        "in": INCH,
+        "in/2": INCH / 2,
+    },
+    "N": {"": 1.0, "n": 1.0, "kn": 1e3, "mn": 1e6, "lbf": POUND_FORCE, "lb": POUND_FORCE},
+    "N/(m/s)": {
+        "": 1.0,
+        "n/m/s": 1.0,
+        "ns/m": 1.0,
+        "n/(m/s)": 1.0,
+        "lbf/mph": POUND_FORCE / MILE_PER_HOUR,
+        "lb/mph": POUND_FORCE / MILE_PER_HOUR,
+    },
+    "N/(m/s)^2": {
+        "": 1.0,
+        "nm/s^2": 1.0,
+        "ns^2/m^2": 1.0,
+        "n/(m/s)^2": 1.0,
+        "lbf/mph^2": POUND_FORCE / MILE_PER_HOUR**2,
+        "lb/mph^2": POUND_FORCE / MILE_PER_HOUR**2,
+    },
+    "bar": {"": PSI} | _PRESSURES,
+    "bar/s": {"": PSI}
+    | {f"{unit}/s": one for unit, one in _PRESSURES.items()}
+    | {f"{unit}/min": one / 60 for unit, one in _PRESSURES.items()},
+    "l": {
+        "": _FOOT3,
+        "ft^3": _FOOT3,
+        "*(ft^3)": _FOOT3,
+        "in^3": _FOOT3 / 1728,
+        "*(in^3)": _FOOT3 / 1728,
+        "m^3": 1e3,
+        "*(m^3)": 1e3,
+        "l": 1.0,
+        "g-us": _GALLON,
+        "gal": _GALLON,
+        "gals": _GALLON,
+        "g-uk": 4.54609,
+    },
+    "N/m": {"": 1.0, "n/m": 1.0, "kn/m": 1e3, "mn/m": 1e6, "kn/mm": 1e6, "lbf/in": POUND_FORCE / INCH},
+}
+#: Factors to SI, but pressures to bar and volumes to litres (factors of NIST SP 811).
+FACTORS: Mapping[str, Mapping[str, float]] = MappingProxyType(_FACTORS)
+
+
+def measured(text: str, quantity: str) -> tuple[float, str] | None:
+    """Return a number in the unit of its quantity, and the unit that is written, or None if it cannot be read.
+
+    Parameters
+    ----------
+    text : str
+        A word of a file, such as 44t, 31300lbf or 220kN#remark.
+    quantity : str
+        A name in FACTORS.
+    """
+    found = NUMBER.fullmatch(text.strip())
+    if found is None:
+        return None
+    unit = found["unit"].strip().lower().replace("²", "^2").replace("³", "^3")
+    factor = FACTORS[quantity].get(unit)
+    if factor is None or len(found["number"]) > 40:
+        return None
+    return float(found["number"].replace(",", "")) * factor, unit

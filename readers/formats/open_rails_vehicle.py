@@ -1,0 +1,171 @@
+"""Vehicles of Open Rails and MSTS (.eng, .wag) as rows of a consist.
+
+Names, units and defaults as the manual of Open Rails states them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from readers.formats import Row
+from readers.formats.notes import Notes
+from readers.formats.open_rails_brake import brake_of
+from readers.formats.open_rails_fields import Fields
+from readers.formats.open_rails_left import LEFT
+from readers.formats.open_rails_text import Block, Reader
+from readers.formats.vehicle_rows import rounded
+from readers.text import FileError, quoted, shown
+
+#: Kinds by the word of Wagon(Type.
+KINDS = {
+    "engine": "locomotive",
+    "carriage": "coach",
+    "passenger": "coach",
+    "freight": "wagon",
+    "tender": "wagon",
+    "eot": "wagon",
+}
+#: Fields that are taken.
+TAKEN = (
+    "Type",
+    "Mass",
+    "Size",
+    "Name",
+    "ORTSDavis_A",
+    "ORTSDavis_B",
+    "ORTSDavis_C",
+    "MaxBrakeForce",
+    "ORTSMaxBrakeShoeForce",
+    "ORTSNumberCarBrakeShoes",
+    "ORTSBrakeShoeType",
+    "ORTSBrakeShoeFriction",
+    "BrakeSystemType",
+    "BrakeEquipmentType",
+    "BrakeCylinderPressureForMaxBrakeBrakeForce",
+    "ORTSBrakeForceReferencePressure",
+    "MaxApplicationRate",
+    "MaxReleaseRate",
+    "BrakeDistributorApplicationRate",
+    "BrakeDistributorReleaseRate",
+    "ORTSAuxiliaryResCapacity",
+    "ORTSBrakeCylinderVolume",
+    "Coupling",
+    "ORTSFreightAnims",
+    "ORTSEPBrakeControlsBrakePipe",
+)
+
+
+def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
+    """Return a vehicle as a row without coupler, and its couplings from the front.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read, or has no mass or length.
+    """
+    reader = Reader()
+    root = reader.read(path)
+    own, notes.vehicle = notes.vehicle, ""
+    for remark in reader.remarks:
+        notes.assumed(remark)
+    notes.vehicle = own
+    wagons = root.all("wagon")
+    if not wagons:
+        raise FileError(f"{path} must have a block Wagon ( ); got none. Give an .eng or .wag file.")
+    blocks = [block for wagon in wagons for block in wagon.blocks]
+    fields = Fields(blocks, notes)
+    loads = _loads(fields, notes)
+    row: Row = {"kind": _kind(fields, path, notes)}
+    name = " ".join(fields.words("Name")) or path.stem
+    row["name"] = "".join(one if one.isprintable() else " " for one in name)[:60].strip() or "vehicle"
+    row["mass"] = _mass(fields, loads, path, notes)
+    row["length"] = _length(fields, path, notes)
+    row |= _resistance(fields, notes)
+    row |= brake_of(fields, notes)
+    _tell_left(fields, root, notes)
+    return row, [block for block in blocks if block.name == "coupling"]
+
+
+def _kind(fields: Fields, path: Path, notes: Notes) -> str:
+    word = fields.word("Type")
+    if word in KINDS:
+        notes.taken("Type -> kind")
+        return KINDS[word]
+    kind = "locomotive" if path.suffix.lower() == ".eng" else "wagon"
+    notes.assumed(f"Type: {quoted(word) if word else 'missing'}; taken as {kind} by the name of the file.")
+    return kind
+
+
+def _loads(fields: Fields, notes: Notes) -> list[float]:
+    """Return the loads of a vehicle's freight animations [kg], and use the fields of its state of load."""
+    block = fields.blocks.get("ortsfreightanims")
+    if block is None:
+        return []
+    loads, full = [], False
+    for one in block.all("freightanimstatic", "freightanimcontinuous"):
+        own = Fields(one.blocks, notes)
+        load = own.number("FreightWeight" if one.name == "freightanimstatic" else "FreightWeightWhenFull", "kg")
+        there = one.name == "freightanimstatic" or own.word("FullAtStart") in ("1", "true")
+        if load and there:
+            loads.append(load)
+            full = True
+    state = "full" if full else "empty"
+    for one in [block, *block.blocks]:
+        for inner in one.blocks:
+            if inner.name.startswith(state) and (base := inner.name.removeprefix(state)) in _OF_STATE:
+                fields.blocks[base] = inner
+                notes.taken(f"ORTSFreightAnims: {state} values in place of the vehicle's own")
+    return loads
+
+
+_OF_STATE = {name.lower() for name in TAKEN} | {"ortsmaxbrakeshoeforce", "maxbrakeforce"}
+
+
+def _mass(fields: Fields, loads: list[float], path: Path, notes: Notes) -> float:
+    """Return the mass [t]. Raises FileError if the file has none."""
+    anims = fields.blocks.get("ortsfreightanims")
+    empty = Fields(anims.blocks, notes).number("WagonEmptyWeight", "kg") if anims else None
+    if empty:
+        notes.converted("ORTSFreightAnims: WagonEmptyWeight and the loads that are there at the start -> mass [t]")
+        return rounded(1e-3 * (empty + sum(loads)))
+    mass = fields.number("Mass", "kg")
+    if mass is None or mass <= 0.0:
+        raise FileError(f"{path} must have Mass in kg, t or lb; got {shown(fields.word('Mass') or None)}. Add it.")
+    notes.taken("Mass -> mass [t]")
+    return rounded(1e-3 * mass)
+
+
+def _length(fields: Fields, path: Path, notes: Notes) -> float:
+    """Return the length [m]. Raises FileError if the file has none."""
+    words = fields.words("Size")
+    length = fields.number("Size", "m", 2) if len(words) >= 3 else None
+    if length is None or length <= 0.0:
+        raise FileError(f"{path} must have Size ( width height length ); got {shown(' '.join(words))}. Correct it.")
+    notes.taken("Size, third value -> length [m]")
+    return rounded(length)
+
+
+def _resistance(fields: Fields, notes: Notes) -> Row:
+    """Return Davis' a + b v + c v^2 [N], which Open Rails takes where all three are above 0, or nothing."""
+    names = {"ORTSDavis_A": "N", "ORTSDavis_B": "N/(m/s)", "ORTSDavis_C": "N/(m/s)^2"}
+    found = [fields.number(name, unit) for name, unit in names.items()]
+    if found[0] is None:
+        notes.assumed("Running resistance: the file has no ORTSDavis_A, B, C; that of the vehicle's kind applies.")
+        return {}
+    notes.taken("ORTSDavis_A, _B, _C -> resistance_a, _b, _c [N, N/(m/s), N/(m/s)^2]")
+    if None in found:
+        notes.assumed("ORTSDavis: a coefficient that is missing is 0.")
+    return {f"resistance_{letter}": rounded(value or 0.0) for letter, value in zip("abc", found, strict=True)}
+
+
+def _tell_left(fields: Fields, root: Block, notes: Notes) -> None:
+    """Tell fields without a column, each with the reason, and misspelt ones."""
+    engines = [*root.all("engine"), *(inner for wagon in root.all("wagon") for inner in wagon.all("engine"))]
+    names = {block.name for block in fields.blocks.values()} | {block.name for one in engines for block in one.blocks}
+    for reason in dict.fromkeys(LEFT.values()):
+        if told := [name for name, one in LEFT.items() if one == reason and name.lower() in names]:
+            notes.left(f"{', '.join(told)}: {reason}.")
+    outside = [block.name for block in root.blocks if block.name.lower() in {one.lower() for one in TAKEN}]
+    for name in outside:
+        notes.left(f"{name}: it stands outside Wagon ( ), and Open Rails ignores it.")
+    fields.misspelt([*LEFT, "Engine", "Inside", "Lights"], TAKEN)

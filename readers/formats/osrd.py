@@ -1,0 +1,158 @@
+"""Rolling stock of OSRD (JSON): a whole train or unit, divided into equal vehicles.
+
+Fields as OSRD's schema of rolling stock has them: SI units, resistance A + B v + C v^2 of the whole train.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+from readers.documents import LARGEST, document
+from readers.formats import Imported, Row
+from readers.formats.notes import Notes
+from readers.formats.vehicle_rows import (
+    HEAVIEST,
+    LIGHTEST,
+    LONGEST,
+    MOST,
+    SHORTEST,
+    checked,
+    divided,
+    named_number,
+    rounded,
+    whole_train,
+)
+from readers.text import FileError, shown, text_of
+
+#: Length to which a train is divided [m]: that of a coach (UIC 567). Assumed.
+PART = 26.4
+#: Running resistance at rest below which a unit is doubtful [N/t].
+LITTLE = 3.0
+#: Fields without a column, each with the reason.
+LEFT = {
+    "effort_curves": "traction is an input of the train",
+    "max_speed": "it does not affect braking",
+    "startup_time": "a rule of running times",
+    "startup_acceleration": "a rule of running times",
+    "comfort_acceleration": "a rule of running times",
+    "electrical_power_startup_time": "a rule of running times",
+    "raise_pantograph_time": "a rule of running times",
+    "etcs_brake_params": "decelerations that ETCS supervises, for comparison; they are not those of the brakes",
+    "energy_sources": "traction is an input of the train",
+    "power_restrictions": "traction is an input of the train",
+    "loading_gauge": "it does not affect braking",
+    "base_power_class": "it does not affect braking",
+    "supported_signaling_systems": "it does not affect braking",
+}
+
+
+def read_osrd(path: Path) -> Imported:
+    """Return the train of a rolling-stock file.
+
+    Raises
+    ------
+    FileError
+        If the file is not a rolling stock, or a number is missing or outside its limits.
+    """
+    read = document(text_of(path, LARGEST).encode(), str(path))
+    if not isinstance(read, dict) or not {"length", "mass"} <= read.keys():
+        raise FileError(f"{path} must be a rolling stock with length and mass; got {shown(read)}. Give another file.")
+    notes, source = Notes(), str(path)
+    notes.begin(str(read.get("name", path.stem)))
+    length = checked(named_number(read["length"], "length", source), "length", (SHORTEST, 20e3), "m", source)
+    mass = 1e-3 * named_number(read["mass"], "mass", source)
+    parts = _parts(length, mass, source)
+    notes.taken("length -> length [m], mass -> mass [t]")
+    if parts > 1:
+        notes.assumed(
+            f"An OSRD rolling stock is a whole train: {length:g} m and {mass:g} t become {parts} equal vehicles of "
+            f"{length / parts:.4g} m and {mass / parts:.4g} t. A locomotive in it is not told apart."
+        )
+    row: Row = {"kind": _kind(read, notes), "name": _name(read, path), "mass": rounded(mass), "length": rounded(length)}
+    row |= _rotating(read, source, notes) | _resistance(read, mass, source, notes) | _deceleration(read, source, notes)
+    for reason in dict.fromkeys(LEFT.values()):
+        if names := [name for name, one in LEFT.items() if one == reason and name in read]:
+            notes.left(f"{', '.join(names)}: {reason}.")
+    rows = [{name: one for name, one in part.items() if name != "coupler"} for part in divided(row, parts)]
+    if parts > 1:
+        notes.assumed("Couplers between the vehicles: screw couplers, because the file has none.")
+    return notes.imported(whole_train(rows, notes, source))
+
+
+def _parts(length: float, mass: float, source: str) -> int:
+    """Return the number of vehicles of a train. Raises FileError if no number fits."""
+    parts = max(round(length / PART), math.ceil(length / LONGEST), math.ceil(mass / HEAVIEST), 1)
+    parts = min(parts, int(length // SHORTEST), MOST)
+    checked(mass / parts, f"mass of each of {parts} vehicles", (LIGHTEST, HEAVIEST), "t", source)
+    return parts
+
+
+def _kind(read: dict[str, Any], notes: Notes) -> str:
+    category = str(read.get("primary_category", ""))
+    freight = "FREIGHT" in category.upper()
+    kind = "wagon" if freight else "coach"
+    if category:
+        notes.taken("primary_category -> kind, wagon for freight, else coach")
+    else:
+        notes.assumed("Kind: coaches, because the file has no primary_category.")
+    return kind
+
+
+def _name(read: dict[str, Any], path: Path) -> str:
+    name = str(read.get("name", path.stem))
+    return "".join(one if one.isprintable() else " " for one in name)[:60].strip() or "unit"
+
+
+def _rotating(read: dict[str, Any], source: str, notes: Notes) -> Row:
+    """Return the share of rotating mass [%] of inertia_coefficient k, 100 (k - 1)."""
+    if read.get("inertia_coefficient") is None:
+        return {}
+    factor = checked(
+        named_number(read["inertia_coefficient"], "inertia_coefficient", source),
+        "inertia_coefficient",
+        (1, 2),
+        "",
+        source,
+    )
+    notes.converted("inertia_coefficient k: 100 (k - 1) -> rotating [%]")
+    return {"rotating": rounded(100 * (factor - 1))}
+
+
+def _resistance(read: dict[str, Any], mass: float, source: str, notes: Notes) -> Row:
+    """Return A + B v + C v^2 of the whole train; a small A is told."""
+    given = read.get("rolling_resistance")
+    if not isinstance(given, dict):
+        notes.assumed("Running resistance: the file has no rolling_resistance; that of the vehicle's kind applies.")
+        return {}
+    if (kind := str(given.get("type", "davis")).lower()) != "davis":
+        notes.left(f"rolling_resistance: the type {shown(kind)} has no column; give A, B and C of Davis.")
+        return {}
+    found = {name: named_number(given.get(name, 0.0), f"rolling_resistance.{name}", source) for name in "ABC"}
+    for name, value in found.items():
+        checked(value, f"rolling_resistance.{name}", (0.0, 1e9), "", source)
+    notes.taken("rolling_resistance A, B, C -> resistance_a, _b, _c [N, N/(m/s), N/(m/s)^2], shared by the vehicles")
+    if found["A"] < LITTLE * mass:
+        notes.assumed(
+            f"rolling_resistance A = {found['A']:g} N is {found['A'] / mass:.3g} N/t; trains have {LITTLE:g} N/t and "
+            "more. It is read as it stands. Check whether the file means kN."
+        )
+    return {f"resistance_{name.lower()}": rounded(value) for name, value in found.items()}
+
+
+def _deceleration(read: dict[str, Any], source: str, notes: Notes) -> Row:
+    """Return the deceleration [m/s2] of const_gamma, in older files of gamma."""
+    gamma = read.get("const_gamma")
+    if gamma is None and isinstance(read.get("gamma"), dict):
+        gamma = read["gamma"].get("value")
+    if gamma is None:
+        notes.assumed("Brake: the file has no const_gamma; the brake of the vehicle's kind applies.")
+        return {}
+    value = abs(named_number(gamma, "const_gamma", source))
+    notes.taken("const_gamma -> deceleration [m/s2]")
+    notes.assumed(
+        "const_gamma is a deceleration of operation, with its margin; no physical brake. It is taken as that of fully "
+        "applied brakes, in position P."
+    )
+    return {"deceleration": rounded(checked(value, "const_gamma", (0.01, 3.0), "m/s2", source))}

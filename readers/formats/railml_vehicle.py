@@ -1,0 +1,203 @@
+"""Vehicles of railML as rows of a consist."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+from readers.formats import Row
+from readers.formats.notes import Notes
+from readers.formats.railml_numbers import fitted, mean_deceleration, number_of, table_of
+from readers.formats.vehicle_rows import AIR, GRAVITY, rounded
+from readers.text import FileError, shown
+from readers.xml_files import inside
+
+#: Kinds by the beginning of a category, in small letters.
+KINDS = {
+    "loco": "locomotive",
+    "motor": "coach",
+    "passenger": "coach",
+    "cab": "coach",
+    "freight": "wagon",
+    "booster": "coach",
+}
+#: Positions of an air brake, the first of them that a vehicle has is read.
+POSITIONS = ("P", "R", "G", "")
+#: Limits of a weight [t] and of the coefficients of Davis' formula.
+WEIGHT = (0.0, 5000.0)
+
+
+def vehicle_of(vehicle: ET.Element, source: str, notes: Notes) -> Row:
+    """Return a vehicle as a row.
+
+    Raises
+    ------
+    FileError
+        If mass or length is missing, or a number is outside its limits.
+    """
+    place = f"{source}, vehicle {shown(vehicle.get('id', '?'))}"
+    mass = _mass(vehicle, place, notes)
+    length = number_of(vehicle, "length", (0.5, 5000.0), place)
+    if length is None:
+        raise FileError(f"{place}: a vehicle must have length [m]; got none. Add it.")
+    notes.taken("length -> length [m]")
+    name = vehicle.get("name") or vehicle.get("id") or "vehicle"
+    row: Row = {"kind": _kind(vehicle, notes), "name": "".join(c if c.isprintable() else " " for c in name)[:60]}
+    row |= {"mass": rounded(mass), "length": rounded(length)}
+    factor = number_of(vehicle, "rotatingMassFactor", (1.0, 2.0), place)
+    if factor is not None:
+        notes.converted("rotatingMassFactor k: 100 (k - 1) -> rotating [%]")
+        row["rotating"] = rounded(100 * (factor - 1))
+    for one in ("numberOfDrivenAxles", "adhesionWeight", "maximumAxleLoad"):
+        if vehicle.get(one) is not None:
+            notes.left(f"{one}: a vehicle of a train has no axles of its own.")
+    if next(inside(vehicle, "engine", "traction", "tractiveEffort"), None) is not None:
+        notes.left("engine, tractiveEffort: traction is an input of the train.")
+    return row | _resistance(vehicle, mass, place, notes) | _brake(vehicle, mass, place, notes)
+
+
+def _kind(vehicle: ET.Element, notes: Notes) -> str:
+    parts = [vehicle, *inside(vehicle, "vehiclePart", "classification")]
+    words = [one.get("category") or one.get("vehicleCategory") or "" for one in parts]
+    for word in words:
+        for begin, kind in KINDS.items():
+            if word.lower().startswith(begin):
+                notes.taken("category -> kind")
+                return kind
+    kind = "locomotive" if next(inside(vehicle, "engine"), None) is not None else "wagon"
+    notes.assumed(f"category: missing or unknown; taken as {kind}.")
+    return kind
+
+
+def _mass(vehicle: ET.Element, place: str, notes: Notes) -> float:
+    """Return the mass [t]. Raises FileError if the vehicle has none."""
+    gross, tare, net = (number_of(vehicle, f"{one}Weight", WEIGHT, place) for one in ("brutto", "tare", "netto"))
+    if gross:
+        notes.taken("bruttoWeight, loaded -> mass [t]")
+        if tare and tare < gross:
+            notes.left(f"tareWeight: {tare:g} t; the vehicle is loaded. Set mass yourself for an empty one.")
+        return gross
+    if not tare:
+        raise FileError(f"{place}: a vehicle must have bruttoWeight or tareWeight [t]; got neither. Add one.")
+    notes.converted("tareWeight + nettoWeight -> mass [t]" if net else "tareWeight, empty -> mass [t]")
+    return tare + (net or 0.0)
+
+
+def _resistance(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
+    """Return the running resistance, or nothing if the vehicle has none."""
+    whole = next(inside(vehicle, "drivingResistance"), None)
+    if whole is None:
+        notes.assumed("Running resistance: missing; that of the vehicle's kind applies, if the formation has none.")
+        return {}
+    if whole.get("tunnelFactor") is not None:
+        notes.left("tunnelFactor: tunnels have no column.")
+    found = davis_of_train(whole, 1e3 * mass * GRAVITY, place, notes)
+    return {} if found is None else {f"resistance_{name}": rounded(one) for name, one in zip("abc", found, strict=True)}
+
+
+def davis_of_train(element: ET.Element, weight: float, place: str, notes: Notes) -> tuple[float, float, float] | None:
+    """Return a, b, c in SI of an element with a weight [N]: Davis' formula, coefficients, or a table, else None.
+
+    Raises
+    ------
+    FileError
+        If a number or a unit cannot be read.
+    """
+    davies = next(inside(element, "daviesFormulaFactors", "davisFormulaFactors"), None)
+    if davies is not None:
+        return _davies(davies, place, notes)
+    for one in (element, *inside(element, "info", "drivingResistance", "trainResistance")):
+        drag = number_of(one, "airDragCoefficient", (0.0, 100.0), place)
+        area = number_of(one, "crossSectionArea", (0.0, 100.0), place)
+        rolling = number_of(one, "rollingResistance", (0.0, 100.0), place)
+        if rolling is not None or (drag is not None and area is not None):
+            notes.converted("rollingResistance [N/kN] x weight -> resistance_a [N]")
+            notes.converted(f"0.5 x {AIR:g} kg/m3 x airDragCoefficient x crossSectionArea -> resistance_c")
+            return 1e-3 * (rolling or 0.0) * weight, 0.0, 0.5 * AIR * (drag or 0.0) * (area or 0.0)
+    if element.tag in ("drivingResistance", "trainResistance"):
+        found = fitted(table_of(element, place))
+        if found is not None:
+            notes.converted(f"Table of resistance: fitted by a + b v + c v^2, largest error {found[1]:.3g} N")
+            return found[0]
+        notes.left(f"{element.tag}: no coefficients or table that can be read.")
+    return None
+
+
+def _davies(davies: ET.Element, place: str, notes: Notes) -> tuple[float, float, float] | None:
+    names = ("constantFactorA", "speedDependentFactorB", "squareSpeedDependentFactorC")
+    a, b, c = (number_of(davies, one, (0.0, 1e7), place) or 0.0 for one in names)
+    if davies.get("massDependent", "false").lower() in ("true", "1"):
+        notes.left("daviesFormulaFactors with massDependent: their unit of mass is not known here.")
+        return None
+    notes.converted("daviesFormulaFactors A, 3.6 B, 12.96 C (from km/h to m/s) -> resistance_a, _b, _c")
+    return a, 3.6 * b, 12.96 * c
+
+
+def _brake(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
+    """Return the brake of the first set of a vehicle's brakes by position: P, R, G."""
+    sets = [one for one in inside(vehicle, "vehicleBrakes", "vehicleBrake") if one.attrib]
+    for one in inside(vehicle, "auxiliaryBrakes"):
+        for name in ("E", "ep", "H", "Mg", "Wb"):
+            if (one.get(name) or "false").lower() in ("true", "1"):
+                notes.left(f"auxiliaryBrakes {name}: additional brakes have no column.")
+    if not sets:
+        return _by_table(vehicle, mass, place, notes) or _without_brake(notes)
+    position = "airBrakeApplicationPosition"
+    chosen = next(one for key in POSITIONS for one in [*sets, sets[0]] if one.get(position, "") == key or key == "")
+    if len(sets) > 1:
+        notes.left(f"vehicleBrakes: {len(sets)} sets; that of position {shown(chosen.get(position, '-'))} is read.")
+    kind = chosen.get("brakeType", "").lower()
+    if kind and "air" not in kind and "vacuum" not in kind:
+        notes.converted(f"brakeType {shown(kind)}: not applied by the train -> brake = none")
+        return {"brake": "none"}
+    if "vacuum" in kind:
+        notes.assumed("brakeType vacuum: simulated as a compressed-air brake of equal brake weight.")
+    row: Row = {}
+    if chosen.get(position) in ("G", "P"):
+        row["position"] = chosen.get(position)
+        notes.taken(f"{position} -> position")
+    elif chosen.get(position) == "R":
+        row["position"] = "P"
+        notes.assumed(f"{position} R: filled as in P; two stages of pressure over speed have no column.")
+    if chosen.get("loadSwitch") is not None:
+        notes.left("loadSwitch: the brake weight is that of the stated load.")
+    return row | (
+        _statement(chosen, mass, place, notes) or _by_table(vehicle, mass, place, notes) or _without_brake(notes)
+    )
+
+
+def _without_brake(notes: Notes) -> Row:
+    notes.assumed("Brake: missing; that of the vehicle's kind applies, if the formation has none.")
+    return {}
+
+
+def _statement(chosen: ET.Element, mass: float, place: str, notes: Notes) -> Row:
+    """Return the statement of a set of brakes: percentage, brake weight, or mean deceleration."""
+    for begin in ("regular", "emergency"):
+        percentage = number_of(chosen, f"{begin}BrakePercentage", (0.0, 400.0), place)
+        weight = number_of(chosen, f"{begin}BrakeMass", (0.0, 5000.0), place)
+        if not percentage and not weight:
+            continue
+        if begin == "regular" and (chosen.get("emergencyBrakePercentage") or chosen.get("emergencyBrakeMass")):
+            notes.left("emergencyBrakePercentage, emergencyBrakeMass: a second brake weight has no column.")
+        if percentage:
+            notes.taken(f"{begin}BrakePercentage -> lambda [%]")
+            return {"lambda": rounded(percentage)}
+        notes.converted(f"{begin}BrakeMass / mass -> lambda [%]")
+        return {"lambda": rounded(100 * (weight or 0.0) / mass)}
+    mean = number_of(chosen, "meanDeceleration", (0.0, 5.0), place)
+    if mean:
+        notes.taken("meanDeceleration -> deceleration [m/s2]")
+        return {"deceleration": rounded(mean)}
+    return {}
+
+
+def _by_table(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
+    """Return the mean deceleration of a decelerationTable, or of a brakeEffort over the mass."""
+    for name in ("decelerationTable", "brakeEffort"):
+        element = next(inside(vehicle, name), None)
+        mean = mean_deceleration(table_of(element, place)) if element is not None else None
+        if mean is not None:
+            mean = mean / (1e3 * mass) if name == "brakeEffort" else mean
+            notes.converted(f"{name}: mean over the distance of a stop from its highest speed -> deceleration [m/s2]")
+            return {"deceleration": rounded(mean)}
+    return {}
