@@ -1,0 +1,426 @@
+"""Trains of OSRD, ALTRIOS, OpenBVE and railML: numbers by hand from files that are written here, and damaged files."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from readers.formats import Imported
+from readers.formats.openbve import motor_cars
+from readers.formats.trains import FORMATS, read_foreign
+from readers.formats.vehicle_rows import LONGEST
+from readers.text import FileError
+
+#: Acceleration of gravity [m/s2] and density of air [kg/m3] in the numbers by hand.
+G, AIR = 9.80665, 1.225
+#: Speeds of the resistances that are compared [m/s].
+SPEEDS = (0.0, 15.0, 30.0)
+#: Rows have 10 significant digits.
+ROUNDED = 1e-9
+
+OSRD: dict[str, Any] = {
+    "railjson_version": "3.3",
+    "name": "Freight train",
+    "length": 750.0,
+    "mass": 2090000.0,
+    "max_speed": 38.9,
+    "inertia_coefficient": 1.048,
+    "const_gamma": 0.3,
+    "primary_category": "FREIGHT_TRAIN",
+    "rolling_resistance": {"type": "davis", "A": 25.08, "B": 67.7, "C": 10.8},
+    "effort_curves": {"modes": {}},
+}
+CAR = """---
+car_type: Coal_Loaded
+freight_type: Coal_Loaded
+length_meters: 18.0
+axle_count: 4
+brake_count: 1
+mass_static_base_kilograms: 28500.0
+mass_freight_kilograms: 101500.0
+speed_max_meters_per_second: 20.0
+braking_ratio: 0.11
+mass_rot_per_axle_kilograms: 750.0
+bearing_res_per_axle_newtons: 40.26
+rolling_ratio: 1.546e-3
+davis_b_seconds_per_meter: 1.0e-5
+cd_area_square_meters: 4.087
+curve_coeff_0: 0.056
+"""
+BVE = """OPENBVE
+#PERFORMANCE
+4.2      ; deceleration
+0.35
+0
+0.0025
+1.2
+#DELAY
+0,0.1
+0,0.1
+0,0.3
+0,0.3
+#MOVE
+500
+200
+500
+500
+1000
+800
+#BRAKE
+1
+2
+10
+#PRESSURE
+500
+600
+690
+780
+#CAR
+35
+3
+25
+2
+20
+1
+3
+4
+1.5
+6
+2
+#MOTOR_P1
+1,100,128
+"""
+RAILML = """<?xml version="1.0" encoding="UTF-8"?>
+<rail3:railML xmlns:rail3="https://www.railml.org/schemas/3.3" version="3.3"><rail3:rollingstock><rail3:vehicles>
+  <rail3:vehicle id="loco" bruttoWeight="84" tareWeight="84" length="19" rotatingMassFactor="1.15">
+    <rail3:vehiclePart id="p" partOrder="1" category="locomotive"/>
+    <rail3:engine/>
+    <rail3:brakes><rail3:vehicleBrakes brakeType="compressed air" airBrakeApplicationPosition="P"
+      regularBrakePercentage="95" emergencyBrakePercentage="110"/>
+      <rail3:vehicleBrakes airBrakeApplicationPosition="G" regularBrakePercentage="70"/></rail3:brakes>
+    <rail3:drivingResistance tunnelFactor="1.5">
+      <rail3:info airDragCoefficient="0.8" crossSectionArea="9.5" rollingResistance="1.5"/></rail3:drivingResistance>
+  </rail3:vehicle>
+  <rail3:vehicle id="coach" tareWeight="40" nettoWeight="8" length="26.4">
+    <rail3:vehiclePart id="q" partOrder="1" category="passengerCoach"/>
+    <rail3:brakes><rail3:vehicleBrakes airBrakeApplicationPosition="R" regularBrakeMass="60"/></rail3:brakes>
+    <rail3:drivingResistance><rail3:details><rail3:valueTable xValueUnit="km/h" yValueUnit="kN">
+      <rail3:valueLine xValue="0"><rail3:value yValue="0.5"/></rail3:valueLine>
+      <rail3:valueLine xValue="36"><rail3:value yValue="0.8"/></rail3:valueLine>
+      <rail3:valueLine xValue="72"><rail3:value yValue="1.5"/></rail3:valueLine>
+      <rail3:valueLine xValue="108"><rail3:value yValue="2.6"/></rail3:valueLine>
+    </rail3:valueTable></rail3:details></rail3:drivingResistance>
+  </rail3:vehicle>
+</rail3:vehicles><rail3:formations>
+  <rail3:formation id="IC"><rail3:trainOrder orderNumber="2" vehicleRef="coach" vehicleCount="5"/>
+    <rail3:trainOrder orderNumber="1" vehicleRef="loco"/></rail3:formation>
+  <rail3:formation id="other"><rail3:trainOrder vehicleRef="coach"/></rail3:formation>
+</rail3:formations></rail3:rollingstock></rail3:railML>
+"""
+UNIT = """<railml xmlns="http://www.railml.org/schemas/2013"><rollingstock version="2.2"><vehicles>
+<vehicle id="v" length="25" bruttoWeight="50" vehicleCategory="motorCoach"/></vehicles>
+<formations><formation id="f"><trainOrder orderNumber="1" vehicleRef="v" vehicleCount="2"/>
+<trainBrakes meanDeceleration="0.9"/><trainResistance><daviesFormulaFactors constantFactorA="3800"
+speedDependentFactorB="45" squareSpeedDependentFactorC="2.5" massDependent="false"/></trainResistance>
+</formation></formations></rollingstock></railml>"""
+#: Folder of trains of other programs, which are not part of this repository.
+STRANGERS = Path(os.environ.get("CONSISTS_OF_OTHERS", "nowhere"))
+
+
+def read(folder: Path, name: str, text: str) -> Imported:
+    (folder / name).write_text(text)
+    return read_foreign(folder / name)
+
+
+def read_or_message(path: Path) -> Imported | str:
+    """Return the train of a file, or the message with which it is refused."""
+    try:
+        return read_foreign(path)
+    except FileError as error:
+        return str(error)
+
+
+def told(found: Imported, kind: str, words: str) -> bool:
+    return any(words in sentence for sentence in getattr(found, kind))
+
+
+def whole(found: Imported, column: str) -> float:
+    """Return the sum of a column over all vehicles."""
+    return sum(row[column] * row.get("count", 1) for row in found.rows)
+
+
+def resistance(found: Imported, speed: float) -> float:
+    """Return the running resistance of the train [N]."""
+    return sum(whole(found, f"resistance_{letter}") * speed**power for power, letter in enumerate("abc"))
+
+
+# -- OSRD ------------------------------------------------------------------------------------------------------------
+
+
+def test_an_osrd_train_keeps_its_sums(tmp_path: Path) -> None:
+    found = read(tmp_path, "freight.json", json.dumps(OSRD))
+    assert whole(found, "mass") == pytest.approx(2090.0, rel=ROUNDED)
+    assert whole(found, "length") == pytest.approx(750.0, rel=ROUNDED)
+    for speed in SPEEDS:
+        assert resistance(found, speed) == pytest.approx(25.08 + 67.7 * speed + 10.8 * speed**2, rel=1e-8)
+    for row in found.rows:
+        assert (row["kind"], row["deceleration"]) == ("wagon", 0.3)
+        assert row["rotating"] == pytest.approx(4.8, rel=ROUNDED)
+        assert row["length"] <= LONGEST
+    assert sum(row.get("count", 1) for row in found.rows) == round(750 / 26.4)
+
+
+def test_what_is_doubtful_in_an_osrd_train_is_told(tmp_path: Path) -> None:
+    found = read(tmp_path, "freight.json", json.dumps(OSRD))
+    assert told(found, "assumed", "25.08 N is 0.012 N/t")
+    assert told(found, "assumed", "deceleration of operation")
+    assert told(found, "assumed", "is a whole train")
+    assert told(found, "left", "effort_curves: traction")
+
+
+# -- ALTRIOS ---------------------------------------------------------------------------------------------------------
+
+
+def test_an_altrios_car_has_the_numbers_of_its_file(tmp_path: Path) -> None:
+    found = read(tmp_path, "Coal_Loaded.yaml", CAR)
+    row = found.rows[0]
+    weight = 130e3 * G
+    assert (row["mass"], row["length"], row["valve"]) == (130.0, 18.0, "head")
+    assert row["rotating"] == pytest.approx(100 * 4 * 750 / 130e3, rel=ROUNDED)
+    for speed in SPEEDS:
+        own = 4 * 40.26 + (1.546e-3 + 1e-5 * speed) * weight + 0.5 * AIR * 4.087 * speed**2
+        assert resistance(found, speed) == pytest.approx(own, rel=ROUNDED)
+    assert row["shoe_force"] == pytest.approx(0.11 * 130 * G, rel=ROUNDED)
+    assert (row["friction"], row["friction_value"]) == ("constant", 0.3)
+    assert told(found, "assumed", "0.32 m/s2. ALTRIOS takes it as retardation: 1.08 m/s2")
+
+
+def test_an_altrios_train_has_its_cars_and_locomotives(tmp_path: Path) -> None:
+    (tmp_path / "Coal_Loaded.yaml").write_text(CAR)
+    inline = CAR.replace("---\n", "- ").replace("Coal", "Grain").replace("\n", "\n    ").rstrip()
+    text = f"n_cars_by_type:\n  Coal_Loaded: 10\n  Grain_Loaded: 5\nrail_vehicles:\n  {inline}\ntrain_type: Freight\n"
+    found = read(tmp_path, "train.yaml", f"{text}loco_con:\n  loco_vec:\n  - mass: 195000\n  - mass: 195000\n")
+    assert [(row["kind"], row.get("count", 1)) for row in found.rows] == [
+        ("locomotive", 1),
+        ("locomotive", 1),
+        ("wagon", 10),
+        ("wagon", 5),
+    ]
+    assert whole(found, "mass") == pytest.approx(2 * 195 + 15 * 130)
+    assert told(found, "assumed", "a train of ALTRIOS is a sum without an order")
+
+
+def test_an_old_altrios_car_is_read_loaded(tmp_path: Path) -> None:
+    text = (
+        "Car Type: Manifest\nLength (m): 18.0\nAxle Count: 4\nMass Static Empty (kg): 28500.0\n"
+        "Mass Static Loaded (kg): 130000.0\nBraking Ratio Empty: 0.25\nBraking Ratio Loaded: 0.11\n"
+        "Mass Extra per Axle (kg): 750.0\nBearing Res per Axle (N): 40.26\nRolling Ratio: 0.001546\n"
+        "Davis B (s/m): 0.0\nDrag Area Cd*A Loaded (m^2): 4.087\n"
+    )
+    row = read(tmp_path, "Manifest.yaml", text).rows[0]
+    assert row["mass"] == 130.0
+    assert row["shoe_force"] == pytest.approx(0.11 * 130 * G, rel=ROUNDED)
+
+
+# -- OpenBVE ---------------------------------------------------------------------------------------------------------
+
+
+def test_an_openbve_train_has_the_numbers_of_its_file(tmp_path: Path) -> None:
+    found = read(tmp_path, "train.dat", BVE)
+    assert whole(found, "mass") == pytest.approx(3 * 35 + 2 * 25)
+    assert whole(found, "length") == 100.0
+    assert [row["mass"] for row in found.rows for _ in range(row.get("count", 1))] == [35, 25, 35, 25, 35]
+    for speed in SPEEDS:
+        own = 0.0025 * 155e3 * G + 0.5 * AIR * 1.2 * (6 + 4 * 2) * speed**2
+        assert resistance(found, speed) == pytest.approx(own, rel=1e-8)
+    row = found.rows[0]
+    assert (row["brake"], row["full_pressure"], row["rotating"], row["valve"]) == ("ep-direct", 5.0, 0.0, "head")
+    assert row["deceleration"] == pytest.approx(4.2 / 3.6, rel=ROUNDED)
+    assert row["fill_time"] == pytest.approx(0.95 * 500 / (0.3 * 1000), rel=ROUNDED)
+    assert row["release_time"] == pytest.approx((500 - 40) / 800, rel=ROUNDED)
+    assert told(found, "left", "600 kPa")
+    assert told(found, "left", "OpenBVE counts them by cars")
+    assert told(found, "left", "DelayBrakeUp: 0.3 s")
+
+
+def test_an_automatic_brake_fills_at_the_whole_rate(tmp_path: Path) -> None:
+    text = (
+        BVE.replace("#BRAKE\n1\n2", "#BRAKE\n2\n0")
+        .replace("OPENBVE", "BVE2000000")
+        .replace("#PERF", "#DECELERATION\n;")
+    )
+    row = read(tmp_path, "train.dat", text.replace(";ORMANCE\n", "")).rows[0]
+    assert row["brake"] == "pneumatic"
+    assert row["fill_time"] == pytest.approx(0.95 * 500 / 1000, rel=ROUNDED)
+
+
+def test_missing_numbers_are_openbves_defaults(tmp_path: Path) -> None:
+    found = read(tmp_path, "train.dat", "BVE1220000\n#CAR\n30\n2\n\n1\n")
+    assert whole(found, "mass") == 61.0
+    row = found.rows[0]
+    assert row["deceleration"] == pytest.approx(1 / 3.6, rel=ROUNDED)
+    assert row["resistance_c"] == pytest.approx(0.5 * AIR * 1.1 * 0.65 * 2.6 * 3.6, rel=ROUNDED)
+    assert found.rows[1]["resistance_c"] == pytest.approx(0.5 * AIR * 1.1 * 0.2 * 2.6 * 3.6, rel=ROUNDED)
+    assert told(found, "assumed", "TrailerCarMass: missing; OpenBVE's default of 1")
+
+
+@pytest.mark.parametrize(
+    ("motors", "trailers", "front", "places"),
+    [
+        (1, 3, True, "M..."),
+        (1, 3, False, "...M"),
+        (2, 4, True, "M....M"),
+        (2, 1, False, ".MM"),
+        (2, 4, False, "..MM.."),
+        (3, 2, True, "M.M.M"),
+        (4, 6, True, "M..M..M..M"),
+        (3, 3, False, ".M.M.M"),
+        (6, 0, False, "MMMMMM"),
+    ],
+)
+def test_motor_cars_stand_where_openbve_puts_them(motors: int, trailers: int, front: bool, places: str) -> None:
+    found = motor_cars(motors, trailers, front)
+    assert "".join("M" if one else "." for one in found) == places
+    assert sum(found) == motors
+
+
+# -- railML ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_railml_formation_has_the_numbers_of_its_vehicles(tmp_path: Path) -> None:
+    found = read(tmp_path, "ic.xml", RAILML)
+    loco, coach = found.rows
+    assert (loco["kind"], loco["lambda"], loco["position"], loco["mass"]) == ("locomotive", 95.0, "P", 84.0)
+    assert (coach["kind"], coach["count"], coach["position"], coach["mass"]) == ("coach", 5, "P", 48.0)
+    assert coach["lambda"] == pytest.approx(100 * 60 / 48, rel=ROUNDED)
+    assert loco["rotating"] == pytest.approx(15.0, rel=ROUNDED)
+    assert whole(found, "length") == pytest.approx(19 + 5 * 26.4)
+    for speed in SPEEDS:
+        own = 1.5 * 84 * G + 0.5 * AIR * 0.8 * 9.5 * speed**2
+        assert sum(loco[f"resistance_{x}"] * speed**n for n, x in enumerate("abc")) == pytest.approx(own, rel=ROUNDED)
+    for speed, force in ((0.0, 500.0), (10.0, 800.0), (20.0, 1500.0), (30.0, 2600.0)):
+        fit = sum(coach[f"resistance_{x}"] * speed**n for n, x in enumerate("abc"))
+        assert fit == pytest.approx(force, abs=1e-6)
+    assert told(found, "left", "emergencyBrakePercentage")
+    assert told(found, "left", "Formations other: the first, IC, is read")
+    assert told(found, "left", "2 sets")
+    assert told(found, "assumed", "R: filled as in P")
+
+
+def test_a_formation_gives_its_vehicles_what_they_lack(tmp_path: Path) -> None:
+    found = read(tmp_path, "unit.railml", UNIT)
+    assert whole(found, "mass") == 100.0
+    assert {row["deceleration"] for row in found.rows} == {0.9}
+    for speed in SPEEDS:
+        own = 3800 + 45 * 3.6 * speed + 2.5 * 12.96 * speed**2
+        assert resistance(found, speed) == pytest.approx(own, rel=ROUNDED)
+
+
+def test_a_table_of_deceleration_becomes_its_mean_over_a_stop(tmp_path: Path) -> None:
+    """A constant 0.8 m/s2, and steps whose mean by hand is v^2 / 2 over int v / a dv."""
+    table = (
+        '<brakes><decelerationTable><valueTable xValueUnit="m/s" yValueUnit="m/s/s">{}</valueTable>'
+        "</decelerationTable></brakes>"
+    )
+    line = '<valueLine xValue="{}"><value yValue="{}"/></valueLine>'
+    start = '<railml><rollingstock><vehicles><vehicle id="v" length="20" tareWeight="40">'
+    end = "</vehicle></vehicles></rollingstock></railml>"
+    flat = "".join(line.format(speed, 0.8) for speed in (0, 10, 30))
+    row = read(tmp_path, "a.xml", start + table.format(flat) + end).rows[0]
+    assert row["deceleration"] == pytest.approx(0.8, rel=1e-9)
+    rising = line.format(0, 0.5) + line.format(20, 1.0)  # a = 0.5 + v / 40: int v / a dv = 40 (20 - 20 ln 2)
+    row = read(tmp_path, "b.xml", start + table.format(rising) + end).rows[0]
+    assert row["deceleration"] == pytest.approx(200 / (40 * (20 - 20 * 0.6931471805599453)), rel=1e-6)
+
+
+# -- damaged files ---------------------------------------------------------------------------------------------------
+
+LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;">]><railml>&b;</railml>'
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "sentence"),
+    [
+        ("a.json", "[1]", "must be a rolling stock with length and mass"),
+        ("a.json", "{", "must be JSON"),
+        ("a.json", "[" * 100_000, "must nest brackets at most 64 deep"),
+        ("a.json", json.dumps(OSRD | {"mass": "2090 t"}), "mass must be a number; got 2090 t."),
+        ("a.json", json.dumps(OSRD | {"length": 1e9}), "length must be from 3 to 20000 m"),
+        ("a.json", json.dumps(OSRD | {"const_gamma": 30}), "const_gamma must be from 0.01 to 3 m/s2; got 30"),
+        ("a.json", json.dumps(OSRD | {"rolling_resistance": {"A": None}}), "rolling_resistance.A must be a number"),
+        ("a.yaml", "", "must be a rolling stock or a train of ALTRIOS; got null."),
+        ("a.yaml", "a: &b [1]\nc: *b", "anchors (& and *) are not read"),
+        ("a.yaml", "a: {b: [", "must be YAML; got a fault in row"),
+        ("a.yaml", "[" * 5000, "levels are more than 64 deep"),
+        ("a.yaml", "a: 1\na: 2", "the name a occurs twice"),
+        ("a.yaml", "car_type: x", "must have length_meters"),
+        ("a.yaml", CAR.replace("18.0", "18,0"), "length_meters must be a number; got 18,0."),
+        ("a.yaml", CAR.replace("0.11", "11"), "braking_ratio must be from 0 to 2"),
+        ("a.yaml", "n_cars_by_type: {none: 3}", "must have the car 'none' in rail_vehicles"),
+        ("a.yaml", "n_cars_by_type: {none: 1000000}", "n_cars_by_type must have integers from 0 to 2000"),
+        ("train.dat", "", "must have a section #CAR; got none."),
+        (
+            "train.dat",
+            BVE.replace("\n35\n", "\nmuch\n"),
+            "MotorCarMass must be a number with a decimal point; got 'much'",
+        ),
+        ("train.dat", BVE.replace("\n0.0025\n", "\n0,0025\n"), "CoefficientOfRollingResistance must be a number"),
+        ("train.dat", BVE.replace("\n3\n25", "\n1e9\n25"), "NumberOfMotorCars must be from 1 to 2000"),
+        ("train.dat", "OPENBVE\n#CAR\n1\n2000\n1\n2000\n", "must have 1 to 2000 vehicles; got 4000."),
+        ("a.xml", LAUGHS, "must have no document type; got <!DOCTYPE a."),
+        ("a.xml", "<a>" * 1000, "must nest elements at most 64 deep"),
+        ("a.xml", "<railml><vehicle>", "must be XML; got a fault in row 1, column 18"),
+        ("a.xml", "<railml/>", "must have rollingstock with vehicles; got railml without."),
+        ("a.xml", RAILML.replace('"coach" vehicle', '"none" vehicle'), "must name vehicles of the file; got 'none'."),
+        ("a.xml", RAILML.replace('"84"', '"84 t"'), "bruttoWeight of vehicle must be a number; got 84 t."),
+        ("a.xml", RAILML.replace('yValueUnit="kN"', 'yValueUnit="lbf"'), "must be over km/h or m/s"),
+        ("a.xml", RAILML.replace('"26.4"', '"0.9"'), "length must be from 3 to 31 m; got 0.9 m."),
+        ("a.txt", "", "must end in one of .con"),
+    ],
+)
+def test_a_damaged_file_is_refused_in_one_sentence(name: str, text: str, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(FileError) as refused:
+        read(tmp_path, name, text)
+    assert sentence in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert str(tmp_path / name) in str(refused.value)
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+def test_what_is_missing_a_folder_or_huge_is_refused_unread(ending: str, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="does not exist"):
+        read_foreign(tmp_path / f"none{ending}")
+    (tmp_path / f"folder{ending}").mkdir()
+    with pytest.raises(FileError, match="must be a file"):
+        read_foreign(tmp_path / f"folder{ending}")
+    with (tmp_path / f"huge{ending}").open("wb") as file:
+        file.truncate(10**9)
+    with pytest.raises(FileError, match="must have at most"):
+        read_foreign(tmp_path / f"huge{ending}")
+
+
+@pytest.mark.parametrize(
+    ("name", "text"), [("a.json", json.dumps(OSRD)), ("a.yaml", CAR), ("train.dat", BVE), ("a.xml", RAILML)]
+)
+def test_every_cut_of_a_file_is_read_or_refused_in_one_sentence(name: str, text: str, tmp_path: Path) -> None:
+    for cut in range(0, len(text), 41):
+        (tmp_path / name).write_text(text[:cut])
+        found = read_or_message(tmp_path / name)
+        assert isinstance(found, Imported) or "\n" not in found
+
+
+@pytest.mark.skipif(not STRANGERS.is_dir(), reason="CONSISTS_OF_OTHERS names no folder of their files")
+def test_trains_of_others_are_read_or_refused_in_one_sentence() -> None:
+    files = [path for path in sorted(STRANGERS.rglob("*")) if path.suffix.lower() in FORMATS]
+    assert files
+    for path in files:
+        found = read_or_message(path)
+        if isinstance(found, str):
+            assert "\n" not in found
+        else:
+            assert whole(found, "mass") > 0.0
+            assert whole(found, "length") > 0.0
