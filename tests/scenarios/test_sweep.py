@@ -218,7 +218,10 @@ SWEPT = f"{HEAVY}, anti-skid, braking-distance, train-braking, levels"
             [HEAVY, "--vary", "friction=1", "--vary", "friction=2"],
             "friction must be varied once; got --vary friction=2 as the second",
         ),
-        ([HEAVY, "--vary", "friction=0:1:2000", "--vary", "frame_height=0:1:2000"], "a grid of at most 1000000 points"),
+        (
+            [HEAVY, "--vary", "friction=0:1:2000", "--vary", "frame_height=0:1:2000"],
+            "The grid must have at most 1000000 points; got 4000000.",
+        ),
         ([HEAVY, "--vary", "friction=1", "--jobs", "0"], "--jobs must be an integer of at least 1; got 0."),
         ([HEAVY, "--vary", "friction=1", "--jobs", "-3"], "--jobs must be an integer of at least 1; got -3."),
     ],

@@ -319,7 +319,7 @@ def test_what_leads_nowhere_is_told_and_leaves_the_pipe_as_it_was() -> None:
         ({"cells": 0}, "The number of cells of a pipe must be an integer of at least 1; got 0."),
         ({"pressure": -1.0}, "pressure of a pipe must be finite and above 0; got -1."),
         ({"length": [7.5, 7.5, math.nan]}, "length of a pipe must be finite and above 0; got nan."),
-        ({"leak_area": -1e-6}, "Set leak_area of a pipe to finite values of at least 0: one was -1e-06."),
+        ({"leak_area": -1e-6}, "leak_area of a pipe must be finite and at least 0; got -1e-06."),
     ],
 )
 def test_a_pipe_that_cannot_be_is_refused(values: dict[str, object], sentence: str) -> None:
