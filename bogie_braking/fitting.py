@@ -80,7 +80,13 @@ class Fit:
         return " ".join(said)
 
     def plot(self) -> Figure:
-        """Plot the measured data as dots, and the fitted run."""
+        """Plot the measured data as dots, and the fitted run.
+
+        Returns
+        -------
+        Figure
+            A Matplotlib figure with a chart for each unit.
+        """
         figure, first = self.fitted.plot(), self.measured.names[0]
         for chart in figure.axes:
             for line in list(chart.lines):
@@ -96,10 +102,20 @@ class Fit:
 def measured_from(path: str | Path) -> Recording:
     """Return a measured run from a CSV file: names with units, such as `time [s],speed [km/h]`, and numbers.
 
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Recording
+        Its columns, in the units of its head.
+
     Raises
     ------
     FileError
-        If the file is invalid; the message names file, row, column, value and remedy.
+        If the file is invalid. The message names file, row, column, value and remedy.
     TypeError
         If `path` is not a path.
     """

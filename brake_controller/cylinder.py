@@ -138,7 +138,20 @@ def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, rubbing: Rubb
 
 
 def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
-    """Return a brake whose pressure follows its demand with an application and a release time, section 2.4.2."""
+    """Return a brake whose pressure follows its demand with an application and a release time, section 2.4.2.
+
+    Parameters
+    ----------
+    defaults : BrakeParameters
+        Start values of its parameters.
+    table : FrictionTable
+        Table of the shoe friction law that reads one.
+
+    Returns
+    -------
+    System
+        The equations of one wheelset's brake.
+    """
     brake = _begin("timed", "Cylinder pressure by application and release time", defaults)
     p = brake.parameter
     pressure = brake.system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)

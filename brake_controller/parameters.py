@@ -45,6 +45,21 @@ def qr30(pressure_kpa: int = 180) -> BrakeParameters:
     friction of each pressure (chapter 7). Touch_pressure 0, because the efficiency includes the return spring.
     Assumed: release as fast as application, no counter-force of the slack adjuster. For law 4 a fall by half within 35
     m/s, because section 2.5.2 gives no number.
+
+    Parameters
+    ----------
+    pressure_kpa : int
+        130, 150 or 180 [kPa].
+
+    Returns
+    -------
+    BrakeParameters
+        The brake.
+
+    Raises
+    ------
+    ValueError
+        If the experiment does not have this pressure.
     """
     if pressure_kpa not in EXPERIMENT:
         known = ", ".join(str(pressure) for pressure in EXPERIMENT)

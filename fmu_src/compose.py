@@ -17,10 +17,24 @@ from fmu_src.system import System, Table, Variable
 
 
 def scope(system: System, before: str = "", after: str = "", common: Collection[str] = ()) -> System:
-    """Return the same system with every name between `before` and `after`, except for the names in `common`.
+    """Return the same system with other names.
 
     It renames variables, states, tables and observables. Equations use symbols, not names, and are unchanged. So are
     the messages of frictions and conditions.
+
+    Parameters
+    ----------
+    system : System
+        The system.
+    before, after : str
+        Texts before and after each name.
+    common : collection of str
+        Names that do not change.
+
+    Returns
+    -------
+    System
+        The renamed copy.
     """
     return _named(system, lambda name: name if name in common else f"{before}{name}{after}")
 
@@ -64,6 +78,11 @@ def compose(name: str, description: str, parts: Sequence[System], connections: M
         The systems to join.
     connections : mapping of str to str
         The output that each input becomes, by names.
+
+    Returns
+    -------
+    System
+        The joined system.
 
     Raises
     ------

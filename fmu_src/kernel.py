@@ -107,7 +107,18 @@ class SimulationError(Exception):
 
 
 class Library:
-    """A compiled model: names of the variables, and the C functions with their signatures. Raises SimulationError."""
+    """A compiled model: names of the variables, and the C functions with their signatures.
+
+    Parameters
+    ----------
+    path : str or Path
+        The shared library.
+
+    Raises
+    ------
+    SimulationError
+        If it cannot be loaded.
+    """
 
     def __init__(self, path: str | Path) -> None:
         try:
@@ -135,8 +146,24 @@ class Linearisation:
 class Kernel:
     """One instance of a compiled model.
 
-    >>> kernel = Kernel(library, mass=10.0, force=1.0)   # parameters and first inputs
-    >>> kernel.advance(1.0)                              # seconds
+    Parameters
+    ----------
+    library : Library
+        The model.
+    **values : float or str
+        Parameters and first inputs by name, in their units.
+
+    Raises
+    ------
+    SimulationError
+        If a value is refused.
+    MemoryError
+        If there is not enough memory.
+
+    Examples
+    --------
+    >>> kernel = Kernel(library, mass=10.0, force=1.0)
+    >>> kernel.advance(1.0)  # seconds
     >>> kernel["velocity"]
     """
 
@@ -189,7 +216,18 @@ class Kernel:
         return os.fsdecode(found.value or b"")
 
     def set_rate(self, **rates: float) -> None:
-        """Set rates of change of inputs for the next step, so that steps become ramps. Raises SimulationError."""
+        """Set rates of change of inputs for the next step, so that steps become ramps.
+
+        Parameters
+        ----------
+        **rates : float
+            Rates by the names of inputs, in their units per second.
+
+        Raises
+        ------
+        SimulationError
+            If a name or a rate is refused.
+        """
         for name, rate in rates.items():
             self._check(self._call.kernel_set_rate(self._handle, self.number_of(name), rate))
 
@@ -197,7 +235,23 @@ class Kernel:
         return self.get_number(self.number_of(name))
 
     def get_number(self, variable: int) -> float:
-        """Return the value of a variable by its number in `Library.names`, in its unit. Raises SimulationError."""
+        """Return the value of a variable by its number.
+
+        Parameters
+        ----------
+        variable : int
+            Its place in `Library.names`.
+
+        Returns
+        -------
+        float
+            The value, in its unit.
+
+        Raises
+        ------
+        SimulationError
+            If there is no such variable, or if it is a text.
+        """
         self._check(self._call.kernel_get(self._handle, variable, ctypes.byref(self._number)))
         return self._number.value
 
@@ -244,7 +298,18 @@ class Kernel:
         self._check(self._call.kernel_plan(self._handle, asked, start, end))
 
     def initialise(self, time: float = 0.0) -> None:
-        """Compute the state at the start, time [s]; parameters are fixed from then on. Raises SimulationError."""
+        """Compute the state at the start; parameters are fixed from then on.
+
+        Parameters
+        ----------
+        time : float
+            Start time [s].
+
+        Raises
+        ------
+        SimulationError
+            If the values do not allow a start.
+        """
         self._check(self._call.kernel_initialise(self._handle, time))
 
     def reset(self) -> None:
@@ -273,7 +338,18 @@ class Kernel:
         self._check(self._call.kernel_step(self._handle, time, size))
 
     def advance(self, size: float) -> None:
-        """Advance by `size` seconds from the present time; initialise if needed."""
+        """Advance from the present time; initialise if needed.
+
+        Parameters
+        ----------
+        size : float
+            Duration [s].
+
+        Raises
+        ------
+        SimulationError
+            If the step fails or the run has ended.
+        """
         if not self.initialised:
             self.initialise()
         self.step(self.time, size)
@@ -292,6 +368,16 @@ class Kernel:
             Recording interval [s].
         names : sequence of str
             The variables.
+
+        Returns
+        -------
+        dict of str to list of float
+            Values by name, each in its unit.
+
+        Raises
+        ------
+        SimulationError
+            If a name is unknown, or if a step fails.
         """
         if not self.initialised:
             self.initialise()
@@ -314,13 +400,24 @@ class Kernel:
         return table | {name: buffer[column : kept * columns : columns] for column, name in enumerate(names)}
 
     def save(self) -> bytes:
-        """Return the complete state bit for bit, sealed: changed bytes are refused."""
+        """Return the complete state bit for bit, sealed: changed bytes are refused.
+
+        Returns
+        -------
+        bytes
+            The state, for `restore`.
+        """
         buffer = ctypes.create_string_buffer(self._call.kernel_state_size(self._handle))
         self._call.kernel_save(self._handle, buffer)
         return buffer.raw
 
     def restore(self, state: bytes) -> None:
         """Restore a state from `save` of the same model.
+
+        Parameters
+        ----------
+        state : bytes
+            The state.
 
         Raises
         ------
@@ -337,7 +434,18 @@ class Kernel:
         return dict(zip(COUNTERS, numbers, strict=True))
 
     def linearise(self) -> Linearisation:
-        """Return the linearised equations at the present state."""
+        """Return the linearised equations at the present state.
+
+        Returns
+        -------
+        Linearisation
+            State, right-hand side and Jacobian.
+
+        Raises
+        ------
+        SimulationError
+            If the kernel is not initialised.
+        """
         count = self._call.kernel_state_count(self._handle)
         state, slope, jacobian = ((ctypes.c_double * size)() for size in (count, count, count * count))
         self._check(self._call.kernel_linearise(self._handle, state, slope, jacobian))
@@ -368,7 +476,25 @@ class Kernel:
         return list(slope)
 
     def jacobian_at(self, time: float, place: Sequence[float]) -> list[list[float]]:
-        """Return the exact derivatives of `slopes_at` by `place`, by rows."""
+        """Return the exact derivatives of `slopes_at` by `place`.
+
+        Parameters
+        ----------
+        time : float
+            The time [s].
+        place : sequence of float
+            Values of the differential states.
+
+        Returns
+        -------
+        list of list of float
+            Derivatives by rows.
+
+        Raises
+        ------
+        SimulationError
+            If the equations have no solution there.
+        """
         count = len(place)
         given, slope = (ctypes.c_double * count)(*place), (ctypes.c_double * count)()
         jacobian = (ctypes.c_double * (count * count))()
@@ -376,15 +502,50 @@ class Kernel:
         return [jacobian[row * count : (row + 1) * count] for row in range(count)]
 
     def margin_at(self, time: float, place: Sequence[float]) -> float:
-        """Return the margin of the next switch of a mode, or of the end of the run; negative beyond it."""
+        """Return the margin of the next switch of a mode, or of the end of the run.
+
+        Parameters
+        ----------
+        time : float
+            The time [s].
+        place : sequence of float
+            Values of the differential states.
+
+        Returns
+        -------
+        float
+            The margin; negative beyond the switch.
+
+        Raises
+        ------
+        SimulationError
+            If the equations have no solution there.
+        """
         given = (ctypes.c_double * len(place))(*place)
         self._check(self._call.kernel_margin_at(self._handle, time, given, ctypes.byref(self._number)))
         return self._number.value
 
     def arrive(self, time: float, place: Sequence[float], crossed: bool = False) -> list[float]:
-        """Go to a time and place, switch what has crossed, and return the next place, unless the run has `ended`.
+        """Go to a time and place and switch what has crossed, unless the run has `ended`.
 
-        crossed: the place was located as that of a switch; round-off may leave it on this side.
+        Parameters
+        ----------
+        time : float
+            The time [s].
+        place : sequence of float
+            Values of the differential states.
+        crossed : bool
+            True if the place was located as that of a switch; round-off may leave it on this side.
+
+        Returns
+        -------
+        list of float
+            The place after the switch.
+
+        Raises
+        ------
+        SimulationError
+            If the equations have no solution there.
         """
         given = (ctypes.c_double * len(place))(*place)
         self._check(self._call.kernel_arrive(self._handle, time, given, crossed))
@@ -396,7 +557,23 @@ class Kernel:
         return int(self._handle)
 
     def rates(self, names: Sequence[str]) -> list[float]:
-        """Return first derivatives of outputs by time, with the inputs continued as in the last step."""
+        """Return first derivatives of outputs by time, with the inputs continued as in the last step.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Names of outputs.
+
+        Returns
+        -------
+        list of float
+            Derivatives, in the units of the outputs per second.
+
+        Raises
+        ------
+        SimulationError
+            If a name is not that of a real output.
+        """
         found = (ctypes.c_double * len(names))()
         self._check(self._call.kernel_get_rates(self._handle, len(names), self._numbers(names), found))
         return list(found)
@@ -451,7 +628,23 @@ class Kernel:
             raise SimulationError(self._call.kernel_message(self._handle).decode(), status)
 
     def number_of(self, name: str) -> int:
-        """Return the number of a variable in `Library.names`. Raises SimulationError."""
+        """Return the number of a variable.
+
+        Parameters
+        ----------
+        name : str
+            Name of the variable.
+
+        Returns
+        -------
+        int
+            Its place in `Library.names`.
+
+        Raises
+        ------
+        SimulationError
+            If the variable does not exist.
+        """
         number = self.library.index.get(name)
         if number is None:
             raise SimulationError(f"There is no variable {name}; {self._suggestion(name)}", ERROR)

@@ -35,7 +35,22 @@ def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tupl
 
 
 def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
-    """Return value and derivatives up to `order` of a piece, (origin, c0, ..., c_degree), by Horner's rule."""
+    """Return value and derivatives of a piece by Horner's rule.
+
+    Parameters
+    ----------
+    piece : SX
+        Column (origin, c0, ..., c_degree), the result of `look_up`.
+    argument : SX
+        The place.
+    order : int
+        Highest derivative.
+
+    Returns
+    -------
+    list of SX
+        Value and derivatives up to `order`.
+    """
     distance = argument - piece[0]
     terms = [piece[1 + power] for power in range(piece.numel() - 1)]
     values = []
@@ -49,7 +64,7 @@ def polynomials(piece: ca.SX, argument: ca.SX, order: int) -> list[ca.SX]:
 
 
 def look_up(chain: Chain, name: str, breakpoints: np.ndarray, coefficients: np.ndarray, argument: ca.SX) -> ca.SX:
-    """Return the piece (origin, c0, ..., c_degree) of a piecewise polynomial at `argument`, for `polynomials`.
+    """Return the piece of a piecewise polynomial at a place, for `polynomials`.
 
     Outside the breakpoints it keeps its end value.
 
@@ -65,6 +80,11 @@ def look_up(chain: Chain, name: str, breakpoints: np.ndarray, coefficients: np.n
         Shape (pieces, degree + 1), lowest power first, of (argument - left breakpoint).
     argument : SX
         The place.
+
+    Returns
+    -------
+    SX
+        Column (origin, c0, ..., c_degree).
 
     Raises
     ------

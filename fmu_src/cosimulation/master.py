@@ -14,7 +14,17 @@ from fmu_src.progress import counting
 
 
 class Connection(NamedTuple):
-    """An output that becomes an input, times a factor."""
+    """An output that becomes an input, times a factor.
+
+    Parameters
+    ----------
+    source, output : FmuInstance, str
+        The instance and the name of its output.
+    target, input : FmuInstance, str
+        The instance and the name of its input.
+    factor : float
+        Input over output.
+    """
 
     source: FmuInstance
     output: str
@@ -23,15 +33,38 @@ class Connection(NamedTuple):
     factor: float = 1.0
 
     def value(self) -> float:
-        """Return the present value of the source, in the unit of the input."""
+        """Return the present value of the source.
+
+        Returns
+        -------
+        float
+            The value, in the unit of the input.
+
+        Raises
+        ------
+        CosimulationError
+            If the output is unknown.
+        """
         return self.factor * self.source[self.output]
 
     def rate(self) -> float:
-        """Return the first derivative of `value` by time; 0 if the source provides none."""
+        """Return the first derivative of `value` by time.
+
+        Returns
+        -------
+        float
+            The derivative, in the unit of the input per second; 0 if the source provides none.
+        """
         return self.factor * self.source.rate(self.output)
 
     def nominal(self) -> float:
-        """Return the typical size of `value`."""
+        """Return the typical size of `value`.
+
+        Returns
+        -------
+        float
+            Nominal value, in the unit of the input.
+        """
         return abs(self.factor) * self.source.nominal(self.output)
 
 

@@ -20,7 +20,21 @@ if TYPE_CHECKING:
 class Recording:
     """Time series by name, each with its unit; `time` is the first.
 
-    `sentences`: messages of the run in their order; `counts`: its work, such as steps. Both are empty if unknown.
+    Parameters
+    ----------
+    units : mapping of str to str
+        Unit of each column by its name, in their order.
+    rows : array, shape (rows, columns)
+        Values, each in the unit of its column.
+    sentences : sequence of str
+        Messages of the run in their order; empty if unknown.
+    counts : mapping of str to int, optional
+        Work of the run, such as steps.
+
+    Raises
+    ------
+    ValueError
+        If values are masked, or if a row does not have one value for each column.
     """
 
     def __init__(
@@ -67,22 +81,72 @@ class Recording:
         return " ".join(self.sentences)
 
     def add(self, name: str, unit: str, values: np.ndarray) -> None:
-        """Add a column with as many rows as `time`, for example of a second run."""
+        """Add a column, for example of a second run.
+
+        Parameters
+        ----------
+        name, unit : str
+            Name and unit of the column.
+        values : array, shape (rows,)
+            As many values as `time` has.
+        """
         self.units[name] = unit
         self._columns[name] = values
 
     def add_from(self, name: str, other: Recording, column: str) -> None:
-        """Add a column of another run at the times of this one; NaN after that run's end."""
+        """Add a column of another run at the times of this one; NaN after that run's end.
+
+        Parameters
+        ----------
+        name : str
+            Name of the new column.
+        other : Recording
+            The other run.
+        column : str
+            Name of its column.
+
+        Raises
+        ------
+        KeyError
+            If the other run does not have the column.
+        """
         values = np.interp(self["time"], other["time"], other[column], right=math.nan)
         self.add(name, other.units[column], values)
 
     def first_time(self, condition: np.ndarray) -> float | None:
-        """Return the time of the first row that meets the condition; None if no row does."""
+        """Return the time of the first row that meets a condition.
+
+        Parameters
+        ----------
+        condition : array of bool, shape (rows,)
+            Whether each row meets it.
+
+        Returns
+        -------
+        float or None
+            The time [s]; None if no row does.
+        """
         rows = np.flatnonzero(condition)
         return float(self["time"][rows[0]]) if rows.size else None
 
     def plot(self, *names: str) -> Figure:
-        """Return a figure of columns over the first one, by default all: a chart for each unit, in their order."""
+        """Plot columns over the first one: a chart for each unit, in their order.
+
+        Parameters
+        ----------
+        *names : str
+            The columns; by default all.
+
+        Returns
+        -------
+        Figure
+            A Matplotlib figure.
+
+        Raises
+        ------
+        KeyError
+            If a column does not exist.
+        """
         from matplotlib.figure import Figure  # heavy
 
         first, *others = self.names
@@ -104,8 +168,13 @@ class Recording:
 
         Parameters
         ----------
-        path : Path
+        path : str or Path
             .csv: ten digits, names with units in its head. .parquet: units as metadata of its columns.
+
+        Returns
+        -------
+        Path
+            The file.
 
         Raises
         ------
@@ -125,7 +194,18 @@ class Recording:
         return path
 
     def to_pandas(self) -> Any:
-        """Return a data frame; `attrs["units"]` has the units. Raises ImportError if pandas is not installed."""
+        """Return a data frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The columns; `attrs["units"]` has the units.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
         try:
             import pandas
         except ImportError as error:

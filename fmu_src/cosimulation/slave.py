@@ -33,9 +33,24 @@ class CosimulationError(RuntimeError):
 class FmuInstance:
     """One instance of an FMU, with variables by name. A context manager: it cleans up after itself.
 
-    instance: its name if several of one FMU are coupled; by default that of the model. Raises CosimulationError if the
-    FMU is damaged, is not for co-simulation, has no binary for this platform, or cannot be instantiated.
+    Parameters
+    ----------
+    path : str or Path
+        The FMU.
+    instance : str, optional
+        Its name if several of one FMU are coupled; by default that of the model.
+    **parameters : float, str or array
+        Parameters by name, in their units.
 
+    Raises
+    ------
+    FileNotFoundError
+        If the file does not exist.
+    CosimulationError
+        If the FMU is damaged, is not for co-simulation, has no binary for this platform, or cannot be instantiated.
+
+    Examples
+    --------
     >>> with FmuInstance("build/native/BogieDynamics.fmu", initial_speed=25.0) as bogie:
     ...     bogie.start(brake_torque_1=20e3)
     ...     bogie.step(0.0, 0.01)
@@ -139,7 +154,12 @@ class FmuInstance:
         self.start(time, **inputs)
 
     def set(self, **values: Value) -> None:
-        """Set variables by name, in their units.
+        """Set variables by name.
+
+        Parameters
+        ----------
+        **values : float, str or array
+            Values in the units of their variables.
 
         Raises
         ------
@@ -154,13 +174,45 @@ class FmuInstance:
         return self.get([name])[0]
 
     def array(self, name: str) -> np.ndarray:
-        """Return the values of an array variable, in its shape. Raises CosimulationError for an unknown name."""
+        """Return the values of an array variable.
+
+        Parameters
+        ----------
+        name : str
+            Name of the variable.
+
+        Returns
+        -------
+        ndarray
+            Values in the unit of the variable, in its shape.
+
+        Raises
+        ------
+        CosimulationError
+            If the name is unknown.
+        """
         reference, kind = self._reference(name)
         shape = self._shapes.get(name, ())
         return np.array(self._call(self._face.get, kind, [reference], self._size(name))).reshape(shape)
 
     def get(self, names: Sequence[str]) -> list[float]:
-        """Return the values of scalar variables, in their order; one call for each type."""
+        """Return the values of scalar variables; one call for each type.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Names of the variables.
+
+        Returns
+        -------
+        list of float
+            Values in the order of the names, each in the unit of its variable.
+
+        Raises
+        ------
+        CosimulationError
+            If a name is unknown, or if it is an array or a text.
+        """
         key = tuple(names)
         found = [0.0] * len(key)
         for kind, references, places in self._plans.get(key) or self._plan(key):
@@ -211,33 +263,106 @@ class FmuInstance:
         self._call(self._face.step, time, size)
 
     def nominal(self, name: str) -> float:
-        """Return the typical size of a variable, from the FMU; 1 if the FMU has none."""
+        """Return the typical size of a variable.
+
+        Parameters
+        ----------
+        name : str
+            Name of the variable.
+
+        Returns
+        -------
+        float
+            Nominal value in its unit, from the FMU; 1 if the FMU has none.
+
+        Raises
+        ------
+        CosimulationError
+            If the name is unknown.
+        """
         self._reference(name)
         return self._nominals[name]
 
     def rate(self, name: str) -> float:
-        """Return the first derivative of an output by time; 0 if the FMU provides none."""
+        """Return the first derivative of an output by time.
+
+        Parameters
+        ----------
+        name : str
+            Name of the output.
+
+        Returns
+        -------
+        float
+            The derivative in its unit per second; 0 if the FMU provides none.
+
+        Raises
+        ------
+        CosimulationError
+            If the name is unknown.
+        """
         if not self._face.provides_rates:
             return 0.0
         return float(self._call(self._face.rate, self._reference(name)[0]))
 
     def set_rate(self, name: str, rate: float) -> None:
-        """Let an input change at this rate within the next step; without effect if the FMU takes no rates."""
+        """Let an input change at a rate within the next step; without effect if the FMU takes no rates.
+
+        Parameters
+        ----------
+        name : str
+            Name of the input.
+        rate : float
+            Rate, in its unit per second.
+
+        Raises
+        ------
+        CosimulationError
+            If the name is unknown, or if the FMU refuses the rate.
+        """
         if self._face.takes_rates:
             self._call(self._face.set_rate, self._reference(name)[0], rate)
 
     def save(self) -> object:
-        """Return the FMU's state; `forget` it afterwards. Raises CosimulationError if it cannot be saved."""
+        """Return the FMU's state; `forget` it afterwards.
+
+        Returns
+        -------
+        object
+            The state, for `restore` and `forget`.
+
+        Raises
+        ------
+        CosimulationError
+            If the FMU cannot save its state.
+        """
         if not self._face.saves:
             raise CosimulationError(f"{self.name} cannot save its state: give no tolerance, or take the native FMU.")
         return self._call(self._face.save)
 
     def restore(self, state: object) -> None:
-        """Restore a saved state."""
+        """Restore a saved state.
+
+        Parameters
+        ----------
+        state : object
+            A result of `save`.
+
+        Raises
+        ------
+        CosimulationError
+            If the FMU refuses it.
+        """
         self._call(self._face.restore, state)
 
     def forget(self, state: object) -> None:
-        """Free a saved state."""
+        """Free a saved state.
+
+        Parameters
+        ----------
+        state : object
+            A result of `save`.
+        """
         self._call(self._face.forget, state)
 
     def _reference(self, name: str) -> tuple[int, str]:

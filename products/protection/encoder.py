@@ -20,9 +20,29 @@ class Encoder:
     `lowest_frequency` [Hz] of edges it is 0, as before the first edges: a wheel that turns slowly and one that stands
     cannot be distinguished there. Edges between two samples are interpolated for a constant speed between them.
 
-    pulses: teeth, one edge each; jitter: standard deviation of their places as a share of the pitch, from `seed`, the
-    same in every revolution; resolution [s]: of the timer; phase: initial angle of the wheel as a share of a tooth.
-    Raises ValueError if a value is invalid, CompilerError if the C cannot be compiled.
+    Parameters
+    ----------
+    pulses : int
+        Teeth, with one edge each.
+    jitter : float
+        Standard deviation of their places as a share of the pitch, the same in every revolution.
+    seed : int
+        Seed of these places.
+    gate : float
+        Shortest time over which a speed is measured [s].
+    resolution : float
+        Resolution of the timer [s].
+    lowest_frequency : float
+        Frequency of edges below which the reading is 0 [Hz].
+    phase : float
+        Initial angle of the wheel as a share of a tooth.
+
+    Raises
+    ------
+    ValueError
+        If a value is invalid.
+    CompilerError
+        If the C cannot be compiled.
     """
 
     pulses: int = TEETH
@@ -56,9 +76,24 @@ class Encoder:
         self._call.encoder_begin(self._memory, self._errors, self.phase)
 
     def angular_velocity(self, time: float, rotation: float) -> float:
-        """Return the reading [rad/s], at least 0, at a time [s], from the rotation of the wheel [rad].
+        """Return the reading at a time.
 
-        Raises ValueError for a time or a rotation that is not finite.
+        Parameters
+        ----------
+        time : float
+            The time [s].
+        rotation : float
+            Rotation of the wheel [rad].
+
+        Returns
+        -------
+        float
+            Angular velocity [rad/s], at least 0.
+
+        Raises
+        ------
+        ValueError
+            If the time or the rotation is not finite.
         """
         for name, value, unit in (("time", time, "s"), ("rotation", rotation, "rad")):
             if not math.isfinite(value):

@@ -29,10 +29,27 @@ STANDING = 0.02
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of a stop: speed [m/s], the controller's period [s], encoder, and the brake.
+    """Settings of a stop of the test rig.
 
-    strength: torque over that of the full service brake; application_time [s] to 95 % of it. pulses, jitter: as in
-    `Encoder`. Raises ValueError if a value is out of its limits.
+    Parameters
+    ----------
+    speed : float
+        Initial speed [m/s], above 0.
+    strength : float
+        Torque over that of the full service brake.
+    application_time : float
+        Time to 95 % of the torque [s].
+    period : float
+        Time between two calls of the controller [s].
+    pulses : int
+        Pulses of each speed sensor in a revolution.
+    jitter : float
+        Standard deviation of the pulses' places, as a share of the pitch.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its limits.
     """
 
     speed: float = 25.0

@@ -35,7 +35,17 @@ def point_vehicle(vehicle: Vehicle, on_line: bool = False) -> System:
 
     Masses add up.
 
-    on_line: with gradient and curvature of the line of the instance, instead of those inputs.
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Bodies, wheelsets and connections.
+    on_line : bool
+        True: with gradient and curvature of the line of the instance, instead of those inputs.
+
+    Returns
+    -------
+    System
+        The equations.
     """
     assembly = assemble("point", "Speed and wheel speeds, static loads", vehicle, "", on_line)
     system, distance, speed = assembly.system, assembly.distance, assembly.speed

@@ -66,7 +66,21 @@ def spatial_vehicle(
 ) -> System:
     """Return a vehicle in 3D on a track: the bogie of chapter 5, the wheelset in a frame of chapter 4, a wagon.
 
-    on_line: the track follows the line of the instance.
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Bodies, wheelsets and connections.
+    track : Track
+        Irregularities and friction along the track.
+    contact : Contact
+        Contact model and creep law.
+    on_line : bool
+        True: the track follows the line of the instance.
+
+    Returns
+    -------
+    System
+        The equations.
     """
     depth = DEPTHS[contact.depth]
     first = vehicle.bodies[0]

@@ -239,6 +239,16 @@ def track_from_file(path: Path) -> Track:
     Between points it is interpolated as a line file is between its rows (docs/line.md). Beyond the ends the first and
     last values apply.
 
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    Track
+        The track.
+
     Raises
     ------
     FileError
@@ -253,7 +263,27 @@ def track_from_file(path: Path) -> Track:
 def track_from_points(
     distance: np.ndarray, lateral: np.ndarray, left: np.ndarray, right: np.ndarray, friction: np.ndarray
 ) -> Track:
-    """Return a track through points, arrays of shape (n,) as in `track_from_file`."""
+    """Return a track through points.
+
+    Parameters
+    ----------
+    distance : ndarray, shape (n,)
+        Increasing places [m].
+    lateral, left, right : ndarray, shape (n,)
+        Lateral shift of the track, and heights of the left and right rail [m].
+    friction : ndarray, shape (n,)
+        Factors of friction [1].
+
+    Returns
+    -------
+    Track
+        The track.
+
+    Raises
+    ------
+    ValueError
+        If points are too close.
+    """
     names = ("left_lateral", "left_vertical", "right_vertical", "left_friction")
     line = Line.of_any_size({"distance": distance} | dict(zip(names, (lateral, left, right, friction), strict=True)))
     places = line.breaks()

@@ -32,7 +32,15 @@ Motion = Literal["lateral", "bounce", "roll", "pitch", "yaw"]
 
 @dataclass(frozen=True)
 class Sum:
-    """A constant and parameters by name, each times a factor."""
+    """A constant and parameters by name, each times a factor.
+
+    Parameters
+    ----------
+    terms : tuple of tuple
+        Names and factors.
+    constant : float
+        The constant, in the unit of the sum.
+    """
 
     terms: tuple[tuple[str, float], ...]
     constant: float = 0.0
@@ -102,7 +110,18 @@ class RigidBody:
     plain: tuple[str, ...] = ()
 
     def variable(self, motion: str) -> str:
-        """Return the name of a motion's variable."""
+        """Return the name of a motion's variable.
+
+        Parameters
+        ----------
+        motion : str
+            One of "longitudinal", "lateral", "bounce", "roll", "pitch", "yaw".
+
+        Returns
+        -------
+        str
+            The name, with that of the body unless the motion is in `plain`.
+        """
         return motion if motion in self.plain else f"{self.name}_{motion}"
 
 
@@ -201,6 +220,8 @@ class Springs(SuspensionElement):
 
     Parameters
     ----------
+    name, upper, lower, place, both_sides
+        As in `SuspensionElement`.
     stiffness : tuple of Size
         Stiffness along x, y, z [N/m].
     damping : tuple of Size
@@ -222,6 +243,8 @@ class Torsion(SuspensionElement):
 
     Parameters
     ----------
+    name, upper, lower, place, both_sides
+        As in `SuspensionElement`.
     angle : str
         "roll", "pitch" or "yaw".
     stiffness : Size
@@ -241,6 +264,8 @@ class BumpStop(SuspensionElement):
 
     Parameters
     ----------
+    name, upper, lower, place, both_sides
+        As in `SuspensionElement`.
     direction : str
         "longitudinal", "lateral" or "vertical".
     travel : tuple of float
@@ -260,6 +285,8 @@ class SeriesDamper(SuspensionElement):
 
     Parameters
     ----------
+    name, upper, lower, place, both_sides
+        As in `SuspensionElement`.
     direction : str
         "longitudinal", "lateral" or "vertical".
     stiffness : Size
@@ -281,6 +308,8 @@ class FrictionSlider(SuspensionElement):
 
     Parameters
     ----------
+    name, upper, lower, place, both_sides
+        As in `SuspensionElement`.
     direction : str
         "longitudinal", "lateral" or "vertical".
     stiffness : Size
@@ -329,10 +358,18 @@ class Vehicle:
 
     Parameters
     ----------
+    name : str
+        Name of the vehicle and of its FMU.
+    parameters : ParameterSet
+        Values of the parameters that sizes name.
     bodies : tuple of RigidBody
         The distance is measured at the first of them.
     wheelsets : tuple of Wheelset
         The leading one first.
+    connections : tuple of SuspensionElement
+        Elements between bodies and wheelsets.
+    pulls : tuple of Pull
+        External forces on bodies or wheelsets.
     creep_law : str
         A key of LAWS, for treads. Strips (contact model 3) have their own law and accept only the default.
 
@@ -365,7 +402,18 @@ class Vehicle:
         return [*self.bodies, *self.wheelsets]
 
     def number(self, size: Size) -> float:
-        """Return a size computed from the values of the vehicle's own parameters."""
+        """Return a size computed from the values of the vehicle's own parameters.
+
+        Parameters
+        ----------
+        size : Size
+            A number, the name of a parameter, or a sum of these.
+
+        Returns
+        -------
+        float
+            The size, in its unit.
+        """
         return float(size_of(size, self.parameters.values()))
 
     @property
