@@ -20,7 +20,7 @@ demo: foretold $(VENV)/demo-installed
 	$(RUN) -m bogie_braking run demo
 
 foretold:
-	@[ -e $(VENV)/demo-installed ] || echo "The first make demo installs Python packages into $(VENV), compiles three FMUs" \
+	@[ -e $(VENV)/demo-installed ] || echo "The first make demo installs Python packages into $(VENV), compiles four FMUs" \
 		"and stops three vehicles: 3 minutes of processor time and a download, 0.95 GB on disk. Repeated: 20 s."
 
 # The page that brakes a bogie in a browser; zig compiles its kernels, no other compiler here does.

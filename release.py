@@ -20,6 +20,7 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from brake_controller.protection_fmu import BOGIE
 from fmu_src import __version__
 from fmu_src.archive import write_archive
 from fmu_src.arrays_fmu import binary_of_arrays
@@ -30,6 +31,7 @@ from products.building import NATIVE, build_all, extras, license_text
 from products.parameter_sets import write_sets
 from products.prebuilt import PAGE, write_contents
 from products.protection.rig_in_c import SHIPPED, binary_of_rig
+from products.protection.sensor_fmu import build_sensor, sensor_in_c
 from products.registry import DIFFERENT, FMUS, model_of
 from products.sources import PREBUILT, ROOT
 from products.systems import build_systems
@@ -42,6 +44,8 @@ from scenarios.live.page import write_page
 from scenarios.live.train_page import PAGE as TRAIN_PAGE
 from scenarios.live.train_page import write_train_page
 
+#: Wheelsets of the FMUs of wheel-speed sensors: those of the bogie, and of a vehicle with two bogies.
+SENSORS = (BOGIE, 2 * BOGIE)
 #: Platforms of wheels -> folder in binaries/ of an FMU.
 WHEELS = {
     "manylinux_2_17_x86_64": "linux64",
@@ -70,7 +74,7 @@ def fill(folder: Path, platform: str) -> None:
         kernel.parent.mkdir(exist_ok=True)
         kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
     (folder / "train").mkdir(exist_ok=True)
-    for own in (train_in_c(), coupler_in_c()):
+    for own in (train_in_c(), coupler_in_c(), *map(sensor_in_c, SENSORS)):
         (folder / "train" / f"{own.name}{suffix}").write_bytes(binary_of_arrays(own, targets))
     rig = folder / f"{SHIPPED}{suffix}"
     rig.parent.mkdir(exist_ok=True)
@@ -110,6 +114,8 @@ def write_fmus(out: Path) -> None:
         build_systems(list(FMUS), folder, all_platforms=True)
         if build_train(folder, NATIVE, all_platforms=True) or build_coupler(folder, NATIVE, all_platforms=True):
             raise CompilerError("An FMU of trains is not valid; nothing was packed")
+        if any(build_sensor(folder, NATIVE, wheelsets, all_platforms=True) for wheelsets in SENSORS):
+            raise CompilerError("An FMU of sensors is not valid; nothing was packed")
         made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp", ".ssv")]
         files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
     write_archive(out / f"bogie_braking-{__version__}-fmus.zip", files | {"LICENSE": license_text()})
