@@ -42,7 +42,7 @@ class Machine:
 MACHINES = {
     "coach": Machine("coach", coach(), synthetic_pair, 5e3),
     "bogie": Machine(
-        "bogie, 60 t",
+        "bogie",
         braked.Machine("bogie", FULL_PRESSURE, BOGIE_TORQUE, FULL_PRESSURE),
         thesis_pair,
         15e3,

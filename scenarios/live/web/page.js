@@ -85,8 +85,9 @@ function keepBefore() {
   live.before = asBefore(history, stop.begun.time, stop.distance, live.settings);
 }
 
-// The user moves a control: it acts at once, and the rest of a link's plan is dropped.
+// The user moves a control: it acts at once, and the rest of a link's plan is dropped. Before the first run it is a setting.
 function act(name) {
+  if (!live.simulation) return void restart();
   live.simulation.act(name, name === "leaves" ? 1 : inside(name, valueOf(name)));
   if (live.simulation.steps === 0 && name in live.settings) live.settings[name] = valueOf(name);
   showControls();
@@ -131,6 +132,7 @@ function showDoing() {
 
 // The large button, and the space bar: brakes, releases, begins a run with the same start.
 function pressBrake() {
+  if (!live.simulation) return;
   if (live.simulation.ended) {
     for (const name of Object.keys(live.settings)) show(name, live.settings[name]);
     return void restart();
@@ -183,6 +185,7 @@ function finish() {
 }
 
 function showLink() {
+  if (!live.simulation) return;
   const hash = writeLink(live.settings, live.simulation.done);
   history.replaceState(null, "", document.body.className ? `${hash}&embed=1` : hash);
 }
@@ -236,7 +239,7 @@ function startWith(name) {
   if (name === "machine") show("mass", "");
   const given = at(name).validity?.badInput ? NaN : valueOf(name);
   if (takes(name, String(given))) return void restart();
-  show(name, live.settings[name]);
+  show(name, (live.settings ?? DATA.defaults)[name]);
   tell(`${name} must be ${taken(name)} ${UNITS[name] ?? ""}; got ${Number.isNaN(given) ? "no number" : given || "nothing"}. It stays as it was.`);
 }
 

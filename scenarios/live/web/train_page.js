@@ -23,12 +23,14 @@ function keepBefore() {
 }
 
 function act(name) {
+  if (!live.train) return;
   live.train.act(name);
   show();
 }
 
 // The large button, and the space bar: full service, release, a new run.
 function pressBrake() {
+  if (!live.train) return;
   if (live.train.ended) start();
   else act(live.train.valve === "running" ? "full service" : "running");
 }
@@ -72,6 +74,7 @@ function finish() {
 }
 
 function showLink() {
+  if (!live.train) return;
   const words = new URLSearchParams({ train: live.consist, speed: at("speed").value });
   words.set("do", live.train.done.map((one) => one.join(":")).join(","));
   history.replaceState(null, "", `#${decodeURIComponent(words.toString().replaceAll("+", "%20"))}`);
