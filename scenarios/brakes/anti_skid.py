@@ -24,7 +24,7 @@ from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, single, titled
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, one_word, plt, single, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario, Sweepable
@@ -198,7 +198,8 @@ def message(found: Findings) -> str:
     protected, unprotected = (found.stops["low", mode].distance for mode in ("protected", "unprotected"))
     if protected is None or unprotected is None:
         return f"On low rail {'protected' if protected is None else 'unprotected'} wheels do not stop"
-    return f"A stop on low rail takes {protected:.0f} m protected, {unprotected:.0f} m unprotected"
+    start = one_word(f"{Settings.speed:g} m/s")
+    return f"From {start} on low rail: {protected:.0f} m protected, {unprotected:.0f} m unprotected"
 
 
 def draw(found: Findings) -> Figure:

@@ -13,7 +13,7 @@ from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from scenarios.bench.own_controller import FixedSlip
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, one_word, plt, titled
 from scenarios.reporting.report import Report, Row
 from scenarios.scenario import Options, Scenario
 
@@ -64,7 +64,8 @@ def draw(stops: dict[tuple[str, str], Stop]) -> Figure:
     if None in ways.values():
         return titled(figure, "Not every controller stops the bogie on low rail")
     own, other = ways.values()
-    return titled(figure, f"A fixed slip needs {own:.0f} m on low rail, protection {other:.0f} m")
+    start = one_word(f"{Settings.speed:g} m/s")
+    return titled(figure, f"From {start} on low rail: fixed slip {own:.0f} m, protection {other:.0f} m")
 
 
 SCENARIO = Scenario("controller-prototype", "Your own wheel-slide controller in under 40 lines, compared", run)

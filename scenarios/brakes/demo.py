@@ -195,7 +195,7 @@ def draw(stops: dict[str, Recording], bogie: Recording) -> Figure:
     """Draw speed over distance: the coach on both rails with its wheels, and the bogie."""
     dry, wet = (float(stops[rail]["distance"][-1]) for rail in RAILS)
     verb = "wheels lock" if locked_wheelsets(stops["wet"]) else "no wheel locks"
-    message = f"Wet rail, friction {RAILS['wet']:g}: {verb}, {wet:.0f} instead of {dry:.0f} m"
+    message = f"{3.6 * SPEED:.0f} km/h, friction {RAILS['wet']:g}: {verb}, {wet:.0f} instead of {dry:.0f} m"
     figure, axis = plots.single(message, "distance [m]", "speed [km/h]")
     names = {"dry": ("coach, dry rail", plots.LEADING), "wet": ("coach, wet rail", plots.TRAILING)}
     for rail, series in stops.items():

@@ -15,7 +15,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, tables_5_1_and_5_2
 from scenarios.bench.asymmetric_shoes import DERAILED_AT
 from scenarios.bench.coupled_machine import CoupledMachine
 from scenarios.bench.drive import RIGID
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, single
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, one_word, single
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, measured
 from scenarios.scenario import Options, Scenario
@@ -190,7 +190,7 @@ def message(uneven: dict[float, UnevenStop]) -> str:
     """Return the title: the gain of the best share over even brakes. The first of equal shares is taken."""
     best = min(uneven, key=lambda share: round(uneven[share].distance, 1))
     gained = uneven[EVEN].distance - uneven[best].distance
-    return f"{best:.0%} of the torque in front stops {gained:.0f} m shorter than {EVEN:.0%}"
+    return f"{best:.0%} of the torque in front saves {one_word(f'{gained:.0f} m')} from {SPEED:g} m/s"
 
 
 def draw(uneven: dict[float, UnevenStop]) -> Figure:

@@ -28,7 +28,7 @@ from scenarios.bench.drive import History, play, prepare
 from scenarios.measuring.runs import Run, layout, own
 from scenarios.measuring.scenes import SMOOTH, Scene, difference, lateral_peak
 from scenarios.measuring.timing import least
-from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, plt, titled
+from scenarios.reporting.plots import LEADING, THESIS, THREE, TRAILING, mark, one_word, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Bound, Report, Row, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario
@@ -411,8 +411,8 @@ def draw(found: Findings) -> Figure:
     draw_steps(grid[1, 1], found)
     draw_cost(grid[2, 0], found)
     draw_course(grid[2, 1], found)
-    further = found.more("lateral_1", STRONG)
-    return titled(figure, f"At the flange model 1 shifts {further:.0f} % further than model 2")
+    further, torque = found.more("lateral_1", STRONG), one_word(f"{1e-3 * STRONG:.0f} kN.m")
+    return titled(figure, f"At {torque} yaw torque model 1 shifts {one_word(f'{further:.0f} %')} further than model 2")
 
 
 def draw_history(axis: Axes, found: Findings, name: str) -> None:

@@ -72,7 +72,7 @@ def motion() -> Motion:
 def draw(series: Recording) -> Figure:
     labels = ("speed [m/s]", "pitch of the frame [mrad], positive nose down")
     pull, brake = (1e3 * mean_between(series, *times) for times in (PULLED, BRAKED))
-    message = f"The frame pitches by {pull:.1f} mrad in traction, {brake:.1f} mrad in braking"
+    message = f"{1e-3 * TORQUE:g} kN.m pitch the frame {pull:.1f} mrad in traction, {brake:.1f} in braking"
     figure, axes = panels(message, labels, 2.6)
     axes[0].plot(series["time"], series["speed"], color=BOGIE)
     axes[1].plot(series["time"], 1e3 * series["pitch"], color=BOGIE, label="planar")

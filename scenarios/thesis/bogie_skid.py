@@ -11,7 +11,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_5_1_and_
 from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import bogie, play
 from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import LEADING, TRAILING, mark, single
+from scenarios.reporting.plots import LEADING, TRAILING, mark, one_word, single
 from scenarios.reporting.report import Report, measured
 from scenarios.scenario import Options, Scenario
 
@@ -72,7 +72,7 @@ def draw(runs: dict[str, tuple[Recording, list[str]]]) -> Figure:
         1e3 * float(np.abs(series["lateral_1"][series["time"] > APPLIED + SETTLED]).max())
         for series, _ in runs.values()
     ]
-    message = "One braked wheelset swings on by {:.0f} mm, two by {:.0f} mm"
+    message = one_word(f"{1e-3 * TORQUE:g} kN.m") + " on one wheelset swing it {:.0f} mm, on two {:.0f} mm"
     figure, axis = single(message.format(*swings), "time [s]", "lateral shift of the leading wheelset [mm]")
     for (words, (series, _)), line, colour in zip(runs.items(), ("-", "--"), (LEADING, TRAILING), strict=True):
         axis.plot(series["time"], 1e3 * series["lateral_1"], line, color=colour, label=words, linewidth=2.2)

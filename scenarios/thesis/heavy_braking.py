@@ -12,7 +12,7 @@ from rbd_model.vehicle.ready import two_axle_bogie
 from scenarios.bench.drive import AT_REST, located_lock_time, play, prepare
 from scenarios.bench.open_fmus import open_bogie
 from scenarios.reporting.motion import Motion, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, panels
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, mark, one_word, panels
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, measured, rounding
 from scenarios.scenario import Options, Scenario, Sweepable
@@ -136,7 +136,8 @@ def message(both: Recording) -> str:
     if leading is None or trailing is None:
         return "Braked alike, the two wheelsets do not both lock"
     first, other = ("trailing", "leading") if trailing < leading else ("leading", "trailing")
-    return f"Both braked, the {first} wheelset locks {abs(leading - trailing):.1f} s before the {other} one"
+    torque = one_word(f"{1e-3 * TORQUE:g} kN.m")
+    return f"By {torque} the {first} wheelset locks {abs(leading - trailing):.1f} s before the {other} one"
 
 
 def draw(planar: dict[str, Recording]) -> Figure:

@@ -10,7 +10,7 @@ from rbd_model.vehicle.parameters import AS_PRINTED, as_printed, tables_4_1_and_
 from rbd_model.vehicle.ready import wheelset_under_frame
 from scenarios.bench.drive import play, prepare
 from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import BOGIE, TRAILING, mark, single, write_at
+from scenarios.reporting.plots import BOGIE, TRAILING, mark, one_word, single, write_at
 from scenarios.reporting.report import Report, Row, at_least, at_most, between, measured, near
 from scenarios.scenario import Options, Scenario
 
@@ -85,7 +85,8 @@ def message(series: Recording) -> str:
     if locked is None:
         return f"{1e-3 * TORQUE:g} kN.m do not lock the wheelset"
     speed = float(series["speed"][series["time"] >= locked][0])
-    return f"Wheels lock within {locked - APPLIED:.1f} s, the frame runs on at {speed:.0f} m/s"
+    begin = f"{1e-3 * TORQUE:g} kN.m at friction {FRICTIONS[0]:g}"
+    return f"{begin} lock wheels within {locked - APPLIED:.1f} s at {one_word(f'{speed:.0f} m/s')}"
 
 
 def draw(runs: dict[float, Recording]) -> Figure:

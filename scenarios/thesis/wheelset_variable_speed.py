@@ -14,7 +14,7 @@ from rbd_model.vehicle.ready import wheelset_under_frame
 from scenarios.bench.drive import peaks, play, prepare
 from scenarios.bench.hunting_wheelset import WAVELENGTH
 from scenarios.reporting.motion import Motion, irregular, motion_columns
-from scenarios.reporting.plots import BOGIE, LEADING, THESIS, plt, titled
+from scenarios.reporting.plots import BOGIE, LEADING, THESIS, one_word, plt, titled
 from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario
 
@@ -128,7 +128,8 @@ def draw(runs: dict[str, Recording]) -> Figure:
             lateral.axvline(crossing, color=THESIS, linestyle="--", linewidth=1.0)
         lateral.set(title="lateral displacement [mm]", xlabel="time [s]")
     braked, driven = (turning_speed(runs[kind], critical_under(kind, TORQUES[1])) for kind in ("braking", "traction"))
-    return titled(figure, f"Braked, hunting ends at {braked:.1f} m/s; driven, it begins at {driven:.1f} m/s")
+    torque = one_word(f"{1e-3 * TORQUES[1]:g} kN.m")
+    return titled(figure, f"At {torque} hunting ends at {braked:.1f} m/s braked, begins at {driven:.1f} driven")
 
 
 SCENARIO = Scenario("wheelset-variable-speed", "Hunting through 27 m/s under torque (section 4.6)", run)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from brake_controller.brake_weight import KILOMETRES_PER_HOUR, Case, stopping_distance
 from fmu_src.cosimulation.recording import Recording
 from scenarios.bench.shunting_stop import ONCE, PUBLISHED, SHIFTED, Array, Rules, distances
-from scenarios.reporting.plots import LEADING, TRAILING, single
+from scenarios.reporting.plots import LEADING, TRAILING, one_word, single
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, measured, near
 from scenarios.scenario import Options, Scenario, Sweepable
@@ -102,7 +102,7 @@ def run(options: Options) -> Report:
     stops_of = [[stop.case.name, stop.speed, stop.percentage, stop.length] for stop in STOPS]
     parameters = {"stops": stops_of, "stops_published_method": FEW, "stops_distribution": MANY, "seed": SEED}
     said = [
-        f"{message(found)} than the published ones for a locomotive with five wagons from 25 km/h. Our rules count the "
+        f"{message(found)} than the published ones, for a locomotive with five wagons. Our rules count the "
         "locomotive's brake once, and the demand comes later to each wagon; as read here, the published rules count it "
         "twice."
     ]
@@ -164,8 +164,8 @@ def missing(name: str, found: Found) -> float:
 
 def message(found: Found) -> str:
     """Return the title of the figure."""
-    said = " and ".join(f"{missing(name, found):.0f} m ({name})" for name in PRINTED)
-    return f"Our rules give stops {said} longer"
+    said = " and ".join(f"{one_word(f'{missing(name, found):.0f} m')} ({name})" for name in PRINTED)
+    return f"From {one_word('25 km/h')} our rules stop {said} longer"
 
 
 def draw(found: Found) -> Figure:

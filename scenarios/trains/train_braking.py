@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from products.train.train import Train
 from rbd_model.train.coupler import COUPLERS
 from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, seconds_of, stop, train_of
-from scenarios.reporting.plots import FOUR, charts
+from scenarios.reporting.plots import FOUR, charts, one_word
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario, Sweepable
@@ -97,7 +97,7 @@ def judged_rows(done: Mapping[Case, tuple[Train, Course]]) -> list[Row]:
 
 def draw(drawn: Mapping[str, tuple[Train, Course]]) -> Figure:
     slow, fast = (1e-3 * drawn[mode][0].largest_compression for mode in ("G", "P"))
-    message = f"Position G compresses couplers with {slow:.0f} kN, position P with {fast:.0f} kN"
+    message = f"Emergency at {one_word(f'{DRAWN:g} m')}: couplers take {slow:.0f} kN in G, {fast:.0f} in P"
     titles = {f"{mode}: pressure in the pipe [bar]": "time [s]" for mode in drawn}
     titles |= {f"{mode}: extremes of\ncoupler forces [kN]": "coupler" for mode in drawn}
     figure, axes = charts(message, titles, (11.0, 6.6), columns=3, sharey="row")

@@ -19,7 +19,7 @@ from products.train.consist import Consist
 from products.train.numbers import Settings
 from products.train.train import Train
 from scenarios.bench.train_runs import Course, build_up_time, follow, train_of
-from scenarios.reporting.plots import FOUR, charts
+from scenarios.reporting.plots import FOUR, charts, one_word
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario
@@ -127,7 +127,7 @@ def shift(mode: str, name: str) -> float:
 
 def draw(found: Mapping[tuple[str, float], tuple[float, Course]], moved: Mapping[tuple[str, str], float]) -> Figure:
     physics, due = found["P", 600.0][0], formula(CASES["P"], 600.0)
-    message = f"Position P builds up in {physics:.1f} s, its formula in {due:.1f} s"
+    message = f"At {one_word('600 m')} P builds up in {physics:.1f} s, the formula in {one_word(f'{due:.1f} s')}"
     titles = {"equivalent build-up time [s]": "length [m]", "what is not known": "moves the build-up time by [s]"}
     figure, (times, unknowns) = charts(message, titles, (11.0, 4.8))
     for colour, mark, (mode, lengths) in zip((FOUR[0], FOUR[2], FOUR[3]), "os^", LENGTHS.items(), strict=True):

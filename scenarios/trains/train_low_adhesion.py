@@ -139,7 +139,7 @@ def run(options: Options) -> Report:
 
 def draw(found: Mapping[str, Stop]) -> Figure:
     rise = found["low, protected"].friction.mean(axis=0)
-    message = f"Sliding wheels raise friction from {rise[0]:.3f} to {rise[-1]:.3f} for those behind"
+    message = f"On low rail sliding wheels raise friction from {rise[0]:.3f} to {rise[-1]:.3f} behind"
     titles = {"speed [km/h]": "distance of the head [m]"}
     titles["low, protected: mean friction under each vehicle [1]"] = "vehicle, from the head"
     figure, (speed, friction) = charts(message, titles, (10.0, 4.4))

@@ -85,7 +85,7 @@ def run(options: Options) -> Report:
 
 def draw(shut: Parting, kept: Parting) -> Figure:
     labels = ["pressure in the pipe beside the parted hose [bar]", "speed of both parts [km/h]", "gap between them [m]"]
-    message = f"Parts stand {shut.gap[-1]:.0f} m apart, with the valve left open {kept.gap[-1]:.0f} m"
+    message = f"From {3.6 * SPEED:.0f} km/h parts stand {shut.gap[-1]:.0f} m apart, valve open {kept.gap[-1]:.0f} m"
     figure, axes = panels(message, labels)
     for one, style, name in ((shut, "-", "shut off after 2 s"), (kept, "--", "left in running")):
         time, course = one.course.time, one.course

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from products.train.train import Train
 from scenarios.bench.train_runs import Course, follow, train_of
-from scenarios.reporting.plots import FOUR, charts
+from scenarios.reporting.plots import FOUR, charts, one_word
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Measure, Report, at_least, at_most, between, measured, rows_of
 from scenarios.scenario import Options, Scenario
@@ -89,7 +89,7 @@ def run(options: Options) -> Report:
 
 def draw(drawn: Mapping[str, Release]) -> Figure:
     plain, over = (one.released().max() for one in drawn.values())
-    message = f"With overcharge the train releases in {over:.0f} s, without in {plain:.0f} s"
+    message = f"Trains of {one_word(f'{DRAWN:g} m')} release in {plain:.0f} s, with overcharge in {over:.0f} s"
     titles = [f"released with the valve in {way}" for way in drawn]
     figure, axes = charts(message, titles, (10.0, 4.4), "time from the release on [s]", sharey=True)
     for axis, one in zip(axes, drawn.values(), strict=True):

@@ -14,7 +14,7 @@ from products.protection.settings import BRAKE_START, Settings
 from products.protection.slide_protection import SlideProtection
 from rbd_model.track.friction import low
 from scenarios.bench.peak_adhesion import PeakAdhesion
-from scenarios.reporting.plots import BOGIE, FOUR, plt, titled
+from scenarios.reporting.plots import BOGIE, FOUR, one_word, plt, titled
 from scenarios.reporting.report import Report, Row, at_least, at_most, between
 from scenarios.scenario import Options, Scenario
 
@@ -111,7 +111,8 @@ def draw(found: Findings) -> Figure:
     protected, unprotected = found.protected[rail].distance, found.unprotected[rail].distance
     if protected is None or unprotected is None:
         return titled(figure, f"On {rail} rail not every stop comes to rest")
-    return titled(figure, f"On {rail} rail protection stops in {protected:.0f}, not {unprotected:.0f} m")
+    start = one_word(f"{Settings.speed:g} m/s")
+    return titled(figure, f"From {start} on {rail} rail protection stops in {protected:.0f}, not {unprotected:.0f} m")
 
 
 SCENARIO = Scenario("vehicle-anti-skid", "Wheel-slide protection of four wheelsets, each of which cleans the rail", run)

@@ -27,8 +27,8 @@ def locking(**times: float) -> Recording:
 @pytest.mark.parametrize(
     ("leading", "trailing", "said"),
     [
-        (4.6, 4.2, "Both braked, the trailing wheelset locks 0.4 s before the leading one"),
-        (4.2, 4.7, "Both braked, the leading wheelset locks 0.5 s before the trailing one"),
+        (4.6, 4.2, "By 60\u00a0kN.m the trailing wheelset locks 0.4 s before the leading one"),
+        (4.2, 4.7, "By 60\u00a0kN.m the leading wheelset locks 0.5 s before the trailing one"),
         (NEVER, 4.2, "Braked alike, the two wheelsets do not both lock"),
     ],
 )
@@ -37,7 +37,8 @@ def test_the_wheelset_that_locks_first_is_named(leading: float, trailing: float,
 
 
 def test_a_skid_tells_when_and_how_fast_or_that_there_is_none() -> None:
-    assert wheelset_skid.message(locking(locked_1=3.0)) == "Wheels lock within 1.0 s, the frame runs on at 22 m/s"
+    said = "25 kN.m at friction 0.3 lock wheels within 1.0 s at 22\u00a0m/s"
+    assert wheelset_skid.message(locking(locked_1=3.0)) == said
     assert wheelset_skid.message(locking(locked_1=NEVER)) == "25 kN.m do not lock the wheelset"
 
 
@@ -60,7 +61,7 @@ def stop(distance: float, ended: str = "") -> UnevenStop:
 
 def test_of_shares_that_stop_alike_the_first_is_named() -> None:
     found = {0.5: stop(256.5), 0.6: stop(244.503), 0.65: stop(244.499)}
-    assert uneven_brakes.message(found) == "60% of the torque in front stops 12 m shorter than 50%"
+    assert uneven_brakes.message(found) == "60% of the torque in front saves 12\u00a0m from 25 m/s"
 
 
 def test_shoes_tell_from_which_error_on_a_wheelset_derails() -> None:
