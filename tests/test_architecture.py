@@ -179,7 +179,7 @@ def test_every_public_function_method_and_class_says_what_it_is(package: str) ->
 CITATION = re.compile(
     r"\([2-9]\.\d+|\b([Ss]ections?|chapter|Tables?|Figs?\.) \d"
     r"|\b[A-Z][a-z]+ \(\d{4}\)|\b(EN|ISO|UIC) \d+|RSSB T\d+|Karwatzki|MaSzyna"
-    r"|SUBSET-\d+|Newton's|Hooke's|implicit function theorem|First law|ideal gas|isentropic"
+    r"|SUBSET-\d+|Newton's|Hooke's|Boyle's|implicit function theorem|First law|ideal gas|isentropic"
 )
 #: Functions without physics of their own, by file: they build FMUs, declare variables, read files or do numerics.
 PLUMBING = {
@@ -201,6 +201,8 @@ PLUMBING = {
     "rbd_model/contact/creep/law.py": {"at_least"},
     "rbd_model/contact/creep/tabulated.py": {"axes", "larger_by", "part_of", "read_creep_table", "write_table"},
     "rbd_model/contact/hertz.py": {"polynomial"},
+    "rbd_model/contact/pair_file.py": {"read_pair", "remarks", "rows_of_record"},
+    "rbd_model/contact/pair_table.py": {"lines", "patch_record", "pieces_of", "side_record"},
     "rbd_model/contact/gauge_side.py": {"upright"},
     "rbd_model/contact/strips_in_c.py": {"array_in_c", "checked", "contour_entry", "contour_in_c", "fitted"},
     "rbd_model/track/line.py": {"arc", "clothoid", "irregular", "joined", "line_of", "read_line", "straight"},
