@@ -29,8 +29,8 @@ SYMMETRIC, CLEARLY = 0.15e-3, 3.0
 #: Least distance of a worn head's crown from the middle of its flanks for its side to be determined [m], and the depth
 #: of the crown [m].
 WORN, CROWN = 1e-3, 4e-3
-#: Least height of a flange below most of the tread [m].
-LEAST_FLANGE = 10e-3
+#: Least height of a flange below most of the tread, and by which it is lower than the other side of the wheel [m].
+LEAST_FLANGE, ONE_FLANGE = 10e-3, 5e-3
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,8 @@ def gauge_side(points: Points, kind: str) -> GaugeSide | None:
     """
     if kind == "wheel":
         y, z = points.T
-        if float(np.median(z) - np.min(z)) < LEAST_FLANGE:
+        middle = y < np.median(y)
+        if float(np.median(z) - np.min(z)) < LEAST_FLANGE or abs(z[middle].min() - z[~middle].min()) < ONE_FLANGE:
             return None
         return GaugeSide(SIDES[int(y[np.argmin(z)] > np.median(y))], "its flange lies there")
     return _of_rail(points)

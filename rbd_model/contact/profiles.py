@@ -1,4 +1,6 @@
-"""Wheel and rail profiles: smooth quintic splines from points, from straight lines and arcs, or from a file.
+"""Wheel and rail profiles: smooth quintic splines from points, or from straight lines and arcs.
+
+`rbd_model.contact.measured` reads profiles from files.
 
 A profile is a contour height z(y) [m]. y is positive towards the field side, the flange and the gauge corner lie at
 negative y; z is positive upwards. A wheel's z is the height of its lower contour, so its radius is r0 - z(y). y = 0 is
@@ -9,16 +11,16 @@ derivative (section 3.3.2). They are smoothed at a knot distance of 0.5 mm: 2 um
 otherwise give ten times the crown's curvature.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, PPoly, make_lsq_spline
 
-from rbd_model.contact.gauge_side import LAID, LEAST_LEAN, SIDES, GaugeSide, gauge_side, upright
-from readers.profiles import FEWEST_POINTS, LARGEST_BREADTH, read_contour
+from rbd_model.contact.gauge_side import GaugeSide
+from readers.contours import FEWEST_POINTS, LARGEST_BREADTH
 
 DEGREE = 5
 KNOT_DISTANCE = 0.5e-3
@@ -32,14 +34,17 @@ INCLINATION = 1 / 20
 class Profile:
     """A contour z(y) as a quintic spline; `source` gives the origin of the points and the fitted values.
 
-    gauge_side: for a contour from a file, the side of its y towards the middle of the track. Profiles are equal if
-    name, source and every number of the spline are equal.
+    For a contour from a file: `gauge_side` is the side of its y towards the middle of the track. `notes` are sentences
+    on what was applied, found or assumed. `facts` are numbers of its header for a pair [m] (`readers.contours`).
+    Profiles are equal if name, source and every number of the spline are equal.
     """
 
     name: str
     source: str
     spline: BSpline
     gauge_side: GaugeSide | None = None
+    notes: tuple[str, ...] = ()
+    facts: Mapping[str, float] = field(default_factory=dict)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Profile) and self._content == other._content
@@ -242,100 +247,3 @@ def synthetic_wheel(flange_angle: float = FLANGE_ANGLE) -> np.ndarray:
     cone = np.arange(FIELD_SIDE, TRANSITION_START + POINT_DISTANCE / 2, -POINT_DISTANCE)
     tread = np.column_stack([cone, cone * INCLINATION])
     return np.concatenate([tread, *points])[::-1].T
-
-
-#: Reason of a gauge side that the user gives.
-GIVEN = "given"
-#: Largest median distance of a contour's points from the spline through them [m]. If two contours are mixed, the
-#: distance is larger; corners and noise do not affect the median.
-SCATTER = 0.1e-3
-
-
-def read_profile(path: str | Path, kind: str, inclination: float = 0.0, side: str | None = None) -> Profile:
-    """Read a measured contour: a table of y and z [mm], a file of the MiniProf or of SIMPACK (`readers.profiles`).
-
-    Instruments differ in the direction of their axes. A contour that is upside down is turned, as is one whose gauge
-    side is at positive y. Points below an overhang, as of the head of a rail, are ignored. Only the spline smooths the
-    noise (`from_points`): EN 15302 leaves the method open and uses the conicity as the criterion.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    kind : str
-        "wheel" or "rail".
-    inclination : float
-        Slope by which a rail that stands upright in the file is laid towards the middle of the track.
-    side : str, optional
-        The side of the file's y towards the middle of the track, "y-" or "y+". The default is that of the flange. For
-        a rail it is the side to which the rail leans, or whose corner is worn. `Profile.gauge_side` holds the side and
-        the reason.
-
-    Raises
-    ------
-    ValueError
-            If the file is not one contour of this kind, if its gauge side is neither given nor can be determined, or if
-            a rail would lean outwards.
-    """
-    if kind not in ("wheel", "rail") or side not in (None, *SIDES):
-        raise ValueError(f"kind must be wheel or rail and side y- or y+; got {kind!r} and {side!r}. Correct them.")
-    contour = read_contour(path, kind)
-    points = upright(contour.points, kind)
-    faces = _facing(contour.source, points, kind, inclination, side)
-    points = inclined(points * [-1.0, 1.0] if faces.side == "y+" else points, inclination)
-    start = int(np.argmax(points[:, 1]) if kind == "rail" else np.argmin(np.abs(points[:, 0])))
-    if points[0, 0] > points[-1, 0]:
-        points, start = points[::-1], len(points) - 1 - start
-    left, right = points[: start + 1][::-1] * [-1, 1], points[start:]
-    points = np.concatenate([_without_overhang(left)[:0:-1] * [-1, 1], _without_overhang(right)])
-    found = replace(from_points(f"{kind} {Path(path).stem}", Path(path).name, *points.T), gauge_side=faces)
-    scatter = float(np.median(np.abs(found.height(points[:, 0]) - points[:, 1])))
-    if scatter > SCATTER:
-        raise ValueError(
-            f"{path}: points must lie within {1e3 * SCATTER:g} mm of one smooth contour; half of them are more than "
-            f"{1e3 * scatter:.3g} mm off. Give the points of one {kind} in their order."
-        )
-    return found
-
-
-def _facing(source: str, points: np.ndarray, kind: str, inclination: float, side: str | None) -> GaugeSide:
-    """Return the gauge side of a file's contour, as it is given or found."""
-    found = gauge_side(points, kind)
-    if found is None and side is None:
-        without = "it has no flange" if kind == "wheel" else "its head is neither symmetric nor worn enough to tell"
-        raise ValueError(
-            f"{source}: the side of y that is turned to the middle of the track must be known; {without}. Give y- or y+"
-            f" as --gauge-side, or as side in Python."
-        )
-    if side is None or found is None:
-        faces = found or GaugeSide(side or "", GIVEN)
-    elif kind == "wheel" and found.side != side:
-        raise ValueError(f"{source}: the side must be that of the flange, {found.side}; got {side}. Leave it out.")
-    else:
-        lean = found.lean if found.lean is None or found.side == side else -found.lean
-        faces = GaugeSide(side, GIVEN, lean)
-    if faces.lean is not None:
-        _check_lean(source, faces, faces.lean, inclination)
-    return faces
-
-
-def _check_lean(source: str, faces: GaugeSide, lean: float, inclination: float) -> None:
-    """Check that a rail leans inwards or is upright, and that it is not inclined twice without a message."""
-    if inclination and lean >= LAID and faces.reason != GIVEN:
-        raise ValueError(
-            f"{source}: a rail that is to be inclined must stand upright in its file; it leans 1:{1 / lean:.3g} towards"
-            f" {faces.side} there. Leave the inclination out, or, if wear makes an upright rail look so, give its gauge"
-            f" side too."
-        )
-    if lean + inclination <= -LEAST_LEAN:
-        other = SIDES[faces.side == SIDES[0]]
-        raise ValueError(
-            f"{source}: a rail must lean towards the middle of the track; with its gauge side at {faces.side} it leans "
-            f"1:{-1 / (lean + inclination):.3g} outwards. Give the side {other}, or the rail's inclination."
-        )
-
-
-def _without_overhang(points: np.ndarray) -> np.ndarray:
-    """Return the rows (y, z) whose y is larger than all before."""
-    y = points[:, 0]
-    return points[np.concatenate([[True], y[1:] > np.maximum.accumulate(y)[:-1]])]

@@ -1,4 +1,4 @@
-"""Trains in files of other programs: a module for each format, which reads it, maps its fields, and nothing else."""
+"""Trains and profiles in files of other programs: a module for each format, which reads it and maps its fields only."""
 
 from __future__ import annotations
 

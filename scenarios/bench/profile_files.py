@@ -8,7 +8,8 @@ from typing import TypeVar
 import numpy as np
 
 from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
-from rbd_model.contact.profiles import Profile, read_profile
+from rbd_model.contact.measured import read_profile
+from rbd_model.contact.profiles import Profile
 from scenarios.scenario import BadInputError, Options
 
 #: Default diameter of the wheels, default distance of the flanges' backs, and distance of the nominal contact, the tape

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from rbd_model.contact.geometry import Pair, equivalent_conicity
-from rbd_model.contact.profiles import JOINTS_60E1, Profile, inclined, rail_head, read_profile
+from rbd_model.contact.measured import read_profile
+from rbd_model.contact.profiles import JOINTS_60E1, Profile, inclined, rail_head
 
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
 #: Files of instruments, if available; rail_left_iter288 is worn at positive y.

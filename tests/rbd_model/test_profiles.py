@@ -29,6 +29,7 @@ from rbd_model.contact.geometry import (
     rolling_radius_difference,
     thesis_pair,
 )
+from rbd_model.contact.measured import read_profile
 from rbd_model.contact.profiles import (
     INCLINATION,
     JOINTS_60KG,
@@ -38,7 +39,6 @@ from rbd_model.contact.profiles import (
     rail_60e1,
     rail_60kg,
     rail_head,
-    read_profile,
     wheel_cone_120,
     wheel_s1002,
 )

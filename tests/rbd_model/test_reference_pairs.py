@@ -11,8 +11,8 @@ import pytest
 
 import bogie_braking as bb
 from rbd_model.contact.geometry import Pair, contact_at, thesis_pair
+from rbd_model.contact.measured import read_profile
 from rbd_model.contact.patches import MOST_PATCHES, check_ellipses, parts_of, patches_of, stand_on_treads
-from rbd_model.contact.profiles import read_profile
 from rbd_model.contact.strips_in_c import segments_of, wheel_on_strips
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.ready import wheelset_under_frame

@@ -38,6 +38,11 @@ def rows(template: str, decimal: str = ".", scale: float = 1.0) -> str:
     return "\n".join(lines).replace(".", decimal)
 
 
+def wave() -> np.ndarray:
+    """Return a contour without symmetry [mm], so that each change of the points shows."""
+    return np.column_stack([Y, -0.01 * Y**2 + 0.2 * np.sin(Y / 9)])
+
+
 def read(text: str, kind: str = "rail") -> np.ndarray:
     return 1e3 * contour_of(text, "mine.csv", kind).points
 
@@ -90,6 +95,93 @@ def test_blocks_of_simpack_are_obeyed() -> None:
     assert read(metres) == pytest.approx(points, abs=1e-2)
 
 
+def lines(points: np.ndarray, template: str = "{:.9f} {:.9f}") -> str:
+    return "\n".join(template.format(*point) for point in points)
+
+
+@pytest.mark.parametrize("degrees", [False, True])
+def test_header_that_undoes_a_change_gives_the_contour_before_it(degrees: bool) -> None:
+    """A copy that is mirrored, turned and shifted, with the header that undoes this in SIMPACK's order."""
+    angle, shift = 0.03, np.array([4.0, -7.0])
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turned = wave() * [-1, 1] @ np.array([[cosine, -sine], [sine, cosine]])  # by -angle, from y to z
+    keys = "shift.y = -4.0\nshift.z = 7.0\nmirror.y = 1\npoint.dist.min = 0\ncolour = blue\n"
+    keys += f"rotate = {np.degrees(angle)}\nunits.ang = 'deg'" if degrees else f"rotate = {angle}\nunits.ang.f = 1"
+    found = contour_of(simpack(lines(turned + shift), keys), "mine.prr")
+    assert found.kind == "rail"
+    assert 1e3 * found.points == pytest.approx(wave(), abs=1e-6)
+    told = " | ".join(found.notes)
+    assert "shift.y = -4 was applied | shift.z = 7 was applied | rotate =" in told
+    assert "mirror.y = 1 was applied | keys of the header that are unknown and have no effect: colour" in told
+
+
+def test_bounds_and_least_distances_of_simpack_remove_points_and_tell() -> None:
+    keys = "bound.y.min = -30\nbound.y.max = 30\npoint.dist.min = 0.9\napprox.smooth = 2"
+    found = contour_of(simpack(rows("{} {} 0.5"), keys), "mine.prr")
+    assert 1e3 * found.points[[0, 1, -1], 0] == pytest.approx([-30.0, -29.0, 30.0])
+    assert [note.split(" was")[0].split(" has")[0].split(" have")[0] for note in found.notes] == [
+        "weights of 145 points",
+        "point.dist.min = 0.9",
+        "bound.y = -30 to 30",
+        "approx.smooth = 2",
+    ]
+
+
+def test_profiles_of_an_mpt_file_are_chosen_by_kind_or_number(tmp_path: Path) -> None:
+    part = (
+        "[Profile{0}Info]\nMPTypeNo={1}\nColumnDef=X,Y,A\nXYPoints=145\nXoffset=1.5\nColour=blue\n[Profile{0}Points]\n"
+    )
+    text = "[FileInfo]\nProgramName=x\n" + part.format(1, 101) + rows("{} {} 0")
+    path = tmp_path / "both.mpt"
+    path.write_text(text + "\n" + part.format(2, 211) + lines(wave(), "{:.6f} {:.6f} 0"))
+    assert 1e3 * read_contour(path, "rail").points == pytest.approx(wave() + np.array([1.5, 0.0]), abs=1e-5)
+    first = read_contour(f"{path}#1")
+    assert first.kind == "wheel"
+    assert first.notes[0] == "profile 1 of 2 was read"
+    assert "Xoffset = 1.5 mm was added" in first.notes[1]
+    assert "unknown and have no effect: Colour" in first.notes[-1]
+    for given, sentence in (("", "has the profiles 1, 2. Give one of them, as in"), ("#3", "must have profile 3")):
+        with pytest.raises(FileError, match=sentence):
+            read_contour(f"{path}{given}")
+
+
+def test_instruments_numbers_for_a_pair_are_facts() -> None:
+    keys = "MPTypeNo=131\nGauge=1436.9\nDiameterTaperline=719.2\nWheelDiameterTaperline=70.0\nRailAngle=1.4\n"
+    keys += "ColumnDef=X,Y\n"
+    found = contour_of(keys + "\n" + rows("{} {}"), "mine.whl")
+    assert found.kind == "wheel"
+    assert found.facts == pytest.approx({"gauge": 1.4369, "diameter": 0.7192, "tape_circle": 0.07})
+    assert "RailAngle = 1.4 has no effect" in found.notes[0]
+
+
+def test_unit_without_a_name_is_found_by_the_size_and_told() -> None:
+    found = contour_of(rows("{} {}", scale=1e-3), "mine.csv", "rail")
+    assert 1e3 * found.points == pytest.approx(np.column_stack([Y, Z]), abs=1e-2)
+    assert found.notes == ("y spans 72 mm if the file is in metres: y and z were read as metres",)
+
+
+def test_third_column_may_be_the_angle() -> None:
+    angle = np.degrees(np.arctan(-0.02 * Y))
+    text = "\n".join(f"{y:.4f} {z:.5f} {a:.4f}" for y, z, a in zip(Y, Z, angle, strict=True))
+    found = contour_of(text, "mine.csv", "rail")
+    assert found.notes == ("column 3 is the angle of the contour, and has no effect",)
+
+
+@pytest.mark.parametrize("size", [-0.5, 0.15])
+@pytest.mark.parametrize("count", [1, 2])
+def test_outliers_are_refused_or_dropped_with_their_place(size: float, count: int) -> None:
+    """On a noisy contour with a corner, which is no outlier; the spline through all points would follow them."""
+    points = wave() + np.random.default_rng(1).normal(0.0, 0.005, (Y.size, 2)) * [0, 1]
+    points = np.concatenate([points, points[-1] + np.arange(1, 20)[:, None] * [0.02, -0.5]])
+    contour_of(lines(points), "mine.csv", "rail")
+    points[60 : 60 + count, 1] += size
+    with pytest.raises(FileError, match=r"row 61: points must lie on .*y = -6 mm"):
+        contour_of(lines(points), "mine.csv", "rail")
+    found = contour_of(lines(points), "mine.csv", "rail", drop_outliers=True)
+    assert found.places.size == points.shape[0] - count
+    assert "outliers were dropped, up to" in found.notes[0]
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
@@ -102,7 +194,7 @@ def test_blocks_of_simpack_are_obeyed() -> None:
         (rows("{},{}") + "\n" + "\n".join(rows("{},{}").splitlines()[::-1]), "y turns back at 36 mm"),
         (rows("{},{}") + "\n1e5,0.0", "row 146, column y: the value must be from -1000 to 1000 mm; got '1e5'"),
         (rows("{},{}") + "\n900.0,0.0", "y must span 20 to 500 mm; got 936 mm"),
-        (rows("{},{}", scale=1e-3), "y must span 20 to 500 mm; got 0.072 mm. Give y and z in mm, or name the columns"),
+        (rows("{},{}", scale=1e-2), "y must span 20 to 500 mm; got 0.72 mm. Give y and z in mm, or name the columns"),
         (rows("{},{}") + "\n37,nan", "row 146, column z: the value must be a number; got 'nan'"),
         (rows("{},{}") + "\n37,5,1", "row 146: a row must have at most 2 values; got 3"),
         ("\n".join(rows("{},{}").splitlines()[:19]), "mine.csv has 19 points; a rail profile needs at least 20 rows"),
@@ -117,14 +209,20 @@ def test_blocks_of_simpack_are_obeyed() -> None:
         ("12\n" + rows("{} {}"), "row 1: the header announces 12 points; the file has 145"),
         ("ColumnDef=A,B\n" + rows("{} {}"), "ColumnDef must name X and Y, and each column once; got 'a,b'"),
         ("y [furlong];z\n" + rows("{};{}"), "the unit 'furlong' of y is unknown"),
-        (simpack(rows("{} {}"), "shift.y = 1.5"), "row 7: shift.y must be 0; got '1.5'"),
-        (simpack(rows("{} {}"), "rotate = 0.02"), "row 7: rotate must be 0; got '0.02'"),
-        (simpack(rows("{} {}"), "bound.y.min = -30\nbound.y.max = 30"), "bound.y must be off, min above max; got -30"),
+        (simpack(rows("{} {}"), "shift.y = 1,5x"), "row 7: shift.y must be a finite number; got '1,5x'"),
+        (simpack(rows("{} {}"), "rotate = 0.02\nunits.ang = gon"), "row 8: units.ang must be rad or deg; got 'gon'"),
+        (simpack(rows("{} {}"), "bound.z.min=-5\nbound.z.max=5"), "bound.z must include all points; 56 points, the"),
+        (simpack(rows("{} {}"), "bound.y.min=-4\nbound.y.max=3"), "must have at least 20 points after its header's"),
+        (simpack(rows("{} {}"), "mirror.y = 2"), "row 7: mirror.y must be 0 or 1; got '2'"),
+        (simpack(rows("{} {}"), "units.len = m"), "units.len must be the unit of units.len.f = 1000 a metre; got m"),
+        ("\n".join(f"{y} {z} {y}" for y, z in zip(Y, Z, strict=True)),
+         "row 1: behind y and z a column must be the contour's angle or a constant; column 3 begins with -36"),
+        (rows("{},{}").replace(",-4.00000", ",-4.50000", 1), "row 33: points must lie on the contour of their neigh"),
         (simpack(rows("{} {}"), "units.len.f = 0"), "row 7: units.len.f must be above 0, 1000 for mm; got '0'"),
         ("XOffset=\u22123.5\n" + rows("{} {}"), "row 1: XOffset must be 0; got '\u22123.5'"),
         ("ScaleFactor=1,1\n" + rows("{} {}"), "row 1: ScaleFactor must be 1; got '1,1'"),
-        (simpack(rows("{} {}"), "bound.y.min = \u221230\nbound.y.max = 30"), "min above max; got -30"),
-        (simpack(rows("{} {}"), "bound.y.max = 1e999"), "bound.y must be off, min above max; got 0 to nan"),
+        (simpack(rows("{} {}"), "bound.z.min = \u22125\nbound.z.max = 5"), "lie beyond -5 to 5. Remove"),
+        (simpack(rows("{} {}"), "bound.y.max = 1e999"), "row 7: bound.y.max must be a finite number; got '1e999'"),
         (simpack(rows("{} {}"), kind=1), "row 3: type must be that of a rail (0: rail, 1: wheel); got '1'"),
         (simpack(rows("{} {}")) * 2, "a second block header begins; a file must hold one profile"),
     ],

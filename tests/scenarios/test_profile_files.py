@@ -150,8 +150,8 @@ def test_rail_that_stands_upright_in_its_file_is_laid_inclined_without_what_over
         (["--wheel", "A", "--rail", "RAIL", "--diameter", "920", "800"], "the wheels nowhere roll on equal radii"),
         (["--wheel", "A", "--rail", "RAIL", "--inclination", "0.05"], "--inclination must be from 5 to 1000"),
         (
-            ["--wheel", "A", "--rail", "METRES"],
-            "metres.csv: y must span 20 to 500 mm; got 0.0715 mm. Give y and z in ",
+            ["--wheel", "A", "--rail", "DECIMETRES"],
+            "decimetres.csv: y must span 20 to 500 mm; got 0.715 mm. Give y and z in ",
         ),
         (
             ["--wheel", "A", "--rail", "SHORT", "--gauge", "1435"],
@@ -166,13 +166,13 @@ def test_bad_profiles_get_one_sentence(
 ) -> None:
     y, z = np.loadtxt(RAIL, delimiter=",", skiprows=1).T
     for name, points in (
-        ("metres", np.column_stack([y, z]) / 1e3),
+        ("decimetres", np.column_stack([y, z]) / 1e2),
         ("short", np.column_stack([y, z])[y >= -25.0]),
         ("nan", np.column_stack([y, np.where(y > 30.0, np.nan, z)])),
     ):
         np.savetxt(tmp_path / f"{name}.csv", points, delimiter=",")
     known = {"A": wheel("A"), "RAIL": RAIL, "README": REFERENCE / "README.md"}
-    known |= {name.upper(): tmp_path / f"{name}.csv" for name in ("metres", "short", "nan")}
+    known |= {name.upper(): tmp_path / f"{name}.csv" for name in ("decimetres", "short", "nan")}
     given = [str(known.get(argument, argument)) for argument in arguments]
     out = tmp_path / "out"
     assert main(["run", "contact-geometry", *given, "--out", str(out)]) == 2
