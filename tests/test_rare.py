@@ -255,7 +255,7 @@ def test_inputs_without_effect_runs_that_fail_and_runs_that_still_move_are_told(
     [
         ({"vary": {}}, "vary must have distributions by name"),
         ({"vary": {"friction_1": 0.2}}, "friction_1 must have a distribution of scipy.stats"),
-        ({"vary": {"friction_1": norm(0.2, -1.0)}}, "a distribution that there is"),
+        ({"vary": {"friction_1": norm(0.2, -1.0)}}, "must have a median; got parameters"),
         (
             {"vary": {"friction_1": norm(), ("friction_1", "friction_2"): norm()}},
             "friction_1 must have one distribution; got 2",
