@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from rbd_model.track.line import clothoid as clothoid
     from rbd_model.track.line import line_of as line_of
     from rbd_model.track.line import straight as straight
+    from rbd_model.track.line_elements import line_from_elements as line_from_elements
+    from rbd_model.track.line_points import line_from_points as line_from_points
 
 #: Module of each public name; it is imported on first use.
 _HOMES = {
@@ -60,6 +62,8 @@ _HOMES = {
     "fmu_src.kernel": ("SimulationError",),
     "fmu_src.system": ("Model", "System", "Variable"),
     "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
+    "rbd_model.track.line_elements": ("line_from_elements",),
+    "rbd_model.track.line_points": ("line_from_points",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 #: Prefix of a package's name: empty in a checkout, this package in a wheel.

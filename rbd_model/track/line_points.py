@@ -1,0 +1,230 @@
+"""A line from points of its centre: noisy x and y, and if known z. Curvature and gradient follow from smooth curves.
+
+The plan is a penalised spline of x and y over the length (smoothing.py), the heights are one of their own. The error of
+the curvature has two parts. The first is noise: four standard deviations. The second is bias where the curvature has a
+corner, as at both ends of a transition. The smoothing averages over its reach h with the response 1 / (1 + (w h)^6) to
+waves of wave number w. Where the slope of the curvature changes by J, the average is wrong by J h / 3: the integral of
+w^4 h^5 / (1 + (w h)^6) over all w is 2 pi / 3. J is that of the smooth curve over five reaches, the largest near by.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import maximum_filter1d
+
+from rbd_model.track.line_pieces import SourcedLine, sums
+from rbd_model.track.line_rows import COLUMNS
+from rbd_model.track.point_files import Points, points_of
+from rbd_model.track.smoothing import Smooth, smooth
+from readers.alignment import Account
+from readers.text import BadInputError
+
+Numbers = NDArray[np.float64]
+#: Standard deviations of noise in a bound, which holds everywhere; bias over the jump of slope times reach (see above).
+SIGMAS, BIAS = 4.0, 1.0 / 3.0
+#: Distance over which a jump of slope is taken, to either side, and in which the largest counts, in reaches.
+BESIDE, NEAR = 2.5, 2.0
+#: Share of the distance of knots that a reach has at least in a bound: knots do not resolve more.
+RESOLVED = 0.7
+#: Limits of the distance of knots and of rows [m]; rows in a reach.
+LEAST_PITCH, NEAREST, FARTHEST, ROWS = 1.0, 1.0, 5.0, 3.0
+#: Times that places of points are corrected by the curve.
+ROUNDS = 3
+#: Times the noise from which a point is named as an outlier. Ratio of residuals to a given noise that is told.
+OUTLIER, MISMATCH = 5.0, 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class LineFromPoints(SourcedLine):
+    """A line from points, with what is known of its errors.
+
+    Attributes
+    ----------
+    curvature_error : array, shape (rows,)
+        Bound of the error of the curvature at each row [1/m].
+    gradient_error : array, shape (rows,)
+        Bound of the error of the gradient; infinite without heights.
+    noise : float
+        Standard deviation of the points across the line [m], given or estimated.
+    aside : array, shape (points,)
+        Distance of each point from the line, to the left [m].
+    points : array, shape (points, 2)
+        The points in plan [m].
+    """
+
+    curvature_error: Numbers = field(default_factory=lambda: np.zeros(0), repr=False)
+    gradient_error: Numbers = field(default_factory=lambda: np.zeros(0), repr=False)
+    noise: float = 0.0
+    aside: Numbers = field(default_factory=lambda: np.zeros(0), repr=False)
+    points: Numbers = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+
+
+def line_from_points(points: str | Path | ArrayLike, noise: float | None = None, start: float = 0.0) -> LineFromPoints:
+    """Return the line through points of its centre.
+
+    Parameters
+    ----------
+    points : path or array, shape (n, 2) or (n, 3)
+        A table with the columns x and y, and if known z, in a unit of length; or latitude and longitude in degrees;
+        or the numbers [m]. x is to the east and y to the north, so that a curve to the left is anticlockwise.
+    noise : float, optional
+        Standard deviation of a point in one direction [m]. By default it is estimated by generalised cross validation.
+    start : float
+        Distance at the first point [m].
+
+    Returns
+    -------
+    LineFromPoints
+        The line with bounds of its errors. Its `account` tells noise, smoothing and bounds.
+
+    Raises
+    ------
+    BadInputError, FileError
+        If the points are not a line (points that turn back, degrees, kilometres), or a curve is tighter than 50 m.
+    """
+    if noise is not None and not (isinstance(noise, int | float) and 0.0 < noise <= 1.0):
+        raise BadInputError(f"noise must be above 0 and at most 1 m; got {noise!r}. Give the deviation of a point.")
+    return _line(points_of(points), noise, start)
+
+
+def _line(given: Points, noise: float | None, start: float) -> LineFromPoints:
+    way, plan = _plan(given, noise)
+    course, length = _rows_of(plan)
+    bend = _curvature(plan, course)
+    reach = max(plan.reach, RESOLVED * plan.pitch, float(length[1]))
+    error = SIGMAS * plan.deviation(course, 2) + BIAS * reach * _corner(length, bend, reach)
+    account = Account(list(given.taken), list(given.converted), [], list(given.assumed))
+    _tell_plan(account, plan, noise, error)
+    slope, steepness = np.zeros_like(bend), np.full_like(bend, math.inf)
+    if given.height is not None:
+        slope, steepness = _gradient(way, given.height, plan, length, account)
+    else:
+        account.assumed.append("the gradient is 0: the points have no heights")
+    account.assumed.append("the cant is 0: points of the centre do not have it")
+    along = np.sqrt(1.0 + slope**2)
+    steps = np.diff(length) * (along[1:] + along[:-1]) / 2.0
+    rows = {"distance": start + np.concatenate([[0.0], np.cumsum(steps)]), "curvature": bend / along}
+    rows |= {"cant": np.zeros_like(bend), "gradient": slope / along}
+    _check(rows, given.source)
+    aside = _aside(plan, way, given)
+    _tell_outliers(account, given, aside, plan.noise)
+    line = LineFromPoints(rows, account, error, steepness, plan.noise, aside, given.plan)
+    account.converted += sums(line)
+    return line
+
+
+def _plan(given: Points, noise: float | None) -> tuple[Numbers, Smooth]:
+    """Return the length at each point [m], and the plan over it.
+
+    Lengths of chords depend on noise. Therefore they are replaced by those of the curve at the feet of the points.
+    """
+    ways = np.hypot(*np.diff(given.plan, axis=0).T)
+    way = np.concatenate([[0.0], np.cumsum(ways)])
+    pitch = max(float(np.percentile(ways, 20)), LEAST_PITCH)
+    for _ in range(ROUNDS):
+        plan = smooth(way, given.plan, pitch, noise)
+        course, length = _rows_of(plan)
+        along = plan.spline(way, 1)
+        foot = way + np.sum((given.plan - plan.spline(way)) * along, axis=1) / np.sum(along**2, axis=1)
+        way = np.interp(foot, course, length) + np.minimum(foot, 0.0) + np.maximum(foot - course[-1], 0.0)
+        if not np.all(np.diff(way) > 0.0):
+            row = int(given.places[1 + np.flatnonzero(np.diff(way) <= 0.0)[0]])
+            raise BadInputError(
+                f"{given.source}, row {row}: points must follow the line; got one behind the one before. Sort the "
+                "points, or leave out some that are closer than their noise."
+            )
+        way -= way[0]
+    return way, smooth(way, given.plan, pitch, noise)
+
+
+def _rows_of(plan: Smooth) -> tuple[Numbers, Numbers]:
+    """Return the variable of the spline at rows, and the length of the curve to them [m]."""
+    first, last = plan.spline.t[[5, -6]]
+    count = math.ceil((last - first) / min(max(plan.reach / ROWS, NEAREST), FARTHEST)) + 1
+    course = np.linspace(first, last, count)
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    half = (course[1] - course[0]) / 2.0
+    speed = np.hypot(*plan.spline((course[:-1, None] + half * (1.0 + nodes)).ravel(), 1).T).reshape(-1, 3)
+    return course, np.concatenate([[0.0], np.cumsum(half * (speed @ weights))])
+
+
+def _curvature(plan: Smooth, course: Numbers) -> Numbers:
+    first, second = plan.spline(course, 1), plan.spline(course, 2)
+    return np.asarray((first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / np.hypot(*first.T) ** 3)
+
+
+def _corner(length: Numbers, values: Numbers, reach: float) -> Numbers:
+    """Return the largest change of the slope of values over 2 BESIDE reaches, within NEAR reaches."""
+    slope = np.gradient(values, length)
+    ahead, behind = (np.interp(length + way * reach, length, slope) for way in (BESIDE, -BESIDE))
+    width = 2 * math.ceil(NEAR * reach / float(length[1])) + 1
+    return np.asarray(maximum_filter1d(np.abs(ahead - behind), width))
+
+
+def _gradient(
+    way: Numbers, height: Numbers, plan: Smooth, length: Numbers, account: Account
+) -> tuple[Numbers, Numbers]:
+    """Return the rise per metre of the plan at the rows, and the bound of its error."""
+    heights = smooth(way, height[:, None] - height[0], plan.pitch)
+    slope = heights.spline(length, 1)[:, 0]
+    reach = max(heights.reach, RESOLVED * heights.pitch, float(length[1]))
+    error = SIGMAS * heights.deviation(length, 1) + BIAS * reach * _corner(length, slope, reach)
+    account.converted.append(
+        f"gradient: heights smoothed over {heights.reach:.1f} m, noise {1e3 * heights.noise:.2g} mm; its error is at "
+        f"most {1e3 * np.median(error):.2g} per mille at half of the rows, {1e3 * error.max():.2g} everywhere"
+    )
+    return slope, error
+
+
+def _aside(plan: Smooth, way: Numbers, given: Points) -> Numbers:
+    along, missed = plan.spline(way, 1), given.plan - plan.spline(way)
+    return np.asarray((along[:, 0] * missed[:, 1] - along[:, 1] * missed[:, 0]) / np.hypot(*along.T))
+
+
+def _tell_plan(account: Account, plan: Smooth, noise: float | None, error: Numbers) -> None:
+    origin = "estimated by generalised cross validation" if noise is None else "given"
+    account.converted.append(
+        f"curvature: x and y smoothed over {plan.reach:.1f} m by a penalised spline, noise {1e3 * plan.noise:.2g} mm "
+        f"({origin}); features shorter than {4.0 * max(plan.reach, RESOLVED * plan.pitch):.0f} m are blurred"
+    )
+    account.converted.append(
+        f"error of the curvature: at most {np.median(error):.2g} 1/m at half of the rows, {error.max():.2g} 1/m "
+        "everywhere, unless curvature jumps without a transition"
+    )
+    if noise is not None and not 1.0 / MISMATCH <= plan.residual / noise <= MISMATCH:
+        account.assumed.append(
+            f"the noise is {1e3 * noise:.3g} mm as given, although the points lie {1e3 * plan.residual:.3g} mm beside "
+            "the line"
+        )
+
+
+def _tell_outliers(account: Account, given: Points, aside: Numbers, noise: float) -> None:
+    far = np.flatnonzero(np.abs(aside) > OUTLIER * max(noise, 1e-4))
+    if far.size:
+        worst = int(np.argmax(np.abs(aside)))
+        account.assumed.append(
+            f"{far.size} points lie beyond {OUTLIER:g} times the noise beside the line and are used, the farthest in "
+            f"row {given.places[worst]}, {abs(aside[worst]):.3g} m: check it"
+        )
+
+
+def _check(rows: dict[str, Numbers], source: str) -> None:
+    """Refuse curves and gradients that a line may not have. Raises BadInputError."""
+    tightest = int(np.argmax(np.abs(rows["curvature"])))
+    most = COLUMNS["curvature"].maximum
+    if abs(rows["curvature"][tightest]) > most:
+        raise BadInputError(
+            f"{source}: radii must be at least {1 / most:g} m; got {1 / abs(rows['curvature'][tightest]):.3g} m at "
+            f"{rows['distance'][tightest]:.1f} m. Check the points there, or give a larger noise."
+        )
+    steepest = int(np.argmax(np.abs(rows["gradient"])))
+    if abs(rows["gradient"][steepest]) > COLUMNS["gradient"].maximum:
+        raise BadInputError(
+            f"{source}: gradients must be at most {COLUMNS['gradient'].maximum:g}; got "
+            f"{rows['gradient'][steepest]:.3g} at {rows['distance'][steepest]:.1f} m. Check the heights and their unit."
+        )
