@@ -119,9 +119,8 @@ def _check(rows: dict[str, Numbers], source: str) -> None:
         values = rows.get(column.name)
         if values is None:
             continue
-        outside = np.flatnonzero(~((values >= column.minimum) & (values <= column.maximum)))
-        if outside.size:
-            row = int(outside[0])
+        if not np.all((values >= column.minimum) & (values <= column.maximum)):
+            row = int(np.argmax(np.abs(values - (column.minimum + column.maximum) / 2.0)))
             unit = "" if column.unit == "1" else f" {column.unit}"
             tells = f" (a radius of {1 / values[row]:.4g} m)" if column.name == "curvature" else ""
             raise FileError(

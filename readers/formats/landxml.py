@@ -1,0 +1,176 @@
+"""Alignments of LandXML 1.0 to 2.0: elements in plan, cant stations and a profile.
+
+Names and meanings are those of the schema LandXML-1.2: `rot` cw is a curve to the right, `radiusStart` INF is straight,
+stations and lengths are those of the plan, a ParaCurve is a parabola of a given length about its point of intersection.
+Cant is stated in mm, or in inches if units are imperial, as writers of railway alignments do; the schema has no unit.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+from readers.alignment import BLOSS, LINEAR, Account, Alignment, Piece
+from readers.formats.landxml_profile import gradients_of
+from readers.formats.line_tracks import listed, tell_jumps
+from readers.formats.xml_numbers import attribute, name_of, required
+from readers.text import FileError, shown
+from readers.xml_files import inside, xml_of
+
+#: Metres in a linear unit of the file.
+UNITS = {
+    "meter": 1.0,
+    "kilometer": 1000.0,
+    "millimeter": 0.001,
+    "centimeter": 0.01,
+    "foot": 0.3048,
+    "ussurveyfoot": 1200.0 / 3937.0,
+    "inch": 0.0254,
+    "mile": 1609.344,
+}
+LONGEST = 1e7
+#: Spirals that are read, and the form of their curvature.
+SPIRALS = {"clothoid": LINEAR, "bloss": BLOSS}
+#: Largest cant that is read as metres: below it millimetres would be no cant.
+IN_METRES = 0.3
+LEFT = {
+    "Superelevation": "it is that of roads",
+    "StaEquation": "jumps of stations do not change the track; distances are continuous",
+    "CrossSects": "cross-sections are not read",
+    "AlignPIs": "they repeat the elements",
+}
+
+
+def read_landxml(path: Path, asked: Sequence[str] = ()) -> Alignment:
+    """Return the line of one alignment.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    asked : sequence of str
+        The name of the alignment; may be empty if the file has one.
+
+    Raises
+    ------
+    FileError
+        If the file is not LandXML, the alignment is missing, or an element cannot be read.
+    """
+    source = str(path)
+    root = xml_of(path)
+    found = {one.get("name") or f"{number}": one for number, one in enumerate(inside(root, "Alignment"), 1)}
+    if root.tag != "LandXML" or not found:
+        raise FileError(
+            f"{source} must be LandXML with an Alignment; got {shown(root.tag)} without. Give another file."
+        )
+    if len(asked) > 1 or (not asked and len(found) > 1) or (asked and asked[0] not in found):
+        raise FileError(
+            f"{source}: one alignment must be named with --tracks; the file has {listed(found)}. Name one of these."
+        )
+    name = asked[0] if asked else next(iter(found))
+    unit, unit_name, imperial = _unit(root, source)
+    account = Account(taken=[f"alignment {shown(name)}: elements in plan, stations, rotations"])
+    if unit != 1.0:
+        account.converted.append(f"lengths: {unit_name} to m, times {unit:.10g}")
+    return _alignment(found[name], source, unit, imperial, account)
+
+
+def _unit(root: ET.Element, source: str) -> tuple[float, str, bool]:
+    units = next(inside(root, "Metric", "Imperial"), None)
+    name = "meter" if units is None else units.get("linearUnit", "meter")
+    if name.lower() not in UNITS:
+        raise FileError(f"{source}: linearUnit must be one of {', '.join(UNITS)}; got {shown(name)}. Correct it.")
+    return UNITS[name.lower()], name, units is not None and units.tag == "Imperial"
+
+
+def _alignment(element: ET.Element, source: str, unit: float, imperial: bool, account: Account) -> Alignment:
+    start = unit * (attribute(element, "staStart", source, LONGEST) or 0.0)
+    geometry = next(inside(element, "CoordGeom"), None)
+    elements = [] if geometry is None else [one for one in geometry if one.tag not in ("Feature", "FeatureRef")]
+    if not elements:
+        raise FileError(f"{source}: {name_of(element)} must have a CoordGeom with elements; got none. Export it again.")
+    curvature, place = [], start
+    for number, one in enumerate(elements, 1):
+        first, last, form = _ends(one, unit, f"{source}, element {number}")
+        length = unit * required(one, "length", f"{source}, element {number}", LONGEST)
+        curvature.append(Piece(place, place + length, first, last, form))
+        place += length
+    account.converted.append(f"{len(elements)} elements: radius and rotation to curvature, cw to the right")
+    cant = _cant(element, source, unit, imperial, curvature, account)
+    gradient = gradients_of(element, source, unit, start, place, account)
+    account.left += [f"{tag}: {reason}" for tag, reason in LEFT.items() if next(inside(element, tag), None) is not None]
+    alignment = Alignment(source, start, place, curvature, cant, gradient, True, account)
+    tell_jumps(alignment)
+    return alignment
+
+
+def _ends(one: ET.Element, unit: float, what: str) -> tuple[float, float, str]:
+    """Return the curvature at both ends of an element and its form. Raises FileError."""
+    if one.tag == "Line":
+        return 0.0, 0.0, LINEAR
+    if one.tag not in ("Curve", "Spiral"):
+        raise FileError(f"{what} must be a Line, Curve or Spiral; got {shown(one.tag)}. Replace it.")
+    side = {"cw": -1.0, "ccw": 1.0}.get(one.get("rot", ""))
+    if side is None:
+        raise FileError(f"{what}: rot of {one.tag} must be cw or ccw; got {shown(one.get('rot'))}. Correct it.")
+    if one.tag == "Curve":
+        if one.get("crvType", "arc") != "arc":
+            raise FileError(f"{what}: crvType must be arc; got {shown(one.get('crvType'))}. Replace the curve.")
+        bend = side * _bend(one, "radius", unit, what)
+        return bend, bend, LINEAR
+    kind = one.get("spiType", "clothoid")
+    if kind not in SPIRALS:
+        raise FileError(f"{what}: spiType must be one of {', '.join(SPIRALS)}; got {shown(kind)}. Replace the spiral.")
+    return side * _bend(one, "radiusStart", unit, what), side * _bend(one, "radiusEnd", unit, what), SPIRALS[kind]
+
+
+def _bend(one: ET.Element, name: str, unit: float, what: str) -> float:
+    if one.get(name, "").strip().upper() in ("INF", "INFINITY"):
+        return 0.0
+    radius = unit * required(one, name, what, LONGEST)
+    if not radius > 0.0:
+        raise FileError(f"{what}: {name} must be above 0 or INF; got {radius:g} m. Correct it.")
+    return 1.0 / radius
+
+
+def _cant(
+    element: ET.Element, source: str, unit: float, imperial: bool, curvature: Sequence[Piece], account: Account
+) -> list[Piece]:
+    """Return the cant between stations, linear, to the side of the station or of the curve."""
+    stations = []
+    for one in inside(element, "CantStation"):
+        place = unit * required(one, "station", source, LONGEST)
+        size = attribute(one, "appliedCant", source, 1e4) or 0.0
+        side = {"cw": -1.0, "ccw": 1.0}.get(one.get("curvature", ""), 0.0) or _side(place, curvature)
+        stations.append((place, side * size * (-1.0 if one.get("adverse") == "true" else 1.0)))
+    if not stations:
+        account.assumed.append("the cant is 0: the alignment has no cant stations")
+        return []
+    largest = max(abs(size) for _, size in stations)
+    scale, told = (0.0254, "inches") if imperial else (0.001, "mm")
+    if 0.0 < largest <= IN_METRES and not imperial:
+        scale, told = 1.0, "m"
+    account.assumed.append(f"appliedCant is in {told} (the schema has no unit): up to {1e3 * scale * largest:.4g} mm")
+    account.converted.append(f"{len(stations)} cant stations: linear between them, the outer rail is the higher one")
+    ends = (curvature[0].begin, curvature[-1].end)
+    course = [(place, scale * size) for place, size in sorted(stations) if ends[0] - 0.01 <= place <= ends[1] + 0.01]
+    if len(course) < len(stations):
+        account.left.append(f"{len(stations) - len(course)} cant stations: they lie beyond the elements")
+    course = [(max(min(place, ends[1]), ends[0]), size) for place, size in course]
+    pieces = [Piece(a, b, x, y) for (a, x), (b, y) in pairwise(course) if b - a >= 0.01]
+    if course and ends[1] - course[-1][0] >= 0.01:
+        pieces.append(Piece(course[-1][0], ends[1], course[-1][1], course[-1][1]))
+    return pieces
+
+
+def _side(place: float, curvature: Sequence[Piece]) -> float:
+    """Return the side of the curve at a place, or of the curve next to it."""
+    bends = [
+        math.copysign(1.0, one.first + one.last)
+        for one in curvature
+        if one.begin - 1.0 <= place <= one.end + 1.0 and one.first + one.last != 0.0
+    ]
+    return bends[0] if bends else 1.0

@@ -1,0 +1,172 @@
+"""Infrastructure of railML 3: horizontal curves, gradient curves and superelevation curves along net elements.
+
+Signs and units are those of wiki3.railml.org (IS:horizontalCurve, IS:gradientCurve): a negative radius is a curve to
+the left, 0 is straight; azimuths grow clockwise, in degrees; gradients are in per mille; superelevations in mm. A curve
+lies on a net element by posBegin and posEnd of its associatedNetElement, by linear coordinates, or by intrinsic ones.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from readers.alignment import BLOSS, LINEAR, Account, Alignment, Piece
+from readers.formats.line_tracks import Track, joined, route_of
+from readers.formats.xml_numbers import attribute, name_of, required
+from readers.text import FileError, shown
+from readers.xml_files import inside
+
+LONGEST, SHORTEST = 1e7, 0.01
+#: Curves whose curvature is constant, and those between the curvatures of their neighbours.
+CONSTANT, CHANGING = (
+    ("arc", "straight"),
+    {"clothoide": LINEAR, "clothoid": LINEAR, "cubicParabola": LINEAR, "curveBloss": BLOSS},
+)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """An element of geometry and its place on a net element [m]."""
+
+    element: ET.Element
+    begin: float
+    end: float
+
+
+def read_railml3(infrastructure: ET.Element, asked: Sequence[str], source: str) -> Alignment:
+    """Return the line over net elements; see `read_railml_line`. Raises FileError."""
+    lengths = {
+        one.get("id", ""): attribute(one, "length", source, LONGEST) or 0.0
+        for one in inside(infrastructure, "netElement")
+    }
+    groups = {
+        tag: _located(list(inside(infrastructure, tag)), lengths, source)
+        for tag in ("horizontalCurve", "gradientCurve", "superelevationCurve")
+    }
+    reached: dict[str, float] = {}
+    for group in groups.values():
+        for name, curves in group.items():
+            reached[name] = max(reached.get(name, 0.0), lengths.get(name) or max(one.end for one in curves))
+    route = route_of(reached, asked, source)
+    account = Account()
+    tracks = []
+    for name, back in route:
+        bends, slopes, heights = (group.get(name, []) for group in groups.values())
+        curvature = _curvature(bends, source)
+        track = Track(name, reached[name], curvature, _cant(heights, curvature, source), _gradient(slopes, source))
+        tracks.append(track.backwards() if back else track)
+        account.taken.append(
+            f"net element {track.name}: {len(bends)} horizontal, {len(slopes)} gradient, {len(heights)} superelevation "
+            "curves"
+        )
+    account.converted += [
+        "radius in m to curvature, negative to the left",
+        "gradient: per mille to 1, linear over arcs",
+        "superelevation: mm to m",
+    ]
+    account.assumed.append("places without curves are straight, level and without cant")
+    return joined(tracks, source, account)
+
+
+def _located(elements: Sequence[ET.Element], lengths: dict[str, float], source: str) -> dict[str, list[Curve]]:
+    """Return curves by net element, in the order of their places. Raises FileError."""
+    found: dict[str, list[Curve]] = {}
+    for one in elements:
+        for place in inside(one, "associatedNetElement"):
+            name = place.get("netElementRef", "")
+            begin, end = (_measure(place, side, lengths.get(name, 0.0), source) for side in ("Begin", "End"))
+            if not end - begin >= SHORTEST:
+                raise FileError(
+                    f"{source}: {name_of(one)} must end after its begin; got {begin:g} to {end:g} m. Correct it."
+                )
+            found.setdefault(name, []).append(Curve(one, begin, end))
+    return {name: sorted(curves, key=lambda curve: curve.begin) for name, curves in found.items()}
+
+
+def _measure(place: ET.Element, side: str, length: float, source: str) -> float:
+    value = attribute(place, f"pos{side}", source, LONGEST)
+    if value is not None:
+        return value
+    linear = next(inside(place, f"linearCoordinate{side}"), None)
+    if linear is not None:
+        return required(linear, "measure", source, LONGEST)
+    share = attribute(place, f"intrinsicCoord{side}", source, 1.0)
+    if share is None or not length > 0.0:
+        raise FileError(
+            f"{source}: associatedNetElement {shown(place.get('netElementRef'))} must have pos{side}, a "
+            f"linearCoordinate{side}, or an intrinsicCoord{side} and a length of the net element. Add one."
+        )
+    return share * length
+
+
+def _curvature(curves: Sequence[Curve], source: str) -> list[Piece]:
+    """Return the curvature of horizontal curves; transitions lie between their neighbours. Raises FileError."""
+    values: list[float | None] = []
+    for one in curves:
+        kind = one.element.get("curveType", "")
+        if kind not in CONSTANT and kind not in CHANGING:
+            raise FileError(
+                f"{source}: curveType of {name_of(one.element)} must be one of {', '.join([*CONSTANT, *CHANGING])}; "
+                f"got {shown(kind)}. Replace it."
+            )
+        values.append(_bend(one, source) if kind in CONSTANT else None)
+    return _pieces(curves, values, lambda element: CHANGING.get(element.get("curveType", ""), LINEAR))
+
+
+def _bend(one: Curve, source: str) -> float:
+    if one.element.get("curveType") == "straight":
+        return 0.0
+    radius = attribute(one.element, "radius", source, 1e9)
+    if radius:
+        return -1.0 / radius
+    turn = required(one.element, "deltaAzimuth", source, 720.0)
+    return -math.radians(turn) / (one.end - one.begin)
+
+
+def _pieces(curves: Sequence[Curve], values: Sequence[float | None], form: Callable[[ET.Element], str]) -> list[Piece]:
+    """Return pieces of constant values, and between them pieces that change from one to the next."""
+    found = []
+    for number, one in enumerate(curves):
+        own = values[number]
+        near = [
+            values[other] or 0.0
+            if 0 <= other < len(curves) and _meet(curves[min(number, other)], curves[max(number, other)])
+            else 0.0
+            for other in (number - 1, number + 1)
+        ]
+        first, last = (near[0], near[1]) if own is None else (own, own)
+        found.append(Piece(one.begin, one.end, first, last, form(one.element) if own is None else LINEAR))
+    return found
+
+
+def _meet(before: Curve, after: Curve) -> bool:
+    return abs(after.begin - before.end) < 1.0
+
+
+def _gradient(curves: Sequence[Curve], source: str) -> list[Piece]:
+    values: list[float | None] = []
+    for one in curves:
+        slope = attribute(one.element, "gradient", source, 500.0)
+        changes = one.element.get("curveType") == "arc" or slope is None
+        values.append(None if changes else (slope or 0.0) / 1000.0)
+    pieces = _pieces(curves, values, lambda _: LINEAR)
+    for number, one in enumerate(curves):
+        change = attribute(one.element, "deltaGradient", source, 1000.0)
+        if values[number] is None and change is not None and number and _meet(curves[number - 1], one):
+            first = pieces[number - 1].last
+            pieces[number] = replace(pieces[number], first=first, last=first + change / 1000.0)
+    return pieces
+
+
+def _cant(curves: Sequence[Curve], curvature: Sequence[Piece], source: str) -> list[Piece]:
+    """Return the cant of superelevation curves, to the side of the horizontal curve."""
+    values: list[float | None] = []
+    for one in curves:
+        height = attribute(one.element, "superelevation", source, 300.0)
+        changes = height is None or one.element.get("curveType") not in (None, "constant", "straight", "arc")
+        middle = (one.begin + one.end) / 2.0
+        side = next((math.copysign(1.0, p.first + p.last) for p in curvature if p.begin <= middle <= p.end), 1.0)
+        values.append(None if changes else side * (height or 0.0) / 1000.0)
+    return _pieces(curves, values, lambda _: LINEAR)

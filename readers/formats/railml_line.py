@@ -1,0 +1,168 @@
+"""Infrastructure of railML: tracks of version 2 by changes of radius and gradient; version 3 is in railml3_line.py.
+
+Version 2 (wiki2.railml.org, IS:radiusChange, IS:gradientChange): a radius in m holds from its position to the next
+change, or, if the change describes a transition curve, at its position alone; superelevation is in mm, slope in per
+mille. The wiki does not state the side of a positive radius in version 2; version 3 states the right one.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+from readers.alignment import BLOSS, LINEAR, Account, Alignment, Piece
+from readers.formats.line_tracks import Track, joined, route_of
+from readers.formats.railml3_line import read_railml3
+from readers.formats.xml_numbers import attribute, required
+from readers.text import FileError, shown
+from readers.xml_files import inside, xml_of
+
+LONGEST, SHORTEST = 1e7, 0.01
+#: Letters by which descriptions of transition curves are found, and their form.
+TRANSITIONS = {"clothoid": LINEAR, "parabola": LINEAR, "transition": LINEAR, "bloss": BLOSS}
+LEFT = {
+    "speedChanges": "speed limits do not belong to the line",
+    "electrificationChanges": "power does not affect braking",
+    "gaugeChanges": "the gauge is that of the model",
+    "axleWeightChanges": "they do not belong to the line",
+}
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change at a place [m]: curvature [1/m] with cant [m] and the form of a transition, or slope with its curve.
+
+    `curve` is the length of a vertical curve, or its radius if `by_radius` [m].
+    """
+
+    place: float
+    value: float
+    cant: float = 0.0
+    form: str | None = None
+    curve: float = 0.0
+    by_radius: bool = False
+
+
+def read_railml_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
+    """Return the line over tracks.
+
+    Parameters
+    ----------
+    path : Path
+        The file, of version 2 or 3.
+    asked : sequence of str
+        Identifiers or names of tracks (version 2) or net elements (version 3), `-` behind one that is run backwards.
+
+    Raises
+    ------
+    FileError
+        If the file is not railML with such tracks, or a number is missing or outside its limits.
+    """
+    source, root = str(path), xml_of(path)
+    found = next(inside(root, "infrastructure"), root)
+    if root.tag not in ("railml", "railML", "infrastructure"):
+        raise FileError(f"{source} must be railML; got {shown(root.tag)}. Give another file.")
+    if next(inside(found, "horizontalCurves", "gradientCurves"), None) is not None:
+        return read_railml3(found, asked, source)
+    elements = {one.get("id") or one.get("name") or f"{n}": one for n, one in enumerate(inside(found, "track"), 1)}
+    ends = {name: _ends(one, source) for name, one in elements.items()}
+    route = route_of({name: end - begin for name, (begin, end) in ends.items()}, asked, source)
+    account = Account()
+    tracks = []
+    for name, back in route:
+        track = _track(elements[name], name, *ends[name], source, account)
+        tracks.append(track.backwards() if back else track)
+    names = ", ".join(track.name for track in tracks)
+    account.taken.append(f"tracks {names}: positions of begin, end and changes")
+    account.converted += ["radius in m to curvature; 0 is straight", "slope: per mille to 1", "superelevation: mm to m"]
+    account.assumed += [
+        "a positive radius is a curve to the right, as in version 3; --mirror exchanges the sides",
+        "superelevation raises the outer rail",
+    ]
+    for tag, reason in LEFT.items():
+        if any(next(inside(elements[name], tag), None) is not None for name, _ in route):
+            account.left.append(f"{tag}: {reason}")
+    return joined(tracks, source, account)
+
+
+def _ends(track: ET.Element, source: str) -> tuple[float, float]:
+    places = []
+    for name in ("trackBegin", "trackEnd"):
+        one = next(inside(track, name), None)
+        if one is None:
+            raise FileError(f"{source}: track {shown(track.get('id'))} must have a {name}; it is missing. Add it.")
+        places.append(required(one, "pos", source, LONGEST))
+    if not places[1] - places[0] >= SHORTEST:
+        raise FileError(
+            f"{source}: track {shown(track.get('id'))} must end after its begin; got {places[0]:g} to {places[1]:g} m. "
+            "Correct the positions."
+        )
+    return places[0], places[1]
+
+
+def _track(element: ET.Element, name: str, begin: float, end: float, source: str, account: Account) -> Track:
+    bends, slopes = [], []
+    for one in inside(element, "radiusChange"):
+        radius = required(one, "radius", source, 1e9)
+        height = attribute(one, "superelevation", source, 300.0) or 0.0
+        bend = -1.0 / radius if radius else 0.0
+        described = (one.get("geometryElementDescription") or "").lower()
+        form = next((form for word, form in TRANSITIONS.items() if word in described), None)
+        bends.append(Change(_place(one, begin, end, source), bend, math.copysign(height / 1000.0, bend), form))
+    for one in inside(element, "gradientChange"):
+        if one.get("dir") != "down":  # the same place, seen from the other end
+            slope = required(one, "slope", source, 500.0) / 1000.0
+            length = attribute(one, "transitionLength", source, LONGEST)
+            radius = attribute(one, "transitionRadius", source, 1e9) or 0.0
+            curve = radius if length is None else length
+            place = _place(one, begin, end, source)
+            slopes.append(Change(place, slope, curve=abs(curve), by_radius=length is None))
+    if not bends:
+        account.assumed.append(f"track {name} is straight: it has no radiusChange")
+    if not slopes:
+        account.assumed.append(f"track {name} is level: it has no gradientChange")
+    curvature, cant = _between(sorted(bends, key=lambda one: one.place), end - begin)
+    return Track(name, end - begin, curvature, cant, _slopes(sorted(slopes, key=lambda one: one.place), end - begin))
+
+
+def _place(one: ET.Element, begin: float, end: float, source: str) -> float:
+    place = required(one, "pos", source, LONGEST)
+    if not begin - SHORTEST <= place <= end + SHORTEST:
+        raise FileError(
+            f"{source}: pos of {one.tag} must be on its track, {begin:g} to {end:g} m; got {place:g} m. Correct it."
+        )
+    return min(max(place, begin), end) - begin
+
+
+def _between(changes: Sequence[Change], end: float) -> tuple[list[Piece], list[Piece]]:
+    """Return curvature and cant from change to change."""
+    curvature, cant = [], []
+    for one, after in pairwise([*changes, Change(end, changes[-1].value, changes[-1].cant)] if changes else []):
+        if after.place - one.place >= SHORTEST:
+            last = after if one.form else one
+            form = one.form or LINEAR
+            curvature.append(Piece(one.place, after.place, one.value, last.value, form))
+            cant.append(Piece(one.place, after.place, one.cant, last.cant, form))
+    return curvature, cant
+
+
+def _slopes(changes: Sequence[Change], end: float) -> list[Piece]:
+    """Return gradients from change to change; vertical curves lie half before and half behind their change."""
+    pieces: list[Piece] = []
+    place, steep = 0.0, 0.0
+    for number, one in enumerate(changes):
+        following = changes[number + 1].place if number + 1 < len(changes) else end
+        length = one.curve * abs(one.value - steep) if one.by_radius else one.curve
+        half = min(length / 2.0, one.place - place, following - one.place) if number else 0.0
+        if one.place - half - place >= SHORTEST:
+            pieces.append(Piece(place, one.place - half, steep, steep))
+        if half >= SHORTEST:
+            pieces.append(Piece(one.place - half, one.place + half, steep, one.value))
+        place, steep = one.place + half, one.value
+    if end - place >= SHORTEST:
+        pieces.append(Piece(place, end, steep, steep))
+    return pieces
