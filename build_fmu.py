@@ -38,7 +38,7 @@ from products.protection.sensor_fmu import build_sensor
 from products.registry import ALIASES, FMUS, fmu_named, model_of
 from products.systems import build_systems
 from products.train.building import build_coupler, build_train
-from products.train.layout import DEPTHS
+from products.train.layout import BRAKE_MODELS
 from products.train.numbers import SETTING_LIMITS, Settings
 from rbd_model.train.coupler import COUPLERS
 from readers.command_line import CommandLine, check_folder, quantity, whole
@@ -99,7 +99,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--consist", type=Path, metavar="FILE", help="of the train, CSV or TOML (default: a locomotive and 20 wagons)")
     add("--line", type=Path, metavar="FILE", help="that the train runs on, CSV (default: straight and level)")
     add("--coupler", default="screw", choices=[*COUPLERS], help="of the coupler's FMU (default: screw)")
-    add("--depth", default="whole", choices=[*DEPTHS], help="of the train's brake (default: whole)")
+    add("--brake-model", default="whole", choices=[*BRAKE_MODELS], help="of the train (default: whole)")
     least, most = SETTING_LIMITS["cells"]
     text = f"of the pipe in each vehicle, {least:g} to {most:g} (default: 2)"
     add("--cells", type=quantity("--cells", least=least, most=most), default=2.0, metavar="COUNT", help=text)
@@ -142,7 +142,7 @@ def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
     if chosen.model == "sensor":
         return bool(build_sensor(chosen.out, kinds, chosen.wheelsets, every))
     if chosen.model == "train":
-        settings = Settings(depth=chosen.depth, cells=chosen.cells)
+        settings = Settings(brake_model=chosen.brake_model, cells=chosen.cells)
         return bool(build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every))
     names = {"all": list(FMUS), "ssp": ["bogie", "brake"]}.get(chosen.model, [chosen.model])
     if chosen.describe:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from bogie_braking.checks import line_or_none, shown
-from products.train.brake_depth import smallest
+from products.train.brake_model import select_brake_model
 from products.train.consist import Consist
 from products.train.consist_file import consist_of, read_consist
 from products.train.numbers import Settings
@@ -66,7 +66,7 @@ def train(
     if not isinstance(releases, bool | np.bool_):
         raise TypeError(f"releases must be True or False; got {shown(releases)}. Write one of them.")
     own = _consist(consist)
-    chosen = settings or smallest(own, distance_error, force_error, bool(releases))
+    chosen = settings or select_brake_model(own, distance_error, force_error, bool(releases))
     return Train(own, speed=speed, line=line, settings=chosen)
 
 

@@ -119,7 +119,7 @@ def passing() -> ca.Function:
 CELL = (
     Field("length", "m", 1e-3, 1e6, "the length of a cell"),
     Field("diameter", "m", 1e-4, 10.0, "the diameter of the pipe"),
-    Field("wall_temperature", "K", 50.0, 1e4, "the warmth of the pipe's wall"),
+    Field("wall_temperature", "K", 50.0, 1e4, "the temperature of the pipe's wall"),
     Field("friction", "1", 0.0, 1e6, "friction or heat in the pipe"),
     Field("heat", "1", 0.0, 1e6, "friction or heat in the pipe"),
     Field("leak_area", "m2", 0.0, 1.0, "a leak"),
@@ -244,11 +244,11 @@ def _valve_between(at: ca.SX) -> tuple[list[ca.SX], Air, Air, dict[str, ca.SX], 
     (first, behind), (last, ahead) = _air("behind"), _air("ahead")
     given = ca.SX.sym("given", len(VALVE))
     valve = dict(zip(VALVE, ca.vertsplit(given), strict=True))
-    warmth = ca.if_else(valve["area_behind"] > 0, behind.temperature, ahead.temperature)
+    air_temperature = ca.if_else(valve["area_behind"] > 0, behind.temperature, ahead.temperature)
     over = (at - valve["held"]) / valve["band"]
     area_out = valve["exhaust"] * ca.fmax(ca.fmin(over, 1), 0) + valve["emergency"]
     area_in = valve["feeding"] * ca.fmax(ca.fmin(-over, 1), 0)
-    out = elliptic_flow(area_out, at, warmth, valve["ambient_pressure"])
+    out = elliptic_flow(area_out, at, air_temperature, valve["ambient_pressure"])
     into = elliptic_flow(area_in, valve["supply_pressure"], valve["supply_temperature"], at)
     return [first, last, given], behind, ahead, valve, out, into
 

@@ -30,7 +30,7 @@ def air_reservoir(defaults: ReservoirParameters, ambient: Variable, temperature:
     """
     system = System("reservoir", "Air reservoir that brake cylinders are filled from")
     p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}
-    around, warmth = system.parameter(ambient), system.parameter(temperature)
+    around, air_temperature = system.parameter(ambient), system.parameter(temperature)
     text = "Air that flows to the cylinder of wheelset"
     flows = [
         system.input(Variable(f"air_flow_{number}", "input", "kg/s", f"{text} {number}", 0.0))
@@ -39,10 +39,10 @@ def air_reservoir(defaults: ReservoirParameters, ambient: Variable, temperature:
     pressure = system.state("reservoir_pressure", "Pa", p["initial_reservoir_pressure"], NOMINAL_PRESSURE)
     taken = system.state("air_taken", "kg", 0.0, NOMINAL_MASS)
     feed = mass_flow(
-        effective_area(p["feed_orifice"], ca.SX(1)), p["feed_pressure"] + around, warmth, pressure + around
+        effective_area(p["feed_orifice"], ca.SX(1)), p["feed_pressure"] + around, air_temperature, pressure + around
     )
     out = sum(flows[1:], flows[0])
-    system.derivative(pressure, GAS_CONSTANT * warmth * (feed - out) / p["reservoir_volume"])
+    system.derivative(pressure, GAS_CONSTANT * air_temperature * (feed - out) / p["reservoir_volume"])
     system.derivative(taken, out)
     shown = Variable("reservoir_pressure", "output", "Pa", "Pressure in the reservoir", display_unit="kPa")
     system.output(shown, pressure)

@@ -22,7 +22,7 @@ BLIND_ABOVE = 2.0
 #: among five on 16 starts with friction from 0.03 to 0.1 below each wheelset.
 CALM, SLOW = 0.02, 0.3
 #: Times from the first true speed to the second, and between later ones [s].
-SECOND_LOOK, LOOKS = 1.0, 3.0
+SECOND_CHECK, CHECKS = 1.0, 3.0
 #: Possible increase of the vehicle's acceleration over that between two true speeds [m/s2].
 MARGIN = 0.1
 #: A true speed this near the reference, as a share of it, shows that nothing spins [1].
@@ -80,7 +80,7 @@ class SpinProtection:
     def __init__(self, parameters: SpinProtectionParameters | None = None) -> None:
         self.parameters = parameters or common_spin_protection()
         self.time, self.reference, self.growth = 0.0, math.inf, self.parameters.largest_acceleration
-        self.spins, self.looks, self.looked_at, self.true_speed = False, 0, 0.0, 0.0
+        self.spins, self.checks, self.checked_at, self.true_speed = False, 0, 0.0, 0.0
         self.rolls: int | None = None
         self._since, self._shown_since, self._course = 0.0, 0.0, [(0.0, 0.0)]
         self._calm: list[float] = []
@@ -103,7 +103,7 @@ class SpinProtection:
         unseen = LET_GO if self.spins else DEMANDED
         commands = [unseen if lost else self._command(speed) for speed, lost in zip(self._calm, blind, strict=True)]
         if any(command != DEMANDED for command in commands) and not self.spins:
-            self.spins, self.looks, self.growth = True, 0, self.parameters.first_acceleration
+            self.spins, self.checks, self.growth = True, 0, self.parameters.first_acceleration
         self._look(time, self._calm, blind)
         if self.rolls is not None:
             commands[self.rolls] = LET_GO
@@ -116,9 +116,9 @@ class SpinProtection:
 
     def _look(self, time: float, wheel_speeds: Sequence[float], blind: Sequence[bool]) -> None:
         """Release the slowest wheelset if a true speed is due, and take it once the wheelset rolls."""
-        due = (0.0, SECOND_LOOK)[self.looks] if self.looks < 2 else LOOKS
+        due = (0.0, SECOND_CHECK)[self.checks] if self.checks < 2 else CHECKS
         if self.rolls is None:
-            if self.spins and time - self.looked_at >= due:
+            if self.spins and time - self.checked_at >= due:
                 slowest = min(range(len(wheel_speeds)), key=lambda one: (blind[one], wheel_speeds[one]))
                 self.rolls, self._since, self._course = slowest, time, []
             return
@@ -135,10 +135,10 @@ class SpinProtection:
     def _take(self, time: float, speed: float) -> None:
         """Take a true speed, and from two of them its growth."""
         p = self.parameters
-        if self.looks:
-            gained = (speed - self.true_speed) / (time - self.looked_at)
+        if self.checks:
+            gained = (speed - self.true_speed) / (time - self.checked_at)
             self.growth = min(max(gained, 0.0) + MARGIN, p.largest_acceleration)
-            if self.looks > 1 and speed > (1.0 - NEAR) * self.reference - NEAR:
+            if self.checks > 1 and speed > (1.0 - NEAR) * self.reference - NEAR:
                 self.spins, self.growth = False, p.largest_acceleration
-        self.looks += 1
-        self.reference, self.looked_at, self.true_speed, self.rolls = speed, time, speed, None
+        self.checks += 1
+        self.reference, self.checked_at, self.true_speed, self.rolls = speed, time, speed, None

@@ -27,7 +27,7 @@ from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Model, System
 
-#: Time between two looks at how far runs are [s].
+#: Time between two readings of the progress of runs [s].
 GLANCE = 0.1
 NO_MEMORY = "There is not enough memory for a batch; use fewer threads or instances."
 Numbers = NDArray[np.float64]
@@ -51,7 +51,7 @@ class _Runs(ctypes.Structure):
         ("end", _DOUBLES),
         ("status", _INTS),
         ("said", ctypes.POINTER(ctypes.c_void_p)),
-        ("says_all", ctypes.c_bool),
+        ("all_messages", ctypes.c_bool),
     )
 
 
@@ -75,10 +75,10 @@ _SIGNATURES = {
     "batch_free": (None, [ctypes.c_void_p]),
     "batch_lanes": (ctypes.c_int, []),
     "batch_run": (ctypes.c_bool, [ctypes.c_void_p, ctypes.POINTER(_Runs)]),
-    "batch_free_said": (None, [ctypes.c_void_p]),
+    "batch_free_message": (None, [ctypes.c_void_p]),
     "batch_forget": (None, [ctypes.c_void_p]),
     "batch_step": (None, [ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(_Steps)]),
-    "batch_look": (None, [ctypes.POINTER(_Steps)]),
+    "batch_read_outputs": (None, [ctypes.POINTER(_Steps)]),
     "batch_control": (
         None,
         [
@@ -108,7 +108,7 @@ class Ends:
     failures : dict of int to str
         Messages of failed runs by the number of the run; their numbers are NaN.
     said : list of str or None
-        Messages of each run, if `says_all` was set.
+        Messages of each run, if `all_messages` was set.
     """
 
     outputs: dict[str, Numbers]
@@ -220,7 +220,7 @@ def run_batch(
     outputs: Sequence[str],
     threads: int | None = None,
     path: str | None = None,
-    says_all: bool = False,
+    all_messages: bool = False,
 ) -> Ends:
     """Run each set of values from 0 to `stop` seconds, or until the run ends by itself.
 
@@ -238,7 +238,7 @@ def run_batch(
         Number of threads; None: the number of processors.
     path : str or None
         Table file of all runs.
-    says_all : bool
+    all_messages : bool
         Return the messages of all runs in `said`, as the status of a recording.
 
     Returns
@@ -273,17 +273,17 @@ def run_batch(
         time.ctypes.data_as(_DOUBLES),
         status.ctypes.data_as(_INTS),
         said,
-        says_all,
+        all_messages,
     )
     try:
         if count:
             _in_threads(library, min(threads or os.cpu_count() or 1, count), runs, queue)
         found = {name: result[:, i] for i, name in enumerate(outputs)}
         failures = {row: without_value_before(_text(said[row])) for row in np.flatnonzero(status > DISCARD).tolist()}
-        all_said = [failures.get(row, _text(one)) for row, one in enumerate(said)] if says_all else None
+        all_said = [failures.get(row, _text(one)) for row, one in enumerate(said)] if all_messages else None
     finally:
         for one in filter(None, said):
-            library.functions.batch_free_said(one)
+            library.functions.batch_free_message(one)
     return Ends(found, time, status == DISCARD, failures, all_said)
 
 
@@ -452,20 +452,20 @@ class Instances:
         return {name: self._found[:, number] for number, name in enumerate(self.outputs)}
 
     def go_on(self, size: float) -> None:
-        """Make a step from `told` to `shown`; `status` is above 1 if an instance ended or failed, and stays there."""
+        """Make a step with `input_values`. `status` is above 1 from then on if an instance ended or failed."""
         self._in_shares(lambda first, end: self._step_some(first, end, size))
 
-    def look(self, first: int, end: int) -> None:
-        """Read all present outputs of the instances from `first` up to `end` into `shown`."""
-        self._library.functions.batch_look(self._steps(first, end, 0.0))
+    def read_outputs(self, first: int, end: int) -> None:
+        """Read all present outputs of the instances from `first` up to `end` into `output_values`."""
+        self._library.functions.batch_read_outputs(self._steps(first, end, 0.0))
 
     @property
-    def shown(self) -> Numbers:
+    def output_values(self) -> Numbers:
         """Return the outputs, shape (count, outputs), the same array at every step."""
         return self._found
 
     @property
-    def told(self) -> Numbers:
+    def input_values(self) -> Numbers:
         """Return the inputs of the next step, shape (count, inputs); to be changed in place."""
         return self._given
 

@@ -37,7 +37,7 @@ KERNEL_SOURCES = (
     "reuse.c",
     "runge_kutta.c",
     "outputs.c",
-    "told.c",
+    "reported.c",
     "modes.c",
     "locate.c",
     "record.c",
@@ -108,7 +108,7 @@ FUNCTIONS = (
     "condition_margin",
     "warning_margin",
     "largest_change",
-    "told",
+    "reported",
     "output_along",
     "residual_along",
 )
@@ -195,7 +195,7 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         [
             f"{{{c_text(f.whole or f.label)}, {c_text(f.stuck_word)}, {c_text(f.sliding_word)}, "
             f"{position[f.states[0]]}, {position[f.states[1]] if f.states[1:] else -1}, "
-            f"{wholes.index(f.whole) if f.whole else -1}, {int(f.told is not None)}}}"
+            f"{wholes.index(f.whole) if f.whole else -1}, {int(f.reported is not None)}}}"
             for f in system.frictions
         ],
     )

@@ -78,7 +78,7 @@ def expressions_of(system: System) -> list[ca.SX]:
         system.ode,
         *(state.start for state in system.states.values()),
         *system.outputs.values(),
-        *(ca.SX(one) for f in system.frictions for one in (f.drive, f.capacity, f.still, *(f.told or ()))),
+        *(ca.SX(one) for f in system.frictions for one in (f.drive, f.capacity, f.still, *(f.reported or ()))),
         *(one for condition in conditions for one in (condition.margin, condition.first_look)),
         *(largest for _, largest in system.largest_changes),
         *(table.argument for table in system.tables),

@@ -47,8 +47,8 @@ def functions(system: System) -> dict[str, Generated]:
     jacobian = system.jacobian(ode, states)
     time_slope = ca.densify(system.along(ode, ca.vertcat(time, inputs), ca.vertcat(1, rates)))
     costly = any(warning.candidate is not None for warning in system.warnings)
-    counted = any(friction.told for friction in system.frictions)
-    told = [friction.told or (1.0, 1.0) for friction in system.frictions if counted]
+    counted = any(friction.reported for friction in system.frictions)
+    reported = [friction.reported or (1.0, 1.0) for friction in system.frictions if counted]
     results: dict[str, list[ca.SX]] = {
         "derive": [ca.vertcat(*system.derived_expressions.values())],
         "start": [_start(system)],
@@ -59,7 +59,7 @@ def functions(system: System) -> dict[str, Generated]:
         "capacity": [ca.vertcat(*[f.capacity for f in system.frictions], *[f.still for f in system.frictions])],
         "condition_margin": [ca.vertcat(*[c.first_look for c in (*system.end_conditions, *system.warnings)])],
         "warning_margin": [ca.vertcat(*[c.margin for c in system.warnings])] if costly else [],
-        "told": [ca.vertcat(*[one[which] for which in (0, 1) for one in told])],
+        "reported": [ca.vertcat(*[one[which] for which in (0, 1) for one in reported])],
         "largest_change": [ca.vertcat(*[largest for _, largest in system.largest_changes])],
     }
     if system.steady_start:

@@ -80,9 +80,9 @@ class Variable:
 
 def choosing(description: str, choices: Mapping[int, str]) -> dict[str, Any]:
     """Return fields of a `Variable` that selects by number: unit, description, limits, kind, choices."""
-    told = "; ".join(f"{number} {text}" for number, text in choices.items())
+    meanings = "; ".join(f"{number} {text}" for number, text in choices.items())
     limits = {"minimum": float(min(choices)), "maximum": float(max(choices))}
-    shared = {"unit": "1", "description": f"{description}: {told}", "kind": "integer"}
+    shared = {"unit": "1", "description": f"{description}: {meanings}", "kind": "integer"}
     return shared | limits | {"choices": tuple(choices.items())}
 
 
@@ -339,7 +339,7 @@ class Friction:
         Largest speed at which it sticks.
     whole : str
         The vehicle that it holds as a whole; frictions with the same one are reported as one.
-    told : tuple or None
+    reported : tuple or None
         Margins above 0 if sticking counts, or would count, and if sliding counts; None: both always count.
     """
 
@@ -352,7 +352,7 @@ class Friction:
     sliding_word: str
     still: ca.SX
     whole: str = ""
-    told: tuple[ca.SX | float, ca.SX | float] | None = None
+    reported: tuple[ca.SX | float, ca.SX | float] | None = None
 
 
 @dataclass(frozen=True)
@@ -770,7 +770,7 @@ class System(Chain):
         words: tuple[str, str],
         still: ca.SX | float = 0.0,
         whole: str = "",
-        told: tuple[ca.SX | float, ca.SX | float] | None = None,
+        reported: tuple[ca.SX | float, ca.SX | float] | None = None,
     ) -> None:
         """Declare a friction that sticks and slides, see `Friction`.
 
@@ -790,11 +790,11 @@ class System(Chain):
             Largest speed at which it sticks.
         whole : str
             The vehicle that it holds as a whole.
-        told : tuple or None
+        reported : tuple or None
             Margins above 0 if sticking counts and if sliding counts.
         """
         states, limits = tuple(self.name_of(state) for state in velocity), (ca.SX(capacity), *words, ca.SX(still))
-        self.frictions.append(Friction(label, direction, states, drive, *limits, whole, told))
+        self.frictions.append(Friction(label, direction, states, drive, *limits, whole, reported))
 
     def limit_change(self, largest: ca.SX, *states: ca.SX) -> None:
         """End an adaptive step before a state, or the sum of two, has changed by `largest` at its rate.

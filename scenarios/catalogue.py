@@ -31,10 +31,10 @@ from scenarios.thesis import (
 )
 from scenarios.trains import (
     braking_distance,
+    train_brake_models,
     train_braking,
     train_build_up,
     train_coupling,
-    train_depths,
     train_low_adhesion,
     train_one_vehicle_in_detail,
     train_parts,
@@ -92,7 +92,7 @@ SCENARIOS: list[Scenario] = [
     train_braking.SCENARIO,
     train_release.SCENARIO,
     train_build_up.SCENARIO,
-    train_depths.SCENARIO,
+    train_brake_models.SCENARIO,
     train_coupling.SCENARIO,
     train_low_adhesion.SCENARIO,
     train_parts.SCENARIO,

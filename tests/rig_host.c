@@ -6,7 +6,7 @@
 #include "rig.h"
 #include "wheel_slide.h"
 
-enum { ROWS = 5, WHEELSETS = 16, LOOKS = 4000, WIDTH = 2 + 5 * WHEELSETS + 2 };
+enum { ROWS = 5, WHEELSETS = 16, SAMPLES = 4000, WIDTH = 2 + 5 * WHEELSETS + 2 };
 
 static void start(void *memory, int wheelsets, double period) {
     (void)period;
@@ -19,18 +19,18 @@ static void step(void *memory, double time, const double *speed, int *valve) {
 }
 
 /* Write the observations of a vehicle that decelerates by 1 m/s2 with sliding wheels. */
-static void show(double time, int row, double *shown) {
+static void show(double time, int row, double *outputs) {
     const double speed = fmax(20.0 - row - time, 0.0);
-    memset(shown, 0, WIDTH * sizeof(double));
-    shown[0] = speed;
-    shown[1] = time;
+    memset(outputs, 0, WIDTH * sizeof(double));
+    outputs[0] = speed;
+    outputs[1] = time;
     for (int i = 0; i < WHEELSETS; ++i) {
-        shown[2 + i] = 40.0 * time;
-        shown[2 + WHEELSETS + i] = i % 3 ? speed : 0.0;
-        shown[2 + 2 * WHEELSETS + i] = 1e5 * (1.0 + sin(time));
-        shown[2 + 3 * WHEELSETS + i] = -1e4;
+        outputs[2 + i] = 40.0 * time;
+        outputs[2 + WHEELSETS + i] = i % 3 ? speed : 0.0;
+        outputs[2 + 2 * WHEELSETS + i] = 1e5 * (1.0 + sin(time));
+        outputs[2 + 3 * WHEELSETS + i] = -1e4;
     }
-    shown[WIDTH - 1] = 5e5 - time;
+    outputs[WIDTH - 1] = 5e5 - time;
 }
 
 /* inside: the controller is in C; own: use the built-in wheel-slide protection. */
@@ -38,8 +38,8 @@ static int run(bool inside, bool own) {
     rig_settings settings = {WHEELSETS, 0.46, 5e-3, 1.0, 380e3, 300.0, 0.3, 0.3, 3.0, 1, 0, {300, 0.03, 1e-6, 5.0}};
     rig_controller controller = {start, step, sizeof(int)};
     if (own) controller = (rig_controller){wheel_slide_start, wheel_slide_step, wheel_slide_size(WHEELSETS)};
-    double time[ROWS], speed[ROWS * WHEELSETS], error[WHEELSETS * 300], *shown = malloc(ROWS * WIDTH * sizeof(double));
-    double told[ROWS * 2 * WHEELSETS], *look = malloc(ROWS * 50 * (3 + 6 * WHEELSETS) * sizeof(double));
+    double time[ROWS], speed[ROWS * WHEELSETS], error[WHEELSETS * 300], *outputs = malloc(ROWS * WIDTH * sizeof(double));
+    double inputs[ROWS * 2 * WHEELSETS], *sample = malloc(ROWS * 50 * (3 + 6 * WHEELSETS) * sizeof(double));
     int valve[ROWS * WHEELSETS] = {0}, status[ROWS] = {0}, ended = 0;
     long long int written[ROWS];
     rig_wheelset wheelset[WHEELSETS] = {0};
@@ -47,7 +47,7 @@ static int run(bool inside, bool own) {
     for (int i = 0; i < WHEELSETS * 300; ++i) error[i] = 0.4 * sin(i);
     if (!inside) controller.step = NULL;
     rig_desk desk = {time, speed, valve};
-    rig_notes notes = {20, 50, look, written};
+    rig_notes notes = {20, 50, sample, written};
     settings.wheelsets = 17;
     if (rig_create(ROWS, &settings, &controller, &desk)) return 1;
     settings.wheelsets = WHEELSETS;
@@ -55,26 +55,26 @@ static int run(bool inside, bool own) {
     if (!self) return 2;
     rig_write_down(self, &notes);
     for (int row = 0; row < ROWS; ++row) {
-        show(0.0, row, shown + row * WIDTH);
+        show(0.0, row, outputs + row * WIDTH);
         rig_begin(self, row, 0.02, row % 2 ? error : NULL, wheelset);
-        if (!inside) rig_look(self, row, 0, shown + row * WIDTH);
+        if (!inside) rig_sample(self, row, 0, outputs + row * WIDTH);
     }
-    for (int n = 0; n < LOOKS; ++n) {
-        for (int row = 0; row < ROWS; ++row) show(5e-3 * n, row, shown + row * WIDTH);
+    for (int n = 0; n < SAMPLES; ++n) {
+        for (int row = 0; row < ROWS; ++row) show(5e-3 * n, row, outputs + row * WIDTH);
         status[ROWS - 1] = n > 1000 ? 3 : 0; /* this run is lost on the way */
-        if (inside) rig_between(self, 0, ROWS, status, shown, told);
+        if (inside) rig_between(self, 0, ROWS, status, outputs, inputs);
         else {
             valve[0] = n > 500 ? 5 : 2;
-            rig_take_or_look(self, 0, ROWS, status, shown, told);
-            rig_take_or_look(self, 0, ROWS, status, shown, told);
+            rig_take_or_sample(self, 0, ROWS, status, outputs, inputs);
+            rig_take_or_sample(self, 0, ROWS, status, outputs, inputs);
         }
     }
     for (int row = 0; row < ROWS; ++row) ended += rig_scores(self)[row].state != RIG_RUNS;
     const bool gave_up = own || !isnan(rig_scores(self)[0].failed_at);
     rig_free(self);
     rig_free(NULL);
-    free(shown);
-    free(look);
+    free(outputs);
+    free(sample);
     return ended == ROWS && gave_up ? 0 : 3;
 }
 

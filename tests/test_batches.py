@@ -121,11 +121,11 @@ def test_order_threads_and_width_change_no_bit(planar: BatchLibrary, lanes: int)
         pytest.skip("this processor has fewer lanes")
     other = BatchLibrary(planar.model, planar.model.systems[0], lanes)
     values = {**BRAKED, "friction_1": FRICTION, "friction_2": FRICTION[::-1]}
-    expected = run_batch(planar, values, 12.0, OUTPUTS, 1, says_all=True)
+    expected = run_batch(planar, values, 12.0, OUTPUTS, 1, all_messages=True)
     order = np.random.default_rng(31).permutation(FRICTION.size)
     for threads in (1, 2):
         mixed = {name: value[order] if isinstance(value, np.ndarray) else value for name, value in values.items()}
-        found = run_batch(other, mixed, 12.0, OUTPUTS, threads, says_all=True)
+        found = run_batch(other, mixed, 12.0, OUTPUTS, threads, all_messages=True)
         for name in OUTPUTS:
             assert np.array_equal(found[name], expected[name][order], equal_nan=True), name
         assert expected.said is not None
@@ -133,7 +133,7 @@ def test_order_threads_and_width_change_no_bit(planar: BatchLibrary, lanes: int)
 
 
 def test_a_batch_of_no_runs_is_empty(planar: BatchLibrary) -> None:
-    ends = run_batch(planar, {**BRAKED, "friction_1": []}, 1.0, OUTPUTS, says_all=True)
+    ends = run_batch(planar, {**BRAKED, "friction_1": []}, 1.0, OUTPUTS, all_messages=True)
     assert ends["speed"].shape == ends.time.shape == (0,)
     assert ends.said == []
 
@@ -323,7 +323,7 @@ def test_instances_and_batches_give_their_memory_back(planar: BatchLibrary) -> N
     def cycle() -> None:
         with bb.instances("bogie", 4, ["brake_torque_1"], ["speed"], **BRAKED) as made:
             made.step(SIZE)
-        run_batch(planar, {**BRAKED, "friction_1": [0.1, -1.0]}, 0.01, ["speed"], 1, says_all=True)
+        run_batch(planar, {**BRAKED, "friction_1": [0.1, -1.0]}, 0.01, ["speed"], 1, all_messages=True)
 
     for _ in range(100):
         cycle()

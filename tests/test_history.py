@@ -55,11 +55,11 @@ def test_what_is_written_down_is_what_the_controller_saw_and_said() -> None:
     history = stop.history
     assert isinstance(history, History)
     said = np.array(Notes.said)
-    looks = np.rint(history.time[:-1] / 5e-3).astype(int)
-    assert np.array_equal(said[looks, 0], history.time[:-1])
-    assert np.array_equal(said[looks, 1:3], history.sensor_speed[:-1])
-    assert np.array_equal(said[looks[1:] - 1, 3:], history.valve[1:-1])
-    assert not np.array_equal(said[looks[1:], 3:], history.valve[1:-1])
+    samples = np.rint(history.time[:-1] / 5e-3).astype(int)
+    assert np.array_equal(said[samples, 0], history.time[:-1])
+    assert np.array_equal(said[samples, 1:3], history.sensor_speed[:-1])
+    assert np.array_equal(said[samples[1:] - 1, 3:], history.valve[1:-1])
+    assert not np.array_equal(said[samples[1:], 3:], history.valve[1:-1])
     assert {0, 2} == set(np.unique(history.valve))
 
 

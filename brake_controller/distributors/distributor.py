@@ -113,19 +113,19 @@ class Distributor:
                 f"{starts}. Correct them."
             )
 
-    def depths(self) -> tuple[str, str]:
+    def brake_models(self) -> tuple[str, str]:
         """Return the form for the full brake model of a train, and that for the cheaper ones."""
         return ("whole", "empirical" if self.empirical else "whole")
 
-    def fastest(self, parameters: DistributorParameters, depth: str) -> float:
+    def fastest(self, parameters: DistributorParameters, brake_model: str) -> float:
         """Return the largest rate at which a state comes to rest [1/s] in a brake model."""
-        return self.pace(parameters) if depth == "whole" or not self.empirical else self.empirical_pace
+        return self.pace(parameters) if brake_model == "whole" or not self.empirical else self.empirical_pace
 
     def fields(self) -> tuple[str, ...]:
         """Return the names of its parameters in their order."""
         return tuple(self.parameters.__dataclass_fields__)
 
-    def function(self, depth: str) -> ca.Function:
+    def function(self, brake_model: str) -> ca.Function:
         """Return `whole` or `empirical` as a function of states, cell of the pipe, parameters and commands.
 
         Its result: rates of the states, and ANSWERED. Air in the cell is an ideal gas.
@@ -136,6 +136,6 @@ class Distributor:
         states = dict(zip(names, ca.vertsplit(symbols[0]), strict=True))
         values = [*ca.vertsplit(symbols[2]), *ca.vertsplit(symbols[3])]
         given = dict(zip([*self.fields(), *COMMANDED], values, strict=True))
-        answer: Answer = getattr(self, depth)(Moment(states, air_of(symbols[1]), given))
+        answer: Answer = getattr(self, brake_model)(Moment(states, air_of(symbols[1]), given))
         found = [answer.rates[name] for name in names] + [getattr(answer, name) for name in ANSWERED]
-        return function_of(f"{self.name}_{depth}", symbols, ca.SX(ca.vertcat(*found)))
+        return function_of(f"{self.name}_{brake_model}", symbols, ca.SX(ca.vertcat(*found)))

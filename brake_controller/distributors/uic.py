@@ -237,7 +237,7 @@ def whole(moment: Moment) -> Answer:
     """
     p = moment.given
     control, accelerator, auxiliary, cylinder = moment.states.values()
-    line, warmth = moment.pipe.pressure, moment.pipe.temperature
+    line, air_temperature = moment.pipe.pressure, moment.pipe.temperature
 
     def through(choke: ca.SX, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
         return elliptic_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
@@ -245,11 +245,11 @@ def whole(moment: Moment) -> Answer:
     fallen = control - line
     # Above half of the sensitivity the control chamber is gradually shut off.
     brakes = _share(2 * fallen / p["sensitivity"] - 1)
-    to_control = through(p["control_choke"], line, warmth, control)
+    to_control = through(p["control_choke"], line, air_temperature, control)
     from_control = (1 - brakes) * through(p["control_choke"], control, WALL, line)
     specific = GAS_CONSTANT * WALL
     quickens, to_accelerator = _accelerating(p, line, accelerator, brakes)
-    to_auxiliary = through(p["auxiliary_choke"], line, warmth, auxiliary)
+    to_auxiliary = through(p["auxiliary_choke"], line, air_temperature, auxiliary)
     wanted = ca.fmin(p["full_pressure"] / p["full_difference"] * fallen, p["full_pressure"]) * brakes
     over = cylinder - AMBIENT
     quick = _share((p["inshot"] - over) / RELAY) * through(p["inshot_choke"], auxiliary, WALL, cylinder)
@@ -264,7 +264,7 @@ def whole(moment: Moment) -> Answer:
         "cylinder": specific * (fills - empties) / p["cylinder_volume"],
     }
     taken = to_control - from_control + to_auxiliary + to_accelerator
-    enthalpy = HEAT_CAPACITY * taken * ca.if_else(taken > 0, warmth, WALL)
+    enthalpy = HEAT_CAPACITY * taken * ca.if_else(taken > 0, air_temperature, WALL)
     return Answer(rates, taken, enthalpy, fills)
 
 

@@ -28,13 +28,13 @@ static double time_of(const encoder *self, const encoder_settings *settings, lon
 }
 
 static encoder_passage *passage_at(encoder *self, int number) {
-    return &self->passage[(self->oldest + number) % ENCODER_LOOKS];
+    return &self->passage[(self->oldest + number) % ENCODER_SAMPLES];
 }
 
 /* Drops samples that are a gate before the last edge if later ones are so too. */
 static void forget(encoder *self, double since) {
     while (self->passages > 1 && passage_at(self, 1)->first_time <= since) {
-        self->oldest = (self->oldest + 1) % ENCODER_LOOKS;
+        self->oldest = (self->oldest + 1) % ENCODER_SAMPLES;
         --self->passages;
     }
 }
@@ -42,9 +42,9 @@ static void forget(encoder *self, double since) {
 /* Stores samples with edges between them. If room is scarce, a sample that follows the last one sooner than its share of
  * the gate is merged with it. */
 static void keep(encoder *self, const encoder_settings *settings, const encoder_passage *now) {
-    const bool is_scarce = self->passages > ENCODER_LOOKS / 2, is_full = self->passages == ENCODER_LOOKS;
+    const bool is_scarce = self->passages > ENCODER_SAMPLES / 2, is_full = self->passages == ENCODER_SAMPLES;
     encoder_passage *last = passage_at(self, is_scarce ? self->passages - 1 : 0);
-    if (is_full || (is_scarce && now->start - last->start < settings->gate / (ENCODER_LOOKS - 1))) {
+    if (is_full || (is_scarce && now->start - last->start < settings->gate / (ENCODER_SAMPLES - 1))) {
         last->end = now->end;
         last->place = now->place;
     } else *passage_at(self, self->passages++) = *now;
@@ -87,10 +87,10 @@ void encoder_begin(encoder *self, const double *error, double phase) {
 
 double encoder_read(encoder *self, const encoder_settings *settings, double time, double rotation) {
     const double pitch = TURN / settings->pulses;
-    if (!self->looked) {
+    if (!self->sampled) {
         self->place += fabs(rotation) / pitch;
         self->edge = last_edge(self, settings, self->place);
-        self->looked = true;
+        self->sampled = true;
     } else if (time > self->time) {
         turn(self, settings, time, self->place + fabs(rotation - self->rotation) / pitch);
     }

@@ -17,7 +17,7 @@
 #endif
 
 /* Largest number of stored samples in a gate. Beyond it, consecutive samples are merged. */
-#define ENCODER_LOOKS 64
+#define ENCODER_SAMPLES 64
 
 /* Settings that all sensors share. */
 typedef struct {
@@ -33,11 +33,11 @@ typedef struct {
 
 typedef struct {
     const double *error; /* of the places of all edges, as shares of the pitch; NULL: no errors */
-    bool looked;
+    bool sampled;
     double time, rotation, place, edge_time, mean;
     long long int edge;
     int oldest, passages;
-    encoder_passage passage[ENCODER_LOOKS];
+    encoder_passage passage[ENCODER_SAMPLES];
 } encoder;
 
 /* Bytes of an encoder. */

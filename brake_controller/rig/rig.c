@@ -16,7 +16,7 @@ enum { GUARD = 1024, GUARD_VALVES = 64, GUARDED = 0x5a };
 
 /* One run: its sensors are `wheelsets` long, its controller's memory `size`. */
 typedef struct {
-    long long int looks;
+    long long int samples;
     double end_speed;
     bool asks; /* whether a controller at the desk is to answer what was seen */
     encoder *sensor;
@@ -105,7 +105,7 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
     const size_t n = (size_t)s->wheelsets, pulses = (size_t)s->encoder.pulses;
-    one->looks = 0;
+    one->samples = 0;
     one->end_speed = end_speed;
     one->asks = false;
     memcpy(one->wheelset, wheelset, n * sizeof *wheelset);
@@ -134,31 +134,32 @@ const rig_score *rig_scores(const rig *self) { return self->score; }
 void rig_write_down(rig *self, const rig_notes *notes) { self->notes = *notes; }
 
 /* Records a sample if it is due. */
-static void note(rig *self, long long int row, double time, const double *shown) {
+static void note(rig *self, long long int row, double time, const double *outputs) {
     const rig_notes *notes = &self->notes;
     const rig_run *one = &self->run[row];
     const int n = self->settings.wheelsets;
     if (!notes->every || notes->count[row] == notes->room) return;
-    if (one->looks % notes->every && self->score[row].state == RIG_RUNS) return;
-    double *to = notes->look + (row * notes->room + notes->count[row]++) * (3 + 6 * n);
+    if (one->samples % notes->every && self->score[row].state == RIG_RUNS) return;
+    double *to = notes->sample + (row * notes->room + notes->count[row]++) * (3 + 6 * n);
     to[0] = time;
-    to[1] = shown[0];
-    to[2] = shown[1];
+    to[1] = outputs[0];
+    to[2] = outputs[1];
     for (int i = 0; i < n; ++i) {
-        to[3 + i] = shown[2 + n + i];
+        to[3 + i] = outputs[2 + n + i];
         to[3 + n + i] = one->seen[i];
-        to[3 + 2 * n + i] = shown[2 + 2 * n + i];
+        to[3 + 2 * n + i] = outputs[2 + 2 * n + i];
         to[3 + 3 * n + i] = one->valve[i];
-        to[3 + 4 * n + i] = shown[2 + 3 * n + i];
-        to[3 + 5 * n + i] = shown[2 + 4 * n + i];
+        to[3 + 4 * n + i] = outputs[2 + 3 * n + i];
+        to[3 + 5 * n + i] = outputs[2 + 4 * n + i];
     }
 }
 
 /* Adds a sample to the score of a run. */
-static void judge(rig *self, long long int row, double time, const double *shown) {
+static void judge(rig *self, long long int row, double time, const double *outputs) {
     const rig_settings *s = &self->settings;
     const int n = s->wheelsets;
-    const double speed = shown[0], *omega = shown + 2 + n, *pressure = omega + n, *creep = pressure + n, *air = creep + 2 * n;
+    const double speed = outputs[0], *omega = outputs + 2 + n, *pressure = omega + n, *creep = pressure + n,
+                 *air = creep + 2 * n;
     rig_run *one = &self->run[row];
     rig_score *score = &self->score[row];
     bool good = true;
@@ -178,13 +179,13 @@ static void judge(rig *self, long long int row, double time, const double *shown
         score->taken = air[0];
         score->reservoir = fmin(score->reservoir, air[1]);
     }
-    if (time > s->brake_start && speed > s->look_above) {
-        score->looked += 1.0;
+    if (time > s->brake_start && speed > s->check_above) {
+        score->checked += 1.0;
         score->band += good;
     }
     score->time = time;
     score->speed = speed;
-    score->distance = shown[1];
+    score->distance = outputs[1];
     if (time > s->brake_start && (s->driven ? speed >= one->end_speed : speed < one->end_speed)) score->state = RIG_DONE;
     else if (time >= s->longest) score->state = RIG_TOO_LONG;
 }
@@ -198,30 +199,30 @@ static double seen(const rig_settings *s, const rig_run *one, int i, double time
 }
 
 /* Samples a row; returns true if its run continues after this sample. */
-static bool look(rig *self, long long int row, int status, const double *shown, double *wheel_speed) {
+static bool sample(rig *self, long long int row, int status, const double *outputs, double *wheel_speed) {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
     if (self->score[row].state == RIG_RUNS && status > WORKS) self->score[row].state = RIG_LOST;
     if (self->score[row].state != RIG_RUNS) return false;
-    const double time = (double)one->looks * s->period;
+    const double time = (double)one->samples * s->period;
     for (int i = 0; i < s->wheelsets; ++i)
-        wheel_speed[i] = one->seen[i] = seen(s, one, i, time, encoder_read(&one->sensor[i], &s->encoder, time, shown[2 + i]));
-    judge(self, row, time, shown);
-    note(self, row, time, shown);
+        wheel_speed[i] = one->seen[i] = seen(s, one, i, time, encoder_read(&one->sensor[i], &s->encoder, time, outputs[2 + i]));
+    judge(self, row, time, outputs);
+    note(self, row, time, outputs);
     return self->score[row].state == RIG_RUNS;
 }
 
 /* Sets the inputs of a row's vehicle at the time of the last sample, and lets it continue. */
-static void set(rig *self, long long int row, double *told) {
+static void set(rig *self, long long int row, double *inputs) {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
-    const bool demanded = (double)one->looks * s->period >= s->brake_start;
+    const bool demanded = (double)one->samples * s->period >= s->brake_start;
     for (int i = 0; i < s->wheelsets; ++i) {
-        told[i] = demanded ? s->demand : 0.0;
-        told[s->wheelsets + i] = one->valve[i];
+        inputs[i] = demanded ? s->demand : 0.0;
+        inputs[s->wheelsets + i] = one->valve[i];
         self->score[row].commands += one->valve[i] != WHEEL_SLIDE_APPLY;
     }
-    ++one->looks;
+    ++one->samples;
 }
 
 /* Takes the answer of a controller, or gives the controller up; valves that stick stay in their position. */
@@ -236,7 +237,7 @@ static void take(rig *self, long long int row, const int *valve) {
             rig_give_up(self, row);
             return;
         }
-    const double time = (double)one->looks * self->settings.period;
+    const double time = (double)one->samples * self->settings.period;
     for (int i = 0; i < self->settings.wheelsets; ++i) {
         const rig_wheelset *of = &one->wheelset[i];
         if (!(of->valve_sticks && time >= of->valve_from)) one->valve[i] = valve[i];
@@ -246,18 +247,18 @@ static void take(rig *self, long long int row, const int *valve) {
 void rig_give_up(rig *self, long long int row) {
     rig_run *one = &self->run[row];
     if (!isnan(self->score[row].failed_at)) return;
-    self->score[row].failed_at = (double)one->looks * self->settings.period;
+    self->score[row].failed_at = (double)one->samples * self->settings.period;
     for (int i = 0; i < self->settings.wheelsets; ++i) one->valve[i] = WHEEL_SLIDE_APPLY;
 }
 
-void rig_look(rig *self, long long int row, int status, const double *shown) {
+void rig_sample(rig *self, long long int row, int status, const double *outputs) {
     rig_run *one = &self->run[row];
-    self->desk.time[row] = (double)one->looks * self->settings.period;
-    one->asks = look(self, row, status, shown, self->desk.wheel_speed + row * self->settings.wheelsets);
+    self->desk.time[row] = (double)one->samples * self->settings.period;
+    one->asks = sample(self, row, status, outputs, self->desk.wheel_speed + row * self->settings.wheelsets);
 }
 
-bool rig_take_or_look(void *context, long long int first, long long int count, const int *status, const double *shown,
-                      double *told) {
+bool rig_take_or_sample(void *context, long long int first, long long int count, const int *status, const double *outputs,
+                        double *inputs) {
     rig *self = (rig *)context;
     const int n = self->settings.wheelsets;
     bool any = false;
@@ -266,17 +267,17 @@ bool rig_take_or_look(void *context, long long int first, long long int count, c
         if (!self->run[row].asks) continue;
         self->run[row].asks = false;
         take(self, row, self->desk.valve + row * n);
-        set(self, row, told + i * 2 * n);
+        set(self, row, inputs + i * 2 * n);
         any = true;
     }
     for (long long int i = 0; i < count && !any; ++i)
         if (self->score[first + i].state == RIG_RUNS)
-            rig_look(self, first + i, status[i], shown + (size_t)i * width(&self->settings));
+            rig_sample(self, first + i, status[i], outputs + (size_t)i * width(&self->settings));
     return any;
 }
 
-bool rig_between(void *context, long long int first, long long int count, const int *status, const double *shown,
-                 double *told) {
+bool rig_between(void *context, long long int first, long long int count, const int *status, const double *outputs,
+                 double *inputs) {
     rig *self = (rig *)context;
     const int n = self->settings.wheelsets;
     bool any = false;
@@ -284,16 +285,16 @@ bool rig_between(void *context, long long int first, long long int count, const 
         const long long int row = first + i;
         double wheel_speed[RIG_MOST];
         int valve[RIG_MOST + GUARD_VALVES];
-        if (!look(self, row, status[i], shown + (size_t)i * width(&self->settings), wheel_speed)) continue;
+        if (!sample(self, row, status[i], outputs + (size_t)i * width(&self->settings), wheel_speed)) continue;
         memcpy(valve, self->run[row].valve, (size_t)n * sizeof *valve);
         memcpy(valve + n, self->guard, GUARD_VALVES * sizeof *valve);
         if (isnan(self->score[row].failed_at) && self->controller.step) {
-            const double time = (double)self->run[row].looks * self->settings.period;
+            const double time = (double)self->run[row].samples * self->settings.period;
             self->controller.step(self->run[row].memory, time, wheel_speed, valve);
             if (kept_to_itself(self, &self->run[row], valve)) take(self, row, valve);
             else gone_beyond(self, row);
         }
-        set(self, row, told + i * 2 * n);
+        set(self, row, inputs + i * 2 * n);
         any = true;
     }
     return any;

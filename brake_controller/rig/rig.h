@@ -24,7 +24,7 @@ typedef struct {
     double demand;            /* pressure of the full brake [Pa], or share of the largest traction [1] */
     double longest;           /* a run ends at this time */
     double lock_above;        /* speed above which a lock is scored */
-    double band, look_above;  /* slip up to which a wheel is scored as protected, and speed above which this is checked */
+    double band, check_above;  /* slip up to which a wheel is scored as protected, and speed above which this is checked */
     int reservoir, driven;    /* 1 if a vehicle outputs its reservoir, else 0; 1 if motors drive it, 0 if it has brakes */
     encoder_settings encoder;
 } rig_settings;
@@ -60,7 +60,7 @@ typedef struct {
     double distance, speed, time;
     double longest_lock, longest_skid; /* of a locked wheelset: time [s], and travel at any speed [m]; of a driven wheelset:
                                         * time of rotation at more than twice the speed, and 0 */
-    double band, looked;      /* samples above the speed, and those of them with all slips in the band */
+    double band, checked;      /* samples above the speed, and those of them with all slips in the band */
     double filled;            /* rises of all cylinders' pressures [Pa], or of all motors' torques [N.m] */
     double taken, reservoir;  /* air from the reservoir [kg], and the lowest pressure in it [Pa]; without one 0 */
     double sliding[RIG_MOST]; /* energy of sliding between wheels and rails, by wheelset [J] */
@@ -74,7 +74,7 @@ typedef struct {
  * position, creep force and load. */
 typedef struct {
     long long int every, room; /* recording interval in samples; largest number of recorded samples in a row */
-    double *look;              /* rows x room x (3 + 6 wheelsets) */
+    double *sample;             /* rows x room x (3 + 6 wheelsets) */
     long long int *count;      /* rows: number of recorded samples */
 } rig_notes;
 /* Interface of the vehicles to a controller outside, such as one in Python: arrays that outlive the rig. */
@@ -101,17 +101,17 @@ RIG_SHOWN const rig_score *rig_scores(const rig *self);
 /* Records runs that begin after this call; `notes` outlives the rig. */
 RIG_SHOWN void rig_write_down(rig *self, const rig_notes *notes);
 /* Samples the sensors of a new run for the first time, for the desk. status: of its vehicle, a kernel_status. */
-RIG_SHOWN void rig_look(rig *self, long long int row, int status, const double *shown);
+RIG_SHOWN void rig_sample(rig *self, long long int row, int status, const double *outputs);
 /* Keeps the brakes of a row applied, because its controller failed. */
 RIG_SHOWN void rig_give_up(rig *self, long long int row);
 /* Does a complete exchange with the controller in C; returns true if a run continues: `batch_between` of the kernel's
  * batch.h. */
-RIG_SHOWN bool rig_between(void *self, long long int first, long long int count, const int *status, const double *shown,
-                           double *told);
+RIG_SHOWN bool rig_between(void *self, long long int first, long long int count, const int *status, const double *outputs,
+                           double *inputs);
 /* Does half of it for a controller at the desk; returns true if a step follows. It sets the commanded valves or, if these
  * are set, samples the sensors for the next command. An invalid command applies the brake of its row permanently. A
  * `batch_control` of two steps thus makes one step, and ends with the sensor readings after it. */
-RIG_SHOWN bool rig_take_or_look(void *self, long long int first, long long int count, const int *status, const double *shown,
-                                double *told);
+RIG_SHOWN bool rig_take_or_sample(void *self, long long int first, long long int count, const int *status,
+                                  const double *outputs, double *inputs);
 
 #endif

@@ -32,7 +32,7 @@ static const double FREELY_BRAKED = 0.3;
 static const double SHORTEST_BETWEEN = 0.5, LEAST_DECELERATION = 0.1;
 /* Time for which a new sensor is only observed. Time between stored speeds while nothing slides. Time from the first true
  * speed of a slide to the second [s]. */
-static const double SETTLING = 0.5, KEEPING = 1.0, SECOND_LOOK = 1.5;
+static const double SETTLING = 0.5, KEEPING = 1.0, SECOND_SYNCHRONISING = 1.5;
 /* Limits for the rejection of a sensor. Change of the largest of the RECENT last readings between two samples [m/s], and
  * its increase for each second between them [m/s2]. The strongest brake stops a wheel at some 100 m/s2, and a late tooth
  * appears as low speed in only a few consecutive samples. */
@@ -63,7 +63,7 @@ typedef struct {
     slide_thresholds thresholds;
     double time, reference, deceleration, evident_at, acted_at;
     double synchronised_at, synchronised_speed, kept_at, kept_speed;
-    int wheelsets, looks, released;
+    int wheelsets, synchronised, released;
     bool begun, evident, gained, any_believed;
     wheel wheels[];
 } protection;
@@ -220,7 +220,7 @@ static void roll(protection *self, double size, const wheel *fastest) {
     if (!any || !(most > apart || least > together)) return;
     self->evident = self->gained = true;
     self->evident_at = self->time;
-    self->looks = 0;
+    self->synchronised = 0;
     measure(self, self->reference);
 }
 
@@ -234,7 +234,7 @@ static double known_deceleration(const protection *self, const wheel *fastest) {
 static double slow(const protection *self) { return self->thresholds.least_slip / self->thresholds.upper_slip; }
 
 /* Records that a wheel has gained speed since the last true speed, or since its release. */
-static void look_for_gain(protection *self, wheel *one) {
+static void find_gain(protection *self, wheel *one) {
     one->lowest = smaller(one->lowest, one->calm_speed);
     const double gain = GAIN * larger(one->calm_speed, slow(self));
     if (one->calm_acceleration > SPEEDING && one->calm_speed - one->lowest > gain) self->gained = one->speeds_up = true;
@@ -248,13 +248,13 @@ static bool has_caught_up(const protection *self, const wheel *one) {
 
 /* Takes the true speed, and from two of them the deceleration of the bogie. */
 static void synchronise(protection *self, double speed) {
-    if (self->looks == 0 || self->time - self->synchronised_at > SHORTEST_BETWEEN) {
+    if (self->synchronised == 0 || self->time - self->synchronised_at > SHORTEST_BETWEEN) {
         measure(self, speed);
         self->synchronised_at = self->kept_at = self->time;
         self->synchronised_speed = self->kept_speed = speed;
-        ++self->looks;
+        ++self->synchronised;
         /* The first two are too close for wheels to slide in between; at low speed wheels lock before new evidence. */
-        if (self->looks > 2 && speed > slow(self)) {
+        if (self->synchronised > 2 && speed > slow(self)) {
             self->evident = self->gained;
             self->gained = false;
         }
@@ -271,7 +271,7 @@ static void slide(protection *self, double size, const wheel *fastest) {
     self->reference = larger(fastest->calm_speed, self->reference - falls * size);
     for (wheel *one = self->wheels; one < self->wheels + self->wheelsets; ++one) {
         if (!is_seen(self, one)) continue;
-        look_for_gain(self, one);
+        find_gain(self, one);
         if (has_caught_up(self, one) && (!shows || one->calm_speed > shows->calm_speed)) shows = one;
     }
     if (shows) synchronise(self, shows->calm_speed);
@@ -283,8 +283,11 @@ static void slide(protection *self, double size, const wheel *fastest) {
 
 /* True if this wheelset is released to show the true speed: first one that slides. */
 static bool is_released(protection *self, int number) {
-    const double due = self->looks == 0 ? 0.0 : self->looks == 1 ? SECOND_LOOK : self->thresholds.synchronising_period;
-    if (self->released == NOBODY && self->time - self->synchronised_at > due) self->released = chosen(self, self->looks > 0);
+    const double due = self->synchronised == 0   ? 0.0
+                       : self->synchronised == 1 ? SECOND_SYNCHRONISING
+                                                 : self->thresholds.synchronising_period;
+    if (self->released == NOBODY && self->time - self->synchronised_at > due)
+        self->released = chosen(self, self->synchronised > 0);
     return self->released == number;
 }
 

@@ -22,7 +22,7 @@ struct fmu_object {
     arrays_object *own;
     run now;
     double stop; /* infinite: not set */
-    kernel_sentence said; /* NULL: all messages were delivered */
+    kernel_sentence message; /* NULL: all messages were delivered */
     char sentence[MESSAGE_SIZE];
 };
 
@@ -99,14 +99,14 @@ static kernel_status say(fmu_object *self, kernel_status status, const char *for
     va_start(arguments, format);
     vsnprintf(self->sentence, sizeof self->sentence, format, arguments);
     va_end(arguments);
-    self->said.status = status;
-    self->said.text = self->sentence;
+    self->message.status = status;
+    self->message.text = self->sentence;
     return status;
 }
 
 static bool object_hear(fmu_object *self, kernel_sentence *heard) {
-    *heard = self->said;
-    self->said.text = NULL;
+    *heard = self->message;
+    self->message.text = NULL;
     return heard->text != NULL;
 }
 

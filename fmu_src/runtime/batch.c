@@ -32,7 +32,7 @@ void batch_free(batch *self) {
 }
 
 int batch_lanes(void) { return W; }
-void batch_free_said(char *said) { free(said); }
+void batch_free_message(char *message) { free(message); }
 
 void batch_forget(batch *self) {
     for (int l = 0; l < W; ++l) self->lane[l].constants_of = NULL;
@@ -216,7 +216,7 @@ static void round_of_steps(batch *self, void *work, void (*end)(batch *self, voi
 /* Make a kernel_step of an instance in a lane; return whether it may begin. */
 static kernel_status begin_step(batch *self, int l, kernel *own, double size) {
     lane *one = &self->lane[l];
-    one->noted = own->journal.noted;
+    one->noted = own->messages.noted;
     const kernel_status status = step_begin(own, own->run.now->time, size);
     if (status != KERNEL_OK) return status;
     memset(&one->run, 0, sizeof one->run);
@@ -231,7 +231,7 @@ static kernel_status begin_step(batch *self, int l, kernel *own, double size) {
 
 /* Return the messages of a run, of a failed one only the last; NULL if there is no message or no memory. */
 static char *words_of(kernel *own, kernel_status status) {
-    kernel_sentence heard = {status, own->journal.message};
+    kernel_sentence heard = {status, own->messages.message};
     size_t length = 0;
     char *words = NULL;
     while (status > KERNEL_DISCARD ? !words : kernel_hear(own, &heard)) {
@@ -254,7 +254,7 @@ static void leave_run(const batch_runs *runs, long long int row, kernel *own, ke
     for (int i = 0; i < runs->outputs && failed; ++i) result[i] = NAN;
     runs->status[row] = (int)status;
     runs->end[row] = failed ? NAN : own->run.now->time;
-    if (runs->said && (failed || runs->says_all)) runs->said[row] = words_of(own, status);
+    if (runs->messages && (failed || runs->all_messages)) runs->messages[row] = words_of(own, status);
 }
 
 /* All variables to their start values; the file of all runs is read once. */
@@ -280,7 +280,7 @@ static kernel_status initialise_run(const batch_runs *runs, long long int row, k
     kernel_status status = reset_run(runs, own);
     for (int i = 0; i < runs->variables && status <= KERNEL_WARNING; ++i)
         status = kernel_set(own, runs->variable[i], runs->value[row * runs->variables + i]);
-    while (runs->says_all && kernel_hear(own, &heard)) continue;
+    while (runs->all_messages && kernel_hear(own, &heard)) continue;
     if (status <= KERNEL_WARNING) status = kernel_initialise(own, runs->start);
     if (status <= KERNEL_WARNING && own->system != &MODEL.system[BATCH.system])
         status = kernel_fail(own, KERNEL_ERROR, "This batch runs the system %s; these values choose %s.",
@@ -408,7 +408,7 @@ void batch_control(batch *const *group, const batch_steps *steps, long long int 
     }
 }
 
-void batch_look(const batch_steps *steps) {
+void batch_read_outputs(const batch_steps *steps) {
     for (long long int row = 0; row < steps->count; ++row) {
         steps->status[row] = KERNEL_OK;
         for (int i = 0; i < steps->outputs; ++i) {

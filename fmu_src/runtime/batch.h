@@ -33,8 +33,8 @@ typedef struct {
     double *result;      /* count x outputs: where a run ends */
     double *end;         /* count: when [s] */
     int *status;         /* count: a kernel_status; KERNEL_DISCARD: the run ended by itself */
-    char **said;         /* count, or NULL: messages from the initialisation on; batch_free_said frees each */
-    bool says_all;       /* false: only failed runs report their messages */
+    char **messages;      /* count, or NULL: messages from the initialisation on; batch_free_message frees each */
+    bool all_messages;       /* false: only failed runs report their messages */
 } batch_runs;
 
 /* A step of each of `count` instances. */
@@ -61,7 +61,7 @@ KERNEL_EXPORT void batch_free(batch *self);
 KERNEL_EXPORT int batch_lanes(void);
 /* Return false if out of memory. */
 KERNEL_EXPORT bool batch_run(batch *self, const batch_runs *runs);
-KERNEL_EXPORT void batch_free_said(char *said);
+KERNEL_EXPORT void batch_free_message(char *message);
 /* group: a batch for each BATCH_LANES instances, the same at every step. */
 KERNEL_EXPORT void batch_step(batch *const *group, const batch_steps *steps);
 /* Make `count` steps of all instances, a few instances at a time, each step after a call of `between`. Ends early if none of
@@ -69,7 +69,7 @@ KERNEL_EXPORT void batch_step(batch *const *group, const batch_steps *steps);
 KERNEL_EXPORT void batch_control(batch *const *group, const batch_steps *steps, long long int count, batch_between between,
                                  void *context, long long int first);
 /* Write the present outputs of all instances into the arrays for those of a step. */
-KERNEL_EXPORT void batch_look(const batch_steps *steps);
+KERNEL_EXPORT void batch_read_outputs(const batch_steps *steps);
 /* Must be called before the next step of a group in which instances have begun a new run. */
 KERNEL_EXPORT void batch_forget(batch *self);
 

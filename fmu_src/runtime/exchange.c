@@ -194,7 +194,7 @@ kernel_status kernel_complete_step(kernel *self, bool *crossed) {
     *crossed = false;
     for (int i = 0; i < kernel_exchange_indicators(); ++i) *crossed |= self->modes.margin[i] < 0.0;
     /* An output that depends on a friction's reports is discrete: it changes only at events. */
-    if (self->run.now->watched) *crossed |= told_follow(self, 0.0);
+    if (self->run.now->watched) *crossed |= reported_follow(self, 0.0);
     const bool warned = modes_warn(self, 0.0);
     return explicit_host_guard(self) != KERNEL_OK || warned ? KERNEL_WARNING : KERNEL_OK;
 }

@@ -13,7 +13,7 @@ static kernel_status suggest_tolerance(kernel *self, double tolerance) {
 kernel_status kernel_plan(kernel *self, const double *tolerance, double start, const double *stop) {
     char problem[DURATION_PROBLEM];
     if (plan_is_wrong(start, stop, problem)) return kernel_fail(self, KERNEL_ERROR, "%s", problem);
-    self->asked.stop_time = stop ? *stop : INFINITY;
+    self->requested.stop_time = stop ? *stop : INFINITY;
     return tolerance ? suggest_tolerance(self, *tolerance) : KERNEL_OK;
 }
 

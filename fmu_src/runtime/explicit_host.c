@@ -73,11 +73,11 @@ kernel_status explicit_host_guard(kernel *self) {
     const double size = self->run.now->time - self->host.time;
     self->host.steps = is_step_of_euler(self, size) ? self->host.steps + 1 : 0;
     explicit_host_begin(self);
-    if (self->run.now->guard_said > 0.0 || self->host.steps % LOOK_EVERY != STEPS_TO_TELL) return KERNEL_OK;
+    if (self->run.now->guard_warned > 0.0 || self->host.steps % LOOK_EVERY != STEPS_TO_TELL) return KERNEL_OK;
     rosenbrock_linearise(self, 0.0, self->run.state);
     const double growth = growth_over_steps(self, size, 0);
     if (!(growth > UNSTABLE * growth_over_steps(self, size, FINER))) return KERNEL_OK;
-    self->run.now->guard_said = growth;
+    self->run.now->guard_warned = growth;
     char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_WARNING,
                        "The host's steps of %.3g s by Euler's method are unstable at t = %s s: a disturbance grows %.1g-fold "

@@ -16,13 +16,13 @@ enum { CATEGORIES = 4, EVERYTHING = 15 };
 
 static void say(const component *self, kernel_status status, const char *sentence) {
     const unsigned category = status <= KERNEL_ERROR ? (unsigned)status : (unsigned)KERNEL_ERROR;
-    if (self->logger && ((self->logged | self->standard->told) & (1u << category)))
+    if (self->logger && ((self->logged | self->standard->always_logged) & (1u << category)))
         self->standard->tell(self, status, CATEGORY[category], sentence);
 }
 
 /* Set the statuses whose messages the object writes: those that are passed on. */
 static void listen(const component *self) {
-    if (OBJECT.listen) OBJECT.listen(self->object, self->logger ? self->logged | self->standard->told : 0);
+    if (OBJECT.listen) OBJECT.listen(self->object, self->logger ? self->logged | self->standard->always_logged : 0);
 }
 
 kernel_status face_error(const component *self, const char *sentence) {

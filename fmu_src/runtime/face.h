@@ -26,7 +26,7 @@ typedef bool face_place(const char *given, char *path, char problem[RESOURCES_PR
 /* Differences between FMI 2.0 and FMI 3.0. */
 typedef struct {
     const char *name;   /* "FMI 2.0, section 4.2.4" */
-    unsigned told;      /* a bit for each category that is always logged */
+    unsigned always_logged; /* a bit for each category that is always logged */
     bool by_elements;   /* whether a value reference is that of one element, and the time has none */
     face_place *place;
     /* Hand a message to the host's logger. */

@@ -9,8 +9,8 @@
 
 /* Warn when the local error exceeds the tolerance, and again when it is ten times the one last reported. */
 static kernel_status guard_error(kernel *self, double time, double size, double error) {
-    if (!(error > 1.0) || error < 10.0 * self->run.now->guard_said) return KERNEL_OK;
-    self->run.now->guard_said = error;
+    if (!(error > 1.0) || error < 10.0 * self->run.now->guard_warned) return KERNEL_OK;
+    self->run.now->guard_warned = error;
     if (!kernel_is_heard(self, KERNEL_WARNING)) return KERNEL_WARNING;
     char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_WARNING,
@@ -82,6 +82,6 @@ void fixed_take(kernel *self, stepper *run, double error) {
     }
     if (self->recorder) record_until(self, run->offset, 0.0, run->offset);
     self->run.now->ended = end;
-    if (end || (switched && self->asked.stops_at_events)) run->phase = STEPPER_DONE;
+    if (end || (switched && self->requested.stops_at_events)) run->phase = STEPPER_DONE;
     else if (modes_warn(self, run->offset)) run->status = KERNEL_WARNING;
 }

@@ -105,7 +105,7 @@ kernel_status kernel_initialise(kernel *self, double time) {
     self->run.now->proposed_step = FIRST_STEP;
     self->run.now->kept_steps = -1;
     self->run.now->pause = self->run.now->guard_wait = self->run.now->switches = 0;
-    self->run.now->guard_said = self->run.now->reluctance = 0.0;
+    self->run.now->guard_warned = self->run.now->reluctance = 0.0;
     self->run.now->switched = -INFINITY;
     kernel_gather_inputs(self);
     if (system->derive) kernel_call(self, system->derive, 0.0, self->run.state, &self->run.derived);
@@ -113,10 +113,10 @@ kernel_status kernel_initialise(kernel *self, double time) {
     memcpy(self->run.state, self->work.trial, (size_t)system->states * sizeof(double));
     for (int i = 0; i < system->frictions; ++i) {
         self->run.mode[i] = 1.0;
-        self->run.told[i] = 0.0;
+        self->run.reported[i] = 0.0;
     }
     self->run.now->watched = false;
-    for (int i = 0; i < system->conditions; ++i) self->run.said[i] = 0.0;
+    for (int i = 0; i < system->conditions; ++i) self->run.warned[i] = 0.0;
     if (!steady_find(self)) {
         char when[TIME_TEXT];
         kernel_reopen(self);

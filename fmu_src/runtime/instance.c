@@ -45,8 +45,8 @@ static size_t lay_out_run(run_state *run, const dimensions *room, double *block)
     run->now = (run_record *)carve(block, &used, (int)((sizeof(run_record) + sizeof(double) - 1) / sizeof(double)));
     run->state = carve(block, &used, room->states);
     run->mode = carve(block, &used, room->frictions);
-    run->said = carve(block, &used, room->conditions);
-    run->told = carve(block, &used, room->frictions);
+    run->warned = carve(block, &used, room->conditions);
+    run->reported = carve(block, &used, room->frictions);
     run->kept_state = carve(block, &used, room->states);
     run->kept_input = carve(block, &used, room->inputs);
     run->kept_mode = carve(block, &used, room->frictions);
@@ -96,13 +96,13 @@ static size_t lay_out_work(kernel *self, double *block) {
     self->kept.algebraic.matrix = carve(block, &used, room->algebraics * room->algebraics);
     self->modes.drive = carve(block, &used, room->frictions);
     self->modes.capacity = carve(block, &used, 2 * room->frictions);
-    self->modes.told = carve(block, &used, 2 * room->frictions);
+    self->modes.reported = carve(block, &used, 2 * room->frictions);
     self->modes.before = carve(block, &used, room->frictions);
     self->modes.overshoot = carve(block, &used, room->frictions);
     self->modes.margin = carve(block, &used, room->frictions + room->conditions);
     self->reading.output = carve(block, &used, room->outputs);
     self->reading.output_rate = carve(block, &used, room->outputs);
-    double **const vectors[] = {&self->reading.slope_change, &self->reading.place,      &self->reading.shown,
+    double **const vectors[] = {&self->reading.slope_change, &self->reading.place,      &self->reading.state,
                                 &self->reading.first_slope,  &self->reading.last_slope, &self->steady.start,
                                 &self->steady.change,        &self->steady.answer,      &self->steady.pace,
                                 &self->host.state,           &self->host.slope,         &self->host.change,
@@ -163,11 +163,11 @@ void kernel_reset(kernel *self) {
     self->run.now->system = -1;
     self->host.steps = 0;
     self->host.slope_known = false;
-    self->asked.stop_time = INFINITY;
+    self->requested.stop_time = INFINITY;
     self->system = NULL;
-    self->journal.message[0] = '\0';
-    self->journal.length = self->journal.heard = 0;
-    self->journal.noted = self->journal.lost = 0;
+    self->messages.message[0] = '\0';
+    self->messages.length = self->messages.heard = 0;
+    self->messages.noted = self->messages.lost = 0;
 }
 
 double kernel_time(const kernel *self) { return self->run.now->time; }

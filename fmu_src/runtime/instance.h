@@ -33,7 +33,7 @@ typedef struct {
     bool stops_at_events, whole_steps;
     unsigned unheard; /* a bit for each status whose messages are not written */
     double stop_time; /* infinite: not set */
-} host_wishes;
+} host_requests;
 
 struct kernel {
     const system_description *system; /* the chosen one; null before initialisation */
@@ -49,12 +49,12 @@ struct kernel {
     reading_workspace reading;
     steady_workspace steady;
     host_workspace host;
-    host_wishes asked;
+    host_requests requested;
     const known_place *known[2]; /* where a step begins and where its trial ends; NULL: no results are known there */
     bool reads_outputs_later; /* a step leaves outputs to be computed when they are read */
     kernel_counters counters;
     kernel_recorder *recorder;
-    sentence_journal journal;
+    message_log messages;
     char *warned; /* one flag per variable: the warning "has no effect here" was given */
     double *backup; /* of the block of the run, at the start of a step */
     double *scratch; /* memory of the workspaces */

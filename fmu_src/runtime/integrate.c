@@ -186,7 +186,7 @@ static void arrive(kernel *self, stepper *run, bool crossing) {
     }
     if (crossing) {
         self->run.now->ended = modes_switch(self, run->offset, -INFINITY);
-        if (self->run.now->ended || self->asked.stops_at_events) {
+        if (self->run.now->ended || self->requested.stops_at_events) {
             run->phase = STEPPER_DONE;
             return;
         }

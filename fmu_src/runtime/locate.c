@@ -34,8 +34,8 @@ static void look_along_extension(kernel *self, stepper *run) {
     bracket within = run->within;
     for (int count = 0; count < MAXIMUM_LOCATION_STEPS && is_wide(&within, run->crossing); ++count) {
         const double middle = middle_of(&within);
-        rosenbrock_interpolate(self, middle / run->crossing, self->reading.shown);
-        divide(&within, middle, modes_margin(self, run->offset + middle, self->reading.shown));
+        rosenbrock_interpolate(self, middle / run->crossing, self->reading.state);
+        divide(&within, middle, modes_margin(self, run->offset + middle, self->reading.state));
     }
     run->steepness = (within.at_left - within.at_right) / (within.right - within.left);
     run->by_extension = STEPS_BY_EXTENSION;

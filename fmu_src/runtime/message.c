@@ -16,28 +16,28 @@ static void mark_cut(char text[MESSAGE_SIZE]) {
     memcpy(end, CUT, sizeof CUT);
 }
 
-static size_t behind_record(const sentence_journal *journal, size_t at) { return at + strlen(journal->record + at + 1) + 2; }
+static size_t behind_record(const message_log *kept, size_t at) { return at + strlen(kept->record + at + 1) + 2; }
 
 /* Drop messages that were read, and then the oldest unread ones, until there is room. */
-static void make_room(sentence_journal *journal, size_t needed) {
-    size_t dropped = journal->heard;
-    while (journal->length - dropped + needed > JOURNAL_SIZE) {
-        dropped = behind_record(journal, dropped);
-        journal->lost++;
+static void make_room(message_log *kept, size_t needed) {
+    size_t dropped = kept->heard;
+    while (kept->length - dropped + needed > MESSAGE_LOG_SIZE) {
+        dropped = behind_record(kept, dropped);
+        kept->lost++;
     }
-    memmove(journal->record, journal->record + dropped, journal->length - dropped);
-    journal->length -= dropped;
-    journal->heard = 0;
+    memmove(kept->record, kept->record + dropped, kept->length - dropped);
+    kept->length -= dropped;
+    kept->heard = 0;
 }
 
-static void note(sentence_journal *journal, kernel_status status, const char *sentence) {
+static void note(message_log *kept, kernel_status status, const char *sentence) {
     const size_t needed = strlen(sentence) + 2;
-    if (journal->length + needed > JOURNAL_SIZE) make_room(journal, needed);
-    char *record = journal->record + journal->length;
+    if (kept->length + needed > MESSAGE_LOG_SIZE) make_room(kept, needed);
+    char *record = kept->record + kept->length;
     record[0] = (char)status;
     memcpy(record + 1, sentence, needed - 1);
-    journal->length += needed;
-    journal->noted++;
+    kept->length += needed;
+    kept->noted++;
 }
 
 static void write_sentence(char text[MESSAGE_SIZE], const char *format, va_list arguments) {
@@ -45,9 +45,9 @@ static void write_sentence(char text[MESSAGE_SIZE], const char *format, va_list 
     make_readable(text);
 }
 
-void kernel_listen(kernel *self, unsigned statuses) { self->asked.unheard = ~statuses; }
+void kernel_listen(kernel *self, unsigned statuses) { self->requested.unheard = ~statuses; }
 
-bool kernel_is_heard(const kernel *self, kernel_status status) { return !(self->asked.unheard >> (unsigned)status & 1u); }
+bool kernel_is_heard(const kernel *self, kernel_status status) { return !(self->requested.unheard >> (unsigned)status & 1u); }
 
 void kernel_note(kernel *self, kernel_status status, const char *format, ...) {
     if (!kernel_is_heard(self, status)) return;
@@ -56,16 +56,16 @@ void kernel_note(kernel *self, kernel_status status, const char *format, ...) {
     va_start(arguments, format);
     write_sentence(sentence, format, arguments);
     va_end(arguments);
-    note(&self->journal, status, sentence);
+    note(&self->messages, status, sentence);
 }
 
 kernel_status kernel_fail(kernel *self, kernel_status status, const char *format, ...) {
     if (!kernel_is_heard(self, status)) return status;
     va_list arguments;
     va_start(arguments, format);
-    write_sentence(self->journal.message, format, arguments);
+    write_sentence(self->messages.message, format, arguments);
     va_end(arguments);
-    note(&self->journal, status, self->journal.message);
+    note(&self->messages, status, self->messages.message);
     return status;
 }
 
@@ -76,31 +76,30 @@ kernel_status kernel_say_when(kernel *self, kernel_status status, const char *se
 }
 
 void kernel_take_back(kernel *self, unsigned long long noted) {
-    sentence_journal *journal = &self->journal;
-    unsigned long long newer = journal->noted - noted, unheard = 0;
-    for (size_t at = journal->heard; at < journal->length; at = behind_record(journal, at)) ++unheard;
-    size_t end = journal->heard;
-    for (; unheard > newer; --unheard) end = behind_record(journal, end);
-    journal->length = end;
-    journal->noted = noted;
+    message_log *kept = &self->messages;
+    unsigned long long newer = kept->noted - noted, unheard = 0;
+    for (size_t at = kept->heard; at < kept->length; at = behind_record(kept, at)) ++unheard;
+    size_t end = kept->heard;
+    for (; unheard > newer; --unheard) end = behind_record(kept, end);
+    kept->length = end;
+    kept->noted = noted;
 }
 
 bool kernel_hear(kernel *self, kernel_sentence *heard) {
-    sentence_journal *journal = &self->journal;
-    if (journal->lost) {
-        snprintf(journal->told_of_loss, sizeof journal->told_of_loss, "%llu earlier sentences were lost: nobody heard them.",
-                 journal->lost);
-        journal->lost = 0;
+    message_log *kept = &self->messages;
+    if (kept->lost) {
+        snprintf(kept->loss, sizeof kept->loss, "%llu earlier messages were lost: they were not read.", kept->lost);
+        kept->lost = 0;
         heard->status = KERNEL_WARNING;
-        heard->text = journal->told_of_loss;
+        heard->text = kept->loss;
         return true;
     }
-    if (journal->heard == journal->length) {
-        journal->heard = journal->length = 0;
+    if (kept->heard == kept->length) {
+        kept->heard = kept->length = 0;
         return false;
     }
-    const char *record = journal->record + journal->heard;
-    journal->heard = behind_record(journal, journal->heard);
+    const char *record = kept->record + kept->heard;
+    kept->heard = behind_record(kept, kept->heard);
     heard->status = (kernel_status)record[0];
     heard->text = record + 1;
     return true;

@@ -71,7 +71,7 @@ RUNTIME_LOCAL double modes_margin(kernel *self, double offset, const double *sta
 RUNTIME_LOCAL int modes_switch(kernel *self, double offset, double least);
 RUNTIME_LOCAL bool modes_warn(kernel *self, double offset);
 /* Report changes of frictions that stick or slide, as soon as they count; return whether there were any. */
-RUNTIME_LOCAL bool told_follow(kernel *self, double offset);
+RUNTIME_LOCAL bool reported_follow(kernel *self, double offset);
 /* Model exchange: something has switched or stopped now. */
 RUNTIME_LOCAL void modes_grow_reluctant(kernel *self);
 /* Model exchange: a step of the host begins here; slopes were read; and it ends here, a status where that is warned of. */

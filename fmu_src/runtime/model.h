@@ -39,7 +39,7 @@ typedef struct {
     const char *label, *stuck_word, *sliding_word;
     int velocity, other; /* indices; -1: there is no other */
     int whole;   /* the first of those that hold the vehicle as a whole and are reported as one; -1: reported by itself */
-    bool counts; /* whether `told` limits the reports of it */
+    bool counts; /* whether `reported` limits the reports of it */
 } friction_description;
 
 /* A state, or the sum of two, whose change within a step is limited. */
@@ -92,7 +92,7 @@ typedef struct {
     generated_function warning_margin; /* of the warnings; null: condition_margin has them */
     generated_function largest_change;
     /* For each friction, a number above 0 if its sticking counts; then for each, one above 0 if its sliding counts. */
-    generated_function told;
+    generated_function reported;
     generated_function output_along, residual_along; /* derivatives of outputs and of residuals along the seed */
     /* The factors of a step's matrix, a diagonal minus the Jacobian, both in the order of the states. First the inverted
      * diagonal of the factors, then the entries below it. `substitute` overwrites a vector with the solution. */

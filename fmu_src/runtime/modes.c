@@ -109,7 +109,7 @@ void modes_refresh(kernel *self, double offset) {
     if (self->system->frictions == 0) return;
     bool switched = false;
     for (int i = 0; refresh_once(self, offset) && i < ROUNDS; ++i) switched = true;
-    if (switched) (void)told_follow(self, offset);
+    if (switched) (void)reported_follow(self, offset);
 }
 
 /* Return whether a friction has taken a velocity through zero within a step. */
@@ -200,7 +200,7 @@ bool modes_settle(kernel *self, double offset) {
         if (!stays(self, i, self->modes.overshoot[i] != 0.0 ? SPARE : 1.0)) renew_mode(self, i, offset);
     let_go(self, offset);
     if (!has_switched(self)) return false;
-    (void)told_follow(self, offset);
+    (void)reported_follow(self, offset);
     self->counters.events++;
     return true;
 }
@@ -262,7 +262,7 @@ int modes_switch(kernel *self, double offset, double least) {
 
 /* Return whether a warning is due, by the present margins. */
 static bool is_to_warn(const kernel *self, int i) {
-    return self->run.said[i] == 0.0 && !(self->modes.margin[self->system->frictions + i] >= 0.0);
+    return self->run.warned[i] == 0.0 && !(self->modes.margin[self->system->frictions + i] >= 0.0);
 }
 
 /* Give each warning once, from the margins of the state just reached; return whether there was one. Reports frictions before,
@@ -271,7 +271,7 @@ bool modes_warn(kernel *self, double offset) {
     const system_description *system = self->system;
     int candidates = 0;
     bool warned = false;
-    if (self->run.now->watched) (void)told_follow(self, offset);
+    if (self->run.now->watched) (void)reported_follow(self, offset);
     for (int i = system->ends; i < system->conditions; ++i) candidates += is_to_warn(self, i);
     if (candidates && system->warning_margin)
         kernel_evaluate(self, system->warning_margin, offset, self->run.state,
@@ -282,7 +282,7 @@ bool modes_warn(kernel *self, double offset) {
         if (kernel_is_heard(self, KERNEL_WARNING))
             (void)kernel_say_when(self, KERNEL_WARNING, system->sentence[i],
                                   time_text(self->given.step_origin + offset, 6, when));
-        self->run.said[i] = 1.0;
+        self->run.warned[i] = 1.0;
         warned = true;
     }
     return warned;

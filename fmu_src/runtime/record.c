@@ -29,7 +29,7 @@ void record_until(kernel *self, double offset, double size, double until) {
         const double at = (double)recorder->written * recorder->interval;
         if (at > until * (1.0 + 4.0 * DBL_EPSILON)) return;
         const double share = size > 0.0 ? (at - offset) / size : 0.0, fraction = share < 1.0 ? share : 1.0;
-        double *shown = size > 0.0 ? self->reading.shown : self->run.state;
+        double *shown = size > 0.0 ? self->reading.state : self->run.state;
         if (size > 0.0 && own_extension) {
             rosenbrock_interpolate(self, fraction, shown);
         } else if (size > 0.0) {

@@ -71,11 +71,11 @@ static double fastest_eigenvalue(kernel *self, double offset) {
 }
 
 kernel_status runge_kutta_guard(kernel *self, double offset, double size) {
-    if (self->run.now->guard_said > 0.0 || self->run.now->guard_wait-- > 0) return KERNEL_OK;
+    if (self->run.now->guard_warned > 0.0 || self->run.now->guard_wait-- > 0) return KERNEL_OK;
     self->run.now->guard_wait = CHECK_EVERY - 1;
     const double eigenvalue = fastest_eigenvalue(self, offset);
     if (!(size * eigenvalue > STABILITY_LIMIT)) return KERNEL_OK;
-    self->run.now->guard_said = size * eigenvalue;
+    self->run.now->guard_warned = size * eigenvalue;
     char when[TIME_TEXT];
     return kernel_fail(self, KERNEL_WARNING,
                        "The explicit method is above its stability limit at t = %s s: the fastest eigenvalue, %.4g 1/s, "

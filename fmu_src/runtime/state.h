@@ -12,7 +12,7 @@ typedef struct {
     double kept_time, kept_until, kept_size; /* kept Jacobian: when it was taken, until when it is used, its step */
     unsigned long long table;    /* mark of the table file; 0: no file */
     double switched, reluctance; /* model exchange: time of the last switch, and its effect on reluctance, see modes.c */
-    double guard_said;           /* quantity in the last warning about fixed steps; 0: none yet */
+    double guard_warned;           /* quantity in the last warning about fixed steps; 0: none yet */
     int kept_steps;              /* steps with the kept Jacobian so far; -1: none is kept */
     int pause;                   /* short steps before a Jacobian is kept again */
     int switches;                /* steps that ended in a switch, less those that did not */
@@ -28,8 +28,8 @@ typedef struct {
     run_record *now;
     double *value, *input_rate, *last_rate; /* by variable of the model */
     double *state, *mode, *derived;
-    double *said; /* by condition: 1 if its warning was given */
-    double *told; /* by friction: how often its sticking counted; below 0 while it does, see told.c */
+    double *warned; /* by condition: 1 if its warning was given */
+    double *reported; /* by friction: how often its sticking counted; below 0 while it does, see reported.c */
     double *kept_state, *kept_input, *kept_mode; /* where the kept Jacobian was taken */
     double *block;  /* all of it */
     size_t doubles; /* its length */

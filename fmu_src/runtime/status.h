@@ -12,15 +12,15 @@ typedef struct {
     const char *text;
 } kernel_sentence;
 
-enum { MESSAGE_SIZE = 512, JOURNAL_SIZE = 8192, LOSS_SIZE = 80 };
+enum { MESSAGE_SIZE = 512, MESSAGE_LOG_SIZE = 8192, LOSS_SIZE = 80 };
 
 /* The messages that the interface has not read yet; the newest are kept. */
 typedef struct {
-    char record[JOURNAL_SIZE];        /* each a byte of status, a text, a zero */
+    char record[MESSAGE_LOG_SIZE];        /* each a byte of status, a text, a zero */
     size_t length, heard;             /* its end, and the end of the last record that was read */
     unsigned long long noted, lost;   /* records since the start, and those that were dropped unread */
-    char told_of_loss[LOSS_SIZE];
+    char loss[LOSS_SIZE];
     char message[MESSAGE_SIZE];       /* the message to the last status */
-} sentence_journal;
+} message_log;
 
 #endif

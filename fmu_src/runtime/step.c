@@ -5,14 +5,14 @@
 #include "method.h"
 
 void kernel_stop_at_events(kernel *self, bool stops) {
-    self->asked.stops_at_events = stops;
-    self->asked.whole_steps = !stops;
+    self->requested.stops_at_events = stops;
+    self->requested.whole_steps = !stops;
 }
 
 static kernel_status check_step(kernel *self, double time, double size) {
     if (!self->system) return kernel_fail(self, KERNEL_ERROR, "Initialise %s before the first step.", MODEL.name);
     char problem[DURATION_PROBLEM];
-    if (size_is_wrong(size, problem) || time_is_wrong(time, size, self->run.now->time, self->asked.stop_time, problem))
+    if (size_is_wrong(size, problem) || time_is_wrong(time, size, self->run.now->time, self->requested.stop_time, problem))
         return kernel_fail(self, KERNEL_ERROR, "%s", problem);
     char when[TIME_TEXT];
     if (self->run.now->ended)
@@ -50,7 +50,7 @@ kernel_status step_begin(kernel *self, double time, double size) {
 }
 
 kernel_status kernel_step(kernel *self, double time, double size) {
-    const unsigned long long noted = self->journal.noted;
+    const unsigned long long noted = self->messages.noted;
     double reached = size;
     kernel_status status = step_begin(self, time, size);
     if (status != KERNEL_OK) return status;
@@ -60,7 +60,7 @@ kernel_status kernel_step(kernel *self, double time, double size) {
 
 kernel_status step_end(kernel *self, unsigned long long noted, double size, double reached, kernel_status status) {
     const double time = self->given.step_origin;
-    if (status <= KERNEL_WARNING && self->run.now->ended && self->asked.whole_steps && reached < size)
+    if (status <= KERNEL_WARNING && self->run.now->ended && self->requested.whole_steps && reached < size)
         status = kernel_discard(self, noted, reached);
     if (status <= KERNEL_WARNING && !self->reads_outputs_later) {
         kernel_compute_outputs(self, reached, self->run.state);

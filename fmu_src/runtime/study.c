@@ -6,7 +6,7 @@
 #include "studies.h"
 
 int kernel_variable_count(void) { return MODEL.variables; }
-const char *kernel_message(const kernel *self) { return self->journal.message; }
+const char *kernel_message(const kernel *self) { return self->messages.message; }
 void kernel_counts(const kernel *self, kernel_counters *counts) { *counts = self->counters; }
 
 int kernel_use_lanes(kernel *self, int most) {

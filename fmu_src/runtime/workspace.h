@@ -63,7 +63,7 @@ typedef struct {
 typedef struct {
     double *drive, *capacity, *still;
     double *margin; /* of frictions, of end conditions, of warnings */
-    double *told;   /* of frictions: where it counts that they stick, and where that they slide */
+    double *reported;   /* of frictions: where it counts that they stick, and where that they slide */
     double *before, *overshoot; /* modes before a round; velocities that passed zero within a step of a fixed size */
 } mode_workspace;
 
@@ -71,7 +71,7 @@ typedef struct {
 typedef struct {
     double *output, *output_rate, *slope_change;
     double *place; /* where outputs and derivatives are read that have algebraic states */
-    double *shown, *first_slope, *last_slope; /* a state within a step, and slopes at its ends */
+    double *state, *first_slope, *last_slope; /* a state within a step, and slopes at its ends */
 } reading_workspace;
 
 /* Work arrays of the search for a steady state. */

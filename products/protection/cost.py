@@ -49,7 +49,7 @@ def cost(score: Any, rolling: Any, machine: Machine, period: float) -> Any:
 
     score: rows of `rig_score`; rolling: `distance` and `duration` of each.
     """
-    outside = (score["looked"] - score["band"]) * period
+    outside = (score["checked"] - score["band"]) * period
     filled = score["filled"] / (len(machine.numbers) * machine.full_pressure)
     shares = score["longest_lock"] / LONGEST_LOCK + outside / ((1.0 - SHARE) * rolling["duration"]) + filled / FILLINGS
     return score["distance"] / rolling["distance"] + AT_LIMIT * shares

@@ -144,7 +144,7 @@ class Environment:
         seen[:, :n], seen[:, n : 2 * n] = loop.speeds, loop.valves
         np.maximum(loop.time - BRAKE_START, 0.0, out=seen[:, 2 * n])
         if self._privileged:
-            shown, end = self._instances.shown, 2 * n + 1
+            shown, end = self._instances.output_values, 2 * n + 1
             speed, rolls = shown[:, :1], self.machine.parameters.wheel_radius * shown[:, 2 + n : 2 + 2 * n]
             seen[:, end : end + 2] = np.maximum(shown[:, :2], 0.0)
             seen[:, end + 2 : end + 2 + n] = np.clip((speed - rolls) / np.maximum(np.abs(speed), 1e-9), -1.0, 1.0)

@@ -23,10 +23,10 @@ EVERY = 0.1
 class History:
     """A stop at sampling instants, the last of which is its end.
 
-    time [s], speed [m/s] and distance [m] of the vehicle have shape (looks,). The others have shape (looks, wheelsets):
-    angular velocity [rad/s]; circumferential speed of the sensor [m/s]; effort, the cylinder pressure [Pa] or in a
-    start the motor torque [N.m]; valve, the command until then: 0 apply, 1 hold, 2 vent; creep force of both wheels and
-    axle load [N].
+    time [s], speed [m/s] and distance [m] of the vehicle have shape (samples,). The others have shape (samples,
+    wheelsets): angular velocity [rad/s]; circumferential speed of the sensor [m/s]; effort, the cylinder pressure [Pa]
+    or in a start the motor torque [N.m]; valve, the command until then: 0 apply, 1 hold, 2 vent; creep force of both
+    wheels and axle load [N].
     """
 
     time: Numbers
@@ -77,14 +77,14 @@ class Notebook:
 
     def __init__(self, rows: int, wheelsets: int, every: int, period: float) -> None:
         room = math.ceil(LONGEST / (every * period)) + 2  # the first and the last sample
-        self._looks = np.zeros((rows, room, 3 + 6 * wheelsets))
+        self._samples = np.zeros((rows, room, 3 + 6 * wheelsets))
         self._count = np.zeros(rows, np.int64)
-        self.place = Notes(every, room, self._looks.ctypes.data, self._count.ctypes.data)
+        self.place = Notes(every, room, self._samples.ctypes.data, self._count.ctypes.data)
 
     def history(self, row: int) -> History:
         """Return a copy of the history of the run in a row."""
-        looks = self._looks[row, : self._count[row]].copy()
-        of_each = np.split(looks[:, 3:], 6, axis=1)
-        time, speed, distance = looks[:, :3].T
+        samples = self._samples[row, : self._count[row]].copy()
+        of_each = np.split(samples[:, 3:], 6, axis=1)
+        time, speed, distance = samples[:, :3].T
         turning, shown, effort, valve, creep, load = of_each
         return History(time, speed, distance, turning, shown, effort, valve.astype(np.int8), creep, load)

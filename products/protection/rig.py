@@ -174,7 +174,7 @@ class Rig:
 
     def _alike(self, runs: Sequence[Run], goes_on: Callable[[], None], every: float) -> list[Stop]:
         """Return a stop for each run with the rig's own equipment."""
-        looks = max(1, round(every / self.settings.period)) if every else 0
+        samples = max(1, round(every / self.settings.period)) if every else 0
         found: list[Stop | None] = [None] * len(runs)
         count = min(len(runs), at_once(self.form))
         own = [self.values(run) for run in runs]
@@ -190,7 +190,7 @@ class Rig:
             self.instances(count, start) as instances,
             Loop(self, instances) as loop,
         ):
-            notebook = Notebook(count, loop.wheelsets, looks, self.settings.period) if looks else None
+            notebook = Notebook(count, loop.wheelsets, samples, self.settings.period) if samples else None
             if notebook:
                 self._call.rig_write_down(loop.own, notebook.place)
             for row, number in self._turns(loop, values, beginnings, count, goes_on):
@@ -352,20 +352,20 @@ class Loop:
 
     def _look(self, rows: Iterable[int]) -> None:
         """Take the first sample of new rows; for a controller in C this happens together with its first step."""
-        shown, status = self.instances.shown, self.instances.status
+        shown, status = self.instances.output_values, self.instances.status
         for row in rows:
-            self.instances.look(row, row + 1)
+            self.instances.read_outputs(row, row + 1)
             if not self.in_c:
-                self.call.rig_look(self.own, row, int(status[row]), shown[row].ctypes.data)
+                self.call.rig_sample(self.own, row, int(status[row]), shown[row].ctypes.data)
 
-    def go_on(self, looks: int) -> None:
-        """Advance by `looks` sampling instants with the integration after each."""
+    def go_on(self, samples: int) -> None:
+        """Advance by `samples` sampling instants with the integration after each."""
         form, period = self.rig.form, self.rig.settings.period
         if self.in_c:
-            self.instances.control(period, looks, self.call.rig_between, self.own)
+            self.instances.control(period, samples, self.call.rig_between, self.own)
             return
         ask = self._ask_all if isinstance(form, Arrays) else self._ask_each
-        for _ in range(looks):
+        for _ in range(samples):
             if not np.any(self.score["state"] == RUNS):
                 return
             ask()
@@ -373,7 +373,7 @@ class Loop:
 
     def turn(self) -> None:
         """Apply `valves`, advance by one period and sample, all in C and in the threads of the instances."""
-        self.instances.control(self.rig.settings.period, 2, self.call.rig_take_or_look, self.own)
+        self.instances.control(self.rig.settings.period, 2, self.call.rig_take_or_sample, self.own)
 
     def _ask_all(self) -> None:
         """Call a controller on arrays, unless all running rows have failed."""
@@ -479,7 +479,7 @@ class Loop:
             float(one["time"]),
             float(one["longest_lock"]),
             float(one["longest_skid"]),
-            float(one["band"] / one["looked"]) if one["looked"] else 1.0,
+            float(one["band"] / one["checked"]) if one["checked"] else 1.0,
             0.0 if driven else float(one["taken"] if by_flow else one["filled"] * CYLINDER_VOLUME / GAS),
             tuple(one["sliding"][: self.wheelsets].tolist()),
             float(one["reservoir"]) if by_flow else None,

@@ -33,7 +33,7 @@ class Settings(ctypes.Structure):
     _fields_ = (
         ("wheelsets", ctypes.c_int),
         *((name, ctypes.c_double) for name in ("radius", "period", "brake_start", "demand", "longest")),
-        *((name, ctypes.c_double) for name in ("lock_above", "band", "look_above")),
+        *((name, ctypes.c_double) for name in ("lock_above", "band", "check_above")),
         *((name, ctypes.c_int) for name in ("reservoir", "driven")),
         ("encoder", SensorSettings),
     )
@@ -53,7 +53,7 @@ class Notes(ctypes.Structure):
 
     _fields_ = (
         *((name, ctypes.c_longlong) for name in ("every", "room")),
-        *((name, ctypes.c_void_p) for name in ("look", "count")),
+        *((name, ctypes.c_void_p) for name in ("sample", "count")),
     )
 
 
@@ -67,7 +67,7 @@ class Desk(ctypes.Structure):
 SCORE = np.dtype(
     [
         *((name, float) for name in ("distance", "speed", "time", "longest_lock", "longest_skid")),
-        *((name, float) for name in ("band", "looked", "filled", "taken", "reservoir")),
+        *((name, float) for name in ("band", "checked", "filled", "taken", "reservoir")),
         ("sliding", float, MOST_WHEELSETS),
         *((name, float) for name in ("commands", "failed_at")),
         *((name, np.int32) for name in ("state", "answer", "valve")),
@@ -122,7 +122,7 @@ def functions() -> ctypes.CDLL:
         "rig_begin": (None, [pointer, count, ctypes.c_double, pointer, pointer]),
         "rig_scores": (pointer, [pointer]),
         "rig_write_down": (None, [pointer, ctypes.POINTER(Notes)]),
-        "rig_look": (None, [pointer, count, ctypes.c_int, pointer]),
+        "rig_sample": (None, [pointer, count, ctypes.c_int, pointer]),
         "rig_give_up": (None, [pointer, count]),
         "encoder_size": (ctypes.c_size_t, []),
         "encoder_begin": (None, [pointer, pointer, ctypes.c_double]),

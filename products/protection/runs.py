@@ -138,5 +138,5 @@ class Stop:
     def course(self) -> History:
         """The history. Raises ValueError if it was not recorded."""
         if self.history is None:
-            raise ValueError("This stop has no history; give the rig's runs a time between its looks.")
+            raise ValueError("This stop has no history; give the rig's runs a recording interval.")
         return self.history

@@ -26,7 +26,7 @@ from rbd_model.vehicle.variables import FASTEST
 #: Largest number of vehicles, cells or points; largest number of driver's valves.
 MOST, MOST_VALVES = float(1 << 20), 16
 #: Brake models: air flow and full distributors; air flow and empirical valves; a delay and empirical valves.
-DEPTHS = {"whole": 0, "empirical": 1, "delay": 2}
+BRAKE_MODELS = {"whole": 0, "empirical": 1, "delay": 2}
 #: Initial friction between wheels and rail, and default gauge pressure of the pipe [Pa].
 START_FRICTION, START_PIPE_PRESSURE = 0.3, 500e3
 #: Largest initial distance [m] and pressures [Pa].
@@ -136,7 +136,7 @@ def _head() -> tuple[Field, ...]:
         _counted("valves", "its number of valves", MOST_VALVES),
         _counted("points", "its number of points of the line"),
         *(_counted(f"distributor_{name}", f"its number of distributors {name}", least=0.0) for name in DISTRIBUTORS),
-        _counted("depth", "the depth of its brake", len(DEPTHS) - 1.0, 0.0),
+        _counted("brake_model", "the model of its brake", len(BRAKE_MODELS) - 1.0, 0.0),
         Field("pace", "1/s", 1e-3, 1e6, "the pace of its vehicles"),
         Field("courant", "1", 1e-2, 1.0, "the step of its pipe"),
         Field("bound", "s", 1e-6, 1e9, "the step of its couplers"),

@@ -10,7 +10,7 @@ from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.system import Field
-from products.train.layout import DEPTHS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, layout
+from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, layout
 from rbd_model.train.vehicle import ACTING, GRAVITY
 
 HEAD = "/* Written by products/train/layout_in_c.py. */"
@@ -46,7 +46,7 @@ def layout_in_c() -> str:
             *(_enum(one.name, one.choices, f"{one.name.upper()}_CHOICES") for one in INPUTS if one.choices),
             _enum("out", (one.name for one in OUTPUTS), "OUT_SUMS"),
             _enum("sum", (one.name for one in SUMS), "TRAIN_SUMS"),
-            _enum("depth", DEPTHS, "DEPTHS"),
+            _enum("brake_model", BRAKE_MODELS, "BRAKE_MODELS"),
             _enum("acting", ACTING, "ACTING_ROWS"),
             _enum("tap", TAP, "TAP_ROWS"),
             *_kinds_in_c(),
@@ -65,7 +65,7 @@ def _kinds_in_c() -> list[str]:
         starts = ", ".join(f"START_{start.upper()}" for _, start in one.states)
         cylinder = [state for state, _ in one.states].index(CYLINDER)
         rows.append(f"{{{len(one.states)}, DISTRIBUTOR_{name.upper()}_ROWS, {cylinder}, {{{starts}}}}}")
-        forms += [f"form({len(forms) + n}, {name}_{depth})" for n, depth in enumerate(one.depths())]
+        forms += [f"form({len(forms) + n}, {name}_{brake_model})" for n, brake_model in enumerate(one.brake_models())]
     return [
         _enum("start", STARTS, "STARTS"),
         _enum("command", COMMANDED, "COMMAND_ROWS"),

@@ -40,7 +40,7 @@ def _sources(kinds: tuple[Distributor, ...]) -> dict[str, str]:
     for name, functions_of in FUNCTIONS.items():
         made = [one() for one in functions_of]
         if name == "pipe":
-            made += [one.function(depth) for one in kinds for depth in dict.fromkeys(one.depths())]
+            made += [one.function(brake_model) for one in kinds for brake_model in dict.fromkeys(one.brake_models())]
         texts[f"{name}_cells.h"] = "\n".join(map(function_of_cells, made))
         for lanes in (1, *WIDTHS):
             loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'

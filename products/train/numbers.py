@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from brake_controller.air import AMBIENT, WALL
 from brake_controller.distributors import DISTRIBUTORS, kind_of
 from products.train.consist import Consist
-from products.train.layout import DEPTHS, Rows, laid
+from products.train.layout import BRAKE_MODELS, Rows, laid
 from products.train.pipe import COURANT
 from rbd_model.track.line import Line
 from rbd_model.train.coupler import fastest
@@ -37,7 +37,7 @@ class Settings:
     cells: below 1 a cell spans several vehicles. share: above 1 coupler forces are wrong.
     """
 
-    depth: str = "whole"
+    brake_model: str = "whole"
     cells: float = 2.0
     courant: float = COURANT
     share: float = SHARE
@@ -46,8 +46,8 @@ class Settings:
     heat: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.depth not in DEPTHS:
-            raise ValueError(f"depth must be one of {', '.join(DEPTHS)}; got {self.depth}.")
+        if self.brake_model not in BRAKE_MODELS:
+            raise ValueError(f"brake_model must be one of {', '.join(BRAKE_MODELS)}; got {self.brake_model}.")
         for name, (least, most) in SETTING_LIMITS.items():
             if not least <= getattr(self, name) <= most:
                 raise ValueError(f"{name} must be a number from {least:g} to {most:g}; got {getattr(self, name)}.")
@@ -99,7 +99,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
     kinds, known = [kind_of(one.distributor) for one in vehicles], list(DISTRIBUTORS.values())
     ends = np.concatenate([[0.0], -np.cumsum([one.length for one in vehicles])])
     bound = 2.0 / max(fastest([one.coupler for one in vehicles[:-1]], [one.mass for one in vehicles]), 1e-6)
-    pace = max(kind_of(one).fastest(one, settings.depth) for one in {one.distributor for one in vehicles})
+    pace = max(kind_of(one).fastest(one, settings.brake_model) for one in {one.distributor for one in vehicles})
     valves = [
         one.valve.numbers(_face(i, places, faces, len(lengths)), float(ends[i]), one.valve_delay)
         for i, one in enumerate(vehicles)
@@ -111,7 +111,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
     head |= {f"distributor_{kind.name}": kinds.count(kind) for kind in known}
     shares = {"courant": settings.courant, "share": settings.share, "propagation": settings.propagation}
     groups: dict[str, Rows] = {
-        "head": head | shares | {"depth": DEPTHS[settings.depth], "pace": pace, "bound": bound},
+        "head": head | shares | {"brake_model": BRAKE_MODELS[settings.brake_model], "pace": pace, "bound": bound},
         "cell": _cells(consist, settings, lengths, places),
         "place": {"cell": places, "face": faces, "distributor": [known.index(kind) for kind in kinds]},
         "brake": [one.brake.values() for one in vehicles],

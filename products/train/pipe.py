@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY_RATIO
 from brake_controller.distributors import DISTRIBUTORS, kind_of
 from brake_controller.distributors.distributor import DistributorParameters
-from products.train.layout import DEPTHS
+from products.train.layout import BRAKE_MODELS
 from products.train.library import OutsideInC, PassedInC, functions
 
 #: Step size relative to the travel time of a wave through a cell [1]; above 1 the method is unstable.
@@ -161,7 +161,7 @@ class Pipe(Air):
         given = [one.copy() for one in given]
         rows = (ctypes.c_void_p * len(known))(*(one.ctypes.data for one in given))
         pace = max(kind.pace(one) for kind, one in set(zip(kinds, distributors, strict=True)))
-        own, whole = np.array(self.kinds, np.int64), DEPTHS["whole"]
+        own, whole = np.array(self.kinds, np.int64), BRAKE_MODELS["whole"]
         if not self._call.pipe_vehicles(self.own, len(cells), own.ctypes.data, places.ctypes.data, rows, whole, pace):
             raise MemoryError(f"There is no memory for {len(cells)} vehicles; take fewer.")
         self._call.pipe_charge(self.own, pressure, AMBIENT, AMBIENT)

@@ -136,8 +136,8 @@ class Train:
         name = INPUTS[self._call.train_input_wrong(self._own, ctypes.byref(place))].name
         value = float(self.inputs[name][place.value])
         if name == "hose_state" and value in (1.0, 2.0):
-            depth = f"with {self.settings.cells:g} cells a vehicle"
-            return f"Leave inputs['hose_state'][{place.value}] at 0: {depth} there is no cock or hose; take one cell."
+            cells = f"with {self.settings.cells:g} cells a vehicle"
+            return f"Leave inputs['hose_state'][{place.value}] at 0: {cells} there is no cock or hose; take one cell."
         return wrong_input(name, place.value, value)
 
     def record(self, seconds: float, interval: float = 0.1) -> Recording:

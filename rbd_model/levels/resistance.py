@@ -79,7 +79,13 @@ class Resistance:
         absent = system.derived("no_steady_resistance", self.possible == 0)
         words = "holds the vehicle", "lets the vehicle go"
         system.dry_friction(
-            "Running resistance", self.direction, [state], drive, self.steady - absent, words, told=(self.alone, 1.0)
+            "Running resistance",
+            self.direction,
+            [state],
+            drive,
+            self.steady - absent,
+            words,
+            reported=(self.alone, 1.0),
         )
 
 

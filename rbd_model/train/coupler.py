@@ -1,9 +1,9 @@
 """Couplers between vehicles: curves of loading and unloading, with dry friction between them that sticks.
 
 While it moves, a coupler's force rises along the curve of loading and falls along that of unloading. Between them
-friction holds, and the coupler has the stiffness of its locked steel. This is a play operator with bounds that depend
-on the travel (Q. Wu, M. Spiryagin, C. Cole: Longitudinal train dynamics: an overview, Vehicle System Dynamics
-54 (2016), on draft gear models). It does not depend on speed: a coupler at rest keeps its force.
+friction sticks, and the coupler has the stiffness of its steel, the sticking stiffness. This is a play operator with
+bounds that depend on the travel (Q. Wu, M. Spiryagin, C. Cole: Longitudinal train dynamics: an overview, Vehicle
+System Dynamics 54 (2016), on draft gear models). It does not depend on speed: a coupler at rest keeps its force.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ POINTS = 6
 #: Curves in the order of the C code.
 CURVES = ("tension_loading", "tension_unloading", "compression_loading", "compression_unloading")
 _TEXT = "a number of a coupler"
-#: Constants of a coupler: locked stiffness, whether it is coupled, and for each curve travels and changes of slope
+#: Constants of a coupler: sticking stiffness, whether it is coupled, and for each curve travels and changes of slope
 #: there.
 COUPLER = (
-    Field("locked", "N/m", -1e15, 1e15, _TEXT),
+    Field("sticking_stiffness", "N/m", -1e15, 1e15, _TEXT),
     Field("coupling_closed", "1", -1e15, 1e15, _TEXT),
     *(
         Field(f"{curve}_{what}_{point}", unit, -1e15, 1e15, _TEXT)
@@ -62,34 +62,34 @@ class Curve:
                 "Correct its first force."
             )
 
-    def bends(self, locked: float, stroke: float) -> list[tuple[float, float]]:
+    def bends(self, stiffness: float, stroke: float) -> list[tuple[float, float]]:
         """Return pairs of travel [m] and change of slope [N/m] there.
 
-        A preload is reached at the locked stiffness [N/m]. The last piece continues to the stroke [m], where that
+        A preload is reached at the sticking `stiffness` [N/m]. The last piece continues to the stroke [m], where that
         stiffness begins.
         """
         points = list(zip(self.ways, self.forces, strict=True))
         if points[0][1] > 0.0:
-            points = [(0.0, 0.0), (points[0][1] / locked, points[0][1]), *points[1:]]
+            points = [(0.0, 0.0), (points[0][1] / stiffness, points[0][1]), *points[1:]]
         if any(b <= a for (a, _), (b, _) in pairwise(points)):
             raise ValueError(
-                f"A coupler's preload must be reached before {points[2][0]:g} m; at its locked stiffness it is reached"
-                f" at {points[1][0]:g} m. Increase the locked stiffness."
+                f"A coupler's preload must be reached before {points[2][0]:g} m; at its sticking stiffness it is"
+                f" reached at {points[1][0]:g} m. Increase the sticking stiffness."
             )
         slopes = [(fb - fa) / (b - a) for (a, fa), (b, fb) in pairwise(points)]
-        if max(slopes) > locked * (1 + 1e-9):
+        if max(slopes) > stiffness * (1 + 1e-9):
             raise ValueError(
-                "A coupler's locked stiffness must be at least the steepest slope of its curves,"
-                f" {max(slopes):g} N/m; got {locked:g} N/m. Increase it, or give flatter curves."
+                "A coupler's sticking stiffness must be at least the steepest slope of its curves,"
+                f" {max(slopes):g} N/m; got {stiffness:g} N/m. Increase it, or give flatter curves."
             )
-        changes = [after - before for before, after in pairwise([0.0, *slopes, locked])]
+        changes = [after - before for before, after in pairwise([0.0, *slopes, stiffness])]
         found = list(zip([*(way for way, _ in points[:-1]), stroke], changes, strict=True))
         return found + [(1.0, 0.0)] * (POINTS - len(found))
 
 
 @dataclass(frozen=True)
 class Coupler:
-    """Both directions of a coupling between two vehicles, and its locked stiffness [N/m]; travels are of the coupling.
+    """Both directions of a coupling between two vehicles, and its sticking stiffness [N/m]. Travels are its own.
 
     Each direction has a curve of loading and one of unloading. Both meet steel at one travel, the stroke: the larger of
     their last points. Up to there the other curve continues along its last piece. Steel has no friction. Unloading
@@ -102,7 +102,7 @@ class Coupler:
     """
 
     name: str
-    locked: float
+    sticking_stiffness: float
     tension: tuple[Curve, Curve]
     compression: tuple[Curve, Curve]
 
@@ -120,11 +120,11 @@ class Coupler:
     def _bends(self, *curves: Curve) -> list[list[tuple[float, float]]]:
         """Return the bends of loading and unloading, which have one stroke."""
         stroke = max(curve.ways[-1] for curve in curves)
-        return [curve.bends(self.locked, stroke) for curve in curves]
+        return [curve.bends(self.sticking_stiffness, stroke) for curve in curves]
 
     def constants(self) -> list[float]:
         """Return the numbers of COUPLER."""
-        rows = [self.locked, 1.0]
+        rows = [self.sticking_stiffness, 1.0]
         for bends in (*self._bends(*self.tension), *self._bends(*self.compression)):
             ways, changes = zip(*bends, strict=True)
             rows += [*ways, *changes]
@@ -182,29 +182,29 @@ def _curve(way: ca.SX, bends: ca.SX) -> ca.SX:
 def coupling() -> ca.Function:
     """Return the function for a coupler's force [N] and new unloaded place.
 
-    Arguments: the places of two vehicles, the place at which the locked force is zero, and the constants. Tension is
-    above 0. Play operator with bounds: F = min(max(K (s - z), lower(s)), upper(s)), z = s - F / K (Wu, Spiryagin and
-    Cole (2016)).
+    Arguments: the places of two vehicles, the place at which the force of the sticking stiffness is zero, and the
+    constants. Tension is above 0. Play operator with bounds: F = min(max(K (s - z), lower(s)), upper(s)),
+    z = s - F / K (Wu, Spiryagin and Cole (2016)).
     """
     ahead, behind, rest = (ca.SX.sym(name) for name in ("ahead", "behind", "rest"))
     given = ca.SX.sym("given", len(COUPLER))
-    locked, coupled = given[0], given[1]
+    stiffness, coupled = given[0], given[1]
     size = 2 * POINTS
     loads, unloads, presses, eases = (given[2 + n * size : 2 + (n + 1) * size] for n in range(len(CURVES)))
     way = ahead - behind
     upper = coupled * _curve(way, loads) - _curve(-way, eases)
     lower = coupled * _curve(way, unloads) - _curve(-way, presses)
-    force = ca.fmin(ca.fmax(locked * (way - rest), lower), upper)
-    return function_of("coupling", [ahead, behind, rest, given], ca.vertcat(force, way - force / locked))
+    force = ca.fmin(ca.fmax(stiffness * (way - rest), lower), upper)
+    return function_of("coupling", [ahead, behind, rest, given], ca.vertcat(force, way - force / stiffness))
 
 
 def fastest(couplers: Sequence[Coupler], masses: Sequence[float]) -> float:
-    """Return an upper bound of the angular frequency [1/s] of a chain with all couplers locked.
+    """Return an upper bound of the angular frequency [1/s] of a chain with all couplers sticking.
 
     Circles of Gershgorin (1931).
 
     An explicit step is stable up to 2 over it, as central differences are (Hairer, Lubich and Wanner, Geometric
     Numerical Integration, section I.1).
     """
-    stiff = [0.0, *(one.locked for one in couplers), 0.0]
+    stiff = [0.0, *(one.sticking_stiffness for one in couplers), 0.0]
     return float(max(2 * (stiff[n] + stiff[n + 1]) / mass for n, mass in enumerate(masses)) ** 0.5)

@@ -130,9 +130,9 @@ def stand_still(
     # The capacity is checked after each step, the drive only while something is still. The loads are thus in the drive.
     drive = push * grip.braked / at_least(grip.whole, SMALLEST_LOAD)
     words = "stands", "moves again"
-    told = grip.able, ca.fabs(hold.forward) - ON_ITS_WAY * assembly.parameter["creepage_speed"]
+    reported = grip.able, ca.fabs(hold.forward) - ON_ITS_WAY * assembly.parameter["creepage_speed"]
     assembly.system.dry_friction(
-        label, hold.moving, states, drive, grip.braked, words, still, whole="The vehicle", told=told
+        label, hold.moving, states, drive, grip.braked, words, still, whole="The vehicle", reported=reported
     )
 
 
@@ -199,8 +199,8 @@ def add_rotation(
     inertia = system.derived(f"turning_inertia_{number}", assembly.value(own) + assembly.drive_inertia)
     system.derivative(rotated, omega)
     system.derivative(omega, moving * (drive - direction * capacity) / inertia)
-    words, told = ("locked", "turns again"), (slides_along(assembly, hold.forward), 1.0)
-    system.dry_friction(f"Wheelset {number}", direction, [omega], holding, capacity, words, told=told)
+    words, reported = ("locked", "turns again"), (slides_along(assembly, hold.forward), 1.0)
+    system.dry_friction(f"Wheelset {number}", direction, [omega], holding, capacity, words, reported=reported)
     share = brake / ca.fmax(capacity, 1e-9)
     return Rotation(number, rotated, omega, friction_torque, share * friction_torque, traction, moving)
 

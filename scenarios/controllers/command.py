@@ -122,7 +122,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--rails", default="", metavar="NAMES", help=text)
     text = "a TOML file with cases; full: the programme that comes along; starts: the one for driven wheels"
     group.add_argument("--programme", metavar="FILE", help=text)
-    text = f"stops of each case, with looks elsewhere between two teeth, 1 to {MOST_PHASES} (default: {PHASES})"
+    text = (
+        f"stops of each case, each sampled at other instants between two teeth, 1 to {MOST_PHASES} (default: {PHASES})"
+    )
     phases = whole("--phases", 1, MOST_PHASES)
     parser.add_argument("--phases", type=phases, default=PHASES, metavar="N", help=text)
     parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")

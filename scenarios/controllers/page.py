@@ -23,7 +23,7 @@ from scenarios.web.frame import filled, packed
 
 #: Largest number of samples of a stop on a page; longer stops are thinned to every second sample, every third, and so
 #: on.
-MOST_LOOKS = 600
+MOST_SAMPLES = 600
 #: Units of the integers of a page: ms, dm, cm/s, kPa or kN.m.
 TIME, DISTANCE, SPEED, EFFORT = 1e-3, 0.1, 0.01, 1e3
 #: Largest integer of a difference: a sensor value above 327 m/s is limited to that.
@@ -96,7 +96,7 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
                 "distance": (one.stops or [one.stop])[0].distance,  # of the drawn phase
                 "judged": one.stop.judged,
                 "said": one.stop.said,
-                "looks": history.time.size,
+                "samples": history.time.size,
             }
             for one, history in zip(scores, histories, strict=True)
         ],
@@ -112,8 +112,8 @@ def full_effort(machine: Machine, scores: Sequence[Scored]) -> float:
 
 
 def thinned(history: History) -> History:
-    """Return the history with at most MOST_LOOKS samples and the last one."""
-    chosen = np.arange(0, history.time.size - 1, math.ceil(history.time.size / MOST_LOOKS))
+    """Return the history with at most MOST_SAMPLES samples and the last one."""
+    chosen = np.arange(0, history.time.size - 1, math.ceil(history.time.size / MOST_SAMPLES))
     chosen = np.append(chosen, history.time.size - 1)
     return History(**{name: values[chosen] for name, values in vars(history).items()})
 

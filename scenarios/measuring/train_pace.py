@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from functools import partial
 
-from products.train.brake_depth import DEPTHS_BY_COST
+from products.train.brake_model import BRAKE_MODELS_BY_COST
 from products.train.consist import block_train
 from products.train.numbers import Settings
 from products.train.train import Train
@@ -57,7 +57,7 @@ def train_rows() -> list[Row]:
     """Return rows of the scenario `speed`."""
     rows, source = [], "measured now, one core, least of several runs"
     for name, target in TARGETS.items():
-        pace = WATCHED / _emergency(VEHICLES, DEPTHS_BY_COST[name].settings)
+        pace = WATCHED / _emergency(VEHICLES, BRAKE_MODELS_BY_COST[name].settings)
         rows.append(Row(f"train of {VEHICLES}, {name}: times real time", "1", None, pace, None, source, target))
     rows.append(Row(f"train of {HOSTED}: doStep of 1 ms", "us", None, 1e6 * _host_step(), None, source, "<= 25"))
     growth = FEW / MANY * _emergency(MANY, Settings()) / _emergency(FEW, Settings())

@@ -36,7 +36,7 @@ def impact(coupler: Coupler, speed: float, standing: int = STANDING) -> tuple[Tr
     """Run the last vehicle from behind, uncoupled; it is coupled at the first contact."""
     consist = Consist(block_train(standing, coupler=coupler).vehicles[: standing + 1])
     free = tuple(_rolling(one, coupler) for one in consist.vehicles)
-    train = Train(Consist(free), settings=Settings(depth="delay", share=0.02))
+    train = Train(Consist(free), settings=Settings(brake_model="delay", share=0.02))
     train.inputs["coupling_closed"][-1] = 0.0
     state = train.motion
     state[0, -1], state[1:3, -1] = -GAP, speed

@@ -35,7 +35,7 @@ STEPS = (5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2)
 SHOWN, FINE, LONG = 1e-3, 1e-4, 12.0
 #: Tolerances: of the largest compression [1], of the distance [m], of a boundary [1].
 FORCE, DISTANCE, BOUNDARY = 0.01, 0.01, 0.05
-#: Locked stiffnesses whose boundaries are determined: screw couplers, and draft gears [N/m].
+#: Sticking stiffnesses whose boundaries are determined: screw couplers, and draft gears [N/m].
 STIFFNESS = {"screw coupler, 50 MN/m": 50e6, "draft gear, 198 MN/m": 198e6}
 DEFAULT = "corrected"
 #: A compression of freight trains [N], and relative tolerance of the lateral force in a curve.

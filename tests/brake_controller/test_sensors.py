@@ -178,13 +178,13 @@ def test_a_rotation_that_is_no_number_is_refused() -> None:
 
 
 #: Number of samples that a sensor stores.
-LOOKS = int(re.findall(r"#define ENCODER_LOOKS (\d+)", (RIG / "encoder.h").read_text(encoding="utf-8"))[0])
+SAMPLES = int(re.findall(r"#define ENCODER_SAMPLES (\d+)", (RIG / "encoder.h").read_text(encoding="utf-8"))[0])
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5, 0.1, 0.01])
 def test_a_sensor_that_is_looked_at_more_often_than_it_remembers_shows_the_speed(share: float) -> None:
     """At 20 m/s2 the reading is between the present speed and that half a gate ago."""
-    period, probe = share * GATE / LOOKS, Encoder(1000)
+    period, probe = share * GATE / SAMPLES, Encoder(1000)
     for n in range(round(0.2 / period)):
         time = period * n
         shown = probe.angular_velocity(time, (55.0 * time - 10.0 * time**2) / RADIUS)

@@ -130,7 +130,7 @@ def test_the_journal_keeps_its_newest_sentences_the_error_among_them() -> None:
     with pytest.raises(SimulationError, match=f"-{count + 1} N is below"):
         kernel.set(brake=-1.0 - count)
     lost, *kept = kernel.journal
-    assert lost == f"{count + 1 - len(kept)} earlier sentences were lost: nobody heard them."
+    assert lost == f"{count + 1 - len(kept)} earlier messages were lost: they were not read."
     assert [sentence.split(": ")[1].split(" N")[0] for sentence in kept] == [
         f"{-1.0 - number:g}" for number in range(count + 1 - len(kept), count + 1)
     ]

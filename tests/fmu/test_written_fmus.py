@@ -15,7 +15,7 @@ from brake_controller.protection_fmu import MOST_WHEELSETS
 from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from products.train.building import build_train
-from products.train.layout import DEPTHS
+from products.train.layout import BRAKE_MODELS
 from products.train.numbers import Settings
 from rbd_model.levels.models import places_of
 from rbd_model.track.line import arc, line_of, straight
@@ -97,8 +97,12 @@ def test_a_train_goes_at_each_depth_with_any_number_of_cells_on_a_line(kind: str
     (tmp_path / "consist.csv").write_text("kind,count\nlocomotive,1\nwagon,3\n")
     line = line_of([straight(200), arc(500, 400, 0.1)]).write(tmp_path / "line.csv")
     cells_of = (0.5, 1.0, 3.0)
-    for depth, cells in product(DEPTHS, cells_of) if kind == "fmi3" else zip(DEPTHS, cells_of, strict=True):
-        assert not build_train(tmp_path, [kind], tmp_path / "consist.csv", line, Settings(depth=depth, cells=cells))
+    for brake_model, cells in (
+        product(BRAKE_MODELS, cells_of) if kind == "fmi3" else zip(BRAKE_MODELS, cells_of, strict=True)
+    ):
+        assert not build_train(
+            tmp_path, [kind], tmp_path / "consist.csv", line, Settings(brake_model=brake_model, cells=cells)
+        )
         goes(tmp_path / kind / "TrainDynamics.fmu")
 
 

@@ -87,7 +87,7 @@ def test_no_step_passes_over_a_hill(make, halves: tuple[float, ...], tmp_path: P
 def test_a_train_feels_straight_lines_of_gradient(few_rows: Path) -> None:
     """m (1 + share) dv/dt = -m g (h(front) - h(rear)) / length, by quadrature of the straight lines."""
     one = locomotive()
-    train = Train(Consist((one,)), speed=SPEED, line=read_line(few_rows), settings=Settings(depth="delay"))
+    train = Train(Consist((one,)), speed=SPEED, line=read_line(few_rows), settings=Settings(brake_model="delay"))
     nodes, weights = np.polynomial.legendre.leggauss(60)
     for _ in range(60):
         before, speed = float(train.motion[0, 0]), float(train.speed[0])

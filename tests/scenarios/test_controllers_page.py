@@ -17,7 +17,7 @@ from products.protection.programme import read_programme
 from products.protection.rig import Rig
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
-from scenarios.controllers.page import MOST_LOOKS, thinned
+from scenarios.controllers.page import MOST_SAMPLES, thinned
 from tests.axe import violations
 from tests.browser import Browser, Page, browser
 
@@ -183,9 +183,9 @@ def test_long_stops_are_thinned_and_keep_their_end(folder: Path) -> None:
     [stop] = Rig(bogie(), None, Settings(strength=1e-3)).runs([run], every=EVERY)
     history = stop.history
     assert history
-    assert history.time.size > 2 * MOST_LOOKS
+    assert history.time.size > 2 * MOST_SAMPLES
     few = thinned(history)
-    assert MOST_LOOKS / 2 < few.time.size <= MOST_LOOKS + 1
+    assert MOST_SAMPLES / 2 < few.time.size <= MOST_SAMPLES + 1
     assert (few.time[0], few.time[-1]) == (0.0, stop.time)
     assert set(few.speed) <= set(history.speed)
 

@@ -35,8 +35,8 @@ from scenarios.thesis import qr30, thesis_step
 from scenarios.thesis.creep_forces import EXACT
 from scenarios.trains import (
     braking_distance,
+    train_brake_models,
     train_braking,
-    train_depths,
     train_one_vehicle_in_detail,
     train_standing,
 )
@@ -177,9 +177,9 @@ def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
     split = {train_methods.SPLIT: (few[train_methods.SPLIT][0], (5,), few[train_methods.SPLIT][2])}
     monkeypatch.setattr(train_methods, "METHODS", few | tolerant | split)
     monkeypatch.setattr(train_methods, "FEW", (10,))
-    monkeypatch.setattr(train_depths, "FITTED", (300.0,))
-    monkeypatch.setattr(train_depths, "HELD", (250.0,))
-    monkeypatch.setattr(train_depths, "SHOWN", 250.0)
+    monkeypatch.setattr(train_brake_models, "FITTED", (300.0,))
+    monkeypatch.setattr(train_brake_models, "HELD", (250.0,))
+    monkeypatch.setattr(train_brake_models, "SHOWN", 250.0)
     monkeypatch.setattr(train_one_vehicle_in_detail, "STEPS", (1e-3, 1e-2))
     monkeypatch.setattr(train_one_vehicle_in_detail, "LONG", 6.0)
     monkeypatch.setattr(train_one_vehicle_in_detail, "FINE", 5e-4)

@@ -12,10 +12,10 @@ from rbd_model.train.coupler import Coupler, Curve
 MASS = 80e3
 
 
-def spring(stiffness: float, unloading: float = 1.0, locked: float | None = None) -> Coupler:
+def spring(stiffness: float, unloading: float = 1.0, sticking: float | None = None) -> Coupler:
     """Return a symmetric coupler; unloading: ratio of the unloading stiffness to the stiffness."""
     load, back = Curve((0.0, 5.0), (0.0, 5.0 * stiffness)), Curve((0.0, 5.0), (0.0, 5.0 * stiffness * unloading))
-    return Coupler("spring", locked or stiffness, (load, back), (load, back))
+    return Coupler("spring", sticking or stiffness, (load, back), (load, back))
 
 
 def chain(masses: list[float], coupler: Coupler, *, braked: bool = False, **settings: object) -> Train:

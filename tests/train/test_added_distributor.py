@@ -37,12 +37,12 @@ class DirectDistributor(DistributorParameters):
 
 def direct(moment: Moment) -> Answer:
     """Return rates and flows, V dp/dt = R T G (ideal gas), flows by ISO 6358-1."""
-    p, line, warmth = moment.given, moment.pipe.pressure, moment.pipe.temperature
+    p, line, air_temperature = moment.given, moment.pipe.pressure, moment.pipe.temperature
     cylinder, meter = moment.states["cylinder"], moment.states["meter"]
     area, specific = effective_area(p["choke"], ca.SX(DISCHARGE)), GAS_CONSTANT * WALL
 
     def net(chamber: ca.SX, full: ca.SX | float = 0) -> ca.SX:
-        into, out = elliptic_flow(area, line, warmth, chamber), elliptic_flow(area, chamber, ca.SX(WALL), line)
+        into, out = elliptic_flow(area, line, air_temperature, chamber), elliptic_flow(area, chamber, ca.SX(WALL), line)
         return ca.if_else(full, 0, into) - out
 
     fills = (1 - p["held"]) * net(cylinder, cylinder > p["full_pressure"] + AMBIENT)
@@ -53,7 +53,7 @@ def direct(moment: Moment) -> Answer:
         "meter": specific * beside / p["meter_volume"],
     }
     taken = fills + beside
-    return Answer(rates, taken, HEAT_CAPACITY * taken * ca.if_else(taken > 0, warmth, WALL), fills)
+    return Answer(rates, taken, HEAT_CAPACITY * taken * ca.if_else(taken > 0, air_temperature, WALL), fills)
 
 
 def of_choke(position: str) -> DirectDistributor:
@@ -126,9 +126,9 @@ def test_in_a_mixed_train_each_vehicle_brakes_by_its_own() -> None:
     assert np.array_equal(train.state, after, equal_nan=True)
 
 
-@pytest.mark.parametrize("depth", ["whole", "empirical", "delay"])
-def test_protection_holds_and_vents_the_cylinder_of_the_vehicle_that_it_commands(depth: str) -> None:
-    train = Train(every_second(4), settings=Settings(depth))
+@pytest.mark.parametrize("brake_model", ["whole", "empirical", "delay"])
+def test_protection_holds_and_vents_the_cylinder_of_the_vehicle_that_it_commands(brake_model: str) -> None:
+    train = Train(every_second(4), settings=Settings(brake_model))
     train.advance(30.0)
     train.inputs["protection"][:4] = [2.0, 2.0, 0.0, 0.0]
     train.advance(20.0)

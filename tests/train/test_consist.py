@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from products.train.brake_depth import DEPTHS_BY_COST, smallest
+from products.train.brake_model import BRAKE_MODELS_BY_COST, select_brake_model
 from products.train.consist import Consist, block_train, braked_by, coach, locomotive, wagon
 from products.train.numbers import Settings
 from products.train.train import Train
@@ -52,14 +52,14 @@ def test_weighing_brakes_an_empty_wagon_less() -> None:
 
 def test_the_smallest_depth_follows_what_is_asked() -> None:
     short, long = block_train(10), block_train(60)
-    assert smallest(short, distance=0.05, force=0.2).depth == "delay"
-    assert smallest(long, distance=0.05, force=0.2).depth == "empirical"
-    assert smallest(long, distance=0.05, force=0.2, releases=True).depth == "whole"
-    assert smallest(long).cells == 1.0
-    assert smallest(long, distance=0.003).cells == 2.0
-    assert smallest(long, force=0.01).cells == 8.0
+    assert select_brake_model(short, distance=0.05, force=0.2).brake_model == "delay"
+    assert select_brake_model(long, distance=0.05, force=0.2).brake_model == "empirical"
+    assert select_brake_model(long, distance=0.05, force=0.2, releases=True).brake_model == "whole"
+    assert select_brake_model(long).cells == 1.0
+    assert select_brake_model(long, distance=0.003).cells == 2.0
+    assert select_brake_model(long, force=0.01).cells == 8.0
     with pytest.raises(ValueError, match="The error of the force must be at least 0, a share; got nan"):
-        smallest(short, force=float("nan"))
+        select_brake_model(short, force=float("nan"))
 
 
 @pytest.mark.parametrize("length", [15, 70])
@@ -67,13 +67,13 @@ def test_the_errors_that_the_choice_counts_with_hold_for_another_train(length: i
     """Trains of 229 m and 999 m, half service in P, compared with eight cells a vehicle."""
     consist = block_train(length)
     stops = []
-    for one in DEPTHS_BY_COST.values():
+    for one in BRAKE_MODELS_BY_COST.values():
         train = Train(consist, speed=25.0, settings=one.settings)
         train.drive("service", 0.4)
         while train.speed.max() > 0.0:
             train.advance(2.0)
         stops.append(train.distance[0])
-    for one, stop in zip(DEPTHS_BY_COST.values(), stops, strict=True):
+    for one, stop in zip(BRAKE_MODELS_BY_COST.values(), stops, strict=True):
         if one.longest >= consist.length:
             assert stop == pytest.approx(stops[-1], rel=max(one.distance, 1e-12))
 
@@ -81,7 +81,7 @@ def test_the_errors_that_the_choice_counts_with_hold_for_another_train(length: i
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"depth": "deep"}, "depth must be one of whole, empirical, delay; got deep"),
+        ({"brake_model": "deep"}, "brake_model must be one of whole, empirical, delay; got deep"),
         ({"cells": 0.0}, "cells must be a number from 0.1 to 32; got 0"),
         ({"cells": 1.5}, "cells must be an integer, or one over an integer; got 1.5"),
         ({"share": 4.0}, "share must be a number from 1e-05 to 2.5; got 4"),

@@ -35,7 +35,7 @@ def moving(train: Train) -> float:
 
 def collide(coupler: Coupler, speed: float = 1.0, time: float = 0.6, **settings: object) -> Train:
     """Let the second vehicle run into the first, which is at rest; they are not coupled."""
-    train = chain([MASS, MASS], coupler, depth="delay", share=FINE, **settings)
+    train = chain([MASS, MASS], coupler, brake_model="delay", share=FINE, **settings)
     train.inputs["coupling_closed"][:] = 0.0
     state = train.motion
     state[1:3, 1] = speed
@@ -54,11 +54,11 @@ def test_two_vehicles_collide_as_on_a_spring() -> None:
 
 
 def test_a_collision_with_friction_gives_back_what_lies_below_the_line_of_unloading() -> None:
-    """Loading k1 s, then the locked line K down to k2 s; v' = sqrt(2 E / (m / 2)), E: the area below both."""
-    k1, k2, locked, speed = 5e6, 1.5e6, 60e6, 1.0
-    train = collide(spring(k1, k2 / k1, locked), speed)
+    """Loading k1 s, then the sticking stiffness K down to k2 s; v' = sqrt(2 E / (m / 2)), E: the area below both."""
+    k1, k2, sticking, speed = 5e6, 1.5e6, 60e6, 1.0
+    train = collide(spring(k1, k2 / k1, sticking), speed)
     most = speed * math.sqrt(MASS / 2 / k1)
-    meets = (locked * most - k1 * most) / (locked - k2)
+    meets = (sticking * most - k1 * most) / (sticking - k2)
     back = (k1 * most + k2 * meets) / 2 * (most - meets) + k2 * meets**2 / 2
     assert train.speed[0] - train.speed[1] == pytest.approx(math.sqrt(4 * back / MASS), rel=CLOSED)
     assert train.largest_compression == pytest.approx(k1 * most, rel=CLOSED)
@@ -66,7 +66,7 @@ def test_a_collision_with_friction_gives_back_what_lies_below_the_line_of_unload
 
 def test_friction_that_sticks_keeps_its_force() -> None:
     """Compressed to 100 kN and eased to 94 kN, the coupler sticks by friction indefinitely."""
-    train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), depth="delay", share=FINE)
+    train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), brake_model="delay", share=FINE)
     train.lead(0, 0.0)
     train.lead(1, 0.02)
     train.advance(1.0)
@@ -84,7 +84,7 @@ def test_friction_that_sticks_keeps_its_force() -> None:
 @pytest.mark.parametrize("name", sorted(COUPLERS))
 def test_momentum_stays_whatever_the_couplers_do(name: str) -> None:
     draw = np.random.default_rng(33)
-    train = chain(list(draw.uniform(20e3, 90e3, 30)), COUPLERS[name](), depth="delay")
+    train = chain(list(draw.uniform(20e3, 90e3, 30)), COUPLERS[name](), brake_model="delay")
     state = train.motion
     state[0], state[1] = draw.normal(0.0, 0.02, 30), draw.normal(0.0, 1.0, 30)
     state[2] = state[1]
@@ -99,7 +99,7 @@ def test_energy_stays_where_there_is_no_friction() -> None:
     draw = np.random.default_rng(34)
     lost = []
     for share in (FINE, 300 * FINE):
-        train = chain(list(draw.uniform(40e3, 90e3, 8)), spring(5e6), depth="delay", share=share)
+        train = chain(list(draw.uniform(40e3, 90e3, 8)), spring(5e6), brake_model="delay", share=share)
         state = train.motion
         state[1] = state[2] = np.linspace(0.0, 1.0, 8)
         train.motion = state
@@ -111,7 +111,7 @@ def test_energy_stays_where_there_is_no_friction() -> None:
 
 
 def test_friction_takes_energy_and_never_gives_any() -> None:
-    train = chain([MASS] * 10, draft_gear(), depth="delay")
+    train = chain([MASS] * 10, draft_gear(), brake_model="delay")
     state = train.motion
     state[1] = state[2] = np.linspace(0.0, 3.0, 10)
     train.motion = state
@@ -138,7 +138,7 @@ def scaled(coupler: Coupler, forces: float) -> Coupler:
         return Curve(curve.ways, tuple(forces * force for force in curve.forces))
 
     tension, compression = (tuple(map(one, pair)) for pair in (coupler.tension, coupler.compression))
-    return Coupler(coupler.name, forces * coupler.locked, tension, compression)  # type: ignore[arg-type]
+    return Coupler(coupler.name, forces * coupler.sticking_stiffness, tension, compression)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("factor", [0.1, 1.0, 10.0])
@@ -178,7 +178,9 @@ def test_unloading_lies_below_loading_behind_the_stroke(name: str) -> None:
         found, rest = (float(one) for one in np.array(play(way, 0.0, rest, given)).ravel())
         force.append(-found)
     there, back = np.array(force[:300]), np.array(force[300:])[::-1]
-    due = np.interp(-ways, loading.ways, loading.forces) + coupler.locked * np.maximum(-ways - loading.ways[-1], 0.0)
+    due = np.interp(-ways, loading.ways, loading.forces) + coupler.sticking_stiffness * np.maximum(
+        -ways - loading.ways[-1], 0.0
+    )
     behind = -ways > loading.ways[-2]
     assert there[behind] == pytest.approx(due[behind], rel=1e-12)
     assert np.all(back <= there * (1 + 1e-12))
@@ -194,7 +196,7 @@ def test_a_curve_that_unloads_above_its_loading_is_refused() -> None:
 
 
 def test_equal_brakes_on_equal_vehicles_leave_couplers_without_force() -> None:
-    train = chain([MASS] * 20, draft_gear(), braked=True, depth="delay", propagation=1e9)
+    train = chain([MASS] * 20, draft_gear(), braked=True, brake_model="delay", propagation=1e9)
     state = train.motion
     state[1:3] = 20.0
     train.motion = state
@@ -207,7 +209,7 @@ def test_equal_brakes_on_equal_vehicles_leave_couplers_without_force() -> None:
 def test_rigid_couplers_give_the_motion_of_one_mass() -> None:
     """x = F t^2 / (2 M) for each vehicle."""
     masses = [84e3, *[MASS] * 9]
-    train = chain(masses, rigid(1e11), depth="delay")
+    train = chain(masses, rigid(1e11), brake_model="delay")
     train.inputs["pull"][0] = 100e3
     train.advance(20.0)
     due = 100e3 * 20.0**2 / (2 * sum(masses))
@@ -222,9 +224,9 @@ def gradients(rows: list[tuple[float, float]]) -> Line:
 @pytest.mark.parametrize(("slope", "sense"), [(0.01, 1.0), (-0.01, -1.0)])
 def test_a_train_across_a_crest_or_a_sag_carries_the_weight_of_its_halves(slope: float, sense: float) -> None:
     """Tension on a crest, compression in a sag: m g sin of all vehicles beyond. Forces oscillate and are averaged."""
-    consist = Consist(chain([MASS] * 10, spring(5e6), depth="delay").consist.vehicles)
+    consist = Consist(chain([MASS] * 10, spring(5e6), brake_model="delay").consist.vehicles)
     line = gradients([(-1000.0, slope), (-75.01, slope), (-74.99, -slope), (1000.0, -slope)])
-    train = Train(consist, line=line, settings=Settings(depth="delay"))
+    train = Train(consist, line=line, settings=Settings(brake_model="delay"))
     forces = []
     for _ in range(4000):
         train.advance(0.01)
@@ -300,7 +302,7 @@ def test_a_locked_wheel_turns_again_when_its_cylinder_is_vented() -> None:
 def run_in(share: float) -> float:
     """Return the largest compression [N] of 40 wagons of 20 t that run in behind a braking locomotive."""
     consist = block_train(40, load=0.0, coupler=draft_gear())
-    train = Train(consist, speed=20.0, settings=Settings(depth="delay", share=share))
+    train = Train(consist, speed=20.0, settings=Settings(brake_model="delay", share=share))
     train.drive("emergency")
     train.advance(12.0)
     return train.largest_compression
@@ -327,7 +329,7 @@ def test_curves_that_cannot_be_are_refused() -> None:
 
 
 def test_a_coupling_holds_from_when_vehicles_touch() -> None:
-    train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), depth="delay")
+    train = chain([MASS, MASS], spring(5e6, 0.3, 60e6), brake_model="delay")
     train.inputs["coupling_closed"][:] = 0.0
     state = train.motion
     state[0, 1], state[1:3, 1] = -1.0, 0.5

@@ -203,7 +203,7 @@ def test_an_input_that_cannot_be_is_refused_and_the_train_stays_as_it_was(
 
 def test_an_input_is_set_as_a_whole() -> None:
     """A pull can be set by one number for all vehicles, or by one for each."""
-    each, whole, one_by_one = (train(2, depth="delay") for _ in range(3))
+    each, whole, one_by_one = (train(2, brake_model="delay") for _ in range(3))
     whole.inputs["pull"] = 2e3
     each.inputs["pull"] = [2000, 2000, 2000]
     one_by_one.inputs["pull"][:] = 2e3

@@ -452,7 +452,7 @@ BEYOND = {
     ("head", "cells", math.nan): "its number of cells",
     ("head", "vehicles", 2.5): "its number of vehicles",
     ("head", "valves", 0.0): "its number of valves",
-    ("head", "depth", 3.0): "the depth of its brake",
+    ("head", "brake_model", 3.0): "the model of its brake",
     ("cell", "length", -7.0): "the length of a cell",
     ("place", "cell", CELLS): "a vehicle's place at the pipe",
     ("place", "face", CELLS + 1): "a vehicle's end at the pipe",

@@ -61,7 +61,7 @@ void arrays_reset(arrays_object *self) {
     self->rest = self->way = self->force = 0.0;
 }
 
-/* Tension at a displacement; moves the point of zero locked force. */
+/* Tension at a displacement; moves the point at which the force of the sticking stiffness is zero. */
 static double pull(arrays_object *self, double way) {
     const double behind = 0.0;
     double found[2];

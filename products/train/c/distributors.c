@@ -59,14 +59,14 @@ static void put_given(distributors *self, const double *given) {
 }
 
 int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
-                  const double *const given[KINDS], int depth, double pace) {
+                  const double *const given[KINDS], int brake_model, double pace) {
     distributors_free(self);
     long long int counts[KINDS] = {0};
     for (long long int v = 0; v < count; ++v) ++counts[kind[v]];
     for (int k = 0; k < KINDS; ++k) {
         distributors *one = &self->own[k];
         one->kind = k;
-        one->form = 2 * k + (depth != DEPTH_WHOLE);
+        one->form = 2 * k + (brake_model != BRAKE_MODEL_WHOLE);
         one->lanes = self->lanes;
         if (counts[k] && !lay(one, counts[k])) return 0;
     }
@@ -79,7 +79,7 @@ int pipe_vehicles(pipe *self, long long int count, const long long int *kind, co
         put_air(one);
         put_given(one, given[one->kind]);
     }
-    self->depth = depth;
+    self->brake_model = brake_model;
     self->pace = pace;
     return 1;
 }
@@ -145,7 +145,7 @@ void distributors_act(pipe *self, pipe_passed *passed) {
         for (long long int i = 0; i < one->count; ++i)
             for (int n = 0; n < PIPE_STATES; ++n) one->air[i + n * one->stride] = self->state[one->cell[i] + n * stride];
         answer(one);
-        if (self->depth == DEPTH_DELAY) continue;
+        if (self->brake_model == BRAKE_MODEL_DELAY) continue;
         const double *found = one->rate + KIND[one->kind].states * one->stride;
         const double *mass = found + ANSWER_TAKEN * one->stride, *energy = found + ANSWER_ENTHALPY * one->stride;
         for (long long int i = 0; i < one->count; ++i) {

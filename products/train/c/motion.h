@@ -1,12 +1,12 @@
 /* Vehicles of a train along the track, and the couplers between them. The equations of a vehicle and of a coupler are generated
  * (vehicle.py, coupler.py). A step is half a displacement, a full change of speed, half a displacement (Störmer and Verlet), as
- * long as the stiffest locked coupler allows. Positions are relative to those with neutral couplers. */
+ * long as the stiffest sticking coupler allows. Positions are relative to those with neutral couplers. */
 #ifndef MOTION_H
 #define MOTION_H
 
 #include "train_layout.h"
 
-/* A state: rows of all vehicles: position [m], speed, speed of the wheels at the rim [m/s], and the position of zero locked
+/* A state: rows of all vehicles: position [m], speed, speed of the wheels at the rim [m/s], and the position of zero sticking
  * force of the coupler after each [m]. */
 enum { MOTION_STATES = 4 };
 

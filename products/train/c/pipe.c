@@ -295,7 +295,7 @@ static double fastest_at_valves(const pipe *self) {
 /* Updates the sides of cells and the ends; returns the largest rate of change by waves and vehicles [1/s]. passed: through the
  * ends. */
 static double look(pipe *self, pipe_passed *passed) {
-    if (self->depth == DEPTH_DELAY) return self->pace / 2.0;
+    if (self->brake_model == BRAKE_MODEL_DELAY) return self->pace / 2.0;
     double through[2];
     mirror(self);
     IN_LANES(pipe_sides);
@@ -319,7 +319,7 @@ static double look(pipe *self, pipe_passed *passed) {
 /* Rates of all cells and vehicles. passed: outflow per second. */
 static void rates(pipe *self, pipe_passed *passed) {
     memset(passed, 0, sizeof *passed);
-    if (self->depth == DEPTH_DELAY) {
+    if (self->brake_model == BRAKE_MODEL_DELAY) {
         distributors_act(self, passed);
         return;
     }
@@ -352,7 +352,7 @@ static void add(pipe_passed *to, const pipe_passed *more, double time) {
 
 /* Heat exchange with the walls over a time. */
 static void warm(pipe *self, double time) {
-    if (self->depth == DEPTH_DELAY) return;
+    if (self->brake_model == BRAKE_MODEL_DELAY) return;
     for (long long int i = 0; i < self->cells; ++i) self->time[i] = time;
     IN_LANES(pipe_warm);
     double *energy = self->state + 2 * self->stride;

@@ -33,14 +33,14 @@ typedef struct pipe pipe;
 PIPE_SHOWN pipe *pipe_create(long long int cells, const double *state, const double *constants);
 PIPE_SHOWN void pipe_free(pipe *self);
 /* Connects vehicles with distributors of these kinds to these cells. given: for each kind, rows of parameters of its vehicles;
- * all is copied. depth: brake model. pace: fastest decay rate of their states [1/s]. Returns 0 if out of memory. */
+ * all is copied. brake_model: brake model. pace: fastest decay rate of their states [1/s]. Returns 0 if out of memory. */
 PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long int *kind, const long long int *cell,
-                             const double *const given[KINDS], int depth, double pace);
+                             const double *const given[KINDS], int brake_model, double pace);
 /* Initial state of all distributors: pressure of the charged reservoirs, ambient pressure, pressure in the cylinders [Pa]. */
 PIPE_SHOWN void pipe_charge(pipe *self, double charged, double around, double cylinder);
 /* Commands of the wheel-slide protection of each vehicle, PROTECTION_APPLY, ... */
 void pipe_protect(pipe *self, const double *protection);
-/* With DEPTH_DELAY: sets the pressure in a cell [Pa]. */
+/* With BRAKE_MODEL_DELAY: sets the pressure in a cell [Pa]. */
 void pipe_give(pipe *self, long long int cell, double pressure);
 /* Air at rest in all cells, of a density [kg/m3] and pressure [Pa]; resets the outflow. */
 void pipe_fill(pipe *self, double density, double pressure);

@@ -24,7 +24,7 @@ typedef struct {
 
 struct pipe {
     long long int cells, stride;
-    int lanes, depth;
+    int lanes, brake_model;
     bool leaks;
     double *memory;
     double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump,

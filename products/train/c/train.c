@@ -104,7 +104,7 @@ static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS]) {
     for (long long int i = 0; made && i < self->vehicles; ++i)
         kind[i] = (long long int)at[GROUP_PLACE][PLACE_DISTRIBUTOR * self->vehicles + i];
     const double *const *given = at + GROUP_FIRST_KIND; /* one group of each kind */
-    made = made && pipe_vehicles(self->air, self->vehicles, kind, self->cell, given, self->depth, self->head[HEAD_PACE]);
+    made = made && pipe_vehicles(self->air, self->vehicles, kind, self->cell, given, self->brake_model, self->head[HEAD_PACE]);
     free(air);
     free(kind);
     return made;
@@ -131,7 +131,7 @@ train *train_create(const double *numbers, long long int count) {
     self->cells = self->counts[OF_CELLS];
     self->valves = self->counts[OF_VALVES];
     self->points = self->counts[OF_POINTS];
-    self->depth = (int)numbers[HEAD_DEPTH];
+    self->brake_model = (int)numbers[HEAD_BRAKE_MODEL];
     self->stride = rows_stride(self->vehicles);
     self->lanes = lanes_of_processor();
     if (lay(self, numbers)) {
@@ -169,7 +169,7 @@ static void begin_inputs(train *self) {
 }
 
 static void begin_air(train *self, double pressure, double cylinder) {
-    pipe_fill(self->air, pressure / (GAS_CONSTANT * self->valve[VALVE_WARMTH]), pressure);
+    pipe_fill(self->air, pressure / (GAS_CONSTANT * self->valve[VALVE_SUPPLY_TEMPERATURE]), pressure);
     pipe_charge(self->air, fmax(pressure, self->valve[VALVE_RUNNING]), self->valve[VALVE_AROUND], cylinder);
 }
 

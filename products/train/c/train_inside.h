@@ -14,7 +14,7 @@ enum { RUN_TIME, RUN_TOLD, RUN_STEP, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUM
 
 struct train {
     long long int counts[LAYOUT_OWNERS], vehicles, cells, valves, points, stride;
-    int lanes, depth, level; /* level: the line is level and straight */
+    int lanes, brake_model, level; /* level: the line is level and straight */
     double head[HEAD_ROWS];
     pipe *air;
     motion *moves;

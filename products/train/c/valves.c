@@ -47,7 +47,7 @@ void valves_command(train *self, double time) {
         double *held = valves_run(self, v), step;
         const double position = position_of(self, v, &step), before = *held;
         *held = moved(given, before, position, step, time);
-        if (self->depth == DEPTH_DELAY) continue;
+        if (self->brake_model == BRAKE_MODEL_DELAY) continue;
         const double regulates = position != POSITION_SHUT_OFF && position != POSITION_EMERGENCY;
         const double numbers[VALVE_NUMBERS] = {regulates * given[VALVE_FEEDING],
                                                regulates * given[VALVE_EXHAUST],
@@ -55,7 +55,7 @@ void valves_command(train *self, double time) {
                                                (before + *held) / 2.0,
                                                given[VALVE_BAND],
                                                given[VALVE_SUPPLY],
-                                               given[VALVE_WARMTH],
+                                               given[VALVE_SUPPLY_TEMPERATURE],
                                                given[VALVE_AROUND]};
         pipe_valve(self->air, (int)v, (long long int)given[VALVE_FACE], numbers);
     }
@@ -88,5 +88,5 @@ void valves_tell(train *self, double step) {
         }
     }
     self->run[RUN_TOLD] = newest;
-    if (self->depth == DEPTH_DELAY) give_pressures(self, end);
+    if (self->brake_model == BRAKE_MODEL_DELAY) give_pressures(self, end);
 }

@@ -44,16 +44,16 @@ static double curve(const double *bends, double way, double *slope) {
 
 /* F = min(max(K (s - z), lower), upper); z' = s' - (slope of the bound) s' / K where it presses on one, else 0. */
 static law coupler_law(const double *given, double way, double rest, double rate) {
-    const double locked = given[0], *bends = given + 2;
+    const double stiffness = given[0], *bends = given + 2;
     double slope[4];
     const double upper = curve(bends, way, slope) - curve(bends + 6 * POINTS, -way, slope + 3);
     const double lower = curve(bends + 2 * POINTS, way, slope + 1) - curve(bends + 4 * POINTS, -way, slope + 2);
-    const double tried = locked * (way - rest), rises = slope[0] + slope[3], falls = slope[1] + slope[2];
+    const double tried = stiffness * (way - rest), rises = slope[0] + slope[3], falls = slope[1] + slope[2];
     const int above = tried >= upper - NEAR, below = tried <= lower + NEAR, one = upper - lower <= NEAR;
-    law found = {fmin(fmax(tried, lower), upper), locked, 0.0, tried > upper ? rises : tried < lower ? falls : locked};
+    law found = {fmin(fmax(tried, lower), upper), stiffness, 0.0, tried > upper ? rises : tried < lower ? falls : stiffness};
     if (one || (above && rate > 0.0) || (below && rate < 0.0)) {
         found.slope = one || above ? rises : falls;
-        found.yields = 1.0 - found.slope / locked;
+        found.yields = 1.0 - found.slope / stiffness;
     }
     return found;
 }

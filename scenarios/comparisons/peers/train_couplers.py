@@ -326,7 +326,7 @@ def _step_cost(consist: Consist) -> float:
     """Return the cost of one step of the couplers [s], from two trains that differ only in the number of steps."""
     spent, steps = [], []
     for share in (0.1, 0.005):
-        train = Train(consist, speed=SPEED, settings=Settings(depth="delay", share=share))
+        train = Train(consist, speed=SPEED, settings=Settings(brake_model="delay", share=share))
         spent.append(_fastest(lambda train=train: train.advance(1.0)))  # type: ignore[misc]
         steps.append(train.steps[1] / REPEATED)
     return (spent[1] - spent[0]) / (steps[1] - steps[0])

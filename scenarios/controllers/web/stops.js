@@ -48,8 +48,8 @@ async function stopsOf(data) {
   return data.stops.map((about) => {
     const next = (unit) => {
       let sum = 0;
-      const column = differences.slice(place, place + about.looks).map((one) => (sum += one) * unit);
-      place += about.looks;
+      const column = differences.slice(place, place + about.samples).map((one) => (sum += one) * unit);
+      place += about.samples;
       return column;
     };
     return new Stop(about, next, data);

@@ -18,7 +18,7 @@ static bool sticks(const kernel *self, int i) {
     for (int k = i; k < self->system->frictions; ++k) {
         if (friction[k].whole != i) continue;
         if (self->run.mode[k] == 0.0) some = true;
-        else if (!friction[k].counts || self->modes.told[k] > 0.0) return false;
+        else if (!friction[k].counts || self->modes.reported[k] > 0.0) return false;
     }
     return some;
 }
@@ -29,7 +29,7 @@ static bool is_power_of_two(double count) {
 }
 
 static void tell(kernel *self, int i, const char *word, double offset, bool counted) {
-    const double times = fabs(self->run.told[i]);
+    const double times = fabs(self->run.reported[i]);
     if (!kernel_is_heard(self, KERNEL_OK) || !is_power_of_two(times)) return;
     char when[TIME_TEXT];
     const char *label = self->system->friction[i].label;
@@ -41,36 +41,36 @@ static void tell(kernel *self, int i, const char *word, double offset, bool coun
 /* Reset the counts of all other frictions when the vehicle as a whole stands. */
 static void begin_anew(kernel *self) {
     for (int i = 0; i < self->system->frictions; ++i)
-        if (self->system->friction[i].whole < 0) self->run.told[i] = self->run.told[i] < 0.0 ? -1.0 : 0.0;
+        if (self->system->friction[i].whole < 0) self->run.reported[i] = self->run.reported[i] < 0.0 ? -1.0 : 0.0;
 }
 
 /* Return whether the counted mode of a friction, or of the group reported with it, has changed; reports the change. */
 static bool follow(kernel *self, int i, double offset) {
     const friction_description *friction = &self->system->friction[i];
-    double *told = &self->run.told[i];
-    const double *margin = self->modes.told;
-    const bool stuck = sticks(self, i), counted = *told < 0.0;
+    double *reported = &self->run.reported[i];
+    const double *margin = self->modes.reported;
+    const bool stuck = sticks(self, i), counted = *reported < 0.0;
     const bool counts = !friction->counts || friction->whole >= 0 || margin[i] > 0.0;
     const bool slides = !stuck && (!friction->counts || margin[self->system->frictions + i] > 0.0);
     self->run.now->watched |= friction->counts && (stuck || (counted && !slides));
     if (stuck && counts && !counted) {
-        if (friction->whole >= 0) *told = 0.0;
-        *told = -(*told + 1.0);
+        if (friction->whole >= 0) *reported = 0.0;
+        *reported = -(*reported + 1.0);
         tell(self, i, friction->stuck_word, offset, true);
         if (friction->whole >= 0) begin_anew(self);
         return true;
     }
     if (!counted || (stuck ? counts : !slides)) return false;
-    *told = -*told;
+    *reported = -*reported;
     if (slides) tell(self, i, friction->sliding_word, offset, false);
     return true;
 }
 
-bool told_follow(kernel *self, double offset) {
+bool reported_follow(kernel *self, double offset) {
     const system_description *system = self->system;
     bool changed = false;
     self->run.now->watched = false;
-    if (system->told) kernel_evaluate(self, system->told, offset, self->run.state, self->modes.told);
+    if (system->reported) kernel_evaluate(self, system->reported, offset, self->run.state, self->modes.reported);
     for (int i = 0; i < system->frictions; ++i)
         if (system->friction[i].whole < 0) changed |= follow(self, i, offset);
     for (int i = 0; i < system->frictions; ++i)

@@ -1,7 +1,7 @@
 """Choice of a brake model: the cheapest whose errors are below the required values.
 
-Errors are the largest in the scenario `train-depths` for trains of 300 and 900 m, rounded up. The scenario checks them
-with trains of 400 and 1200 m.
+Errors are the largest in the scenario `train-brake-models` for trains of 300 and 900 m, rounded up. The
+scenario checks them with trains of 400 and 1200 m.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from readers.tables import number_of
 
 
 @dataclass(frozen=True)
-class Depth:
+class BrakeModel:
     """A brake model with its largest relative errors of the stopping distance and of the largest compression [1].
 
     releases: whether it models released brakes; longest: longest train for which the errors apply [m].
@@ -29,17 +29,19 @@ class Depth:
 
 
 #: In the order of their costs.
-DEPTHS_BY_COST = {
-    "delay": Depth(Settings("delay", cells=1.0), 0.02, 0.15, False, 300.0),
-    "empirical, half a cell": Depth(Settings("empirical", cells=0.5, share=0.8), 0.025, 0.06, False),
-    "whole, a cell": Depth(Settings("whole", cells=1.0), 0.0075, 0.05, True),
-    "whole, two cells": Depth(Settings("whole", cells=2.0), 0.0025, 0.05, True),
-    "whole, four cells": Depth(Settings("whole", cells=4.0), 0.001, 0.02, True),
-    "whole, eight cells": Depth(Settings("whole", cells=8.0), 0.0, 0.0, True, math.inf),
+BRAKE_MODELS_BY_COST = {
+    "delay": BrakeModel(Settings("delay", cells=1.0), 0.02, 0.15, False, 300.0),
+    "empirical, half a cell": BrakeModel(Settings("empirical", cells=0.5, share=0.8), 0.025, 0.06, False),
+    "whole, a cell": BrakeModel(Settings("whole", cells=1.0), 0.0075, 0.05, True),
+    "whole, two cells": BrakeModel(Settings("whole", cells=2.0), 0.0025, 0.05, True),
+    "whole, four cells": BrakeModel(Settings("whole", cells=4.0), 0.001, 0.02, True),
+    "whole, eight cells": BrakeModel(Settings("whole", cells=8.0), 0.0, 0.0, True, math.inf),
 }
 
 
-def smallest(consist: Consist, distance: float = 0.01, force: float = 0.05, releases: bool = False) -> Settings:
+def select_brake_model(
+    consist: Consist, distance: float = 0.01, force: float = 0.05, releases: bool = False
+) -> Settings:
     """Return the cheapest settings for a consist within the required relative errors [1].
 
     Parameters
@@ -59,7 +61,7 @@ def smallest(consist: Consist, distance: float = 0.01, force: float = 0.05, rele
     for name, value in (("distance", distance), ("force", force)):
         if not 0.0 <= number_of(value) < math.inf or isinstance(value, str):
             raise ValueError(f"The error of the {name} must be at least 0, a share; got {value!r}.")
-    for one in DEPTHS_BY_COST.values():
+    for one in BRAKE_MODELS_BY_COST.values():
         if (
             one.distance <= distance
             and one.force <= force
@@ -67,4 +69,4 @@ def smallest(consist: Consist, distance: float = 0.01, force: float = 0.05, rele
             and one.releases >= releases
         ):
             return one.settings
-    return DEPTHS_BY_COST["whole, eight cells"].settings
+    return BRAKE_MODELS_BY_COST["whole, eight cells"].settings

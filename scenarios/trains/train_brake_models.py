@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fmu_src.cosimulation.recording import Recording
-from products.train.brake_depth import DEPTHS_BY_COST
+from products.train.brake_model import BRAKE_MODELS_BY_COST
 from products.train.train import Train
 from scenarios.bench.train_runs import train_of
 from scenarios.reporting.plots import BOGIE as GREY
@@ -19,7 +19,7 @@ from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, at_most, measured
 from scenarios.scenario import Options, Scenario
 
-#: Lengths of the trains behind the errors in products/train/brake_depth.py, and of the trains that test them [m].
+#: Lengths of the trains behind the errors in products/train/brake_model.py, and of the trains that test them [m].
 FITTED, HELD = (300.0, 900.0), (250.0, 400.0, 1200.0)
 SPEED, STRIDE, LONGEST = 25.0, 2.0, 250.0
 #: Length of the train whose pace is shown [m].
@@ -38,10 +38,12 @@ class Scene:
     position: str
     command: str
 
-    def stop(self, depth: str) -> tuple[float, float, float]:
+    def stop(self, brake_model: str) -> tuple[float, float, float]:
         """Return distance [m], largest compression [N], and pace in units of real time."""
         train = Train(
-            train_of(self.length, position=self.position), speed=SPEED, settings=DEPTHS_BY_COST[depth].settings
+            train_of(self.length, position=self.position),
+            speed=SPEED,
+            settings=BRAKE_MODELS_BY_COST[brake_model].settings,
         )
         train.drive(*COMMANDS[self.command])
         begin = clock.perf_counter()
@@ -65,33 +67,40 @@ class Error:
 
 
 def errors(
-    depth: str, found: Mapping[tuple[Scene, str], tuple[float, float, float]], lengths: tuple[float, ...]
+    brake_model: str, found: Mapping[tuple[Scene, str], tuple[float, float, float]], lengths: tuple[float, ...]
 ) -> Error:
     """Return the errors against the reference; no train is longer than the brake model allows."""
-    within = [one for one in scenes(lengths) if one.length <= DEPTHS_BY_COST[depth].longest]
-    pairs = [(found[one, depth], found[one, REFERENCE]) for one in within]
+    within = [one for one in scenes(lengths) if one.length <= BRAKE_MODELS_BY_COST[brake_model].longest]
+    pairs = [(found[one, brake_model], found[one, REFERENCE]) for one in within]
     distance = max(abs(a[0] / b[0] - 1) for a, b in pairs)
     force = max((abs(a[1] / b[1] - 1) for a, b in pairs if b[1] > LEAST), default=0.0)
     return Error(distance, force, min(a[2] for a, _ in pairs))
 
 
 def run(options: Options) -> Report:
-    tries = [(one, depth) for one in scenes(FITTED + HELD) for depth in DEPTHS_BY_COST]
-    found = {(one, depth): one.stop(depth) for one, depth in counting(tries, "stops", unit="stop")}
-    held = {depth: errors(depth, found, HELD) for depth in DEPTHS_BY_COST if depth != REFERENCE}
-    fitted = {depth: errors(depth, found, FITTED) for depth in held}
+    tries = [(one, brake_model) for one in scenes(FITTED + HELD) for brake_model in BRAKE_MODELS_BY_COST]
+    found = {(one, brake_model): one.stop(brake_model) for one, brake_model in counting(tries, "stops", unit="stop")}
+    held = {
+        brake_model: errors(brake_model, found, HELD)
+        for brake_model in BRAKE_MODELS_BY_COST
+        if brake_model != REFERENCE
+    }
+    fitted = {brake_model: errors(brake_model, found, FITTED) for brake_model in held}
     rows = []
-    for depth, one in held.items():
-        claim, source = DEPTHS_BY_COST[depth], "what `smallest` counts with, from other trains"
+    for brake_model, one in held.items():
+        claim, source = BRAKE_MODELS_BY_COST[brake_model], "what `select_brake_model` counts with, from other trains"
         for name, error, most in (("distance", one.distance, claim.distance), ("compression", one.force, claim.force)):
             asked = at_most(100 * most)
-            rows.append(measured(f"{depth}: largest error of {name}", "%", 100 * error, source, asked))
-    for depth, one in fitted.items():
+            rows.append(measured(f"{brake_model}: largest error of {name}", "%", 100 * error, source, asked))
+    for brake_model, one in fitted.items():
         for name, error in (("distance", one.distance), ("compression", one.force)):
-            rows.append(measured(f"{depth}: error of {name}, fitted half", "%", 100 * error, "300 and 900 m"))
-    pace = {depth: float(np.median([found[one, depth][2] for one in scenes((SHOWN,))])) for depth in DEPTHS_BY_COST}
-    for depth, times in pace.items():
-        rows.append(measured(f"{depth}: times real time, {SHOWN:g} m", "1", times, "measured, one core"))
+            rows.append(measured(f"{brake_model}: error of {name}, fitted half", "%", 100 * error, "300 and 900 m"))
+    pace = {
+        brake_model: float(np.median([found[one, brake_model][2] for one in scenes((SHOWN,))]))
+        for brake_model in BRAKE_MODELS_BY_COST
+    }
+    for brake_model, times in pace.items():
+        rows.append(measured(f"{brake_model}: times real time, {SHOWN:g} m", "1", times, "measured, one core"))
     cheap = held["empirical, half a cell"]
     said = [
         f"Empirical valves on half a cell a vehicle err by {100 * cheap.distance:.1f} % of the distance and "
@@ -105,7 +114,7 @@ def run(options: Options) -> Report:
 
 
 def draw(found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Mapping[str, float]) -> Figure:
-    cheap, names = "empirical, half a cell", list(DEPTHS_BY_COST)[:-1]
+    cheap, names = "empirical, half a cell", list(BRAKE_MODELS_BY_COST)[:-1]
     off, times = 100 * errors(cheap, found, HELD).distance, float(f"{pace[cheap]:.2g}")
     message = f"Empirical valves err by {off:.1f} % and run {times:g} times real time"
     figure, axes = charts(message, ("", ""), (10.0, 4.6), sharey=True)
@@ -124,4 +133,4 @@ def draw(found: Mapping[tuple[Scene, str], tuple[float, float, float]], pace: Ma
     return figure
 
 
-SCENARIO = Scenario("train-depths", "Cost, error and limits of each brake model of a train", run)
+SCENARIO = Scenario("train-brake-models", "Cost, error and limits of each brake model of a train", run)
