@@ -36,7 +36,7 @@ def batch(
     outputs: Sequence[str],
     line: Line | None = None,
     threads: int | None = None,
-    said: bool = False,
+    messages: bool = False,
     **values: ArrayLike,
 ) -> Ends:
     """Run one vehicle many times over a duration, in vector lanes and threads.
@@ -55,7 +55,7 @@ def batch(
         As in `run`.
     threads : int, optional
         Number of threads; by default the number of processors.
-    said : bool
+    messages : bool
         Whether to keep the messages of each run, too.
     **values : float or array
         Parameters and inputs by name, in SI units: one number for all runs, or an array of shape (runs,). Parameters
@@ -78,10 +78,10 @@ def batch(
         If no C compiler works.
     """
     duration = seconds("the duration", duration)
-    library, given = prepared(what, line, values)
+    library, given = prepared(what, line, values, ("messages",))
     names = names_of(outputs, variables_of_batch(library))
     with tempfile.TemporaryDirectory() as folder:
-        return run_batch(library, given, duration, names, threads_or_none(threads), file_of(line, folder), said)
+        return run_batch(library, given, duration, names, threads_or_none(threads), file_of(line, folder), messages)
 
 
 def instances(
@@ -154,15 +154,15 @@ def instances(
 
 
 def prepared(
-    what: Runnable, line: Line | None, values: Mapping[str, ArrayLike]
+    what: Runnable, line: Line | None, values: Mapping[str, ArrayLike], options: Sequence[str] = ()
 ) -> tuple[BatchLibrary, dict[str, np.ndarray]]:
-    """Return the compiled system, and the values as arrays of numbers."""
+    """Return the compiled system, and the values as arrays of numbers; options: further names in messages."""
     line = line_or_none(line)
     given = {name: _numbers(name, value) for name, value in values.items()}
     single: dict[str, Any] = {name: one.item(0) for name, one in given.items() if one.size and not np.ptp(one)}
     library = batch_machine_of(what, single, line is not None)
     for name in values:
-        known(name, variables_of_batch(library), "variable")
+        known(name, [*variables_of_batch(library), *options], "variable")
     for name in library.model.selectors:
         if name in given.keys() - single.keys():
             raise ValueError(

@@ -20,6 +20,7 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
 from fmu_src.system import System
 from rbd_model.track.line import Line
+from readers.renamed import FormerNames
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,13 +31,13 @@ STEP = 1e-3
 MOST_ROWS = 1_000_000
 #: Parameters are not identifiable separately if their joint effect on the measured data is smaller than this share of
 #: their single effects.
-TOLD_APART = 1e-3
+SEPARABLE = 1e-3
 #: Least share of a parameter in an unidentifiable direction for which it is named.
 NAMED = 0.1
 
 
 @dataclass(frozen=True)
-class Fit:
+class Fit(FormerNames):
     """Fitted values and their standard errors by name, in the units of the parameters.
 
     Attributes
@@ -45,7 +46,7 @@ class Fit:
         Fitted values.
     standard_errors : dict
         Standard errors; infinite if a parameter is not identifiable.
-    together : list of tuple
+    unidentifiable : list of tuple
         Groups of parameters that the data cannot separate: only one combination of each group matters.
     deviations : dict
         Standard deviation of the measured values from the run, for each column in its unit.
@@ -59,7 +60,7 @@ class Fit:
 
     values: dict[str, float]
     standard_errors: dict[str, float]
-    together: list[tuple[str, ...]]
+    unidentifiable: list[tuple[str, ...]]
     deviations: dict[str, float]
     held_out: dict[str, float]
     measured: Recording
@@ -68,16 +69,16 @@ class Fit:
     @property
     def status(self) -> str:
         """The result as messages."""
-        said = [f"{key} = {self.values[key]:.4g} +- {self.standard_errors[key]:.2g}." for key in self.values]
-        for group in self.together:
+        messages = [f"{key} = {self.values[key]:.4g} +- {self.standard_errors[key]:.2g}." for key in self.values]
+        for group in self.unidentifiable:
             alone = f"{group[0]} is not identifiable: no measured output depends on it."
             several = (
                 f"{' and '.join(group)} are not identifiable separately: fix one of them, or measure other outputs."
             )
-            said.append(several if len(group) > 1 else alone)
+            messages.append(several if len(group) > 1 else alone)
         for name, off in self.held_out.items():
-            said.append(f"In the rows that were not fitted {name} is off by {off:.2g} {self.measured.units[name]}.")
-        return " ".join(said)
+            messages.append(f"In the rows that were not fitted {name} is off by {off:.2g} {self.measured.units[name]}.")
+        return " ".join(messages)
 
     def plot(self) -> Figure:
         """Plot the measured data as dots, and the fitted run.
@@ -192,12 +193,12 @@ def fit(
     limits = np.array([[machine.variables[one].minimum, machine.variables[one].maximum] for one in parameters])
     bounds = np.sort(limits / first[:, None]).T
     found = least_squares(lambda share: off_by(share, last).ravel(), np.ones_like(first), bounds=bounds, diff_step=STEP)
-    errors, together = what_is_told(found.jac, found.fun, list(parameters))
+    errors, unidentifiable = identifiability(found.jac, found.fun, list(parameters))
     off = off_by(found.x, times.size) * sizes
     return Fit(
         dict(zip(parameters, (found.x * first).tolist(), strict=True)),
         dict(zip(parameters, (errors * np.abs(first)).tolist(), strict=True)),
-        together,
+        unidentifiable,
         spread(names, off[:last]),
         spread(names, off[last:]) if last < times.size else {},
         table,
@@ -280,7 +281,7 @@ def at_times(simulation: Simulation, names: Sequence[str], times: np.ndarray) ->
     return np.column_stack([np.interp(times, series["time"], series[one]) for one in names])
 
 
-def what_is_told(
+def identifiability(
     slopes: np.ndarray, residuals: np.ndarray, names: Sequence[str]
 ) -> tuple[np.ndarray, list[tuple[str, ...]]]:
     """Return standard errors of parameters, and groups that cannot be separated; slopes: shape (values, parameters).
@@ -289,19 +290,19 @@ def what_is_told(
     section 5.5.
     """
     lengths = np.linalg.norm(slopes, axis=0)
-    silent = lengths <= TOLD_APART * np.max(lengths)
-    together: list[tuple[str, ...]] = [(name,) for name, none in zip(names, silent, strict=True) if none]
+    silent = lengths <= SEPARABLE * np.max(lengths)
+    unidentifiable: list[tuple[str, ...]] = [(name,) for name, none in zip(names, silent, strict=True) if none]
     errors = np.full(len(names), np.inf)
     heard = np.flatnonzero(~silent)
     _, sizes, directions = np.linalg.svd(slopes[:, heard] / lengths[heard], full_matrices=False)
-    lost = sizes < TOLD_APART
+    lost = sizes < SEPARABLE
     mixed = np.zeros(heard.size, bool)
     for direction in directions[lost]:
         group = np.abs(direction) > NAMED
-        together.append(tuple(names[place] for place in heard[group]))
+        unidentifiable.append(tuple(names[place] for place in heard[group]))
         mixed |= group
     noise = np.sum(residuals**2) / (residuals.size - np.sum(~lost))
     variances = np.sum((directions[~lost] / sizes[~lost, None]) ** 2, axis=0) * noise
     kept = heard[~mixed]
     errors[kept] = np.sqrt(variances[~mixed]) / lengths[kept]
-    return errors, together
+    return errors, unidentifiable

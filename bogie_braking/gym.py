@@ -60,7 +60,7 @@ def spaces(of: Environment) -> tuple[Box, MultiDiscrete]:
 
 
 def told(stop: Stop) -> dict[str, Any]:
-    """Return a stop as `info`: distance [m] (NaN: no stop), time [s] and other results; `said` is its message."""
+    """Return a stop as `info`: distance [m] (NaN: no stop), time [s] and other results; `message` after a fault."""
     found = asdict(stop)
     for without in ("history", "lowest_reservoir"):  # histories are not recorded, and cylinders are timed
         del found[without]

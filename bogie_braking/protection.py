@@ -53,9 +53,9 @@ def protected_stops(
     rails : iterable of str
         Names of rails; by default all.
     **settings : float
-        speed: speed at the start, 25 m/s. strength: torque relative to the full brake, 1. application_time: time to 95
-        % of the torque, 2 s. period: sampling period of the controller, 5e-3 s. pulses: pulses of each speed sensor in
-        a revolution, 100. jitter: standard deviation of the positions of its teeth relative to the pitch, 0.
+        speed: speed at the start, 25 m/s. brake_ratio: torque over that of the full brake, 1. application_time: time to
+        95 % of the torque, 2 s. period: sampling period of the controller, 5e-3 s. pulses: pulses of each speed sensor
+        in a revolution, 100. jitter: standard deviation of the positions of its teeth relative to the pitch, 0.
 
     Returns
     -------
@@ -77,14 +77,14 @@ def protected_stops(
         If a setting is out of its limits.
     """
     rows: list[list[float]] = []
-    said = []
+    messages = []
     for case, stop in _stops_of(controller, vehicle, rails, settings):
         distance = math.nan if stop.distance is None else stop.distance
         measures = stop.time, stop.longest_lock, stop.share_in_band, stop.air
         rest = measures if stop.judged else [math.nan] * len(measures)
         rows.append([len(rows), case.condition.friction, distance, *rest])
-        said.append(_sentence(case, stop))
-    return Recording(COLUMNS, rows, said, {"stops": len(rows)})
+        messages.append(_sentence(case, stop))
+    return Recording(COLUMNS, rows, messages, {"stops": len(rows)})
 
 
 def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **settings: float) -> Recording:

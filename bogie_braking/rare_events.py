@@ -24,6 +24,7 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System
 from products.study.points import outcomes_from
 from rbd_model.track.line import Line
+from readers.renamed import FormerNames
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,7 +52,7 @@ class Distribution(Protocol):
 
 
 @dataclass(frozen=True)
-class Rare:
+class Rare(FormerNames):
     """The probability that an output is above a limit, with its 95 % confidence interval.
 
     Attributes
@@ -62,7 +63,7 @@ class Rare:
         Its 95 % confidence interval.
     runs : int
         Number of runs.
-    sentences : list of str
+    messages : list of str
         The result, and the warnings about it.
     estimates : array of shape (20,)
         Estimates of the populations.
@@ -77,7 +78,7 @@ class Rare:
     probability: float
     interval: tuple[float, float]
     runs: int
-    sentences: list[str]
+    messages: list[str]
     estimates: Numbers
     tail: Recording
     worst: Recording
@@ -86,7 +87,7 @@ class Rare:
     @property
     def status(self) -> str:
         """The result and its warnings."""
-        return " ".join(self.sentences)
+        return " ".join(self.messages)
 
     def plot(self) -> Figure:
         """Plot the probability of exceeding a limit over the limit, with its interval."""
@@ -153,14 +154,16 @@ class Runs:
     @property
     def doubts(self) -> list[str]:
         """Warnings from the counts."""
-        said = []
+        messages = []
         if self.failed:
-            said.append(f"{self.failed} runs failed and count as not above the limit; the first: {self.first_failure}")
+            messages.append(
+                f"{self.failed} runs failed and count as not above the limit; the first: {self.first_failure}"
+            )
         if self.moving:
-            said.append(
+            messages.append(
                 f"{self.moving} runs below the limit were still moving at their end; give a duration in which all stop."
             )
-        return said
+        return messages
 
 
 def rare(
@@ -271,7 +274,7 @@ def result_of(
 ) -> Rare:
     """Return the result of populations at the end of their climb. idle: inputs without effect."""
     probability, *interval = confidence_of(populations, runs.limit)
-    said = [
+    messages = [
         f"{runs.output} is above {runs.limit:g} {units[runs.output]} with a probability of {probability:.2g}, between "
         f"{interval[0]:.2g} and {interval[1]:.2g} with 95 % confidence, by {count} runs.",
         *(f"{name} has no effect: another value of it changed none of {PROBES} runs." for name in idle),
@@ -281,7 +284,7 @@ def result_of(
     estimates = np.array([one.probability for one in populations])
     tail, worst = tail_of(populations, runs, units), worst_of(populations, runs, units)
     shifts = shifts_of(populations, runs)
-    return Rare(probability, (interval[0], interval[1]), count, said, estimates, tail, worst, shifts)
+    return Rare(probability, (interval[0], interval[1]), count, messages, estimates, tail, worst, shifts)
 
 
 def distributions_of(vary: Mapping[str | tuple[str, ...], Distribution]) -> dict[tuple[str, ...], Distribution]:

@@ -144,7 +144,7 @@ class Simulation:
                 self._lay(kernel, self._line)
             elif path:
                 kernel.set(**{LINE_FILE: path})
-            kernel.journal[:] = self._kernel.journal
+            kernel.messages[:] = self._kernel.messages
         if state is not None:
             kernel.restore(state)
         self._machine, self._kernel = machine, kernel
@@ -204,8 +204,8 @@ class Simulation:
         rows = self._rows(duration, interval, asked)
         units = {"time": "s"} | {name: variables[name].unit for name in asked}
         counts = {name: count - before.get(name, 0) for name, count in kernel.counts.items()}
-        heard, self._told = self._told, len(kernel.journal)
-        return Recording(units, rows, kernel.journal[heard:], counts)
+        heard, self._told = self._told, len(kernel.messages)
+        return Recording(units, rows, kernel.messages[heard:], counts)
 
     def _rows(self, duration: float, interval: float, names: Sequence[str]) -> list[list[float]]:
         """Return time and variables every interval, one linear piece of the inputs after the other."""

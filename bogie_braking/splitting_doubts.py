@@ -26,16 +26,16 @@ def doubts_about(
     labels: names of the inputs.
     """
     estimates = np.array([one.probability for one in populations])
-    said = _atom(np.concatenate([one.generations[0].outputs for one in populations]))
+    messages = _atom(np.concatenate([one.generations[0].outputs for one in populations]))
     climbed = [one for one in populations if one.accepted]
     if not np.any(estimates):
         highest = max(float(np.max(one.outputs)) for one in populations)
-        said.append(f"No run came above the limit: the highest came to {highest:g}.")
+        messages.append(f"No run came above the limit: the highest came to {highest:g}.")
     elif climbed:
-        said += _spread(estimates, interval) + _chains(populations, estimates, moves)
+        messages += _spread(estimates, interval) + _chains(populations, estimates, moves)
     if climbed and (accepted := float(np.mean([one.accepted[-1] for one in climbed]))) < STUCK:
-        said.append(f"Chains stand still: of the last moves {100 * accepted:.1f} % were accepted.")
-    return said + _regions(climbed, limit, labels)
+        messages.append(f"Chains stand still: of the last moves {100 * accepted:.1f} % were accepted.")
+    return messages + _regions(climbed, limit, labels)
 
 
 def _atom(outputs: Numbers) -> list[str]:

@@ -56,10 +56,10 @@ def end_of(
         return Outcome(failure=str(error), point=point)
 
 
-def outcome_of(names: Sequence[str], values: Sequence[float], point: Point, said: str) -> Outcome:
+def outcome_of(names: Sequence[str], values: Sequence[float], point: Point, message: str) -> Outcome:
     """Return the outcome of a run; a NaN becomes None."""
     ends = {name: None if math.isnan(value) else value for name, value in zip(names, values, strict=True)}
-    return Outcome(ends, point=point, said=said)
+    return Outcome(ends, point=point, message=message)
 
 
 def in_batch(
@@ -74,15 +74,15 @@ def in_batch(
     """Return `end_of` of many points with numeric values, bit-identical, or None if it fails."""
     columns = {name: np.array([point[name] for point in points], float) for name in points[0]}
     try:
-        ends = batch(what, duration, names, line, threads, said=True, **{**values, **columns})  # type: ignore[arg-type]
+        ends = batch(what, duration, names, line, threads, messages=True, **{**values, **columns})  # type: ignore[arg-type]
     except (CompilerError, SimulationError, ValueError):  # alone, each run reports the reason
         return None
-    rows = zip(points, np.column_stack([ends[name] for name in names]).tolist(), ends.said or [], strict=True)
+    rows = zip(points, np.column_stack([ends[name] for name in names]).tolist(), ends.messages or [], strict=True)
     return [
-        Outcome(failure=said, point=point)
-        if said and all(map(math.isnan, row))
-        else outcome_of(names, row, point, said)
-        for point, row, said in rows
+        Outcome(failure=message, point=point)
+        if message and all(map(math.isnan, row))
+        else outcome_of(names, row, point, message)
+        for point, row, message in rows
     ]
 
 
@@ -199,8 +199,8 @@ def sweep(
         outcomes, _ = kept_outcomes_of(study, nullcontext(run_points), Path(folder))
     ends = [[(one.results or {}).get(name) for name in names] for one in outcomes]
     table = [[number, *row.values(), *end] for number, (row, end) in enumerate(zip(rows, ends, strict=True))]
-    said = [one.said if one.failure is None else f"Row {row}: {one.failure}" for row, one in enumerate(outcomes)]
-    return Recording({"number": "1"} | varied | results, np.array(table, float), said, {"runs": len(rows)})
+    messages = [one.message if one.failure is None else f"Row {row}: {one.failure}" for row, one in enumerate(outcomes)]
+    return Recording({"number": "1"} | varied | results, np.array(table, float), messages, {"runs": len(rows)})
 
 
 def head_of(

@@ -26,6 +26,7 @@ from fmu_src.progress import counting
 from fmu_src.refusals import without_value_before
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Model, System
+from readers.renamed import FormerNames
 
 #: Time between two readings of the progress of runs [s].
 GLANCE = 0.1
@@ -50,7 +51,7 @@ class _Runs(ctypes.Structure):
         ("result", _DOUBLES),
         ("end", _DOUBLES),
         ("status", _INTS),
-        ("said", ctypes.POINTER(ctypes.c_void_p)),
+        ("messages", ctypes.POINTER(ctypes.c_void_p)),
         ("all_messages", ctypes.c_bool),
     )
 
@@ -94,7 +95,7 @@ _SIGNATURES = {
 
 
 @dataclass(frozen=True)
-class Ends:
+class Ends(FormerNames):
     """Results of a batch, an entry for each run in arrays of shape (runs,).
 
     Attributes
@@ -107,7 +108,7 @@ class Ends:
         True if the run ended by itself before the stop, such as by a derailment.
     failures : dict of int to str
         Messages of failed runs by the number of the run; their numbers are NaN.
-    said : list of str or None
+    messages : list of str or None
         Messages of each run, if `all_messages` was set.
     """
 
@@ -115,7 +116,7 @@ class Ends:
     time: Numbers
     ended: NDArray[np.bool_]
     failures: dict[int, str]
-    said: list[str] | None = None
+    messages: list[str] | None = None
 
     def __getitem__(self, name: str) -> Numbers:
         """Return an output by its name. Raises KeyError."""
@@ -239,7 +240,7 @@ def run_batch(
     path : str or None
         Table file of all runs.
     all_messages : bool
-        Return the messages of all runs in `said`, as the status of a recording.
+        Return the messages of all runs, as the status of a recording.
 
     Returns
     -------
@@ -256,7 +257,7 @@ def run_batch(
     table = table_of(values)
     count = len(table)
     result, time = np.empty((count, len(outputs))), np.empty(count)
-    status, queue, said = np.zeros(count, np.int32), ctypes.c_longlong(0), (ctypes.c_void_p * count)()
+    status, queue, messages = np.zeros(count, np.int32), ctypes.c_longlong(0), (ctypes.c_void_p * count)()
     runs = _Runs(
         count,
         ctypes.pointer(queue),
@@ -272,23 +273,25 @@ def run_batch(
         result.ctypes.data_as(_DOUBLES),
         time.ctypes.data_as(_DOUBLES),
         status.ctypes.data_as(_INTS),
-        said,
+        messages,
         all_messages,
     )
     try:
         if count:
             _in_threads(library, min(threads or os.cpu_count() or 1, count), runs, queue)
         found = {name: result[:, i] for i, name in enumerate(outputs)}
-        failures = {row: without_value_before(_text(said[row])) for row in np.flatnonzero(status > DISCARD).tolist()}
-        all_said = [failures.get(row, _text(one)) for row, one in enumerate(said)] if all_messages else None
+        failures = {
+            row: without_value_before(_text(messages[row])) for row in np.flatnonzero(status > DISCARD).tolist()
+        }
+        kept = [failures.get(row, _text(one)) for row, one in enumerate(messages)] if all_messages else None
     finally:
-        for one in filter(None, said):
+        for one in filter(None, messages):
             library.functions.batch_free_message(one)
-    return Ends(found, time, status == DISCARD, failures, all_said)
+    return Ends(found, time, status == DISCARD, failures, kept)
 
 
-def _text(said: int | None) -> str:
-    return ctypes.string_at(said).decode() if said else ""
+def _text(place: int | None) -> str:
+    return ctypes.string_at(place).decode() if place else ""
 
 
 class Instances:
@@ -417,7 +420,7 @@ class Instances:
             kernel.initialise()
         except SimulationError as error:
             raise SimulationError(f"Instance {row} of {len(self)}: {error}", error.status) from None
-        kernel.journal.clear()
+        kernel.messages.clear()
         self._given[row] = [kernel[name] for name in self.inputs]
 
     def step(self, size: float, inputs: Mapping[str, ArrayLike] | None = None) -> dict[str, Numbers]:

@@ -172,7 +172,7 @@ class Kernel:
         self._call = library.functions
         self._handle = self._call.kernel_create()
         self._number, self._heard = ctypes.c_double(), _Sentence()
-        self.journal: list[str] = []
+        self.messages: list[str] = []
         if not self._handle:
             raise MemoryError("There is not enough memory for a kernel.")
         self.set(**values)
@@ -618,9 +618,9 @@ class Kernel:
         self._check(self._call.kernel_repeat_step(self._handle, self.time, size, repeat))
 
     def _drain(self) -> None:
-        """Move the messages of the C side to `journal`."""
+        """Append the new messages of the C side."""
         while self._call.kernel_hear(self._handle, ctypes.byref(self._heard)):
-            self.journal.append(self._heard.text.decode())
+            self.messages.append(self._heard.text.decode())
 
     def _check(self, status: int) -> None:
         self._drain()

@@ -119,9 +119,9 @@ class KernelSlave(TellingSlave):
                 self._remember(reference, error)
 
     def _tell(self, status: Fmi2Status) -> None:
-        for sentence in self.kernel.journal:
+        for sentence in self.kernel.messages:
             self.log(sentence, status, "events" if status == Fmi2Status.ok else None)
-        self.kernel.journal.clear()
+        self.kernel.messages.clear()
 
     def _initialise(self) -> None:
         try:
@@ -131,6 +131,6 @@ class KernelSlave(TellingSlave):
             self._remember(WHOLE, error)
 
     def _remember(self, reference: int, error: SimulationError) -> None:
-        self.kernel.journal[-1:] = []  # the same message; the rest are not errors
+        self.kernel.messages[-1:] = []  # the same message; the rest are not errors
         self.problems[reference] = str(error)
         self.log(str(error), Fmi2Status.error)

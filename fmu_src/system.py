@@ -19,6 +19,7 @@ import numpy as np
 from fmu_src.chain import Chain
 from fmu_src.piecewise import look_up, polynomials
 from readers.tables import Column
+from readers.units import likely_unit
 
 Kind = Literal["real", "integer", "boolean", "string"]
 Causality = Literal["parameter", "input", "output", "local"]
@@ -132,16 +133,6 @@ class Field:
     rises: bool = False
 
 
-def other_unit(value: float, unit: str, least: float, most: float) -> str:
-    """Return the end of a message for a number in km/h instead of m/s, or mm instead of m; empty for another."""
-    own = value / (3.6 if unit == "m/s" else 1000.0)
-    if unit not in ("m/s", "m") or not least <= own <= most:
-        return ""
-    if unit == "m":
-        return f" Did you mean {value:g} mm = {own:g} m?"
-    return f" {value:g} m/s is {3.6 * value:g} km/h; did you mean {value:g} km/h = {own:.4g} m/s?"
-
-
 @dataclass(frozen=True)
 class ParameterSet:
     """Base of parameter sets: frozen dataclasses whose fields are made by `quantity` and `choice`.
@@ -156,7 +147,7 @@ class ParameterSet:
             if not (math.isfinite(value) and low <= value <= high):
                 raise ValueError(
                     f"{item.name} must be from {low:g} to {high:g} {unit}; got {value:g} {unit}."
-                    f"{other_unit(value, unit, low, high)}"
+                    f"{likely_unit(value, unit, low, high)}"
                 )
 
     def values(self) -> dict[str, float]:

@@ -10,9 +10,9 @@ from functools import lru_cache
 from pathlib import Path
 
 from fmu_src import __version__
-from fmu_src.suggestion import RENAMED
 from fmu_src.system import Variable
 from products.registry import FMUS, model_of
+from readers.renamed import RENAMED
 
 TABLE = Path(__file__).parent / "variables.csv"
 COLUMNS = ("version", "fmu", "name", "causality", "unit", "start", "meaning")

@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
+from readers.renamed import present_name
 from readers.storage import PARTIAL
 from readers.text import BadInputError, shown
 from readers.units import factor, likely_unit, spellings_for
@@ -23,8 +24,6 @@ NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 NEGATIVE = re.compile(r"-(\d|\.\d)")
 #: Share of letters in common from which an option is suggested.
 NEAR = 0.7
-#: Options of other names in earlier versions, by the old ones.
-RENAMED = {"--teeth": "--pulses"}
 #: Messages of argparse, and their replacements, functions of the groups of the pattern.
 SENTENCES: tuple[tuple[str, Callable[..., str]], ...] = (
     (r"the following arguments are required: (.*)", lambda names: f"{names} must be given; got nothing."),
@@ -77,8 +76,8 @@ class CommandLine(argparse.ArgumentParser):
         known = [one for action in self._actions for one in action.option_strings]
         if not given.startswith("-"):
             return f"{self.prog} must have no argument {shown(given)} here. Leave it out."
-        if RENAMED.get(option) in known:
-            return f"There is no option {option}; its name is {RENAMED[option]} now."
+        if new := present_name(option, known):
+            return f"There is no option {option}; its name is {new} now."
         near = difflib.get_close_matches(option, known, 1, NEAR)
         return f"There is no option {option}; " + (f"did you mean {near[0]}?" if near else f"see {self.prog} --help.")
 

@@ -28,14 +28,14 @@ def alone(what: object, duration: float, line: bb.Line | None, row: dict[str, fl
     one = sweeping.end_of(what, duration, line, OUTPUTS, {}, row)  # type: ignore[arg-type]
     if one.results is None:
         return [np.nan] * len(OUTPUTS), str(one.failure)
-    return [np.nan if end is None else end for end in one.results.values()], one.said
+    return [np.nan if end is None else end for end in one.results.values()], one.message
 
 
 def assert_same(ends: Ends, rows: list[tuple[list[float], str]]) -> None:
     """Compare all numbers bit for bit, and all messages."""
     for column, name in enumerate(OUTPUTS):
         assert np.array_equal(ends[name], [values[column] for values, _ in rows], equal_nan=True), name
-    assert ends.said == [said for _, said in rows]
+    assert ends.messages == [said for _, said in rows]
 
 
 @pytest.fixture(scope="module")
@@ -75,10 +75,10 @@ def test_a_long_elimination_is_cut_into_any_number_of_pieces(
 def test_each_run_of_a_batch_is_that_which_it_is_alone(what: str, scene: dict[str, float], on_line: bool) -> None:
     """The runs include lock-ups, stops and refusals."""
     line = bb.line_of([bb.straight(500.0, gradient=-0.01)]) if on_line else None
-    ends = bb.batch(what, 15.0, OUTPUTS, line, said=True, **scene, friction_1=FRICTION, friction_2=FRICTION)
-    assert ends.said is not None
+    ends = bb.batch(what, 15.0, OUTPUTS, line, messages=True, **scene, friction_1=FRICTION, friction_2=FRICTION)
+    assert ends.messages is not None
     assert_same(ends, [alone(what, 15.0, line, {**scene, "friction_1": mu, "friction_2": mu}) for mu in FRICTION])
-    assert sum("locked" in said for said in ends.said) > 5
+    assert sum("locked" in said for said in ends.messages) > 5
     assert sorted(ends.failures) == [21, 22]
     assert "friction_1 must be at least 0" in ends.failures[21]
     assert np.isnan(ends.time[21:]).all()
@@ -96,7 +96,7 @@ def test_runs_with_other_methods_beside_them_are_those_which_they_are_alone() ->
         "integration_step": sizes,
         "tolerance": np.geomspace(1e-7, 1e-4, len(MIXED)),
     }
-    ends = bb.batch("bogie", 5.0, OUTPUTS, said=True, **scene, **chosen)
+    ends = bb.batch("bogie", 5.0, OUTPUTS, messages=True, **scene, **chosen)
     rows = [{name: column[row] for name, column in chosen.items()} for row in range(len(MIXED))]
     assert_same(ends, [alone("bogie", 5.0, None, {**scene, **row}) for row in rows])
     assert len(set(ends["distance"][:7].tolist())) == 7
@@ -108,7 +108,7 @@ def test_runs_in_space_that_end_early_are_those_which_they_are_alone() -> None:
     line = bb.line_of([before, bb.clothoid(60.0, before, curve), curve])
     scene = {"level": 3, "constant_speed": 1}
     speeds = np.random.default_rng(31).permutation(np.linspace(15.0, 60.0, 20))
-    ends = bb.batch("bogie", 5.0, OUTPUTS, line, said=True, **scene, initial_speed=speeds)
+    ends = bb.batch("bogie", 5.0, OUTPUTS, line, messages=True, **scene, initial_speed=speeds)
     assert_same(ends, [alone("bogie", 5.0, line, {**scene, "initial_speed": speed}) for speed in speeds.tolist()])
     assert 3 < np.count_nonzero(ends.ended) < 17
     assert (ends.time[ends.ended] < 5.0).all()
@@ -128,28 +128,28 @@ def test_order_threads_and_width_change_no_bit(planar: BatchLibrary, lanes: int)
         found = run_batch(other, mixed, 12.0, OUTPUTS, threads, all_messages=True)
         for name in OUTPUTS:
             assert np.array_equal(found[name], expected[name][order], equal_nan=True), name
-        assert expected.said is not None
-        assert found.said == [expected.said[row] for row in order]
+        assert expected.messages is not None
+        assert found.messages == [expected.messages[row] for row in order]
 
 
 def test_a_batch_of_no_runs_is_empty(planar: BatchLibrary) -> None:
     ends = run_batch(planar, {**BRAKED, "friction_1": []}, 1.0, OUTPUTS, all_messages=True)
     assert ends["speed"].shape == ends.time.shape == (0,)
-    assert ends.said == []
+    assert ends.messages == []
 
 
 def test_a_lost_signal_is_said_and_changes_no_other_run() -> None:
     """A NaN torque is replaced by its safe value, in its own lane only."""
     torque = [20e3, np.nan, 10e3]
     scene = {"initial_speed": 25.0, "level": 1}
-    ends = bb.batch("bogie", 5.0, OUTPUTS, said=True, **scene, brake_torque_1=torque)
+    ends = bb.batch("bogie", 5.0, OUTPUTS, messages=True, **scene, brake_torque_1=torque)
     assert_same(ends, [alone("bogie", 5.0, None, {**scene, "brake_torque_1": one}) for one in torque])
 
 
 def test_a_system_with_algebraic_states_is_in_its_lane_what_it_is_alone() -> None:
     """Its trial steps are made outside the lanes, with a separate Jacobian."""
     speeds = np.linspace(5.0, 40.0, 11)
-    ends = bb.batch("wheelset", 3.0, ["speed", "distance"], said=True, initial_speed=speeds)
+    ends = bb.batch("wheelset", 3.0, ["speed", "distance"], messages=True, initial_speed=speeds)
     for speed, *found in zip(speeds.tolist(), ends["speed"], ends["distance"], strict=True):
         run = sweeping.end_of("wheelset", 3.0, None, ["speed", "distance"], {}, {"initial_speed": speed})
         assert run.results == dict(zip(["speed", "distance"], found, strict=True))
@@ -199,11 +199,11 @@ def test_a_long_sweep_is_a_batch_and_the_same_table(monkeypatch: pytest.MonkeyPa
     for table in tables:
         for name in one_by_one.names:
             assert np.array_equal(table[name], one_by_one[name], equal_nan=True), name
-        assert table.sentences == one_by_one.sentences
+        assert table.messages == one_by_one.messages
         assert table.units == one_by_one.units
     levels = bb.sweep("bogie", 1.0, ["speed"], {"level": [1, 1, 2, 2, 4, 1]}, **BRAKED)
     assert np.isnan(levels["speed"]).tolist() == [False, False, False, False, True, False]
-    assert "level" in levels.sentences[4]
+    assert "level" in levels.messages[4]
 
 
 # ---- instances -----------------------------------------------------------------------------------------------------

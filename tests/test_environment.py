@@ -100,11 +100,11 @@ def test_rewards_add_up_to_the_score_of_the_same_stop_on_the_rig() -> None:
     assert max(stop.longest_lock for stop in stops) > 0.0
 
 
-@pytest.mark.parametrize("strength", [0.5, 1.0])
-def test_where_all_wheels_roll_a_stop_costs_its_distance_and_one_filling(strength: float) -> None:
+@pytest.mark.parametrize("brake_ratio", [0.5, 1.0])
+def test_where_all_wheels_roll_a_stop_costs_its_distance_and_one_filling(brake_ratio: float) -> None:
     costs = []
     for rail in (DRY, LOW):
-        own, total = begun(only(Run(rail.values(), strength=strength))), 0.0
+        own, total = begun(only(Run(rail.values(), brake_ratio=brake_ratio))), 0.0
         while not own.terminated[0]:
             own.turn([[0, 0]])
             total -= own.reward[0]
@@ -114,7 +114,7 @@ def test_where_all_wheels_roll_a_stop_costs_its_distance_and_one_filling(strengt
 
 
 def test_a_machine_that_does_not_stop_is_truncated_and_one_that_is_lost_costs_its_way_on() -> None:
-    settings = Settings(period=0.1, strength=1e-3)
+    settings = Settings(period=0.1, brake_ratio=1e-3)
     own, turns = begun(only(Run(DRY.values())), 1, settings), 0
     while not own.truncated[0]:
         own.turn([[0, 0]])
@@ -123,13 +123,13 @@ def test_a_machine_that_does_not_stop_is_truncated_and_one_that_is_lost_costs_it
     assert turns == round(LONGEST / settings.period)
     assert not own.terminated[0]
     high = Run(DRY.values() | {"frame_height": 3.0})
-    own, total = begun(only(high), 1, Settings(strength=4.0), privileged=True), 0.0
+    own, total = begun(only(high), 1, Settings(brake_ratio=4.0), privileged=True), 0.0
     while not own.terminated[0]:
         own.turn([[0, 0]])
         total -= own.reward[0]
-    rolls, at = rolling_stop(bogie(), Settings(strength=4.0), 25.0), own.observation[0]
+    rolls, at = rolling_stop(bogie(), Settings(brake_ratio=4.0), 25.0), own.observation[0]
     stop = own.stop(0)
-    assert stop.said.startswith("The machine went no further: Wheelset 2 lifted off the rail at ")
+    assert stop.message.startswith("The machine went no further: Wheelset 2 lifted off the rail at ")
     assert at[5] > 1.0
     further = stop.end_speed * (LONGEST - stop.time) / rolls.distance
     own.turn([[0, 0]])
@@ -204,7 +204,7 @@ def test_a_row_of_a_vector_is_the_single_one_with_its_seed() -> None:
             assert np.array_equal(one, two)
         assert info.keys() == told.keys()
         for name in info:
-            assert np.array_equal(info[name], told[name], equal_nan="said" not in name), name
+            assert np.array_equal(info[name], told[name], equal_nan="message" not in name), name
         ends += int(found[2].sum())
     assert ends > 5
     assert not np.array_equal(ours.reset(seed=8)[0], other.reset(seed=7)[0])

@@ -103,7 +103,7 @@ def test_what_ends_its_process_ends_no_comparison(step: str, words: str, limits:
     [none] = Rig(bogie(), None, Settings(), by_flow=True).runs([low])
     assert found[0] == found[-1 if len(runs) == 3 else 0] == good
     assert found[1].distance is None
-    assert found[1].said == f"The controller {words}"
+    assert found[1].message == f"The controller {words}"
     assert found[1].judged is ("not judged" not in words)
     assert found[1].time == none.time
 
@@ -112,8 +112,8 @@ def test_what_always_ends_its_process_is_not_asked_for_ever(tmp_path: Path) -> N
     form = made_of(let_go(tmp_path, "bad", "abort();"))
     found = runs_apart(Order(bogie(), form, Settings()), [Run(RAILS[0].values(), speed=5.0)] * 5)
     assert [stop.distance for stop in found] == [None] * 5
-    assert found[2].said == "The controller ended its process (SIGABRT); the brake stays applied."
-    assert found[3].said == "The controller ended its process (SIGABRT) in 3 runs before; it was not asked again."
+    assert found[2].message == "The controller ended its process (SIGABRT); the brake stays applied."
+    assert found[3].message == "The controller ended its process (SIGABRT) in 3 runs before; it was not asked again."
 
 
 def test_what_is_no_controller_is_told(tmp_path: Path) -> None:

@@ -118,7 +118,7 @@ def test_a_run_that_is_continued_from_a_saved_state_is_the_same_to_the_last_bit(
     ends = [each.advance(14.0) for each in (one, other)]
     for name in ends[0].names:
         assert np.array_equal(ends[0][name], ends[1][name]), name
-    assert ends[0].sentences == ends[1].sentences != []
+    assert ends[0].messages == ends[1].messages != []
 
 
 def test_a_vehicle_goes_on_with_the_system_that_is_chosen_before_the_start() -> None:
@@ -147,6 +147,10 @@ def test_a_name_of_an_earlier_version_is_refused_with_the_new_one() -> None:
         _ = bb.Slave  # type: ignore[attr-defined]
     with pytest.raises(bb.SimulationError, match=r"no variable contact_depth; its name is contact_model now"):
         bb.run("bogie", 1.0, level=3, contact_depth=2)
+    with pytest.raises(KeyError, match=r"no variable said; its name is messages now"):
+        bb.batch("brake", 1.0, ["cylinder_pressure"], said=True)
+    with pytest.raises(KeyError, match=r"no setting strength; its name is brake_ratio now"):
+        bb.protected_stops(None, strength=1.0)
 
 
 def test_what_cannot_be_is_told_in_a_sentence() -> None:
@@ -417,7 +421,7 @@ class Fails:
 
 def test_a_controller_of_ones_own_stops_on_all_rails() -> None:
     stops = bb.protected_stops(LetGo)
-    assert [said.split(":")[0] for said in stops.sentences] == ["dry", "wet", "low", "changing"]
+    assert [said.split(":")[0] for said in stops.messages] == ["dry", "wet", "low", "changing"]
     assert stops["distance"][0] == pytest.approx(stops["distance"][1], rel=1e-3)
     assert stops["distance"][2] == stops["distance"].max()
     assert "low: 679 m, locked for 0.3 s." in stops.status
@@ -494,7 +498,7 @@ def test_a_sweep_is_its_runs_in_their_order_whoever_makes_them() -> None:
     assert threads["distance"][:3] == pytest.approx(alone, rel=1e-9)
     assert np.array_equal(threads["distance"], processes["distance"], equal_nan=True)
     assert np.isnan(threads["distance"][3])
-    assert "friction_1 must be at least" in threads.sentences[3]
+    assert "friction_1 must be at least" in threads.messages[3]
     assert threads.units == {"number": "1", "friction_1": "1", "friction_2": "1", "distance": "m"}
     with pytest.raises(KeyError, match=r"There is no variable distanze; did you mean distance\?"):
         bb.sweep("bogie", 1.0, ["distanze"], {"friction_1": [0.1]})
@@ -527,7 +531,7 @@ def test_a_sweep_in_a_folder_goes_on_where_it_was_interrupted(tmp_path: Path) ->
     for _ in range(2):
         kept = bb.sweep("bogie", 5.0, ["distance"], vary, folder=folder, **scene)
         assert np.array_equal(kept["distance"], without["distance"], equal_nan=True)
-        assert kept.sentences == without.sentences
+        assert kept.messages == without.messages
         journal = (folder / "journal.jsonl").read_bytes()
         (folder / "journal.jsonl").write_bytes(journal[: -len(journal.splitlines()[-1]) // 2])
     assert (folder / "table.csv").read_text().startswith("friction_1 [1],distance [m],failure\n0.1,")
@@ -554,7 +558,7 @@ def test_a_value_that_is_refused_is_told_with_its_row_and_no_other_stays_in_forc
     tables.append(bb.sweep(system, 0.5, ["distance"], masses))
     for table in tables:
         assert np.isnan(table["distance"]).tolist() == [False, True, True, False]
-        assert table.sentences == [
+        assert table.messages == [
             "",
             "Row 1: mass must be at least 0.001 kg; got -1e+09 kg.",
             "Row 2: mass must be a finite number; got nan.",
@@ -568,7 +572,7 @@ def test_a_value_that_is_refused_is_told_with_its_row_and_no_other_stays_in_forc
 
 def test_a_signal_that_is_lost_before_the_first_step_is_told() -> None:
     """Before, the brake was applied without a message."""
-    assert bb.run("brake", 0.1, pressure_demand=float("nan")).sentences == [
+    assert bb.run("brake", 0.1, pressure_demand=float("nan")).messages == [
         "The signal pressure_demand is lost (NaN): it counts as 350000 Pa, the safe side."
     ]
 
@@ -588,7 +592,7 @@ def test_a_dask_cluster_gives_the_numbers_of_threads_here() -> None:
             near = bb.sweep(what, 5.0, ["distance", "speed"], vary, None, line, **scene)
             for name in near.names:
                 assert np.array_equal(far[name], near[name], equal_nan=True), name
-            assert far.sentences == near.sentences
+            assert far.messages == near.messages
             assert near["speed"][0] > near["speed"][1]
             assert np.isnan(near["speed"][2])
 
@@ -624,12 +628,12 @@ def test_friction_of_a_shoe_lies_within_two_standard_errors_in_95_of_100_seeds()
 
 def test_parameters_that_act_together_alone_and_those_that_do_not_act_are_named() -> None:
     both = bb.fit("braked-vehicle", measured(1), {FRICTION: 0.2, "rigging_efficiency": 0.8}, **COACH)
-    assert both.together == [(FRICTION, "rigging_efficiency")]
+    assert both.unidentifiable == [(FRICTION, "rigging_efficiency")]
     assert both.values[FRICTION] * both.values["rigging_efficiency"] == pytest.approx(0.85 * TRUE_FRICTION, rel=2e-3)
     assert set(both.standard_errors.values()) == {np.inf}
     assert f"{FRICTION} and rigging_efficiency are not identifiable separately" in both.status
     silent = bb.fit("braked-vehicle", measured(1), {FRICTION: 0.2, "body_roll_inertia": 5e4}, **COACH)
-    assert silent.together == [("body_roll_inertia",)]
+    assert silent.unidentifiable == [("body_roll_inertia",)]
     assert silent.standard_errors[FRICTION] < 1e-3
 
 

@@ -132,7 +132,7 @@ def test_splitting_holds_ten_million_plain_runs(stops: ModuleType) -> None:
     count = data["counts"][str(stops.LIMIT_5)] / data["runs"]
     found = stops.splitting(stops.LIMIT_5, 0, particles=50)
     assert found.interval[0] < count < found.interval[1]
-    assert len(found.sentences) == 1
+    assert len(found.messages) == 1
     often = data["counts"][str(stops.LIMIT_4)] / data["runs"]
     _, low, high, _ = np.array(data["intervals"]).T
     assert FEWEST <= np.sum((low <= often) & (often <= high)) <= MOST

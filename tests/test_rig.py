@@ -142,8 +142,8 @@ def test_an_empty_reservoir_brakes_as_little_as_its_air(tmp_path: Path) -> None:
     pressure = 60e3 / (1.0 + 2 * 10.3e-3 / 1.2 / 0.1)
     share = pressure / bogie().full_pressure
 
-    def ways(strength: float, filled: float) -> list[Stop]:
-        runs = [Run(dry | {"initial_reservoir_pressure": filled}, speed, strength) for speed in (25.0, 10.0)]
+    def ways(brake_ratio: float, filled: float) -> list[Stop]:
+        runs = [Run(dry | {"initial_reservoir_pressure": filled}, speed, brake_ratio) for speed in (25.0, 10.0)]
         return Rig(bogie(), None, Settings(), by_flow=True).runs(runs)
 
     weak, same = ways(1.0, 60e3), ways(share, 500e3)
@@ -152,7 +152,7 @@ def test_an_empty_reservoir_brakes_as_little_as_its_air(tmp_path: Path) -> None:
     assert without_filling[0] == pytest.approx(without_filling[1], rel=1e-3)
     [none] = Rig(bogie(), None, Settings(speed=10.0), by_flow=True).stops([dry | {"initial_reservoir_pressure": 0.0}])
     assert none.distance is None
-    assert "It did not stop" in none.said
+    assert "It did not stop" in none.message
 
 
 def test_slow_valves_stop_later(tmp_path: Path) -> None:
@@ -188,7 +188,7 @@ def test_another_level_is_refused() -> None:
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])
 def test_locked_wheels_turn_the_energy_of_motion_into_sliding(machine: Machine) -> None:
     """Sliding dissipates m v^2 / 2 minus the brakes' work before locking, which fifty times the brake makes small."""
-    [stop] = Rig(machine, None, Settings(strength=50.0)).stops([LOW.values(len(machine.numbers))])
+    [stop] = Rig(machine, None, Settings(brake_ratio=50.0)).stops([LOW.values(len(machine.numbers))])
     motion = machine.mass * 25.0**2 / 2
     assert 0.985 * motion < sum(stop.sliding) < motion
     assert stop.distance is not None
@@ -213,8 +213,8 @@ ROLLS, REFILLS = 1e-3, 2e-2
 def test_where_all_wheels_roll_a_run_is_the_ideal_one(equipment: tuple[str, ...], machine: Machine) -> None:
     rail = RAILS[0].values(len(machine.numbers)) | ({"sand_rate_1": 0.05} if "sanders" in equipment else {})
     band = REFILLS if "dynamic brake" in equipment else ROLLS
-    for speed, strength in ((25.0, 1.0), (12.0, 0.6)):
-        run = Run(rail, speed, strength, equipment=equipment)
+    for speed, brake_ratio in ((25.0, 1.0), (12.0, 0.6)):
+        run = Run(rail, speed, brake_ratio, equipment=equipment)
         [found] = Rig(machine, None, Settings(), by_flow=True).runs([run])
         ideal = ideal_distance(machine, run, Settings())
         assert ideal is not None
@@ -241,7 +241,7 @@ def test_motors_that_spin_turn_their_work_into_motion_and_sliding(machine: Machi
 
 
 def test_a_protection_against_spin_gains_speed_sooner_than_motors_that_spin() -> None:
-    """Friction and strength are drawn at random; on a dry rail no motor receives a command."""
+    """Friction and brake_ratio are drawn at random; on a dry rail no motor receives a command."""
     draw = np.random.default_rng(32)
     for machine in (bogie(), coach()):
         count = len(machine.numbers)
@@ -416,7 +416,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h; got 3mph."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "strength must be above 0 and at most 5; got 0."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "brake_ratio must be above 0 and at most 5; got 0."),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nload = 9\n',
             "load must be 0.2 to 5 times the mass of the body;",
@@ -430,7 +430,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
             "gradient must be a number; got 'up'.",
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nfriction = "low"\n', "friction must be a number; got 'low'."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = true\n', "strength must be a number; got true."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = true\n', "brake_ratio must be a number; got true."),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1.5, radius = 1.1 }]\n',
             "wheelset must be an integer of at least 1; got 1.5.",
@@ -528,9 +528,9 @@ def test_a_controller_that_fails_leaves_the_brake_applied(tmp_path: Path) -> Non
     for words, form in failing(tmp_path):
         [stop] = Rig(bogie(), form, Settings()).stops([LOW.values()])
         assert stop.distance is None
-        assert stop.said
-        assert re.search(words, stop.said), stop.said
-        assert stop.said.endswith("the brake stays applied.")
+        assert stop.message
+        assert re.search(words, stop.message), stop.message
+        assert stop.message.endswith("the brake stays applied.")
         assert stop.end_speed < 0.02
         if form is TooFew:
             assert (stop.time, stop.longest_lock) == (unprotected.time, unprotected.longest_lock)
@@ -561,7 +561,7 @@ def test_runs_of_a_controller_that_gives_no_answer_are_not_judged(form: Form, mo
     assert soon == Rig(bogie(), LetGo, Settings()).runs([Run(RAILS[0].values(), speed=1.0)])[0]
     assert soon.judged
     assert [(one.judged, one.distance) for one in others] == [(False, None)] * 2
-    assert any("gave no answer within 1 s of wall time at 3.005 s and is not judged" in one.said for one in others)
+    assert any("gave no answer within 1 s of wall time at 3.005 s and is not judged" in one.message for one in others)
 
 
 def test_a_look_that_takes_long_on_a_busy_machine_changes_no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -580,11 +580,11 @@ def test_a_look_that_takes_long_on_a_busy_machine_changes_no_stop(monkeypatch: p
 def test_a_machine_that_goes_no_further_says_why(tmp_path: Path) -> None:
     """A very high frame tips over its leading wheelset; the other runs continue."""
     rail = RAILS[0].values()
-    runs = [Run(rail | {"frame_height": 3.0}), Run(rail, strength=1.0)]
+    runs = [Run(rail | {"frame_height": 3.0}), Run(rail, brake_ratio=1.0)]
     for form in (LetGo, Arrays(LetAllGo()), in_c(tmp_path)):
-        lost, stop = Rig(bogie(), form, Settings(strength=4.0)).runs(runs)
+        lost, stop = Rig(bogie(), form, Settings(brake_ratio=4.0)).runs(runs)
         assert lost.distance is None
-        assert lost.said.startswith("The machine went no further: Wheelset 2 lifted off the rail at ")
+        assert lost.message.startswith("The machine went no further: Wheelset 2 lifted off the rail at ")
         assert stop == Rig(bogie(), form, Settings()).stops([rail])[0]
 
 
@@ -618,18 +618,18 @@ def test_the_ideal_knows_what_else_holds_a_machine_back(values: dict[str, float]
     assert stops[0] - 2.5 * stops[1] == pytest.approx((25.0**2 - 250.0) / (2 * a), rel=2e-2)
 
 
-@pytest.mark.parametrize("strength", [0.5, 1.0, 1.5])
-def test_where_all_wheels_roll_the_stop_is_the_ideal_one(strength: float) -> None:
+@pytest.mark.parametrize("brake_ratio", [0.5, 1.0, 1.5])
+def test_where_all_wheels_roll_the_stop_is_the_ideal_one(brake_ratio: float) -> None:
     """While the brake fills, the deceleration is 1 - 20^(-t/T) of its full value; closed-form integrals, no creep."""
-    machine, settings = bogie(), Settings(strength=strength)
+    machine, settings = bogie(), Settings(brake_ratio=brake_ratio)
     [stop] = Rig(machine, None, settings).stops([RAILS[0].values()])
-    a, tau = machine.deceleration(strength * machine.full_torque), settings.application_time / math.log(20.0)
+    a, tau = machine.deceleration(brake_ratio * machine.full_torque), settings.application_time / math.log(20.0)
     speed = settings.speed
     lasts = brentq(lambda t: speed - a * (t - tau * (1 - math.exp(-t / tau))), 0.0, 1e3)
     way = speed * lasts - a * (lasts**2 / 2 - tau * lasts + tau**2 * (1 - math.exp(-lasts / tau)))
     assert stop.distance == pytest.approx(speed * BRAKE_START + way, rel=CLOSED_FORM)
     timed = PeakAdhesion(machine, RAILS[0].values(), lambda since: 1.0 - math.exp(-max(0.0, since) / tau))
-    assert timed.stopping_distance(speed, strength) == pytest.approx(speed * BRAKE_START + way, rel=2 * CLOSED_FORM)
+    assert timed.stopping_distance(speed, brake_ratio) == pytest.approx(speed * BRAKE_START + way, rel=2 * CLOSED_FORM)
 
 
 def filled_by_flow(full: float, lasts: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -644,14 +644,16 @@ def filled_by_flow(full: float, lasts: float) -> tuple[NDArray[np.float64], NDAr
     return time * lasts / np.interp(0.95, share, time), share
 
 
-@pytest.mark.parametrize(("strength", "application_time"), [(0.5, 2.0), (1.0, 2.0), (1.5, 5.0)])
-def test_where_all_wheels_roll_a_stop_by_flow_of_air_is_the_ideal_one(strength: float, application_time: float) -> None:
+@pytest.mark.parametrize(("brake_ratio", "application_time"), [(0.5, 2.0), (1.0, 2.0), (1.5, 5.0)])
+def test_where_all_wheels_roll_a_stop_by_flow_of_air_is_the_ideal_one(
+    brake_ratio: float, application_time: float
+) -> None:
     """While the brake fills, the deceleration follows the pressure; integrated here without creep."""
-    machine, settings = bogie(), Settings(strength=strength, application_time=application_time)
+    machine, settings = bogie(), Settings(brake_ratio=brake_ratio, application_time=application_time)
     [stop] = Rig(machine, None, settings, by_flow=True).stops([RAILS[0].values()])
     time = np.linspace(0.0, 60.0, 600_001)
     share = np.interp(time, *filled_by_flow(machine.full_pressure, settings.application_time))
-    a, step = machine.deceleration(strength * machine.full_torque), time[1]
+    a, step = machine.deceleration(brake_ratio * machine.full_torque), time[1]
     speed = settings.speed - a * step * (np.cumsum(share) - share / 2 - share[0] / 2)
     way = settings.speed * BRAKE_START + step * speed[speed > 0.0].sum()
     assert stop.distance == pytest.approx(way, rel=FILLING)
@@ -705,13 +707,13 @@ def test_the_protection_believes_teeth_that_err(pulses: int, jitter: float) -> N
 
 
 def test_a_machine_that_does_not_stop_says_so() -> None:
-    [stop] = Rig(bogie(), None, Settings(strength=1e-3)).stops([RAILS[0].values()])
+    [stop] = Rig(bogie(), None, Settings(brake_ratio=1e-3)).stops([RAILS[0].values()])
     assert stop.distance is None
     ramp = Settings().application_time / math.log(20.0)
     slowing = bogie().deceleration(1e-3 * bogie().full_torque)
     assert stop.end_speed == pytest.approx(25.0 - slowing * (300.0 - BRAKE_START - ramp), rel=1e-5)
-    assert stop.said == f"It did not stop: {stop.end_speed:.1f} m/s after 300 s."
-    assert (stop.words, stop.note("a source")) == (stop.said[:-1], f"{stop.said[:-1]}; a source")
+    assert stop.message == f"It did not stop: {stop.end_speed:.1f} m/s after 300 s."
+    assert (stop.words, stop.note("a source")) == (stop.message[:-1], f"{stop.message[:-1]}; a source")
     assert stop.over(100.0) is None
 
 

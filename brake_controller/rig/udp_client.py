@@ -64,11 +64,11 @@ def is_end(packet: bytes) -> bool:
 
 
 def answer(
-    controller: Controller, host: str = HOST, port: int = PORT, said: Callable[[str], object] = lambda text: None
+    controller: Controller, host: str = HOST, port: int = PORT, report: Callable[[str], object] = lambda text: None
 ) -> int:
     """Register with the rig, answer its packets until the end of the run, and return the number of answers.
 
-    said: is called with a message when the run begins.
+    report: is called with a message when the run begins.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def answer(
                     own.send(reply)
                     given, heard = given + 1, time.monotonic()
                     if given == 1:
-                        said("The rig asks.")
+                        report("The rig asks.")
             except TimeoutError:
                 pass
             except ConnectionError:  # nobody listens there yet, or any more

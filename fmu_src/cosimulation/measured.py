@@ -49,4 +49,4 @@ def in_units_of(table: Recording, units: Mapping[str, str]) -> Recording:
         up, down = factors or (1.0, 1.0)
         found[own] = units[own] if factors else table.units[name]
         columns.append(table[name] if up == down == 1.0 else table[name] * up / down)
-    return Recording(found, np.column_stack(columns), table.sentences, table.counts)
+    return Recording(found, np.column_stack(columns), table.messages, table.counts)

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
+from readers.renamed import FormerNames
 from readers.storage import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Recording:
+class Recording(FormerNames):
     """Time series by name, each with its unit; `time` is the first.
 
     Parameters
@@ -26,7 +27,7 @@ class Recording:
         Unit of each column by its name, in their order.
     rows : array, shape (rows, columns)
         Values, each in the unit of its column.
-    sentences : sequence of str
+    messages : sequence of str
         Messages of the run in their order; empty if unknown.
     counts : mapping of str to int, optional
         Work of the run, such as steps.
@@ -41,11 +42,11 @@ class Recording:
         self,
         units: Mapping[str, str],
         rows: Sequence[Sequence[float]] | np.ndarray,
-        sentences: Sequence[str] = (),
+        messages: Sequence[str] = (),
         counts: Mapping[str, int] | None = None,
     ) -> None:
         self.units = dict(units)
-        self.sentences, self.counts = list(sentences), dict(counts or {})
+        self.messages, self.counts = list(messages), dict(counts or {})
         if np.ma.is_masked(rows):
             raise ValueError("Rows must have all their values; some are masked. Write NaN in their place.")
         table = np.array(rows, dtype=float)
@@ -78,7 +79,7 @@ class Recording:
     @property
     def status(self) -> str:
         """Return the messages of the run, in one line."""
-        return " ".join(self.sentences)
+        return " ".join(self.messages)
 
     def add(self, name: str, unit: str, values: np.ndarray) -> None:
         """Add a column, for example of a second run.

@@ -29,15 +29,14 @@ static bool is_allowed(const variable_description *variable, double value) {
     return isfinite(value) && value >= variable->minimum && value <= variable->maximum && whole;
 }
 
-/* Write the end of a message for a value in another unit than the variable's, km/h or mm. */
-static const char *other_unit(const variable_description *variable, double value, char text[120]) {
+/* Write the end of a message for a value in another unit than the variable's, km/h or mm, as readers/units.py does. */
+static const char *likely_unit(const variable_description *variable, double value, char text[120]) {
     const bool speed = strcmp(variable->unit, "m/s") == 0;
     const double own = value / (speed ? 3.6 : 1000.0);
     snprintf(text, 120, ".");
     if (own < variable->minimum || own > variable->maximum) return text;
-    if (speed)
-        snprintf(text, 120, ". %.6g m/s is %.6g km/h; did you mean %.6g km/h = %.4g m/s?", value, 3.6 * value, value, own);
-    else if (strcmp(variable->unit, "m") == 0) snprintf(text, 120, ". Did you mean %.6g mm = %.6g m?", value, own);
+    if (speed) snprintf(text, 120, ". Did you mean %.6g km/h = %.4g m/s?", value, own);
+    else if (strcmp(variable->unit, "m") == 0) snprintf(text, 120, ". Did you mean %.6g mm = %.4g m?", value, own);
     return text;
 }
 
@@ -51,10 +50,10 @@ kernel_status kernel_check_value(kernel *self, const variable_description *varia
                            unit);
     if (value < variable->minimum)
         return kernel_fail(self, KERNEL_ERROR, "%s must be at least %g%s; got %g%s. %g%s stays in force%s", name,
-                           variable->minimum, unit, value, unit, kept, unit, other_unit(variable, value, other));
+                           variable->minimum, unit, value, unit, kept, unit, likely_unit(variable, value, other));
     if (value > variable->maximum)
         return kernel_fail(self, KERNEL_ERROR, "%s must be at most %g%s; got %g%s. %g%s stays in force%s", name,
-                           variable->maximum, unit, value, unit, kept, unit, other_unit(variable, value, other));
+                           variable->maximum, unit, value, unit, kept, unit, likely_unit(variable, value, other));
     return kernel_fail(self, KERNEL_ERROR, "%s must be an integer; got %g. %g stays in force.", name, value, kept);
 }
 

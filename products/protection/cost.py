@@ -38,7 +38,7 @@ def rolling_stop(machine: Machine, settings: Settings, speed: float) -> Rolling:
     The brake is demanded at BRAKE_START and fills as 1 - 20^(-t/T): integrals in closed form, without the remainder at
     the end.
     """
-    slows = machine.deceleration(settings.strength * machine.full_torque)
+    slows = machine.deceleration(settings.brake_ratio * machine.full_torque)
     lag = settings.application_time / math.log(20.0)
     distance = speed * (BRAKE_START + lag) + speed**2 / (2 * slows) - slows * lag**2 / 2
     return Rolling(distance, BRAKE_START + lag + speed / slows)

@@ -102,8 +102,10 @@ class Environment:
             self._instances.reset(row, **values)
             self.runs[row] = run
             self._rail[row] = [values.get(name, self._first[name]) for name in self._names]
-            strength = self.settings.strength if run.strength is None else run.strength
-            rolling = rolling_stop(self.machine, replace(self.settings, strength=strength), values["initial_speed"])
+            brake_ratio = self.settings.brake_ratio if run.brake_ratio is None else run.brake_ratio
+            rolling = rolling_stop(
+                self.machine, replace(self.settings, brake_ratio=brake_ratio), values["initial_speed"]
+            )
             self._rolling[row] = rolling.distance, rolling.duration
             self._cost[row] = self.reward[row] = 0.0
             self.terminated[row] = self.truncated[row] = False

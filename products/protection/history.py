@@ -47,7 +47,7 @@ class History:
         """Return whether every wheelset stood for most of the braked time above this speed [m/s]."""
         return bool(np.all(np.mean(self.angular_velocity[self.braked(above)] == 0.0, axis=0) > 0.5))
 
-    def recording(self, radius: float, said: str = "", commands: float = 0) -> Recording:
+    def recording(self, radius: float, message: str = "", commands: float = 0) -> Recording:
         """Return inputs and outputs of the controller at each instant except the last, at which the vehicle stands.
 
         radius: of the wheels [m]. Columns: time [s]; speed [m/s]; braking_force of all wheelsets [N]; and for each
@@ -66,7 +66,7 @@ class History:
         for place in range(creep.shape[1]):
             units |= {f"{name}_{place + 1}": unit for name, unit in of_each}
             columns += [values[:, place] for values in of_each.values()]
-        return Recording(units, np.column_stack(columns), [said] if said else [], {"commands": int(commands)})
+        return Recording(units, np.column_stack(columns), [message] if message else [], {"commands": int(commands)})
 
 
 class Notebook:

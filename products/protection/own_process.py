@@ -142,7 +142,7 @@ def _applied(order: Order, run: Run, died: EndedError, asked: bool = True) -> St
         words = f"{died}; the brake stays applied." if judged else f"{died} {NOT_JUDGED}"
     else:
         words = f"{died} in {TIMES} runs before; it was not asked again{'' if judged else ' and is not judged'}."
-    return replace(stop, distance=None, said=f"The controller {words}", judged=judged)
+    return replace(stop, distance=None, message=f"The controller {words}", judged=judged)
 
 
 def _made(order: Order, runs: Sequence[Run], limits: Limits, alone: bool) -> tuple[list[Stop], EndedError | None]:

@@ -8,10 +8,11 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from fmu_src.suggestion import suggestion
 from products.machine import EQUIPMENT, SANDERS, TRACTION, Machine, in_order
 from products.protection.rails import RAILS
 from products.protection.runs import Fault, Run
-from products.protection.settings import FASTEST, STRONGEST
+from products.protection.settings import FASTEST, MOST_BRAKE_RATIO
 from rbd_model.track.friction import CONDITIONS
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
@@ -21,7 +22,7 @@ PROGRAMMES = {"full": Path(__file__).with_name("programme.toml"), "starts": Path
 OWN = PROGRAMMES["full"]
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
 SPEED = re.compile(r"(\d{1,9}(?:\.\d{0,9})?|\.\d{1,9}) ?(m/s|km/h|)", re.ASCII)
-KNOWN = ("name", "rail", "friction", "speed", "strength", "load", "values", "fault", "equipment")
+KNOWN = ("name", "rail", "friction", "speed", "brake_ratio", "load", "values", "fault", "equipment")
 #: Limits of the ratio of a body's loaded mass to its own mass [1].
 LOADS = (0.2, 5.0)
 
@@ -37,7 +38,7 @@ class Case:
     rail: str
     friction: float | None = None
     speed: float | None = None
-    strength: float | None = None
+    brake_ratio: float | None = None
     load: float = 1.0
     values: tuple[tuple[str, float], ...] = ()
     faults: tuple[Fault, ...] = ()
@@ -58,7 +59,7 @@ class Case:
         return Run(
             condition.values(wheelsets) | mass | dict(self.values),
             self.speed,
-            self.strength,
+            self.brake_ratio,
             self.faults,
             self.equipment,
         )
@@ -117,15 +118,18 @@ def _case(table: Mapping[str, Any]) -> Case:
         raise ValueError(f"a case must be names with values; got {shown(table)}. Write each stop as [[case]].")
     for name in table:
         if name not in KNOWN:
-            raise ValueError(f"there is no {shown(name)}; give some of {', '.join(KNOWN)}.")
+            near = suggestion(str(name), KNOWN, f"give some of {', '.join(KNOWN)}.")
+            raise ValueError(f"there is no {shown(name)}; {near}")
     if not isinstance(table.get("name"), str):
         raise ValueError("give a name, as in name = 'wet, 120 km/h'.")
     rail = table.get("rail")
     if not isinstance(rail, str) or rail not in CONDITIONS:
         raise ValueError(f"rail must be one of {', '.join(CONDITIONS)}; got {shown(rail or 'nothing')}.")
-    strength, friction = (_number(name, table[name]) if name in table else None for name in ("strength", "friction"))
-    if strength is not None and not 0.0 < strength <= STRONGEST:
-        raise ValueError(f"strength must be above 0 and at most {STRONGEST:g}; got {strength:g}.")
+    brake_ratio, friction = (
+        _number(name, table[name]) if name in table else None for name in ("brake_ratio", "friction")
+    )
+    if brake_ratio is not None and not 0.0 < brake_ratio <= MOST_BRAKE_RATIO:
+        raise ValueError(f"brake_ratio must be above 0 and at most {MOST_BRAKE_RATIO:g}; got {brake_ratio:g}.")
     if friction is not None and not 0.0 < friction <= 1.0:
         raise ValueError(f"friction must be above 0 and at most 1; got {friction:g}.")
     load = _number("load", table.get("load", 1.0))
@@ -144,7 +148,7 @@ def _case(table: Mapping[str, Any]) -> Case:
         raise ValueError(f"give equipment a list of names, some of {', '.join(EQUIPMENT)}.")
     if SANDERS in equipment and not any(name.startswith("sand_rate_") and value for name, value in values):
         raise ValueError("sanders without sand have no effect; set sand_rate_1 or another [kg/s] in values.")
-    return Case(table["name"], table["rail"], friction, speed, strength, load, values, faults, in_order(equipment))
+    return Case(table["name"], table["rail"], friction, speed, brake_ratio, load, values, faults, in_order(equipment))
 
 
 def _number(name: str, value: object) -> float:

@@ -253,19 +253,19 @@ class Rig:
     def values(self, run: Run) -> dict[str, float]:
         """Return the initial values and parameters of a run."""
         s = self.settings
-        strength = s.strength if run.strength is None else run.strength
+        brake_ratio = s.brake_ratio if run.brake_ratio is None else run.brake_ratio
         first = {one.name: one.start for one in self.model.variables}
         fixed = {"integration_method": 2, "integration_step": self._step} if self._step else {}
         if self.driven:
-            motor = {name: strength * first[name] for name in ("motor_torque", "motor_power")}
+            motor = {name: brake_ratio * first[name] for name in ("motor_torque", "motor_power")}
             return {"initial_speed": START_SPEED, **motor, **fixed, **run.values}
-        share = strength * FULL_PRESSURE / self.machine.full_pressure
+        share = brake_ratio * FULL_PRESSURE / self.machine.full_pressure
         brake = {
             "supply_pressure": self.machine.supply_pressure,
             "force_per_pressure": first["force_per_pressure"] * share,
         }
         if DYNAMIC_BRAKE in self.equipment:
-            brake |= {"torque_per_pressure": strength * first["torque_per_pressure"]}
+            brake |= {"torque_per_pressure": brake_ratio * first["torque_per_pressure"]}
         if self.by_flow:
             air = cylinder_air(self.machine.full_pressure, s.application_time)
             brake |= {"application_orifice": air.application_orifice}
@@ -314,7 +314,7 @@ class Loop:
         whole = np.ctypeslib.as_array(place, (self.count * SCORE.itemsize,))
         self.score = whole.view(SCORE)
         self.each: list[Supervised | None] = [None] * self.count
-        self.sentences: dict[int, str] = {}
+        self.messages: dict[int, str] = {}
         self.not_judged: set[int] = set()
         self.silences = 0
         self.watch = Watch(PATIENCE, GUARD)
@@ -339,7 +339,7 @@ class Loop:
         for row, one in rows.items():
             self.call.rig_begin(self.own, row, one.end_speed, errors, ctypes.addressof(one.wheelsets))
             self.ends[row] = one.end_speed
-            self.sentences.pop(row, None)
+            self.messages.pop(row, None)
             self.not_judged.discard(row)
             self.valves[row] = 0
         if isinstance(form, Arrays):
@@ -379,7 +379,7 @@ class Loop:
         """Call a controller on arrays, unless all running rows have failed."""
         assert isinstance(self.rig.form, Arrays)
         running = np.flatnonzero(self.score["state"] == RUNS).tolist()
-        if self.sentences.keys() >= set(running):
+        if self.messages.keys() >= set(running):
             return
         controller, given = self.rig.form.controller, [one.copy() for one in (self.time, self.speeds)]
         for one in given:
@@ -422,9 +422,9 @@ class Loop:
 
     def _give_up(self, row: int, error: ControllerError) -> None:
         """Keep the brake of a row applied; the first message counts."""
-        if row not in self.sentences and isinstance(error, NotJudgedError):
+        if row not in self.messages and isinstance(error, NotJudgedError):
             self.not_judged.add(row)
-        self.sentences.setdefault(row, str(error))
+        self.messages.setdefault(row, str(error))
         self.valves[row] = 0
         self.call.rig_give_up(self.own, row)
 
@@ -465,14 +465,14 @@ class Loop:
     def stop(self, row: int) -> Stop:
         """Return the result of the run in a row."""
         one, by_flow, driven = self.score[row], self.rig.by_flow, self.rig.driven
-        said = self.sentences.get(row, "") or self._failure(one)
+        message = self.messages.get(row, "") or self._failure(one)
         stands = one["state"] == DONE and math.isnan(one["failed_at"])
         distance = float(one["distance"])
         if one["state"] == LOST:
-            said = said or f"The machine went no further: {self.instances.message(row)}"
+            message = message or f"The machine went no further: {self.instances.message(row)}"
         elif one["state"] == TOO_LONG:
             missed = f"come to {self.ends[row]:g} m/s" if driven else "stop"
-            said = said or f"It did not {missed}: {one['speed']:.1f} m/s after {one['time']:.0f} s."
+            message = message or f"It did not {missed}: {one['speed']:.1f} m/s after {one['time']:.0f} s."
         return Stop(
             distance if stands else None,
             float(one["speed"]),
@@ -484,7 +484,7 @@ class Loop:
             tuple(one["sliding"][: self.wheelsets].tolist()),
             float(one["reservoir"]) if by_flow else None,
             int(one["commands"]),
-            said,
+            message,
             row not in self.not_judged,
         )
 

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from fmu_src.system import other_unit
 from products.machine import TRACTION, in_order
 from products.protection.history import History
 from products.protection.settings import FASTEST, LONGEST
+from readers.units import likely_unit
 
 #: Failures of a sensor, with the numbers in rig.h.
 SENSOR_FAILURES = {"stuck": 1, "zero": 2, "doubled": 3}
@@ -46,7 +46,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Run:
-    """One stop: inputs and parameters of the vehicle; speed [m/s] and strength, by default those of the settings.
+    """One stop: inputs and parameters of the vehicle; speed [m/s] and brake_ratio, by default those of the settings.
 
     equipment: some of EQUIPMENT. With traction a run is a start: it ends when the vehicle reaches `speed`. phase:
     initial angle of the wheels of all sensors as a share of a tooth, 0 to below 1.
@@ -54,7 +54,7 @@ class Run:
 
     values: Mapping[str, float]
     speed: float | None = None
-    strength: float | None = None
+    brake_ratio: float | None = None
     faults: tuple[Fault, ...] = ()
     equipment: tuple[str, ...] = ()
     phase: float = 0.0
@@ -64,8 +64,8 @@ class Run:
             raise ValueError(f"phase must be from 0 to below 1 tooth; got {self.phase}.")
         object.__setattr__(self, "equipment", in_order(self.equipment))
         if self.speed is not None and self.speed > FASTEST:
-            said = f"speed of a run must be at most {FASTEST:g} m/s; got {self.speed:g} m/s."
-            raise ValueError(said + other_unit(self.speed, "m/s", 0.0, FASTEST))
+            message = f"speed of a run must be at most {FASTEST:g} m/s; got {self.speed:g} m/s."
+            raise ValueError(message + likely_unit(self.speed, "m/s", 0.0, FASTEST))
 
     @property
     def driven(self) -> bool:
@@ -99,7 +99,7 @@ class Stop:
         Lowest pressure of the reservoir [Pa]; None without a reservoir.
     commands : int
         Number of commands other than apply.
-    said : str
+    message : str
         Message.
     judged : bool
         False if the controller gave no answer for long and is therefore not evaluated.
@@ -117,14 +117,14 @@ class Stop:
     sliding: tuple[float, ...]
     lowest_reservoir: float | None
     commands: int
-    said: str
+    message: str
     judged: bool = True
     history: History | None = field(default=None, compare=False, repr=False)
 
     @property
     def words(self) -> str:
         """The distance in metres, or the reason why it is missing."""
-        return self.said.removesuffix(".") if self.distance is None else f"{self.distance:.0f} m"
+        return self.message.removesuffix(".") if self.distance is None else f"{self.distance:.0f} m"
 
     def note(self, source: str) -> str:
         """Return the source of a row of a table, with a message if the distance is missing."""

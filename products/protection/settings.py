@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from numbers import Real
 
 from brake_controller.sensors import TEETH
-from fmu_src.system import other_unit
 from products.machine import APPLICATION_TIME
+from readers.units import likely_unit
 
 #: Start of braking [s], and time [s] after which a run that still moves is ended.
 BRAKE_START, LONGEST = 1.0, 300.0
@@ -14,10 +14,10 @@ BRAKE_START, LONGEST = 1.0, 300.0
 LONGEST_PERIOD, SHORTEST_PERIOD = 1.0, 1e-5
 #: Upper limits: initial speed [m/s], torque over that of the full brake, time to full torque [s], teeth, and standard
 #: deviation of a tooth's position, as a share of the pitch: above it teeth change places.
-FASTEST, STRONGEST, SLOWEST_BRAKE, MOST_PULSES, MOST_JITTER = 100.0, 5.0, 60.0, 10_000, 0.5
+FASTEST, MOST_BRAKE_RATIO, SLOWEST_BRAKE, MOST_PULSES, MOST_JITTER = 100.0, 5.0, 60.0, 10_000, 0.5
 LIMITS = {
     "speed": (FASTEST, "m/s"),
-    "strength": (20.0 * STRONGEST, "1"),  # a brake that locks all wheels at once, to test locked wheels
+    "brake_ratio": (20.0 * MOST_BRAKE_RATIO, "1"),  # a brake that locks all wheels at once, to test locked wheels
     "application_time": (SLOWEST_BRAKE, "s"),
     "period": (LONGEST_PERIOD, "s"),
 }
@@ -35,7 +35,7 @@ class Settings:
     ----------
     speed : float
         Initial speed [m/s], above 0.
-    strength : float
+    brake_ratio : float
         Torque over that of the full service brake.
     application_time : float
         Time to 95 % of the torque [s].
@@ -53,7 +53,7 @@ class Settings:
     """
 
     speed: float = 25.0
-    strength: float = 1.0
+    brake_ratio: float = 1.0
     application_time: float = APPLICATION_TIME
     period: float = 5e-3
     pulses: int = TEETH
@@ -67,7 +67,7 @@ class Settings:
             value = float(given)
             in_unit = "" if unit == "1" else f" {unit}"
             if value > most:
-                hint = other_unit(value, unit, 0.0, most)
+                hint = likely_unit(value, unit, 0.0, most)
                 raise ValueError(f"{name} must be at most {most:g}{in_unit}; got {value:g}{in_unit}.{hint}")
             if unit == "s" and value < SHORTEST_PERIOD:
                 raise ValueError(f"{name} must be at least {SHORTEST_PERIOD:g} s; got {value:g} s.")

@@ -25,7 +25,7 @@ from readers.text import BadInputError, shown
 #: Its name in the folder of a sweep.
 JOURNAL = "journal.jsonl"
 #: Version of its lines.
-FORM = 2
+FORM = 3
 #: Remedy if it belongs to another sweep.
 ADVICE = "Give another --out and both stay; --restart begins anew in its place."
 #: Infinite results, by their strings in a line: JSON has no number for them.
@@ -114,7 +114,7 @@ class Journal:
         point, given = self._points[number], mapping_in(found, "parameters", what)
         if given != point or not all(isinstance(value, float) for value in given.values()):
             raise ValueError(f"{what} must have the parameters of point {number}, {shown(point)}; got {shown(given)}.")
-        if set(found) - {"point", "parameters", "check"} not in ({"results"}, {"results", "said"}, {"failure"}):
+        if set(found) - {"point", "parameters", "check"} not in ({"results"}, {"results", "message"}, {"failure"}):
             raise ValueError(f"{what} must have results or failure; got {shown(', '.join(found))}.")
         if "failure" in found:
             return number, Outcome(failure=text_in(found, "failure", what), point=point)
@@ -126,7 +126,9 @@ class Journal:
             if not (value is None or is_number(value) or (isinstance(value, str) and value in INFINITE)):
                 raise ValueError(f"{what}: {name} must be a number, null, inf or -inf; got {shown(value)}.")
         numbers = {name: None if results[name] is None else float(results[name]) for name in self._results}
-        return number, Outcome(numbers, point=point, said=text_in(found, "said", what) if "said" in found else "")
+        return number, Outcome(
+            numbers, point=point, message=text_in(found, "message", what) if "message" in found else ""
+        )
 
     def _told(self, damaged: Mapping[int, str]) -> str:
         """Return one message on all damaged lines."""
@@ -168,7 +170,7 @@ class Journal:
         if outcome.failure is None:
             texts: dict[float | None, str] = {value: text for text, value in INFINITE.items()}
             results = {name: texts.get(value, value) for name, value in (outcome.results or {}).items()}
-            answer = {"results": results} | ({"said": outcome.said} if outcome.said else {})
+            answer = {"results": results} | ({"message": outcome.message} if outcome.message else {})
         return checked({"point": number, "parameters": self._points[number], **answer}, self._head["check"])
 
     def _append(self, *lines: Mapping[str, Any]) -> None:

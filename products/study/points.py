@@ -45,14 +45,14 @@ class SweepError(RuntimeError):
 class Outcome:
     """Outcome of a point: its results (None: did not happen), or a message with the reason of its failure.
 
-    point: the parameters that the worker received, which must be those of the row. said: a status in addition to
+    point: the parameters that the worker received, which must be those of the row. message: in addition to
     results.
     """
 
     results: Mapping[str, float | None] | None = None
     failure: str | None = None
     point: Point | None = None
-    said: str = ""
+    message: str = ""
 
 
 Evaluate = Callable[[Point], Outcome]
@@ -75,8 +75,8 @@ def evaluate(run: Callable[..., Mapping[str, float | None]], promised: Sequence[
         if is_full(error):
             raise
         outcome = Outcome(failure=f"{type(error).__name__}: {error}")
-    said = None if outcome.failure is None else one_line(outcome.failure)
-    return Outcome(outcome.results, said, point)
+    message = None if outcome.failure is None else one_line(outcome.failure)
+    return Outcome(outcome.results, message, point)
 
 
 def one_line(text: str) -> str:

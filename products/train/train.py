@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from brake_controller.air import AMBIENT
 from brake_controller.drivers_valve import POSITIONS
 from fmu_src.cosimulation.recording import Recording
-from fmu_src.system import other_unit
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
 from products.train.layout import INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS
@@ -21,6 +20,7 @@ from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air
 from rbd_model.track.line import Line
+from readers.units import likely_unit
 
 #: Longest time of `advance` or `record` [s], and largest number of values [1].
 LONGEST, MOST = 86400.0, 1e8
@@ -35,7 +35,7 @@ def _within(name: str, value: float, least: float, most: float, unit: str) -> No
     number = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
     if not (number and least <= value <= most):
         said = f"{name} must be a number from {least:g} to {most:g} {unit}".rstrip() + f"; got {value}."
-        raise ValueError(said + (other_unit(value, unit, least, most) if number else ""))
+        raise ValueError(said + (likely_unit(value, unit, least, most) if number else ""))
 
 
 def _place(name: str, value: int, count: int) -> None:

@@ -13,10 +13,11 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Literal
 
-from fmu_src.system import ParameterSet, Relation, other_unit
+from fmu_src.system import ParameterSet, Relation
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.geometry import Pair, Sides, thesis_pair
 from readers.text import shown
+from readers.units import likely_unit
 
 #: Limits of a wheel's radius [m]: scale models on roller rigs; 0.3 m above the wheels of steam locomotives, 1.2 m.
 SMALLEST_RADIUS, LARGEST_RADIUS = 0.01, 1.5
@@ -565,7 +566,7 @@ def _check_radii(vehicle: Vehicle) -> None:
             if not limits[0] <= value <= limits[1]:
                 raise ValueError(
                     f"Vehicle {vehicle.name}: {wheelset_name(number)} must have a radius from {limits[0]:g} to "
-                    f"{limits[1]:g} m; got {value:g} m.{other_unit(value, 'm', *limits)}"
+                    f"{limits[1]:g} m; got {value:g} m.{likely_unit(value, 'm', *limits)}"
                 )
 
 

@@ -81,7 +81,7 @@ class Outcome:
     stop_time: float | None
     derailed_at: float | None
     peaks: tuple[float, float]
-    sentences: list[str]  # the first wheel lift, the first climb (or quotient above Nadal's limit), and the derailment
+    messages: list[str]  # the first wheel lift, the first climb (or quotient above Nadal's limit), and the derailment
 
     def flanging_load(self, wheelset: int) -> float:
         """Return the largest load of a wheel of this wheelset while the rail pushes its flange [N]."""
@@ -128,7 +128,7 @@ def run_case(case: Case, tolerance: float = TOLERANCE) -> Outcome:
     moving = series["time"] <= (DURATION if stop is None else stop)
     peaks = [float(np.abs(series[f"lateral_{n}"][moving]).max()) for n in (1, 2)]
     derailed = float(series["speed"][-1]) if kernel["derailed"] else None
-    first = [[line for line in kernel.journal if line.startswith(word)][:1] for word in SAID]
+    first = [[line for line in kernel.messages if line.startswith(word)][:1] for word in SAID]
     return Outcome(series, stop, derailed, (peaks[0], peaks[1]), [line for lines in first for line in lines])
 
 

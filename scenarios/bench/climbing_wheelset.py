@@ -76,7 +76,7 @@ class Climb:
     quotient: np.ndarray
     rise: np.ndarray
     wheel_rise: np.ndarray
-    sentences: list[str]
+    messages: list[str]
     steps: int
 
     def limit(self, low: float, high: float) -> float:
@@ -130,4 +130,4 @@ def push(library: Library, friction: float, yaw: float, gauge_face: float = 1.0)
     for kernel in instants(library, friction, yaw, gauge_face):
         noted.append([kernel[name] for name in ("derailment_quotient_1_left", "state_rise_1", "wheel_rise_1_left")])
     quotient, rise, wheel_rise = np.array(noted).T
-    return Climb(quotient, rise, wheel_rise, kernel.journal, kernel.counts["steps"])
+    return Climb(quotient, rise, wheel_rise, kernel.messages, kernel.counts["steps"])

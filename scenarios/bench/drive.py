@@ -161,7 +161,7 @@ def located_lock_time(kernel: Kernel, series: Recording, number: int) -> float |
     """Return the time at which a wheelset first locked while the bogie moved [s], as located by the kernel, to six
     digits.
     """
-    for time in re.findall(rf"Wheelset {number} locked at (\S+) s\.", " ".join(kernel.journal)):
+    for time in re.findall(rf"Wheelset {number} locked at (\S+) s\.", " ".join(kernel.messages)):
         if np.interp(float(time), series["time"], series["speed"]) > AT_REST:
             return float(time)
     return None

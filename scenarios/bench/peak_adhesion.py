@@ -87,7 +87,7 @@ class PeakAdhesion:
         found = [self.at(distance, speed, slip) for slip in self.SLIPS]
         return max(found), float(self.SLIPS[int(np.argmax(found))])
 
-    def stopping_distance(self, speed: float, strength: float = 1.0) -> float:
+    def stopping_distance(self, speed: float, brake_ratio: float = 1.0) -> float:
         """Return the distance [m] of a stop with the best slip, or with the brake's deceleration where that is lower.
 
         If the brake limits the deceleration everywhere, the result is the brake's distance and independent of the rail:
@@ -97,7 +97,7 @@ class PeakAdhesion:
         ----------
         speed : float
             Initial speed [m/s].
-        strength : float
+        brake_ratio : float
             Torque over that of the full brake [1].
 
         Raises
@@ -105,13 +105,13 @@ class PeakAdhesion:
         ValueError
             If the vehicle does not stop within the longest time of a stop.
         """
-        return self._distance(speed, STANDING, strength)
+        return self._distance(speed, STANDING, brake_ratio)
 
-    def starting_distance(self, start: float, speed: float, strength: float = 1.0) -> float:
+    def starting_distance(self, start: float, speed: float, brake_ratio: float = 1.0) -> float:
         """Return the distance [m] of a vehicle with traction from `start` to `speed` [m/s], with the best slip."""
-        return self._distance(start, speed, strength)
+        return self._distance(start, speed, brake_ratio)
 
-    def _distance(self, start: float, end: float, strength: float) -> float:
+    def _distance(self, start: float, end: float, brake_ratio: float) -> float:
         sign = 1.0 if self.driven else -1.0
         if SANDERS in self.equipment:
             self.sanded_from = start * (self.values["sand_start"] + self.values["sand_delay"])
@@ -119,7 +119,7 @@ class PeakAdhesion:
         def slope(time: float, state: np.ndarray) -> list[float]:
             speed = max(state[1], STANDING)
             most = self.best(state[0], speed)[0]
-            return [state[1], sign * min(self.asked(time, speed, start, strength), most) - self.held_back]
+            return [state[1], sign * min(self.asked(time, speed, start, brake_ratio), most) - self.held_back]
 
         def there(time: float, state: np.ndarray) -> float:
             return float(state[1]) - end
@@ -142,7 +142,7 @@ class PeakAdhesion:
         largest = [self.mass * self.best(course.distance[i], course.speed[i])[0] for i in instants]
         return np.asarray(-course.creep_force[instants].sum(axis=1) / largest)
 
-    def asked(self, time: float, speed: float, start: float, strength: float) -> float:
+    def asked(self, time: float, speed: float, start: float, brake_ratio: float) -> float:
         """Return the deceleration, or driven acceleration, that is demanded of brake or motors [m/s2].
 
         Parameters
@@ -153,14 +153,14 @@ class PeakAdhesion:
             Present speed [m/s].
         start : float
             Initial speed [m/s].
-        strength : float
+        brake_ratio : float
             Torque over that of the full brake [1].
         """
         since, machine = time - BRAKE_START, self.machine
         motor = self.motor_share(speed, since) * self.values.get("motor_torque", 0.0)
         if self.driven:
-            return strength * machine.deceleration(motor, self.load)
-        full = strength * machine.full_torque
+            return brake_ratio * machine.deceleration(motor, self.load)
+        full = brake_ratio * machine.full_torque
         by_motor = min(motor / full, 1.0)
         friction = min(self.filling(since), 1.0 - by_motor)
         if DISCS in self.equipment:

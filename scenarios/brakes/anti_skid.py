@@ -33,7 +33,7 @@ from scenarios.scenario import Options, Scenario, Sweepable
 PERIODS, TEETH = (2e-3, 5e-3, 1e-2, 2e-2), (80, 100, 128, 200, 10000)
 #: Brake torque on dry rail over that of the full service brake [1]. All wheels roll at these; one locks from 1.6 on.
 #: Then jitter of the teeth, as shares of their pitch.
-STRENGTHS, JITTERS = (1.0, 1.25, 1.5), (0.0, 0.1)
+BRAKE_RATIOS, JITTERS = (1.0, 1.25, 1.5), (0.0, 0.1)
 
 
 #: Notes on the ideal braking force, and on the largest force of a rail.
@@ -70,7 +70,7 @@ def measure() -> Findings:
     on_low, on_dry = RAILS[2:3], RAILS[:1]
     low_stops = {period: stops_of(on_low, "protected", Settings(period=period))[0] for period in PERIODS}
     teeth = {pulses: stops_of(on_low, "protected", Settings(pulses=pulses))[0] for pulses in TEETH}
-    dry_tries = [Settings(strength=s, pulses=n, jitter=j) for s in STRENGTHS for n in TEETH for j in JITTERS]
+    dry_tries = [Settings(brake_ratio=s, pulses=n, jitter=j) for s in BRAKE_RATIOS for n in TEETH for j in JITTERS]
     dry_stops = [stops_of(on_dry, "protected", settings)[0] for settings in counting(dry_tries, unit="stop")]
     best = {rail.name: PeakAdhesion(bogie(), rail.values()) for rail in RAILS}
     ideal = {name: one.stopping_distance(Settings().speed) for name, one in best.items()}
@@ -147,7 +147,9 @@ def judged_rows(found: Findings) -> list[Row]:
     commands = sum(stop.commands for stop in found.dry)
     unprotected = found.stops["low", "unprotected"]
     words = f"worst of periods 2-20 ms, and sensors of {TEETH[0]} to {TEETH[-1]} teeth"
-    dry_words = f"{len(found.dry)} stops: {STRENGTHS[0]:g} to {STRENGTHS[-1]:g} of the full service brake, all sensors"
+    dry_words = (
+        f"{len(found.dry)} stops: {BRAKE_RATIOS[0]:g} to {BRAKE_RATIOS[-1]:g} of the full service brake, all sensors"
+    )
     over_ideal, over_locked = longest(stops, found.ideal["low"]), longest(stops, unprotected.distance)
     return [
         Row("low: longest distance over the ideal", "1", None, over_ideal, between(1.0, OVER_IDEAL), words),
@@ -167,7 +169,7 @@ def longest(stops: Sequence[Stop], distance: float | None) -> float | None:
 def run(options: Options) -> Report:
     found = measure()
     rows = rows_of(found)
-    failures = [f"{rail}, {mode}: {stop.said}" for (rail, mode), stop in found.stops.items() if stop.said]
+    failures = [f"{rail}, {mode}: {stop.message}" for (rail, mode), stop in found.stops.items() if stop.message]
     remarks = [
         "Measures in the manner of EN 15595 (stopping distance, slip, lock, air), without any claim of conformity. "
         "Ideal: the best slip at every instant, as the brake fills. Sets for low adhesion are unverified. Locked "

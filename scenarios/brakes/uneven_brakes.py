@@ -86,7 +86,7 @@ def shoes() -> dict[str, float]:
 
 
 def uneven_stop(
-    machine: CoupledMachine, values: Mapping[str, float], strength: tuple[float, float], errors: tuple[float, float]
+    machine: CoupledMachine, values: Mapping[str, float], brake_ratio: tuple[float, float], errors: tuple[float, float]
 ) -> UnevenStop:
     """Run a full brake that is applied at BRAKE_START.
 
@@ -95,12 +95,12 @@ def uneven_stop(
     machine : CoupledMachine
     values : mapping
         Parameters of the bogie.
-    strength : tuple of float, shape (2,)
+    brake_ratio : tuple of float, shape (2,)
         Factor of the shoe forces of each cylinder [1].
     errors : tuple of float, shape (2,)
         Errors of the shoe forces of each wheelset [1].
     """
-    machine.start({"initial_speed": SPEED} | dict(values), [shoes() | {"wheelset_share": 0.5 * x} for x in strength])
+    machine.start({"initial_speed": SPEED} | dict(values), [shoes() | {"wheelset_share": 0.5 * x} for x in brake_ratio])
     yaw_torques = [
         Connection(brake, "shoe_force", machine.vehicle, f"yaw_torque_{number}", error * SHOE_DISTANCE)
         for number, brake, error in zip(machine.numbers, machine.brakes, errors, strict=True)

@@ -175,7 +175,7 @@ def run(options: Options) -> Report:
     parameters = {"speed": SPEED, "wagons": WAGONS, "time": LONG, "loads": dict(LOADS), "share": SHARE}
     runs = len(LOADS) * (len(found.points) + 2)
     loaded = brakes_of(trains[next(iter(LOADS))])
-    return Report(rows, loaded, lambda: draw(found), parameters, LONG * runs, said(found))
+    return Report(rows, loaded, lambda: draw(found), parameters, LONG * runs, remarks(found))
 
 
 def brakes_of(train: BrakedTrain) -> Recording:
@@ -250,7 +250,7 @@ def point_rows(found: Study) -> list[Row]:
     return rows
 
 
-def said(found: Study) -> list[str]:
+def remarks(found: Study) -> list[str]:
     met = max(share for share, one in found.both(EXPLICIT).items() if one.meets)
     ratio, which = found.ratio()
     chaotic = {few: scatter for few, scatter in found.scatter.items() if scatter > FORCE}

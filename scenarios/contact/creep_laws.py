@@ -187,13 +187,13 @@ def rows_of(found: Mapping[str, Measured]) -> list[Row]:
 
 def failures(found: Mapping[str, Measured]) -> list[str]:
     """Return one message for each law: the kinds of published rows at which its error exceeds `EVERYWHERE`."""
-    sentences = []
+    messages = []
     for name, one in found.items():
         bad = [f"{kind} ({one.distance[kind]:.1f})" for kind in KINDS if one.distance[kind] > EVERYWHERE]
         off = f"more than {EVERYWHERE:g} % of mu N off"
         where = f"is {off}: {', '.join(bad)}" if bad else f"is never {off}"
-        sentences.append(f"At the published rows {name} {where}.")
-    return sentences
+        messages.append(f"At the published rows {name} {where}.")
+    return messages
 
 
 def run(options: Options) -> Report:

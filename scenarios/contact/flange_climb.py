@@ -49,7 +49,7 @@ def run(options: Options) -> Report:
         limit, steps = nadal(angle, friction), steps + climb.steps
         name = f"Y/Q at the onset of climbing, flange {angle:g} degrees, friction {friction:g}"
         found = climb.limit(*ONSET)
-        rows.append(measured(name, "1", found, SOURCE, near(limit, BAND * limit), climb.sentences[-1]))
+        rows.append(measured(name, "1", found, SOURCE, near(limit, BAND * limit), climb.messages[-1]))
     curves = {
         name: [push(climbing_wheelset(math.radians(CURVE_ANGLE), law), CURVE_FRICTION, yaw) for yaw in YAWS]
         for name, law in counting(LAWS.items(), "flange-climb")

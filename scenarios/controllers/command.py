@@ -30,10 +30,10 @@ from products.protection.rails import RAILS
 from products.protection.settings import (
     FASTEST,
     LONGEST_PERIOD,
+    MOST_BRAKE_RATIO,
     MOST_JITTER,
     MOST_PULSES,
     SHORTEST_PERIOD,
-    STRONGEST,
     Settings,
 )
 from products.registry import ALIASES, fmu_named
@@ -149,9 +149,9 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
     speed = quantity("--speed", "m/s", 0.0, FASTEST, above=True)
     text = "at the start, as 25 or 90km/h (default: 25 m/s)"
     parser.add_argument("--speed", type=speed, default=25.0, metavar="SPEED", help=text)
-    strength = quantity("--strength", least=0.0, most=STRONGEST, above=True)
+    brake_ratio = quantity("--brake-ratio", least=0.0, most=MOST_BRAKE_RATIO, above=True)
     text = "torque over that of the full brake (default: 1)"
-    parser.add_argument("--strength", type=strength, default=1.0, metavar="RATIO", help=text)
+    parser.add_argument("--brake-ratio", type=brake_ratio, default=1.0, metavar="RATIO", help=text)
     period = quantity("--period", "s", SHORTEST_PERIOD, LONGEST_PERIOD)
     text = "of the controllers, as 5ms or 0.005 (default: 5ms)"
     parser.add_argument("--period", type=period, default=5e-3, metavar="TIME", help=text)
@@ -251,7 +251,7 @@ def run_loop(chosen: argparse.Namespace) -> bool:
     if chosen.json:
         print(text, end="")
     elif not chosen.quiet:
-        print("\n".join([*lines(chosen.vehicle, settings, [score]), "", *loop.sentences(found)]))
+        print("\n".join([*lines(chosen.vehicle, settings, [score]), "", *loop.messages(found)]))
     return found.holds
 
 

@@ -128,18 +128,22 @@ def run_in_loop(machine: Machine, run: Run, settings: Settings, own: socket.sock
             remote.close()
     silent = remote.silent_from
     if silent is not None:
-        said = f"No answer came from {silent:g} s on, and the watchdog applied the brake: no stop of this controller."
-        stop = replace(stop, distance=None, said=said)
+        message = (
+            f"No answer came from {silent:g} s on, and the watchdog applied the brake: no stop of this controller."
+        )
+        stop = replace(stop, distance=None, message=message)
     elif remote.counts.for_the_rig:
-        said = f"The rig itself asked late in {remote.counts.for_the_rig} of the periods that were missed: not judged. "
+        message = (
+            f"The rig itself asked late in {remote.counts.for_the_rig} of the periods that were missed: not judged. "
+        )
         stop = replace(
-            stop, distance=None, judged=False, said=said + "Lower --pace, or lower the load of this machine."
+            stop, distance=None, judged=False, message=message + "Lower --pace, or lower the load of this machine."
         )
     late, answered = np.array(remote.late), np.array(remote.answered)
     return Looped(stop, remote.counts, pace, settings.period, late, answered, silent)
 
 
-def sentences(found: Looped) -> Iterator[str]:
+def messages(found: Looped) -> Iterator[str]:
     """Yield messages on the received answers and the missing ones."""
     c, period = found.counts, found.period
     paced = f"at {found.pace:g} times the clock's pace" if found.pace else "as fast as answers came"
@@ -149,7 +153,7 @@ def sentences(found: Looped) -> Iterator[str]:
     yield f"Missed: {c.missed} periods{row}{rig}. The watchdog applied the brake {c.watchdog} times."
     rest = f"{c.malformed} malformed, {c.strangers} from others"
     yield f"Thrown away: {c.late} late answers, {c.repeated} repeated, {rest}."
-    yield from c.sentences
+    yield from c.messages
     if found.answered.size:
         yield f"An answer took {times(found.answered)}."
     if found.pace:

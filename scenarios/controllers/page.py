@@ -37,12 +37,12 @@ def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Sc
     return filled(
         "comparison.html.jinja",
         title="Wheel-slide controllers side by side",
-        said=" ".join(verdict.sentences(found)),
+        headline=" ".join(verdict.messages(found)),
         verdict=(heads(verdict.heads(found), verdict.UNITS), [[verdict.cells(one)] for one in found]),
         about=table.about(vehicle, settings, scores),
         first=first_case(scores),
         scores=(heads(table.HEADS, table.UNITS), by_case),
-        sentences=table.said(scores),
+        messages=table.messages(scores),
         effort=words_of(scores[0].driven).effort,
         data=data(machine, scores),
     )
@@ -95,7 +95,7 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
                 "ideal": one.ideal,
                 "distance": (one.stops or [one.stop])[0].distance,  # of the drawn phase
                 "judged": one.stop.judged,
-                "said": one.stop.said,
+                "message": one.stop.message,
                 "samples": history.time.size,
             }
             for one, history in zip(scores, histories, strict=True)

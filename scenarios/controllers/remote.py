@@ -50,13 +50,13 @@ class Counts:
     malformed: int = 0
     strangers: int = 0
     watchdog: int = 0
-    sentences: list[str] = field(default_factory=list)
+    messages: list[str] = field(default_factory=list)
 
     def wrong(self, sentence: str) -> None:
         """Count a malformed packet and keep its message."""
         self.malformed += 1
-        if sentence not in self.sentences and len(self.sentences) < KEPT:
-            self.sentences.append(sentence)
+        if sentence not in self.messages and len(self.messages) < KEPT:
+            self.messages.append(sentence)
 
 
 def valves_in(packet: bytes, wheelsets: int, asked: int) -> tuple[int, list[int]]:
@@ -123,7 +123,7 @@ class Remote:
         while not self.client:
             packet, address = self._next(end - time.monotonic())
             if time.monotonic() >= end:
-                wrong = " ".join(self.counts.sentences)
+                wrong = " ".join(self.counts.messages)
                 raise BadInputError(f"No client came to {host}:{port} within {WAIT:g} s; start one. {wrong}".strip())
             if packet == HEADER.pack(MAGIC, HELLO, 0, 0):
                 self.client = address

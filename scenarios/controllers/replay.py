@@ -59,7 +59,7 @@ UNITS = ("", "%", "%", "%", "s", "s", "1", "%")
 class Replayed:
     """Commands of a controller in a recorded run: times [s], shape (rows,), and valves, shape (rows, wheelsets).
 
-    as_in_log: share of rows in which each valve got the command of the log, if it has commands. said: message of a
+    as_in_log: share of rows in which each valve got the command of the log, if it has commands. message: message of a
     controller that failed, whose valves end there.
     """
 
@@ -68,7 +68,7 @@ class Replayed:
     times: np.ndarray
     valves: np.ndarray
     as_in_log: tuple[float | None, ...]
-    said: str
+    message: str
 
     @property
     def wheelsets(self) -> list[dict[str, float | None]]:
@@ -125,7 +125,7 @@ def run(chosen: argparse.Namespace) -> bool:
         print(text, end="")
     elif not chosen.quiet:
         print("\n".join([*lines(chosen.log, found, period), "", f"Picture: {folder / 'replay.png'}"]))
-    return not found.said
+    return not found.message
 
 
 def read_log(path: Path) -> Recording:
@@ -204,12 +204,12 @@ def replay(log: Recording, name: str, form: Form, period: float | None) -> Repla
     last = np.searchsorted(rows, times + SAME * np.min(np.diff(rows)), "right") - 1
     speeds = np.column_stack([log[one] for one in speeds_of(count)])[last]
     controller = one_of(name, form, count, period or float(np.median(np.diff(rows))))
-    valves, said = commands_of(Supervised(controller, count), times, speeds)
+    valves, message = commands_of(Supervised(controller, count), times, speeds)
     same: list[float | None] = []
     for place in range(count):
         recorded = log.units.get(f"valve_{place + 1}") and log[f"valve_{place + 1}"][last][: len(valves)]
         same.append(None if recorded is None or not len(valves) else float(np.mean(recorded == valves[:, place])))
-    return Replayed(name, log, times, valves, tuple(same), said)
+    return Replayed(name, log, times, valves, tuple(same), message)
 
 
 def one_of(name: str, form: Form, wheelsets: int, period: float) -> WheelSlideController:
@@ -239,16 +239,16 @@ def commands_of(controller: Supervised, times: np.ndarray, speeds: np.ndarray) -
     tuple of numpy.ndarray and str
         Commands, shape (rows, wheelsets), and the message of the failure or "".
     """
-    valves, said = [], ""
+    valves, message = [], ""
     with contextlib.redirect_stdout(sys.stderr):  # output of the controller
         asked = zip(times.tolist(), speeds.tolist(), strict=True)
         for time, row in counting(asked, "replay", len(speeds), "question"):
             try:
                 valves.append(controller.step(time, row))
             except ControllerError as error:
-                said = str(error).replace("; the brake stays applied", "")
+                message = str(error).replace("; the brake stays applied", "")
                 break
-    return np.array(valves, int).reshape(-1, controller.wheelsets), said
+    return np.array(valves, int).reshape(-1, controller.wheelsets), message
 
 
 def lines(path: Path, found: Replayed, period: float | None) -> Iterator[str]:
@@ -264,9 +264,9 @@ def lines(path: Path, found: Replayed, period: float | None) -> Iterator[str]:
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
     for row in rows:
         yield "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
-    if found.said:
+    if found.message:
         yield ""
-        yield found.said
+        yield found.message
 
 
 def cells(number: int, one: dict[str, float | None]) -> tuple[str, ...]:
@@ -283,8 +283,8 @@ def cells(number: int, one: dict[str, float | None]) -> tuple[str, ...]:
 
 def document(found: Replayed) -> dict[str, object]:
     """Return the results for programs; SI units, shares of 1."""
-    said = {"controller": found.controller, "said": found.said, "questions": int(found.times.size)}
-    return said | {"answers": len(found.valves), "wheelsets": found.wheelsets}
+    content = {"controller": found.controller, "message": found.message, "questions": int(found.times.size)}
+    return content | {"answers": len(found.valves), "wheelsets": found.wheelsets}
 
 
 def draw(found: Replayed) -> Figure:

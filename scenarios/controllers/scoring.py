@@ -27,7 +27,7 @@ from scenarios.scenario import BadInputError
 #: [m], assumed.
 WORN, CONTACT = 55e-3 / 7850.0, 12e-3
 #: Arguments of a case that replace settings of the rig, by names.
-OF_THE_RIG = {"initial_speed": "give speed", "force_per_pressure": "give strength"}
+OF_THE_RIG = {"initial_speed": "give speed", "force_per_pressure": "give brake_ratio"}
 #: Stops of each case. One stop on a low rail changes by 0.5 % with the phase of the samples between the teeth.
 PHASES = 3
 #: Pressure of the free air in which litres are given [Pa].
@@ -120,7 +120,7 @@ def together(stops: Sequence[Stop]) -> Stop:
 
     distances = [one.distance for one in stops if one.distance is not None]
     reservoirs = [one.lowest_reservoir for one in stops if one.lowest_reservoir is not None]
-    said = [f"{one.said} (phase {number} of {len(stops)})" for number, one in enumerate(stops, 1) if one.said]
+    messages = [f"{one.message} (phase {number} of {len(stops)})" for number, one in enumerate(stops, 1) if one.message]
     return replace(
         first,
         distance=sum(distances) / len(stops) if len(distances) == len(stops) else None,
@@ -132,7 +132,7 @@ def together(stops: Sequence[Stop]) -> Stop:
         air=mean("air"),
         sliding=tuple(sum(wheelset) / len(stops) for wheelset in zip(*(one.sliding for one in stops), strict=True)),
         lowest_reservoir=min(reservoirs) if reservoirs else None,
-        said=said[0] if said else "",
+        message=messages[0] if messages else "",
         judged=all(one.judged for one in stops),
     )
 
@@ -240,12 +240,12 @@ def stops_of(order: Order, name: str, runs: Sequence[Run]) -> list[Stop]:
 
 def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | None:
     """Return the distance with the best slip at every instant; None if the rail cannot stop the vehicle."""
-    strength = settings.strength if run.strength is None else run.strength
+    brake_ratio = settings.brake_ratio if run.brake_ratio is None else run.brake_ratio
     filling = filling_by_flow(machine.full_pressure, settings.application_time)
     try:
         peak = PeakAdhesion(machine, run.values, filling, run.equipment)
         if run.driven:
-            return peak.starting_distance(START_SPEED, run.speed or settings.speed, strength)
-        return peak.stopping_distance(run.speed or settings.speed, strength)
+            return peak.starting_distance(START_SPEED, run.speed or settings.speed, brake_ratio)
+        return peak.stopping_distance(run.speed or settings.speed, brake_ratio)
     except ValueError:
         return None

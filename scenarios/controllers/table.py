@@ -35,7 +35,7 @@ def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterato
             for column, (text, width) in enumerate(zip(row, widths, strict=True))
         ]
         yield "  ".join(texts).rstrip()
-    for text in said(scores):
+    for text in messages(scores):
         yield ""
         yield text
 
@@ -44,19 +44,19 @@ def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
     """Return the common conditions of all stops, or starts."""
     sensors = f"{settings.pulses} pulses a revolution, every {1e3 * settings.period:g} ms"
     what = "traction" if scores[0].driven else "brake"
-    strength = f"full {what}" if settings.strength == 1.0 else f"{settings.strength:g} of the full {what}"
+    torque = f"full {what}" if settings.brake_ratio == 1.0 else f"{settings.brake_ratio:g} of the full {what}"
     if scores[0].driven:
         way, lock = f"from {START_SPEED:g} to {settings.speed:g} m/s", "lock: wheels turn at more than twice the speed"
     else:
         way, lock = f"from {settings.speed:g} m/s", f"lock counted above {LOCK_ABOVE:g} m/s"
     phases = max(len(one.stops) for one in scores)
     stops = f"; {phases} phases a case" if phases > 1 else ""
-    return f"{vehicle}: {strength} {way} unless the case says otherwise, {sensors}; {lock}{stops}"
+    return f"{vehicle}: {torque} {way} unless the case says otherwise, {sensors}; {lock}{stops}"
 
 
-def said(scores: Sequence[Scored]) -> list[str]:
+def messages(scores: Sequence[Scored]) -> list[str]:
     """Return the messages of the stops that have one."""
-    return [f"{one.controller}, {one.case}: {one.stop.said}" for one in scores if one.stop.said]
+    return [f"{one.controller}, {one.case}: {one.stop.message}" for one in scores if one.stop.message]
 
 
 def cells(one: Scored) -> tuple[str, ...]:

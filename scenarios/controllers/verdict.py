@@ -140,7 +140,7 @@ def ratio(phases: Sequence[float]) -> Ratio | None:
     return Ratio(mean(phases), min(phases), max(phases)) if phases else None
 
 
-def sentences(found: Sequence[Verdict]) -> list[str]:
+def messages(found: Sequence[Verdict]) -> list[str]:
     """Return messages: the best controllers, the worst case of each except the unprotected wheels, and missing
     verdicts.
     """
@@ -179,7 +179,7 @@ def _worst(one: Verdict) -> str:
 
 def lines(found: Sequence[Verdict]) -> Iterator[str]:
     """Yield the messages, and the table as text."""
-    yield from textwrap.wrap(" ".join(sentences(found)), WIDTH)
+    yield from textwrap.wrap(" ".join(messages(found)), WIDTH)
     yield ""
     rows = [heads(found), UNITS, *(cells(one) for one in found)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
@@ -218,7 +218,7 @@ def document(found: Sequence[Verdict]) -> dict[str, object]:
         plain = {name: None if value != value else value for name, value in asdict(one).items() if name != "words"}
         return plain | means | spreads
 
-    return {"sentences": sentences(found), "controllers": [row(one) for one in found]}
+    return {"messages": messages(found), "controllers": [row(one) for one in found]}
 
 
 def best_given(found: Sequence[Verdict]) -> Verdict:

@@ -143,7 +143,7 @@ def run(options: Options) -> Report:
     rows = [*closed_forms(series, line), *safety(series)]
     parameters = BOGIE.values() | {"line": str(options.line or "own"), "speed": speed}
     seconds = float(series["time"][-1])
-    said = [*(kernel.journal or [QUIET_RUN]), f"The picture has the extremes of wheel loads in every {WINDOW:g} m."]
+    said = [*(kernel.messages or [QUIET_RUN]), f"The picture has the extremes of wheel loads in every {WINDOW:g} m."]
     report = Report(rows, series, lambda: draw(series), parameters, seconds, said, motion=partial(motion, options))
     report.other_figures["line"] = lambda: draw_track(line)
     return report

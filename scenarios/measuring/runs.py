@@ -20,12 +20,12 @@ class Run:
     seconds: float
     work: Mapping[str, int] = field(default_factory=dict)
     failure: str = ""
-    journal: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()
 
 
 def failed(scene: Scene, seconds: float, reason: str, kernel: Kernel | None = None) -> Run:
     counts = kernel.counts if kernel else {}
-    return Run({}, seconds, counts, reason, tuple(kernel.journal) if kernel else ())
+    return Run({}, seconds, counts, reason, tuple(kernel.messages) if kernel else ())
 
 
 #: Outputs of all levels that replace states which some levels lack.
@@ -63,12 +63,12 @@ def finish(scene: Scene, rows: np.ndarray, seconds: float, work: Mapping[str, in
     times = scene.times()
     if kernel.ended or len(rows) < times.size:
         return failed(
-            scene, seconds, f"it ended early: {kernel.journal[-1] if kernel.journal else 'no samples'}", kernel
+            scene, seconds, f"it ended early: {kernel.messages[-1] if kernel.messages else 'no samples'}", kernel
         )
     if not np.isfinite(rows).all():
         return failed(scene, seconds, "the result is not finite", kernel)
     samples = {"time": times} | dict(zip(scene.read, rows.T, strict=True))
-    return Run(samples, seconds, work, journal=tuple(kernel.journal))
+    return Run(samples, seconds, work, messages=tuple(kernel.messages))
 
 
 @dataclass(frozen=True)

@@ -145,7 +145,7 @@ class Growth:
     """Growth of a perturbation in each step: the measured one, and the warning in the log."""
 
     factor: float
-    journal: tuple[str, ...]
+    messages: tuple[str, ...]
 
     @property
     def stable(self) -> bool:
@@ -171,8 +171,8 @@ def growth_of_perturbation(
             kernel.step(kernel.time, step)
         states = [np.array(kernel.linearise().state)[form.differential][turning] for kernel in kernels]
         sizes.append(float(np.abs(states[1] - states[0]).max()))
-    journal = tuple(line for kernel in kernels for line in kernel.journal)
-    return Growth((sizes[-1] / sizes[0]) ** (1 / (len(sizes) - 1)), journal)
+    messages = tuple(line for kernel in kernels for line in kernel.messages)
+    return Growth((sizes[-1] / sizes[0]) ** (1 / (len(sizes) - 1)), messages)
 
 
 def fastest_mode(jacobian: np.ndarray) -> np.ndarray:

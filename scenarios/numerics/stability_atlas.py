@@ -98,7 +98,7 @@ def growths(atlas: Atlas) -> None:
             for share in (0.9, 1.1):
                 grown = growth_of_perturbation(machine, speed, share * step, RUNGE_KUTTA)
                 predicted = float(np.abs(amplification_of_rk4(-share * NEGATIVE_AXIS)))
-                warned = any("stability limit" in line for line in grown.journal)
+                warned = any("stability limit" in line for line in grown.messages)
                 atlas.growth.append((machine.name, speed, share, grown.factor, predicted, warned))
             for multiple in MULTIPLES:
                 grown = growth_of_perturbation(machine, speed, multiple * step, RODAS5P)
@@ -132,7 +132,7 @@ def silent_errors(atlas: Atlas) -> None:
         for step in STEPS:
             kernel, lateral = fixed_over_wave(method, step)
             error = np.nan if lateral is None else float(np.abs(lateral - exact[: lateral.size]).max())
-            warned = any("limit" in line or "local error" in line for line in kernel.journal)
+            warned = any("limit" in line or "local error" in line for line in kernel.messages)
             atlas.silent[method].append((step, error, warned))
 
 

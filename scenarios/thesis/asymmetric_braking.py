@@ -151,7 +151,7 @@ def remarks_of(outcomes: dict[Case, Outcome]) -> list[str]:
         ON_PATCHES_REMARK,
         IMPACTS_REMARK.format(load=1e-3 * lifting.largest_load),
         f"Pictures have the largest shift of either wheelset, the brake applied in {FASTEST:g} s.",
-        *(f"{case.name}: {line}" for case, outcome in outcomes.items() for line in outcome.sentences),
+        *(f"{case.name}: {line}" for case, outcome in outcomes.items() for line in outcome.messages),
     ]
 
 

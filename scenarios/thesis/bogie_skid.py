@@ -34,14 +34,14 @@ def brake(
     inputs = {f"brake_torque_{n}": history for n in braked}
     kernel = bogie(inputs, columns, initial_speed=SPEED, **WAVE, **reading)
     series = play("bogie", kernel, DURATION, INTERVAL, columns, inputs)
-    return series, kernel.journal
+    return series, kernel.messages
 
 
 def run(options: Options) -> Report:
     runs = {name: brake(braked) for name, braked in CASES.items()}
     rows, remarks = [], []
-    for name, (series, journal) in runs.items():
-        remarks += [f"{name}: {line}" for line in journal]
+    for name, (series, messages) in runs.items():
+        remarks += [f"{name}: {line}" for line in messages]
         hung = brake(CASES[name], {})[1][:1]
         remarks += [f"{name}, torques react on the frame, flanges at the rail: {line}" for line in hung]
         for number in CASES[name]:

@@ -87,7 +87,7 @@ class Run:
 
     def found(self, step: float | None) -> Found:
         kernel, values = self.measure(method(step))
-        warned = any("above its stability limit" in line for line in kernel.journal)
+        warned = any("above its stability limit" in line for line in kernel.messages)
         return Found(values, warned, kernel.time)
 
     def limit(self) -> float:

@@ -82,7 +82,7 @@ def rows_of(found: Findings) -> list[Row]:
 
 def run(options: Options) -> Report:
     found = measure()
-    failures = [f"{name}: {stop.said}" for name, stop in found.protected.items() if stop.said]
+    failures = [f"{name}: {stop.message}" for name, stop in found.protected.items() if stop.message]
     remarks = [
         f"Assumed: each wheelset raises the friction for the next by {100 * (CLEANED - 1):.0f} %; the low rail is that "
         "of `anti-skid`, from an unverified set. Ideal: the best slip at every instant under the loads at rest.",

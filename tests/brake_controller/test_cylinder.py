@@ -54,7 +54,7 @@ def test_lost_demand_applies_the_brake_and_says_so(brake: Library) -> None:
     kernel.set(pressure_demand=math.nan)
     kernel.advance(5.0)
     assert kernel["cylinder_pressure"] == pytest.approx(350e3, rel=1e-4)
-    assert "pressure_demand is lost" in kernel.journal[-1]
+    assert "pressure_demand is lost" in kernel.messages[-1]
 
 
 def test_demand_that_was_never_given_applies_the_brake(brake: Library) -> None:

@@ -101,11 +101,11 @@ def test_values_of_the_start_are_told_of_by_nobody(path: Path, exchange: bool) -
 def test_a_kernel_in_python_has_it_in_its_journal() -> None:
     one = Kernel(quick_library(stones()), drag=0.5, wind=1.0)
     one.initialise()
-    assert one.journal == [SENTENCE]
+    assert one.messages == [SENTENCE]
     one.reopen()
     one.set(detail=2)
     one.initialise()
-    assert one.journal == [SENTENCE]
+    assert one.messages == [SENTENCE]
 
 
 def test_a_name_that_there_is_not_is_told_however_it_is_used() -> None:
@@ -148,4 +148,4 @@ def test_what_has_no_effect_changes_no_bit_of_a_stop(bogie: Library, level: int,
         kernel.advance(0.2)
         found.append([kernel[name] for name in known if known[name].causality == "output"])
     assert found[0] == found[1]
-    assert [line for line in kernel.journal if line.startswith("Nothing in the system")] == kernel.journal[:1]
+    assert [line for line in kernel.messages if line.startswith("Nothing in the system")] == kernel.messages[:1]

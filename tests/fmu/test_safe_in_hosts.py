@@ -98,7 +98,7 @@ def test_a_sentence_of_a_model_is_no_format(sentence: str, ends: bool) -> None:
     with suppress(SimulationError):
         kernel.advance(1.0)
     before, behind = sentence.split("%s")
-    [said] = kernel.journal
+    [said] = kernel.messages
     assert said.startswith(before)
     assert said.endswith(behind)
     time = float(said[len(before) : len(said) - len(behind)])
@@ -116,7 +116,7 @@ def test_a_sentence_that_is_too_long_is_cut_between_letters() -> None:
     for extra in range(4):
         kernel = saying("x" * extra + "\N{RAILWAY CAR}" * 200 + " at %s s.")
         kernel.advance(1.0)
-        [sentence] = kernel.journal
+        [sentence] = kernel.messages
         assert sentence == "x" * extra + "\N{RAILWAY CAR}" * ((508 - extra) // 4) + "..."
 
 
@@ -129,14 +129,14 @@ def test_the_journal_keeps_its_newest_sentences_the_error_among_them() -> None:
         assert call.kernel_set(kernel.handle, brake, -1.0 - number) == ERROR
     with pytest.raises(SimulationError, match=f"-{count + 1} N is below"):
         kernel.set(brake=-1.0 - count)
-    lost, *kept = kernel.journal
+    lost, *kept = kernel.messages
     assert lost == f"{count + 1 - len(kept)} earlier messages were lost: they were not read."
     assert [sentence.split(": ")[1].split(" N")[0] for sentence in kept] == [
         f"{-1.0 - number:g}" for number in range(count + 1 - len(kept), count + 1)
     ]
-    kernel.journal.clear()
+    kernel.messages.clear()
     kernel.advance(0.1)
-    assert kernel.journal == []
+    assert kernel.messages == []
 
 
 # ---- values after a change of inputs ------------------------------------------------------------------------------

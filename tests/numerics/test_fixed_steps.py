@@ -47,7 +47,7 @@ def stopped(stop: Stop, host_step: float = 1e-2, **values: float) -> Kernel:
 
 def when(kernel: Kernel, words: str) -> float:
     """Return the time of the first message on the leading wheelset in the log [s]."""
-    found = re.search(rf"Wheelset 1 {words} at (\S+) s\.", " ".join(kernel.journal))
+    found = re.search(rf"Wheelset 1 {words} at (\S+) s\.", " ".join(kernel.messages))
     assert found
     return float(found[1])
 
@@ -124,7 +124,7 @@ def test_a_stop_with_fixed_steps_comes_to_rest(level: int, step: float, method: 
     kernel.advance(4.0)
     assert kernel["speed"] == 0.0
     assert kernel["angular_velocity_1"] == kernel["angular_velocity_2"] == 0.0
-    assert len(kernel.journal) < 20
+    assert len(kernel.messages) < 20
 
 
 def test_a_velocity_that_a_friction_cannot_hold_goes_on_through_zero() -> None:

@@ -130,7 +130,7 @@ def test_fixed_step_says_when_its_error_exceeds_the_tolerance() -> None:
     for step in (1e-3, 3e-2):
         kernel = SMOOTH.kernel(integration_step=step, tolerance=1e-4)
         kernel.advance(2.0)
-        journals.append([line for line in kernel.journal if "local error of the fixed step" in line])
+        journals.append([line for line in kernel.messages if "local error of the fixed step" in line])
     assert not journals[0]
     assert "shorten integration_step" in journals[1][0]
     assert len(journals[1]) < 5  # once for each power of ten
@@ -268,8 +268,8 @@ def test_methods_of_scipy_pass_lock_and_release(method: str) -> None:
     exact = LOCK_UP.measure(own(LOCK_UP, tolerance=1e-10).samples)
     run = scipy(LOCK_UP, method, 1e-7, 60.0)
     assert difference(LOCK_UP.measure(run.samples), exact) < 1e-5
-    assert any("locked" in line for line in run.journal)
-    assert any("turns again" in line for line in run.journal)
+    assert any("locked" in line for line in run.messages)
+    assert any("turns again" in line for line in run.messages)
 
 
 @pytest.mark.skipif(not sundials.is_installed(), reason="scikit-SUNDAE needs Python 3.11")
@@ -297,7 +297,7 @@ def test_a_stop_comes_to_rest_with_loose_tolerances_too(level: int, tolerance: f
     kernel.advance(30.0)
     assert kernel["angular_velocity_1"] == kernel["angular_velocity_2"] == 0.0
     assert abs(kernel["speed"]) < 10.0 * tolerance
-    assert len(kernel.journal) < 10
+    assert len(kernel.messages) < 10
     assert kernel.counts["steps"] < 1000
 
 

@@ -327,10 +327,10 @@ def test_friction_stops_sticks_and_releases_at_the_analytic_times() -> None:
     kernel.advance(5.0)  # 3 m/s with 2 m/s2: stops after 1.5 s and 2.25 m
     assert kernel["v"] == 0.0
     assert kernel["x"] == pytest.approx(2.25, abs=1e-9)
-    assert kernel.journal == ["The block stuck at 1.5 s."]
+    assert kernel.messages == ["The block stuck at 1.5 s."]
     kernel.set_rate(force=1.0)
     kernel.step(5.0, 4.0)  # the force passes 2 N two seconds later, then v = t^2/2
-    assert kernel.journal[-1] == "The block slides at 7 s."
+    assert kernel.messages[-1] == "The block slides at 7 s."
     assert kernel["v"] == pytest.approx(2.0, abs=1e-7)
 
 
@@ -440,7 +440,7 @@ def test_candidate_of_a_warning_changes_nothing_of_what_is_said() -> None:
 
     kernel = Kernel(library(write))
     kernel.advance(4.0)
-    said = {line.split(" at ")[0]: float(line.split(" at ")[1].split()[0]) for line in kernel.journal}
+    said = {line.split(" at ")[0]: float(line.split(" at ")[1].split()[0]) for line in kernel.messages}
     assert set(said) == {"Plain", "Costly"}
     assert said["Plain"] == said["Costly"]
     assert 3.0 < said["Plain"] < 3.2

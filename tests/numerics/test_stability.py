@@ -38,7 +38,7 @@ def test_explicit_steps_are_stable_below_the_predicted_limit_and_unstable_above(
         assert grown.stable == (share < 1.0)
         predicted = abs(amplification_of_rk4(-share * NEGATIVE_AXIS))
         assert grown.factor == pytest.approx(predicted, rel=GROWTH_BAND)
-        warned = [line for line in grown.journal if "above its stability limit" in line]
+        warned = [line for line in grown.messages if "above its stability limit" in line]
         assert bool(warned) == (share > 1.0)
 
 

@@ -193,8 +193,8 @@ def test_default_tolerance_finds_the_lock_on_falling_friction(bogie: Library, to
         values = {"brake_torque_1": torque, "brake_torque_2": torque, "tolerance": tolerance}
         kernel = Kernel(bogie, level=PLANAR, **(dry().values() | values))
         kernel.advance(30.0)
-        found.append((kernel.journal, kernel["distance"]))
-        assert any("locked" in line for line in kernel.journal)
+        found.append((kernel.messages, kernel["distance"]))
+        assert any("locked" in line for line in kernel.messages)
     assert found[0][0] == found[1][0]
     assert found[0][1] == pytest.approx(found[1][1], abs=1e-4)
 

@@ -434,9 +434,9 @@ def test_host_step_is_not_an_integration_step(bogie: Library) -> None:
         one.initialise()
         for number in itertools.count():
             one.step(number * size, size)
-            if one.journal:
+            if one.messages:
                 break
-        stops.append((float(re.findall(r"stands at (\S+) s", one.journal[0])[0]), one["distance"]))
+        stops.append((float(re.findall(r"stands at (\S+) s", one.messages[0])[0]), one["distance"]))
     times, distances = np.array(stops).T
     assert np.ptp(times) < STOP_TIME_BAND
     assert np.ptp(distances) < STOP_DISTANCE_BAND
@@ -471,7 +471,7 @@ def test_default_tolerance_is_converged(bogie: Library) -> None:
     for tolerance in (DEFAULT_TOLERANCE, 1e-4 * DEFAULT_TOLERANCE):
         one = chapter_5(bogie, PLANAR, brake_torque_1=45e3, brake_torque_2=45e3, tolerance=tolerance)
         one.advance(24.0)
-        found.append((one["distance"], one.journal[0]))
+        found.append((one["distance"], one.messages[0]))
     assert found[0][0] == pytest.approx(found[1][0], abs=1e-5)
     assert found[0][1] == found[1][1]
 
@@ -512,4 +512,4 @@ def test_input_without_effect_is_not_ignored_in_silence(bogie: Library) -> None:
     one = Kernel(bogie)
     one.initialise()
     one.set(yaw_torque_1=1e3)
-    assert one.journal == ['yaw_torque_1 has no effect in the system "planar"; choose a level that contains it.']
+    assert one.messages == ['yaw_torque_1 has no effect in the system "planar"; choose a level that contains it.']

@@ -42,7 +42,7 @@ def said_in_curve(library: Library, folder: Path, arm: float, sign: float) -> li
         kernel.advance(10.0)
     except SimulationError:
         assert kernel.ended
-    return kernel.journal
+    return kernel.messages
 
 
 @pytest.mark.parametrize(("sign", "inner", "outer"), [(1.0, "left", "right"), (-1.0, "right", "left")])

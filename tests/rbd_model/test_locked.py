@@ -55,8 +55,8 @@ def test_a_clean_stop_says_once_that_the_vehicle_stands_and_locks_nothing(
 ) -> None:
     """Uphill the vehicle swings back on its springs and rolls for some millimetres, without a second message."""
     kernel, table = run(level, axles, 25.0, CLEAN[axles], gradient=gradient, initial_speed=6.0)
-    assert len(kernel.journal) == 1
-    assert re.fullmatch(r"The vehicle stands at \S+ s\.", kernel.journal[0])
+    assert len(kernel.messages) == 1
+    assert re.fullmatch(r"The vehicle stands at \S+ s\.", kernel.messages[0])
     for number in range(1, axles + 1):
         assert not table[f"locked_{number}"].any()
         assert table[f"angular_velocity_{number}"][-1] == 0.0
@@ -67,8 +67,8 @@ def test_a_clean_stop_says_once_that_the_vehicle_stands_and_locks_nothing(
 def test_running_resistance_is_told_to_hold_a_vehicle_where_no_brake_does(level: str) -> None:
     for torque, words in ((8e3, "The vehicle stands"), (0.0, "Running resistance holds the vehicle")):
         kernel, table = run(level, 2, 40.0, torque, initial_speed=2.0, davis_constant=4e3)
-        assert {sentence.split(" at ")[0] for sentence in kernel.journal} >= {words}
-        assert all(sentence.startswith(("The vehicle", "Running")[torque == 0.0]) for sentence in kernel.journal)
+        assert {sentence.split(" at ")[0] for sentence in kernel.messages} >= {words}
+        assert all(sentence.startswith(("The vehicle", "Running")[torque == 0.0]) for sentence in kernel.messages)
         assert abs(table["speed"][-1]) < 1e-3
 
 
@@ -76,7 +76,7 @@ def test_running_resistance_is_told_to_hold_a_vehicle_where_no_brake_does(level:
 def test_a_wheelset_that_locks_is_locked_until_its_axle_rests(axles: int) -> None:
     """At level 1, where all axles have the speed of the vehicle."""
     kernel, table = run("point", axles, 12.0, 40e3, initial_speed=20.0)
-    *locked, stands = kernel.journal
+    *locked, stands = kernel.messages
     assert sorted(re.findall(r"Wheelset (\d+) locked", " ".join(locked))) == sorted(map(str, range(1, axles + 1)))
     assert len(locked) == axles
     assert stands.startswith("The vehicle stands at")
@@ -91,7 +91,7 @@ def test_a_wheelset_that_is_dragged_off_from_rest_is_locked(level: str) -> None:
     """No event occurs there, because the brake held the wheelset while the vehicle stood."""
     values = {"drawbar_force": 60e3, "friction_2": 0.1, "initial_speed": 0.0}
     kernel, table = run(level, 2, 1.0, 0.0, brake_torque_2=60e3, **values)
-    told = [sentence.split(" at ")[0] for sentence in kernel.journal]
+    told = [sentence.split(" at ")[0] for sentence in kernel.messages]
     assert [sentence for sentence in told if sentence.startswith("Wheelset")] == ["Wheelset 2 locked"]
     assert table["locked_2"][-1] == 1.0
     assert not table["angular_velocity_2"].any()
@@ -106,7 +106,7 @@ def test_a_vehicle_that_starts_again_says_so_once_and_its_next_lock_is_told(leve
     kernel.advance(8.0)
     kernel.set(brake_torque_1=60e3, drawbar_force=0.0, friction_1=0.1)
     kernel.advance(20.0)
-    told = [sentence.split(" at ")[0] for sentence in kernel.journal]
+    told = [sentence.split(" at ")[0] for sentence in kernel.messages]
     assert told == ["The vehicle stands", "The vehicle moves again", "Wheelset 1 locked", "The vehicle stands"]
 
 
@@ -122,12 +122,12 @@ def test_locks_and_releases_without_end_are_told_ever_less_often(level: str) -> 
         kernel.set(**{f"brake_torque_{n}": 0.0 for n in range(1, 13)})
         kernel.advance(0.3)
     assert (seen == cycles).all()
-    text = "\n".join(kernel.journal)
+    text = "\n".join(kernel.messages)
     for number in range(1, 13):
         told = re.findall(rf"^Wheelset {number} locked at \S+ s(?:; (\d+) times so far)?\.$", text, re.MULTILINE)
         assert told == ["", "2", "4", "8", "16"]
         assert text.count(f"Wheelset {number} turns again") == len(told)
-    assert len(kernel.journal) == 12 * 2 * 5
+    assert len(kernel.messages) == 12 * 2 * 5
 
 
 def brick() -> System:
@@ -146,12 +146,12 @@ def test_a_saved_run_goes_on_counting_where_it_was() -> None:
     one, other = (Kernel(quick_library(model_of(brick(), 1e-6))) for _ in range(2))
 
     def push(kernel: Kernel, times: int) -> list[str]:
-        before = len(kernel.journal)
+        before = len(kernel.messages)
         for _ in range(times):
             for force in (2.0, 0.0):
                 kernel.set(push=force)
                 kernel.advance(0.1 if force else 0.3)
-        return kernel.journal[before:]
+        return kernel.messages[before:]
 
     one.initialise()
     assert [line.split(" at ")[0] for line in push(one, 2)] == [
@@ -161,4 +161,4 @@ def test_a_saved_run_goes_on_counting_where_it_was() -> None:
     ]
     other.restore(one.save())
     assert push(one, 6) == push(other, 6) != []
-    assert "8 times so far" in " ".join(one.journal)
+    assert "8 times so far" in " ".join(one.messages)

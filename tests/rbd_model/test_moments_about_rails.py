@@ -168,8 +168,8 @@ def ride(
         kernel.advance(RAMP)
         kernel.set_rate(**dict.fromkeys(brakes, 0.0))
         found.append(missing(kernel))
-    said = [one for one in kernel.journal if any(word in one for word in ("lift", "derail", "tipped", "climb"))]
-    assert not kernel.ended, kernel.journal
+    said = [one for one in kernel.messages if any(word in one for word in ("lift", "derail", "tipped", "climb"))]
+    assert not kernel.ended, kernel.messages
     assert not said, said
     return np.max(np.abs(found), axis=0)
 

@@ -311,11 +311,11 @@ def test_limits_of_en_14363_are_told_where_they_are_asked_for(patched: Library, 
     """A yaw torque drives wheelset 1 against its rail: the impact exceeds 0.8 and 10 kN + P0 / 3."""
     kernel = Kernel(patched, running_safety_warnings=asked, yaw_torque_1=100e3, brake_torque_1=20e3)
     kernel.advance(0.5)
-    told = [sentence for sentence in kernel.journal if sentence.startswith("EN 14363")]
+    told = [sentence for sentence in kernel.messages if sentence.startswith("EN 14363")]
     left, right = kernel["lateral_force_1_left"], kernel["lateral_force_1_right"]
     assert kernel["guiding_force_1"] == pytest.approx(right - left)
     assert kernel["derailment_quotient_1_left"] == pytest.approx(left / kernel["wheel_load_1_left"])
-    assert len(told) == 2 * asked, kernel.journal
+    assert len(told) == 2 * asked, kernel.messages
 
 
 def test_climb_is_told_as_it_begins_at_5_mm_and_at_its_end() -> None:
@@ -323,7 +323,7 @@ def test_climb_is_told_as_it_begins_at_5_mm_and_at_its_end() -> None:
     raises the wheel by less than 1 mm.
     """
     climb = push(climbing_wheelset(math.radians(70.3), Contact(2)), 0.3, 0.035)
-    said = [line for line in climb.sentences if "left wheel of wheelset 1" in line]
+    said = [line for line in climb.messages if "left wheel of wheelset 1" in line]
     asked = ("left its tread and climbed on its flange at", "had risen by 5 mm on its flange at")
     risen = []
     for words, sentence in zip((*asked, "Derailed: .* climbed over its flange at"), said, strict=True):

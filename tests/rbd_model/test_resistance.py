@@ -68,7 +68,7 @@ def test_a_vehicle_runs_out_and_stops_as_its_momentum_says(on_gradient: Make) ->
     way, time = run_out(SPEED)
     kernel.advance(time + 30.0)
     assert kernel["distance"] == pytest.approx(way, rel=RUN_OUT_BAND)
-    assert kernel.journal == [f"Running resistance holds the vehicle at {time:.6g} s."]
+    assert kernel.messages == [f"Running resistance holds the vehicle at {time:.6g} s."]
     assert kernel["speed"] == pytest.approx(0.0, abs=1e-9)
 
 
@@ -117,4 +117,4 @@ def test_without_resistance_nothing_happens_at_rest(on_gradient: Make) -> None:
         kernel.set(drawbar_force=sign * 1e3)
         kernel.advance(1.0)
     assert kernel.counts["events"] == 0
-    assert kernel.journal == []
+    assert kernel.messages == []

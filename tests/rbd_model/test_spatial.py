@@ -151,7 +151,7 @@ def test_flange_above_nadal_limit_warns_once_with_wheel_and_time(bogie: Library)
         values["gauge_face_friction"] = gauge_face
         kernel = spatial(bogie, friction_1=friction, friction_2=friction, **values)
         quotient = kernel.record(2.0, 1e-3, ["derailment_quotient_1_left"])["derailment_quotient_1_left"]
-        found[friction, at_rail, gauge_face] = [line for line in kernel.journal if line.startswith("Flange climb")]
+        found[friction, at_rail, gauge_face] = [line for line in kernel.messages if line.startswith("Flange climb")]
         limit = float(nadal_limit(flange_of(thesis_pair()).angle, ca.SX(gauge_face * friction)))
         assert (max(quotient) > limit) == bool(found[friction, at_rail, gauge_face])
         assert max(quotient) > 0.5
@@ -255,7 +255,7 @@ def test_stop_is_that_of_another_method(bogie: Library) -> None:
     moved = end["frame_distance"] + (end["shift_1"] + end["shift_2"]) / 2
     assert table["distance"][locked] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)
     assert kernel["distance"] == pytest.approx(moved, abs=STOP_DISTANCE_BAND)  # the vehicle stands
-    assert not any("locked" in sentence for sentence in kernel.journal)
+    assert not any("locked" in sentence for sentence in kernel.messages)
     assert kernel["locked_1"] == kernel["locked_2"] == 0.0
 
 
@@ -475,7 +475,7 @@ def test_lifted_wheel_ends_the_run_or_warns(bogie: Library) -> None:
         spatial(bogie, **values).advance(1.0)
     held = spatial(bogie, wheel_lift_ends=0, **values)
     held.advance(0.2)
-    assert any("from there on the rail pulls it down where needed" in line for line in held.journal)
+    assert any("from there on the rail pulls it down where needed" in line for line in held.messages)
 
 
 def test_locked_wheelsets_slide_with_the_friction_of_their_loads(bogie: Library) -> None:

@@ -258,7 +258,7 @@ def test_where_offsets_are_given_wheelsets_stand_there_and_bodies_settle_above_t
         kernel.initialise()
     assert seen(aside, "vehicle")["lateral"] == pytest.approx(np.full(4, offset), abs=1e-15)
     aside.advance(8.0)
-    assert not any("Derailed" in sentence for sentence in aside.journal)
+    assert not any("Derailed" in sentence for sentence in aside.messages)
     assert max(differences(seen(steady, "vehicle"), seen(aside, "vehicle")).values()) < LED_BAND
 
 
@@ -371,7 +371,7 @@ def test_dampers_and_sliders_start_without_a_force(tmp_path: Path) -> None:
         kernel.initialise()
         found.append(seen(kernel, "bogie"))
     assert max(differences(*found).values()) < STUCK_BAND
-    assert [f"slider_{side} sticks at 0 s." in kernel.journal for side in SIDES] == [True, True]
+    assert [f"slider_{side} sticks at 0 s." in kernel.messages for side in SIDES] == [True, True]
     kernel.advance(1.0)
     assert max(differences(found[1], seen(kernel, "bogie")).values()) < STUCK_BAND
 

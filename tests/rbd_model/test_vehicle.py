@@ -272,7 +272,7 @@ def test_friction_slider_sticks_below_its_capacity_and_slides_above(bench: Libra
     sliding.advance(1.0)
     free = (2.0 * CAPACITY - CAPACITY) / (MASS + SLIDER)
     assert sliding["state_wedge_shift_speed"] - before == pytest.approx(free, rel=CLOSED_FORM)
-    assert any("wedge_law slides again" in line for line in sliding.journal)
+    assert any("wedge_law slides again" in line for line in sliding.messages)
 
 
 def test_each_connection_closes_its_energy(bench: Library) -> None:

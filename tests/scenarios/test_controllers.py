@@ -244,8 +244,8 @@ def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path, capsys: pytest
         "class Own:\n    def start(self):\n        pass\n\n    def step(self, time, speeds):\n        return [0, 0]\n"
     )
     assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "own.py:Own", "let_go.c", "--json"]) == 0
-    assert main(["controllers", "compare", "--rails", "dry", "--strength", "6"]) == 2
-    assert "--strength must be above 0 and at most 5; got 6." in capsys.readouterr().err
+    assert main(["controllers", "compare", "--rails", "dry", "--brake-ratio", "6"]) == 2
+    assert "--brake-ratio must be above 0 and at most 5; got 6." in capsys.readouterr().err
     assert main(["controllers", "compare", "--rails", "dry", "--jitter", "2"]) == 2
     assert "--jitter must be from 0 to 0.5; got 2." in capsys.readouterr().err
 

@@ -80,7 +80,7 @@ def test_names_are_text_and_never_obeyed(page: Page) -> None:
     assert page.evaluate("at('case').options[0].textContent") == NASTY
     assert page.evaluate("document.querySelector('#scores button').textContent") == NASTY
     assert page.evaluate("document.querySelectorAll('h3')[2].textContent") == GAINS
-    assert NASTY in page.evaluate("at('said').textContent")
+    assert NASTY in page.evaluate("at('headline').textContent")
     assert page.evaluate("document.scripts.length") == 2
 
 
@@ -180,7 +180,7 @@ def test_nothing_is_hard_to_read_or_to_use(page: Page, scheme: str) -> None:
 
 def test_long_stops_are_thinned_and_keep_their_end(folder: Path) -> None:
     run = read_programme(folder / "my.toml")[0].run(bogie())
-    [stop] = Rig(bogie(), None, Settings(strength=1e-3)).runs([run], every=EVERY)
+    [stop] = Rig(bogie(), None, Settings(brake_ratio=1e-3)).runs([run], every=EVERY)
     history = stop.history
     assert history
     assert history.time.size > 2 * MOST_SAMPLES

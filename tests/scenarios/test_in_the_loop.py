@@ -25,7 +25,7 @@ from products.protection.rig import Rig
 from products.protection.runs import Run
 from products.protection.settings import Settings
 from scenarios.controllers import loop, remote
-from scenarios.controllers.loop import Looped, run_in_loop, sentences
+from scenarios.controllers.loop import Looped, messages, run_in_loop
 from scenarios.controllers.remote import WATCHDOG, Remote
 from scenarios.measuring.protected_throughput import SHARE, SOURCE, LetGo
 from scenarios.reporting.progress import counting
@@ -168,7 +168,7 @@ def test_a_malformed_packet_gets_a_sentence_and_no_valve(
 ) -> None:
     assert asked(packet) == [0, 0]
     counts = asked.remote.counts  # type: ignore[attr-defined]
-    assert (counts.missed, counts.malformed, counts.sentences) == (1, 1, [sentence])
+    assert (counts.missed, counts.malformed, counts.messages) == (1, 1, [sentence])
     assert asked(packet, reply(1, [1, 1])) == [1, 1]
     assert counts.missed == 1
 
@@ -210,7 +210,7 @@ def test_a_client_that_dies_leaves_the_brake_to_the_watchdog(
     found = run_in_loop(bogie(), RUN, SHORT, own, 0.0)
     thread.join()
     assert not found.holds
-    assert found.stop.said.startswith("No answer came from 1.5 s on, and the watchdog applied the brake")
+    assert found.stop.message.startswith("No answer came from 1.5 s on, and the watchdog applied the brake")
     assert found.stop.end_speed < 0.02
     assert found.counts.missed == found.counts.periods - 150
 
@@ -229,7 +229,7 @@ def test_a_paced_run_takes_as_long_as_its_periods(own: socket.socket) -> None:
     due = (found.counts.periods - 1) * SHORT.period / pace
     assert (found.stop.distance is None) is bool(found.counts.for_the_rig)  # excluded on a busy computer
     assert 0.98 * due < ended - began[0] < OVER * due
-    assert any(line.startswith("The rig asked late by") for line in sentences(found))
+    assert any(line.startswith("The rig asked late by") for line in messages(found))
 
 
 # ---- the command line ------------------------------------------------------------------------------------------------

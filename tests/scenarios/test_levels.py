@@ -155,7 +155,7 @@ def test_wheelset_that_stops_with_the_bogie_has_not_locked() -> None:
     kernel = start(PLANAR)
     series = brake(kernel, 0.5)
     assert kernel["angular_velocity_2"] == 0.0
-    assert kernel.journal[-1].startswith("The vehicle stands at")
+    assert kernel.messages[-1].startswith("The vehicle stands at")
     assert located_lock_time(kernel, series, 2) is None
     assert abs(series["speed"][-1]) < 1e-4
 

@@ -142,7 +142,7 @@ def test_the_lever_brakes_and_wheels_lock(page: Page) -> None:
     page.evaluate(f"new Promise((found) => setInterval(() => isLocked() && {moved} && found(), 50))")
     assert page.evaluate("live.simulation.history.at(-1).speed") < 90.0
     page.evaluate(
-        "new Promise((found) => setInterval(() => at('sentences').textContent.includes('locked') && found(), 50))"
+        "new Promise((found) => setInterval(() => at('messages').textContent.includes('locked') && found(), 50))"
     )
     assert "times real time on this machine" in page.evaluate("showCost() ?? at('cost').textContent")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
@@ -271,7 +271,7 @@ def test_a_number_that_is_no_start_is_refused(still: Page) -> None:
     still.evaluate("openLink('#')")
     for name, value, said in (("speed", "999", "0 to 300 km/h; got 999"), ("mass", "1", "5 to 120 t; got 1")):
         still.evaluate(f"at('{name}').value = '{value}', at('{name}').dispatchEvent(new Event('change'))")
-        assert f"{name} must be {said}. It stays as it was." in still.evaluate("at('sentences').textContent")
+        assert f"{name} must be {said}. It stays as it was." in still.evaluate("at('messages').textContent")
     assert still.evaluate("[at('speed').value, at('mass').value]") == ["90", ""]
 
 
@@ -339,7 +339,7 @@ def test_a_link_that_cannot_be_says_what_is_left_out(still: Page) -> None:
     still.evaluate(
         "openLink('#level=7&friction=1e9&colour=red&do=90000:lever:100,x:y,5:lever:1e4,6:gradient:3,7:lever')"
     )
-    told = still.evaluate("[...at('sentences').children].map((one) => one.textContent)")
+    told = still.evaluate("[...at('messages').children].map((one) => one.textContent)")
     assert len(told) == 7
     assert "The link has level 7; this page takes 1, 2, 3, and starts with 2." in told
     assert any('"colour"' in one for one in told)

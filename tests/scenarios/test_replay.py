@@ -113,7 +113,7 @@ def test_a_controller_that_fails_shows_what_it_did_before(folder: Path, capsys: 
 def test_a_controller_in_c_that_gives_no_command_is_named(folder: Path) -> None:
     (folder / "three.c").write_text(IN_C.replace("late ? 1", "time > 2.0 ? 3 : late ? 1"))
     found = replay(read_log(Path("log.csv")), "three", compiled(Path("three.c")), None)
-    assert found.said.startswith("The controller three gave [3, 3] at 2.01 s where 2 commands")
+    assert found.message.startswith("The controller three gave [3, 3] at 2.01 s where 2 commands")
     assert len(found.valves) == 201
 
 

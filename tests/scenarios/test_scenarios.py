@@ -101,7 +101,7 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer periods and a shorter count; tests/scenarios/test_anti_skid.py covers the others."""
     monkeypatch.setattr(anti_skid, "PERIODS", (5e-3,))
     monkeypatch.setattr(anti_skid, "TEETH", (80, 10000))
-    monkeypatch.setattr(anti_skid, "STRENGTHS", anti_skid.STRENGTHS[:2])
+    monkeypatch.setattr(anti_skid, "BRAKE_RATIOS", anti_skid.BRAKE_RATIOS[:2])
 
 
 @pytest.fixture

@@ -346,7 +346,7 @@ def test_after_a_thousand_random_edits_each_row_has_its_own_results_or_the_journ
         journals[held] = lines_of(folder / "sweep-cheap" / JOURNAL)
     lines, others = journals.values()
     head = {name: value for name, value in json.loads(lines[0]).items() if name not in ("journal", "check")}
-    named, sentences = [point | {"z": 0.1} for point in grid], []
+    named, messages = [point | {"z": 0.1} for point in grid], []
     chance, path, whole = random.Random(1000), tmp_path / JOURNAL, 0
     for _ in range(EDITS):
         path.unlink(missing_ok=True)  # some file systems flush a file that is overwritten
@@ -354,17 +354,17 @@ def test_after_a_thousand_random_edits_each_row_has_its_own_results_or_the_journ
         try:
             found = Journal(path, head, named, ["product", "ratio"]).outcomes
         except BadInputError as error:
-            sentences.append(str(error))
+            messages.append(str(error))
             continue
         whole += len(found) == len(grid)
         for number, outcome in found.items():
             x, y, z = named[number].values()
             assert outcome.results == {"product": x * y * z, "ratio": x / y if y else None}
             assert outcome.failure is None
-    assert len(sentences) > 600
+    assert len(messages) > 600
     assert whole > 50
     ways = ("line ", "must begin with the head of this sweep", "belongs to another sweep")
-    assert all(one.startswith(str(path)) and any(way in one for way in ways) for one in sentences)
+    assert all(one.startswith(str(path)) and any(way in one for way in ways) for one in messages)
 
 
 # ---- two writers ---------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from products.protection.runs import Stop
 from scenarios.controllers.picture import draw, message
 from scenarios.controllers.scoring import CONTACT, WORN, Scored, together
 from scenarios.controllers.table import cells
-from scenarios.controllers.verdict import document, lines, sentences, verdicts
+from scenarios.controllers.verdict import document, lines, messages, verdicts
 from scenarios.reporting.plots import plt
 
 STOP = Stop(100.0, 0.01, 20.0, 0.5, 1.0, 1.0, 0.1, (1e3, 1e3), 400e3, 7, "")
@@ -53,8 +53,8 @@ def shown(figure: Figure) -> list[tuple[float, bool]]:
 def test_the_best_has_the_fewest_failures_then_the_smallest_median_then_the_smallest_worst() -> None:
     best = "PD is best: it stops in every case, after 1.12 of the ideal distance in the median."
     where = "Where each is worst: PD 1.20 (case 3); protection 1.50 (case 3); PI no stop (case 3)."
-    assert sentences(verdicts(scores(*RATIOS))) == [best, where]
-    [first, _] = sentences(verdicts(scores("none", "PI")))
+    assert messages(verdicts(scores(*RATIOS))) == [best, where]
+    [first, _] = messages(verdicts(scores("none", "PI")))
     assert first == "none is best: it stops in every case, after 1.85 of the ideal distance in the median."
 
 
@@ -65,11 +65,11 @@ def test_distances_count_where_a_wheel_slides() -> None:
     found = verdicts([*rolls, *scores("none", "PD")])
     assert [one.median and one.median.mean for one in found if one.controller == "none"] == [pytest.approx(1.85)]
     assert [one.sliding for one in found] == [4] * len(found)
-    [first, _] = sentences(verdicts([*rolls[::4], *rolls[3::4], *scores("none", "PD")]))
+    [first, _] = messages(verdicts([*rolls[::4], *rolls[3::4], *scores("none", "PD")]))
     assert first.endswith("after 1.12 of the ideal distance in the median of the 4 where wheels slide.")
     given = [*rolls[::4], *rolls[3::4], *scores("none", "PD")]
     assert message(given) == "PD stops within 1.2 of ideal in 4 of 4 sliding cases"
-    assert sentences(verdicts(rolls))[0].startswith("All controllers are alike: they stop in every case, after 1.00")
+    assert messages(verdicts(rolls))[0].startswith("All controllers are alike: they stop in every case, after 1.00")
 
 
 def test_the_worst_case_is_one_of_all_cases() -> None:
@@ -81,7 +81,7 @@ def test_the_worst_case_is_one_of_all_cases() -> None:
     assert found["Timid"].worst
     assert found["Timid"].worst.mean == pytest.approx(1.8)
     assert found["Timid"].worst_case == "dry"
-    assert sentences([*found.values()])[0].startswith("Bold is best")
+    assert messages([*found.values()])[0].startswith("Bold is best")
 
 
 def test_a_controller_that_fails_where_alone_wheels_slide_is_said_to_fail() -> None:
@@ -100,7 +100,7 @@ def test_controllers_whose_difference_is_within_their_spread_are_equal() -> None
     for spread, said in ((0.015, "All controllers are alike: they stop"), (0.002, "PD is best: it stops")):
         pi = [in_phases(case, "PI", 1.212, 1.212 - spread / 2, 1.212 + spread / 2) for case in ("a", "b", "c")]
         found = verdicts([*pd, *(in_phases(one.case, "PI", *one.ratios) for one in pi)])
-        assert sentences(found)[0].startswith(said)
+        assert messages(found)[0].startswith(said)
         assert found[0].median is not None
         assert found[0].median.mean == pytest.approx(1.20)
         assert found[0].median.spread == pytest.approx(0.02)
@@ -122,26 +122,26 @@ def test_stops_of_all_phases_are_one_in_the_table() -> None:
     scored = Scored("a", "PI", one, 0.46, 100.0, None, stops=tuple(phases))
     assert scored.spread == pytest.approx(5.0)
     assert cells(scored)[2:5] == ("101.0", "5.0", "1.010")
-    broken = together([phases[0], replace(STOP, distance=None, said="It did not stop."), phases[2]])
-    assert (broken.distance, broken.said) == (None, "It did not stop. (phase 2 of 3)")
+    broken = together([phases[0], replace(STOP, distance=None, message="It did not stop."), phases[2]])
+    assert (broken.distance, broken.message) == (None, "It did not stop. (phase 2 of 3)")
     assert together(phases[:1]) is phases[0]
 
 
 def test_what_is_not_judged_is_no_score_and_is_told() -> None:
     """It is not counted as a failure, and leaving out a hard case does not make its controller the best."""
-    hung = replace(STOP, distance=None, judged=False, said="PI gave no answer.", longest_lock=60.0)
+    hung = replace(STOP, distance=None, judged=False, message="PI gave no answer.", longest_lock=60.0)
     silent = Scored("case 3", "PI", hung, 0.46, 100.0, None)
     given = [*scores("PI", cases=3)[:3], silent, *scores("none")]
     pi, none = verdicts(given)
     assert (pi.stopped, pi.failed, pi.not_judged, pi.locked, pi.longest_lock) == (3, 0, 1, 3, 0.5)
-    first, _, last = sentences([pi, none])
+    first, _, last = messages([pi, none])
     assert first.startswith("none is best: it stops in every case")
     assert last == "Not judged, and so not ranked: PI (1 of 4 cases)."
     assert cells(silent)[:4] == ("case 3", "PI", "not judged", "-")
     assert set(cells(silent)[3:]) == {"-"}
     assert sorted(place for place, hollow in shown(draw(given)) if hollow) == []
     alone = verdicts([silent])
-    assert sentences(alone) == ["Not judged, and so not ranked: PI (1 of 1 cases)."]
+    assert messages(alone) == ["Not judged, and so not ranked: PI (1 of 1 cases)."]
     assert message([silent]) == "PI is not judged"
     json.dumps(document(alone), allow_nan=False)
 
@@ -149,19 +149,19 @@ def test_what_is_not_judged_is_no_score_and_is_told() -> None:
 def test_wheels_that_lock_count_before_the_distance() -> None:
     """A flat costs more than some metres. A standstill of 0.5 s is a lock, one of 0.3 s is too short."""
     rolls = [replace(one, stop=replace(one.stop, longest_lock=0.3)) for one in scores("protection")]
-    [first, _] = sentences(verdicts([*rolls, *scores("none", "PD")]))
+    [first, _] = messages(verdicts([*rolls, *scores("none", "PD")]))
     assert first == "protection is best: it stops in every case, after 1.12 of the ideal distance in the median."
 
 
 def test_controllers_that_are_alike_are_told_so() -> None:
     alike = "All controllers are alike: they stop in every case, after 1.00 of the ideal distance."
-    assert sentences(verdicts(scores(*RATIOS, cases=1))) == [alike]
-    [said, _] = sentences(verdicts(scores("none", "protection", "PD", cases=3)))
+    assert messages(verdicts(scores(*RATIOS, cases=1))) == [alike]
+    [said, _] = messages(verdicts(scores("none", "protection", "PD", cases=3)))
     assert (
         said == "protection and PD are best: they stop in every case, after 1.10 of the ideal distance in the median."
     )
     nothing = [scored("a", name, None) for name in ("none", "PI")]
-    assert sentences(verdicts(nothing)) == ["No controller stops in any case."]
+    assert messages(verdicts(nothing)) == ["No controller stops in any case."]
 
 
 def test_the_table_has_a_row_for_each_controller() -> None:

@@ -33,8 +33,8 @@ class Track {
   }
 
   words({ speed, way, locked, ended }) {
-    const { distance, end, said } = this.stop;
-    if (ended) return distance === null ? said : `${DATA.end} after ${distance.toFixed(1)} m, ${end.toFixed(1)} s`;
+    const { distance, end, message } = this.stop;
+    if (ended) return distance === null ? message : `${DATA.end} after ${distance.toFixed(1)} m, ${end.toFixed(1)} s`;
     const those = locked.flatMap((one, number) => (one ? [number + 1] : []));
     const locks = those.length ? `, wheelset${those.length > 1 ? "s" : ""} ${those.join(", ")} locked` : "";
     return `${speed.toFixed(1)} m/s, ${way.toFixed(0)} m${locks}`;

@@ -59,17 +59,17 @@ class Kernel {
   }
 
   // Messages since the last call.
-  journal() {
-    const sentences = [];
+  messages() {
+    const messages = [];
     while (this.exports.kernel_hear(this.self, this.room)) {
       const place = this.memory.getUint32(this.room + 4, true); // after the status
       const bytes = new Uint8Array(this.exports.memory.buffer, place);
-      sentences.push(new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))));
+      messages.push(new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))));
     }
-    return sentences;
+    return messages;
   }
 
   check(status) {
-    if (status > WARNING) throw new SimulationError(this.journal().at(-1) ?? `The kernel answered ${status}.`);
+    if (status > WARNING) throw new SimulationError(this.messages().at(-1) ?? `The kernel answered ${status}.`);
   }
 }

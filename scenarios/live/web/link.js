@@ -2,28 +2,28 @@
 
 const DONE_LATER = ["lever", "friction", "protection", "uneven", "leaves"]; // controls that act while a run goes
 
-// The settings and the plan of a link, without its #; sentences: messages on invalid parts. The page's controls define
+// The settings and the plan of a link, without its #; messages: on invalid parts. The page's controls define
 // the valid values.
 function readLink(text) {
-  const settings = { ...DATA.defaults }, sentences = [];
+  const settings = { ...DATA.defaults }, messages = [];
   let plan = [];
   for (const [name, value] of new URLSearchParams(text)) {
     if (name === "embed") continue;
-    if (name === "do") plan = readPlan(value, sentences);
-    else if (!(name in settings)) sentences.push(`The link has "${name}", which this page does not know; it is left out.`);
+    if (name === "do") plan = readPlan(value, messages);
+    else if (!(name in settings)) messages.push(`The link has "${name}", which this page does not know; it is left out.`);
     else if (takes(name, value)) settings[name] = value;
-    else sentences.push(`The link has ${name} ${value}; this page takes ${taken(name)}, and starts with ${settings[name]}.`);
+    else messages.push(`The link has ${name} ${value}; this page takes ${taken(name)}, and starts with ${settings[name]}.`);
   }
-  return { settings, plan, sentences };
+  return { settings, plan, messages };
 }
 
-function readPlan(text, sentences) {
+function readPlan(text, messages) {
   const plan = [];
   for (const one of text.split(",").filter(Boolean)) {
     const [step, name, value] = one.split(":");
     const known = DONE_LATER.includes(name) && /^\d{1,6}$/.test(step) && (name === "leaves" || takes(name, value));
     if (known) plan.push([Number(step), name, inside(name, value)]);
-    else sentences.push(`The link does "${one}", which is no step:control:value of this page; it is left out.`);
+    else messages.push(`The link does "${one}", which is no step:control:value of this page; it is left out.`);
   }
   return plan.sort(([a], [b]) => a - b);
 }

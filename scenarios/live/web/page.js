@@ -41,7 +41,7 @@ async function restart(plan = []) {
   const wave = spatial ? { lateral_irregularity: Number(settings.wave) / 1e3 } : {};
   const texts = spatial ? { [DATA.lineVariable]: lineText(settings.curve, gradient) } : {};
   const controls = Object.fromEntries(["friction", "protection", "uneven"].map((name) => [name, inside(name, settings[name])]));
-  at("sentences").replaceChildren();
+  at("messages").replaceChildren();
   simulation.restart({ ...values, ...wave }, texts, { ...controls, gradient: spatial ? 0 : gradient }, plan);
   if (machine !== live.simulation?.machine) live.charts = chartsOf(machine.wheelsets.length);
   Object.assign(live, { simulation, settings, left: 0, busy: 0, simulated: 0, told: false, doing: "" });
@@ -166,7 +166,7 @@ function goOn(seconds) {
   live.busy += (performance.now() - begin) / 1e3;
   live.simulated += whole;
   if (simulation.plan.length < planned) followPlan();
-  for (const sentence of simulation.sentences.splice(0)) tell(sentence);
+  for (const sentence of simulation.messages.splice(0)) tell(sentence);
   if (!simulation.ended) showDoing();
   else finish();
   live.frames += 1;
@@ -191,7 +191,7 @@ function showLink() {
 }
 
 function tell(sentence) {
-  at("sentences").prepend(Object.assign(document.createElement("li"), { textContent: sentence }));
+  at("messages").prepend(Object.assign(document.createElement("li"), { textContent: sentence }));
 }
 
 function showCost() {
@@ -215,10 +215,10 @@ function draw(charts = true) {
 
 // Plays the run of an address.
 async function openLink(hash) {
-  const { settings, plan, sentences } = readLink(hash.replace(/^#/, ""));
+  const { settings, plan, messages } = readLink(hash.replace(/^#/, ""));
   for (const [name, value] of Object.entries(settings)) show(name, value);
   await restart(plan);
-  sentences.forEach(tell);
+  messages.forEach(tell);
   markRun(hash);
 }
 

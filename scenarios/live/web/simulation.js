@@ -21,7 +21,7 @@ class Simulation {
     const off = Object.fromEntries(this.each("pressure_demand").map((name) => [name, 0]));
     this.controls = { lever: 0, friction: 0.3, protection: true, uneven: 0, gradient: 0, ...controls };
     this.kernel.start({ ...values, ...off, gradient: this.controls.gradient }, texts);
-    Object.assign(this, { steps: 0, patches: [], history: [], ended: "", lifted: false, sentences: [], done: [], plan: [...plan] });
+    Object.assign(this, { steps: 0, patches: [], history: [], ended: "", lifted: false, messages: [], done: [], plan: [...plan] });
     this.stop = new Stop(this.count);
     this.guard.begin(PERIOD);
     this.valves = Array(this.count).fill(APPLY);
@@ -74,8 +74,8 @@ class Simulation {
       if (!(error instanceof SimulationError)) throw error;
       this.ended = error.message;
     }
-    const heard = this.kernel.journal();
-    this.sentences.push(...heard);
+    const heard = this.kernel.messages();
+    this.messages.push(...heard);
     this.lifted ||= heard.some((sentence) => sentence.includes("came off its rail"));
   }
 
