@@ -65,8 +65,8 @@ _COUPLED = "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (it
 _LED = "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither"
 #: Inputs; ends: forces at the head and at the end.
 INPUTS = (
-    _chosen("position", _POSITIONS, "valves", [name.replace("-", "_") for name in POSITIONS], "driver_position"),
-    Array("step", "1", 0.0, 1.0, _STEP, of="valves", called="driver_step"),
+    _chosen("driver_position", _POSITIONS, "valves", [name.replace("-", "_") for name in POSITIONS]),
+    Array("driver_step", "1", 0.0, 1.0, _STEP, of="valves"),
     Array("pull", "N", -1e7, 1e7, _PULL, of="vehicles"),
     Array("friction", "1", 0.0, 2.0, "Friction between wheels and rail, by vehicle", of="vehicles"),
     _chosen(
@@ -82,7 +82,7 @@ INPUTS = (
         "couplings",
         ("whole", "shut", "parted"),
     ),
-    Array("ends", "N", -1e8, 1e8, "Pull forwards at the head, and backwards at the end", of="ends", called="end_force"),
+    Array("end_force", "N", -1e8, 1e8, "Pull forwards at the head, and backwards at the end", of="ends"),
     _chosen("external_vehicle", _LED, "vehicles", ("not", "held", "corrected")),
     Array(
         "external_vehicle_speed", "m/s", -300.0, 300.0, "Speed of a vehicle that is computed elsewhere", of="vehicles"

@@ -47,9 +47,10 @@ def _place(name: str, value: int, count: int) -> None:
 class Train:
     """A train to be driven step by step.
 
-    Inputs are arrays to write into, or to set as a whole: `position` and `step` of each driver's valve, `pull` [N],
-    `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of each coupling, `ends`: forces
-    at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge pressures [Pa].
+    Inputs are arrays to write into, or to set as a whole: `driver_position` and `driver_step` of each driver's valve,
+    `pull` [N], `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of each coupling,
+    `end_force` at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge
+    pressures [Pa].
 
     Parameters
     ----------
@@ -116,8 +117,8 @@ class Train:
         if position not in POSITIONS:
             raise ValueError(f"A driver's valve must be set to one of {', '.join(POSITIONS)}; got {position}.")
         _within("A step of service, 0 the first and 1 full,", step, 0.0, 1.0, "")
-        _place("valve", valve, self.inputs["position"].size)
-        self.inputs["position"][valve], self.inputs["step"][valve] = POSITIONS[position], step
+        _place("valve", valve, self.inputs["driver_position"].size)
+        self.inputs["driver_position"][valve], self.inputs["driver_step"][valve] = POSITIONS[position], step
 
     def advance(self, time: float) -> None:
         """Advance by a time [s].

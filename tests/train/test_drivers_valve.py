@@ -182,7 +182,7 @@ def test_a_train_in_position_g_brakes_later_than_in_p() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
-        ("position", 2.5, r"inputs\['position'\]\[0\] must be an integer from 0 to 4; got 2.5."),
+        ("driver_position", 2.5, r"inputs\['driver_position'\]\[0\] must be an integer from 0 to 4; got 2.5."),
         ("protection", 3.0, r"inputs\['protection'\]\[0\] must be an integer from 0 to 2; got 3."),
         ("friction", float("nan"), r"inputs\['friction'\]\[0\] must be a number from 0 to 2; got nan."),
         ("friction", -0.3, r"inputs\['friction'\]\[0\] must be a number from 0 to 2; got -0.3."),
@@ -226,7 +226,8 @@ def test_an_input_is_set_as_a_whole() -> None:
             ValueError,
             r"inputs\['friction'\]\[2\] must be a number from 0 to 2; got nan",
         ),
-        ("position", 2.5, ValueError, r"inputs\['position'\]\[0\] must be an integer"),
+        ("position", 1.0, KeyError, "no input position; its name is driver_position now"),
+        ("driver_position", 2.5, ValueError, r"inputs\['driver_position'\]\[0\] must be an integer"),
         ("pull", "5", ValueError, r"inputs\['pull'\] must be numbers; got '5'"),
         ("pull", [[1.0], 2.0], ValueError, r"inputs\['pull'\] must be numbers"),
         ("pull", np.ma.array([1.0] * 3, mask=[0, 1, 0]), ValueError, "none of them masked"),

@@ -86,16 +86,16 @@ void pipe_fill(pipe *self, double density, double pressure) {
     }
     for (int valve = 0; valve < MOST_VALVES; ++valve) self->valve[valve].at = 0.0;
     memset(&self->passed, 0, sizeof self->passed);
-    self->fastest = self->looked = 0.0;
+    self->fastest = self->found_since = 0.0;
 }
 
 void pipe_end(pipe *self, int end, const pipe_outside *outside) {
     self->outside[end] = *outside;
-    self->looked = 0.0;
+    self->found_since = 0.0;
 }
 
 void pipe_join(pipe *self, long long int face, int how) {
-    self->looked = 0.0;
+    self->found_since = 0.0;
     self->joints += (how != HOSE_STATE_WHOLE) - (self->joint[face] != HOSE_STATE_WHOLE);
     self->joint[face] = (unsigned char)how;
 }
@@ -120,7 +120,7 @@ void pipe_load(pipe *self, const double *numbers) {
     distributors_load(self, numbers);
     numbers += distributors_numbers(self);
     memcpy(&self->passed, numbers, sizeof self->passed);
-    self->fastest = self->looked = 0.0; /* it belonged to another state and is searched again */
+    self->fastest = self->found_since = 0.0; /* it belonged to another state and is searched again */
     for (int valve = 0; valve < MOST_VALVES; ++valve)
         self->valve[valve].at = numbers[sizeof self->passed / sizeof(double) + valve];
 }
@@ -294,7 +294,7 @@ static double fastest_at_valves(const pipe *self) {
 
 /* Updates the sides of cells and the ends; returns the largest rate of change by waves and vehicles [1/s]. passed: through the
  * ends. */
-static double look(pipe *self, pipe_passed *passed) {
+static double fastest_rate(pipe *self, pipe_passed *passed) {
     if (self->brake_model == BRAKE_MODEL_DELAY) return self->pace / 2.0;
     double through[2];
     mirror(self);
@@ -323,7 +323,7 @@ static void rates(pipe *self, pipe_passed *passed) {
         distributors_act(self, passed);
         return;
     }
-    self->fastest = look(self, passed);
+    self->fastest = fastest_rate(self, passed);
     IN_LANES(pipe_faces);
     for (int end = 0; end < 2; ++end)
         for (int n = 0; n < PIPE_STATES; ++n) self->flux[(end ? self->cells : 0) + n * self->stride] = self->end_flux[end][n];
@@ -390,8 +390,8 @@ static bool sound(const pipe *self) {
 
 double pipe_longest(pipe *self, double courant) {
     pipe_passed unused;
-    self->looked = look(self, &unused);
-    return courant / self->looked;
+    self->found_since = fastest_rate(self, &unused);
+    return courant / self->found_since;
 }
 
 /* One step: Heun's between two halves of heat exchange. */
@@ -412,8 +412,8 @@ static void step_on(pipe *self, double step) {
 static double step_of(pipe *self, double left, double courant) {
     pipe_passed passed = self->passed, unused;
     const int slow = left * self->fastest < WELL_BELOW * courant && self->fastest > 0.0;
-    const double fastest = self->looked > 0.0 ? self->looked : slow ? self->fastest : look(self, &unused);
-    self->looked = 0.0;
+    const double fastest = self->found_since > 0.0 ? self->found_since : slow ? self->fastest : fastest_rate(self, &unused);
+    self->found_since = 0.0;
     copy(self, KEPT, STATE);
     for (int halved = 0; halved < MOST_HALVED; ++halved) {
         const double count = ceil(ldexp(left * fastest / courant, halved));

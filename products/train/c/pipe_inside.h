@@ -30,7 +30,7 @@ struct pipe {
     double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump,
         *over_volume; /* the first cell of each first row */
     distributors own[KINDS];
-    double pace, fastest, looked; /* of vehicles; of all in the last step; as found since, or 0 [1/s] */
+    double pace, fastest, found_since; /* of vehicles; of all in the last step; as found since, or 0 [1/s] */
     pipe_outside outside[2];
     int valves, joints; /* number of valves, and of separated faces */
     valve_at valve[MOST_VALVES];

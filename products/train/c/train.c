@@ -160,8 +160,8 @@ static void fill(double *values, long long int count, double value) {
 
 static void begin_inputs(train *self) {
     fill(self->input[0], self->inputs, 0.0);
-    fill(self->input[IN_POSITION], self->valves, POSITION_SHUT_OFF);
-    self->input[IN_POSITION][0] = POSITION_RUNNING;
+    fill(self->input[IN_DRIVER_POSITION], self->valves, DRIVER_POSITION_SHUT_OFF);
+    self->input[IN_DRIVER_POSITION][0] = DRIVER_POSITION_RUNNING;
     fill(self->input[IN_FRICTION], self->vehicles, START_FRICTION);
     fill(self->input[IN_COUPLING_CLOSED], self->vehicles - 1, 1.0);
     fill(self->input[IN_HOSE_STATE], self->vehicles - 1, HOSE_STATE_WHOLE);
@@ -238,7 +238,7 @@ void train_begin(train *self, double time, double speed, double distance, double
         double *own = valves_run(self, v);
         pipe_valve(self->air, (int)v, (long long int)self->valve[v * VALVE_ROWS + VALVE_FACE], closed);
         fill(own, 1 + HISTORY, pressure);
-        fill(own + 1 + HISTORY, HISTORY, v ? POSITION_SHUT_OFF : POSITION_RUNNING);
+        fill(own + 1 + HISTORY, HISTORY, v ? DRIVER_POSITION_SHUT_OFF : DRIVER_POSITION_RUNNING);
     }
     put_joints(self);
     self->steps[0] = self->steps[1] = 0;
@@ -275,8 +275,8 @@ static void take_inputs(train *self) {
     pipe_protect(self->air, self->input[IN_PROTECTION]);
     motion_begin_mean(self->moves);
     double *force = motion_force(self->moves);
-    force[-1] = self->input[IN_ENDS][0];
-    force[couplings] = self->input[IN_ENDS][1];
+    force[-1] = self->input[IN_END_FORCE][0];
+    force[couplings] = self->input[IN_END_FORCE][1];
     memcpy(motion_acting(self->moves, ACTING_PULL), self->input[IN_PULL], (size_t)self->vehicles * sizeof(double));
     memcpy(motion_acting(self->moves, ACTING_FRICTION), self->input[IN_FRICTION], (size_t)self->vehicles * sizeof(double));
 }

@@ -6,7 +6,7 @@
 double *valves_run(train *self, long long int valve) { return self->run + RUN_VALVES + valve * OF_VALVE; }
 
 /* State of a valve at a time: pressure (0), position (1) or step (2); linear between the multiples of HISTORY_STEP. */
-static double told(train *self, long long int valve, int what, double time) {
+static double delayed(train *self, long long int valve, int what, double time) {
     const double *row = valves_run(self, valve) + 1 + what * HISTORY, newest = self->run[RUN_TOLD];
     const double at = fmin(fmax(time / HISTORY_STEP, newest - HISTORY + 2.0), newest), before = floor(at);
     const long long int place = (long long int)fmod(before, HISTORY), own = place < 0 ? place + HISTORY : place;
@@ -16,27 +16,27 @@ static double told(train *self, long long int valve, int what, double time) {
 
 static double position_of(train *self, long long int valve, double *step) {
     const double delay = self->valve[valve * VALVE_ROWS + VALVE_DELAY], time = self->run[RUN_TIME] - delay;
-    const int follows = delay >= 0.0 && self->input[IN_POSITION][valve] == POSITION_SHUT_OFF;
-    *step = follows ? told(self, 0, 2, time) : self->input[IN_STEP][valve];
-    return follows ? told(self, 0, 1, time) : self->input[IN_POSITION][valve];
+    const int follows = delay >= 0.0 && self->input[IN_DRIVER_POSITION][valve] == DRIVER_POSITION_SHUT_OFF;
+    *step = follows ? delayed(self, 0, 2, time) : self->input[IN_DRIVER_STEP][valve];
+    return follows ? delayed(self, 0, 1, time) : self->input[IN_DRIVER_POSITION][valve];
 }
 
 /* Demanded pressure of a valve. */
 static double wanted(const double *given, double position, double step) {
-    if (position == POSITION_OVERCHARGE) return given[VALVE_OVERCHARGE];
-    if (position == POSITION_SERVICE)
+    if (position == DRIVER_POSITION_OVERCHARGE) return given[VALVE_OVERCHARGE];
+    if (position == DRIVER_POSITION_SERVICE)
         return given[VALVE_RUNNING] - given[VALVE_FIRST] - step * (given[VALVE_FULL] - given[VALVE_FIRST]);
-    return position == POSITION_EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
+    return position == DRIVER_POSITION_EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
 }
 
 static double moved(const double *given, double held, double position, double step, double time) {
     const double target = wanted(given, position, step);
-    if (position == POSITION_SHUT_OFF) return held;
+    if (position == DRIVER_POSITION_SHUT_OFF) return held;
     if (held < target) return fmin(target, held + given[VALVE_UP] * time);
-    const int slowly = position == POSITION_RUNNING;
-    return fmax(target, held - given[position == POSITION_EMERGENCY ? VALVE_QUICKLY
-                                     : slowly                       ? VALVE_SLOWLY
-                                                                    : VALVE_DOWN] *
+    const int slowly = position == DRIVER_POSITION_RUNNING;
+    return fmax(target, held - given[position == DRIVER_POSITION_EMERGENCY ? VALVE_QUICKLY
+                                     : slowly                              ? VALVE_SLOWLY
+                                                                           : VALVE_DOWN] *
                                    time);
 }
 
@@ -48,10 +48,10 @@ void valves_command(train *self, double time) {
         const double position = position_of(self, v, &step), before = *held;
         *held = moved(given, before, position, step, time);
         if (self->brake_model == BRAKE_MODEL_DELAY) continue;
-        const double regulates = position != POSITION_SHUT_OFF && position != POSITION_EMERGENCY;
+        const double regulates = position != DRIVER_POSITION_SHUT_OFF && position != DRIVER_POSITION_EMERGENCY;
         const double numbers[VALVE_NUMBERS] = {regulates * given[VALVE_FEEDING],
                                                regulates * given[VALVE_EXHAUST],
-                                               (position == POSITION_EMERGENCY) * given[VALVE_EMERGENCY],
+                                               (position == DRIVER_POSITION_EMERGENCY) * given[VALVE_EMERGENCY],
                                                (before + *held) / 2.0,
                                                given[VALVE_BAND],
                                                given[VALVE_SUPPLY],
@@ -67,9 +67,9 @@ static void give_pressures(train *self, double time) {
         double nearest = INFINITY, pressure = NAN, step;
         for (long long int v = 0; v < self->valves; ++v) {
             const double distance = fabs(self->centre[i] - self->valve[v * VALVE_ROWS + VALVE_PLACE]);
-            if (distance >= nearest || position_of(self, v, &step) == POSITION_SHUT_OFF) continue;
+            if (distance >= nearest || position_of(self, v, &step) == DRIVER_POSITION_SHUT_OFF) continue;
             nearest = distance;
-            pressure = told(self, v, 0, time - distance / self->head[HEAD_PROPAGATION]);
+            pressure = delayed(self, v, 0, time - distance / self->head[HEAD_PROPAGATION]);
         }
         if (isfinite(pressure)) pipe_give(self->air, self->cell[i], pressure);
     }
@@ -83,8 +83,8 @@ void valves_tell(train *self, double step) {
         for (long long int v = 0; v < self->valves; ++v) {
             double *row = valves_run(self, v);
             row[1 + place] = row[0];
-            row[1 + HISTORY + place] = self->input[IN_POSITION][v];
-            row[1 + 2 * HISTORY + place] = self->input[IN_STEP][v];
+            row[1 + HISTORY + place] = self->input[IN_DRIVER_POSITION][v];
+            row[1 + 2 * HISTORY + place] = self->input[IN_DRIVER_STEP][v];
         }
     }
     self->run[RUN_TOLD] = newest;

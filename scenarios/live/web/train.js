@@ -62,7 +62,7 @@ class Train {
 
   drive(name) {
     this.valve = name;
-    [this.input("position")[0], this.input("step")[0]] = VALVE[name];
+    [this.input("driver_position")[0], this.input("driver_step")[0]] = VALVE[name];
   }
 
   part() {
