@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 OK, WARNING, DISCARD, ERROR = range(4)
 #: The most numbers that a record holds.
@@ -181,6 +182,11 @@ class Kernel:
         if getattr(self, "_handle", None):
             self._call.kernel_free(self._handle)
             self._handle = None
+
+    @property
+    def journal(self) -> NoReturn:
+        """Refuse the former name of `messages`. Raises AttributeError."""
+        raise AttributeError("Kernel has no attribute journal; its name is messages now.")
 
     def set(self, **values: float | str) -> None:
         """Set parameters (before the first step) or inputs, by name, in their units.

@@ -10,6 +10,7 @@ import pytest
 
 import bogie_braking as bb
 from fmu_src.batch import Ends
+from fmu_src.kernel import Kernel
 from readers.renamed import RENAMED, present_name
 
 
@@ -55,3 +56,11 @@ def test_results_are_copied_and_pickled() -> None:
     one = recording()
     for again in (copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
         assert (again.messages, again.names) == (["It stood."], ["time"])
+
+
+def test_a_kernel_names_the_present_attribute() -> None:
+    """`fmu_src/kernel.py` travels inside FMUs without the table of old names."""
+    with pytest.raises(
+        AttributeError, match=rf"^Kernel has no attribute journal; its name is {RENAMED['journal']} now"
+    ):
+        _ = Kernel.__new__(Kernel).journal
