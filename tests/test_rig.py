@@ -416,7 +416,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h; got 3mph."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = 0\n', "brake_ratio must be above 0 and at most 5; got 0."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nbrake_ratio = 0\n', "brake_ratio must be above 0 and at most 5; got 0."),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nload = 9\n',
             "load must be 0.2 to 5 times the mass of the body;",
@@ -430,7 +430,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
             "gradient must be a number; got 'up'.",
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nfriction = "low"\n', "friction must be a number; got 'low'."),
-        ('[[case]]\nname = "a"\nrail = "dry"\nstrength = true\n', "brake_ratio must be a number; got true."),
+        ('[[case]]\nname = "a"\nrail = "dry"\nbrake_ratio = true\n', "brake_ratio must be a number; got true."),
         (
             '[[case]]\nname = "a"\nrail = "dry"\nfault = [{ wheelset = 1.5, radius = 1.1 }]\n',
             "wheelset must be an integer of at least 1; got 1.5.",

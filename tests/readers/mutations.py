@@ -76,7 +76,7 @@ LOGS = (
 )
 TORQUES = ("0,0\n0.5,1000\n2,3000.5\n", "0;0\n0,5;1000\n2;3000,5\n", "time [ms]\ttorque [kN.m]\n0\t0\n500\t1\n")
 PROGRAMMES = (
-    '[[case]]\nname = "low, 160 km/h"\nrail = "low"\nspeed = "160km/h"\nstrength = 0.8\nload = 1.2\n'
+    '[[case]]\nname = "low, 160 km/h"\nrail = "low"\nspeed = "160km/h"\nbrake_ratio = 0.8\nload = 1.2\n'
     '[[case]]\nname = "fault"\nrail = "wet"\nfriction = 0.12\nvalues = { gradient = -0.02 }\n'
     'fault = [{ wheelset = 1, sensor = "zero", sensor_from = 2 }]\nequipment = ["discs"]\n',
 )

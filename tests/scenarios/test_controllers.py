@@ -196,7 +196,7 @@ def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixt
 def test_starts_are_compared_with_a_protection_of_their_own(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    case = '[[case]]\nname = "low"\nrail = "low"\nspeed = "20km/h"\nstrength = 2.0\nequipment = ["traction"]\n'
+    case = '[[case]]\nname = "low"\nrail = "low"\nspeed = "20km/h"\nbrake_ratio = 2.0\nequipment = ["traction"]\n'
     (folder / "my.toml").write_text(case)
     assert main(["controllers", "compare", "--programme", "my.toml", "--phases", "1", "--html"]) == 0
     shown = capsys.readouterr().out
