@@ -11,10 +11,12 @@ import numpy as np
 from bogie_braking.checks import line_or_none, shown
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist
-from products.train.consist_file import consist_of, read_consist
+from products.train.consist_file import consist_of
+from products.train.foreign import consist_from
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
+from readers.formats import Imported
 
 #: Accepted forms, for messages.
 FORMS = "the path of a file, a list of its rows as dictionaries, a Consist, or an integer, the number of wagons"
@@ -35,7 +37,8 @@ def train(
     Parameters
     ----------
     consist : str, Path, Consist, sequence of mapping or int
-        A file (CSV or TOML), a list of its rows, vehicles, or the number of loaded wagons behind a locomotive.
+        A file (CSV or TOML, or a train of another program, see docs/consists.md), a list of its rows, vehicles, or the
+        number of loaded wagons behind a locomotive.
     speed : float
         Initial speed [m/s].
     line : Line, optional
@@ -51,7 +54,7 @@ def train(
     Returns
     -------
     Train
-        The train at its start.
+        The train at its start. `imported` accounts for the fields of another program's file, otherwise it is None.
 
     Raises
     ------
@@ -65,19 +68,21 @@ def train(
     line = line_or_none(line)
     if not isinstance(releases, bool | np.bool_):
         raise TypeError(f"releases must be True or False; got {shown(releases)}. Write one of them.")
-    own = _consist(consist)
+    own, imported = _consist(consist)
     chosen = settings or select_brake_model(own, distance_error, force_error, bool(releases))
-    return Train(own, speed=speed, line=line, settings=chosen)
+    found = Train(own, speed=speed, line=line, settings=chosen)
+    found.imported = imported
+    return found
 
 
-def _consist(given: Any) -> Consist:
-    """Return a consist from a user's input. Raises TypeError if it has none of the forms."""
+def _consist(given: Any) -> tuple[Consist, Imported | None]:
+    """Return a consist from a user's input, and the account of an import. Raises TypeError for another form."""
     if isinstance(given, int | np.integer) and not isinstance(given, bool):
-        return consist_of([{"kind": "locomotive"}, {"kind": "wagon", "count": int(given)}])
+        return consist_of([{"kind": "locomotive"}, {"kind": "wagon", "count": int(given)}]), None
     if isinstance(given, str | Path):
-        return read_consist(Path(given))
+        return consist_from(Path(given))
     if isinstance(given, Consist):
-        return given
+        return given, None
     if not isinstance(given, Sequence):
         raise TypeError(f"A consist must be {FORMS}; got {shown(given)}. Give one of these.")
-    return consist_of(list(given))
+    return consist_of(list(given)), None

@@ -29,6 +29,7 @@ COMMANDS = {
     "sweep": ("run one scenario over a grid of parameters", "sweep"),
     "pace": ("run an FMU in real time on this machine: longest step, overruns, jitter", "pace"),
     "controllers": ("compare wheel-slide controllers, a Python class, C or a library, on the test rig", "controllers"),
+    "consist": ("import a train of another program, or check a consist: masses, brakes, stops", "consist"),
     "live": ("write pages that brake a coach, a bogie or a train in any browser", "live"),
     "build": ("build FMUs", "build"),
 }

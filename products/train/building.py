@@ -8,10 +8,10 @@ from pathlib import Path
 
 from products.building import announce, license_text
 from products.train.consist import block_train
-from products.train.consist_file import read_consist
 from products.train.coupler_fmu import NAME as COUPLER
 from products.train.coupler_fmu import build_coupler_fmu
 from products.train.fmu import NAME, build_train_fmu
+from products.train.foreign import consist_from
 from products.train.numbers import Settings
 from rbd_model.track.line import read_line
 from rbd_model.train.coupler import COUPLERS
@@ -29,7 +29,7 @@ def build_train(
 
     Raises ValueError, OSError, CompilerError.
     """
-    own = read_consist(consist) if consist else block_train(20)
+    own = consist_from(consist)[0] if consist else block_train(20)
     along = read_line(line) if line else None
     files = {"documentation/licenses/license.txt": license_text()}
     if consist:

@@ -20,6 +20,7 @@ from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air
 from rbd_model.track.line import Line
+from readers.formats import Imported
 from readers.units import likely_unit
 
 #: Longest time of `advance` or `record` [s], and largest number of values [1].
@@ -51,6 +52,7 @@ class Train:
     `pull` [N], `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of each coupling,
     `end_force` at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge
     pressures [Pa].
+    `imported` accounts for the fields of a file of another program (`bb.train`), otherwise it is None.
 
     Parameters
     ----------
@@ -89,6 +91,7 @@ class Train:
         for one, value in zip(INITIAL, (speed, distance, pipe, cylinder), strict=True):
             _within(one.name, value, one.least, one.most, one.unit)
         self.consist, self.settings = consist, settings or Settings()
+        self.imported: Imported | None = None
         numbers = numbers_of(consist, self.settings, line)
         self._call = functions()
         wrong = self._call.train_wrong(numbers.ctypes.data, numbers.size)

@@ -42,11 +42,14 @@ def brake_of(fields: Fields, notes: Notes) -> Row:
     vacuum = system.startswith(("vacuum", "straight_vacuum"))
     found = _system(system, fields, notes)
     if vacuum:
+        notes.left("Pressures and rates of a vacuum brake: the default pressure and times of position P apply.")
         return found | _force(fields, None, notes)
     reference = fields.number("ORTSBrakeForceReferencePressure", "bar")
     most = fields.number("BrakeCylinderPressureForMaxBrakeBrakeForce", "bar")
     pressure = most or reference
     found |= _force(fields, (most / reference) if most and reference else None, notes)
+    if found["brake"] == "none":
+        return found
     if pressure and len(found) > 1:
         notes.taken("BrakeCylinderPressureForMaxBrakeBrakeForce -> full_pressure [bar]")
         found["full_pressure"] = rounded(pressure)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import math
-import re
 import xml.etree.ElementTree as ET
 from itertools import pairwise
 
 import numpy as np
 
 from readers.formats.vehicle_rows import checked
+from readers.formats.xml_numbers import attribute
 from readers.text import FileError, shown
 from readers.xml_files import inside
 
-NUMBER = re.compile(r"[+-]?(\d{1,30}(\.\d{0,30})?|\.\d{1,30})([eE][+-]?\d{1,3})?", re.ASCII)
+#: Largest size of a number.
+LARGEST = 1e12
 #: Factors of the units of tables to km/h, m/s2 and N.
 SPEEDS = {"": 1.0, "km/h": 1.0, "kmh": 1.0, "m/s": 3.6}
 VALUES = {"": 1.0, "n": 1.0, "kn": 1e3, "m/s/s": 1.0, "m/s2": 1.0, "m/s^2": 1.0}
@@ -23,12 +23,8 @@ MOST = 10_000
 
 def number_of(element: ET.Element, name: str, limits: tuple[float, float], source: str) -> float | None:
     """Return the number of an attribute, None if it is missing. Raises FileError."""
-    text = element.get(name)
-    if text is None or not text.strip():
-        return None
-    if not NUMBER.fullmatch(text.strip()) or not math.isfinite(value := float(text)):
-        raise FileError(f"{source}: {name} of {element.tag} must be a number; got {shown(text)}. Correct it.")
-    return checked(value, f"{name} of {element.tag}", limits, "", source)
+    value = attribute(element, name, source, LARGEST)
+    return None if value is None else checked(value, f"{name} of {element.tag}", limits, "", source)
 
 
 def table_of(element: ET.Element, source: str) -> list[tuple[float, float]]:

@@ -1,0 +1,111 @@
+"""Numbers of a train by which a consist is checked: masses, brake weights, resistances, forces, stopping distances."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+
+from brake_controller.air import AMBIENT
+from brake_controller.brake_weight import braked_weight
+from brake_controller.vehicle_brake import braking
+from products.train.brake_model import select_brake_model
+from products.train.consist import Consist, TrainVehicle
+from products.train.train import Train
+
+#: Longest time of a stop, and time between two looks whether the train stands [s]; speed below which it does [m/s].
+LONGEST, STEP, RESTS = 1800.0, 1.0, 1e-3
+_BRAKING = braking()
+
+
+@dataclass(frozen=True)
+class OfVehicles:
+    """Equal vehicles one behind the other: of each, mass [t], length [m], brake weight percentage [%]."""
+
+    name: str
+    kind: str
+    count: int
+    mass: float
+    length: float
+    percentage: float
+
+
+@dataclass(frozen=True)
+class AtSpeed:
+    """The train at a speed [km/h]: resistance and brake force [kN]; stopping distance [m], None if it does not stop."""
+
+    speed: float
+    resistance: float
+    brake_force: float
+    distance: float | None
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A train: number of vehicles, mass and brake weight [t], length [m], percentage [%]."""
+
+    vehicles: int
+    mass: float
+    length: float
+    percentage: float
+    brake_weight: float
+    kinds: tuple[OfVehicles, ...]
+    speeds: tuple[AtSpeed, ...]
+
+
+def summary_of(consist: Consist, speeds: Sequence[float]) -> Summary:
+    """Return the numbers of a train.
+
+    Parameters
+    ----------
+    consist : Consist
+        The train.
+    speeds : sequence of float
+        Speeds [km/h] at which resistance and brake force are computed, and from which it stops in emergency braking on
+        level, dry track.
+
+    Raises
+    ------
+    ValueError
+        If a speed is out of the limits of a train.
+    """
+    kinds = []
+    for one, several in groupby(consist.vehicles):
+        count = len(list(several))
+        kinds.append(OfVehicles(one.name, one.kind, count, 1e-3 * one.mass, one.length, one.percentage))
+    weight = sum(kind.count * braked_weight(kind.percentage, 1e3 * kind.mass) for kind in kinds)
+    return Summary(
+        len(consist.vehicles),
+        1e-3 * consist.mass,
+        consist.length,
+        consist.percentage,
+        1e-3 * weight,
+        tuple(kinds),
+        tuple(_at(consist, speed) for speed in speeds),
+    )
+
+
+def brake_force(one: TrainVehicle, speed: float) -> float:
+    """Return the brake force of a vehicle with full cylinders at a speed [m/s] at its rims [N], eqs (2.4) to (2.7)."""
+    full = one.distributor.full_pressure + AMBIENT
+    return float(_BRAKING(full, speed, list(one.brake.values().values())))
+
+
+def _at(consist: Consist, speed: float) -> AtSpeed:
+    metres = speed / 3.6
+    resistance = sum(a + b * metres + c * metres**2 for a, b, c in (one.resistance for one in consist.vehicles))
+    force = sum(brake_force(one, metres) for one in consist.vehicles)
+    return AtSpeed(speed, 1e-3 * resistance, 1e-3 * force, stopping_distance(consist, metres))
+
+
+def stopping_distance(consist: Consist, speed: float) -> float | None:
+    """Return the distance [m] of the head in emergency braking from a speed [m/s], None if the train does not stop."""
+    train = Train(consist, speed=speed, settings=select_brake_model(consist))
+    train.drive("emergency")
+    for _ in range(int(LONGEST / STEP)):
+        train.advance(STEP)
+        if float(np.max(np.abs(train.speed))) < RESTS:
+            return float(train.distance[0])
+    return None

@@ -1,0 +1,217 @@
+"""Consists from files of other programs: forces by hand, round trips, the command, and `bb.train`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import bogie_braking as bb
+from bogie_braking.__main__ import main
+from products.train.columns import MOST, VEHICLE
+from products.train.consist_file import read_consist
+from products.train.consist_writer import write_consist
+from products.train.foreign import ESSENTIAL, consist_from, imported_consist
+from products.train.summary import brake_force, summary_of
+from readers.formats import vehicle_rows
+from readers.formats.trains import FORMATS
+
+#: Speeds at which resistances and forces are compared [m/s], and acceleration of gravity [m/s2].
+SPEEDS, G = (0.0, 15.0, 30.0), 9.80665
+#: Rows have 10 significant digits.
+ROUNDED = 1e-8
+
+WAGON = """SIMISA
+Wagon ( hopper Type ( Freight ) Size ( 3m 4m 15m ) Mass ( 80t ) BrakeSystemType ( "Air_single_pipe" )
+ORTSDavis_A ( 1200 ) ORTSDavis_B ( 20 ) ORTSDavis_C ( 5 ) ORTSMaxBrakeShoeForce ( 160kN )
+ORTSBrakeShoeType ( Cast_Iron_P6 ) ORTSNumberCarBrakeShoes ( 16 ) MaxReleaseRate ( 0.001bar/s ) )
+"""
+OSRD = {
+    "name": "unit",
+    "length": 100.0,
+    "mass": 200000.0,
+    "const_gamma": 0.7,
+    "inertia_coefficient": 1.05,
+    "rolling_resistance": {"type": "davis", "A": 2000.0, "B": 30.0, "C": 8.0},
+}
+CAR = """car_type: Coal
+length_meters: 18.0
+axle_count: 4
+mass_static_base_kilograms: 28500
+mass_freight_kilograms: 101500
+braking_ratio: 0.11
+mass_rot_per_axle_kilograms: 750.0
+bearing_res_per_axle_newtons: 40.26
+rolling_ratio: 0.001546
+cd_area_square_meters: 4.087
+"""
+BVE = (
+    "BVE2000000\n#PERFORMANCE\n3.6\n0.35\n0\n0.0025\n1.2\n#BRAKE\n2\n0\n0\n#CAR\n35\n2\n25\n2\n20\n1\n3\n4\n1.5\n6\n2\n"
+)
+RAILML = """<railML><rollingstock><vehicles>
+<vehicle id="loco" bruttoWeight="84" length="19"><vehiclePart category="locomotive"/>
+<vehicleBrakes regularBrakePercentage="95"/>
+<drivingResistance><info airDragCoefficient="0.8" crossSectionArea="9.5" rollingResistance="1.5"/></drivingResistance>
+</vehicle><vehicle id="coach" bruttoWeight="48" length="26.4"><vehiclePart category="passengerCoach"/>
+<vehicleBrakes meanDeceleration="0.9"/>
+<drivingResistance><info airDragCoefficient="0.3" crossSectionArea="10" rollingResistance="1.8"/></drivingResistance>
+</vehicle></vehicles></rollingstock></railML>"""
+FILES = {
+    "hopper.wag": WAGON,
+    "unit.json": json.dumps(OSRD),
+    "Coal.yaml": CAR,
+    "train.dat": BVE,
+    "ic.xml": RAILML,
+}
+
+
+@pytest.fixture(params=FILES)
+def file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    path = tmp_path / request.param
+    path.write_text(FILES[request.param])
+    return path
+
+
+def p6(force: float, speed: float) -> float:
+    """Return the friction of cast iron P6; force of a shoe [kN], speed [km/h] (Karwatzki 1950)."""
+    return 0.6 * (16 * force / G + 100) / (80 * force / G + 100) * (speed + 100) / (5 * speed + 100)
+
+
+def by_hand(name: str, speed: float) -> tuple[float, float]:
+    """Return resistance and brake force of a file's train [N] at a speed [m/s]."""
+    if name == "hopper.wag":
+        return 1200 + 20 * speed + 5 * speed**2, 160e3 * p6(10.0, 3.6 * speed)
+    if name == "unit.json":
+        return 2000 + 30 * speed + 8 * speed**2, 0.7 * 1.05 * 200e3
+    if name == "Coal.yaml":
+        weight = 130e3 * G
+        return 4 * 40.26 + 0.001546 * weight + 0.5 * 1.225 * 4.087 * speed**2, 0.3 * 0.11 * weight
+    drag = 0.5 * 1.225 * 1.2 * (6 + 3 * 2)
+    return 0.0025 * 120e3 * G + drag * speed**2, 1.0 * 120e3
+
+
+@pytest.mark.parametrize("name", ["hopper.wag", "unit.json", "Coal.yaml", "train.dat"])
+def test_resistance_and_brake_force_are_those_by_hand(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_text(FILES[name])
+    consist, _ = imported_consist(path)
+    for speed in SPEEDS:
+        resistance, force = by_hand(name, speed)
+        own = sum(a + b * speed + c * speed**2 for a, b, c in (one.resistance for one in consist.vehicles))
+        assert own == pytest.approx(resistance, rel=ROUNDED)
+        tolerance = 0.01 if name == "hopper.wag" else ROUNDED  # P6: Karwatzki within 1 %
+        assert sum(brake_force(one, speed) for one in consist.vehicles) == pytest.approx(force, rel=tolerance)
+
+
+def test_a_railml_train_has_its_percentage_and_deceleration(tmp_path: Path) -> None:
+    path = tmp_path / "ic.xml"
+    path.write_text(RAILML)
+    loco, coach = imported_consist(path)[0].vehicles
+    assert loco.percentage == pytest.approx(95.0, rel=1e-3)
+    assert brake_force(coach, 20.0) == pytest.approx(0.9 * 1.04 * 48e3, rel=ROUNDED)
+    assert coach.resistance == pytest.approx((1.8 * 48 * G, 0.0, 0.5 * 1.225 * 3.0), rel=ROUNDED)
+
+
+@pytest.mark.parametrize("ending", ["toml", "csv"])
+def test_what_is_imported_and_written_is_read_again(file: Path, ending: str, tmp_path: Path) -> None:
+    consist, found = imported_consist(file)
+    write_consist(found.rows, tmp_path / f"again.{ending}")
+    assert read_consist(tmp_path / f"again.{ending}") == consist
+
+
+def test_refinements_beyond_their_limits_are_told_and_left(tmp_path: Path) -> None:
+    path = tmp_path / "hopper.wag"
+    path.write_text(WAGON)
+    _, found = imported_consist(path)
+    assert "release_time" not in found.rows[0]
+    assert any(sentence.startswith("release_time: ") for sentence in found.left)
+    path.write_text(WAGON.replace("ORTSNumber", "BrakeCylinderPressureForMaxBrakeBrakeForce ( 70 ) ORTSNumber"))
+    _, found = imported_consist(path)
+    assert "full_pressure" not in found.rows[0]
+    assert any("does not reach 4.826 bar" in sentence for sentence in found.left)
+
+
+def test_limits_of_importers_are_those_of_consists() -> None:
+    assert VEHICLE["length"][1:] == (vehicle_rows.SHORTEST, vehicle_rows.LONGEST)
+    assert VEHICLE["mass"][1:] == (vehicle_rows.LIGHTEST, vehicle_rows.HEAVIEST)
+    assert vehicle_rows.MOST == MOST
+    assert "mass" in ESSENTIAL
+
+
+def test_the_command_imports_writes_and_checks(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "train.toml"
+    assert main(["consist", "import", str(file), "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert f"({FORMATS[file.suffix][0]})" in said
+    assert "assumed" in said
+    assert read_consist(out) == consist_from(file)[0]
+    assert main(["consist", "import", str(file), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["rows"] == imported_consist(file)[1].rows
+
+
+def test_the_command_prints_numbers_of_a_consist(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "Coal.yaml"
+    path.write_text(CAR)
+    assert main(["consist", "check", str(path), "--speeds", "36", "72km/h", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["vehicles"], found["mass"], found["length"]) == (1, 130.0, 18.0)
+    slow, fast = found["speeds"]
+    resistance, force = by_hand("Coal.yaml", 10.0)
+    assert slow["resistance"] == pytest.approx(1e-3 * resistance, rel=ROUNDED)
+    assert slow["brake_force"] == pytest.approx(1e-3 * force, rel=ROUNDED)
+    # Between the distance of brakes that are full at once, and that of brakes that are full after 6 s.
+    for one, speed in ((slow, 10.0), (fast, 20.0)):
+        at_once = (1 + 3 / 130) * 130e3 * speed**2 / 2 / (force + resistance)
+        assert at_once < one["distance"] < at_once + 6 * speed
+    assert main(["consist", "check", str(path), "--speeds", "36"]) == 0
+    assert "emergency stop" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (["import", "none.con"], "does not exist"),
+        (["import", "train.toml"], "must end in one of .con"),
+        (["import", "cut.json"], "must be JSON"),
+        (["import", "heavy.json"], "mass of each"),
+        (["import", "unit.json", "--out", "train.txt"], "--out must end in .toml or .csv"),
+        (["check", "cut.json"], "must be JSON"),
+        (["check", "none.toml"], "does not exist"),
+        (["check", "unit.json", "--speeds", "900"], "--speeds must be"),
+    ],
+)
+def test_what_is_no_train_ends_with_one_sentence_and_status_2(
+    given: list[str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "unit.json").write_text(json.dumps(OSRD))
+    (tmp_path / "cut.json").write_text(json.dumps(OSRD)[:40])
+    (tmp_path / "heavy.json").write_text(json.dumps(OSRD | {"length": 3.0, "mass": 1e9}))
+    arguments = [str(tmp_path / one) if "." in one else one for one in given]
+    assert main(["consist", *arguments]) == 2
+    said = capsys.readouterr()
+    assert sentence in said.err
+    assert said.err.count("\n") == 1
+    assert not said.out
+
+
+def test_a_train_of_another_program_runs_with_its_account(tmp_path: Path) -> None:
+    path = tmp_path / "unit.json"
+    path.write_text(json.dumps(OSRD))
+    train = bb.train(path, speed=20.0)
+    assert train.imported is not None
+    assert any("const_gamma" in sentence for sentence in train.imported.assumed)
+    assert bb.train(1).imported is None
+    train.drive("emergency")
+    stop = train.record(120.0)
+    assert float(train.speed[0]) == pytest.approx(0.0, abs=1e-3)
+    assert 20.0**2 / 2 / 0.75 < float(stop["distance[1]"][-1]) < 20.0**2 / 2 / 0.7 + 6 * 20.0
+
+
+def test_a_summary_adds_brake_weights(tmp_path: Path) -> None:
+    path = tmp_path / "ic.xml"
+    path.write_text(RAILML)
+    found = summary_of(imported_consist(path)[0], [])
+    weight = sum(kind.count * kind.mass * kind.percentage / 100 for kind in found.kinds)
+    assert found.brake_weight == pytest.approx(weight)
+    assert found.percentage == pytest.approx(100 * weight / found.mass, rel=1e-6)
