@@ -136,7 +136,7 @@ def _release_integral(full_pressure: float) -> float:
 def reached_pressure(p: UicDistributor) -> float:
     """Return the gauge pressure [Pa] of reservoir and cylinder in balance, from a reservoir charged to 5 bar.
 
-    Boyle's law (1662): p V of both is kept.
+    Boyle (1662): the sum of p V is kept.
     """
     whole = p.auxiliary_volume + p.cylinder_volume
     return ((CHARGED + AMBIENT) * p.auxiliary_volume + AMBIENT * p.cylinder_volume) / whole - AMBIENT
