@@ -106,19 +106,31 @@ def fractions(p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX) ->
     return p["friction_scale"] * above / below
 
 
-def braking() -> ca.Function:
-    """Return the function for the brake force at the rim of a vehicle [N], eqs (2.4), (2.6) and (2.7).
+def named(parameters: type[ParameterSet]) -> list[str]:
+    """Return the names of a parameter set in the order of C."""
+    return list(parameters.__dataclass_fields__)
 
-    Arguments: cylinder pressure [Pa], speed of the wheels at the rim [m/s], and the brake. Friction is by the laws of
-    `shoe_friction`, or by `fractions`.
+
+def brake_force(cylinder: ca.SX, wheel: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+    """Return the brake force at the rim [N], eqs (2.4), (2.6) and (2.7).
+
+    Friction is by the laws of `shoe_friction`, or by `fractions`.
     """
-    fields = list(VehicleBrake.__dataclass_fields__)
-    cylinder, wheel, given = ca.SX.sym("cylinder"), ca.SX.sym("wheel"), ca.SX.sym("given", len(fields))
-    p = dict(zip(fields, ca.vertsplit(given), strict=True))
     over = ca.fmax(cylinder - AMBIENT, 0)
     pressed = shoe_force(over, p["force_per_pressure"], p["counter_force"], p["efficiency"])
     fast, one = ca.fabs(wheel), pressed / p["shoes"]
     friction = ca.if_else(p["friction_law"] == KARWATZKI, karwatzki(one, fast), p["constant_friction"])
     friction = ca.if_else(p["friction_law"] == COMPOSITE, composite(fast), friction)
     friction = ca.if_else(p["friction_law"] == FRACTIONS, fractions(p, one, fast), friction)
-    return function_of("braking", [cylinder, wheel, given], friction * pressed)
+    return friction * pressed
+
+
+def braking() -> ca.Function:
+    """Return the function for the brake force at the rim of a vehicle [N], eqs (2.4), (2.6) and (2.7).
+
+    Arguments: cylinder pressure [Pa], speed of the wheels at the rim [m/s], and the brake.
+    """
+    fields = named(VehicleBrake)
+    cylinder, wheel, given = ca.SX.sym("cylinder"), ca.SX.sym("wheel"), ca.SX.sym("given", len(fields))
+    p = dict(zip(fields, ca.vertsplit(given), strict=True))
+    return function_of("braking", [cylinder, wheel, given], brake_force(cylinder, wheel, p))

@@ -1,12 +1,23 @@
 """Distributors by the names that consists use, one file each: add a file with a `Distributor`, and a line here."""
 
 from brake_controller.distributors.distributor import Distributor
+from brake_controller.distributors.ep_direct import EP_DIRECT
+from brake_controller.distributors.piped import PIPED
 from brake_controller.distributors.uic import UIC
 
 #: All distributors in the C code of trains; a test may add to them.
 DISTRIBUTORS: dict[str, Distributor] = {
     UIC.name: UIC,
+    EP_DIRECT.name: EP_DIRECT,
+    PIPED.name: PIPED,
 }
+#: Kinds of brakes in consists, with the name of a distributor; a pneumatic one has any other.
+BRAKES = {"pneumatic": "", "ep-direct": EP_DIRECT.name, "none": PIPED.name}
+
+
+def pneumatic() -> tuple[str, ...]:
+    """Return the names of the distributors that the brake pipe controls."""
+    return tuple(name for name in DISTRIBUTORS if name not in BRAKES.values())
 
 
 def kind_of(parameters: object) -> Distributor:

@@ -18,8 +18,8 @@ from fmu_src.chain import function_of
 from fmu_src.system import ParameterSet, quantity
 
 #: Commands of wheel-slide protection, as shares: no air into or out of the cylinder; the cylinder open to the
-#: surroundings.
-COMMANDED = ("held", "vented")
+#: surroundings. Electric command: demanded share of the cylinder's full pressure.
+COMMANDED = ("held", "vented", "demanded")
 #: Initial pressures of a state: charged as the pipe, ambient, that of the cylinders [Pa].
 STARTS = ("charged", "around", "cylinder")
 #: The state that presses the brake.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors import BRAKES, pneumatic
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.consist import KINDS, LONGEST_VEHICLE
 from rbd_model.train.coupler import COUPLERS
@@ -54,13 +54,21 @@ AIR: dict[str, tuple[str, float, float]] = {
     "branch": ("l", 0.0, 25.0),
     "delay": ("s", 0.0, 9.0),
 }
-NUMBERS = VEHICLE | FORCE | AIR
+#: Columns of the electric command and of the electric brake.
+ELECTRIC: dict[str, tuple[str, float, float]] = {
+    "dead_time": ("s", 0.0, 9.0),
+    "dynamic_force": ("kN", 0.1, 1000.0),
+    "dynamic_power": ("kW", 1.0, 20e3),
+    "dynamic_fade": ("km/h", 0.0, 100.0),
+}
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC
 #: Columns of integers.
 WHOLE = ("count", "shoes", "cylinders")
-#: Columns of words with a choice; the names of distributors are those that there are when a file is read.
+#: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
 WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
-    "distributor": DISTRIBUTORS,
+    "brake": tuple(BRAKES),
+    "distributor": (),
     "position": ("P", "G"),
     "friction": (*FRICTIONS, *FORCELESS),
     "coupler": tuple(COUPLERS),
@@ -71,22 +79,19 @@ WORDS: dict[str, Collection[str]] = {
 TEXTS = ("name",)
 #: All names, in the order in which files are written.
 NAMES = (
-    "kind",
-    *TEXTS,
-    *VEHICLE,
-    *FORCE,
-    "friction",
-    *AIR,
-    *(name for name in WORDS if name not in ("kind", "friction")),
+    *("kind", *TEXTS, *VEHICLE, "brake", *FORCE, "friction", *AIR, *ELECTRIC),
+    *(name for name in WORDS if name not in ("kind", "brake", "friction")),
 )
+
+
+def choices(name: str) -> tuple[str, ...]:
+    """Return the words that a column may have."""
+    return pneumatic() if name == "distributor" else tuple(WORDS[name])
 
 
 def columns() -> list[Column]:
     """Return the columns of a CSV file: empty cells leave a value to its default."""
-    found = [
-        Column(name, words=tuple(words), required=name == "kind", filled=name == "kind")
-        for name, words in WORDS.items()
-    ]
+    found = [Column(name, words=choices(name), required=name == "kind", filled=name == "kind") for name in WORDS]
     found += [Column(name, filled=False, text=True) for name in TEXTS]
     for name, (unit, least, most) in NUMBERS.items():
         found.append(Column(name, unit, least, most, filled=False, whole=name in WHOLE))

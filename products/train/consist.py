@@ -22,6 +22,7 @@ from brake_controller.brake_weight import (
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.uic import freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
+from brake_controller.electric_brake import NO_ELECTRIC_BRAKE, ElectricBrake
 from brake_controller.vehicle_brake import VehicleBrake, braking
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY, MOTION
@@ -69,6 +70,7 @@ class TrainVehicle:
     valve_delay: float = -1.0
     leads: bool = False
     name: str = ""
+    electric: ElectricBrake = NO_ELECTRIC_BRAKE
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""

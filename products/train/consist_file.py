@@ -15,10 +15,10 @@ from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import drivers_valve
 from fmu_src.suggestion import suggestion
-from products.train.columns import LONGEST_NAME, MOST, NAMES, NUMBERS, TEXTS, WHOLE, WORDS, columns
-from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle
+from products.train.columns import ELECTRIC, LONGEST_NAME, MOST, NAMES, NUMBERS, TEXTS, WHOLE, WORDS, choices, columns
+from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_with
 from products.train.layout import MOST_VALVES
-from products.train.stated import brake_of, check_force, distributor_of
+from products.train.stated import brake_of, check_control, check_force, distributor_of, electric_of
 from rbd_model.train.coupler import COUPLERS
 from readers.tables import number_of, read_table
 from readers.text import quoted, shown
@@ -42,6 +42,7 @@ WITHOUT_BRAKE = (
     "branch",
     "delay",
     "pipe_diameter",
+    *ELECTRIC,
 )
 
 
@@ -146,8 +147,8 @@ def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(row, Mapping):
         raise ValueError(f"a vehicle must be names with values; got {shown(row)}. Write kind = 'wagon'.")
     for name, value in row.items():
-        if name in WORDS and value not in WORDS[name]:
-            raise ValueError(f"{name} must be one of {', '.join(WORDS[name])}; got {shown(value)}. Choose one.")
+        if name in WORDS and value not in choices(name):
+            raise ValueError(f"{name} must be one of {', '.join(choices(name))}; got {shown(value)}. Choose one.")
         if name not in NAMES:
             raise ValueError(f"the name {quoted(str(name))} is unknown; {suggestion(str(name), NAMES)}")
         values[name] = value if name in WORDS else _text(name, value) if name in TEXTS else _number(name, value)
@@ -159,9 +160,13 @@ def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
 def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
     one = _bare(values)
     check_force(values)
+    check_control(values)
     one = replace(one, distributor=distributor_of(values, one.distributor))
-    if set(values) - set(WITHOUT_BRAKE):
+    if values.get("brake") == "none":
+        one = replace(one, brake=braked_with(0.0))
+    elif set(values) - set(WITHOUT_BRAKE):
         one = replace(one, brake=brake_of(values, one))
+    one = replace(one, electric=electric_of(values, one.distributor))
     one = _with_valve(values, one)
     return [one] * int(values.get("count", 1))
 

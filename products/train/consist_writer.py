@@ -14,7 +14,11 @@ import numpy as np
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS, kind_of
+from brake_controller.distributors.ep_direct import RELEASED, EpDirect
+from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
+from brake_controller.electric_brake import NO_LIMIT, ElectricBrake
+from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake
 from products.train.columns import NAMES, NUMBERS, WHOLE
 from products.train.consist import Consist, TrainVehicle
@@ -121,6 +125,7 @@ def _numbers(one: TrainVehicle) -> dict[str, Any]:
     own = {"length": one.length, "at": one.distributor_at, "leak": one.leak, "branch": one.branch}
     own |= {"pipe_diameter": one.pipe_diameter, "valve_delay": one.valve_delay, "braked_share": one.braked_share}
     valve = list(one.valve.numbers(0, 0.0, one.valve_delay).values()) if one.valve else [0.0]
+    own |= one.electric.values()
     return brake | own | {"valve": valve} | one.motion() | one.distributor.values() | one.coupler.values()
 
 
@@ -131,6 +136,7 @@ def row_of(one: TrainVehicle) -> Row:
     row |= {"mass": 1e-3 * one.mass, "length": one.length, "rotating": 1e2 * one.rotating_share}
     row |= {"resistance_a": a, "resistance_b": b, "resistance_c": c}
     row |= _brake(one) | _distributor(one)
+    row |= _electric(one.electric)
     row |= {"pipe_diameter": 1e3 * one.pipe_diameter, "at": one.distributor_at}
     if one.leak:
         row["leak"] = 1e3 * (4 / math.pi * one.leak / DISCHARGE) ** 0.5
@@ -146,9 +152,25 @@ def _valve(one: TrainVehicle) -> Row:
     return {"valve": "head"} if one.valve_delay < 0.0 else {"valve": "second", "delay": one.valve_delay}
 
 
+def _electric(one: ElectricBrake) -> Row:
+    """Return the columns of an electric command and of an electric brake."""
+    row: Row = {"dead_time": one.dead_time} if one.dead_time else {}
+    if one.dynamic_force:
+        row |= {"dynamic_force": 1e-3 * one.dynamic_force, "dynamic_fade": KILOMETRES_PER_HOUR * one.dynamic_fade}
+    if one.dynamic_force and one.dynamic_power < NO_LIMIT:
+        row["dynamic_power"] = 1e-3 * one.dynamic_power
+    return row
+
+
 def _distributor(one: TrainVehicle) -> Row:
     """Return the columns of a distributor: a built-in one by its name and position, or one of UIC with its times."""
     own = one.distributor
+    if isinstance(own, Piped):
+        return {"brake": "none"}
+    if isinstance(own, EpDirect):
+        fill, release = 0.95 * own.full_pressure / own.filling_rate, (own.full_pressure - RELEASED) / own.release_rate
+        times = {"fill_time": fill, "release_time": release}
+        return {"brake": "ep-direct", "full_pressure": 1e-5 * own.full_pressure} | times
     kind = kind_of(own)
     named: Row = {} if kind.name == "uic" else {"distributor": kind.name}
     for position in ("P", "G"):
@@ -180,6 +202,8 @@ def _friction(one: VehicleBrake) -> Row:
 def _brake(one: TrainVehicle) -> Row:
     """Return the columns of a brake: force of the shoes, or cylinder data if springs draw these back."""
     own, friction = one.brake, _friction(one.brake)
+    if isinstance(one.distributor, Piped):
+        return {}
     if own.counter_force == 0.0:
         force = own.force_per_pressure * own.efficiency * one.distributor.full_pressure
         return {"shoe_force": 1e-3 * force} | friction

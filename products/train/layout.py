@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from brake_controller.brake_pipe import CELL
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import POSITIONS, VALVE
+from brake_controller.electric_brake import ElectricBrake
 from brake_controller.vehicle_brake import VehicleBrake
 from fmu_src.system import Field, ParameterSet
 from rbd_model.train.coupler import COUPLER
@@ -87,6 +88,7 @@ INPUTS = (
     Array(
         "external_vehicle_speed", "m/s", -300.0, 300.0, "Speed of a vehicle that is computed elsewhere", of="vehicles"
     ),
+    Array("dynamic_brake", "1", 0.0, 1.0, "Share of each vehicle's electric brake, if it has one", of="vehicles"),
 )
 
 
@@ -186,6 +188,7 @@ def layout() -> tuple[Group, ...]:
         Group("place", "vehicles", _place()),
         *(Group(name, name, own) for name, own in of_kinds),
         Group("brake", "vehicles", _of(VehicleBrake, 1e12)),
+        Group("electric", "vehicles", _of(ElectricBrake, 1e12)),
         Group("motion", "vehicles", MOTION),
         Group("frame", "vehicles", _FRAME),
         Group("coupler", "couplings", COUPLER),

@@ -8,6 +8,7 @@ from brake_controller.air import AMBIENT, GAS_CONSTANT
 from brake_controller.brake_pipe import VALVE as TAP
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
+from brake_controller.electric_brake import DEMANDED
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.system import Field
 from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, layout
@@ -69,6 +70,7 @@ def _kinds_in_c() -> list[str]:
     return [
         _enum("start", STARTS, "STARTS"),
         _enum("command", COMMANDED, "COMMAND_ROWS"),
+        _enum("electrically", DEMANDED, "ELECTRICALLY_ROWS"),
         _enum("answer", ANSWERED, "ANSWER_ROWS"),
         _enum("kind", DISTRIBUTORS, "KINDS"),
         f"typedef struct {{\n    int states, given, cylinder, start[{most}];\n}} distributor_kind;",

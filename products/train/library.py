@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import Distributor
+from brake_controller.electric_brake import blending
 from brake_controller.vehicle_brake import braking
 from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
@@ -23,7 +25,7 @@ FOLDER = Path(folder.__file__ or "").parent
 FUNCTIONS = {
     "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, rolling, sliding),
-    "train": (braking,),
+    "train": (braking, blending),
 }
 
 
@@ -41,13 +43,22 @@ def _sources(kinds: tuple[Distributor, ...]) -> dict[str, str]:
         made = [one() for one in functions_of]
         if name == "pipe":
             made += [one.function(brake_model) for one in kinds for brake_model in dict.fromkeys(one.brake_models())]
-        texts[f"{name}_cells.h"] = "\n".join(map(function_of_cells, made))
+        texts[f"{name}_cells.h"] = "\n".join(_arguments_used(function_of_cells(one)) for one in made)
         for lanes in (1, *WIDTHS):
             loops = f'#define LANES {lanes}\n#include "{name}_loops.h"\n'
             texts[f"{name}_{lanes}.c"] = (
                 f'#include "lanes_widest.h"\n#include "{name}_inside.h"\n#if LANES_WIDEST >= {lanes}\n{loops}#endif\n'
             )
     return texts
+
+
+def _arguments_used(text: str) -> str:
+    """Return a function in C that refers to all its arguments: a distributor without a pipe has no use for its air."""
+    head, _, body = text.partition(") {\n")
+    unused = "".join(
+        f" (void){name};" for name in re.findall(r"const double \*(\w+)", head) if not re.search(rf"\b{name}\b", body)
+    )
+    return f"{head}) {{\n   {unused}\n{body}" if unused else text
 
 
 class OutsideInC(ctypes.Structure):

@@ -12,10 +12,15 @@ from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import FROM_100, force_of_percentage
+from brake_controller.distributors import ep_direct
 from brake_controller.distributors.distributor import DistributorParameters
+from brake_controller.distributors.ep_direct import FILLING, RELEASE, EpDirect
+from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, with_times
-from brake_controller.shoe_friction import CONSTANT
+from brake_controller.electric_brake import FADE, NO_LIMIT, ElectricBrake
+from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking
+from products.train.columns import FORCE
 from products.train.consist import (
     PERCENTAGE,
     SPEEDS,
@@ -42,6 +47,13 @@ CYLINDER = {"cylinders": 1.0, "rigging_efficiency": 0.83, "return_force": 1500.0
 PAD_RADIUS = 0.6
 #: Times of filling and release by position [s], middle of those of UIC 540.
 TIMES = {"P": (4.0, 17.5), "G": (24.0, 52.5)}
+#: Columns without effect by kind of brake.
+_BY_PIPE, _TIMES = ("distributor", "position", "auxiliary", "cylinder"), ("full_pressure", "fill_time", "release_time")
+WITHOUT_EFFECT = {
+    "pneumatic": ("dead_time",),
+    "ep-direct": _BY_PIPE,
+    "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, "friction", "weighing"),
+}
 #: Columns of a UIC distributor's cylinder and reservoirs.
 OF_UIC = ("fill_time", "release_time", "auxiliary", "cylinder")
 
@@ -88,6 +100,30 @@ def _check_friction(values: Mapping[str, Any], stated: list[str]) -> None:
         raise ValueError("friction = constant must come with friction_value. Add it.")
 
 
+def check_control(values: Mapping[str, Any]) -> None:
+    """Check that a row has nothing without effect on its kind of brake or electric brake. Raises ValueError."""
+    brake = values.get("brake", "pneumatic")
+    for name in WITHOUT_EFFECT[brake]:
+        if name in values:
+            raise ValueError(f"{name} has no effect with brake = {brake}. Leave it out.")
+    for name in ("dynamic_power", "dynamic_fade"):
+        if name in values and "dynamic_force" not in values:
+            raise ValueError(f"{name} must come with dynamic_force. Add it, or leave {name} out.")
+
+
+def electric_of(values: Mapping[str, Any], one: DistributorParameters) -> ElectricBrake:
+    """Return the electric command and brake of a row; one: its distributor."""
+    blended = one.full_pressure if isinstance(one, EpDirect) else 0.0
+    power, fade = values.get("dynamic_power"), values.get("dynamic_fade")
+    return ElectricBrake(
+        blended_pressure=blended,
+        dead_time=values.get("dead_time", 0.0),
+        dynamic_force=1e3 * values.get("dynamic_force", 0.0),
+        dynamic_power=NO_LIMIT if power is None else 1e3 * power,
+        dynamic_fade=FADE if fade is None else fade / KILOMETRES_PER_HOUR,
+    )
+
+
 def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> DistributorParameters:
     """Return a vehicle's distributor with the pressure, times and volumes of a row.
 
@@ -103,6 +139,12 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
     ValueError
         If the distributor has no such value, or its reservoir does not reach the pressure.
     """
+    if values.get("brake") == "none":
+        return Piped(full_pressure=0.0)
+    if values.get("brake") == "ep-direct":
+        pressure = 1e5 * values["full_pressure"] if "full_pressure" in values else one.full_pressure
+        times = values.get("fill_time", FILLING), values.get("release_time", RELEASE)
+        return ep_direct.with_times(pressure, *times)
     own = [name for name in OF_UIC if name in values]
     if own and not isinstance(one, UicDistributor):
         raise ValueError(f"{own[0]} must be of the distributor uic; got {values['distributor']}. Leave {own[0]} out.")

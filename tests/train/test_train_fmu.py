@@ -7,7 +7,8 @@ import shutil
 import subprocess
 import xml.etree.ElementTree as ET
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -413,14 +414,14 @@ COUNTS = {"one": 1, "cells": CELLS, "vehicles": 3, "couplings": 2, "valves": 1, 
 }
 
 
-def place_of(group: str, name: str) -> int:
+def place_of(group: str, name: str, counts: Mapping[str, int] = COUNTS) -> int:
     """Return the index of a field's first number in train.bin."""
     place = 0
     for own in layout():
         for one in own.fields:
             if (own.name, one.name) == (group, name):
                 return place
-            place += COUNTS[own.of]
+            place += counts[own.of]
     raise KeyError(name)
 
 
@@ -465,17 +466,21 @@ DAMAGES |= {
 }
 
 
-def test_each_field_is_held_to_its_limits_and_to_whole_numbers() -> None:
+@pytest.mark.parametrize("kind", DISTRIBUTORS)
+def test_each_field_is_held_to_its_limits_and_to_whole_numbers(kind: str) -> None:
     """The limits themselves are valid. The message names the field. Distances of a line must increase."""
-    numbers, wrong = numbers_of(SHORT, Settings(), None), functions().train_wrong
+    of_kind = DISTRIBUTORS[kind].ready("P")
+    consist = Consist(tuple(replace(one, distributor=of_kind) for one in SHORT.vehicles))
+    counts = COUNTS | {f"distributor_{name}": 3 * (name == kind) for name in DISTRIBUTORS}
+    numbers, wrong = numbers_of(consist, Settings(), None), functions().train_wrong
     assert wrong(numbers.ctypes.data, numbers.size) is None
 
     def said_of(group: str, name: str, value: float) -> str:
         changed = numbers.copy()
-        changed[place_of(group, name)] = value
+        changed[place_of(group, name, counts)] = value
         return (wrong(changed.ctypes.data, changed.size) or b"").decode()
 
-    for group in layout():
+    for group in (own for own in layout() if counts[own.of]):
         for one in group.fields:
             most = one.most + (COUNTS[one.counts] if one.counts else 0)
             below, above = (

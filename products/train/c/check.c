@@ -45,7 +45,7 @@ const char *train_wrong(const double *numbers, long long int count) {
         if (!all_within(numbers, &FIELDS[n], counts)) return FIELDS[n].what;
     layout_find(numbers -= due, counts, at);
     if (!kinds_are_counted(at[GROUP_PLACE] + PLACE_DISTRIBUTOR * counts[OF_VEHICLES], numbers, counts[OF_VEHICLES]))
-        return "the distributor of a vehicle";
+        return "its number of distributors of a kind";
     return NULL;
 }
 

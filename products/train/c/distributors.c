@@ -100,6 +100,11 @@ void pipe_protect(pipe *self, const double *protection) {
     }
 }
 
+void pipe_demand(pipe *self, const double *share) {
+    EACH_KIND(self, one)
+    for (long long int i = 0; i < one->count; ++i) one->command[i + COMMAND_DEMANDED * one->stride] = share[one->vehicle[i]];
+}
+
 void pipe_vehicle_states(const pipe *self, int kind, double *state) {
     const distributors *one = &self->own[kind];
     for (int n = 0; one->count && n < KIND[kind].states; ++n)

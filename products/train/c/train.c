@@ -10,8 +10,8 @@
 
 /* Brakes and line are constant during a step. It is as long as waves in the pipe allow, within these limits [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
-/* Rows of brakes: constants, and three results of all lanes. */
-enum { ROWS = BRAKE_ROWS + 3 };
+/* Rows of brakes: constants, three results of all lanes; electric constants, commands and results. */
+enum { BLENDED_ROWS = 2, ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS };
 
 static double *take(double **from, long long int count) {
     double *place = *from;
@@ -31,6 +31,16 @@ static void put_brakes(train *self, const double *brake) {
     }
     double *rows[] = {self->cylinder, self->wheel, self->held};
     for (int n = 0; n < 3; ++n) rows_fill(rows[n], self->stride, 1.0);
+}
+
+static void put_electric(train *self, const double *electric) {
+    for (int n = 0; n < ELECTRIC_ROWS; ++n) {
+        rows_fill(self->electric + n * self->stride, self->stride, 1.0);
+        memcpy(self->electric + n * self->stride, electric + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    }
+    for (long long int i = 0; i < self->vehicles; ++i)
+        self->blends |= electric[ELECTRIC_BLENDED_PRESSURE * self->vehicles + i] > 0.0 ||
+                        electric[ELECTRIC_DYNAMIC_FORCE * self->vehicles + i] > 0.0;
 }
 
 /* Height above the first point of the line, from the gradients between its points. */
@@ -62,6 +72,9 @@ static int take_memory(train *self) {
     self->cylinder = take(&room, self->stride);
     self->wheel = take(&room, self->stride);
     self->held = take(&room, self->stride);
+    self->electric = take(&room, ELECTRIC_ROWS * self->stride);
+    self->command = take(&room, ELECTRICALLY_ROWS * self->stride);
+    self->blended = take(&room, BLENDED_ROWS * self->stride);
     room -= ROWS_EDGE;
     self->mass = take(&room, n);
     self->centre = take(&room, n);
@@ -82,6 +95,7 @@ static void put(double *to, const double *group, int row, long long int count) {
 /* Numbers of vehicles, valves and the line. */
 static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS]) {
     put_brakes(self, at[GROUP_BRAKE]);
+    put_electric(self, at[GROUP_ELECTRIC]);
     put(self->mass, at[GROUP_MOTION], MOTION_MASS, self->vehicles);
     put(self->centre, at[GROUP_FRAME], FRAME_CENTRE, self->vehicles);
     put(self->length, at[GROUP_FRAME], FRAME_LENGTH, self->vehicles);
@@ -189,10 +203,24 @@ static void begin_motion(train *self, double speed, double distance) {
     for (long long int i = 0; i < self->vehicles; ++i) motion_lead(self->moves, i, NAN);
 }
 
+/* Forces of electric brakes, and what their vehicles' cylinders are to give, in a step. */
+static void demand_brakes(train *self, double step) {
+    memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        const int released = self->input[IN_PROTECTION][i] == PROTECTION_RELEASE;
+        const double dead_time = self->electric[i + ELECTRIC_DEAD_TIME * self->stride];
+        self->command[i] = released ? 0.0 : valves_demand(self, step, dead_time);
+        self->command[i + self->stride] = released ? 0.0 : self->input[IN_DYNAMIC_BRAKE][i];
+    }
+    IN_LANES(train_blend);
+    pipe_demand(self->air, self->blended + self->stride);
+}
+
 /* Brake forces at pressures of cylinders and speeds of wheels. */
 static void find_brakes(train *self) {
     memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
     IN_LANES(train_brake);
+    for (long long int i = 0; i < self->vehicles && self->blends; ++i) self->held[i] += self->blended[i];
 }
 
 /* Forces of the last step. */
@@ -241,6 +269,7 @@ void train_begin(train *self, double time, double speed, double distance, double
         fill(own + 1 + HISTORY, HISTORY, v ? DRIVER_POSITION_SHUT_OFF : DRIVER_POSITION_RUNNING);
     }
     put_joints(self);
+    fill(self->blended, self->vehicles, 0.0);
     self->steps[0] = self->steps[1] = 0;
     pipe_pressures(self->air, NULL, self->cylinder);
     find_brakes(self);
@@ -284,6 +313,7 @@ static void take_inputs(train *self) {
 /* One step with brakes and line of its middle; returns 0 if its result is not finite. */
 static int step_on(train *self, double step) {
     valves_command(self, step);
+    if (self->blends) demand_brakes(self, step);
     pipe_pressures(self->air, NULL, self->cylinder);
     memcpy(self->held, self->cylinder, (size_t)self->vehicles * sizeof(double));
     const long long int taken = pipe_advance(self->air, step, self->head[HEAD_COURANT]);

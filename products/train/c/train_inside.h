@@ -20,6 +20,9 @@ struct train {
     motion *moves;
     double *memory;
     double *brake, *cylinder, *wheel, *held; /* rows (rows.h): constants, variables they depend on, brake forces */
+    /* rows of electric commands and brakes: constants, commands, and forces with demanded shares of the cylinders' pressure */
+    double *electric, *command, *blended;
+    int blends; /* a vehicle has an electric command or an electric brake */
     double *mass, *centre, *length;
     long long int *cell, *hint, *face; /* cell of each vehicle; row of the line; cell after its end, 0: none */
     double *valve; /* VALVE_ROWS of each valve */
@@ -39,7 +42,9 @@ void layout_find(const double *numbers, const long long int counts[LAYOUT_OWNERS
 long long int layout_input(const long long int counts[LAYOUT_OWNERS], int row);
 long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
 
-#define TRAIN_LOOPS(lanes) void train_brake_##lanes(train *self)
+#define TRAIN_LOOPS(lanes)                                                                                                     \
+    void train_brake_##lanes(train *self);                                                                                     \
+    void train_blend_##lanes(train *self)
 TRAIN_LOOPS(1);
 TRAIN_LOOPS(2);
 TRAIN_LOOPS(4);
@@ -49,6 +54,8 @@ TRAIN_LOOPS(8);
 void valves_command(train *self, double step);
 /* Stores them, and applies them to given pressures. */
 void valves_tell(train *self, double step);
+/* Largest share of the brakes that a driver's valve demanded a dead time ago, in the middle of a step. */
+double valves_demand(train *self, double step, double dead_time);
 double *valves_run(train *self, long long int valve);
 /* Gravity and curves on all vehicles (line.c), in the middle of a step. */
 void line_act(train *self, double step);

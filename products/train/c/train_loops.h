@@ -8,4 +8,11 @@ void LANES_NAME(train_brake)(train *self) {
     LANES_LEAVE;
 }
 
+void LANES_NAME(train_blend)(train *self) {
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_blending)(self->wheel + i, self->command + i, self->brake + i, self->electric + i, self->blended + i,
+                                   self->stride);
+    LANES_LEAVE;
+}
+
 #include "lanes_end.h"

@@ -29,6 +29,20 @@ static double wanted(const double *given, double position, double step) {
     return position == DRIVER_POSITION_EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
 }
 
+double valves_demand(train *self, double step, double dead_time) {
+    const double time = self->run[RUN_TIME] + step / 2.0 - dead_time + HISTORY_STEP; /* the end of its step is stored */
+    double most = 0.0;
+    for (long long int v = 0; v < self->valves; ++v) {
+        const double *given = self->valve + v * VALVE_ROWS;
+        const double position = dead_time > 0.0 ? delayed(self, v, 1, time) : self->input[IN_DRIVER_POSITION][v];
+        const double service = dead_time > 0.0 ? delayed(self, v, 2, time) : self->input[IN_DRIVER_STEP][v];
+        const double least = given[VALVE_FIRST] / given[VALVE_FULL];
+        if (position == DRIVER_POSITION_SERVICE) most = fmax(most, least + service * (1.0 - least));
+        if (position == DRIVER_POSITION_EMERGENCY) most = 1.0;
+    }
+    return most;
+}
+
 static double moved(const double *given, double held, double position, double step, double time) {
     const double target = wanted(given, position, step);
     if (position == DRIVER_POSITION_SHUT_OFF) return held;

@@ -1,0 +1,63 @@
+"""The electric brake of a train's vehicle, and how air fills what it lacks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from brake_controller.air import AMBIENT
+from brake_controller.vehicle_brake import VehicleBrake, brake_force, named
+from fmu_src.chain import function_of
+from fmu_src.system import ParameterSet, quantity
+
+#: Speed below which an electric brake fades out, where none is given [m/s]: 8 km/h. Assumed, as train simulators do.
+FADE = 8.0 / 3.6
+#: Power of an electric brake that has no limit of it [W].
+NO_LIMIT = 1e12
+#: Commands of a vehicle: share of its whole brake that drivers demand, and share of its electric brake alone.
+DEMANDED = ("demanded", "dynamic")
+#: Least speed [m/s] and force [N] in a denominator.
+LEAST = 1e-6
+
+
+@dataclass(frozen=True)
+class ElectricBrake(ParameterSet):
+    """Electric command and electric brake of one vehicle."""
+
+    blended_pressure: float = quantity("Pa", "Full pressure of a direct electro-pneumatic brake; 0 without one", 0.0)
+    dead_time: float = quantity("s", "Time from the driver's command to the vehicle's answer", 0.0, 9.0)
+    dynamic_force: float = quantity("N", "Largest force of the electric brake at the rims", 0.0)
+    dynamic_power: float = quantity("W", "Largest power of the electric brake at the rims", 0.0)
+    dynamic_fade: float = quantity("m/s", "Speed below which the electric brake fades out linearly", 0.0)
+
+
+#: A vehicle without electric command and electric brake.
+NO_ELECTRIC_BRAKE = ElectricBrake(0.0, 0.0, 0.0, NO_LIMIT, FADE)
+
+
+def blending() -> ca.Function:
+    """Return the function for the electric brake's force at the rims [N], and the share of the full cylinder pressure.
+
+    The electric brake gives min(F, P / v), fading out linearly below a speed: the part of the demanded force that it
+    can, or the share that its own command asks for. Air fills what is missing as a share of the shoe force, which is
+    exact for a friction that does not depend on that force (blending of metros; forces by eqs (2.4) and (2.6)).
+    """
+    wheel, command = ca.SX.sym("wheel"), ca.SX.sym("command", len(DEMANDED))
+    brake, given = ca.SX.sym("brake", len(named(VehicleBrake))), ca.SX.sym("given", len(named(ElectricBrake)))
+    p, b = (
+        dict(zip(named(of), ca.vertsplit(row), strict=True))
+        for of, row in ((ElectricBrake, given), (VehicleBrake, brake))
+    )
+    demanded, dynamic = ca.vertsplit(command)
+    fast = ca.fabs(wheel)
+    strength = ca.fmin(p["dynamic_force"], p["dynamic_power"] / ca.fmax(fast, LEAST))
+    able = strength * ca.fmin(fast / ca.fmax(p["dynamic_fade"], LEAST), 1)
+    full = brake_force(p["blended_pressure"] + AMBIENT, wheel, b)
+    electric = ca.fmin(ca.fmax(demanded * full, dynamic * able), able)
+    lacks = ca.fmax(demanded - electric / ca.fmax(full, LEAST), 0)
+    pressed = ca.fmax(b["force_per_pressure"] * p["blended_pressure"], LEAST)
+    share = lacks + (1 - lacks) * ca.fmin(b["counter_force"] / pressed, 1)
+    return function_of(
+        "blending", [wheel, command, brake, given], ca.vertcat(electric, ca.if_else(lacks > 0, share, 0))
+    )
