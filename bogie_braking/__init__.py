@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from rbd_model.track.line import line_of as line_of
     from rbd_model.track.line import straight as straight
     from rbd_model.track.line_elements import line_from_elements as line_from_elements
+    from rbd_model.track.line_files import line_from_file as line_from_file
     from rbd_model.track.line_points import line_from_points as line_from_points
 
 #: Module of each public name; it is imported on first use.
@@ -63,6 +64,7 @@ _HOMES = {
     "fmu_src.system": ("Model", "System", "Variable"),
     "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
     "rbd_model.track.line_elements": ("line_from_elements",),
+    "rbd_model.track.line_files": ("line_from_file",),
     "rbd_model.track.line_points": ("line_from_points",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

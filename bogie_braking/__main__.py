@@ -18,6 +18,8 @@
                                                                  on a Dask cluster
   bogie-braking pace spatial --step 1ms --seconds 10             in real time on this machine: longest step, overruns
   bogie-braking controllers compare mine.py:PI                   scores wheel-slide controllers, in Python and in C
+  bogie-braking line check mine.csv --speed 120km/h              what a line demands, and a picture
+  bogie-braking line import points.csv --out mine.csv            a line of points, elements, or of another program
   bogie-braking live                                             pages that brake a coach, a bogie or a train
   bogie-braking build bogie                                      FMUs; build --help says more
   bogie-braking run levels --json | jq .rows                     the summary for a program

@@ -218,11 +218,7 @@ def table_of(
 ) -> Table:
     """Read a table from its text, as `read_table` does; source: its name in messages."""
     lines = lines_of(text)
-    first = list(islice(rows_in(lines, source), SAMPLE))
-    declared = DECLARED.fullmatch(first[0][1]) if first else None
-    first = first[1:] if declared else first
-    separator = declared[1] if declared else _separator_of([row for _, row in first])
-    behind = first[0][0] - 1 if first else len(lines)
+    separator, behind = _form_of(lines, source)
     rows = ((at, cells_of(row, separator, f"{source}, row {at}")) for at, row in rows_in(lines, source, behind))
     filled = ((at, cells) for at, cells in rows if any(cells))
     at, cells = next(filled, (0, []))
@@ -238,6 +234,31 @@ def table_of(
         return body.table(_by_position(place, columns, [""] * len(cells)), [(at, cells), *filled])
     layout = _layout(place, cells, columns, others, by_position)
     return body.plain(layout, lines, at) or body.table(layout, filled)
+
+
+def names_of(path: str | Path) -> list[str]:
+    """Return the names in the first row of a table, in small letters and without units; empty if it has numbers.
+
+    Raises
+    ------
+    FileError
+        If the file is not readable as text.
+    """
+    lines = lines_of(text_of(path))
+    separator, behind = _form_of(lines, str(path))
+    at, row = next(rows_in(lines, str(path), behind), (0, ""))
+    cells = [cell for cell in cells_of(row, separator, f"{path}, row {at}") if cell]
+    named = [_name_and_unit(cell, f"{path}, row {at}")[0] for cell in cells if not number_in(cell)]
+    return [tidy(name) for name in named]
+
+
+def _form_of(lines: Sequence[str], source: str) -> tuple[str, int]:
+    """Return the separator of a table, and the number of lines before its first row."""
+    first = list(islice(rows_in(lines, source), SAMPLE))
+    declared = DECLARED.fullmatch(first[0][1]) if first else None
+    first = first[1:] if declared else first
+    separator = declared[1] if declared else _separator_of([row for _, row in first])
+    return separator, first[0][0] - 1 if first else len(lines)
 
 
 def cells_of(row: str, separator: str, place: str) -> list[str]:

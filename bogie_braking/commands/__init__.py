@@ -30,6 +30,7 @@ COMMANDS = {
     "pace": ("run an FMU in real time on this machine: longest step, overruns, jitter", "pace"),
     "controllers": ("compare wheel-slide controllers, a Python class, C or a library, on the test rig", "controllers"),
     "consist": ("import a train of another program, or check a consist: masses, brakes, stops", "consist"),
+    "line": ("check a line and draw it; import points, elements, OSRD, railML, LandXML, ALTRIOS", "line"),
     "live": ("write pages that brake a coach, a bogie or a train in any browser", "live"),
     "build": ("build FMUs", "build"),
 }

@@ -41,7 +41,7 @@ def with_places_between(line: Line) -> Line:
     """Return the line with more rows, at most PITCH apart, interpolated as in the models."""
     rows = line.rows["distance"]
     places = np.union1d(rows, np.linspace(rows[0], rows[-1], int(np.ceil(line.length / PITCH)) + 1))
-    return Line({name: line.value(name, places) for name in line.rows})
+    return Line.of_any_size({name: line.value(name, places) for name in line.rows} | {"distance": places})
 
 
 def integral(line: Line, values: np.ndarray) -> np.ndarray:

@@ -1,0 +1,157 @@
+"""The command `line`: checks a line and draws it, or makes one of points, elements and files of other programs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from bogie_braking.commands.shared import add_out, add_speech, describe
+from bogie_braking.exit_status import HOLDS
+from readers.command_line import check_folder, quantity
+from readers.storage import write_whole, writing
+from readers.text import BadInputError, FileError
+
+ABOUT = """Check a line and draw it, or make a line of points, of tables of a survey, or of files of other programs.
+
+  bogie-braking line check line.csv --speed 120km/h              numbers, and a picture in results/line.png
+  bogie-braking line import points.csv --out line.csv            points: x, y, z or latitude, longitude
+  bogie-braking line import elements.csv --profile profile.csv   straights, transitions, arcs; points of the profile
+  bogie-braking line import infra.json --tracks TA0 TA6          tracks of OSRD, railML, LandXML or ALTRIOS
+"""
+FILE = "a line, points, elements, or a file of OSRD (.json), ALTRIOS (.yaml), railML or LandXML (.xml)"
+#: Speed of the cant deficiency if none is given [m/s].
+SPEED = 100 / 3.6
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the actions `check` and `import`."""
+    describe(parser, ABOUT)
+    actions = parser.add_subparsers(dest="action", required=True)
+    check = actions.add_parser("check", help="print what a line demands, and draw it")
+    check.add_argument("file", type=Path, metavar="FILE", help=FILE)
+    speed = quantity("--speed", "m/s", 0.1, 200.0)
+    text = "speed of the cant deficiency, as 120km/h or 33.3 in m/s (default: 100km/h)"
+    check.add_argument("--speed", type=speed, metavar="SPEED", default=SPEED, help=text)
+    add_out(check, "folder of the picture")
+    make = actions.add_parser("import", help="write the line of a file as a line file, and draw it")
+    make.add_argument("file", type=Path, metavar="FILE", help=FILE)
+    text = "line file to write; its picture lies next to it (default: line.csv)"
+    make.add_argument("--out", type=Path, default=Path("line.csv"), metavar="FILE", help=text)
+    for action in (check, make):
+        _add_options(action)
+        add_speech(action, "the numbers", "no text, only the exit status")
+
+
+def _add_options(action: argparse.ArgumentParser) -> None:
+    text = "for elements: table with chainage, height, radius of the vertical curve"
+    action.add_argument("--profile", type=Path, metavar="FILE", help=text)
+    text = "for elements and points: distance at the start [m] (default: that of the profile, or 0)"
+    action.add_argument("--start", type=quantity("--start", "m", -1e7, 1e7), metavar="DISTANCE", help=text)
+    text = "for points: standard deviation of a point, as 5mm (default: estimated)"
+    action.add_argument("--noise", type=quantity("--noise", "m", 0.0, 1.0, above=True), metavar="LENGTH", help=text)
+    text = "for other programs: tracks of the route in their order, - behind one that is run backwards"
+    action.add_argument("--tracks", nargs="+", action="extend", default=[], metavar="NAME", help=text)
+    action.add_argument("--mirror", action="store_true", help="exchange left and right")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Check or import a line. Raises BadInputError for files that cannot be read."""
+    from rbd_model.track.line_files import line_from_file
+
+    if chosen.action == "check":
+        check_folder(chosen.out)
+    elif chosen.out.resolve() == chosen.file.resolve():
+        raise BadInputError(f"--out must be another file than FILE; got {chosen.out} twice. Name another.")
+    else:
+        check_folder(chosen.out.parent)
+    try:
+        line = line_from_file(
+            chosen.file,
+            profile=chosen.profile,
+            start=chosen.start,
+            noise=chosen.noise,
+            tracks=chosen.tracks,
+            mirror=chosen.mirror,
+        )
+    except FileError as error:
+        raise BadInputError(str(error)) from None
+    return _check(chosen, line) if chosen.action == "check" else _import(chosen, line)
+
+
+def _check(chosen: argparse.Namespace, line: Any) -> int:
+    from rbd_model.track.line_check import check_line
+    from rbd_model.track.line_files import account_of
+    from scenarios.reporting.line_check_picture import figure_of_check
+
+    check = check_line(line, chosen.speed)
+    picture = _save(figure_of_check(line, check, chosen.speed), chosen.out / f"{chosen.file.stem}.png")
+    if chosen.json:
+        print(json.dumps(document_of(check, chosen.speed) | {"picture": str(picture)}, indent=2))
+    elif not chosen.quiet:
+        print("\n".join(filter(None, [str(account_of(line)), text_of(check, chosen.speed), f"picture: {picture}"])))
+    return HOLDS
+
+
+def _import(chosen: argparse.Namespace, line: Any) -> int:
+    from rbd_model.track.line import NAMES
+    from rbd_model.track.line_check import check_line
+    from rbd_model.track.line_files import account_of
+    from rbd_model.track.line_points import LineFromPoints
+    from scenarios.reporting.line_check_picture import figure_of_check, figure_of_points
+
+    rows = line.lines_of([name for name in NAMES if name in line.rows])
+    write_whole(chosen.out, ("\n".join(rows) + "\n").encode(), "name another file with --out")
+    check = check_line(line, SPEED)
+    pictures = [_save(figure_of_check(line, check, SPEED), chosen.out.with_suffix(".png"))]
+    if isinstance(line, LineFromPoints):
+        place = chosen.out.with_name(f"{chosen.out.stem}-points.png")
+        pictures.append(_save(figure_of_points(line), place))
+    account = account_of(line)
+    if chosen.json:
+        found = {"line": str(chosen.out), "pictures": [str(one) for one in pictures], **vars(account)}
+        print(json.dumps(found | document_of(check, SPEED), indent=2))
+    elif not chosen.quiet:
+        text = f"line:     {chosen.out}, {check.rows} rows, {check.end - check.begin:.3f} m"
+        print("\n".join(filter(None, [str(account), text, *(f"picture:  {one}" for one in pictures)])))
+    return HOLDS
+
+
+def _save(figure: Any, place: Path) -> Path:
+    with writing(place.parent):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(place, dpi=130)
+    return place
+
+
+def text_of(check: Any, speed: float) -> str:
+    """Return the numbers of a line as lines of text."""
+    from rbd_model.track.line_check import TWIST_BASE, radius_of
+
+    bend, side = check.tightest, "left" if check.tightest.value > 0.0 else "right"
+    tightest = "straight" if bend.value == 0.0 else f"{radius_of(bend.value):.1f} m to the {side} at {bend.place:.1f} m"
+    numbers = {
+        "length": f"{check.end - check.begin:.3f} m, from {check.begin:.3f} to {check.end:.3f} m, {check.rows} rows",
+        "smallest radius": tightest,
+        "largest cant": f"{1e3 * check.cant.value:.1f} mm at {check.cant.place:.1f} m",
+        f"deficiency at {3.6 * speed:.4g} km/h": f"up to {1e3 * check.deficiency.value:.1f} mm at "
+        f"{check.deficiency.place:.1f} m, down to {1e3 * check.excess.value:.1f} mm at {check.excess.place:.1f} m",
+        "steepest gradient": f"{1e3 * check.gradient.value:.2f} per mille at {check.gradient.place:.1f} m",
+        "height of the end": f"{check.height:+.3f} m over the start",
+        "largest twist": f"{1e3 * check.twist.value:.2f} mm/m over {TWIST_BASE:g} m at {check.twist.place:.1f} m",
+    }
+    units = {"curvature": (1.0, "1/m"), "cant": (1e3, "mm"), "gradient": (1e3, "per mille")}
+    for name, jumps in check.jumps.items():
+        scale, unit = units[name]
+        places = ", ".join(f"{scale * one.value:+.3g} {unit} at {one.place:.1f} m" for one in jumps[:3])
+        more = f" and {len(jumps) - 3} more" if len(jumps) > 3 else ""
+        numbers[f"jumps of {name}"] = f"{places}{more}" if jumps else "none"
+    return "\n".join(f"{name + ':':<26}{text}" for name, text in numbers.items())
+
+
+def document_of(check: Any, speed: float) -> dict[str, Any]:
+    """Return the numbers of a line as a document, in SI units."""
+    from dataclasses import asdict
+
+    return {"speed": speed, **asdict(check)}

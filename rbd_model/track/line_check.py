@@ -1,0 +1,126 @@
+"""Numbers by which a line is checked: radii, cant, cant deficiency at a speed, gradients, twist, jumps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rbd_model.track.line import Line
+from rbd_model.track.line_pieces import end_of
+from rbd_model.track.line_table import GAUGE, ROUNDING
+
+Numbers = NDArray[np.float64]
+#: Acceleration of free fall [m/s2], and length over which twist is measured [m] (EN 13848-1).
+GRAVITY, TWIST_BASE = 9.81, 3.0
+#: Changes over 2 ROUNDING that are jumps, assumed: a curve of 5000 m, 5 mm of cant, 2 per mille.
+JUMPS = {"curvature": 2e-4, "cant": 5e-3, "gradient": 2e-3}
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A value and its place on the line [m]."""
+
+    value: float
+    place: float
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a line demands.
+
+    Attributes
+    ----------
+    begin, end, rows : float
+        First and last distance [m], number of rows.
+    tightest : Extreme
+        Largest curvature by size, with its sign [1/m].
+    cant, deficiency, excess : Extreme
+        Largest cant by size [m]; largest and smallest cant deficiency at the speed [m], positive outwards.
+    gradient, height : Extreme, float
+        Steepest gradient with its sign; height of the end over the start [m].
+    twist : Extreme
+        Largest change of cant and cross level over TWIST_BASE, a metre.
+    jumps : dict
+        For each quantity the places where it jumps [m], with the change.
+    """
+
+    begin: float
+    end: float
+    rows: int
+    tightest: Extreme
+    cant: Extreme
+    deficiency: Extreme
+    excess: Extreme
+    gradient: Extreme
+    height: float
+    twist: Extreme
+    jumps: dict[str, list[Extreme]]
+
+
+def deficiency_of(curvature: Numbers, cant: Numbers, speed: float) -> Numbers:
+    """Return the cant deficiency of curves at a speed [m], to the outside of each: v^2 / (R g) of GAUGE, less the cant.
+
+    EN 13803 rounds GAUGE / g to 11.8 mm.m.h2/km2. On straight track the sign is that of the cant to the left.
+    """
+    side = np.where(curvature == 0.0, 1.0, np.sign(curvature))
+    return np.asarray(side * (GAUGE * speed**2 * curvature / GRAVITY - cant))
+
+
+def check_line(line: Line, speed: float) -> Check:
+    """Return the numbers of a line at a speed [m/s]; values are linear between rows, as in EN 13803."""
+    rows = line.rows
+    at, zeros = rows["distance"], np.zeros_like(rows["distance"])
+    curvature, cant, gradient = (rows.get(name, zeros) for name in ("curvature", "cant", "gradient"))
+    lacking = deficiency_of(curvature, cant, speed)
+    return Check(
+        float(at[0]),
+        float(at[-1]),
+        at.size,
+        _largest(curvature, at),
+        _largest(cant, at),
+        Extreme(float(lacking.max()), float(at[np.argmax(lacking)])),
+        Extreme(float(lacking.min()), float(at[np.argmin(lacking)])),
+        _largest(gradient, at),
+        end_of({"distance": at, "curvature": curvature, "gradient": gradient})["height"],
+        _twist(line),
+        {name: _jumps(at, rows.get(name, zeros), least) for name, least in JUMPS.items()},
+    )
+
+
+def _largest(values: Numbers, at: Numbers) -> Extreme:
+    row = int(np.argmax(np.abs(values)))
+    return Extreme(float(values[row]), float(at[row]))
+
+
+def _twist(line: Line) -> Extreme:
+    rows = line.rows
+    at = rows["distance"]
+    level = rows.get("cant", 0.0) + rows.get("right_vertical", 0.0) - rows.get("left_vertical", 0.0) + 0.0 * at
+    begins = np.union1d(at, at - TWIST_BASE)
+    begins = begins[(begins >= at[0]) & (begins <= at[-1] - TWIST_BASE)]
+    if not begins.size:
+        return Extreme(0.0, float(at[0]))
+    twist = (np.interp(begins + TWIST_BASE, at, level) - np.interp(begins, at, level)) / TWIST_BASE
+    return _largest(twist, begins)
+
+
+def _jumps(at: Numbers, values: Numbers, least: float) -> list[Extreme]:
+    """Return changes of at least `least` within 2 ROUNDING, one for those that are close together."""
+    middles = np.union1d(at, (at[1:] + at[:-1]) / 2.0)
+    change = np.interp(middles + ROUNDING, at, values) - np.interp(middles - ROUNDING, at, values)
+    found: list[Extreme] = []
+    for place in np.flatnonzero(np.abs(change) >= least).tolist():
+        one = Extreme(float(change[place]), float(middles[place]))
+        if found and one.place - found[-1].place <= 4.0 * ROUNDING:
+            found[-1] = max(found[-1], one, key=lambda each: abs(each.value))
+        else:
+            found.append(one)
+    return found
+
+
+def radius_of(curvature: float) -> float:
+    """Return the radius of a curvature by size [m], infinite for straight track."""
+    return math.inf if curvature == 0.0 else 1.0 / abs(curvature)

@@ -1,0 +1,104 @@
+"""Lines from files of any known form, found by the end of a file's name or by the names of its columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from rbd_model.track.line import Line, read_line
+from rbd_model.track.line_elements import line_from_elements
+from rbd_model.track.line_pieces import SourcedLine, line_of_alignment
+from rbd_model.track.line_points import line_from_points
+from readers.alignment import Account
+from readers.formats.lines import is_foreign_line, read_foreign_line
+from readers.tables import names_of
+from readers.text import BadInputError
+
+#: Columns by which a table is one of elements, or of points; every other table is a line.
+OF_ELEMENTS, OF_POINTS = {"type", "length"}, {"x", "y", "easting", "northing", "latitude", "longitude"}
+ELEMENTS, POINTS, FOREIGN, LINE = "elements", "points", "a file of another program", "a line"
+#: Options, and the kinds of file that they belong to.
+OPTIONS = {
+    "profile": (ELEMENTS,),
+    "start": (ELEMENTS, POINTS),
+    "noise": (POINTS,),
+    "tracks": (FOREIGN,),
+}
+
+
+def kind_of(path: Path) -> str:
+    """Return what a file holds: ELEMENTS, POINTS, FOREIGN or LINE. Raises FileError if it cannot be read."""
+    if is_foreign_line(path):
+        return FOREIGN
+    names = set(names_of(path))
+    return ELEMENTS if names >= OF_ELEMENTS else POINTS if names & OF_POINTS else LINE
+
+
+def line_from_file(
+    path: str | Path,
+    *,
+    profile: str | Path | None = None,
+    start: float | None = None,
+    noise: float | None = None,
+    tracks: Sequence[str] = (),
+    mirror: bool = False,
+) -> Line:
+    """Return the line in a file: a line, points, elements, or an infrastructure of OSRD, railML, LandXML or ALTRIOS.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    profile : str or Path, optional
+        Table of the vertical profile, for elements.
+    start : float, optional
+        Distance at the start [m], for elements and points.
+    noise : float, optional
+        Standard deviation of a point [m], for points.
+    tracks : sequence of str
+        Tracks of the route, for files of other programs; `-` behind one that is run backwards.
+    mirror : bool
+        Whether left and right are exchanged.
+
+    Returns
+    -------
+    Line
+        A `SourcedLine` with its `account`, unless the file is a line.
+
+    Raises
+    ------
+    BadInputError
+        If an option does not belong to the file, or points are not a line.
+    FileError
+        If the file cannot be read.
+    """
+    path = Path(path)
+    kind = kind_of(path)
+    given = {"profile": profile, "start": start, "noise": noise, "tracks": tracks or None}
+    for name, kinds in OPTIONS.items():
+        if given[name] is not None and kind not in kinds:
+            raise BadInputError(f"{name} must be given for {' or '.join(kinds)} alone; {path} is {kind}. Leave it out.")
+    line: Line
+    if kind == ELEMENTS:
+        line = line_from_elements(path, profile, start)
+    elif kind == POINTS:
+        line = line_from_points(path, noise, start or 0.0)
+    elif kind == FOREIGN:
+        line = line_of_alignment(read_foreign_line(path, tracks))
+    else:
+        line = read_line(path)
+    return mirrored(line) if mirror else line
+
+
+def mirrored(line: Line) -> Line:
+    """Return a line with left and right exchanged, and a sentence about it in its account."""
+    if not isinstance(line, SourcedLine):
+        return line.mirrored()
+    account = replace(line.account, converted=[*line.account.converted, "left and right are exchanged (--mirror)"])
+    return SourcedLine(line.mirrored().rows, account)
+
+
+def account_of(line: Line) -> Account:
+    """Return the account of a line; empty if it has none."""
+    return line.account if isinstance(line, SourcedLine) else Account()

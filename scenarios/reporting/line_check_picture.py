@@ -1,0 +1,65 @@
+"""Figures of the command `line`: what a line demands at a speed, and the smoothing of points."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rbd_model.track.line import Line
+from rbd_model.track.line_check import Check, deficiency_of
+from rbd_model.track.line_points import LineFromPoints
+from scenarios.reporting.line_picture import draw_line, with_places_between
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled
+
+#: Smallest curvature that is a curve in a title [1/m].
+STRAIGHT = 1e-6
+
+
+def figure_of_check(line: Line, check: Check, speed: float) -> Figure:
+    """Return plan, curvature, cant, cant deficiency at a speed [m/s], and gradient with height."""
+    figure, axes = plt.subplots(5, 1, figsize=(9.0, 12.0), height_ratios=(2.0, 1.0, 1.0, 1.0, 1.0))
+    plan, curvature, cant, deficiency, gradient = axes
+    draw_line([plan, curvature, cant, gradient], line)
+    dense = with_places_between(line).rows
+    lacking = 1e3 * deficiency_of(dense["curvature"], dense["cant"], speed)
+    deficiency.plot(dense["distance"], lacking, color=LEADING)
+    deficiency.axhline(0.0, color=BOGIE, linewidth=0.6)
+    deficiency.set_title(f"cant deficiency at {3.6 * speed:.4g} km/h, outwards [mm]")
+    deficiency.set_xlim(dense["distance"][0], dense["distance"][-1])
+    gradient.set_xlabel("distance along the line [m]")
+    if abs(check.tightest.value) < STRAIGHT:
+        steepest = 1e3 * abs(check.gradient.value)
+        return titled(figure, f"The line is straight, its gradient reaches {steepest:.3g} per mille")
+    reached = 1e3 * check.deficiency.value
+    return titled(figure, f"At {3.6 * speed:.4g} km/h the cant deficiency reaches {reached:.0f} mm")
+
+
+def figure_of_points(line: LineFromPoints) -> Figure:
+    """Return the curvature of a smoothed line with its bounds over that of triples of points, and the deviations."""
+    figure, (curvature, gradient, aside) = plt.subplots(3, 1, figsize=(9.0, 8.0), sharex=True)
+    at, points = line.rows["distance"], line.points
+    ways = np.hypot(*np.diff(points, axis=0).T)
+    chords = np.interp(np.concatenate([[0.0], np.cumsum(ways)]) / ways.sum(), [0.0, 1.0], at[[0, -1]])
+    steps = np.diff(points, axis=0)
+    angle = np.arctan2(steps[:, 1], steps[:, 0])
+    raw = np.angle(np.exp(1j * np.diff(angle))) * 2.0 / (ways[1:] + ways[:-1])
+    smooth, error = 1e3 * line.rows["curvature"], 1e3 * line.curvature_error
+    curvature.plot(chords[1:-1], 1e3 * raw, ".", color="#aaaaaa", markersize=3, label="three points")
+    curvature.fill_between(at, smooth - error, smooth + error, color="#9ecae1", label="bounds")
+    curvature.plot(at, smooth, color=LEADING, label="smoothed")
+    low, high = float(np.min(smooth - error)), float(np.max(smooth + error))
+    curvature.set_ylim(low - 0.4 * (high - low), high + 0.4 * (high - low))
+    curvature.set_title("curvature, to the left [1/km]")
+    legend_above(curvature, 3)
+    slope = 1e3 * line.rows["gradient"]
+    if np.all(np.isfinite(line.gradient_error)):
+        bound = 1e3 * line.gradient_error
+        gradient.fill_between(at, slope - bound, slope + bound, color="#9ecae1")
+    gradient.plot(at, slope, color=LEADING)
+    gradient.set_title("gradient with its bounds [‰]")
+    aside.plot(chords, 1e3 * line.aside, ".", color=TRAILING, markersize=3)
+    aside.set_title("points beside the line, to the left [mm]")
+    aside.set_xlabel("distance along the line [m]")
+    return titled(
+        figure, f"Noise of {1e3 * line.noise:.2g} mm leaves the curvature uncertain by {error.max():.2g} 1/km"
+    )
