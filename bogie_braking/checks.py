@@ -14,7 +14,7 @@ import numpy as np
 from fmu_src.kernel import ERROR, SimulationError
 from fmu_src.suggestion import suggestion
 from fmu_src.system import Variable
-from products.registry import fmu_named
+from products.registry import ALIASES, fmu_named
 from rbd_model.track.line import Line
 
 #: The longest representation of a value in a message [characters].
@@ -46,7 +46,8 @@ def known(name: str, those: Iterable[str], what: str) -> str:
         return name
     if fmu_named(name) in those:
         return fmu_named(name)
-    raise KeyError(f"There is no {what} {name}; {near(name, those)}")
+    others = [alias for alias, own in ALIASES.items() if own in those]
+    raise KeyError(f"There is no {what} {name}; {near(name, [*those, *others])}")
 
 
 def near(name: str, those: Iterable[str]) -> str:

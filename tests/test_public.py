@@ -154,6 +154,8 @@ def test_a_name_of_an_earlier_version_is_refused_with_the_new_one() -> None:
 
 
 def test_what_cannot_be_is_told_in_a_sentence() -> None:
+    with pytest.raises(KeyError, match=r"There is no FMU coahc; did you mean coach\?"):
+        bb.run("coahc", 1.0)
     with pytest.raises(KeyError, match=r"There is no FMU bogey; did you mean bogie\?"):
         bb.run("bogey", 1.0)
     with pytest.raises(bb.SimulationError, match=r"There is no variable inital_speed; did you mean initial_speed\?"):
@@ -386,7 +388,9 @@ def test_vehicles_that_differ_in_their_profiles_alone_are_not_taken_for_each_oth
 
 
 def test_what_cannot_be_of_a_vehicle_is_told_in_a_sentence(tmp_path: Path) -> None:
-    with pytest.raises(KeyError, match=r"There is no vehicle tram; there are bogie, vehicle, coal-wagon, wheelset\."):
+    with pytest.raises(
+        KeyError, match=r"There is no vehicle tram; there are bogie, vehicle, coal-wagon, wheelset, coach\."
+    ):
         bb.vehicle("tram")
     with pytest.raises(ValueError, match=r"level must be 1, 2 or 3; got 4\."):
         bb.run(longer(), 1.0, level=4)
@@ -476,7 +480,7 @@ def test_a_controller_that_fails_has_no_stopping_distance() -> None:
             LetGo,
             {"vehicle": "coal-wagon"},
             KeyError,
-            "There is no vehicle with brakes coal-wagon; there are bogie, vehicle.",
+            "There is no vehicle with brakes coal-wagon; there are bogie, vehicle, coach.",
         ),
     ],
 )

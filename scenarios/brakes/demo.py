@@ -37,7 +37,8 @@ APPLICATION_TIME = brake_values()["application_time"]
 COACH_DURATION, BOGIE_DURATION, INTERVAL, SETTLED = 70.0, 45.0, 0.01, 12.0
 #: Speeds below which the vehicle is at rest, and below which a deceleration is not measured [m/s].
 AT_REST, SLOW = 0.01, 2.0
-#: Relative tolerance of the closed forms: they neglect creep, and the time in which wheels slow down until they lock.
+#: Relative tolerance of the closed forms. They neglect creep (0.02 of 963 m on the dry rail, 3e-5 of the deceleration)
+#: and the time in which wheels slow down until they lock (0.3 of 1274 m on the wet rail).
 BAND = 1e-3
 #: Outputs of the coach, and those of the bogie.
 OF_COACH = (

@@ -35,7 +35,7 @@ import numpy as np
 from fmu_src.cosimulation.slave import CosimulationError, FmuInstance
 from fmu_src.suggestion import suggestion
 from products.building import up_to_date
-from products.registry import FMUS, fmu_named
+from products.registry import ALIASES, FMUS, fmu_named
 from readers.command_line import quantity
 from readers.text import shown
 from scenarios.bench.drive import value_at
@@ -151,7 +151,7 @@ def path_of(name: str) -> Path:
         if Path(name).is_file():
             return Path(name)
         raise BadInputError(f"The file {name} does not exist. Check the path.")
-    known = [*FMUS, *LEVELS]
+    known = [*FMUS, *ALIASES, *LEVELS]
     raise BadInputError(f"There is no FMU {name}; {suggestion(name, known, 'these are: ' + ', '.join(known) + '.')}")
 
 

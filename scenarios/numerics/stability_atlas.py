@@ -251,7 +251,7 @@ def rows_of(atlas: Atlas) -> list[Row]:
         name = f"RK4 at {share:g} of the limit: {word} growth in a step"
         rows.append(measured(name, "1", worst, "stability function", near(chosen[0][4], 0.03 * chosen[0][4])))
         right = sum(one[5] == (share > 1.0) for one in chosen) / len(chosen)
-        words = "says so" if share > 1.0 else "is silent"
+        words = "reports it" if share > 1.0 else "is silent"
         name = f"RK4 at {share:g} of the limit: share of runs whose log {words}"
         rows.append(measured(name, "1", right, "guard", at_least(1.0)))
     growth = max(one[3] for one in atlas.default_growth)
@@ -268,7 +268,7 @@ def silent_rows(atlas: Atlas) -> list[Row]:
     ]
     for step in (6e-4, 1e-3):
         error, warned = next((e, w) for s, e, w in atlas.silent[RUNGE_KUTTA] if s == step)
-        words = "the log says so" if warned else "the log is silent"
+        words = "the log reports it" if warned else "the log is silent"
         name = f"RK4 over a wave, step {1e3 * step:g} ms: error of the lateral motion"
         rows.append(measured(name, "mm", 1e3 * error, "against RODAS5P 1e-10", None, words))
     error = next(e for s, e, _ in atlas.silent[RODAS5P] if s == 1e-3)
@@ -416,7 +416,7 @@ def draw_silent(axis: Axes, atlas: Atlas) -> None:
     axis.axvspan(
         *(1e3 * step for step in atlas.silent_limits), color=TRAILING, alpha=0.15, label="RK4's limit, 19-25 m/s"
     )
-    axis.plot([], [], "x", color=BOGIE, label="the log says so")
+    axis.plot([], [], "x", color=BOGIE, label="the log reports it")
     axis.set(xscale="log", yscale="log", xlabel="fixed step [ms]", ylabel="error of the lateral motion [mm]")
     axis.set_title("The silent error: over a lateral wave under braking")
     axis.legend(fontsize=8)
