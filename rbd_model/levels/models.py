@@ -169,13 +169,13 @@ DECIDED_BY_FLANGE = ("flange_force", "derailment_quotient", "wheel_rise")
 class Choice:
     """A model: one bogie or, `whole`, the complete vehicle; a level of detail; at level 3 a contact model; the reason.
 
-    depth: the least contact model that suffices. The parameter `contact_model` starts at 2, so that 1 must be set.
+    contact_model: the least one that suffices. The parameter of this name starts at 2, so that 1 must be set.
     """
 
     level: int
     reason: str
     whole: bool = False
-    depth: int = 1
+    contact_model: int = 1
 
 
 def recommend_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
@@ -210,7 +210,7 @@ def recommend_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
         "speed and rotation far from the adhesion limit need no more than static loads "
         f"(up to {STATIC_LOADS_UP_TO} of it for the bogie of chapter 5)."
     )
-    level = depth = 1
+    level = contact_model = 1
     for name in needed:
         family = family_of(name)
         own = next(min(number, 3) for number, (_, known) in enumerate(names.items(), 1) if name in known)
@@ -218,22 +218,22 @@ def recommend_level(driven: Iterable[str], read: Iterable[str]) -> Choice:
         if own > level:
             why = {2: "load transfer decides it, or a motion in the plane", 3: "it belongs to motions out of the plane"}
             level, reason = own, f"{name} asks for level {own}, {list(names)[own - 1]}: {why[own]}."
-        if depth == 1 and (family in DECIDED_BY_FLANGE or name not in set().union(*list(names.values())[:3])):
-            depth, reason = (
+        if contact_model == 1 and (family in DECIDED_BY_FLANGE or name not in set().union(*list(names.values())[:3])):
+            contact_model, reason = (
                 2,
                 f"{reason} {name} asks for contact model 2: the flange has its own place, force and creep.",
             )
     on_line = [name for name in needed if name in (LINE.variable.name, *ballasted_track().values())]
-    if level == 3 and depth < DEPTH_ON_LINE and on_line:
-        depth, reason = (
+    if level == 3 and contact_model < DEPTH_ON_LINE and on_line:
+        contact_model, reason = (
             DEPTH_ON_LINE,
             f"{reason} {on_line[0]} asks for contact model {DEPTH_ON_LINE}: no other knows a line.",
         )
-    if level == 3 and depth == 1:
+    if level == 3 and contact_model == 1:
         reason = f"{reason} No flange is asked about: contact_model 1 serves, which must be asked for."
     if beyond:
-        return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", True, depth)
-    return Choice(level, reason, depth=depth)
+        return Choice(level, f"{beyond[0]} belongs to the complete vehicle; {reason}", True, contact_model)
+    return Choice(level, reason, contact_model=contact_model)
 
 
 def family_of(name: str) -> str:

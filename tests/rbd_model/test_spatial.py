@@ -577,8 +577,8 @@ def test_smallest_level_says_why(driven: list[str], read: list[str], level: int,
     assert choice.level == level
     assert word in choice.reason
     assert choice.whole == ("complete vehicle" in choice.reason)
-    assert (choice.level == 3 and choice.depth == 1) == ("contact_model 1 serves" in choice.reason)
-    assert choice.level < 3 or "line_file" not in driven or choice.depth == DEPTH_ON_LINE
+    assert (choice.level == 3 and choice.contact_model == 1) == ("contact_model 1 serves" in choice.reason)
+    assert choice.level < 3 or "line_file" not in driven or choice.contact_model == DEPTH_ON_LINE
 
 
 @pytest.mark.parametrize(
