@@ -27,6 +27,7 @@ WRITTEN = sorted(
 PAGES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "EQUATIONS.md", *WRITTEN]
 #: Files that a build or a run writes, files in an archive, and examples of names.
 MADE = (
+    "TRAINS/",
     "build/",
     "results/",
     "binaries/",

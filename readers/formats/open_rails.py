@@ -68,7 +68,8 @@ def _entries(path: Path, notes: Notes) -> list[Block]:
     outside = len(train.all("engine", "wagon")) if train else 0
     if outside:
         notes.left(f"{outside} vehicles outside TrainCfg: Open Rails ignores them, MSTS adds them.")
-    notes.left("MaxVelocity, Durability, Serial, UiD, NextWagonUID: they do not affect braking.")
+    if named := [name for name in ("MaxVelocity", "Durability", "Serial", "NextWagonUID") if config.last(name.lower())]:
+        notes.left(f"{', '.join(named)}: they do not affect braking.")
     return entries
 
 

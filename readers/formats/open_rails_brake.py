@@ -53,7 +53,7 @@ def brake_of(fields: Fields, notes: Notes) -> Row:
     if pressure and len(found) > 1:
         notes.taken("BrakeCylinderPressureForMaxBrakeBrakeForce -> full_pressure [bar]")
         found["full_pressure"] = rounded(pressure)
-    return found | _times(fields, pressure or PRESSURE, notes)
+    return found | _times(fields, pressure or PRESSURE, notes) | _volumes(fields, found["brake"], notes)
 
 
 def _system(system: str, fields: Fields, notes: Notes) -> Row:
@@ -112,7 +112,11 @@ def _friction(fields: Fields, law: str | None, notes: Notes) -> Row:
     """Return the friction between shoes of a stated force and the wheels."""
     if law is not None:
         notes.taken("ORTSBrakeShoeType -> friction")
-        return {"friction": law} | _shoes(fields, notes)
+        radius: Row = {}
+        if law == "pads":
+            notes.converted("ORTSBrakeShoeType Disc_Pads: Open Rails has no radius of discs -> friction_radius = 1")
+            radius = {"friction_radius": 1.0}
+        return {"friction": law} | radius | _shoes(fields, notes)
     if mean := _mean_friction(fields):
         notes.converted(
             f"ORTSBrakeShoeFriction: its mean over speed -> friction = constant, friction_value = {mean:.3g}."
@@ -202,8 +206,17 @@ def _times(fields: Fields, pressure: float, notes: Notes) -> Row:
         notes.converted("MaxReleaseRate: (pressure - 0.4 bar) / rate -> release_time [s] (to 0.4 bar, UIC 540)")
     if "fill_time" not in found:
         notes.assumed("MaxApplicationRate: missing; the times of position P apply, not Open Rails' default of 71 s.")
+    return found
+
+
+def _volumes(fields: Fields, brake: str, notes: Notes) -> Row:
+    """Return the volumes of reservoir and cylinders [l]; a direct brake has none."""
+    found: Row = {}
     for name, column in (("ORTSAuxiliaryResCapacity", "auxiliary"), ("ORTSBrakeCylinderVolume", "cylinder")):
-        if volume := fields.number(name, "l"):
+        volume = fields.number(name, "l")
+        if volume and brake == "pneumatic":
             found[column] = rounded(volume)
             notes.taken(f"{name} -> {column} [l]")
+        elif volume:
+            notes.left(f"{name}: a direct brake has a rate, no volumes.")
     return found

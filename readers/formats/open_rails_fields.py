@@ -76,6 +76,8 @@ class Fields:
         apart = measured(f"1{behind}", quantity) if behind[:1].isalpha() else None
         if unit or not apart or not apart[1]:
             return number
+        if math.isclose(FACTORS[quantity][apart[1]], FACTORS[quantity][""]):
+            return number
         self.notes.assumed(
             f"{name}: {words[at]} {words[at + 1]} is read with its unit; Open Rails ignores a unit behind a blank."
         )

@@ -152,6 +152,10 @@ def test_open_rails_friction_of_old_files_is_as_told() -> None:
             {"brake_force": 60.0, "full_pressure": 60 * PSI},
         ),
         ("ORTSAuxiliaryResCapacity ( 2500in^3 )", {"auxiliary": 2500 * 0.254**3}),
+        (
+            "ORTSMaxBrakeShoeForce ( 75kN ) ORTSBrakeShoeType ( Disc_Pads ) ORTSNumberAxles ( 4 )",
+            {"shoe_force": 75.0, "friction": "pads", "friction_radius": 1.0, "shoes": 16},
+        ),
     ],
 )
 def test_a_brake_is_as_its_fields_say(text: str, columns: dict[str, object], tmp_path: Path) -> None:
