@@ -19,6 +19,7 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bogie_braking.commands.shared import add_speech, describe
 from bogie_braking.exit_status import HOLDS
@@ -26,6 +27,9 @@ from readers.command_line import quantity
 from readers.formats import Imported
 from readers.formats.trains import FORMATS, is_foreign, program_of
 from readers.text import BadInputError, shown
+
+if TYPE_CHECKING:
+    from products.train.summary import Summary
 
 #: Speeds from which a train stops [km/h].
 SPEEDS = (40.0, 80.0, 120.0)
@@ -100,38 +104,44 @@ def account(found: Imported) -> list[str]:
 def check(chosen: argparse.Namespace) -> int:
     """Print the numbers of a consist."""
     from products.train.foreign import consist_from
-    from products.train.summary import Summary, summary_of
+    from products.train.summary import summary_of
 
     try:
-        consist, _ = consist_from(chosen.file)
-        found: Summary = summary_of(consist, chosen.speeds)
+        consist, imported = consist_from(chosen.file)
+        found = summary_of(consist, chosen.speeds)
     except ValueError as error:
         raise BadInputError(str(error)) from error
     if chosen.json:
         print(json.dumps(asdict(found), indent=2, ensure_ascii=False))
     elif not chosen.quiet:
-        print(
-            f"{chosen.file}: {_vehicles(found.vehicles)}, {found.mass:.1f} t, {found.length:.1f} m, "
-            f"brake weight {found.brake_weight:.1f} t, lambda {found.percentage:.0f} %\n"
-        )
-        head = ("vehicle", "kind", "count", "mass [t]", "length [m]", "lambda [%]")
-        rows = [
-            (one.name or "-", one.kind, f"{one.count}", f"{one.mass:.2f}", f"{one.length:.2f}", f"{one.percentage:.0f}")
-            for one in found.kinds
-        ]
-        print("\n".join(_table([head, *rows], 2)), end="\n\n")
-        names = ("speed [km/h]", "running resistance [kN]", "brake force [kN]", "emergency stop on level track [m]")
-        numbers = [
-            (
-                f"{one.speed:g}",
-                f"{one.resistance:.2f}",
-                f"{one.brake_force:.1f}",
-                "does not stop" if one.distance is None else f"{one.distance:.0f}",
-            )
-            for one in found.speeds
-        ]
-        print("\n".join(_table([names, *numbers], 0)))
+        print(f"{chosen.file}: {_summary(found)}")
+        if imported is not None:
+            print(f"\n{len(imported.assumed)} assumptions: bogie-braking consist import {chosen.file} prints them.")
     return HOLDS
+
+
+def _summary(found: Summary) -> str:
+    """Return the lines about a train behind the name of its file."""
+    head = ("vehicle", "kind", "count", "mass [t]", "length [m]", "lambda [%]")
+    rows = [
+        (one.name or "-", one.kind, f"{one.count}", f"{one.mass:.2f}", f"{one.length:.2f}", f"{one.percentage:.0f}")
+        for one in found.kinds
+    ]
+    names = ("speed [km/h]", "running resistance [kN]", "brake force [kN]", "emergency stop on level track [m]")
+    numbers = [
+        (
+            f"{one.speed:g}",
+            f"{one.resistance:.2f}",
+            f"{one.brake_force:.1f}",
+            "does not stop" if one.distance is None else f"{one.distance:.0f}",
+        )
+        for one in found.speeds
+    ]
+    first = (
+        f"{_vehicles(found.vehicles)}, {found.mass:.1f} t, {found.length:.1f} m, "
+        f"brake weight {found.brake_weight:.1f} t, lambda {found.percentage:.0f} %"
+    )
+    return "\n".join([first, "", *_table([head, *rows], 2), "", *_table([names, *numbers], 0)])
 
 
 def _vehicles(count: int) -> str:

@@ -75,7 +75,8 @@ def summary_of(consist: Consist, speeds: Sequence[float]) -> Summary:
     for one, several in groupby(consist.vehicles):
         count = len(list(several))
         kinds.append(OfVehicles(one.name, one.kind, count, 1e-3 * one.mass, one.length, one.percentage))
-    weight = sum(kind.count * braked_weight(kind.percentage, 1e3 * kind.mass) for kind in kinds)
+    braked = [kind for kind in kinds if kind.percentage > 0.0]
+    weight = sum(kind.count * braked_weight(kind.percentage, 1e3 * kind.mass) for kind in braked)
     return Summary(
         len(consist.vehicles),
         1e-3 * consist.mass,

@@ -2,8 +2,9 @@
 
 Sections begin with #. Each line of a section is one number, by its position; text behind ; is a remark. Versions of the
 file differ in #ACCELERATION, in lists of delays by notch (from 1534 on), in #DELAY of the electric brake (from 18230
-on), and in #HANDLE, none of which has a column. #PERFORMANCE was #DECELERATION, and #CAB was #COCKPIT. Units, defaults
-and positions are those of OpenBVE's manual; the places of motor cars and the drag are those of its source.
+on), and in #HANDLE. Of these, only the delay of the brake has a column. #PERFORMANCE was #DECELERATION, and #CAB was
+#COCKPIT. Units, defaults and positions are those of OpenBVE's manual; the places of motor cars and the drag are those
+of its source.
 """
 
 from __future__ import annotations
@@ -214,6 +215,9 @@ def _brake(given: dict[str, float], notes: Notes) -> Row:
     row["full_pressure"] = rounded(0.01 * pressure)
     row["fill_time"] = rounded(FULL * pressure / rate)
     row["release_time"] = rounded((pressure - EMPTY) / given["BrakeCylinderDown"])
+    if kind < 2 and given["DelayBrakeUp"]:
+        row["dead_time"] = rounded(given["DelayBrakeUp"])
+        notes.taken("DelayBrakeUp, of the last notch -> dead_time [s]")
     notes.taken(f"BrakeType {kind}, {BRAKES[kind]} -> brake = {row['brake']}")
     notes.converted("Deceleration [km/h/s] / 3.6 -> deceleration [m/s2], at full service, without running resistance")
     notes.converted("BrakeCylinderServiceMaximumPressure [kPa] -> full_pressure [bar]")
@@ -244,8 +248,8 @@ def _tell(given: dict[str, float], notes: Notes) -> None:
         )
     elif given["BrakeType"] < 2:
         notes.left("BrakeControlSystem 0: motors brake in addition; that deceleration has no column.")
-    if given["DelayBrakeUp"]:
-        notes.left(f"DelayBrakeUp: {given['DelayBrakeUp']:g} s; a dead time has no column.")
+    if given["DelayBrakeUp"] and given["BrakeType"] == 2:
+        notes.left(f"DelayBrakeUp: {given['DelayBrakeUp']:g} s; OpenBVE has it with notches, not with a brake pipe.")
     notes.left(
         "Couplers: OpenBVE limits their travel around a gap of 0.3 m, without a force; screw couplers are taken."
     )

@@ -244,7 +244,7 @@ def test_an_openbve_train_has_the_numbers_of_its_file(tmp_path: Path) -> None:
     assert row["release_time"] == pytest.approx((500 - 40) / 800, rel=ROUNDED)
     assert told(found, "left", "600 kPa")
     assert told(found, "left", "OpenBVE counts them by cars")
-    assert told(found, "left", "DelayBrakeUp: 0.3 s")
+    assert row["dead_time"] == 0.3
 
 
 def test_an_automatic_brake_fills_at_the_whole_rate(tmp_path: Path) -> None:

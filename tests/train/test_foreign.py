@@ -208,6 +208,23 @@ def test_a_train_of_another_program_runs_with_its_account(tmp_path: Path) -> Non
     assert 20.0**2 / 2 / 0.75 < float(stop["distance[1]"][-1]) < 20.0**2 / 2 / 0.7 + 6 * 20.0
 
 
+def test_a_train_without_brakes_has_no_brake_weight(tmp_path: Path) -> None:
+    path = tmp_path / "piped.wag"
+    path.write_text('Wagon ( a Type ( Freight ) Size ( 3 4 14m ) Mass ( 20t ) BrakeSystemType ( "Air_piped" ) )')
+    found = summary_of(imported_consist(path)[0], [])
+    assert (found.brake_weight, found.percentage) == (0.0, 0.0)
+
+
+def test_a_direct_brake_fills_at_the_rate_of_its_file(tmp_path: Path) -> None:
+    """440 kPa at 0.3 x 300 kPa/s is full to 95 % after 4.64 s, after a dead time of 0.5 s."""
+    path = tmp_path / "train.dat"
+    path.write_text(BVE.replace("#BRAKE\n2", "#DELAY\n0\n0\n0.5\n0\n#BRAKE\n1"))
+    train = bb.train(path, speed=25.0)
+    train.drive("emergency")
+    train.advance(0.5 + 0.95 * 440 / 90)
+    assert train.cylinder_pressure[0] == pytest.approx(0.95 * 440e3, rel=0.02)
+
+
 def test_a_summary_adds_brake_weights(tmp_path: Path) -> None:
     path = tmp_path / "ic.xml"
     path.write_text(RAILML)
