@@ -12,7 +12,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -131,7 +131,7 @@ class Table:
         TableError
             If the column has a unit of another quantity, or an unknown one.
         """
-        numerator, denominator = _factor(Column(name, unit), self.units[name], self.source)
+        numerator, denominator = unit_factor(Column(name, unit), self.units[name], self.source)
         return self.numbers[name] * numerator / denominator
 
     def refusal(self, row: int, column: str, text: str) -> TableError:
@@ -217,23 +217,54 @@ def table_of(
     most_rows: int = MOST_ROWS,
 ) -> Table:
     """Read a table from its text, as `read_table` does; source: its name in messages."""
-    lines = lines_of(text)
-    separator, behind = _form_of(lines, source)
-    rows = ((at, cells_of(row, separator, f"{source}, row {at}")) for at, row in rows_in(lines, source, behind))
-    filled = ((at, cells) for at, cells in rows if any(cells))
-    at, cells = next(filled, (0, []))
-    if not cells:
-        raise TableError(f"{source} must have a row of names and rows of values; it is empty. Give a table.")
-    place = f"{source}, row {at}"
-    numeric = all(number_in(cell) for cell in cells if cell)
+    begin = begin_of(text, source)
+    place = f"{source}, row {begin.at}"
+    numeric = all(number_in(cell) for cell in begin.cells if cell)
     if numeric and not by_position:
         example = ", ".join(f"{one.name} [{one.unit}]" for one in columns[:3])
-        raise TableError(f"{place}: the first row must have names; got {quoted(cells[0])}. Add them, as in {example}.")
-    body = _Body(source, separator, most_rows)
+        raise TableError(
+            f"{place}: the first row must have names; got {quoted(begin.cells[0])}. Add them, as in {example}."
+        )
+    body = Body(source, begin.separator, most_rows)
+    filled = begin.rows_behind()
     if numeric:
-        return body.table(_by_position(place, columns, [""] * len(cells)), [(at, cells), *filled])
-    layout = _layout(place, cells, columns, others, by_position)
-    return body.plain(layout, lines, at) or body.table(layout, filled)
+        layout = _by_position(place, columns, [""] * len(begin.cells))
+        return body.table(layout, [(begin.at, list(begin.cells)), *filled])
+    layout = _layout(place, begin.cells, columns, others, by_position)
+    return body.plain(layout, begin.lines, begin.at) or body.table(layout, filled)
+
+
+@dataclass(frozen=True)
+class Begin:
+    """The begin of a table: its lines, separator, and the number and cells of the first row with content."""
+
+    source: str
+    lines: Sequence[str] = field(repr=False)
+    separator: str
+    at: int
+    cells: Sequence[str]
+
+    def rows_behind(self) -> Iterator[tuple[int, list[str]]]:
+        """Yield number and cells of each row with content after the first."""
+        rows = rows_in(self.lines, self.source, self.at)
+        split = ((at, cells_of(row, self.separator, f"{self.source}, row {at}")) for at, row in rows)
+        return ((at, cells) for at, cells in split if any(cells))
+
+
+def begin_of(text: str, source: str) -> Begin:
+    """Return the begin of a table by its text.
+
+    Raises
+    ------
+    TableError
+        If the text has no row with content.
+    """
+    lines = lines_of(text)
+    separator, behind = _form_of(lines, source)
+    at, cells = next(Begin(source, lines, separator, behind, ()).rows_behind(), (0, []))
+    if not cells:
+        raise TableError(f"{source} must have a row of names and rows of values; it is empty. Give a table.")
+    return Begin(source, lines, separator, at, cells)
 
 
 def names_of(path: str | Path) -> list[str]:
@@ -248,7 +279,7 @@ def names_of(path: str | Path) -> list[str]:
     separator, behind = _form_of(lines, str(path))
     at, row = next(rows_in(lines, str(path), behind), (0, ""))
     cells = [cell for cell in cells_of(row, separator, f"{path}, row {at}") if cell]
-    named = [_name_and_unit(cell, f"{path}, row {at}")[0] for cell in cells if not number_in(cell)]
+    named = [name_and_unit(cell, f"{path}, row {at}")[0] for cell in cells if not number_in(cell)]
     return [tidy(name) for name in named]
 
 
@@ -326,7 +357,7 @@ def number_of(value: object) -> float:
 
 
 @dataclass(frozen=True)
-class _Place:
+class Place:
     """A column of the file: its place in a row, its definition, the factor to its unit."""
 
     at: int
@@ -349,7 +380,7 @@ def tidy(name: str) -> str:
     return GAP.sub("_", name).translate(CAPITALS)
 
 
-def _by_position(place: str, columns: Sequence[Column], units: Sequence[str]) -> list[_Place]:
+def _by_position(place: str, columns: Sequence[Column], units: Sequence[str]) -> list[Place]:
     """Return the first columns in their order; units: as the file has them, a text each, empty where it says none."""
     least = sum(column.required for column in columns)
     if not least <= len(units) <= len(columns):
@@ -357,18 +388,18 @@ def _by_position(place: str, columns: Sequence[Column], units: Sequence[str]) ->
         count = f"{least}" if least == len(columns) else f"{least} to {len(columns)}"
         raise TableError(f"{place}: a row must have {count} values ({need}); got {len(units)}. Correct the row.")
     both = zip(columns, units, strict=False)
-    return [_Place(at, column, _factor(column, unit, place)) for at, (column, unit) in enumerate(both)]
+    return [Place(at, column, unit_factor(column, unit, place)) for at, (column, unit) in enumerate(both)]
 
 
 def _layout(
     place: str, cells: Sequence[str], columns: Sequence[Column], others: bool, by_position: bool
-) -> list[_Place]:
+) -> list[Place]:
     """Return the columns of a file by its row of names."""
     known = {tidy(column.name): column for column in columns}
-    parts = [(at, *_name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
+    parts = [(at, *name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
     if by_position and not any(tidy(name) in known for _, name, _ in parts):
         return _by_position(place, columns, [unit for _, _, unit in parts])
-    found: dict[str, _Place] = {}
+    found: dict[str, Place] = {}
     for at, name, unit in parts:
         column = known.get(tidy(name))
         if column is None and not others:
@@ -378,7 +409,7 @@ def _layout(
             raise TableError(
                 f"{place}: the column {shown(column.name)} must be there once; it is there twice. Remove one."
             )
-        found[tidy(column.name)] = _Place(at, column, _factor(column, unit, place))
+        found[tidy(column.name)] = Place(at, column, unit_factor(column, unit, place))
     for key, column in known.items():
         if column.required and key not in found:
             there = ", ".join(one.column.name for one in found.values()) or "none"
@@ -386,7 +417,8 @@ def _layout(
     return list(found.values())
 
 
-def _name_and_unit(cell: str, place: str) -> tuple[str, str]:
+def name_and_unit(cell: str, place: str) -> tuple[str, str]:
+    """Return name and unit, or "", of a cell in the row of names; place: file and row. Raises TableError."""
     match = HEAD_SQUARE.fullmatch(cell) or HEAD_ROUND.fullmatch(cell)
     name = BLANK_RUN.sub(" ", match["name"]).strip(" ") if match else ""
     unit = (match["unit"] or "").strip(BLANK) if match else ""
@@ -403,7 +435,8 @@ def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
     return f"Did you mean {near[0]}?" if near else f"Columns are {', '.join(column.name for column in columns)}."
 
 
-def _factor(column: Column, unit: str, place: str) -> tuple[float, float]:
+def unit_factor(column: Column, unit: str, place: str) -> tuple[float, float]:
+    """Return the factor from a unit of a file to the column's, as `factor` returns it. Raises TableError."""
     if column.holds_words and unit:
         raise TableError(
             f"{place}: the column {column.name} holds words and has no unit; got {quoted(unit)}. Remove it."
@@ -422,14 +455,14 @@ def _factor(column: Column, unit: str, place: str) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class _Body:
+class Body:
     """The rows after the names."""
 
     source: str
     separator: str
     most_rows: int
 
-    def plain(self, layout: Sequence[_Place], lines: Sequence[str], names: int) -> Table | None:
+    def plain(self, layout: Sequence[Place], lines: Sequence[str], names: int) -> Table | None:
         """Return the table where each cell is a number in its place and within limits, the quick way; None where not.
 
         names: number of the row of names.
@@ -471,7 +504,7 @@ class _Body:
             return None, mark
         return values if np.all(np.isfinite(values)) else None, mark
 
-    def table(self, layout: Sequence[_Place], rows: Iterable[tuple[int, list[str]]]) -> Table:
+    def table(self, layout: Sequence[Place], rows: Iterable[tuple[int, list[str]]]) -> Table:
         """Return the table; rows: number and cells of each. Raises TableError."""
         body = list(islice(rows, self.most_rows + 1))
         if len(body) > self.most_rows:
@@ -479,10 +512,10 @@ class _Body:
         self._check_names(layout, body)
         places = np.array([number for number, _ in body], np.int64)
         numbers, words, units = {}, {}, {}
-        mark = _DecimalMark(self.source)
+        mark = DecimalMark(self.source)
         for one in layout:
             texts = [row[one.at] if one.at < len(row) else "" for _, row in body]
-            cells_of_column = _Cells(self.source, places, one)
+            cells_of_column = Cells(self.source, places, one)
             if one.column.holds_words:
                 words[one.column.name] = cells_of_column.words(texts)
             else:
@@ -491,7 +524,7 @@ class _Body:
         mark.check_thousands(self.separator)
         return Table(self.source, numbers, words, units, places)
 
-    def _check_names(self, layout: Sequence[_Place], body: Sequence[tuple[int, list[str]]]) -> None:
+    def _check_names(self, layout: Sequence[Place], body: Sequence[tuple[int, list[str]]]) -> None:
         named = {one.at for one in layout}
         width = max(named, default=-1) + 1
         gaps = sorted({*range(width)} - named)
@@ -499,9 +532,9 @@ class _Body:
             if gaps or len(cells) > width:
                 for at in [*gaps, *range(width, len(cells))]:
                     if at < len(cells) and cells[at]:
-                        raise self._nameless(number, at, cells[at], len(named))
+                        raise self.nameless(number, at, cells[at], len(named))
 
-    def _nameless(self, number: int, at: int, cell: str, count: int) -> TableError:
+    def nameless(self, number: int, at: int, cell: str, count: int) -> TableError:
         hint = " With decimal commas, separate columns by semicolons." if self.separator == "," else ""
         return TableError(
             f"{self.source}, row {number}: a row must have at most {count} values; got {at + 1}: {quoted(cell)} has no "
@@ -510,7 +543,7 @@ class _Body:
 
 
 @dataclass
-class _DecimalMark:
+class DecimalMark:
     """The decimal mark of a file, once a number has shown it: that number, its row and column.
 
     decimal: whether a number has shown that the mark does not separate thousands, as in 1,000.
@@ -544,12 +577,12 @@ class _DecimalMark:
 
 
 @dataclass(frozen=True)
-class _Cells:
+class Cells:
     """The cells of one column, to be read."""
 
     source: str
     places: NDArray[np.int64]
-    place: _Place
+    place: Place
 
     @property
     def column(self) -> Column:
@@ -573,7 +606,7 @@ class _Cells:
                 )
         return list(cells)
 
-    def numbers(self, cells: Sequence[str], mark: _DecimalMark) -> NDArray[np.float64]:
+    def numbers(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64]:
         values = self._plain(cells, mark)
         if values is None:
             values = np.array([self._number(row, cell, mark) for row, cell in enumerate(cells)], float)
@@ -587,7 +620,7 @@ class _Cells:
             raise self.refusal(row, f"the value must be an integer; got {quoted(cells[row])}. Round it.")
         return values
 
-    def _plain(self, cells: Sequence[str], mark: _DecimalMark) -> NDArray[np.float64] | None:
+    def _plain(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64] | None:
         """Return the values where every cell is a number with a point, the quick way; None where one is not."""
         if not PLAIN.fullmatch("".join(cells)):
             return None
@@ -605,7 +638,7 @@ class _Cells:
                 mark.check(cells[row], int(self.places[row]), self.column.name)
         return values if np.all(np.isfinite(values)) else None
 
-    def _number(self, row: int, cell: str, mark: _DecimalMark) -> float:
+    def _number(self, row: int, cell: str, mark: DecimalMark) -> float:
         if not cell and not self.column.filled:
             return math.nan
         plain = cell.replace(MINUS, "-")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from types import MappingProxyType
 
-#: Spellings by quantity: numerator and denominator of the factor to SI, both exact, so that a conversion rounds once.
+#: Spellings by quantity: numerator and denominator of the factor to SI, exact but for pi, so that a conversion rounds
+#: once.
 _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
     "ratio": {
         "1": (1, 1),
@@ -44,9 +46,12 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
     },
     "speed": {
         "m/s": (1, 1),
+        "mps": (1, 1),
         "km/h": (10, 36),
         "kmh": (10, 36),
         "kph": (10, 36),
+        "km/hr": (10, 36),
+        "kmph": (10, 36),
         "mm/s": (1, 1000),
         "mph": (44704, 100_000),
     },
@@ -59,7 +64,14 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         "mph/s": (44704, 100_000),
     },
     "frequency": {"Hz": (1, 1), "1/s": (1, 1), "kHz": (1000, 1)},
-    "angular velocity": {"rad/s": (1, 1)},
+    "angular velocity": {
+        "rad/s": (1, 1),
+        "rpm": (math.pi, 30),
+        "1/min": (math.pi, 30),
+        "min-1": (math.pi, 30),
+        "r/min": (math.pi, 30),
+        "U/min": (math.pi, 30),
+    },
     "force": {
         "N": (1, 1),
         "daN": (10, 1),

@@ -16,6 +16,7 @@ class Options:
     kind: str | None = None
     step: float | None = None
     torque_csv: Path | None = None
+    columns: Path | None = None
     coupling_tolerance: float | None = None
     wheel: Sequence[Path] | None = None
     rail: Sequence[Path] | None = None

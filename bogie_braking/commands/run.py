@@ -38,6 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--step", type=step, metavar="TIME", help=f"{text} (default: 1ms; lock boundary 10ms)")
     text = "torque of the trailing wheelset: time [s], torque [N.m]"
     parser.add_argument("--torque-csv", type=Path, metavar="FILE", help=text)
+    text = "map from the names of --torque-csv to time and torque, a TOML file (default: guessed, and told)"
+    parser.add_argument("--columns", type=Path, metavar="FILE", help=text)
     text = "largest error of a macro step, in nominal values; the steps are chosen by it"
     error = quantity("--coupling-tolerance", least=SMALLEST_ERROR)
     parser.add_argument("--coupling-tolerance", type=error, metavar="ERROR", help=text)

@@ -1,4 +1,4 @@
-"""A measured run from a file: a table as Recording.write makes it, or as a logger or a spreadsheet writes it."""
+"""A measured run from a file: a table as Recording.write makes it, or a log of a user (`readers/logs.py`)."""
 
 from __future__ import annotations
 
@@ -8,29 +8,33 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.cosimulation.recording import Recording
-from readers.tables import Column, read_table, tidy
+from readers.log_columns import COMMON, ColumnMap
+from readers.logs import read_log
+from readers.tables import tidy
 from readers.units import factor
 
-TIME = Column("time", "s", required=True)
 
+def table_from(
+    path: str | Path, variables: Mapping[str, str] | None = None, columns: ColumnMap | None = None
+) -> Recording:
+    """Return the log of a file; its sentences tell what was guessed, converted and left out.
 
-def table_from(path: Path) -> Recording:
-    """Return the table of a file with names and units in its first row, and rows of numbers.
-
-    Time is its first column and in seconds, however the file has it. Other columns keep the units of the file.
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    variables : mapping of str to str, optional
+        Units of the variables that it may have, by name; other columns are left out. None: other columns are kept.
+    columns : mapping, str or Path, optional
+        A map from its names to those of variables, or its TOML file.
 
     Raises
     ------
     FileError
         If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
     """
-    table = read_table(path, [TIME], others=True)
-    table.check_rows()
-    table.check_growth("time")
-    names = ["time", *(name for name in table.numbers if name != "time")]
-    return Recording(
-        {name: table.units[name] for name in names}, np.column_stack([table.numbers[one] for one in names])
-    )
+    log = read_log(path, COMMON if variables is None else variables, columns, others=variables is None)
+    return Recording(log.units, np.column_stack(list(log.numbers.values())), log.messages)
 
 
 def in_units_of(table: Recording, units: Mapping[str, str]) -> Recording:

@@ -1,18 +1,31 @@
-"""A measured torque history from a file: two columns, time [s] and torque [N.m]."""
+"""A measured torque history from a log: time [s] and torque [N.m]."""
 
+import math
 from pathlib import Path
 
 import numpy as np
 
-from readers.tables import Column, read_table
+from readers.logs import filled, read_log
 from readers.text import FileError
 from scenarios.scenario import BadInputError
 
-COLUMNS = (Column("time", "s", required=True), Column("torque", "N.m", 0.0, required=True))
+VARIABLES = {"time": "s", "torque": "N.m"}
 
 
-def read_torque_history(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Return times [s], increasing, and torque capacities [N.m], not negative; the row of names may be missing.
+def read_torque_history(path: Path, columns: Path | None = None) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Return a measured torque.
+
+    Parameters
+    ----------
+    path : Path
+        The log; without known names its two columns are time and torque.
+    columns : Path, optional
+        TOML file with a map of its names.
+
+    Returns
+    -------
+    tuple of array, array and list of str
+        Times [s], increasing, torque capacities [N.m], not negative, and messages on what was guessed and left out.
 
     Raises
     ------
@@ -20,10 +33,12 @@ def read_torque_history(path: Path) -> tuple[np.ndarray, np.ndarray]:
         If the file cannot be read as it is meant; the message names file, row, column, value and remedy.
     """
     try:
-        table = read_table(path, COLUMNS, by_position=True)
-        times, torques = (table.numbers[column.name] for column in COLUMNS)
-        table.check_rows()
-        table.check_growth("time")
+        log = read_log(path, VARIABLES, columns, by_position=list(VARIABLES))
+        if "torque" not in log.numbers:
+            raise BadInputError(f"{path}: the column torque is missing. Add it, or name it in a map (--columns).")
+        torques = log.numbers["torque"]
+        for row in np.flatnonzero(torques < 0.0)[:1].tolist():
+            raise log.refusal(row, "torque", f"the value must be at least 0 N.m; got {torques[row]:g} N.m. Correct it.")
+        return *filled(log.numbers["time"], torques, f"{path}: torque", math.inf), log.messages
     except FileError as error:
         raise BadInputError(str(error)) from None
-    return times, torques

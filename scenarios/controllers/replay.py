@@ -4,8 +4,11 @@
   bogie-braking controllers replay log.csv pi.c --period 10ms            every 10 ms, with the last row before
   bogie-braking controllers replay log.csv pi.fmu --json | jq .wheelsets
 
+  bogie-braking controllers replay log.csv mine.py:PI --columns map.toml  with a map from the log's names to these
+
 The log has the columns time [s] and wheel_speed_1 [m/s] to wheel_speed_N [m/s]; valve_1 [1] and so on are compared with
-the commands. The commands do not change the wheel speeds, which are those of the log.
+the commands. The commands do not change the wheel speeds, which are those of the log. Other names, units and clocks are
+read as the page Your own tables and files of the documentation describes.
 
 Exit status: 0 the controller answered to the end; 1 it failed; 2 bad input; 3 this program failed; 130 interrupted.
 """
@@ -18,7 +21,6 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -26,14 +28,16 @@ from matplotlib.figure import Figure
 
 from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.wheel_slide import APPLY, COMMANDS, HOLD, VENT, ControllerError, Supervised, WheelSlideController
-from fmu_src.cosimulation.measured import in_units_of, table_from
+from fmu_src.cosimulation.measured import table_from
 from fmu_src.cosimulation.recording import Recording
 from products.protection.controller_kinds import Arrays, Form, InC, Outside
 from products.protection.own_process import Apart, EndedError, NoControllerError, called_apart
 from products.protection.settings import LONGEST_PERIOD
 from products.protection.single_controller import OneInC, OneOfMany
 from readers.command_line import quantity
-from readers.text import FileError, quoted, shown
+from readers.log_columns import ColumnMap
+from readers.logs import filled
+from readers.text import FileError, quoted
 from scenarios.controllers.controller_loader import Given, controller_of
 from scenarios.controllers.table import write_document
 from scenarios.reporting.plots import FOUR, one_word, plt, titled
@@ -48,6 +52,8 @@ for _number in range(1, MOST_WHEELSETS + 1):
     UNITS_OF_LOG |= {f"wheel_speed_{_number}": "m/s", f"valve_{_number}": "1"}
 #: Shortest allowed period [s].
 SHORTEST = 1e-4
+#: Longest gap that may be bridged [s].
+LONGEST_GAP = 86400.0
 #: Share of a row's time within which a call uses this row instead of the one before.
 SAME = 1e-9
 WORDS = {APPLY: "apply", HOLD: "hold", VENT: "vent"}
@@ -101,13 +107,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "ask so often, with the last row before; default: at the times of the rows"
     period = quantity("--period", "s", SHORTEST, LONGEST_PERIOD)
     parser.add_argument("--period", type=period, metavar="TIME", help=text)
+    add_log_options(parser)
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
+
+
+def add_log_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options by which a log is read."""
+    text = "map from the names of the log to those of the columns, a TOML file (default: guessed, and told)"
+    parser.add_argument("--columns", type=Path, metavar="FILE", help=text)
+    text = "longest gap in the log that is bridged (default: ten usual steps, and at least 2 s)"
+    gap = quantity("--longest-gap", "s", SHORTEST, LONGEST_GAP)
+    parser.add_argument("--longest-gap", type=gap, metavar="TIME", help=text)
 
 
 def run(chosen: argparse.Namespace) -> bool:
     """Replay and report; return whether the controller answered to the end. Raises BadInputError, CompilerError."""
     period: float | None = chosen.period
-    log = read_log(chosen.log)
+    log = read_log(chosen.log, chosen.columns, chosen.longest_gap)
+    if not chosen.quiet:
+        print(*log.sentences, sep="\n", end="\n" * bool(log.sentences), file=sys.stderr)
     name, controller = controller_of(chosen.controller, wheelsets_in(log))
     try:
         found = replayed(log, name, controller, period)
@@ -128,39 +146,41 @@ def run(chosen: argparse.Namespace) -> bool:
     return not found.message
 
 
-def read_log(path: Path) -> Recording:
-    """Return a log with the speeds of wheels.
+def read_log(path: Path, columns: ColumnMap | None = None, longest_gap: float | None = None) -> Recording:
+    """Return a log with the speeds of wheels; its sentences tell what was guessed, converted and left out.
 
     Raises
     ------
     BadInputError
-        If a column is missing, unknown, in a wrong unit or out of its limits; the message names line and column.
+        If a column is missing, unknown, in a wrong unit or out of its limits, or has a gap above `longest_gap` [s]; the
+        message names line and column.
     """
     try:
-        log = in_units_of(table_from(path), UNITS_OF_LOG)
+        log = table_from(path, UNITS_OF_LOG, columns)
+        return _checked(path, log, longest_gap)
     except FileError as error:
         raise BadInputError(str(error)) from None
+
+
+def _checked(path: Path, log: Recording, longest_gap: float | None) -> Recording:
+    """Return a log without rows that lack a wheel speed. Raises BadInputError, FileError."""
     count = wheelsets_in(log)
     if not 1 <= count <= MOST_WHEELSETS:
         raise BadInputError(f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST_WHEELSETS}.")
-    for name in log.names:
-        if name not in UNITS_OF_LOG and (near := get_close_matches(name, UNITS_OF_LOG, 1, 0.85)):
-            raise BadInputError(f"{path}: the column {shown(name)} is not read; did you mean {near[0]}?")
-        if log.units[name] != UNITS_OF_LOG.get(name, log.units[name]):
-            raise BadInputError(
-                f"{path}: the column {name} must be in {UNITS_OF_LOG[name]} or a unit that converts to it; got "
-                f"{log.units[name]}. Name its unit, as in {name} [{UNITS_OF_LOG[name]}]."
-            )
     for name in speeds_of(count):
         if name not in log.names:
             there = quoted(", ".join(log.names), 200)
             raise BadInputError(f"{path}: the column {name} [m/s] is missing; there are {there}. Add it.")
-        if not (log[name].min() >= 0.0 and log[name].max() <= FASTEST_LOGGED):
-            low, high = log[name].min(), log[name].max()
+        filled(log["time"], log[name], f"{path}: {name}", longest_gap)
+        low, high = np.nanmin(log[name]), np.nanmax(log[name])
+        if not (low >= 0.0 and high <= FASTEST_LOGGED):
             raise BadInputError(
                 f"{path}: {name} must be from 0 to {FASTEST_LOGGED:g} m/s; got {low:g} to {high:g} m/s. Check its unit."
             )
-    return log
+    whole = np.all([np.isfinite(log[name]) for name in speeds_of(count)], axis=0)
+    if np.sum(whole) < 2:
+        raise BadInputError(f"{path} must have at least 2 rows with all wheel speeds; it has {np.sum(whole)}.")
+    return Recording(log.units, np.column_stack([log[name] for name in log.names])[whole], log.sentences)
 
 
 def wheelsets_in(log: Recording) -> int:

@@ -26,7 +26,7 @@ from scenarios.reporting.motion import Motion, motion_columns
 from scenarios.reporting.plots import BOGIE, LEADING, THESIS, TRAILING, mark, panels
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, measured, near, number, rounding
-from scenarios.scenario import Options, Scenario
+from scenarios.scenario import BadInputError, Options, Scenario
 
 #: Time of brake application [s]. Assumed: the thesis's figures begin about a second before.
 BRAKE_TIME = 1.0
@@ -150,6 +150,8 @@ def fitted_history() -> tuple[np.ndarray, np.ndarray]:
 def run(pressure: int, options: Options) -> Report:
     if options.torque_csv is not None:
         return run_history(pressure, options)
+    if options.columns is not None:
+        raise BadInputError("--columns has no effect without --torque-csv; give both.")
     row = EXPERIMENT[pressure]
     frictions = (row.lowest_shoe_friction, row.shoe_friction, row.highest_shoe_friction)
     bar = counting(frictions, "shoe frictions", unit="run")
@@ -283,7 +285,8 @@ def fitted_rows(one: Run, hung: Run) -> list[Row]:
 
 def run_history(pressure: int, options: Options) -> Report:
     assert options.torque_csv is not None
-    one = brake_by_history(options, pressure, *read_torque_history(options.torque_csv))
+    times, torques, messages = read_torque_history(options.torque_csv, options.columns)
+    one = brake_by_history(options, pressure, times, torques)
     locked = "did not lock" if one.lock_speed is None else f"locked at {one.lock_speed:.2f} m/s, {one.lock_time:.2f} s"
     printed = 1.8 if pressure == 180 else None
     history = f"torque from {options.torque_csv.name}"
@@ -296,7 +299,7 @@ def run_history(pressure: int, options: Options) -> Report:
     remark = f"With the torque of {options.torque_csv.name} the trailing wheelset {locked}."
     runs = {options.torque_csv.name: one}
     length = float(one.series["time"][-1])
-    return Report(rows, one.series, lambda: draw(pressure, runs), parameters, length, [remark], one.guids)
+    return Report(rows, one.series, lambda: draw(pressure, runs), parameters, length, [remark, *messages], one.guids)
 
 
 def message(pressure: int, runs: Mapping[str, Run]) -> str:
@@ -342,7 +345,7 @@ SCENARIOS = [
         f"qr30-{pressure}kpa",
         f"The experiment at {pressure} kPa: pressure -> torque -> speed, slip and lock (chapters 7, 8)",
         partial(run, pressure),
-        takes=frozenset({"kind", "step", "torque_csv", "coupling_tolerance"}),
+        takes=frozenset({"kind", "step", "torque_csv", "columns", "coupling_tolerance"}),
     )
     for pressure in EXPERIMENT
 ]

@@ -127,19 +127,23 @@ def test_a_controller_in_c_that_gives_no_command_is_named(folder: Path) -> None:
         ),
         (
             "time [s],wheel_speed_1 [kPa]\n0,1\n1,1\n",
-            "log.csv: the column wheel_speed_1 must be in m/s or a unit that converts to it; got kPa.",
+            "log.csv, row 1: the unit 'kPa' of wheel_speed_1 is of another quantity. Use m/s,",
         ),
         (
-            "time [s],wheel_speed_1\n0,1\n1,1\n",
-            "log.csv: the column wheel_speed_1 must be in m/s or a unit that converts to it; got 1.",
+            "time [s],wheel_speed_1 [rpm]\n0,1\n1,1\n",
+            "log.csv, row 1: the column 'wheel_speed_1 [rpm]' in rpm needs the diameter of its wheel",
         ),
         (
-            "time [s],wheel_speed_1 [m/s]\n\n0,1\n1,1\n1,1\n",
+            "time [s],wheel_speed_1 [m/s]\n\n0,1\n1,1\n1,2\n",
             "log.csv, row 5, column time: values must grow from row to row; got 1 s after 1 s.",
         ),
         (
-            "time [s],wheel_speed_1 [m/s]\n0,1\n1,nan\n",
-            "log.csv, row 3, column wheel_speed_1: the value must be a number; got 'nan'.",
+            "time [s],wheel_speed_1 [m/s]\n0,1\n1,two\n",
+            "log.csv, row 3, column wheel_speed_1: the value must be a number; got 'two'.",
+        ),
+        (
+            "time [s],wheel_speed_1 [m/s]\n0,1\n1,1\n2,nan\n3,nan\n4,nan\n99,1\n",
+            "log.csv: wheel_speed_1 must have no gap above 10 s, as it drives the run; got one of 98 s after 1 s.",
         ),
         ("time [s],wheel_speed_1 [m/s]\n", "log.csv must have at least 2 rows of values; it has 0."),
         (
@@ -148,7 +152,7 @@ def test_a_controller_in_c_that_gives_no_command_is_named(folder: Path) -> None:
         ),
         (
             "time [s],wheel_speed_1 [m/s],wheel_spede_2 [m/s]\n0,1,1\n1,1,1\n",
-            "log.csv: the column wheel_spede_2 is not read; did you mean wheel_speed_2?",
+            "log.csv, row 1: the column wheel_spede_2 is unknown. Did you mean wheel_speed_2?",
         ),
         (
             "time [s],wheel_speed_1 [m/s]\n0,-1\n1,1\n",
@@ -171,7 +175,8 @@ def test_a_log_from_a_spreadsheet_is_read(encoding: str, folder: Path) -> None:
     text = "Time [ms];Wheel speed 1 [km/h];valve 1;cabin (degC)\r\n0;72,0;0;21,5\r\n10;36,0;2;21,5\r\n;;;\r\n"
     (folder / "log.csv").write_text(text, encoding=encoding)
     log = read_log(Path("log.csv"))
-    assert log.units == {"time": "s", "wheel_speed_1": "m/s", "valve_1": "1", "cabin": "degC"}
+    assert log.units == {"time": "s", "wheel_speed_1": "m/s", "valve_1": "1"}
+    assert log.sentences == ["log.csv: left out 'cabin (degC)' (no variable)."]
     assert log["time"].tolist() == [0.0, 0.01]
     assert log["wheel_speed_1"].tolist() == [20.0, 10.0]
 

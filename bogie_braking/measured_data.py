@@ -1,0 +1,187 @@
+"""Measured data that a run is fitted to, and the signs that they are not those of the run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bogie_braking.checks import number, seconds
+from bogie_braking.correlated import Errors, errors_of
+from bogie_braking.histories import Value
+from fmu_src.cosimulation.recording import Recording
+from readers.logs import averaged, filled
+
+#: Size of errors, relative to the range of the measured values, from which a run does not describe them.
+FAILS = 0.2
+#: Ratios of measured and simulated speed at the begin that show a wrong unit.
+UNIT_RATIOS = {3.6: "km/h", 1 / 0.44704: "mph"}
+#: Relative deviation from such a ratio, least speed for which it is tested [m/s], and relative mismatch that is told.
+NEAR_RATIO, LEAST_SPEED, MISMATCH = 0.03, 1.0, 0.1
+#: Longest average and longest gap [s].
+LONGEST = 86400.0
+
+
+@dataclass(frozen=True)
+class Data:
+    """Measured data.
+
+    Attributes
+    ----------
+    clock, times : array, shape (rows,)
+        Times of the table and of the run [s].
+    wanted : array, shape (rows, outputs)
+        Measured outputs; NaN: none.
+    inputs : dict
+        Times and values of measured inputs.
+    """
+
+    clock: np.ndarray
+    times: np.ndarray
+    wanted: np.ndarray
+    inputs: dict[str, Value]
+
+    def sizes(self, rows: int) -> np.ndarray:
+        """Return the range of each output in the first rows, 1 if it is constant."""
+        wanted = self.wanted[:rows]
+        there = np.isfinite(wanted)
+        high = np.max(np.where(there, wanted, -math.inf), axis=0)
+        low = np.min(np.where(there, wanted, math.inf), axis=0)
+        return np.where(high > low, high - low, 1.0)
+
+
+def data_of(
+    table: Recording,
+    names: Sequence[str],
+    driven: Sequence[str],
+    begin: float | None,
+    interval: float | None,
+    longest_gap: float | None,
+) -> Data:
+    """Return measured data; names, driven: of outputs and inputs; the others as in `fit`.
+
+    Raises
+    ------
+    ValueError
+        If an output has no value, an input has a gap, or too few rows are left.
+    """
+    clock = table["time"]
+    rows = np.column_stack([since(begin, clock), *(table[one] for one in (*names, *driven))])
+    if interval is not None:
+        rows = averaged(rows, seconds("interval", interval, LONGEST))
+        if len(rows) < 2:
+            raise ValueError(f"interval must leave at least 2 rows; got {interval!r} s, which leaves one. Lower it.")
+        clock = clock[0] - since(begin, clock)[0] + rows[:, 0]
+    gap = None if longest_gap is None else seconds("longest_gap", longest_gap, LONGEST)
+    times, wanted = rows[:, 0], rows[:, 1 : 1 + len(names)]
+    for name, values in zip(names, wanted.T, strict=True):
+        if not np.any(np.isfinite(values)):
+            raise ValueError(f"{name} must have at least one value in the measured data; got none.")
+    inputs: dict[str, Value] = {
+        name: filled(times, values, name, gap) for name, values in zip(driven, rows[:, 1 + len(names) :].T, strict=True)
+    }
+    return Data(clock, times, wanted, inputs)
+
+
+def since(begin: float | None, times: np.ndarray) -> np.ndarray:
+    """Return the times of a table relative to the start of the run [s].
+
+    begin: time of the table at the start. None: the time of its first row, as the clock of a log may start at any time.
+    Raises ValueError if `begin` is after the first row.
+    """
+    if begin is None:
+        return times - times[0]
+    if not -math.inf < number(begin) <= times[0]:
+        raise ValueError(
+            f"begin must be at most {times[0]:.12g} s, the time of the first row; got {begin!r}. Lower it."
+        )
+    return times - float(begin)
+
+
+def rows_until(until: float | None, times: np.ndarray) -> int:
+    """Return the number of rows that are fitted. Raises ValueError if there are fewer than two, or none is left."""
+    if until is None:
+        return times.size
+    if not number(until) >= times[1]:
+        raise ValueError(f"until must be at least {times[1]:.12g} s, the time of the second row; got {until!r}.")
+    if float(until) > times[-1]:
+        raise ValueError(
+            f"until must be at most {times[-1]:.12g} s, the time of the last row; got {until!r}. Lower it."
+        )
+    return int(np.searchsorted(times, float(until), "right"))
+
+
+def check_units(names: Sequence[str], simulated: np.ndarray, data: Data, units: Mapping[str, str]) -> None:
+    """Check that no speed begins as in another unit; simulated: outputs in the first row.
+
+    Raises
+    ------
+    ValueError
+        If one does.
+    """
+    for name, run, log in zip(names, simulated, data.wanted[0], strict=True):
+        if units[name] != "m/s" or not min(run, log) > LEAST_SPEED:
+            continue
+        for ratio, unit in UNIT_RATIOS.items():
+            for times, words in ((ratio, f"as if in {unit}"), (1 / ratio, f"as if converted twice from {unit}")):
+                if abs(log / run / times - 1.0) < NEAR_RATIO:
+                    raise ValueError(
+                        f"{name} must begin near {run:.4g} m/s, as the run does; got {log:.4g} m/s in the first row, "
+                        f"{words}. Correct the unit of the column, or set initial_speed."
+                    )
+
+
+def mismatches(
+    deviations: Mapping[str, float], off: np.ndarray, wanted: np.ndarray, units: Mapping[str, str]
+) -> list[str]:
+    """Return a sentence for each output that the run does not describe; off: simulated less measured first row."""
+    said = []
+    for column, (name, size) in enumerate(deviations.items()):
+        values, unit = wanted[:, column], units[name]
+        span = float(np.nanmax(values) - np.nanmin(values))
+        if 0.0 < FAILS * span < size:
+            said.append(
+                f"The run does not describe {name}: it is off by {size:.2g} {unit}, {100 * size / span:.0f} % of its "
+                "range. Check units, initial values and what is not fitted."
+            )
+        elif abs(off[column]) > MISMATCH * max(abs(values[0]), span):
+            first = f"{values[0]:.4g} {unit} in the log and at {values[0] + off[column]:.4g} {unit} in the run"
+            said.append(f"{name} begins at {first}. Check initial values and begin.")
+    return said
+
+
+def errors_by_output(
+    times: np.ndarray, there: np.ndarray, slopes: np.ndarray, off: np.ndarray, sizes: np.ndarray
+) -> list[Errors]:
+    """Return the errors of each output in its size.
+
+    Parameters
+    ----------
+    times : array, shape (rows,)
+        [s]
+    there : array of bool, shape (rows, outputs)
+        Where values were measured.
+    slopes : array, shape (values, parameters)
+        Derivatives of the scaled outputs where they were measured, row by row.
+    off : array, shape (rows, outputs)
+        Simulated less measured outputs.
+    sizes : array, shape (outputs,)
+    """
+    of = np.nonzero(there)[1]
+    columns = [(there[:, place], slopes[of == place], place) for place in range(there.shape[1])]
+    return [errors_of(times[rows], off[rows, place] / sizes[place], part) for rows, part, place in columns]
+
+
+def covariance(times: np.ndarray, there: np.ndarray, errors: Sequence[Errors]) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the function that multiplies columns, shape (values, n), by the covariance of the errors."""
+    of = np.nonzero(there)[1]
+
+    def multiplied(columns: np.ndarray) -> np.ndarray:
+        found = np.empty_like(columns)
+        for place, one in enumerate(errors):
+            found[of == place] = one.times(times[there[:, place]], columns[of == place])
+        return found
+
+    return multiplied
