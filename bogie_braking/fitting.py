@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,12 +15,21 @@ from scipy.optimize import least_squares
 from bogie_braking.checks import known, line_or_none, not_both, number, shown
 from bogie_braking.histories import Value
 from bogie_braking.machines import Machine, Runnable, machine_of, model_from
+from bogie_braking.measured_data import (
+    check_units,
+    covariance,
+    data_of,
+    errors_by_output,
+    mismatches,
+    rows_until,
+)
 from bogie_braking.simulation import Simulation
 from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
 from fmu_src.system import System
 from rbd_model.track.line import Line
+from readers.log_columns import ColumnMap
 from readers.renamed import FormerNames
 
 if TYPE_CHECKING:
@@ -29,6 +39,8 @@ if TYPE_CHECKING:
 STEP = 1e-3
 #: Largest number of rows of a run, between which measured instants are interpolated.
 MOST_ROWS = 1_000_000
+#: Steps of a run are at least this share of the median step of the rows, between which it is interpolated.
+SHORTEST_STEP = 0.25
 #: Parameters are not identifiable separately if their joint effect on the measured data is smaller than this share of
 #: their single effects.
 SEPARABLE = 1e-3
@@ -56,6 +68,10 @@ class Fit(FormerNames):
         Measured data.
     fitted : Recording
         The run with the fitted values at the measured instants.
+    correlation_times : dict
+        Correlation time of the errors of each output [s]; 0 if they are independent.
+    warnings : list of str
+        Outputs that the run does not describe, and why this may be.
     """
 
     values: dict[str, float]
@@ -65,6 +81,8 @@ class Fit(FormerNames):
     held_out: dict[str, float]
     measured: Recording
     fitted: Recording
+    correlation_times: dict[str, float]
+    warnings: list[str]
 
     @property
     def status(self) -> str:
@@ -78,6 +96,10 @@ class Fit(FormerNames):
             messages.append(several if len(group) > 1 else alone)
         for name, off in self.held_out.items():
             messages.append(f"In the rows that were not fitted {name} is off by {off:.2g} {self.measured.units[name]}.")
+        for name, over in self.correlation_times.items():
+            if over:
+                messages.append(f"Errors of {name} are correlated over {over:.2g} s, which standard errors include.")
+        messages += self.warnings
         return " ".join(messages)
 
     def plot(self) -> Figure:
@@ -100,8 +122,16 @@ class Fit(FormerNames):
         return figure
 
 
-def measured_from(path: str | Path) -> Recording:
-    """Return a measured run from a CSV file: names with units, such as `time [s],speed [km/h]`, and numbers.
+def measured_from(path: str | Path, columns: ColumnMap | None = None) -> Recording:
+    """Return a measured run from a file, with time counted from the first row if it is that of a clock.
+
+    Parameters
+    ----------
+    path : str or Path
+        A log with names and units, such as `time [s],speed [km/h]`.
+    columns : mapping, str or Path, optional
+        A map from its names to those of variables, or its TOML file. By default names are guessed, and told on standard
+        error.
 
     Parameters
     ----------
@@ -116,13 +146,24 @@ def measured_from(path: str | Path) -> Recording:
     Raises
     ------
     FileError
-        If the file is invalid. The message names file, row, column, value and remedy.
+        If a file is invalid; the message names file, row, column, value and remedy.
     TypeError
         If `path` is not a path.
     """
+    return _printed(_log(path, None, columns))
+
+
+def _log(path: str | Path, units: Mapping[str, str] | None, columns: ColumnMap | None) -> Recording:
     if not isinstance(path, str | Path):
         raise TypeError(f"The log must be a Recording or the path of a CSV file; got {shown(path)}.")
-    return table_from(Path(path))
+    return table_from(path, units, columns)
+
+
+def _printed(log: Recording) -> Recording:
+    """Print what was guessed and left out of a log."""
+    for message in log.messages:
+        print(message, file=sys.stderr)
+    return log
 
 
 def fit(
@@ -132,20 +173,23 @@ def fit(
     line: Line | None = None,
     until: float | None = None,
     begin: float | None = None,
+    columns: ColumnMap | None = None,
+    interval: float | None = None,
+    longest_gap: float | None = None,
     **values: Value,
 ) -> Fit:
     """Fit parameters of a run to measured data by SciPy's least squares.
 
-    Standard errors hold for independent errors of equal size in each column, to first order. The errors of an output
-    are scaled by the range of its measured values.
+    Standard errors hold to first order, also for errors that are correlated in time (`correlated.py`). The errors of an
+    output are scaled by the range of its measured values.
 
     Parameters
     ----------
     what : str, Vehicle, System or Model
         Vehicle or brake, as in `run`.
     measured : Recording, str or Path
-        A table or its CSV file. Its columns are time [s] and variables in their units: outputs to fit, and inputs that
-        drive the run.
+        A table or the file of a log. Its columns are time [s] and variables in their units: outputs to fit, and inputs
+        that drive the run. Rows without a value of an output (NaN) are not compared there.
     parameters : mapping of str to float
         Names and initial values, not 0, because relative steps are taken. It may include constant inputs.
     line : Line, optional
@@ -154,6 +198,13 @@ def fit(
         Time of the table [s] after which rows are held out, to validate the fit. By default all rows are fitted.
     begin : float, optional
         Time of the table at which the run starts [s]; by default that of the first row.
+    columns : mapping, str or Path, optional
+        Of a file: a map from its names to those of variables, or its TOML file. By default names are guessed, and told
+        on standard error.
+    interval : float, optional
+        Rows are averaged over intervals of this length [s]. By default they are taken as they are.
+    longest_gap : float, optional
+        Longest gap that is bridged in an input [s]. By default ten median steps, and at least 2 s.
     **values
         Other parameters and inputs, as in `run`.
 
@@ -171,68 +222,66 @@ def fit(
     SimulationError
         If a run is refused.
     """
-    table = measured if isinstance(measured, Recording) else measured_from(measured)
     machine = machine_of(what, values, line_or_none(line) is not None)
-    table = in_units_of(table, {"time": "s"} | {name: one.unit for name, one in machine.variables.items()})
+    table = _table(measured, machine, columns)
     what = model_from(what) if isinstance(what, System) else what
     names, driven = parted(table, machine)
-    times, last = since(begin, table["time"]), rows_until(until, table["time"])
+    data = data_of(table, names, driven, begin, interval, longest_gap)
+    last = rows_until(until, data.clock)
     first = begin_of(parameters, machine, driven)
     not_both(parameters, values, "as a parameter to be fitted and as a value")
     not_both(driven, values, "as a column of the measured data and as a value")
-    inputs: dict[str, Value] = {name: (times, table[name]) for name in driven}
-    if last * len(names) <= first.size:
-        raise ValueError(f"{last * len(names)} measured values do not decide on {first.size} parameters.")
-    sizes = np.array([np.ptp(table[one][:last]) or 1.0 for one in names])
-    wanted = np.column_stack([table[one] for one in names]) / sizes
+    there, sizes = np.isfinite(data.wanted[:last]), data.sizes(last)
+    if np.sum(there) <= first.size:
+        raise ValueError(f"{np.sum(there)} measured values do not decide on {first.size} parameters.")
 
     def off_by(share: np.ndarray, rows: int) -> np.ndarray:
-        given = values | inputs | dict(zip(parameters, (share * first).tolist(), strict=True))
-        return at_times(Simulation(what, line, **given), names, times[:rows]) / sizes - wanted[:rows]
+        given = values | data.inputs | dict(zip(parameters, (share * first).tolist(), strict=True))
+        return at_times(Simulation(what, line, **given), names, data.times[:rows]) - data.wanted[:rows]
 
+    if "initial_speed" not in parameters:
+        check_units(names, (off_by(np.ones_like(first), 2) + data.wanted[:2])[0], data, table.units)
     limits = np.array([[machine.variables[one].minimum, machine.variables[one].maximum] for one in parameters])
     bounds = np.sort(limits / first[:, None]).T
-    found = least_squares(lambda share: off_by(share, last).ravel(), np.ones_like(first), bounds=bounds, diff_step=STEP)
-    errors, unidentifiable = identifiability(found.jac, found.fun, list(parameters))
-    off = off_by(found.x, times.size) * sizes
+    found = least_squares(
+        lambda share: (off_by(share, last) / sizes)[there], np.ones_like(first), bounds=bounds, diff_step=STEP
+    )
+    off = off_by(found.x, data.times.size)
+    errors = errors_by_output(data.times[:last], there, found.jac, off[:last], sizes)
+    standard, unidentifiable = identifiability(
+        found.jac, covariance(data.times[:last], there, errors), list(parameters)
+    )
+    deviations = spread(names, off[:last])
     return Fit(
         dict(zip(parameters, (found.x * first).tolist(), strict=True)),
-        dict(zip(parameters, (errors * np.abs(first)).tolist(), strict=True)),
+        dict(zip(parameters, (standard * np.abs(first)).tolist(), strict=True)),
         unidentifiable,
-        spread(names, off[:last]),
-        spread(names, off[last:]) if last < times.size else {},
+        deviations,
+        spread(names, off[last:]) if last < data.times.size else {},
         table,
-        Recording({one: table.units[one] for one in ("time", *names)}, np.c_[table["time"], off + wanted * sizes]),
+        Recording({one: table.units[one] for one in ("time", *names)}, np.c_[data.clock, off + data.wanted]),
+        {name: one.time for name, one in zip(names, errors, strict=True)},
+        mismatches(deviations, off[0], data.wanted[:last], table.units),
     )
 
 
+def _table(measured: Recording | str | Path, machine: Machine, columns: ColumnMap | None) -> Recording:
+    """Return measured data in the units of the variables. Raises ValueError, TypeError."""
+    units = {"time": "s"} | {name: one.unit for name, one in machine.variables.items()}
+    if isinstance(measured, Recording):
+        if columns is not None:
+            raise ValueError("columns must be None for a Recording, as its columns have names; give the path of a log.")
+        return in_units_of(measured, units)
+    return _printed(_log(measured, units, columns))
+
+
 def spread(names: Sequence[str], off: np.ndarray) -> dict[str, float]:
-    """Return the root mean square of each column of `off`, shape (rows, names)."""
-    return dict(zip(names, np.sqrt(np.mean(off**2, axis=0)).tolist(), strict=True))
-
-
-def since(begin: float | None, times: np.ndarray) -> np.ndarray:
-    """Return the times of a table relative to the start of the run [s].
-
-    begin: time of the table at the start. None: the time of its first row, as the clock of a log may start at any time.
-    Raises ValueError if `begin` is after the first row.
-    """
-    if begin is None:
-        return times - times[0]
-    if not -math.inf < number(begin) <= times[0]:
-        raise ValueError(
-            f"begin must be at most {times[0]:.12g} s, the time of the first row; got {begin!r}. Lower it."
-        )
-    return times - float(begin)
-
-
-def rows_until(until: float | None, times: np.ndarray) -> int:
-    """Return the number of rows that are fitted. Raises ValueError if there are fewer than two."""
-    if until is None:
-        return times.size
-    if not number(until) >= times[1]:
-        raise ValueError(f"until must be at least {times[1]:.12g} s, the time of the second row; got {until!r}.")
-    return int(np.searchsorted(times, float(until), "right"))
+    """Return the root mean square of each column of `off`, shape (rows, names), without NaN; NaN if nothing is left."""
+    there = np.isfinite(off)
+    count = np.sum(there, axis=0)
+    total = np.sum(np.where(there, off, 0.0) ** 2, axis=0)
+    means = np.divide(total, count, out=np.full(count.shape, math.nan), where=count > 0)
+    return dict(zip(names, np.sqrt(means).tolist(), strict=True))
 
 
 def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence[str] = ()) -> np.ndarray:
@@ -276,33 +325,44 @@ def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
 
 def at_times(simulation: Simulation, names: Sequence[str], times: np.ndarray) -> np.ndarray:
     """Return outputs of a run at instants [s], shape (instants, names). After an early end the last values are used."""
-    step = max(float(np.min(np.diff(times))), float(times[-1]) / MOST_ROWS)
+    steps = np.diff(times)
+    step = max(float(np.min(steps)), SHORTEST_STEP * float(np.median(steps)), float(times[-1]) / MOST_ROWS)
     series = simulation.advance(float(times[-1]) + step, names, step)
     return np.column_stack([np.interp(times, series["time"], series[one]) for one in names])
 
 
 def identifiability(
-    slopes: np.ndarray, residuals: np.ndarray, names: Sequence[str]
+    slopes: np.ndarray, covariance: Callable[[np.ndarray], np.ndarray], names: Sequence[str]
 ) -> tuple[np.ndarray, list[tuple[str, ...]]]:
-    """Return standard errors of parameters, and groups that cannot be separated; slopes: shape (values, parameters).
+    """Return standard errors of parameters, and groups that cannot be separated.
 
     They follow from the singular values of the slopes with columns scaled to length 1: Golub and Van Loan (2013),
-    section 5.5.
+    section 5.5. The covariance of least squares is that of errors with any covariance: Davidson and MacKinnon (2004),
+    eq. (5.31).
+
+    Parameters
+    ----------
+    slopes : array, shape (values, parameters)
+    covariance : callable
+        Multiplies columns, shape (values, n), by the covariance of the errors.
+    names : sequence of str
+        Of the parameters.
     """
     lengths = np.linalg.norm(slopes, axis=0)
     silent = lengths <= SEPARABLE * np.max(lengths)
     unidentifiable: list[tuple[str, ...]] = [(name,) for name, none in zip(names, silent, strict=True) if none]
     errors = np.full(len(names), np.inf)
     heard = np.flatnonzero(~silent)
-    _, sizes, directions = np.linalg.svd(slopes[:, heard] / lengths[heard], full_matrices=False)
+    left, sizes, directions = np.linalg.svd(slopes[:, heard] / lengths[heard], full_matrices=False)
     lost = sizes < SEPARABLE
     mixed = np.zeros(heard.size, bool)
     for direction in directions[lost]:
         group = np.abs(direction) > NAMED
         unidentifiable.append(tuple(names[place] for place in heard[group]))
         mixed |= group
-    noise = np.sum(residuals**2) / (residuals.size - np.sum(~lost))
-    variances = np.sum((directions[~lost] / sizes[~lost, None]) ** 2, axis=0) * noise
+    told = left[:, ~lost]
+    across = directions[~lost] / sizes[~lost, None]
+    variances = np.einsum("ip,ij,jp->p", across, told.T @ covariance(told), across)
     kept = heard[~mixed]
     errors[kept] = np.sqrt(variances[~mixed]) / lengths[kept]
     return errors, unidentifiable

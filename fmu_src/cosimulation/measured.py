@@ -17,7 +17,7 @@ from readers.units import factor
 def table_from(
     path: str | Path, variables: Mapping[str, str] | None = None, columns: ColumnMap | None = None
 ) -> Recording:
-    """Return the log of a file; its sentences tell what was guessed, converted and left out.
+    """Return the log of a file; its messages tell what was guessed, converted and left out.
 
     Parameters
     ----------

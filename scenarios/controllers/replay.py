@@ -125,7 +125,7 @@ def run(chosen: argparse.Namespace) -> bool:
     period: float | None = chosen.period
     log = read_log(chosen.log, chosen.columns, chosen.longest_gap)
     if not chosen.quiet:
-        print(*log.sentences, sep="\n", end="\n" * bool(log.sentences), file=sys.stderr)
+        print(*log.messages, sep="\n", end="\n" * bool(log.messages), file=sys.stderr)
     name, controller = controller_of(chosen.controller, wheelsets_in(log))
     try:
         found = replayed(log, name, controller, period)
@@ -147,7 +147,7 @@ def run(chosen: argparse.Namespace) -> bool:
 
 
 def read_log(path: Path, columns: ColumnMap | None = None, longest_gap: float | None = None) -> Recording:
-    """Return a log with the speeds of wheels; its sentences tell what was guessed, converted and left out.
+    """Return a log with the speeds of wheels; its messages tell what was guessed, converted and left out.
 
     Raises
     ------
@@ -180,7 +180,7 @@ def _checked(path: Path, log: Recording, longest_gap: float | None) -> Recording
     whole = np.all([np.isfinite(log[name]) for name in speeds_of(count)], axis=0)
     if np.sum(whole) < 2:
         raise BadInputError(f"{path} must have at least 2 rows with all wheel speeds; it has {np.sum(whole)}.")
-    return Recording(log.units, np.column_stack([log[name] for name in log.names])[whole], log.sentences)
+    return Recording(log.units, np.column_stack([log[name] for name in log.names])[whole], log.messages)
 
 
 def wheelsets_in(log: Recording) -> int:

@@ -176,7 +176,7 @@ def test_a_log_from_a_spreadsheet_is_read(encoding: str, folder: Path) -> None:
     (folder / "log.csv").write_text(text, encoding=encoding)
     log = read_log(Path("log.csv"))
     assert log.units == {"time": "s", "wheel_speed_1": "m/s", "valve_1": "1"}
-    assert log.sentences == ["log.csv: left out 'cabin (degC)' (no variable)."]
+    assert log.messages == ["log.csv: left out 'cabin (degC)' (no variable)."]
     assert log["time"].tolist() == [0.0, 0.01]
     assert log["wheel_speed_1"].tolist() == [20.0, 10.0]
 
