@@ -107,8 +107,8 @@ def read_log(
         If a file is not readable as text.
     """
     source, variables = str(path), {"time": "s"} | dict(variables)
-    heads, begin = _heads(begin_of(text_of(path), source), by_position)
-    place = f"{source}, row {begin.at}"
+    heads, begin, names_at = _heads(begin_of(text_of(path), source), by_position)
+    place = f"{source}, row {names_at}"
     texts = _texts(heads, begin)
     naming = Naming(place, variables, texts, others)
     found, out = naming.found(heads, columns)
@@ -123,15 +123,16 @@ def read_log(
         found += [Found(head, head.name, head.unit or "1") for head in rest]
         used |= {head.at for head in rest}
     messages = [*_guesses(source, found, variables), *_left_out(source, heads, used, out, texts)]
-    return _in_order(_Reading(begin, variables, found).log(messages))
+    return _in_order(_Reading(place, begin, variables, found).log(messages))
 
 
-def _heads(begin: Begin, by_position: Sequence[str]) -> tuple[list[Head], Begin]:
-    """Return the names of the columns, and the begin of the rows behind them. Raises TableError."""
+def _heads(begin: Begin, by_position: Sequence[str]) -> tuple[list[Head], Begin, int]:
+    """Return the names of the columns, the begin of the rows behind them, and their row. Raises TableError."""
     place = f"{begin.source}, row {begin.at}"
     if not all(number_in(cell) for cell in begin.cells if cell):
         begin = _without_title(begin)
-        return _with_units([head_of(at, cell) for at, cell in enumerate(begin.cells) if cell], begin)
+        heads = [head_of(at, cell) for at, cell in enumerate(begin.cells) if cell]
+        return *_with_units(heads, begin), begin.at
     if not by_position:
         got = quoted(begin.cells[0])
         raise TableError(f"{place}: the first row must have names; got {got}. Add them, as in time [s], speed [m/s].")
@@ -139,19 +140,20 @@ def _heads(begin: Begin, by_position: Sequence[str]) -> tuple[list[Head], Begin]
         need = f"{len(by_position)} values ({', '.join(by_position)})"
         raise TableError(f"{place}: a row must have {need}; got {len(begin.cells)}. Correct the row.")
     heads = [Head(at, name, name, "") for at, name in enumerate(by_position)]
-    return heads, Begin(begin.source, begin.lines, begin.separator, begin.at - 1, list(by_position))
+    return heads, Begin(begin.source, begin.lines, begin.separator, begin.at - 1, list(by_position)), begin.at
 
 
 def _without_title(begin: Begin) -> Begin:
-    """Return the begin of the table after rows with a single cell, such as a title."""
-    if len([cell for cell in begin.cells if cell]) > 1:
-        return begin
-    text = "\n" * begin.at + "\n".join(begin.lines[begin.at :])
-    try:
-        rest = begin_of(text, begin.source)
-    except TableError:
-        return begin
-    return _without_title(rest) if len(begin.cells) <= 1 else begin
+    """Return the begin of the table after rows with a single cell, such as a title; as it is if there are others."""
+    found = begin
+    while len(found.cells) == 1:
+        try:
+            found = begin_of("\n" * found.at + "\n".join(found.lines[found.at :]), begin.source)
+        except TableError:
+            return begin
+        if all(number_in(cell) for cell in found.cells if cell):
+            return begin
+    return found
 
 
 def _with_units(heads: list[Head], begin: Begin) -> tuple[list[Head], Begin]:
@@ -203,6 +205,7 @@ def _left_out(source: str, heads: Sequence[Head], used: set[int], out: set[int],
 class _Reading:
     """Reads the values of the columns that are used."""
 
+    place: str
     begin: Begin
     variables: Mapping[str, str]
     found: Sequence[Found]
@@ -238,18 +241,15 @@ class _Reading:
         return Log(self.begin.source, ordered, {name: units[name] for name in names}, rows, messages)
 
     def _cells(self, one: Found, unit: str, rows: NDArray[np.int64]) -> Cells:
-        place = f"{self.begin.source}, row {self.begin.at}"
         column = Column(one.variable, unit, filled=False)
-        both = factor_of(one, unit, place) or unit_factor(column, one.unit, place)
+        both = factor_of(one, unit, self.place) or unit_factor(column, one.unit, self.place)
         return Cells(self.begin.source, rows, Place(one.head.at, column, both))
 
     def _times(
         self, one: Found, unit: str, cells: list[str], rows: NDArray[np.int64], mark: DecimalMark, messages: list[str]
     ) -> NDArray[np.float64]:
-        def numbers() -> NDArray[np.float64]:
-            return self._cells(one, unit, rows).numbers(cells, mark)
-
-        found: Times = times_of(cells, one.unit, numbers, PlaceOfTimes(self.begin.source, "time", rows))
+        place = PlaceOfTimes(self.begin.source, "time", rows)
+        found: Times = times_of(cells, one.unit, lambda: self._cells(one, unit, rows).numbers(cells, mark), place)
         if not found.clock and not one.unit:
             messages.append(f"{self.begin.source}: {quoted(one.head.cell)} has no unit; s is assumed.")
         if found.clock:

@@ -535,6 +535,7 @@ class Body:
                         raise self.nameless(number, at, cells[at], len(named))
 
     def nameless(self, number: int, at: int, cell: str, count: int) -> TableError:
+        """Return the error for a cell without a name; number: its row, at: its place in it, count: named columns."""
         hint = " With decimal commas, separate columns by semicolons." if self.separator == "," else ""
         return TableError(
             f"{self.source}, row {number}: a row must have at most {count} values; got {at + 1}: {quoted(cell)} has no "
@@ -590,9 +591,11 @@ class Cells:
         return self.place.column
 
     def refusal(self, row: int, text: str) -> TableError:
+        """Return the error for a value; `row` is numbered from 0."""
         return TableError(f"{self.source}, row {self.places[row]}, column {shown(self.column.name)}: {text}")
 
     def words(self, cells: Sequence[str]) -> list[str]:
+        """Return the words of the column. Raises TableError if one is not allowed."""
         choice = self.column.words
         for row, cell in enumerate(cells):
             if self.column.text and (len(cell) > LONGEST_TEXT or not cell.isprintable()):
@@ -607,6 +610,7 @@ class Cells:
         return list(cells)
 
     def numbers(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64]:
+        """Return the numbers of the column in its unit. Raises TableError if one is not valid."""
         values = self._plain(cells, mark)
         if values is None:
             values = np.array([self._number(row, cell, mark) for row, cell in enumerate(cells)], float)

@@ -665,9 +665,9 @@ def test_a_measured_table_of_something_else_is_refused(units: dict, error: type[
     [
         ("", "it is empty. Give a table."),
         ("speed [m/s]\n1\n", "row 1: the column time is missing"),
-        ("time [s],speed [m/s]\n0,1\n1\n", "row 3, column speed: the value must be a number; the cell is empty."),
-        ("time [s],speed [m/s]\n0,1\n1,nan\n", "row 3, column speed: the value must be a number; got 'nan'."),
-        ("time [s],speed [m/s]\n0,1\n0,1\n", "row 3, column time: values must grow from row to row"),
+        ("time [s],speed [m/s]\n0,1\n0,1\n", "must have at least 2 rows of values; it has 1."),
+        ("time [s],speed [m/s]\n0,1\n1,two\n", "row 3, column speed: the value must be a number; got 'two'."),
+        ("time [s],speed [m/s]\n0,1\n0,2\n", "row 3, column time: values must grow from row to row"),
     ],
 )
 def test_a_file_that_is_no_measured_run_is_refused(text: str, sentence: str, tmp_path: Path) -> None:
