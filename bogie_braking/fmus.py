@@ -11,11 +11,14 @@ from bogie_braking.machines import LEVELS, model_from
 from fmu_src.chain import ONE_WRITES
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
+from fmu_src.start_values import with_start_values
 from fmu_src.system import Model, System
 from products.building import up_to_date
 from products.registry import FMUS
+from products.vehicle_file import DataSheet
 from rbd_model.levels.models import places_of
 from rbd_model.vehicle.description import Vehicle
+from readers.storage import write_whole
 
 BUILD = {"native": build_native_fmu, "fmi3": build_native_fmu3, "python": build_python_fmu}
 
@@ -43,13 +46,18 @@ def fmu(name: str, kind: str = "native") -> Path:
     return up_to_date(known(name, FMUS, "FMU"), known(kind, BUILD, "kind of FMU"))
 
 
-def write_fmu(what: Vehicle | System | Model, path: str | Path, kind: str = "native", level: int | None = None) -> Path:
+def write_fmu(
+    what: DataSheet | Vehicle | System | Model, path: str | Path, kind: str = "native", level: int | None = None
+) -> Path:
     """Build the FMU of your own vehicle, system or model, and validate it.
+
+    A vehicle from a file with 2 or 4 axles needs no compiler: its FMU is the built-in one with the file's values as
+    start values.
 
     Parameters
     ----------
-    what : Vehicle, System or Model
-        Contents of the FMU.
+    what : DataSheet, Vehicle, System or Model
+        Contents of the FMU; a DataSheet is a vehicle from a file (`read_vehicle`).
     path : str or Path
         File to write; it must end with .fmu.
     kind : str
@@ -85,9 +93,22 @@ def write_fmu(what: Vehicle | System | Model, path: str | Path, kind: str = "nat
         raise ValueError(f"level must be 1, 2 or 3, or left out for all of them; got {level!r}.")
     if path.suffix != ".fmu":
         raise ValueError(f"{path} must end with .fmu, the only name under which hosts take an FMU.")
-    with ONE_WRITES:
-        build(model_from(what, places_of(level)), path)
+    if isinstance(what, DataSheet) and what.fmu is not None:
+        _with_values(what, path, kind, level)
+    else:
+        contents = what.vehicle if isinstance(what, DataSheet) else what
+        with ONE_WRITES:
+            build(model_from(contents, places_of(level)), path)
     problems = validate_fmu(str(path))
     if problems:
         raise ValueError(f"{path} is not a valid FMU: {' '.join(map(str, problems))}")
     return path
+
+
+def _with_values(sheet: DataSheet, path: Path, kind: str, level: int | None) -> None:
+    """Write the built-in FMU of a vehicle from a file, with its values. Raises ValueError for another kind than native."""
+    assert sheet.fmu is not None
+    if kind != "native":
+        raise ValueError(f"kind must be native for a vehicle from a file; got {kind}. Its values are read by native FMUs.")
+    values = sheet.values | ({} if level is None else {"level": float(level)})
+    write_whole(path, with_start_values(fmu(sheet.fmu), values))

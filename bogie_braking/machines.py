@@ -20,6 +20,7 @@ from products.building import kernel_at, kernel_of, variables_of, whole_kernel
 from products.one_level import model_at, place_of
 from products.registry import FMUS, SELECTORS
 from products.registry import model_of as model_of_fmu
+from products.vehicle_file import DataSheet
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.laws import LAWS
 from rbd_model.levels.models import (
@@ -88,6 +89,19 @@ def vehicle(name: str) -> Vehicle:
         If the name is unknown.
     """
     return VEHICLES[known(name, VEHICLES, "vehicle")]()
+
+
+def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Runnable, dict[str, Any]]:
+    """Return a vehicle from a file as its FMU or its description, with its values; others unchanged.
+
+    The values of the caller replace those of the file.
+    """
+    if not isinstance(what, DataSheet):
+        return what, dict(values)
+    if what.fmu is None:
+        return what.vehicle, dict(what.resistance) | dict(values)
+    own = what.values if values.get("level", LEVEL) == LEVELS[-1] else what.planar_values
+    return what.fmu, own | dict(values)
 
 
 def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Machine:

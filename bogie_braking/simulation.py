@@ -12,12 +12,13 @@ import numpy as np
 from bogie_braking.batches import file_of
 from bogie_braking.checks import is_number, line_or_none, names_of, near, refused, seconds, shown
 from bogie_braking.histories import History, Value
-from bogie_braking.machines import Machine, Runnable, machine_at, machine_of
+from bogie_braking.machines import Machine, Runnable, machine_at, machine_of, unfolded
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import MOST_NUMBERS, Kernel, SimulationError
 from fmu_src.refusals import without_value_before
 from fmu_src.system import NONE
 from products.registry import FMUS
+from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import LINE
 
@@ -35,9 +36,9 @@ class Simulation:
 
     Parameters
     ----------
-    what : str, Vehicle, System or Model
-        A built-in FMU by its name, or your own vehicle, system or model. For a vehicle, only the level of detail that
-        the values `level` and `contact_model` select is compiled.
+    what : str, DataSheet, Vehicle, System or Model
+        A built-in FMU by its name, a vehicle from a file (`read_vehicle`), or your own vehicle, system or model. For a
+        vehicle, only the level of detail that the values `level` and `contact_model` select is compiled.
     line : Line, optional
         Line of the vehicle; by default straight, level track.
     **values
@@ -60,7 +61,8 @@ class Simulation:
     >>> stop.advance(5.0).status
     """
 
-    def __init__(self, what: Runnable, line: Line | None = None, **values: Value) -> None:
+    def __init__(self, what: Runnable | DataSheet, line: Line | None = None, **values: Value) -> None:
+        what, values = unfolded(what, values)
         self._line, self._laid = line_or_none(line), ""
         self._machine = machine_of(what, values, line is not None)
         self._kernel = Kernel(self._machine.library)
@@ -298,7 +300,7 @@ def on_grid(distance: float, interval: float) -> bool:
 
 
 def run(
-    what: Runnable,
+    what: Runnable | DataSheet,
     duration: float,
     line: Line | None = None,
     names: Sequence[str] | None = None,
@@ -309,8 +311,8 @@ def run(
 
     Parameters
     ----------
-    what : str, Vehicle, System or Model
-        A built-in FMU by its name, or your own vehicle, system or model, as in `Simulation`.
+    what : str, DataSheet, Vehicle, System or Model
+        A built-in FMU by its name, a vehicle from a file, or your own vehicle, system or model, as in `Simulation`.
     duration : float
         Duration of the run [s].
     line : Line, optional

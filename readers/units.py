@@ -85,6 +85,8 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         "N.s/m": (1, 1),
         "kN/(m/s)": (1000, 1),
         "kN.s/m": (1000, 1),
+        "Ns/m": (1, 1),
+        "kNs/m": (1000, 1),
         "N/(km/h)": (36, 10),
         "daN/(km/h)": (36, 1),
         "kN/(km/h)": (3600, 1),
@@ -108,6 +110,8 @@ _SPELLINGS: dict[str, dict[str, tuple[float, float]]] = {
         "kN/mm": (1_000_000, 1),
         "MN/m": (1_000_000, 1),
     },
+    "torsional stiffness": {"N.m/rad": (1, 1), "Nm/rad": (1, 1), "kN.m/rad": (1000, 1), "kNm/rad": (1000, 1)},
+    "inertia": {"kg.m2": (1, 1), "kgm2": (1, 1), "kg.m^2": (1, 1), "t.m2": (1000, 1)},
     "torque": {
         "N.m": (1, 1),
         "Nm": (1, 1),

@@ -105,6 +105,19 @@ def secondary(bogie: str, along: Size) -> tuple[SuspensionElement, ...]:
 
 def four_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stops: bool) -> Vehicle:
     """Return a car body on two bogies, wheelset 1 leading; stops: with the lateral bump stops of Iwnicki (1998)."""
+    return _on_two_bogies(name, parameters, pair, stops, (HALF_BASE, -HALF_BASE))
+
+
+def six_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stops: bool) -> Vehicle:
+    """Return a car body on two bogies of three wheelsets each, wheel_base apart; otherwise as `four_axle_vehicle`."""
+    base = Sum((("wheel_base", 1.0),))
+    return _on_two_bogies(name, parameters, pair, stops, (base, Sum(()), -base))
+
+
+def _on_two_bogies(
+    name: str, parameters: VehicleParameters, pair: Pair, stops: bool, axles: tuple[Sum, ...]
+) -> Vehicle:
+    """Return a car body on two bogies; axles: places of the wheelsets of a bogie ahead of its middle [m]."""
     pivots = {"front": Sum((("pivot_distance", 0.5),)), "rear": Sum((("pivot_distance", -0.5),))}
     inertia = ("body_roll_inertia", "body_pitch_inertia", "body_yaw_inertia")
     bodies = [RigidBody("body", "car body", "body_mass", inertia, 0.0, "body_height")]
@@ -118,7 +131,7 @@ def four_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stop
             place = (pivot, 0.0, "secondary_height")
             travel = MANCHESTER_TRAVEL, MANCHESTER_FORCE
             connections.append(BumpStop(f"{bogie}_bump_stop", "body", frame, place, False, "lateral", *travel))
-        for along in (pivot + HALF_BASE, pivot - HALF_BASE):
+        for along in (pivot + axle for axle in axles):
             wheelsets.append(Wheelset(along, frame, pair=pair))
             connections += axle_box_springs(frame, len(wheelsets), along)
     ends = {"front": 0.5, "rear": -0.5}

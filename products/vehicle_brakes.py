@@ -1,0 +1,225 @@
+"""The brake of a vehicle file: from a deceleration, a brake weight, a force or cylinder data to parameters of the FMU."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from brake_controller.brake_weight import FROM_120, force_of_percentage
+from brake_controller.discs import MEAN_PAD_FRICTION, axle_discs
+from brake_controller.parameters import qr30
+from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI
+from products.braked_vehicle import DISCS, TIMED
+from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, cylinder_air, of_pads
+from products.vehicle_entries import Entry, number_of
+from brake_controller.timing import with_release_time
+from readers.text import shown
+
+#: Friction laws of shoes by their names in a file.
+FRICTION_LAWS = {"constant": CONSTANT, "cast-iron": KARWATZKI, "composite": COMPOSITE}
+#: Mean friction of shoes if the file gives none: that of the built-in coach.
+SHOE_FRICTION = 0.25
+#: Entries that state the brake; a file has those of one line.
+STATEMENTS = (("deceleration",), ("percentage",), ("force",), ("cylinder_diameter", "cylinders", "rigging_ratio"))
+BRAKE_ENTRIES: Mapping[str, Entry] = {
+    "deceleration": Entry("m/s2", 0.01, 5.0, "of the full brake on a dry rail, after build-up"),
+    "percentage": Entry("%", 1.0, 300.0, "brake weight percentage, lambda (EN 16834, from 120 km/h)"),
+    "force": Entry("N", 1.0, 1e7, "of the full brake at the rims of all wheelsets"),
+    "cylinder_diameter": Entry("m", 0.01, 1.0, "of each cylinder"),
+    "cylinders": Entry("1", 1, 48, "cylinders of the vehicle"),
+    "rigging_ratio": Entry("1", 0.1, 100.0, "force of all shoes or pads over the force of their cylinder"),
+    "rigging_efficiency": Entry("1", 0.01, 1.0, "effective over calculated force"),
+    "return_force": Entry("N", 0.0, 1e5, "of the return spring at each piston"),
+    "friction": Entry("1", 0.01, 1.0, "mean friction of shoes or pads"),
+    "friction_law": Entry("1", 0, 0, "of shoes: constant, cast-iron, composite"),
+    "shoes": Entry("1", 1, 16, "shoes on each wheelset"),
+    "friction_radius": Entry("m", 0.01, 1.0, "radius at which pads rub"),
+    "full_pressure": Entry("Pa", 1e3, 1e6, "of the cylinders at full brake"),
+    "application_time": Entry("s", 0.01, 120.0, "from 0 to 95 % of the full pressure"),
+    "release_time": Entry("s", 0.01, 120.0, "from the full pressure to 5 % of it"),
+}
+#: Entries of the rigging, which only cylinder data use, and those of one kind of brake alone.
+OF_RIGGING = ("rigging_efficiency", "return_force")
+OF_TREADS, OF_DISCS = ("friction_law", "shoes"), ("friction_radius",)
+
+
+@dataclass(frozen=True)
+class SheetBrake:
+    """The brake of a vehicle file.
+
+    values: parameters of BrakedVehicle [SI]; full_pressure [Pa]; full_torque [N.m]: of one wheelset at the mean
+    friction; application_time [s]: from 0 to 95 %; assumed: how each value was found that the file does not give.
+    """
+
+    acts_on: str
+    values: Mapping[str, float]
+    full_pressure: float
+    full_torque: float
+    application_time: float
+    assumed: Mapping[str, str]
+
+
+def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, radius: float) -> SheetBrake:
+    """Return the brake of each wheelset from the table [brake] of a file.
+
+    Parameters
+    ----------
+    table : mapping
+        The entries.
+    turning_mass : float
+        Mass with that of rotating wheelsets [kg].
+    axles : int
+        Number of braked wheelsets.
+    radius : float
+        Radius of the wheels [m].
+
+    Raises
+    ------
+    ValueError
+        If an entry is missing, stated twice, without effect or outside its limits.
+    """
+    acts_on = table.get("acts_on", "treads")
+    if acts_on not in ("treads", "discs"):
+        raise ValueError(f"[brake] acts_on must be treads or discs; got {shown(acts_on)}.")
+    given = {
+        key: number_of(BRAKE_ENTRIES[key], value, f"[brake] {key}")
+        for key, value in table.items()
+        if key not in ("acts_on", "friction_law")
+    }
+    stated = _statement(given)
+    law = _law(table, acts_on)
+    unused = OF_DISCS if acts_on == "treads" else OF_TREADS
+    unused += () if stated[0] == "cylinder_diameter" else OF_RIGGING
+    for key in unused:
+        if key in table:
+            raise ValueError(f"[brake] {key} has no effect here; got it beside {stated[0]} on {acts_on}. Leave it out.")
+    pressure = given.get("full_pressure", FULL_PRESSURE)
+    arm = given.get("friction_radius", axle_discs().friction_radius) if acts_on == "discs" else radius
+    friction = given.get("friction", MEAN_PAD_FRICTION if acts_on == "discs" else SHOE_FRICTION)
+    rigging = _rigging(given, stated, pressure, axles, friction * arm, _force(given, stated, turning_mass) * radius)
+    timed = {key: given.get(key, start) for key, start in _times().items()}
+    values = rigging | timed | {"supply_pressure": pressure}
+    if acts_on == "discs":
+        values = rigging | {"supply_pressure": pressure} | _on_discs(rigging, friction, arm, pressure, timed)
+        del values["touch_pressure"]
+    else:
+        values |= {"brake_kind": float(TIMED), "friction_law": float(law), "constant_shoe_friction": friction}
+        values |= {"shoes": given["shoes"]} if "shoes" in given else {}
+    torque = _normal_force(rigging, pressure) * friction * arm
+    lasts = timed["application_time"]
+    return SheetBrake(acts_on, values, pressure, torque, lasts, _assumed(table, acts_on, stated))
+
+
+def _times() -> dict[str, float]:
+    return {"application_time": APPLICATION_TIME, "release_time": RELEASE_TIME}
+
+
+def _statement(given: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the entries that state the brake. Raises ValueError unless they are those of one line of STATEMENTS."""
+    found = [those for those in STATEMENTS if any(key in given for key in those)]
+    choice = "deceleration, percentage, force, or cylinder_diameter with cylinders and rigging_ratio"
+    if len(found) != 1:
+        got = " and ".join(next(key for key in those if key in given) for those in found) or "none"
+        raise ValueError(f"[brake] must be stated once, by {choice}; got {got}.")
+    missing = [key for key in found[0] if key not in given]
+    if missing:
+        raise ValueError(f"[brake] {missing[0]} must be given beside {found[0][0]}; got none.")
+    return found[0]
+
+
+def _law(table: Mapping[str, Any], acts_on: str) -> int:
+    name = table.get("friction_law", "constant")
+    if name not in FRICTION_LAWS:
+        raise ValueError(f"[brake] friction_law must be one of {', '.join(FRICTION_LAWS)}; got {shown(name)}.")
+    if name != "constant" and "friction" in table:
+        raise ValueError(f"[brake] friction must be left out with friction_law {name}, which gives it; got both.")
+    return FRICTION_LAWS[name]
+
+
+def _force(given: Mapping[str, float], stated: tuple[str, ...], turning_mass: float) -> float:
+    """Return the force at all rims [N]; 0 with cylinder data, which give it by themselves."""
+    if stated == ("deceleration",):
+        return given["deceleration"] * turning_mass
+    if stated == ("percentage",):
+        return force_of_percentage(given["percentage"], turning_mass, FROM_120)
+    return given.get("force", 0.0)
+
+
+def _rigging(
+    given: Mapping[str, float], stated: tuple[str, ...], pressure: float, axles: int, lever: float, torque: float
+) -> dict[str, float]:
+    """Return the parameters from pressure to the normal force on one wheelset, section 6.2.3.
+
+    lever: friction times radius [m]; torque: of all wheelsets at the full pressure [N.m].
+    """
+    if stated[0] == "cylinder_diameter":
+        area = math.pi / 4 * given["cylinder_diameter"] ** 2
+        spring = given.get("return_force", 0.0)
+        if not pressure * area > spring:
+            raise ValueError(
+                f"[brake] return_force must be below full_pressure times the piston's area, {pressure * area:.4g} N;"
+                f" got {spring:g} N."
+            )
+        return {
+            "wheelset_share": 1.0,
+            "force_per_pressure": given["cylinders"] / axles * area * given["rigging_ratio"],
+            "touch_pressure": spring / area,
+            "rigging_efficiency": given.get("rigging_efficiency", qr30().rigging_efficiency),
+        }
+    usual = qr30()
+    effective = usual.rigging_efficiency * lever * pressure
+    return {
+        "wheelset_share": 1.0,
+        "force_per_pressure": torque / axles / effective,
+        "touch_pressure": 0.0,
+        "rigging_efficiency": usual.rigging_efficiency,
+    }
+
+
+def _normal_force(rigging: Mapping[str, float], pressure: float) -> float:
+    effective = rigging["wheelset_share"] * rigging["rigging_efficiency"] * rigging["force_per_pressure"]
+    return effective * (pressure - rigging["touch_pressure"])
+
+
+def _on_discs(
+    rigging: Mapping[str, float], friction: float, arm: float, pressure: float, timed: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the parameters of pads on discs, whose cylinders fill by flow of air.
+
+    The FMU presses its pads by a fixed multiple of the shoes' force (`of_pads`).
+    """
+    disc = axle_discs()
+    shoes = coach_brake()
+    multiple = of_pads(shoes, disc) / shoes.force_per_pressure
+    air = with_release_time(cylinder_air(pressure, timed["application_time"]), pressure, timed["release_time"])
+    orifices = ("application_orifice", "release_orifice", "vent_orifice")
+    fallen = disc.pad_friction_at_rest - MEAN_PAD_FRICTION
+    return {
+        "brake_kind": float(DISCS),
+        "force_per_pressure": rigging["force_per_pressure"] / multiple,
+        "friction_radius": arm,
+        "pad_friction_at_rest": friction + fallen,
+        "spring_preload": rigging["touch_pressure"] * air.piston_area,
+        **{name: getattr(air, name) for name in orifices},
+    }
+
+
+def _assumed(table: Mapping[str, Any], acts_on: str, stated: tuple[str, ...]) -> dict[str, str]:
+    """Return how the values were found that the table does not give."""
+    usual = {
+        "acts_on": "treads",
+        "full_pressure": f"{FULL_PRESSURE:g} Pa, as the built-in coach",
+        "application_time": f"{APPLICATION_TIME:g} s, as the built-in coach",
+        "release_time": f"{RELEASE_TIME:g} s, as the built-in coach",
+    }
+    if acts_on == "discs":
+        usual["friction"] = f"{MEAN_PAD_FRICTION:g} on average, falling with speed and heat, as the built-in discs"
+        usual["friction_radius"] = f"{axle_discs().friction_radius:g} m, as the built-in discs"
+    elif "friction_law" not in table:
+        usual["friction"] = f"{SHOE_FRICTION:g}, constant, as the built-in coach"
+    if stated[0] == "cylinder_diameter":
+        usual["rigging_efficiency"] = f"{qr30().rigging_efficiency:g}, section 6.2.3"
+        usual["return_force"] = "0 N"
+    return {f"[brake] {key}": text for key, text in usual.items() if key not in table}

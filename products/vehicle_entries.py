@@ -1,0 +1,124 @@
+"""Entries of a vehicle file: names, units, limits; numbers with their units, read within the limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import Field, dataclass
+from typing import Any
+
+from fmu_src.suggestion import suggestion
+from rbd_model.vehicle.description import LARGEST_RADIUS, LONGEST_VEHICLE, SMALLEST_RADIUS
+from rbd_model.vehicle.parameters import (
+    POSITIVE,
+    BogieParameters,
+    coach_with_traction_rods,
+    coal_wagon,
+    tables_5_1_and_5_2,
+)
+from readers.command_line import number_in
+from readers.text import quoted, shown
+from readers.units import likely_unit, spellings_for
+
+#: Vehicles whose values are assumed where a file has none: their description, and their parameters.
+LIKE: Mapping[str, tuple[str, Callable[[], BogieParameters]]] = {
+    "coach": ("passenger coach, vehicle 1 of the Manchester benchmarks with traction rods", coach_with_traction_rods),
+    "coal-wagon": ("freight wagon on two bogies of chapter 5", coal_wagon),
+    "bogie": ("one body on two wheelsets, chapter 5", tables_5_1_and_5_2),
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A number of a vehicle file: unit of a value without one, limits in it, meaning.
+
+    parameter: that of the set which it gives alone. above_rail: it is a height above the rail; the set has that above
+    the axles.
+    """
+
+    unit: str
+    least: float
+    most: float
+    text: str
+    parameter: str = ""
+    above_rail: bool = False
+
+
+HEAVIEST = 1e6
+ENTRIES: Mapping[str, Entry] = {
+    "axles": Entry("1", 2, 6, "number of wheelsets: 2, 4 or 6"),
+    "tare": Entry("kg", 1.0, HEAVIEST, "mass of the empty vehicle on the rails"),
+    "load": Entry("kg", 0.0, HEAVIEST, "load in or on the body"),
+    "bogie_frame_mass": Entry("kg", POSITIVE, HEAVIEST, "one bogie without its wheelsets", "frame_mass"),
+    "wheelset_mass": Entry("kg", POSITIVE, HEAVIEST, "one wheelset", "wheelset_mass"),
+    "rotating_mass": Entry("kg", POSITIVE, HEAVIEST, "equivalent mass of all rotating parts at the rims"),
+    "wheel_diameter": Entry("m", 2 * SMALLEST_RADIUS, 2 * LARGEST_RADIUS, "at the tread", "wheel_radius"),
+    "length": Entry("m", 1.0, LONGEST_VEHICLE, "over the couplers", "coupler_distance"),
+    "pivot_distance": Entry("m", 0.5, LONGEST_VEHICLE, "between the middles of both bogies", "pivot_distance"),
+    "wheel_base": Entry("m", 0.1, LONGEST_VEHICLE, "between neighbouring axles of a bogie, or of 2 axles", "wheel_base"),
+    "body_height": Entry("m", 0.1, 5.0, "centre of mass of the body above the rail", "body_height", True),
+    "frame_height": Entry("m", 0.05, 5.0, "centre of mass of a bogie frame above the rail", "frame_height", True),
+    "secondary_height": Entry("m", 0.05, 5.0, "secondary springs above the rail", "secondary_height", True),
+    "coupler_height": Entry("m", 0.05, 5.0, "couplers above the rail", "coupler_height", True),
+}
+#: Running resistance a + b v + c v^2 of the whole vehicle (Davis 1926): the FMU's parameters, and the entries.
+RESISTANCE: Mapping[str, tuple[str, Entry]] = {
+    "constant": ("davis_constant", Entry("N", 0.0, 1e6, "a")),
+    "linear": ("davis_linear", Entry("N.s/m", 0.0, 1e6, "b")),
+    "quadratic": ("davis_quadratic", Entry("N.s2/m2", 0.0, 1e6, "c")),
+}
+
+
+def parameter_entry(item: Field[Any]) -> Entry:
+    """Return the entry for a parameter of a set, by its unit and limits."""
+    about = item.metadata
+    return Entry(about["unit"], about["minimum"], about["maximum"], about["description"])
+
+
+def number_of(entry: Entry, value: Any, name: str) -> float:
+    """Return a number of a file in SI units.
+
+    Parameters
+    ----------
+    entry : Entry
+        Its unit and limits.
+    value : number or str
+        A number in the unit of the entry, or a text with a unit that converts, such as "44 t".
+    name : str
+        The entry in messages.
+
+    Raises
+    ------
+    ValueError
+        If it is not a number in such a unit, or outside the limits.
+    """
+    found: float | None = None
+    if isinstance(value, str):
+        found = number_in(value, entry.unit)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        found = float(value)
+    if found is not None and math.isfinite(found) and entry.least <= found <= entry.most:
+        return found
+    limits = f"{name} must be {_limits(entry)}; got {shown(value)}."
+    if found is None:
+        those = [one for one in spellings_for(entry.unit) if one.isascii() and " " not in one][:5]
+        raise ValueError(limits + ("" if entry.unit == "1" else f" Write a number with a unit of {', '.join(those)}."))
+    raise ValueError(limits + (likely_unit(found, entry.unit, entry.least, entry.most) if value == found else ""))
+
+
+def _limits(entry: Entry) -> str:
+    unit = "" if entry.unit == "1" else f" {entry.unit}"
+    if math.isinf(entry.least) and math.isinf(entry.most):
+        return f"a finite number{unit and ' of'}{unit}"
+    if math.isinf(entry.most):
+        return f"at least {entry.least:g}{unit}"
+    return f"from {entry.least:g} to {entry.most:g}{unit}"
+
+
+def check_names(table: Mapping[str, Any], known: Iterable[str], where: str) -> None:
+    """Raise ValueError if a table has an unknown name; where: the table's name in brackets and a blank, or nothing."""
+    names = list(known)
+    for name in table:
+        if name not in names:
+            near = suggestion(name, names)
+            raise ValueError(f"{where}{quoted(name)} is not a known entry.{near or f' Known are {chr(44).join(names)}.'}")

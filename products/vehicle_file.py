@@ -1,0 +1,281 @@
+"""Vehicles from data sheets: a TOML file of a user becomes start values of a built-in FMU, or a vehicle as data.
+
+A number that the file lacks is taken from a named built-in vehicle and listed as assumed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+from brake_controller.parameters import BrakeParameters
+from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet
+from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE, check_names, number_of, parameter_entry
+from rbd_model.contact.geometry import synthetic_pair
+from rbd_model.vehicle.description import Vehicle
+from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
+from rbd_model.vehicle.ready import four_axle_vehicle, six_axle_vehicle, two_axle_bogie
+from readers.text import FileError, shown
+from readers.toml_files import toml_of
+
+#: FMUs that exist for a number of axles; six axles have none.
+FMU_OF_AXLES = {2: "bogie", 4: "vehicle"}
+BRAKED_FMU = "braked-vehicle"
+#: Parameters that a data sheet does not have: switches of the model, contact and rails. They are not listed as assumed.
+SETTINGS = frozenset(
+    "torque_reaction flange_clearance flange_stiffness flange_at_rail yaw_torque_rotates constant_speed wheel_lift_ends"
+    " running_safety_warnings wheel_profile_curvature rail_head_radius shear_modulus left_rail_friction"
+    " right_rail_friction gauge_face_friction contact_damping creepage_speed gravity".split()
+)
+#: Parameters of a set that the planar level does not use.
+ONLY_IN_SPACE = frozenset(
+    f"{part}_{axis}_inertia" for part in ("body", "frame", "wheelset") for axis in ("roll", "yaw")
+)
+#: Tables of a file beside the entries at its top.
+TABLES = ("resistance", "brake", "parameters")
+
+
+@dataclass(frozen=True)
+class DataSheet:
+    """A vehicle from a file.
+
+    Parameters
+    ----------
+    name, like : str
+        Its name, and the built-in vehicle whose values are assumed.
+    axles : int
+        Number of wheelsets: 2, 4 or 6.
+    parameters : BogieParameters
+        Masses, sizes, springs; a VehicleParameters with 4 and 6 axles.
+    resistance : mapping of str to float
+        Running resistance, by the names of the FMU's parameters [SI].
+    brake : SheetBrake or None
+        Brake of each wheelset; None if the file has no [brake].
+    assumed : mapping of str to str
+        How each value was found that the file does not give, by the parameter's name.
+    """
+
+    name: str
+    like: str
+    axles: int
+    parameters: BogieParameters
+    resistance: Mapping[str, float] = field(default_factory=dict)
+    brake: SheetBrake | None = None
+    assumed: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def fmu(self) -> str | None:
+        """Name of the built-in FMU that the values suit; None if its equations have to be compiled."""
+        return BRAKED_FMU if self.brake and self.axles == 4 else FMU_OF_AXLES.get(self.axles)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Start values of that FMU [SI]."""
+        brake = self.brake.values if self.brake and self.fmu == BRAKED_FMU else {}
+        return self.parameters.values() | dict(self.resistance) | dict(brake)
+
+    @property
+    def planar_values(self) -> dict[str, float]:
+        """Those of the values that the equations of level 2 use [SI]."""
+        return {name: value for name, value in self.values.items() if name not in ONLY_IN_SPACE}
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The vehicle as data, with the synthetic profiles on standard gauge."""
+        if self.axles == 2:
+            found = two_axle_bogie(self.parameters)
+            pair = synthetic_pair()
+            wheelsets = tuple(replace(one, pair=pair) for one in found.wheelsets)
+            return replace(found, name=self.name, wheelsets=wheelsets)
+        assert isinstance(self.parameters, VehicleParameters)
+        make = four_axle_vehicle if self.axles == 4 else six_axle_vehicle
+        return make(self.name, self.parameters, synthetic_pair(), self.like == "coach")
+
+    @property
+    def mass(self) -> float:
+        """Mass on the rails [kg]."""
+        return total_mass(self.parameters, self.axles)
+
+
+def total_mass(parameters: BogieParameters, axles: int) -> float:
+    """Return the mass of bodies and wheelsets [kg]."""
+    wheelsets = axles * parameters.wheelset_mass
+    if not isinstance(parameters, VehicleParameters):
+        return parameters.frame_mass + wheelsets
+    return parameters.body_mass + 2 * parameters.frame_mass + wheelsets
+
+
+def read_vehicle(path: str | Path) -> DataSheet:
+    """Return the vehicle in a TOML file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; `docs/vehicle_files.md` lists its entries.
+
+    Returns
+    -------
+    DataSheet
+        The vehicle, its brake, and the list of assumed values.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read, or an entry is unknown, missing, stated twice or outside its limits.
+    """
+    read = toml_of(path)
+    try:
+        return sheet_of(read, Path(path).stem)
+    except ValueError as error:
+        raise FileError(f"{path}: {error}") from None
+
+
+def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
+    """Return the vehicle of a file's content. Raises ValueError, as `read_vehicle` without the file's name."""
+    check_names(read, [*ENTRIES, "name", "like", *TABLES], "")
+    tables = {table: _table(read, table) for table in TABLES}
+    title, like, axles = str(read.get("name", name)), _like(read), _axles(read)
+    given = {key: number_of(ENTRIES[key], value, key) for key, value in read.items() if key in ENTRIES}
+    given.pop("axles", None)
+    base = LIKE[like][1]()
+    if axles == 2 and isinstance(base, VehicleParameters):
+        raise ValueError(f"like must be bogie for 2 axles; got {like}. A coach and a wagon have 4 or 6.")
+    if axles != 2 and not isinstance(base, VehicleParameters):
+        raise ValueError(f"like must be {' or '.join(k for k in LIKE if k != 'bogie')} for {axles} axles; got {like}.")
+    own = _own_parameters(tables["parameters"], base)
+    parameters, assumed = _sized(base, like, axles, given, own)
+    resistance = _resistance(tables["resistance"])
+    brake = None
+    if tables["brake"]:
+        check_names(tables["brake"], [*BRAKE_ENTRIES, "acts_on"], "[brake] ")
+        turning = total_mass(parameters, axles) + axles * parameters.wheelset_pitch_inertia / parameters.wheel_radius**2
+        brake = brake_of_sheet(tables["brake"], turning, axles, parameters.wheel_radius)
+        assumed |= {key: text for key, text in brake.assumed.items()}
+    return DataSheet(title, like, axles, parameters, resistance, brake, assumed)
+
+
+def _table(read: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    found = read.get(name, {})
+    if not isinstance(found, Mapping):
+        raise ValueError(f"{name} must be a table; got {shown(found)}. Write [{name}] and its entries below it.")
+    return found
+
+
+def _like(read: Mapping[str, Any]) -> str:
+    default = "bogie" if read.get("axles") == 2 else "coach"
+    like = read.get("like", default)
+    if like not in LIKE:
+        raise ValueError(f"like must be one of {', '.join(LIKE)}; got {shown(like)}. Name the most similar one.")
+    return str(like)
+
+
+def _axles(read: Mapping[str, Any]) -> int:
+    axles = read.get("axles", 2 if read.get("like") == "bogie" else 4)
+    if isinstance(axles, bool) or axles not in (2, 4, 6):
+        raise ValueError(f"axles must be 2, 4 or 6; got {shown(axles)}. Define other vehicles in Python, docs/vehicles.md.")
+    return int(axles)
+
+
+def _own_parameters(table: Mapping[str, Any], base: BogieParameters) -> dict[str, float]:
+    known = {item.name: item for item in fields(base)}
+    check_names(table, list(known), "[parameters] ")
+    return {key: number_of(parameter_entry(known[key]), value, f"[parameters] {key}") for key, value in table.items()}
+
+
+def _resistance(table: Mapping[str, Any]) -> dict[str, float]:
+    check_names(table, list(RESISTANCE), "[resistance] ")
+    return {
+        RESISTANCE[key][0]: number_of(RESISTANCE[key][1], value, f"[resistance] {key}") for key, value in table.items()
+    }
+
+
+def _sized(
+    base: BogieParameters, like: str, axles: int, given: Mapping[str, float], own: Mapping[str, float]
+) -> tuple[BogieParameters, dict[str, str]]:
+    """Return the parameter set, and how the values were found that neither entries nor [parameters] give."""
+    entries = _without_twice(_from_entries(base, given), own)
+    values = base.values() | entries | own
+    stated = entries | dict(own)
+    derived = _masses(base, values, axles, given, stated)
+    for key, (value, _) in derived.items():
+        if key in own:
+            raise ValueError(f"[parameters] {key} must be left out beside tare; got both. State one of them.")
+        values[key] = value
+    assumed = {key: text for key, (_, text) in derived.items() if text}
+    inertias = _inertias(base, values, stated)
+    values |= {key: value for key, (value, _) in inertias.items()}
+    assumed |= {key: text for key, (_, text) in inertias.items()}
+    for key in base.values():
+        if key not in (stated.keys() | derived.keys() | inertias.keys() | SETTINGS):
+            assumed[key] = f"as the {like}"
+    return type(base)(**values), assumed
+
+
+def _without_twice(entries: dict[str, float], own: Mapping[str, float]) -> dict[str, float]:
+    for key in entries:
+        if key in own:
+            raise ValueError(f"[parameters] {key} must be stated once; the entries at the top give it too. Leave one out.")
+    return entries
+
+
+def _from_entries(base: BogieParameters, given: Mapping[str, float]) -> dict[str, float]:
+    """Return parameters that an entry alone gives; heights of a file are above the rail, those of the set the axles."""
+    radius = given.get("wheel_diameter", 2 * base.wheel_radius) / 2
+    found: dict[str, float] = {}
+    for key, value in given.items():
+        entry = ENTRIES[key]
+        if not entry.parameter:
+            continue
+        if entry.parameter not in base.values():
+            raise ValueError(f"{key} must be left out for a vehicle like the bogie; got {value:g}. It has one body.")
+        found[entry.parameter] = value / 2 if key == "wheel_diameter" else value - (radius if entry.above_rail else 0.0)
+    return found
+
+
+def _masses(
+    base: BogieParameters,
+    values: Mapping[str, float],
+    axles: int,
+    given: Mapping[str, float],
+    stated: Mapping[str, float],
+) -> dict[str, tuple[float, str]]:
+    """Return the mass of the body from that on the rails, and the inertia of wheelsets from their rotating mass."""
+    found: dict[str, tuple[float, str]] = {}
+    body = "body_mass" if "body_mass" in values else "frame_mass"
+    if "tare" in given:
+        rest = axles * values["wheelset_mass"] + (2 * values["frame_mass"] if body == "body_mass" else 0.0)
+        mass = given["tare"] + given.get("load", 0.0) - rest
+        if not mass > 0.0:
+            raise ValueError(
+                f"tare and load must be above {rest:g} kg, the mass of wheelsets and frames; got {mass + rest:g} kg."
+                " Give wheelset_mass and bogie_frame_mass too."
+            )
+        found[body] = mass, ""
+    elif "load" in given:
+        if body in stated:
+            raise ValueError(f"load must come with tare; got it with {body}. Give tare.")
+        found[body] = values[body] + given["load"], f"that of the built-in vehicle plus the load of {given['load']:g} kg"
+    if "rotating_mass" in given:
+        found["wheelset_pitch_inertia"] = given["rotating_mass"] / axles * values["wheel_radius"] ** 2, ""
+    return found
+
+
+def _inertias(
+    base: BogieParameters, values: Mapping[str, float], stated: Mapping[str, float]
+) -> dict[str, tuple[float, str]]:
+    """Return moments of inertia in proportion to the mass, those about y and z also to the square of the length."""
+    found: dict[str, tuple[float, str]] = {}
+    parts = [("wheelset", 1.0), ("frame", 1.0)]
+    if isinstance(base, VehicleParameters):
+        parts = [*parts, ("body", values["coupler_distance"] / base.coupler_distance)]
+    for part, longer in parts:
+        heavier = values[f"{part}_mass"] / base.values()[f"{part}_mass"]
+        for axis, lengths in (("roll", 0), ("pitch", 2), ("yaw", 2)):
+            key = f"{part}_{axis}_inertia"
+            if key in stated or (heavier == 1.0 and (lengths == 0 or longer == 1.0)) or key == "wheelset_pitch_inertia":
+                continue
+            rule = "in proportion to the mass" + (" and to the square of the length" if longer != 1.0 and lengths else "")
+            found[key] = base.values()[key] * heavier * longer**lengths, rule
+    return found

@@ -1,0 +1,79 @@
+"""Vehicles as TOML files: the reverse of `vehicle_file.py`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from pathlib import Path
+
+from products.machine import FULL_PRESSURE, FULL_TORQUE, coach_brake
+from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE, Entry, number_of
+from products.vehicle_file import DataSheet, sheet_of, total_mass
+from rbd_model.vehicle.parameters import VehicleParameters
+from readers.storage import write_whole
+
+#: Units in which a file states a quantity, by the SI unit.
+WRITTEN = {"kg": "t"}
+
+
+def built_in_sheet(name: str) -> DataSheet:
+    """Return a built-in vehicle as the content of a file; the coach with its brake.
+
+    Parameters
+    ----------
+    name : str
+        A key of LIKE.
+    """
+    parameters = LIKE[name][1]()
+    axles = 4 if isinstance(parameters, VehicleParameters) else 2
+    return DataSheet(name, name, axles, parameters, {}, None, {})
+
+
+def toml_of_sheet(sheet: DataSheet) -> str:
+    """Return the text of a file with every parameter of a vehicle; reading it gives the same parameters.
+
+    A parameter is written as an entry of the data sheet where this is exact, otherwise in [parameters].
+    """
+    values, rows = sheet.parameters.values(), []
+    rows += [f"name = {json.dumps(sheet.name)}", f"like = {json.dumps(sheet.like)}", f"axles = {sheet.axles}"]
+    entries = {key: text for key, entry in ENTRIES.items() if (text := _exact(key, entry, values)) is not None}
+    rows += [f"{key} = {json.dumps(text)}" for key, text in entries.items()]
+    written = {ENTRIES[key].parameter for key in entries}
+    if sheet.resistance:
+        rows += ["", "[resistance]"]
+        named = {parameter: (key, entry.unit) for key, (parameter, entry) in RESISTANCE.items()}
+        rows += [f'{named[one][0]} = "{value!r} {named[one][1]}"' for one, value in sheet.resistance.items()]
+    rows += ["", "[parameters]"]
+    for item in fields(sheet.parameters):
+        if item.name not in written:
+            unit = item.metadata["unit"]
+            number = repr(values[item.name])
+            rows.append(f"{item.name} = {number}" if unit == "1" else f'{item.name} = "{number} {unit}"')
+    return "\n".join([*rows, ""])
+
+
+def _exact(key: str, entry: Entry, values: dict[str, float]) -> str | None:
+    """Return the text of an entry that gives a parameter exactly, or None."""
+    if entry.parameter not in values:
+        return None
+    radius = values["wheel_radius"]
+    own = values[entry.parameter]
+    stated = 2 * own if key == "wheel_diameter" else own + (radius if entry.above_rail else 0.0)
+    stated = float(f"{stated:.12g}")
+    text = f"{stated!r} {entry.unit}"
+    back = number_of(entry, text, key)
+    again = back / 2 if key == "wheel_diameter" else back - (radius if entry.above_rail else 0.0)
+    return text if again == own else None
+
+
+def write_vehicle(sheet: DataSheet, path: str | Path) -> Path:
+    """Write a vehicle as a TOML file, and check that reading it gives the same parameters.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    write_whole(path, toml_of_sheet(sheet).encode())
+    return path

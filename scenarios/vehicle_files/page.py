@@ -1,0 +1,81 @@
+"""Text and page of a checked vehicle."""
+
+from __future__ import annotations
+
+import base64
+import html
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from readers.storage import write_whole
+from scenarios.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check, motion_of
+
+#: A table: its title, names of its columns, rows.
+Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
+
+
+def tables_of(check: Check) -> list[Table]:
+    """Return the tables of a check: loads, stops, modes, assumed values."""
+    sheet = check.sheet
+    found: list[Table] = [
+        (
+            f"{sheet.name}: {sheet.mass / 1e3:.2f} t on {sheet.axles} axles",
+            ("axle", *map(str, range(1, sheet.axles + 1))),
+            [("load [kN]", *(f"{load / 1e3:.1f}" for load in check.loads))],
+        )
+    ]
+    if check.distances is not None:
+        rows = [
+            (f"{speed:g}", *("does not stop" if math.isnan(value) else f"{value:.0f}" for value in row))
+            for speed, row in zip(SPEEDS, check.distances.tolist(), strict=True)
+        ]
+        found.append(("Stopping distance [m], full brake without wheel-slide protection", ("km/h", *RAILS), rows))
+    if check.modes is not None:
+        shown = [one for one in check.modes if one.damping_ratio < OVERDAMPED]
+        rows = [(f"{one.frequency:.2f}", f"{100 * one.damping_ratio:.0f} %", motion_of(one, sheet)) for one in shown]
+        found.append((f"Natural modes at 36 km/h; {critical_words(check)}", ("Hz", "damping", "motion"), rows))
+    found.append(("Assumed, as the file does not give them", ("value", "source"), grouped(check)))
+    return found
+
+
+def critical_words(check: Check) -> str:
+    """Return the critical speed in words."""
+    if check.critical is None or math.isinf(check.critical):
+        return "no hunting up to 430 km/h"
+    return f"hunting above {check.critical * KILOMETRES_PER_HOUR:.0f} km/h"
+
+
+def grouped(check: Check) -> list[tuple[str, str]]:
+    """Return the assumed values, those with one source in one row."""
+    sources: dict[str, list[str]] = {}
+    for name, source in check.sheet.assumed.items():
+        sources.setdefault(source, []).append(name)
+    return [(", ".join(names), source) for source, names in sources.items()]
+
+
+def text_of(check: Check) -> str:
+    """Return the tables as text."""
+    rows: list[str] = []
+    for title, names, cells in tables_of(check):
+        lines = [names, *cells]
+        widths = [max(len(line[at]) for line in lines) for at in range(len(names) - 1)]
+        rows += [title, *("  " + "  ".join([*map(str.ljust, line, widths), line[-1]]) for line in lines), ""]
+    return "\n".join(rows)
+
+
+def write_page(check: Check, path: Path, png: bytes) -> None:
+    """Write the page of a check with its picture, one file. Raises OSError."""
+    body = [f'<img alt="the vehicle" src="data:image/png;base64,{base64.b64encode(png).decode()}">']
+    for title, names, cells in tables_of(check):
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
+        rows = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>\n" for row in cells
+        )
+        body.append(f"<h2>{html.escape(title)}</h2>\n<table>\n<tr>{head}</tr>\n{rows}</table>")
+    name = html.escape(check.sheet.name)
+    style = "body{font:16px sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem}img{max-width:100%}"
+    style += "td,th{text-align:left;padding:.2rem 1rem .2rem 0;vertical-align:top;border-bottom:1px solid #ddd}"
+    page = f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    page += f"<title>{name}</title><style>{style}</style>\n<h1>{name}</h1>\n" + "\n".join(body) + "\n</html>\n"
+    write_whole(path, page.encode())

@@ -1,0 +1,95 @@
+"""Picture of a checked vehicle: its side view with sizes, its stopping distances, its modes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
+
+from rbd_model.vehicle.parameters import VehicleParameters
+from scenarios.reporting.plots import BOGIE, FOUR, LEADING, LINES, TRAILING, one_word, plt, titled
+from scenarios.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check
+
+#: Height of the drawn body above its lower edge [m]; nothing in a file gives it.
+BODY = 2.6
+
+
+def picture(check: Check) -> Figure:
+    """Return the picture of a check."""
+    figure = plt.figure(figsize=(10.0, 7.6))
+    grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 1.25))
+    side_view(figure.add_subplot(grid[0, :]), check)
+    stops(figure.add_subplot(grid[1, 0]), check)
+    modes(figure.add_subplot(grid[1, 1]), check)
+    return titled(figure, message(check))
+
+
+def message(check: Check) -> str:
+    """Return the message: mass, and the dry stop from 120 km/h or the critical speed."""
+    name, mass = one_word(check.sheet.name), f"{check.sheet.mass / 1e3:.1f} t"
+    if check.distances is not None:
+        at = SPEEDS.index(120.0)
+        return f"{name}, {mass}: 120 km/h to rest in {check.distances[at, 0]:.0f} m (dry)"
+    if check.critical is not None and math.isfinite(check.critical):
+        return f"{name}, {mass}, hunts above {check.critical * KILOMETRES_PER_HOUR:.0f} km/h"
+    return f"{name} has {mass} on {check.sheet.axles} axles"
+
+
+def side_view(axis: Axes, check: Check) -> None:
+    """Draw the vehicle from the side, to scale but for the height of the body."""
+    sheet, p = check.sheet, check.sheet.parameters
+    radius = p.wheel_radius
+    vehicle = sheet.vehicle
+    places = [vehicle.number(one.along) for one in vehicle.wheelsets]
+    length = p.coupler_distance if isinstance(p, VehicleParameters) else 2 * p.wheel_base
+    floor = 2 * radius + 0.15
+    axis.add_patch(Rectangle((-length / 2, floor), length, BODY, facecolor="#e8eef4", edgecolor=BOGIE))
+    axis.axhline(0.0, color=BOGIE, linewidth=2.5)
+    for place, load in zip(places, check.loads, strict=True):
+        axis.add_patch(Circle((place, radius), radius, facecolor="white", edgecolor=BOGIE, linewidth=2.0))
+        axis.annotate(f"{load / 1e3:.0f} kN", (place, -0.25), ha="center", va="top")
+    height = p.body_height if isinstance(p, VehicleParameters) else p.frame_height
+    axis.plot(0.0, height + radius, marker="x", markersize=11, color=TRAILING, markeredgewidth=2.5)
+    axis.annotate(f"centre of mass {height + radius:.2f} m above the rail", (0.3, height + radius), va="center")
+    sizes = f"{length:.2f} m long, wheels {2e3 * radius:.0f} mm, axles {p.wheel_base:.2f} m apart"
+    if isinstance(p, VehicleParameters):
+        sizes += f", pivots {p.pivot_distance:.2f} m apart"
+    axis.set(title=sizes, xlim=(-length / 2 - 1, length / 2 + 1), ylim=(-1.0, floor + BODY + 0.2), aspect="equal")
+    axis.set_axis_off()
+    axis.title.set_visible(True)
+
+
+def stops(axis: Axes, check: Check) -> None:
+    """Draw stopping distances over the speed, a line for each rail."""
+    axis.set(title="stopping distance [m], full brake, no protection", xlabel="speed [km/h]")
+    if check.distances is None:
+        empty(axis, "The file has no [brake].")
+        return
+    for rail, row, colour, dash in zip(RAILS, check.distances.T, FOUR, LINES, strict=True):
+        axis.plot(SPEEDS, row, dash, color=colour, marker="o", label=rail)
+    axis.set_ylim(bottom=0.0)
+    axis.legend(title="rails")
+
+
+def modes(axis: Axes, check: Check) -> None:
+    """Draw the damping of the modes over their frequency."""
+    axis.set(title="modes at 10 m/s: share of critical damping", xlabel="frequency [Hz]")
+    if check.modes is None:
+        empty(axis, "Modes were not computed.")
+        return
+    shown = [one for one in check.modes if one.damping_ratio < OVERDAMPED]
+    axis.stem([one.frequency for one in shown], [one.damping_ratio for one in shown], linefmt=LEADING, basefmt=" ")
+    axis.set_xscale("log")
+    axis.set_ylim(bottom=min(0.0, *(one.damping_ratio for one in shown)))
+    limit = np.inf if check.critical is None else check.critical * KILOMETRES_PER_HOUR
+    words = f"hunts above {limit:.0f} km/h" if math.isfinite(limit) else "does not hunt up to 430 km/h"
+    axis.annotate(words, (0.97, 0.95), xycoords="axes fraction", ha="right", va="top")
+
+
+def empty(axis: Axes, words: str) -> None:
+    """Replace a chart without data by a sentence."""
+    axis.set_axis_off()
+    axis.annotate(words, (0.5, 0.5), xycoords="axes fraction", ha="center")
