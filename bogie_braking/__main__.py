@@ -21,6 +21,7 @@
   bogie-braking line check mine.csv --speed 120km/h              what a line demands, and a picture
   bogie-braking line import points.csv --out mine.csv            a line of points, elements, or of another program
   bogie-braking live                                             pages that brake a coach, a bogie or a train
+  bogie-braking vehicle check mine.toml                          your vehicle from a file: loads, modes, stops, its FMU
   bogie-braking build bogie                                      FMUs; build --help says more
   bogie-braking run levels --json | jq .rows                     the summary for a program
   for name in $(bogie-braking list --quiet); do ...              the names alone

@@ -106,9 +106,11 @@ def write_fmu(
 
 
 def _with_values(sheet: DataSheet, path: Path, kind: str, level: int | None) -> None:
-    """Write the built-in FMU of a vehicle from a file, with its values. Raises ValueError for another kind than native."""
+    """Write the built-in FMU of a vehicle from a file, with its values. Raises ValueError if `kind` is not native."""
     assert sheet.fmu is not None
     if kind != "native":
-        raise ValueError(f"kind must be native for a vehicle from a file; got {kind}. Its values are read by native FMUs.")
+        raise ValueError(
+            f"kind must be native for a vehicle from a file; got {kind}. Its values are read by native FMUs."
+        )
     values = sheet.values | ({} if level is None else {"level": float(level)})
     write_whole(path, with_start_values(fmu(sheet.fmu), values))

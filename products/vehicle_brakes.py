@@ -1,20 +1,20 @@
-"""The brake of a vehicle file: from a deceleration, a brake weight, a force or cylinder data to parameters of the FMU."""
+"""The brake of a vehicle file: parameters of the FMU from a deceleration, a brake weight, a force or cylinder data."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from brake_controller.brake_weight import FROM_120, force_of_percentage
 from brake_controller.discs import MEAN_PAD_FRICTION, axle_discs
 from brake_controller.parameters import qr30
 from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI
+from brake_controller.timing import with_release_time
 from products.braked_vehicle import DISCS, TIMED
 from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, cylinder_air, of_pads
 from products.vehicle_entries import Entry, number_of
-from brake_controller.timing import with_release_time
 from readers.text import shown
 
 #: Friction laws of shoes by their names in a file.
@@ -90,7 +90,7 @@ def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, ra
     }
     stated = _statement(given)
     law = _law(table, acts_on)
-    unused = OF_DISCS if acts_on == "treads" else OF_TREADS
+    unused: tuple[str, ...] = OF_DISCS if acts_on == "treads" else OF_TREADS
     unused += () if stated[0] == "cylinder_diameter" else OF_RIGGING
     for key in unused:
         if key in table:

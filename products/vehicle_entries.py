@@ -55,7 +55,9 @@ ENTRIES: Mapping[str, Entry] = {
     "wheel_diameter": Entry("m", 2 * SMALLEST_RADIUS, 2 * LARGEST_RADIUS, "at the tread", "wheel_radius"),
     "length": Entry("m", 1.0, LONGEST_VEHICLE, "over the couplers", "coupler_distance"),
     "pivot_distance": Entry("m", 0.5, LONGEST_VEHICLE, "between the middles of both bogies", "pivot_distance"),
-    "wheel_base": Entry("m", 0.1, LONGEST_VEHICLE, "between neighbouring axles of a bogie, or of 2 axles", "wheel_base"),
+    "wheel_base": Entry(
+        "m", 0.1, LONGEST_VEHICLE, "between neighbouring axles of a bogie, or of 2 axles", "wheel_base"
+    ),
     "body_height": Entry("m", 0.1, 5.0, "centre of mass of the body above the rail", "body_height", True),
     "frame_height": Entry("m", 0.05, 5.0, "centre of mass of a bogie frame above the rail", "frame_height", True),
     "secondary_height": Entry("m", 0.05, 5.0, "secondary springs above the rail", "secondary_height", True),
@@ -121,4 +123,4 @@ def check_names(table: Mapping[str, Any], known: Iterable[str], where: str) -> N
     for name in table:
         if name not in names:
             near = suggestion(name, names)
-            raise ValueError(f"{where}{quoted(name)} is not a known entry.{near or f' Known are {chr(44).join(names)}.'}")
+            raise ValueError(f"{where}{quoted(name)} is not a known entry. {near[0].upper()}{near[1:]}")

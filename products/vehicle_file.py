@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from brake_controller.parameters import BrakeParameters
 from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet
 from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE, check_names, number_of, parameter_entry
 from rbd_model.contact.geometry import synthetic_pair
@@ -25,9 +24,12 @@ FMU_OF_AXLES = {2: "bogie", 4: "vehicle"}
 BRAKED_FMU = "braked-vehicle"
 #: Parameters that a data sheet does not have: switches of the model, contact and rails. They are not listed as assumed.
 SETTINGS = frozenset(
-    "torque_reaction flange_clearance flange_stiffness flange_at_rail yaw_torque_rotates constant_speed wheel_lift_ends"
-    " running_safety_warnings wheel_profile_curvature rail_head_radius shear_modulus left_rail_friction"
-    " right_rail_friction gauge_face_friction contact_damping creepage_speed gravity".split()
+    {
+        *("torque_reaction", "constant_speed", "yaw_torque_rotates", "wheel_lift_ends", "running_safety_warnings"),
+        *("flange_clearance", "flange_stiffness", "flange_at_rail", "wheel_profile_curvature", "rail_head_radius"),
+        *("left_rail_friction", "right_rail_friction", "gauge_face_friction", "creepage_speed"),
+        *("shear_modulus", "contact_damping", "gravity"),
+    }
 )
 #: Parameters of a set that the planar level does not use.
 ONLY_IN_SPACE = frozenset(
@@ -136,7 +138,9 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     """Return the vehicle of a file's content. Raises ValueError, as `read_vehicle` without the file's name."""
     check_names(read, [*ENTRIES, "name", "like", *TABLES], "")
     tables = {table: _table(read, table) for table in TABLES}
-    title, like, axles = str(read.get("name", name)), _like(read), _axles(read)
+    title, like, axles = read.get("name", name), _like(read), _axles(read)
+    if not isinstance(title, str):
+        raise ValueError(f"name must be a text; got {shown(title)}. Put it in quotes.")
     given = {key: number_of(ENTRIES[key], value, key) for key, value in read.items() if key in ENTRIES}
     given.pop("axles", None)
     base = LIKE[like][1]()
@@ -152,7 +156,7 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
         check_names(tables["brake"], [*BRAKE_ENTRIES, "acts_on"], "[brake] ")
         turning = total_mass(parameters, axles) + axles * parameters.wheelset_pitch_inertia / parameters.wheel_radius**2
         brake = brake_of_sheet(tables["brake"], turning, axles, parameters.wheel_radius)
-        assumed |= {key: text for key, text in brake.assumed.items()}
+        assumed |= dict(brake.assumed)
     return DataSheet(title, like, axles, parameters, resistance, brake, assumed)
 
 
@@ -174,7 +178,9 @@ def _like(read: Mapping[str, Any]) -> str:
 def _axles(read: Mapping[str, Any]) -> int:
     axles = read.get("axles", 2 if read.get("like") == "bogie" else 4)
     if isinstance(axles, bool) or axles not in (2, 4, 6):
-        raise ValueError(f"axles must be 2, 4 or 6; got {shown(axles)}. Define other vehicles in Python, docs/vehicles.md.")
+        raise ValueError(
+            f"axles must be 2, 4 or 6; got {shown(axles)}. Define other vehicles in Python, docs/vehicles.md."
+        )
     return int(axles)
 
 
@@ -196,7 +202,7 @@ def _sized(
 ) -> tuple[BogieParameters, dict[str, str]]:
     """Return the parameter set, and how the values were found that neither entries nor [parameters] give."""
     entries = _without_twice(_from_entries(base, given), own)
-    values = base.values() | entries | own
+    values = base.values() | entries | dict(own)
     stated = entries | dict(own)
     derived = _masses(base, values, axles, given, stated)
     for key, (value, _) in derived.items():
@@ -216,7 +222,9 @@ def _sized(
 def _without_twice(entries: dict[str, float], own: Mapping[str, float]) -> dict[str, float]:
     for key in entries:
         if key in own:
-            raise ValueError(f"[parameters] {key} must be stated once; the entries at the top give it too. Leave one out.")
+            raise ValueError(
+                f"[parameters] {key} must be stated once; the entries at the top give it too. Leave one out."
+            )
     return entries
 
 
@@ -256,7 +264,10 @@ def _masses(
     elif "load" in given:
         if body in stated:
             raise ValueError(f"load must come with tare; got it with {body}. Give tare.")
-        found[body] = values[body] + given["load"], f"that of the built-in vehicle plus the load of {given['load']:g} kg"
+        found[body] = (
+            values[body] + given["load"],
+            f"that of the built-in vehicle plus the load of {given['load']:g} kg",
+        )
     if "rotating_mass" in given:
         found["wheelset_pitch_inertia"] = given["rotating_mass"] / axles * values["wheel_radius"] ** 2, ""
     return found
@@ -276,6 +287,8 @@ def _inertias(
             key = f"{part}_{axis}_inertia"
             if key in stated or (heavier == 1.0 and (lengths == 0 or longer == 1.0)) or key == "wheelset_pitch_inertia":
                 continue
-            rule = "in proportion to the mass" + (" and to the square of the length" if longer != 1.0 and lengths else "")
+            rule = "in proportion to the mass" + (
+                " and to the square of the length" if longer != 1.0 and lengths else ""
+            )
             found[key] = base.values()[key] * heavier * longer**lengths, rule
     return found

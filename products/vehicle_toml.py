@@ -6,18 +6,14 @@ import json
 from dataclasses import fields
 from pathlib import Path
 
-from products.machine import FULL_PRESSURE, FULL_TORQUE, coach_brake
 from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE, Entry, number_of
-from products.vehicle_file import DataSheet, sheet_of, total_mass
+from products.vehicle_file import DataSheet
 from rbd_model.vehicle.parameters import VehicleParameters
 from readers.storage import write_whole
 
-#: Units in which a file states a quantity, by the SI unit.
-WRITTEN = {"kg": "t"}
-
 
 def built_in_sheet(name: str) -> DataSheet:
-    """Return a built-in vehicle as the content of a file; the coach with its brake.
+    """Return a built-in vehicle as the content of a file, without a brake.
 
     Parameters
     ----------

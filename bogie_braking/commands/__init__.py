@@ -32,6 +32,7 @@ COMMANDS = {
     "consist": ("import a train of another program, or check a consist: masses, brakes, stops", "consist"),
     "line": ("check a line and draw it; import points, elements, OSRD, railML, LandXML, ALTRIOS", "line"),
     "live": ("write pages that brake a coach, a bogie or a train in any browser", "live"),
+    "vehicle": ("check your own vehicle from a file, write its FMU", "vehicle"),
     "build": ("build FMUs", "build"),
 }
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import base64
 import html
+import io
 import math
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
+from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check, motion_of
+from bogie_braking.vehicle_files.picture import picture
 from readers.storage import write_whole
-from scenarios.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check, motion_of
+from scenarios.reporting.plots import plt
 
 #: A table: its title, names of its columns, rows.
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
@@ -59,9 +63,30 @@ def text_of(check: Check) -> str:
     rows: list[str] = []
     for title, names, cells in tables_of(check):
         lines = [names, *cells]
+        if title.startswith("Assumed"):
+            lines = [(f"{source}:", values) for values, source in cells]
+            rows += [title, *(wrapped(f"{first} {second}") for first, second in lines), ""]
+            continue
         widths = [max(len(line[at]) for line in lines) for at in range(len(names) - 1)]
         rows += [title, *("  " + "  ".join([*map(str.ljust, line, widths), line[-1]]) for line in lines), ""]
     return "\n".join(rows)
+
+
+def wrapped(text: str) -> str:
+    """Return a long row as lines of at most 100 letters."""
+    return textwrap.fill(text, 100, initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False)
+
+
+def write_results(check: Check, folder: Path) -> list[Path]:
+    """Write the picture and the page of a check into a folder, and return their paths. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    figure, memory = picture(check), io.BytesIO()
+    figure.savefig(memory, format="png", dpi=100)
+    plt.close(figure)
+    png, page = folder / "vehicle.png", folder / "vehicle.html"
+    write_whole(png, memory.getvalue())
+    write_page(check, page, memory.getvalue())
+    return [png, page]
 
 
 def write_page(check: Check, path: Path, png: bytes) -> None:
@@ -69,13 +94,11 @@ def write_page(check: Check, path: Path, png: bytes) -> None:
     body = [f'<img alt="the vehicle" src="data:image/png;base64,{base64.b64encode(png).decode()}">']
     for title, names, cells in tables_of(check):
         head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
-        rows = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>\n" for row in cells
-        )
+        rows = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>\n" for row in cells)
         body.append(f"<h2>{html.escape(title)}</h2>\n<table>\n<tr>{head}</tr>\n{rows}</table>")
     name = html.escape(check.sheet.name)
     style = "body{font:16px sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem}img{max-width:100%}"
     style += "td,th{text-align:left;padding:.2rem 1rem .2rem 0;vertical-align:top;border-bottom:1px solid #ddd}"
-    page = f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    page = '<!doctype html>\n<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
     page += f"<title>{name}</title><style>{style}</style>\n<h1>{name}</h1>\n" + "\n".join(body) + "\n</html>\n"
     write_whole(path, page.encode())

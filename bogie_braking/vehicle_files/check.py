@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -69,7 +70,7 @@ def check_of(sheet: DataSheet, with_modes: bool = True, progress: Callable[[str]
     return Check(sheet, loads, modes, critical, distances)
 
 
-def _runnable(sheet: DataSheet) -> tuple[Runnable, dict[str, float]]:
+def _runnable(sheet: DataSheet) -> tuple[Runnable, dict[str, Any]]:
     """Return what `run` takes for a sheet at level 2, and its values."""
     if sheet.fmu is None:
         return sheet.vehicle, {"level": 2, **sheet.resistance}
@@ -90,7 +91,7 @@ def stopping_distance(sheet: DataSheet, speed: float, rail: RailCondition) -> fl
     numbers = range(1, sheet.axles + 1)
     what, values = _runnable(sheet)
     values |= rail.values(sheet.axles) | {"initial_speed": speed / KILOMETRES_PER_HOUR}
-    brake: dict[str, object]
+    brake: dict[str, Any]
     if sheet.fmu == BRAKED_FMU:
         brake = {f"pressure_demand_{number}": sheet.brake.full_pressure for number in numbers}
     else:

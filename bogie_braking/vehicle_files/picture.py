@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
+from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check
 from rbd_model.vehicle.parameters import VehicleParameters
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, LINES, TRAILING, one_word, plt, titled
-from scenarios.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check
 
 #: Height of the drawn body above its lower edge [m]; nothing in a file gives it.
 BODY = 2.6
@@ -83,6 +83,7 @@ def modes(axis: Axes, check: Check) -> None:
     shown = [one for one in check.modes if one.damping_ratio < OVERDAMPED]
     axis.stem([one.frequency for one in shown], [one.damping_ratio for one in shown], linefmt=LEADING, basefmt=" ")
     axis.set_xscale("log")
+    axis.set_xticks((0.5, 1, 2, 5, 10, 20, 50), labels=("0.5", "1", "2", "5", "10", "20", "50"))
     axis.set_ylim(bottom=min(0.0, *(one.damping_ratio for one in shown)))
     limit = np.inf if check.critical is None else check.critical * KILOMETRES_PER_HOUR
     words = f"hunts above {limit:.0f} km/h" if math.isfinite(limit) else "does not hunt up to 430 km/h"

@@ -1,0 +1,183 @@
+"""Vehicles from data sheets: units, assumed values, brakes against closed forms, refusals, FMUs."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+from scipy.optimize import brentq
+
+import bogie_braking as bb
+from bogie_braking.vehicle_files.check import axle_loads
+from products.vehicle_entries import LIKE
+from products.vehicle_file import sheet_of
+from products.vehicle_toml import built_in_sheet, write_vehicle
+from readers.text import FileError
+
+SHEET = {"name": "Own", "tare": "38 t", "load": "6 t", "wheel_diameter": "900 mm", "length": "24.5 m"}
+#: Entries of a brake on treads.
+BRAKE = {"deceleration": "1.1 m/s2", "application_time": "1.5 s"}
+#: Relative error of a stopping distance: creep of braked wheels on dry rails shortens nothing and lengthens by less.
+CREEP = 3e-4
+
+
+@pytest.mark.parametrize("name", LIKE)
+def test_a_built_in_vehicle_survives_the_way_through_a_file(name: str, tmp_path: Path) -> None:
+    sheet = built_in_sheet(name)
+    again = bb.read_vehicle(write_vehicle(sheet, tmp_path / "vehicle.toml"))
+    assert again.parameters == sheet.parameters
+    assert not again.assumed
+
+
+@pytest.mark.parametrize("tare", ["38 t", "38000 kg", 38000, "38000", "38e3kg"])
+def test_a_number_has_one_meaning_in_all_spellings(tare: object) -> None:
+    assert sheet_of(SHEET | {"tare": tare}).parameters == sheet_of(SHEET).parameters
+
+
+def test_the_mass_on_the_rails_is_tare_and_load_and_inertias_follow() -> None:
+    sheet, coach = sheet_of(SHEET), built_in_sheet("coach").parameters.values()
+    own = sheet.parameters.values()
+    assert sheet.mass == pytest.approx(44e3, rel=1e-15)
+    assert own["body_mass"] == 44e3 - 2 * coach["frame_mass"] - 4 * coach["wheelset_mass"]
+    heavier = own["body_mass"] / coach["body_mass"]
+    assert own["body_roll_inertia"] == pytest.approx(coach["body_roll_inertia"] * heavier, rel=1e-14)
+    assert own["body_yaw_inertia"] == pytest.approx(coach["body_yaw_inertia"] * heavier * (24.5 / 20) ** 2, rel=1e-14)
+    assert "length" not in sheet.assumed
+    assert sheet.assumed["frame_mass"] == "as the coach"
+
+
+def test_rotating_mass_and_heights_are_those_of_the_file() -> None:
+    sheet = sheet_of(SHEET | {"rotating_mass": "2.2 t", "body_height": "1.7 m"})
+    own = sheet.parameters.values()
+    assert 4 * own["wheelset_pitch_inertia"] / own["wheel_radius"] ** 2 == pytest.approx(2200.0, rel=1e-14)
+    assert own["body_height"] + own["wheel_radius"] == pytest.approx(1.7, rel=1e-14)
+
+
+def stopping_distance(speed: float, deceleration: float, lasts: float) -> float:
+    """Return the closed form for a deceleration that builds up by 1 - 20^(-t / lasts) [m]."""
+    rate = math.log(20.0) / lasts
+
+    def left(t: float) -> float:
+        return speed - deceleration * (t - (1 - math.exp(-rate * t)) / rate)
+
+    end = float(brentq(left, 0.0, 10 * speed / deceleration))
+    built = (end - (1 - math.exp(-rate * end)) / rate) / rate
+    return speed * end - deceleration * (end**2 / 2 - built)
+
+
+def stop_of(brake: dict[str, object], speed: float = 30.0, **values: float) -> float:
+    sheet = sheet_of(SHEET | {"brake": brake})
+    assert sheet.brake is not None
+    demands = {f"pressure_demand_{number}": sheet.brake.full_pressure for number in range(1, 5)}
+    dry = {f"friction_{number}": 0.5 for number in range(1, 5)}
+    stop = bb.run(sheet, 120.0, None, ["distance"], 1.0, level=1, initial_speed=speed, **demands, **dry, **values)
+    return float(stop["distance"][-1])
+
+
+def test_a_vehicle_stops_with_the_deceleration_of_its_file() -> None:
+    assert stop_of(BRAKE) == pytest.approx(stopping_distance(30.0, 1.1, 1.5), rel=CREEP)
+
+
+def test_a_force_and_its_deceleration_are_the_same_brake() -> None:
+    turning = 44e3 + 4 * built_in_sheet("coach").parameters.wheelset_pitch_inertia / 0.45**2
+    assert stop_of({"force": f"{1.1 * turning!r} N", "application_time": 1.5}) == pytest.approx(
+        stop_of(BRAKE), rel=1e-9
+    )
+
+
+def test_a_percentage_is_that_of_the_assessment() -> None:
+    """lambda = C / S - D from 120 km/h with a build-up of 2 s (EN 16834, EN 14531-1)."""
+    speed = 120 / 3.6
+    distance = 83634.0 / (105.0 + 19.0)
+    mean = speed**2 / (2 * (distance - 2.0 * speed))
+    assert stop_of({"percentage": "105 %", "application_time": 1.5}) == pytest.approx(
+        stopping_distance(30.0, mean, 1.5), rel=CREEP
+    )
+
+
+def test_cylinders_and_rigging_give_the_force_of_the_shoes() -> None:
+    """F = n (p A - F_spring) i eta, eqs (2.4) to (2.6); T = mu F r, eq. (2.7)."""
+    brake = {
+        **{"cylinder_diameter": "305 mm", "cylinders": 2, "rigging_ratio": 8.0, "rigging_efficiency": 0.9},
+        **{"return_force": "1.5 kN", "friction": 0.2, "full_pressure": "3.6 bar"},
+    }
+    sheet = sheet_of(SHEET | {"brake": brake})
+    force = 2 * (3.6e5 * math.pi / 4 * 0.305**2 - 1500.0) * 8.0 * 0.9
+    assert sheet.brake is not None
+    assert sheet.brake.full_torque == pytest.approx(force / 4 * 0.2 * 0.45, rel=1e-12)
+    filled = bb.run(sheet, 20.0, None, ["brake_torque_1"], 20.0, level=1, initial_speed=60.0, pressure_demand_1=3.6e5)
+    assert filled["brake_torque_1"][-1] == pytest.approx(sheet.brake.full_torque, rel=1e-9)
+
+
+def test_pads_have_the_torque_of_the_file_at_its_mean_friction() -> None:
+    """T = mu F r: the torque over that of the file is the pads' friction over the stated mean."""
+    sheet = sheet_of(SHEET | {"brake": BRAKE | {"acts_on": "discs", "friction": 0.4, "friction_radius": "0.3 m"}})
+    assert sheet.brake is not None
+    begin = bb.run(
+        sheet, 8.0, None, ["brake_torque_1", "pad_friction_1"], 8.0, initial_speed=60.0, pressure_demand_1=3.8e5
+    )
+    share = begin["pad_friction_1"][-1] / 0.4
+    assert begin["brake_torque_1"][-1] == pytest.approx(share * sheet.brake.full_torque, rel=2e-3)
+
+
+def test_six_axles_lie_in_threes_and_carry_the_weight() -> None:
+    sheet = sheet_of({"tare": "120 t", "axles": 6, "wheel_base": "1.8 m", "pivot_distance": "11 m", "length": "20 m"})
+    assert sheet.fmu is None
+    places = [sheet.vehicle.number(one.along) for one in sheet.vehicle.wheelsets]
+    assert places == pytest.approx([7.3, 5.5, 3.7, -3.7, -5.5, -7.3])
+    loads = axle_loads(sheet)
+    assert sum(loads) == pytest.approx(120e3 * 9.81, rel=1e-9)
+    assert loads[1] == pytest.approx(120e3 * 9.81 / 6, rel=1e-3)
+
+
+def test_two_axles_are_an_fmu_with_own_start_values(tmp_path: Path) -> None:
+    sheet = sheet_of({"tare": "12 t", "axles": 2, "wheel_base": "9 m", "wheel_diameter": "840 mm"})
+    assert sheet.fmu == "bogie"
+    with bb.FmuInstance(bb.write_fmu(sheet, tmp_path / "wagon.fmu")) as fmu:
+        fmu.start()
+        weights = [fmu[f"axle_load_{number}"] for number in (1, 2)]
+    assert sum(weights) == pytest.approx(12e3 * 9.81, rel=1e-9)
+
+
+REFUSED = [
+    ({"tare": "44"}, "tare and load must be above"),
+    ({"tare": "44 m"}, "tare must be from 1 to 1e+06 kg; got 44 m"),
+    ({"tare": 10}, "Give wheelset_mass and bogie_frame_mass too"),
+    ({"tara": "44 t"}, "'tara' is not a known entry. Did you mean tare?"),
+    ({"like": "tram"}, "like must be one of coach, coal-wagon, bogie; got tram"),
+    ({"axles": 5}, "axles must be 2, 4 or 6; got 5"),
+    ({"axles": 2, "like": "coach"}, "like must be bogie for 2 axles"),
+    ({"wheel_diameter": 920}, "wheel_diameter must be from 0.02 to 3 m; got 920. Did you mean 920 mm = 0.92 m?"),
+    ({"brake": {}, "resistance": {"constant": -1}}, "[resistance] constant must be from 0"),
+    ({"brake": {"acts_on": "discs"}}, "[brake] must be stated once"),
+    ({"brake": BRAKE | {"force": "50 kN"}}, "got deceleration and force"),
+    ({"brake": BRAKE | {"rigging_efficiency": 0.9}}, "[brake] rigging_efficiency has no effect here"),
+    ({"brake": BRAKE | {"friction_radius": 0.3}}, "[brake] friction_radius has no effect here"),
+    ({"brake": {"cylinder_diameter": "305 mm", "cylinders": 2}}, "[brake] rigging_ratio must be given"),
+    ({"brake": BRAKE | {"friction_law": "iron"}}, "[brake] friction_law must be one of constant, cast-iron, composite"),
+    ({"brake": BRAKE | {"friction_law": "composite", "friction": 0.2}}, "[brake] friction must be left out"),
+    ({"brake": 7}, "brake must be a table; got 7"),
+    ({"parameters": {"body_mass": "30 t"}}, "[parameters] body_mass must be left out beside tare"),
+    ({"parameters": {"wheel_base": "3 m"}, "wheel_base": "2 m"}, "[parameters] wheel_base must be stated once"),
+    ({"parameters": {"body_mas": 1}}, "[parameters] 'body_mas' is not a known entry. Did you mean body_mass?"),
+    ({"name": 7}, "name must be a text; got 7"),
+]
+
+
+@pytest.mark.parametrize(("more", "words"), REFUSED, ids=[words for _, words in REFUSED])
+def test_what_is_not_clear_is_refused_in_one_message(more: dict[str, object], words: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(words)) as refused:
+        sheet_of(SHEET | more)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_message_names_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("tare = 44 t\n")
+    with pytest.raises(FileError, match=r"mine\.toml must be TOML"):
+        bb.read_vehicle(path)
+    path.write_text("tara = '44 t'\n")
+    with pytest.raises(FileError, match=r"mine\.toml: 'tara' is not a known entry"):
+        bb.read_vehicle(path)
