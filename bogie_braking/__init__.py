@@ -36,9 +36,7 @@ if TYPE_CHECKING:
     from fmu_src.system import Model as Model
     from fmu_src.system import System as System
     from fmu_src.system import Variable as Variable
-    from products.vehicle_file import DataSheet as DataSheet
     from products.vehicle_file import read_vehicle as read_vehicle
-    from products.vehicle_toml import write_vehicle as write_vehicle
     from rbd_model.track.line import Line as Line
     from rbd_model.track.line import arc as arc
     from rbd_model.track.line import clothoid as clothoid
@@ -65,8 +63,7 @@ _HOMES = {
     "fmu_src.cosimulation.slave": ("CosimulationError", "FmuInstance"),
     "fmu_src.kernel": ("SimulationError",),
     "fmu_src.system": ("Model", "System", "Variable"),
-    "products.vehicle_file": ("DataSheet", "read_vehicle"),
-    "products.vehicle_toml": ("write_vehicle",),
+    "products.vehicle_file": ("read_vehicle",),
     "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
     "rbd_model.track.line_elements": ("line_from_elements",),
     "rbd_model.track.line_files": ("line_from_file",),
