@@ -109,7 +109,10 @@ def four_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stop
 
 
 def six_axle_vehicle(name: str, parameters: VehicleParameters, pair: Pair, stops: bool) -> Vehicle:
-    """Return a car body on two bogies of three wheelsets each, wheel_base apart; otherwise as `four_axle_vehicle`."""
+    """Return a car body on two bogies of three wheelsets each, wheel_base apart.
+
+    Springs and stops are those of `four_axle_vehicle`, Iwnicki (1998).
+    """
     base = Sum((("wheel_base", 1.0),))
     return _on_two_bogies(name, parameters, pair, stops, (base, Sum(()), -base))
 
