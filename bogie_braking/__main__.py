@@ -20,6 +20,8 @@
   bogie-braking controllers compare mine.py:PI                   scores wheel-slide controllers, in Python and in C
   bogie-braking line check mine.csv --speed 120km/h              what a line demands, and a picture
   bogie-braking line import points.csv --out mine.csv            a line of points, elements, or of another program
+  bogie-braking consist import freight.con --out train.toml      a train of Open Rails, OSRD, ALTRIOS, OpenBVE, railML
+  bogie-braking consist check train.toml                         masses, brakes, stops of a consist
   bogie-braking live                                             pages that brake a coach, a bogie or a train
   bogie-braking vehicle check mine.toml                          your vehicle from a file: loads, modes, stops, its FMU
   bogie-braking build bogie                                      FMUs; build --help says more

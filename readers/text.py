@@ -55,7 +55,7 @@ def quoted(text: str, longest: int = QUOTED) -> str:
     return repr(text) if len(text) <= longest else f"{text[:longest]!r}... ({len(text)} characters)"
 
 
-def text_of(path: str | Path, largest: int = LARGEST) -> str:
+def text_of(path: str | Path, largest: int = LARGEST, *, unmarked: bool = False) -> str:
     """Return the text of a file.
 
     Parameters
@@ -64,6 +64,8 @@ def text_of(path: str | Path, largest: int = LARGEST) -> str:
         A regular file.
     largest : int
         Largest size [bytes].
+    unmarked : bool
+        Whether UTF-16 is recognised without a mark, by zeros in every other byte.
 
     Raises
     ------
@@ -72,6 +74,8 @@ def text_of(path: str | Path, largest: int = LARGEST) -> str:
     """
     data = _bytes_of(Path(path), largest)
     mark, encoding = next(((mark, name) for mark, name in MARKS if data.startswith(mark)), (b"", "utf-8"))
+    if unmarked and not mark and len(data) > 1 and data[:2].count(0) == 1:
+        encoding = "utf-16-le" if data[1] == 0 else "utf-16-be"
     try:
         text = _decoded(data[len(mark) :], encoding)
     except UnicodeDecodeError as error:

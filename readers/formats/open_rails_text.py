@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from readers.formats.any_case import in_any_case
-from readers.text import FileError, quoted, text_of
+from readers.text import FileError, lines_of, quoted, text_of
 
 #: Largest file [bytes], deepest nesting, deepest chain of included files, most included files of a vehicle.
 LARGEST = 8_000_000
@@ -130,7 +130,7 @@ class Reader:
 
     def _add(self, path: Path, root: Block, behind: tuple[Path, ...]) -> None:
         """Add the content of a file to a block; `behind`: the files that include it."""
-        words = _Words(text_of(path, LARGEST).replace("\r\n", "\n").replace("\r", "\n"), str(path))
+        words = _Words("\n".join(lines_of(text_of(path, LARGEST, unmarked=True))), str(path))
         stack, name = [root], None
         while (word := words.next()) is not None:
             bare, named, name = not word.in_quotes, name, None

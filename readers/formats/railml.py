@@ -44,7 +44,7 @@ def read_railml(path: Path) -> Imported:
         notes.assumed("Order: the file has no formation; each vehicle once, in the order of the file.")
     read: dict[int, Row] = {}
     rows: list[Row] = []
-    for vehicle, count in order:
+    for vehicle, count in (one for one in order if one[1] > 0):
         if id(vehicle) not in read:
             notes.begin(vehicle.get("name") or vehicle.get("id") or "vehicle")
             read[id(vehicle)] = vehicle_of(vehicle, source, notes)
@@ -53,7 +53,7 @@ def read_railml(path: Path) -> Imported:
         if len(rows) > MOST:
             raise FileError(f"{source} must have at most {MOST} vehicles; got more. Shorten the formation.")
     notes.vehicle = ""
-    if formations:
+    if formations and rows:
         rows = _of_formation(formations[0], rows, source, notes)
     notes.assumed("Couplers: screw couplers, because the file has none.")
     return notes.imported(whole_train(rows, notes, source))

@@ -383,6 +383,7 @@ LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;">]><railml>&b;</
         ),
         ("a.xml", RAILML.replace('yValueUnit="kN"', 'yValueUnit="lbf"'), "must be over km/h or m/s"),
         ("a.xml", RAILML.replace('"26.4"', '"0.9"'), "length must be from 3 to 31 m; got 0.9 m."),
+        ("a.xml", UNIT.replace('vehicleCount="2"', 'vehicleCount="0"'), "must have 1 to 2000 vehicles; got 0."),
         ("a.txt", "", "must end in one of .con"),
     ],
 )

@@ -83,7 +83,7 @@ def told(found: Imported, kind: str, words: str) -> bool:
     return any(words in sentence for sentence in getattr(found, kind))
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
 def test_a_consist_has_the_numbers_of_its_files(encoding: str, tmp_path: Path) -> None:
     found = read_foreign(written(tmp_path, encoding))
     head, wagons, last = found.rows
