@@ -36,7 +36,9 @@ def figure_of_check(line: Line, check: Check, speed: float) -> Figure:
 
 def figure_of_points(line: LineFromPoints) -> Figure:
     """Return the curvature of a smoothed line with its bounds over that of triples of points, and the deviations."""
-    figure, (curvature, gradient, aside) = plt.subplots(3, 1, figsize=(9.0, 8.0), sharex=True)
+    known = bool(np.all(np.isfinite(line.gradient_error)))
+    figure, axes = plt.subplots(2 + known, 1, figsize=(9.0, 5.5 + 2.5 * known), sharex=True)
+    curvature, aside = axes[0], axes[-1]
     at, points = line.rows["distance"], line.points
     ways = np.hypot(*np.diff(points, axis=0).T)
     chords = np.interp(np.concatenate([[0.0], np.cumsum(ways)]) / ways.sum(), [0.0, 1.0], at[[0, -1]])
@@ -51,12 +53,11 @@ def figure_of_points(line: LineFromPoints) -> Figure:
     curvature.set_ylim(low - 0.4 * (high - low), high + 0.4 * (high - low))
     curvature.set_title("curvature, to the left [1/km]")
     legend_above(curvature, 3)
-    slope = 1e3 * line.rows["gradient"]
-    if np.all(np.isfinite(line.gradient_error)):
-        bound = 1e3 * line.gradient_error
-        gradient.fill_between(at, slope - bound, slope + bound, color="#9ecae1")
-    gradient.plot(at, slope, color=LEADING)
-    gradient.set_title("gradient with its bounds [‰]")
+    if known:
+        slope, bound = 1e3 * line.rows["gradient"], 1e3 * line.gradient_error
+        axes[1].fill_between(at, slope - bound, slope + bound, color="#9ecae1")
+        axes[1].plot(at, slope, color=LEADING)
+        axes[1].set_title("gradient with its bounds [‰]")
     aside.plot(chords, 1e3 * line.aside, ".", color=TRAILING, markersize=3)
     aside.set_title("points beside the line, to the left [mm]")
     aside.set_xlabel("distance along the line [m]")
