@@ -137,19 +137,20 @@ def mismatches(
     deviations: Mapping[str, float], off: np.ndarray, wanted: np.ndarray, units: Mapping[str, str]
 ) -> list[str]:
     """Return a sentence for each output that the run does not describe; off: simulated less measured first row."""
-    said = []
+    found = []
     for column, (name, size) in enumerate(deviations.items()):
         values, unit = wanted[:, column], units[name]
         span = float(np.nanmax(values) - np.nanmin(values))
+        first, simulated = f"{values[0]:.4g} {unit}", f"{values[0] + off[column]:.4g} {unit}"
         if 0.0 < FAILS * span < size:
-            said.append(
+            found.append(
                 f"The run does not describe {name}: it is off by {size:.2g} {unit}, {100 * size / span:.0f} % of its "
                 "range. Check units, initial values and what is not fitted."
             )
-        elif abs(off[column]) > MISMATCH * max(abs(values[0]), span):
-            first = f"{values[0]:.4g} {unit} in the log and at {values[0] + off[column]:.4g} {unit} in the run"
-            said.append(f"{name} begins at {first}. Check initial values and begin.")
-    return said
+        if abs(off[column]) > MISMATCH * max(abs(values[0]), span):
+            begins = f"{name} begins at {first} in the log and at {simulated} in the run."
+            found.append(f"{begins} Check initial values and begin.")
+    return found
 
 
 def errors_by_output(
