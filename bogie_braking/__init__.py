@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from bogie_braking.fmus import fmu as fmu
     from bogie_braking.fmus import write_fmu as write_fmu
     from bogie_braking.machines import vehicle as vehicle
+    from bogie_braking.pairs import pair as pair
+    from bogie_braking.pairs import profile as profile
     from bogie_braking.protection import protected_stop as protected_stop
     from bogie_braking.protection import protected_stops as protected_stops
     from bogie_braking.rare_events import rare as rare
@@ -53,6 +55,7 @@ _HOMES = {
     "bogie_braking.fitting": ("Fit", "fit", "measured_from"),
     "bogie_braking.fmus": ("fmu", "write_fmu"),
     "bogie_braking.machines": ("vehicle",),
+    "bogie_braking.pairs": ("pair", "profile"),
     "bogie_braking.protection": ("protected_stop", "protected_stops"),
     "bogie_braking.rare_events": ("rare",),
     "bogie_braking.simulation": ("Simulation", "run"),

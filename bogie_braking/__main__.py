@@ -8,6 +8,7 @@
   bogie-braking run qr30-180kpa --torque-csv measured.csv        with a measured torque (time [s], torque [N.m])
   bogie-braking run contact-geometry --wheel left.csv right.csv --rail 60e1.csv --diameter 920 918
                                                                  equivalent conicity (EN 15302) of your profiles
+  bogie-braking profile wheel.prw rail.prr --out pair.csv        contact table of your profiles, and its picture
   bogie-braking run line-from-file --line mine.csv               a bogie along your line
   bogie-braking run bogie-lateral --html                         also report.html: charts that zoom, the motion in space
   bogie-braking report                                           results/index.html: all results on one page

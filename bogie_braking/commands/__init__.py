@@ -31,6 +31,7 @@ COMMANDS = {
     "controllers": ("compare wheel-slide controllers, a Python class, C or a library, on the test rig", "controllers"),
     "consist": ("import a train of another program, or check a consist: masses, brakes, stops", "consist"),
     "line": ("check a line and draw it; import points, elements, OSRD, railML, LandXML, ALTRIOS", "line"),
+    "profile": ("make a contact table from files of a wheel and a rail, and draw the pair", "profile"),
     "live": ("write pages that brake a coach, a bogie or a train in any browser", "live"),
     "vehicle": ("check your own vehicle from a file, write its FMU", "vehicle"),
     "build": ("build FMUs", "build"),

@@ -61,7 +61,7 @@ def add_profiles(runner: argparse.ArgumentParser) -> None:
     group.add_argument("--rail", type=Path, metavar="FILE", help="profile of both rails, or left and right", **sides)
     text = "diameter of both wheels at the tape circle, or left and right, as 920 or 0.92m (default: 920 mm)"
     group.add_argument("--diameter", type=quantity("--diameter", "mm"), metavar="MM", help=text, **sides)
-    text = "gauge, measured 14 mm below the top (default: the y = 0 of both files lie 1500 mm apart)"
+    text = "gauge, measured 14 mm below the top (default: y = 0 of the files 1500 mm apart, or 1435 mm)"
     group.add_argument("--gauge", type=quantity("--gauge", "mm"), metavar="MM", help=text)
     text = "distance between the backs of the flanges (default: 1360 mm)"
     group.add_argument("--flange-back", type=quantity("--flange-back", "mm"), metavar="MM", help=text)

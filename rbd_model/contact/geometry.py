@@ -7,12 +7,13 @@ problem is a planar one. Left is positive. Section 4.3, Figs 4.7 and 4.8.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import brentq
 
+from rbd_model.contact.profiles import GAUGE_DEPTH as GAUGE_DEPTH
 from rbd_model.contact.profiles import Profile, rail_60e1, rail_60kg, wheel_cone_120, wheel_s1002
 
 #: Pitch of the search grid on the contour [m]; a parabola through three points refines it to better than 1 um.
@@ -54,10 +55,14 @@ class Side:
 
 @dataclass(frozen=True)
 class Sides:
-    """A wheelset on its track: two sides that may differ in wheel, rail, radius and distances."""
+    """A wheelset on its track: two sides that may differ in wheel, rail, radius and distances.
+
+    `notes`: what was given, found or assumed for measured profiles; they are not compared.
+    """
 
     left: Side
     right: Side
+    notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def both(self) -> tuple[Side, Side]:
@@ -67,7 +72,7 @@ class Sides:
     @property
     def mirrored(self) -> Sides:
         """Left and right exchanged: the wheelset shifts and rolls in the opposite sense."""
-        return Sides(self.right, self.left)
+        return Sides(self.right, self.left, self.notes)
 
     @property
     def mean_radius(self) -> float:
@@ -79,10 +84,16 @@ class Pair(Sides):
     """Equal sides, as on the built-in vehicles: a wheel on a rail, and the half distances of the y = 0 of each [m]."""
 
     def __init__(
-        self, wheel: Profile, rail: Profile, radius: float, wheel_half_distance: float, rail_half_distance: float
+        self,
+        wheel: Profile,
+        rail: Profile,
+        radius: float,
+        wheel_half_distance: float,
+        rail_half_distance: float,
+        notes: tuple[str, ...] = (),
     ) -> None:
         side = Side(wheel, rail, radius, wheel_half_distance, rail_half_distance)
-        super().__init__(side, side)
+        super().__init__(side, side, notes)
 
     @property
     def wheel(self) -> Profile:
@@ -123,12 +134,17 @@ def synthetic_pair() -> Pair:
     return Pair(wheel_cone_120(), rail_60kg(), 0.460, 0.750, 0.750)
 
 
-#: Depth below the top of the rails at which the gauge is measured (EN 13848-1), and the standard gauge [m].
-GAUGE_DEPTH, STANDARD_GAUGE = 14e-3, 1.435
+#: Standard gauge [m].
+STANDARD_GAUGE = 1.435
 
 
 def gauge_face(rail: Profile) -> float:
-    """Return the y of the gauge face [m], GAUGE_DEPTH below the highest point of the rail as laid (EN 13848-1)."""
+    """Return the y of the gauge face [m], GAUGE_DEPTH below the highest point of the rail as laid (EN 13848-1).
+
+    That of a measured rail is known from its points.
+    """
+    if "gauge_face" in rail.facts:
+        return rail.facts["gauge_face"]
     y = np.linspace(*rail.limits, 100001)
     height = rail.height(y)
     return float(y[np.argmax(height > np.max(height) - GAUGE_DEPTH)])

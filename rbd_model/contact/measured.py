@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from rbd_model.contact.gauge_side import LAID, LEAST_LEAN, SIDES, GaugeSide, gauge_side, upright
-from rbd_model.contact.profiles import Profile, from_points, inclined
+from rbd_model.contact.profiles import GAUGE_DEPTH, Profile, from_points, inclined
 from readers.contours import Contour
 from readers.profiles import read_contour
 
@@ -86,18 +86,33 @@ def read_profile(
     points = _function_of_y(inclined(points, inclination), kind)
     name = Path(contour.source).stem
     found = replace(
-        from_points(f"{kind} {name}", Path(contour.source).name, *points.T),
+        from_points(f"{kind} {name}", Path(contour.source).name, points[:, 0], points[:, 1], measured=True),
         gauge_side=faces,
         notes=tuple(notes),
-        facts=contour.facts,
+        facts={**contour.facts, **({} if kind == "wheel" else _gauge_face(points))},
     )
     _check_smooth(contour.source, found, points, kind)
     return found
 
 
+def _gauge_face(points: np.ndarray) -> dict[str, float]:
+    """Return y of the gauge face in the points (EN 13848-1) [m], or nothing if they end above it.
+
+    The face is a wall, which the spline through the points does not follow.
+    """
+    depth = points[:, 1].max() - points[:, 1]
+    last = int(np.argmin(depth))
+    deep = np.flatnonzero(depth[:last] >= GAUGE_DEPTH)
+    if not deep.size:
+        return {}
+    at = int(deep[-1])
+    return {"gauge_face": float(np.interp(GAUGE_DEPTH, depth[[at + 1, at]], points[[at + 1, at], 0]))}
+
+
 def _check_smooth(source: str, found: Profile, points: np.ndarray, kind: str) -> None:
     """Check that the points lie near the spline, and say where they are farthest from it."""
-    off = np.abs(found.height(points[:, 0]) - points[:, 1])
+    slope = found.height(points[:, 0], 1)
+    off = np.abs(found.height(points[:, 0]) - points[:, 1]) / np.sqrt(1 + slope**2)
     scatter = float(np.median(off))
     if scatter > SCATTER:
         y, z = 1e3 * points[int(np.argmax(off))]

@@ -1,30 +1,24 @@
-"""A wheelset on its track from files of profiles, one for each side or one for both (EN 15302)."""
+"""A wheelset on its track from options that name files of profiles, one for each side or one for both (EN 15302)."""
 
 import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
-import numpy as np
-
-from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
+from rbd_model.contact.geometry import Sides
 from rbd_model.contact.measured import read_profile
+from rbd_model.contact.measured_pair import RAILS_APART, pair_of
 from rbd_model.contact.profiles import Profile
 from scenarios.scenario import BadInputError, Options
-
-#: Default diameter of the wheels, default distance of the flanges' backs, and distance of the nominal contact, the tape
-#: circle, from the back [mm] (EN 13715, EN 15302).
-DIAMETER, FLANGE_BACK, TAPE_CIRCLE = 920.0, 1360.0, 70.0
-#: Default distance of the rails' y = 0 [mm], as for the reference rails of EN 15302.
-RAILS_APART = 1500.0
-#: Least reach of a profile to both sides of y = 0 [mm]; a shorter one has lost its tread or is in metres.
-LEAST_REACH = 20.0
 
 Given = TypeVar("Given")
 
 
 def sides_from_files(options: Options) -> Sides:
     """Return the wheelset and track that the options describe.
+
+    Without a gauge the y = 0 of both rails are 1500 mm apart, as for the reference rails of EN 15302, if that is a
+    usual gauge.
 
     Raises
     ------
@@ -39,21 +33,34 @@ def sides_from_files(options: Options) -> Sides:
     lean = 0.0 if options.inclination is None else 1 / within("--inclination", options.inclination, "", 5.0, 1000.0)
     wheels = profiles("--wheel", options.wheel)
     rails = profiles("--rail", options.rail, lean, options.gauge_side or [None])
-    diameters = left_and_right("--diameter", options.diameter or [DIAMETER])
-    given = FLANGE_BACK if options.flange_back is None else options.flange_back
-    backs = within("--flange-back", given, " mm", 500.0, 2000.0)
-    left, right = (
-        Side(
-            wheel,
-            rail,
-            # The diameter is that of the tape circle, regardless of the file's z = 0.
-            within("--diameter", diameter, " mm", 200.0, 2000.0) / 2e3 + float(wheel.height(np.array(0.0))),
-            (backs / 2 + TAPE_CIRCLE) / 1e3,
-            half_distance(rail, options.gauge),
-        )
-        for wheel, rail, diameter in zip(wheels, rails, diameters, strict=True)
+    return sides_of(wheels, rails, options.diameter or [], options.gauge, options.flange_back, rails_apart=RAILS_APART)
+
+
+def sides_of(
+    wheels: Sequence[Profile],
+    rails: Sequence[Profile],
+    diameters: Sequence[float],
+    gauge: float | None,
+    flange_back: float | None,
+    rails_apart: float | None = None,
+) -> Sides:
+    """Return a wheelset on its track from options in mm (`pair_of`).
+
+    Raises
+    ------
+    BadInputError
+        If an option is out of its limits, or the wheels do not stand on the rails.
+    """
+    given = left_and_right("--diameter", diameters) if diameters else (None, None)
+    radii = [None if one is None else within("--diameter", one, " mm", 200.0, 2000.0) / 2e3 for one in given]
+    track, backs = (
+        None if one is None else within(option, one, " mm", 500.0, 2000.0) / 1e3
+        for option, one in (("--gauge", gauge), ("--flange-back", flange_back))
     )
-    return Sides(left, right)
+    try:
+        return pair_of(wheels, rails, radii, track, backs, rails_apart)
+    except ValueError as error:
+        raise BadInputError(str(error)) from error
 
 
 def left_and_right(option: str, given: Sequence[Given]) -> tuple[Given, Given]:
@@ -78,64 +85,32 @@ def within(option: str, value: float, unit: str, least: float, most: float) -> f
 
 
 def profiles(
-    option: str, paths: Sequence[Path], inclination: float = 0.0, gauge_sides: Sequence[str | None] = (None,)
+    option: str,
+    paths: Sequence[Path],
+    inclination: float = 0.0,
+    gauge_sides: Sequence[str | None] = (None,),
+    tape_circles: Sequence[float | None] = (None,),
+    drop_outliers: bool = False,
 ) -> tuple[Profile, Profile]:
-    """Return the profiles of the left and of the right side; the same object if they come from one file."""
-    files, kind = left_and_right(option, paths), option.removeprefix("--")
-    left, right = zip(files, left_and_right("--gauge-side", gauge_sides), strict=True)
-    read = {one: profile(one[0], kind, inclination, one[1]) for one in {left: None, right: None}}
-    return read[left], read[right]
+    """Return the profiles of the left and of the right side; the same object if they come from one file.
 
-
-def profile(path: Path, kind: str, inclination: float = 0.0, gauge_side: str | None = None) -> Profile:
-    try:
-        found = read_profile(path, kind, inclination, gauge_side)
-    except ValueError as error:
-        raise BadInputError(str(error)) from error
-    low, high = (1e3 * limit for limit in found.limits)
-    if low > -LEAST_REACH or high < LEAST_REACH:
-        origin = "the tape circle, 70 mm from the flange's back" if kind == "wheel" else "the middle of the head"
-        raise BadInputError(
-            f"{path} reaches from y = {low:.4g} to {high:.4g} mm; a {kind} profile needs {LEAST_REACH:g} mm to both"
-            f" sides of y = 0, {origin}. Give y and z in mm, from there."
-        )
-    return found
-
-
-def half_distance(rail: Profile, gauge: float | None) -> float:
-    """Return the distance from the middle of the track to the rail's y = 0 [m].
-
-    Parameters
-    ----------
-    rail : Profile
-    gauge : float, optional
-        Gauge [mm]; None: the default distance.
+    inclination: slope. tape_circles [mm].
 
     Raises
     ------
     BadInputError
-        If the profile ends above the depth at which the gauge is measured.
+        If a file cannot be read as such a profile.
     """
-    if gauge is None:
-        return RAILS_APART / 2e3
-    half = within("--gauge", gauge, " mm", 500.0, 2000.0) / 2e3
-    if not reaches_gauge_depth(rail):
-        raise BadInputError(
-            f"{rail.source} ends at y = {1e3 * rail.limits[0]:.4g} mm, less than {1e3 * GAUGE_DEPTH:g} mm below its"
-            " top, where the gauge is measured: leave --gauge out, or give its gauge face too, at negative y."
-        )
-    return half - gauge_face(rail)
-
-
-def reaches_gauge_depth(rail: Profile) -> bool:
-    """Return whether the profile includes its gauge face (EN 13848-1)."""
-    height = rail.height(np.linspace(*rail.limits, 10001))
-    return bool(height[0] < np.max(height) - GAUGE_DEPTH)
-
-
-def gauge_of(sides: Sides) -> float | None:
-    """Return the distance between the gauge faces [m]; None if a rail lacks its gauge face."""
-    both = sides.both
-    if not all(reaches_gauge_depth(side.rail) for side in both):
-        return None
-    return sum(side.rail_half_distance + gauge_face(side.rail) for side in both)
+    kind = option.removeprefix("--")
+    files, turned = left_and_right(option, paths), left_and_right("--gauge-side", gauge_sides)
+    asked = list(zip(files, turned, left_and_right("--tape-circle", tape_circles), strict=True))
+    read = {}
+    for path, side, tape_circle in dict.fromkeys(asked):
+        zero = None if tape_circle is None else within("--tape-circle", tape_circle, " mm", -500.0, 500.0) / 1e3
+        try:
+            read[path, side, tape_circle] = read_profile(
+                path, kind, inclination, side, tape_circle=zero, drop_outliers=drop_outliers
+            )
+        except ValueError as error:
+            raise BadInputError(str(error)) from error
+    return read[asked[0]], read[asked[1]]

@@ -1,0 +1,173 @@
+"""The command `profile`: makes a contact table from files of a wheel and a rail, and draws the pair as it runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bogie_braking.commands.shared import add_speech, describe
+from bogie_braking.exit_status import HOLDS
+from rbd_model.contact.geometry import Side, Sides, contact_at
+from rbd_model.contact.measured_pair import fault_at, gauge_of
+from rbd_model.contact.pair_file import write_pair
+from rbd_model.contact.patches import parts_of, positions_of
+from readers.command_line import quantity
+from readers.storage import write_whole
+from readers.text import BadInputError
+from scenarios.bench.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
+from scenarios.bench.profile_files import profiles, sides_of, within
+from scenarios.reporting.pair_picture import draw_pair
+
+ABOUT = """Make a contact table from the profiles of a wheel and a rail: tables of y and z, SIMPACK (.prw, .prr),
+MiniProf (.whl, .ban, .mpt). The table is the value of profile_file of vehicles and FMUs. The command prints what it
+applied, found and assumed, and draws contacts, patches, radius difference and conicity (EN 15302).
+
+  bogie-braking profile wheel.prw rail.prr                       writes pair.csv and pair.png
+  bogie-braking profile worn.whl 60e1.ban --inclination 40       a rail that stands upright in its file
+  bogie-braking profile left.whl rail.ban --right-wheel right.whl --diameter 918 920
+"""
+#: Shifts at which the ends of the profiles are looked at [m].
+EVERY = 0.5e-3
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `profile`."""
+    describe(parser, ABOUT)
+    parser.add_argument("wheel", type=Path, help="profile of both wheels, or of the left one")
+    parser.add_argument("rail", type=Path, help="profile of both rails, or of the left one")
+    parser.add_argument("--right-wheel", type=Path, metavar="FILE", help="profile of the right wheel, if it differs")
+    parser.add_argument("--right-rail", type=Path, metavar="FILE", help="profile of the right rail, if it differs")
+    text = "contact table; the picture is beside it (default: pair.csv)"
+    parser.add_argument("--out", type=Path, default=Path("pair.csv"), metavar="FILE", help=text)
+    sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
+    text = "diameter at the tape circle, one or left and right (default: that of the file, or 920 mm)"
+    parser.add_argument("--diameter", type=quantity("--diameter", "mm"), metavar="MM", help=text, **sides)
+    text = "gauge, 14 mm below the top (default: that of the file, or 1435 mm)"
+    parser.add_argument("--gauge", type=quantity("--gauge", "mm"), metavar="MM", help=text)
+    text = "distance between the backs of the flanges (default: 1360 mm)"
+    parser.add_argument("--flange-back", type=quantity("--flange-back", "mm"), metavar="MM", help=text)
+    text = "inclines the rails by 1:N, for files in which they stand upright (default: as in the files)"
+    parser.add_argument("--inclination", type=quantity("--inclination"), metavar="N", help=text)
+    text = "side of y in the rails' files towards the middle of the track (default: found by lean or wear)"
+    parser.add_argument("--gauge-side", choices=("y-", "y+"), help=text, **sides)
+    text = "y of the tape circle in the wheels' files (default: found from the back of the flange)"
+    parser.add_argument("--tape-circle", type=quantity("--tape-circle", "mm"), metavar="MM", help=text, **sides)
+    parser.add_argument("--drop-outliers", action="store_true", help="leave out points off the contour, and name them")
+    add_speech(parser, "the findings", "no findings, only files and exit status")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Write the contact table and the picture of a pair, and print the findings."""
+    sides = sides_given(chosen)
+    found = running_of(sides, FILE_SHIFTS, FILE_AMPLITUDES)
+    patches = patches_by_side(sides)
+    picture = chosen.out.with_suffix(".png")
+    save_picture(found, patches, picture)
+    about = findings(found, patches)
+    if chosen.json:
+        print(json.dumps({**about, "picture": str(picture), "table": str(chosen.out)}, indent=2))
+    elif not chosen.quiet:
+        show(about)
+        print(f"Picture: {picture}")
+    write_pair(sides, chosen.out)
+    if not (chosen.json or chosen.quiet):
+        print(f"Contact table: {chosen.out}")
+    return HOLDS
+
+
+def sides_given(chosen: argparse.Namespace) -> Sides:
+    """Return the wheelset on its track that the options describe."""
+    lean = 0.0 if chosen.inclination is None else 1 / within("--inclination", chosen.inclination, "", 5.0, 1000.0)
+    wheels = profiles(
+        "--wheel",
+        [chosen.wheel, chosen.right_wheel or chosen.wheel],
+        tape_circles=chosen.tape_circle or [None],
+        drop_outliers=chosen.drop_outliers,
+    )
+    rails = profiles(
+        "--rail",
+        [chosen.rail, chosen.right_rail or chosen.rail],
+        lean,
+        chosen.gauge_side or [None],
+        drop_outliers=chosen.drop_outliers,
+    )
+    return sides_of(wheels, rails, chosen.diameter or [], chosen.gauge, chosen.flange_back)
+
+
+Limits = dict[str, list[tuple[float, float]]]
+
+
+def patches_by_side(sides: Sides) -> Limits:
+    """Return the limits of each wheel's patches [m], from the field side to the flange."""
+    try:
+        return {word: limits_of(side) for word, side in zip(WORDS, sides.both, strict=True)}
+    except ValueError as error:
+        raise BadInputError(str(error)) from error
+
+
+def limits_of(side: Side) -> list[tuple[float, float]]:
+    """Return the limits of a wheel's parts whose contact moves without jumps [m]."""
+    places = positions_of(side)
+    return [(float(places[part.first]), float(places[part.last - 1])) for part in parts_of(side)]
+
+
+def save_picture(found: Running, patches: Limits, path: Path) -> None:
+    """Save the picture of a pair, whose title is its message."""
+    data = BytesIO()
+    figure = draw_pair(found, patches, message(found, patches))
+    figure.savefig(data, format="png", dpi=110)
+    write_whole(path, data.getvalue())
+
+
+def message(found: Running, patches: Limits) -> str:
+    """Return the one message of the picture."""
+    count = max(map(len, patches.values()))
+    conicity = f"{found.conicity_at(COMPARED):.3f} at {1e3 * COMPARED:g} mm"
+    return f"Conicity {conicity}, contact on {count} patch{'es' * (count > 1)} a wheel"
+
+
+def findings(found: Running, patches: Limits) -> dict[str, Any]:
+    """Return what was found, with units in the names."""
+    gauge = gauge_of(found.sides)
+    flanges = [None if math.isinf(one) else round(1e3 * one, 3) for one in found.flanges]
+    return {
+        "equivalent conicity at 3 mm [1]": round(found.conicity_at(COMPARED), 5),
+        "gauge [mm]": None if gauge is None else round(1e3 * gauge, 3),
+        "shift of equal radii [mm]": round(1e3 * found.centre, 3),
+        "flange contact, left and right [mm]": flanges,
+        "patches, left and right": [len(patches[word]) for word in WORDS],
+        "ends": ends(found),
+        "notes": list(found.sides.notes),
+    }
+
+
+def ends(found: Running) -> list[str]:
+    """Return a sentence for each side on which a contact reaches the end of a profile before the flange touches."""
+    sentences = []
+    for sign, flange, word in ((1, found.flanges[0], "left"), (-1, found.flanges[1], "right")):
+        limit = min(flange, 1e-3 * math.floor(1e3 * float(found.series["shift"].max())))
+        for shift in np.arange(0.0, limit, EVERY):
+            fault = fault_at(found.sides, contact_at(found.sides, sign * shift, rolls=False))
+            if fault and "flange" not in fault:
+                sentences.append(f"{1e3 * shift:g} mm to the {word} {fault}: the profile must reach further")
+                break
+    return sentences
+
+
+def show(about: dict[str, Any]) -> None:
+    """Print findings and notes."""
+    for name, value in about.items():
+        if isinstance(value, list) and name in ("notes", "ends"):
+            for sentence in value:
+                print(f"  {sentence[0].upper()}{sentence[1:]}.")
+        elif isinstance(value, list):
+            values = " and ".join("none" if one is None else f"{one:g}" for one in value)
+            print(f"{name:38s}{values}")
+        else:
+            print(f"{name:38s}{'unknown' if value is None else f'{value:g}'}")

@@ -1,0 +1,85 @@
+"""The command `profile`: findings, notes, picture and contact table; one message for each bad input."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bogie_braking.__main__ import main
+from bogie_braking.commands import profile
+from rbd_model.contact.pair_file import read_pair
+
+REFERENCE = Path(__file__).parents[1] / "data" / "contact"
+WHEEL, HOLLOW, RAIL = (str(REFERENCE / f"en15302_{name}.csv") for name in ("RUIC519B", "RUIC519A", "SUIC519A"))
+
+
+@pytest.fixture(autouse=True)
+def few_shifts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shorten the series that are drawn."""
+    monkeypatch.setattr(profile, "FILE_SHIFTS", np.linspace(-8e-3, 8e-3, 17))
+    monkeypatch.setattr(profile, "FILE_AMPLITUDES", np.array([1e-3, 3e-3]))
+
+
+def test_profile_writes_table_and_picture_and_prints_what_it_found(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "pair.csv"
+    given = [WHEEL, RAIL, "--out", str(out), "--diameter", "918", "920", "--gauge", "1437"]
+    assert main(["profile", *given, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["gauge [mm]"] == pytest.approx(1437.0, abs=1e-3)
+    assert found["patches, left and right"] == [5, 5]
+    assert "left radius at the tape circle: 459 mm, given; right 460 mm, given" in found["notes"]
+    assert (tmp_path / "pair.png").read_bytes().startswith(b"\x89PNG")
+    read_pair(out)
+    assert main(["profile", *given]) == 0
+    shown = capsys.readouterr().out.splitlines()
+    assert f"equivalent conicity at 3 mm [1]       {found['equivalent conicity at 3 mm [1]']:g}" in shown
+    assert f"Contact table: {out}" in shown
+    assert any("Flange back: 1360 mm, assumed" in row for row in shown)
+
+
+def test_pair_that_the_table_cannot_hold_is_drawn_and_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["profile", HOLLOW, RAIL, "--out", str(tmp_path / "pair.csv")]) == 2
+    assert "the contact must move without jumps on at most 6 parts of a wheel" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["pair.png"]
+
+
+def test_outlier_is_refused_or_dropped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    points = np.loadtxt(WHEEL, delimiter=",", skiprows=1)
+    points[500, 1] += 0.5
+    path = tmp_path / "dented.csv"
+    np.savetxt(path, points, delimiter=",")
+    given = ["profile", str(path), RAIL, "--out", str(tmp_path / "pair.csv"), "--json"]
+    assert main(given) == 2
+    assert "row 501: points must lie on the contour of their neighbours; y = " in capsys.readouterr().err
+    assert main([*given, "--drop-outliers"]) == 0
+    notes = " ".join(json.loads(capsys.readouterr().out)["notes"])
+    assert "outliers were dropped, up to 0.5 mm off at y = " in notes
+    assert notes.count("rows 501") == 1
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        (["--gauge", "1.435"], "--gauge must be from 500 to 2000 mm; got 1.435 mm."),
+        (["--tape-circle", "200"], "the tape circle must lie on the contour, from -70 to 65 mm; got 200 mm"),
+        (["--gauge", "1400"], "the left wheel stands on its flange"),
+        (["--diameter", "1", "2", "3"], "--diameter must be given once for both sides or twice"),
+        (["--right-wheel", "nowhere.whl"], "The file nowhere.whl does not exist"),
+        (["--inclination", "0.025"], "--inclination must be from 5 to 1000"),
+    ],
+)
+def test_bad_options_get_one_sentence(
+    more: list[str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["profile", WHEEL, RAIL, "--out", str(tmp_path / "pair.csv"), *more]) == 2
+    shown = capsys.readouterr().err
+    assert sentence in shown
+    assert shown.count("\n") == 1
+    assert not list(tmp_path.iterdir())
