@@ -24,7 +24,8 @@ EQUIPMENT = (
 )
 _AXLES = "a vehicle of a train has its mass on braked wheels, without axles of their own"
 _VALVE = "the distributor has its own emergency and quick-service parts"
-_TRACTION = "traction and dynamic brakes of a lever of their own are an input of the train, not a column"
+_TRACTION = "traction is an input of the train"
+_DYNAMIC = "of the dynamic brake, the largest force alone is read; set dynamic_power and dynamic_fade yourself"
 _DRIVER = "the driver's valve is that of UIC 541-03"
 #: Reasons by field.
 LEFT = {
@@ -90,10 +91,17 @@ LEFT = {
     "MaxForce": _TRACTION,
     "MaxContinuousForce": _TRACTION,
     "ORTSMaxTractiveForceCurves": _TRACTION,
-    "DynamicBrakeForceCurves": _TRACTION,
-    "DynamicBrakesMaximumForce": _TRACTION,
-    "DynamicBrakeHasAutoBailOff": _TRACTION,
-    "ORTSDynamicBlendingMinimumSpeed": _TRACTION,
+    "DynamicBrakeForceCurves": _DYNAMIC,
+    "ORTSDynamicBrakeForceCurves": _DYNAMIC,
+    "DynamicBrakesMinUsableSpeed": _DYNAMIC,
+    "DynamicBrakesMaximumEffectiveSpeed": _DYNAMIC,
+    "DynamicBrakesFadingSpeed": _DYNAMIC,
+    "DynamicBrakesMaximumSpeedForFadeOut": _DYNAMIC,
+    "DynamicBrakeHasAutoBailOff": _DYNAMIC,
+    "ORTSDynamicBrakesHasPartialBailOff": _DYNAMIC,
+    "ORTSDynamicBlendingMinimumSpeed": _DYNAMIC,
+    "ORTSDynamicBlendingRetainedPressure": _DYNAMIC,
+    "ORTSTrainDynamicBlendingTable": _DYNAMIC,
     "ORTSBrakePipeChargingRate": _DRIVER,
     "ORTSBrakeServiceTimeFactor": _DRIVER,
     "ORTSBrakeEmergencyTimeFactor": _DRIVER,

@@ -81,7 +81,7 @@ def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
     row["mass"] = _mass(fields, loads, path, notes)
     row["length"] = _length(fields, path, notes)
     row |= _resistance(fields, notes)
-    row |= brake_of(fields, notes)
+    row |= brake_of(fields, notes) | _dynamic(_engines(root), notes)
     _tell_left(fields, root, notes)
     return row, [block for block in blocks if block.name == "coupling"]
 
@@ -158,10 +158,24 @@ def _resistance(fields: Fields, notes: Notes) -> Row:
     return {f"resistance_{letter}": rounded(value or 0.0) for letter, value in zip("abc", found, strict=True)}
 
 
+def _engines(root: Block) -> list[Block]:
+    """Return the blocks Engine of a file, beside Wagon or inside it."""
+    return [*root.all("engine"), *(inner for wagon in root.all("wagon") for inner in wagon.all("engine"))]
+
+
+def _dynamic(engines: list[Block], notes: Notes) -> Row:
+    """Return the largest force of the dynamic brake [kN]."""
+    force = Fields([block for one in engines for block in one.blocks], notes).number("DynamicBrakesMaximumForce", "N")
+    if not force or force < 0.0:
+        return {}
+    notes.taken("DynamicBrakesMaximumForce -> dynamic_force [kN]; the input dynamic_brake of the train applies it")
+    return {"dynamic_force": rounded(1e-3 * force)}
+
+
 def _tell_left(fields: Fields, root: Block, notes: Notes) -> None:
     """Tell fields without a column, each with the reason, and misspelt ones."""
-    engines = [*root.all("engine"), *(inner for wagon in root.all("wagon") for inner in wagon.all("engine"))]
-    names = {block.name for block in fields.blocks.values()} | {block.name for one in engines for block in one.blocks}
+    names = {block.name for block in fields.blocks.values()}
+    names |= {block.name for one in _engines(root) for block in one.blocks}
     for reason in dict.fromkeys(LEFT.values()):
         if told := [name for name, one in LEFT.items() if one == reason and name.lower() in names]:
             notes.left(f"{', '.join(told)}: {reason}.")

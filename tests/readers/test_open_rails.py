@@ -166,6 +166,13 @@ def test_a_brake_is_as_its_fields_say(text: str, columns: dict[str, object], tmp
         assert row[name] == (pytest.approx(value, rel=1e-9) if isinstance(value, float) else value)
 
 
+def test_a_dynamic_brake_has_its_largest_force(tmp_path: Path) -> None:
+    path = tmp_path / "one.eng"
+    text = "Wagon ( one Type ( Engine ) Size ( 3 4 19m ) Mass ( 84t ) MaxBrakeForce ( 60kN ) )"
+    path.write_text(f"{text} Engine ( one Type ( Diesel ) DynamicBrakesMaximumForce ( 100kN ) )")
+    assert read_foreign(path).rows[0]["dynamic_force"] == 100.0
+
+
 def test_freight_animations_load_a_wagon(tmp_path: Path) -> None:
     path = tmp_path / "one.wag"
     path.write_text(
