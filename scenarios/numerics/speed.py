@@ -156,13 +156,8 @@ def old_and_new() -> ModuleType:
     return old_and_new
 
 
-def run(options: Options) -> Report:
-    peers = old_and_new() if options.against else None
-    commit = peers.commit_of(options.against) if peers else None
-    kernel = kernel_of("bogie")
-    library = Library(kernel)
-    timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
-    timings += [timing for level in LEVELS for kind in KINDS for timing in fmu_timings(kind, level)]
+def rows_of_steps(timings: list[Timing]) -> list[Row]:
+    """Return the times of steps, the speed of stops against real time, and the cost of Python."""
     rows = []
     for t in timings:
         what = f"{t.what}, {t.level}, {'from C' if t.kind == 'C' else t.kind + ' FMU through fmpy'}"
@@ -178,6 +173,17 @@ def run(options: Options) -> Report:
         what = f"doStep of 1 ms, {name}: pythonfmu beyond native"
         aim = f"measured now; to stay below {PYTHON_OVERHEAD_TARGET:.0f}"
         rows.append(measured(what, "us", extra, aim))
+    return rows
+
+
+def run(options: Options) -> Report:
+    peers = old_and_new() if options.against else None
+    commit = peers.commit_of(options.against) if peers else None
+    kernel = kernel_of("bogie")
+    library = Library(kernel)
+    timings = [timing for level in LEVELS for timing in kernel_timings(library, level)]
+    timings += [timing for level in LEVELS for kind in KINDS for timing in fmu_timings(kind, level)]
+    rows = rows_of_steps(timings)
     rows += vehicle_rows()
     rows += throughput.batch_rows() + throughput.control_rows() + protected_rows() + environment_rows()
     rows += train_rows()

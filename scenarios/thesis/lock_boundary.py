@@ -137,6 +137,16 @@ def run(options: Options) -> Report:
             brake_until_lock_or_rest(brake, bogie, 180, 0.4, FRICTION, step, reaction)
             adhesion[reaction] = -bogie["creep_force_2"] * tables_8_1_and_8_2().wheel_radius
         guids = {slave.name: slave.guid for slave in (brake, bogie)}
+    rows, remarks = [*rows_of_torque(adhesion), *rows_of_ranges(curves)], remarks_on(curves, alone)
+    units = {"wheel_rail_friction": "1"} | {f"shoe_friction_that_locks_{p}_kPa": "1" for p in curves}
+    series = Recording(units, np.column_stack([FRICTIONS, *curves.values()]).tolist())
+    parameters = tables_8_1_and_8_2().values() | {"macro_step": step, "resolution": RESOLUTION}
+    seconds = sum(lasted for _, lasted in found)
+    return Report(rows, series, lambda: draw(curves), parameters, seconds, remarks, guids)
+
+
+def rows_of_torque(adhesion: dict[float, float]) -> list[Row]:
+    """Compare the torque of the rail on the locked wheelset [N.m], by the reaction of the brake, with statics."""
     p = tables_8_1_and_8_2()
     at_rest = FRICTION * p.wheel_radius * (p.frame_mass / 2 + p.wheelset_mass) * p.gravity
     printed = FRICTION * p.wheel_radius * 2 * PRINTED_WHEEL_LOAD
@@ -144,10 +154,15 @@ def run(options: Options) -> Report:
     statics = near(at_rest, BAND * at_rest)
     alone_words = f"torque on the wheelset alone; wheel-rail {FRICTION}; the printed 8.85 kN a wheel has {printed:.0f}"
     hung_words = f"not judged: the brake takes its torque over the wheel base off the load; wheel-rail {FRICTION}"
-    rows = [
+    return [
         measured(torque, "N.m", adhesion[ALONE], f"{source} of the printed masses", statics, alone_words),
         measured(f"{torque}, brake hung in the frame", "N.m", adhesion[HUNG], source, None, hung_words),
     ]
+
+
+def rows_of_ranges(curves: dict[int, np.ndarray]) -> list[Row]:
+    """Compare the share of the printed ranges that locks with the trials that skidded."""
+    rows = []
     for pressure, curve in curves.items():
         low, high = printed_range(pressure)
         name = f"{pressure} kPa: share of the printed ranges that locks"
@@ -158,6 +173,11 @@ def run(options: Options) -> Report:
             "equally likely; four trials are too few to judge"
         )
         rows.append(Row(name, "1", SKIDDED[pressure] / 4, share, None, trials, words))
+    return rows
+
+
+def remarks_on(curves: dict[int, np.ndarray], alone: dict[int, float]) -> list[str]:
+    """Return where the limits lie in the printed ranges; alone: those with the torque on the wheelset alone."""
     remarks = []
     for pressure, curve in curves.items():
         limit, (low, high) = float(np.interp(FRICTION, FRICTIONS, curve)), printed_range(pressure)
@@ -166,11 +186,7 @@ def run(options: Options) -> Report:
             f"{pressure} kPa, wheel-rail {FRICTION}: locks from shoe friction {limit:.3f}, {place} the printed range "
             f"{low} to {high}; from {alone[pressure]:.3f} where the torque acts on the wheelset alone (3.36)."
         )
-    units = {"wheel_rail_friction": "1"} | {f"shoe_friction_that_locks_{p}_kPa": "1" for p in curves}
-    series = Recording(units, np.column_stack([FRICTIONS, *curves.values()]).tolist())
-    parameters = tables_8_1_and_8_2().values() | {"macro_step": step, "resolution": RESOLUTION}
-    seconds = sum(lasted for _, lasted in found)
-    return Report(rows, series, lambda: draw(curves), parameters, seconds, remarks, guids)
+    return remarks
 
 
 def draw(curves: dict[int, np.ndarray]) -> Figure:
