@@ -8,6 +8,7 @@ from pathlib import Path
 
 from products.building import announce, license_text
 from products.train.consist import block_train
+from products.train.consist_writer import toml_of_rows
 from products.train.coupler_fmu import NAME as COUPLER
 from products.train.coupler_fmu import build_coupler_fmu
 from products.train.fmu import NAME, build_train_fmu
@@ -29,10 +30,13 @@ def build_train(
 
     Raises ValueError, OSError, CompilerError.
     """
-    own = consist_from(consist)[0] if consist else block_train(20)
+    own, imported = consist_from(consist) if consist else (block_train(20), None)
     along = read_line(line) if line else None
     files = {"documentation/licenses/license.txt": license_text()}
-    if consist:
+    if consist and imported:
+        print(f"{consist}: {len(imported.assumed)} assumptions; bogie-braking consist import {consist} prints them.")
+        files[f"resources/{consist.stem}.toml"] = toml_of_rows(imported.rows).encode()
+    elif consist:
         files[f"resources/{consist.name}"] = consist.read_bytes()
     problems = []
     for kind in kinds:

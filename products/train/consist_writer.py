@@ -55,7 +55,7 @@ def write_consist(what: Consist | Iterable[Mapping[str, Any]], path: str | Path)
     rows = rows_of(what) if isinstance(what, Consist) else [dict(row) for row in what]
     consist_of(rows)
     place = Path(path)
-    text = _toml(rows) if place.suffix.lower() == ".toml" else _csv(rows)
+    text = toml_of_rows(rows) if place.suffix.lower() == ".toml" else _csv(rows)
     write_whole(place, text.encode())
 
 
@@ -63,7 +63,7 @@ def _number(name: str, value: Any) -> str:
     return str(int(value)) if name in WHOLE else repr(float(value))
 
 
-def _toml(rows: Iterable[Row]) -> str:
+def toml_of_rows(rows: Iterable[Mapping[str, Any]]) -> str:
     """Return rows as TOML, numbers with all digits."""
     parts = []
     for row in rows:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from pathlib import Path
 
 import pytest
 
 import bogie_braking as bb
 from bogie_braking.__main__ import main
+from products.train.building import build_train
 from products.train.columns import MOST, VEHICLE
 from products.train.consist_file import read_consist
 from products.train.consist_writer import write_consist
@@ -206,6 +208,16 @@ def test_a_train_of_another_program_runs_with_its_account(tmp_path: Path) -> Non
     stop = train.record(120.0)
     assert float(train.speed[0]) == pytest.approx(0.0, abs=1e-3)
     assert 20.0**2 / 2 / 0.75 < float(stop["distance[1]"][-1]) < 20.0**2 / 2 / 0.7 + 6 * 20.0
+
+
+def test_an_fmu_of_another_programs_train_has_its_rows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "unit.json"
+    path.write_text(json.dumps(OSRD))
+    assert build_train(tmp_path, ["native"], consist=path) == []
+    assert "assumptions; bogie-braking consist import" in capsys.readouterr().out
+    with zipfile.ZipFile(tmp_path / "native" / "TrainDynamics.fmu") as packed:
+        (tmp_path / "again.toml").write_bytes(packed.read("resources/unit.toml"))
+    assert read_consist(tmp_path / "again.toml") == consist_from(path)[0]
 
 
 def test_a_train_without_brakes_has_no_brake_weight(tmp_path: Path) -> None:
