@@ -11,6 +11,22 @@ from products.vehicle_file import DataSheet
 from rbd_model.vehicle.parameters import VehicleParameters
 from readers.storage import write_whole
 
+#: Vehicles from public data, one file each, with the source of each number.
+EXAMPLES = Path(__file__).parent / "data_sheets"
+
+
+def names_of_examples() -> list[str]:
+    """Return the names of the vehicles from public data."""
+    return sorted(path.stem for path in EXAMPLES.glob("*.toml"))
+
+
+def export_vehicle(name: str, path: str | Path) -> Path:
+    """Write a built-in vehicle, a key of LIKE, or a vehicle from public data as a file. Raises OSError."""
+    if name in LIKE:
+        return write_vehicle(built_in_sheet(name), path)
+    write_whole(Path(path), (EXAMPLES / f"{name}.toml").read_bytes())
+    return Path(path)
+
 
 def built_in_sheet(name: str) -> DataSheet:
     """Return a built-in vehicle as the content of a file, without a brake.

@@ -13,7 +13,7 @@ import bogie_braking as bb
 from bogie_braking.vehicle_files.check import axle_loads
 from products.vehicle_entries import LIKE
 from products.vehicle_file import sheet_of
-from products.vehicle_toml import built_in_sheet, write_vehicle
+from products.vehicle_toml import EXAMPLES, built_in_sheet, names_of_examples, write_vehicle
 from readers.text import FileError
 
 SHEET = {"name": "Own", "tare": "38 t", "load": "6 t", "wheel_diameter": "900 mm", "length": "24.5 m"}
@@ -53,6 +53,16 @@ def test_rotating_mass_and_heights_are_those_of_the_file() -> None:
     own = sheet.parameters.values()
     assert 4 * own["wheelset_pitch_inertia"] / own["wheel_radius"] ** 2 == pytest.approx(2200.0, rel=1e-14)
     assert own["body_height"] + own["wheel_radius"] == pytest.approx(1.7, rel=1e-14)
+
+
+@pytest.mark.parametrize("name", names_of_examples())
+def test_each_number_of_a_public_vehicle_has_its_source(name: str) -> None:
+    path = EXAMPLES / f"{name}.toml"
+    sheet = bb.read_vehicle(path)
+    assert sheet.brake is not None
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if "=" in line and not line.startswith(("name", "like")):
+            assert re.search(r"# (assumed|Wikipedia|startbilder)", line), line
 
 
 def stopping_distance(speed: float, deceleration: float, lasts: float) -> float:

@@ -5,6 +5,8 @@
   bogie-braking vehicle fmu mine.toml --out mine.fmu    the FMU of the vehicle; no compiler for 2 and 4 axles
   bogie-braking vehicle parameters mine.toml            its parameters as mine.ssv, for an FMU that you have
   bogie-braking vehicle export coach --out coach.toml   a built-in vehicle as a file: coach, coal-wagon or bogie
+  bogie-braking vehicle export eas-wagon                a vehicle from public data: also bpmz-coach, metro-car,
+                                                        t3-tram, vectron-locomotive
   bogie-braking vehicle entries                         all entries of a file, with units and limits
 
 A number without a unit is in SI units; "44 t" and "920 mm" are converted. Values that a file does not give are those of
@@ -19,9 +21,10 @@ from pathlib import Path
 
 from bogie_braking.commands.shared import describe
 from bogie_braking.exit_status import HOLDS
+from fmu_src.suggestion import suggestion
 from readers.command_line import check_folder
 from readers.storage import write_whole
-from readers.text import BadInputError
+from readers.text import BadInputError, shown
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parameters.add_argument("file", type=Path, help="the vehicle")
     parameters.add_argument("--out", type=Path, help="the set (default: name of the file with .ssv)")
     export = actions.add_parser("export", help="write a built-in vehicle as a file")
-    export.add_argument("name", choices=("coach", "coal-wagon", "bogie"), help="the vehicle")
+    export.add_argument("name", help="coach, coal-wagon, bogie, or a vehicle from public data")
     export.add_argument("--out", type=Path, help="the file (default: NAME.toml)")
     actions.add_parser("entries", help="list the entries of a file")
 
@@ -112,11 +115,16 @@ def write_parameters(chosen: argparse.Namespace) -> None:
 
 def export(chosen: argparse.Namespace) -> None:
     """Write a built-in vehicle as a file."""
-    from products.vehicle_toml import built_in_sheet, write_vehicle
+    from products.vehicle_entries import LIKE
+    from products.vehicle_toml import export_vehicle, names_of_examples
 
+    names = [*LIKE, *names_of_examples()]
+    if chosen.name not in names:
+        near = suggestion(chosen.name, names)
+        raise BadInputError(f"The vehicle must be one of {', '.join(names)}; got {shown(chosen.name)}, {near}")
     path = chosen.out or Path(f"{chosen.name}.toml")
     check_folder(path.parent)
-    print(write_vehicle(built_in_sheet(chosen.name), path))
+    print(export_vehicle(chosen.name, path))
 
 
 def entries_text() -> str:
