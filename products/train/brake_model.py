@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 from products.train.consist import Consist
+from products.train.effects import without_effect
 from products.train.numbers import Settings
 from readers.tables import number_of
 
@@ -67,6 +68,7 @@ def select_brake_model(
             and one.force <= force
             and one.longest >= consist.length
             and one.releases >= releases
+            and not without_effect(consist, one.settings.brake_model, one.settings.cells)
         ):
             return one.settings
     return BRAKE_MODELS_BY_COST["whole, eight cells"].settings

@@ -61,7 +61,15 @@ ELECTRIC: dict[str, tuple[str, float, float]] = {
     "dynamic_power": ("kW", 1.0, 20e3),
     "dynamic_fade": ("km/h", 0.0, 100.0),
 }
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC
+#: Columns of the coupler behind a vehicle, in place of numbers of the built-in one.
+COUPLING: dict[str, tuple[str, float, float]] = {
+    "coupler_stiffness": ("MN/m", 0.1, 1000.0),
+    "coupler_preload": ("kN", 0.0, 500.0),
+    "coupler_slack": ("mm", 0.0, 200.0),
+    "coupler_damping": ("1", 0.0, 0.95),
+    "coupler_strength": ("kN", 10.0, 10e3),
+}
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | COUPLING
 #: Columns of integers.
 WHOLE = ("count", "shoes", "cylinders")
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
@@ -81,6 +89,7 @@ TEXTS = ("name",)
 NAMES = (
     *("kind", *TEXTS, *VEHICLE, "brake", *FORCE, "friction", *AIR, *ELECTRIC),
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
+    *COUPLING,
 )
 
 

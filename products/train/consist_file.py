@@ -15,11 +15,23 @@ from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import drivers_valve
 from fmu_src.suggestion import suggestion
-from products.train.columns import ELECTRIC, LONGEST_NAME, MOST, NAMES, NUMBERS, TEXTS, WHOLE, WORDS, choices, columns
+from products.train.columns import (
+    COUPLING,
+    ELECTRIC,
+    LONGEST_NAME,
+    MOST,
+    NAMES,
+    NUMBERS,
+    TEXTS,
+    WHOLE,
+    WORDS,
+    choices,
+    columns,
+)
 from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_with
 from products.train.layout import MOST_VALVES
 from products.train.stated import brake_of, check_control, check_force, distributor_of, electric_of
-from rbd_model.train.coupler import COUPLERS
+from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
 from readers.tables import number_of, read_table
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
@@ -43,6 +55,7 @@ WITHOUT_BRAKE = (
     "delay",
     "pipe_diameter",
     *ELECTRIC,
+    *COUPLING,
 )
 
 
@@ -191,12 +204,26 @@ def _bare(values: Mapping[str, Any]) -> TrainVehicle:
         length=values.get("length", one.length),
         resistance=_resistance(values, one),
         rotating_share=1e-2 * values["rotating"] if "rotating" in values else one.rotating_share,
-        coupler=COUPLERS[values.get("coupler", "screw")](),
+        coupler=_coupler(values),
         distributor_at=values.get("at", 0.5),
         pipe_diameter=1e-3 * values["pipe_diameter"] if "pipe_diameter" in values else one.pipe_diameter,
         branch=1e-3 * values.get("branch", 0.0),
         leak=DISCHARGE * math.pi / 4 * (1e-3 * values.get("leak", 0.0)) ** 2,
     )
+
+
+def _coupler(values: Mapping[str, Any]) -> Coupler:
+    """Return the coupler behind a vehicle: a built-in one, with numbers of the row in place of its own."""
+    one = COUPLERS[values.get("coupler", "screw")]()
+    if not any(name in values for name in COUPLING):
+        return one
+    if "coupler_preload" in values and "coupler_stiffness" not in values:
+        raise ValueError("coupler_preload must come with coupler_stiffness. Add it, or leave coupler_preload out.")
+    scale = {"MN/m": 1e6, "kN": 1e3, "mm": 1e-3, "1": 1.0}
+    given = {
+        name.removeprefix("coupler_"): scale[COUPLING[name][0]] * values[name] for name in COUPLING if name in values
+    }
+    return with_numbers(one, **given)
 
 
 def _resistance(values: Mapping[str, Any], one: TrainVehicle) -> tuple[float, float, float]:

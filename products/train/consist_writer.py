@@ -23,8 +23,9 @@ from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake
 from products.train.columns import NAMES, NUMBERS, WHOLE
 from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of
+from products.train.layout import UNBREAKABLE
 from products.train.stated import PAD_RADIUS
-from rbd_model.train.coupler import COUPLERS
+from rbd_model.train.coupler import COUPLERS, Coupler
 from readers.storage import write_whole
 
 #: Diameters of cylinders by which a brake without a stated cylinder is written [mm].
@@ -126,6 +127,7 @@ def _numbers(one: TrainVehicle) -> dict[str, Any]:
     own |= {"pipe_diameter": one.pipe_diameter, "valve_delay": one.valve_delay, "braked_share": one.braked_share}
     valve = list(one.valve.numbers(0, 0.0, one.valve_delay).values()) if one.valve else [0.0]
     own |= one.electric.values()
+    own["coupler_strength"] = min(one.coupler.strength, UNBREAKABLE)
     return brake | own | {"valve": valve} | one.motion() | one.distributor.values() | one.coupler.values()
 
 
@@ -142,8 +144,24 @@ def row_of(one: TrainVehicle) -> Row:
         row["leak"] = 1e3 * (4 / math.pi * one.leak / DISCHARGE) ** 0.5
     if one.branch:
         row["branch"] = 1e3 * one.branch
-    row["coupler"] = next((name for name, made in COUPLERS.items() if made() == one.coupler), "screw")
+    row |= _coupler(one.coupler)
     return row | _valve(one)
+
+
+def _coupler(one: Coupler) -> Row:
+    """Return the columns of a coupler: a built-in one, or one with a stiffness of its own; others are not stated."""
+    strength = {} if math.isinf(one.strength) else {"coupler_strength": 1e-3 * one.strength}
+    name = one.name if one.name in COUPLERS else "screw"
+    if replace(one, strength=math.inf) == COUPLERS[name]():
+        return {"coupler": name} | strength
+    loading, unloading = one.compression
+    ways, forces = loading.ways, loading.forces
+    slack = max(way for way, force in zip(ways, forces, strict=True) if force == 0.0) if forces[0] == 0.0 else 0.0
+    preload = forces[-2]
+    stiffness = (forces[-1] - forces[-2]) / (ways[-1] - ways[-2])
+    row: Row = {"coupler": name, "coupler_stiffness": 1e-6 * stiffness, "coupler_preload": 1e-3 * preload}
+    damping = round(1.0 - unloading.forces[-1] / forces[-1], 12)
+    return row | {"coupler_slack": 1e3 * slack, "coupler_damping": damping} | strength
 
 
 def _valve(one: TrainVehicle) -> Row:

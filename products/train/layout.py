@@ -28,6 +28,8 @@ from rbd_model.vehicle.variables import FASTEST
 MOST, MOST_VALVES = float(1 << 20), 16
 #: Brake models: air flow and full distributors; air flow and empirical valves; a delay and empirical valves.
 BRAKE_MODELS = {"whole": 0, "empirical": 1, "delay": 2}
+#: Strength of a coupler that does not break [N].
+UNBREAKABLE = 1e12
 #: Initial friction between wheels and rail, and default gauge pressure of the pipe [Pa].
 START_FRICTION, START_PIPE_PRESSURE = 0.3, 500e3
 #: Largest initial distance [m] and pressures [Pa].
@@ -192,6 +194,7 @@ def layout() -> tuple[Group, ...]:
         Group("motion", "vehicles", MOTION),
         Group("frame", "vehicles", _FRAME),
         Group("coupler", "couplings", COUPLER),
+        Group("strength", "couplings", (Field("strength", "N", 1.0, UNBREAKABLE, "the strength of a coupler"),)),
         Group("valve", "valves", VALVE),
         Group("point", "points", _POINT),
     )

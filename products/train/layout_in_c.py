@@ -11,7 +11,7 @@ from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLIN
 from brake_controller.electric_brake import DEMANDED
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.system import Field
-from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, layout
+from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, UNBREAKABLE, layout
 from rbd_model.train.vehicle import ACTING, GRAVITY
 
 HEAD = "/* Written by products/train/layout_in_c.py. */"
@@ -31,6 +31,7 @@ def _owners() -> dict[str, str]:
 def layout_in_c() -> str:
     """Return train_layout.h: names of rows and arrays, their number, and constants shared with Python."""
     shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
+    shared |= {"UNBREAKABLE": UNBREAKABLE}
     counts = [f"    counts[OF_{name.upper()}] = {text};" for name, text in _owners().items()]
     return "\n".join(
         [

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from brake_controller.air import AMBIENT, WALL
 from brake_controller.distributors import DISTRIBUTORS, kind_of
 from products.train.consist import Consist
-from products.train.layout import BRAKE_MODELS, Rows, laid
+from products.train.effects import without_effect
+from products.train.layout import BRAKE_MODELS, UNBREAKABLE, Rows, laid
 from products.train.pipe import COURANT
 from rbd_model.track.line import Line
 from rbd_model.train.coupler import fastest
@@ -93,7 +94,10 @@ def volumes_of(consist: Consist, settings: Settings) -> NDArray[np.float64]:
 
 
 def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArray[np.float64]:
-    """Return all numbers of a train. Raises ValueError if its pipes have several diameters."""
+    """Return all numbers of a train. Raises ValueError if pipes have several diameters, or a value no effect."""
+    unused = without_effect(consist, settings.brake_model, settings.cells)
+    if unused:
+        raise ValueError(unused)
     vehicles = consist.vehicles
     lengths, places, faces = cells_of(consist, settings.cells)
     kinds, known = [kind_of(one.distributor) for one in vehicles], list(DISTRIBUTORS.values())
@@ -119,6 +123,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         "motion": [one.motion() for one in vehicles],
         "frame": {"centre": (ends[:-1] + ends[1:]) / 2, "length": [one.length for one in vehicles]},
         "coupler": [one.coupler.values() for one in vehicles[:-1]],
+        "strength": {"strength": [min(one.coupler.strength, UNBREAKABLE) for one in vehicles[:-1]]},
         "valve": valves,
         "point": {name: rows.get(name, level) for name in ("distance", "gradient", "curvature")},
     }

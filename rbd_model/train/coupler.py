@@ -8,8 +8,9 @@ System Dynamics 54 (2016), on draft gear models). It does not depend on speed: a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import casadi as ca
@@ -95,6 +96,8 @@ class Coupler:
     their last points. Up to there the other curve continues along its last piece. Steel has no friction. Unloading
     therefore lies below loading everywhere, and a closed cycle loses energy (Wu, Spiryagin and Cole (2016)).
 
+    strength: tension above which it breaks [N].
+
     Raises
     ------
     ValueError
@@ -105,6 +108,7 @@ class Coupler:
     sticking_stiffness: float
     tension: tuple[Curve, Curve]
     compression: tuple[Curve, Curve]
+    strength: float = math.inf
 
     def __post_init__(self) -> None:
         for sense, (loading, unloading) in (("tension", self.tension), ("compression", self.compression)):
@@ -168,6 +172,74 @@ def rigid(stiffness: float = 1e9) -> Coupler:
     """Return a bar: one stiffness [N/m] in tension and compression, no friction (Hooke (1678))."""
     bar = Curve((0.0, 1.0), (0.0, stiffness))
     return Coupler("rigid", stiffness, (bar, bar), (bar, bar))
+
+
+#: Force at which the travel of a coupler with one stiffness ends, and steel begins [N]. Assumed.
+STEEL = 5e6
+
+
+def _straight(stiffness: float, preload: float, slack: float, sticking_stiffness: float) -> Curve:
+    """Return a curve of one stiffness [N/m] after a slack [m] and a preload [N]; it ends at STEEL more."""
+    begins = slack + preload / sticking_stiffness
+    points = [(0.0, 0.0), (slack, 0.0), (begins, preload), (begins + STEEL / stiffness, preload + STEEL)]
+    points = [point for n, point in enumerate(points) if n == 0 or point[0] > points[n - 1][0]]
+    return Curve(*zip(*points, strict=True))
+
+
+def _slackened(curve: Curve, slack: float, sticking_stiffness: float) -> Curve:
+    """Return a curve with another travel [m] before its force begins."""
+    points = list(zip(curve.ways, curve.forces, strict=True))
+    while points[1][1] == 0.0:  # its own slack
+        points.pop(0)
+    (first, preload), *rest = points
+    rest = [(slack + way - first, force) for way, force in rest]
+    if slack == 0.0:
+        return Curve(*zip((0.0, preload), *rest, strict=True))
+    begins = [(slack, 0.0)] + ([(slack + preload / sticking_stiffness, preload)] if preload > 0.0 else [])
+    return Curve(*zip((0.0, 0.0), *begins, *rest, strict=True))
+
+
+def with_numbers(
+    one: Coupler,
+    stiffness: float | None = None,
+    preload: float = 0.0,
+    slack: float | None = None,
+    damping: float | None = None,
+    strength: float = math.inf,
+) -> Coupler:
+    """Return a coupler with numbers of its own in both directions, and those of a built-in one where not given.
+
+    Parameters
+    ----------
+    one : Coupler
+        The built-in coupler. With a stiffness, only its sticking stiffness remains.
+    stiffness : float, optional
+        Slope of the loading curve [N/m] (Hooke (1678)).
+    preload : float
+        Force at which that curve begins [N].
+    slack : float, optional
+        Travel without a force to either side [m]. Buffers under preload always touch, and have none.
+    damping : float, optional
+        Share by which the force of unloading is below that of loading. With a stiffness it is 0.5 by default, as of
+        buffers.
+    strength : float
+        Tension above which it breaks [N].
+    """
+    sticking = one.sticking_stiffness if stiffness is None else max(one.sticking_stiffness, stiffness)
+    tension, compression = one.tension, one.compression
+    touches = compression[0].forces[0] > 0.0
+    if stiffness is not None:
+        plain = _straight(stiffness, preload, slack or 0.0, sticking)
+        tension = compression = plain, _scaled(plain, 0.5)
+    elif slack is not None:
+        tension = _slackened(tension[0], slack, sticking), _slackened(tension[1], slack, sticking)
+        if not touches:
+            compression = _slackened(compression[0], slack, sticking), _slackened(compression[1], slack, sticking)
+    if damping is not None:
+        tension = tension[0], _scaled(tension[0], 1.0 - damping)
+        compression = compression[0], _scaled(compression[0], 1.0 - damping)
+    found = replace(one, sticking_stiffness=sticking, tension=tension, compression=compression)
+    return replace(found, strength=strength)
 
 
 #: Couplers by their names in consists.

@@ -8,6 +8,8 @@
 #include "motion_inside.h"
 #include "rows.h"
 
+/* A request for a coupling of one that has broken: neither coupled nor apart. */
+#define BROKEN (-1.0)
 enum { ROWS = MOTION_STATES + ACTING_ROWS + MOTION_ROWS + COUPLER_ROWS + MOTION_FOUND + 5, EXTREMES = 4 };
 
 motion *motion_create(long long int vehicles, const double *given, const double *coupler) {
@@ -53,7 +55,27 @@ motion *motion_create(long long int vehicles, const double *given, const double 
 void motion_free(motion *self) {
     if (!self) return;
     free(self->memory);
+    free(self->strength);
     free(self);
+}
+
+int motion_strength(motion *self, const double *strength) {
+    const long long int couplers = self->vehicles - 1;
+    int breaks = 0;
+    for (long long int i = 0; i < couplers; ++i) breaks |= strength[i] < UNBREAKABLE;
+    if (!breaks) return 1;
+    self->strength = (double *)malloc((size_t)couplers * sizeof(double));
+    if (self->strength) memcpy(self->strength, strength, (size_t)couplers * sizeof(double));
+    return self->strength != NULL;
+}
+
+/* A coupler that waits to be coupled, or was uncoupled, is not broken: `wish` is that of the last call of motion_couple. */
+int motion_is_broken(const motion *self, long long int coupler) { return self->wish[coupler] == BROKEN; }
+
+int motion_broken(motion *self) {
+    const int broken = self->broken;
+    self->broken = 0;
+    return broken;
 }
 
 void motion_put(motion *self, const double *state) {
@@ -174,6 +196,16 @@ static void find_extremes(motion *self) {
         }
 }
 
+/* Uncouples the couplers whose tension exceeds their strength. */
+static void break_couplers(motion *self) {
+    for (long long int i = 0; i + 1 < self->vehicles; ++i)
+        if (self->force[i] > self->strength[i] && motion_is_coupled(self, i)) {
+            self->coupler[i + COUPLER_COUPLING_CLOSED * self->stride] = 0.0;
+            self->wish[i] = BROKEN;
+            ++self->broken;
+        }
+}
+
 static void go_ways(motion *self, double time) {
     for (long long int i = 0; i < self->vehicles; ++i) self->state[i] += time * self->speed[i];
 }
@@ -188,6 +220,7 @@ static void find_forces(motion *self) {
     for (long long int i = 0; i < couplers; ++i) self->sum[i] += force[i];
     ++self->summed;
     find_extremes(self);
+    if (self->strength) break_couplers(self);
 }
 
 void motion_force_now(motion *self, double *force) {

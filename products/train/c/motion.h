@@ -36,6 +36,12 @@ void motion_lead(motion *self, long long int vehicle, double speed);
 /* Continues with another speed of a vehicle than that after a step of this length; its position is corrected for a uniform
  * change of speed. */
 void motion_correct(motion *self, long long int vehicle, double speed, double step);
+/* Tension above which each coupler breaks [N]; a broken one is apart until it is coupled again. */
+/* Returns 0 if out of memory. */
+int motion_strength(motion *self, const double *strength);
+int motion_is_broken(const motion *self, long long int coupler);
+/* Number of couplers that have broken since the last call. */
+int motion_broken(motion *self);
 /* Mean tension in each coupler since the last restart of the mean [N]. */
 void motion_mean(const motion *self, double *force);
 void motion_begin_mean(motion *self);

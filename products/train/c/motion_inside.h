@@ -13,6 +13,8 @@ struct motion {
     double *state, *speed, *wheel, *rest, *acting, *given, *coupler, *step, *found, *force, *wish, *lead,
         *sum; /* first cells of first rows */
     int led; /* true if a vehicle's speed is prescribed */
+    double *strength; /* NULL: none breaks */
+    int broken; /* since the last look */
     double extremes[4];
     long long int summed;
 };

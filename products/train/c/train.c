@@ -130,7 +130,7 @@ static train *lay(train *self, const double *numbers) {
     if (!take_memory(self)) return NULL;
     put_numbers(self, at);
     self->moves = motion_create(self->vehicles, at[GROUP_MOTION], at[GROUP_COUPLER]);
-    if (!self->moves || !make_pipe(self, at)) return NULL;
+    if (!self->moves || !motion_strength(self->moves, at[GROUP_STRENGTH]) || !make_pipe(self, at)) return NULL;
     self->saved = (double *)malloc((size_t)train_numbers(self) * sizeof(double));
     return self->saved ? self : NULL;
 }
@@ -247,11 +247,15 @@ static void find_outputs(train *self) {
     motion_extremes(self->moves, sums + SUM_LARGEST_TENSION);
 }
 
-/* Joints of the last step's inputs. */
-static void put_joints(train *self) {
+/* The joint of the last step's inputs behind a vehicle; the hose of a broken coupler has parted. */
+static void put_joint(train *self, long long int i) {
     const double *joined = self->given_before + (self->input[IN_HOSE_STATE] - self->input[0]);
-    for (long long int i = 0; i + 1 < self->vehicles; ++i)
-        if (self->face[i] > 0) pipe_join(self->air, self->face[i], (int)joined[i]);
+    const int how = motion_is_broken(self->moves, i) ? HOSE_STATE_PARTED : (int)joined[i];
+    if (self->face[i] > 0) pipe_join(self->air, self->face[i], how);
+}
+
+static void put_joints(train *self) {
+    for (long long int i = 0; i + 1 < self->vehicles; ++i) put_joint(self, i);
 }
 
 void train_begin(train *self, double time, double speed, double distance, double pressure, double cylinder) {
@@ -295,12 +299,14 @@ static void take_inputs(train *self) {
     const double *coupled = self->input[IN_COUPLING_CLOSED], *joined = self->input[IN_HOSE_STATE];
     const double *coupled_before = self->given_before + (coupled - self->input[0]);
     const double *joined_before = self->given_before + (joined - self->input[0]);
+    int changed = 0;
     for (long long int i = 0; i < couplings; ++i) {
+        changed |= coupled[i] != coupled_before[i] || joined[i] != joined_before[i];
         if (coupled[i] != coupled_before[i]) motion_couple(self->moves, i, coupled[i] > 0.0);
-        if (joined[i] != joined_before[i] && self->face[i] > 0) pipe_join(self->air, self->face[i], (int)joined[i]);
     }
     lead(self);
     memcpy(self->given_before, self->input[0], (size_t)self->inputs * sizeof(double));
+    if (changed) put_joints(self);
     pipe_protect(self->air, self->input[IN_PROTECTION]);
     motion_begin_mean(self->moves);
     double *force = motion_force(self->moves);
@@ -329,6 +335,7 @@ static int step_on(train *self, double step) {
     motion_go(self->moves, (long long int)count, step / count);
     self->steps[0] += taken;
     self->steps[1] += (long long int)count;
+    if (motion_broken(self->moves)) put_joints(self);
     return motion_sound(self->moves);
 }
 

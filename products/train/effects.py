@@ -1,0 +1,34 @@
+"""Values of a consist that a brake model of trains does not use: such a model is refused, and not chosen."""
+
+from __future__ import annotations
+
+import math
+
+from brake_controller.distributors.uic import UicDistributor, freight
+from products.train.consist import Consist, TrainVehicle
+
+#: Diameter of a pipe that is not stated [m], and volume of a reservoir [m3].
+PIPE, AUXILIARY = 0.03175, freight().auxiliary_volume
+
+
+def without_effect(consist: Consist, brake_model: str, cells: float) -> str:
+    """Return a message about the first vehicle with a value that a brake model does not use; empty without one."""
+    for number, one in enumerate(consist.vehicles, 1):
+        name = _unused(one, brake_model, cells)
+        if name:
+            model = f"brake_model = {brake_model} with {cells:g} cells a vehicle"
+            return f"{name} of vehicle {number} has no effect with {model}. Take brake_model = whole, or leave it out."
+    return ""
+
+
+def _unused(one: TrainVehicle, model: str, cells: float) -> str:
+    """Return the name of a vehicle's value that a brake model does not use."""
+    own = one.distributor
+    if model != "whole" and isinstance(own, UicDistributor) and own.auxiliary_volume != AUXILIARY:
+        return "auxiliary"
+    if one.coupler.strength < math.inf and (model == "delay" or cells < 1.0):
+        return "coupler_strength"
+    if model != "delay":
+        return ""
+    found = {"pipe_diameter": one.pipe_diameter != PIPE, "leak": one.leak > 0.0, "branch": one.branch > 0.0}
+    return next((name for name, is_stated in found.items() if is_stated), "")
