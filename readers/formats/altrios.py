@@ -5,9 +5,9 @@ by its module train/resistance,
 
     R = axles x bearing + (rolling_ratio + davis_b v) W + 0.5 rho cd_area v^2,    W = m g
 
-`braking_ratio` is the brake force over the weight. ALTRIOS takes it as retardation, 0.11 g loaded and 0.25 g empty. The
-figures are those of AAR net braking ratios, the force of all shoes over the weight. They are read so, with a friction
-of the shoes on top. This is assumed, not ALTRIOS' own reading.
+`braking_ratio` is the brake force over the weight (its module train/rail_vehicle). ALTRIOS takes it as retardation,
+0.11 g loaded and 0.25 g empty. The figures are those of AAR net braking ratios, the force of all shoes over the weight.
+They are read so, with a friction of the shoes on top. This is assumed, not ALTRIOS' own reading.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ SHOES = 2
 SPELLINGS: dict[str, tuple[str, ...]] = {
     "length": ("length_meters", "length", "Length (m)"),
     "axles": ("axle_count", "Axle Count"),
-    "base": ("mass_static_base_kilograms", "mass_static_base"),
-    "freight": ("mass_freight_kilograms", "mass_freight"),
+    "base": ("mass_static_base_kilograms", "mass_static_base", "Mass Static Base (kg)"),
+    "freight": ("mass_freight_kilograms", "mass_freight", "Mass Freight (kg)"),
     "static": ("mass_static_kilograms", "mass_static", "Mass Static Loaded (kg)"),
-    "ratio": ("braking_ratio", "Braking Ratio Loaded"),
+    "ratio": ("braking_ratio", "Braking Ratio", "Braking Ratio Loaded"),
     "rotating": ("mass_rot_per_axle_kilograms", "mass_rot_per_axle", "mass_extra_per_axle", "Mass Extra per Axle (kg)"),
     "bearing": ("bearing_res_per_axle_newtons", "bearing_res_per_axle", "Bearing Res per Axle (N)"),
     "rolling": ("rolling_ratio", "Rolling Ratio"),
     "davis_b": ("davis_b_seconds_per_meter", "davis_b", "Davis B (s/m)"),
-    "area": ("cd_area_square_meters", "cd_area", "drag_area", "Drag Area Cd*A Loaded (m^2)"),
+    "area": ("cd_area_square_meters", "cd_area", "drag_area", "Cd*A (m^2)", "Drag Area Cd*A Loaded (m^2)"),
 }
 #: Limits of each number.
 LIMITS: dict[str, tuple[float, float, str]] = {
@@ -60,6 +60,7 @@ LIMITS: dict[str, tuple[float, float, str]] = {
 LEFT = {
     "brake_count": "a number of control valves; a vehicle has one distributor",
     "speed_max_meters_per_second": "it does not affect braking",
+    "Speed Max (m/s)": "it does not affect braking",
     "curve_coeff_0": "curve resistance is that of the line",
     "curve_coeff_1": "curve resistance is that of the line",
     "curve_coeff_2": "curve resistance is that of the line",

@@ -214,6 +214,16 @@ def test_an_altrios_train_has_its_cars_and_locomotives(tmp_path: Path) -> None:
     assert told(found, "assumed", "a train of ALTRIOS is a sum without an order")
 
 
+def test_a_car_from_a_table_of_altrios_has_its_columns_names(tmp_path: Path) -> None:
+    text = (
+        "Car Type: Bulk\nLength (m): 18.0\nAxle Count: 4\nMass Static Base (kg): 28500.0\nMass Freight (kg): 101500.0\n"
+        "Braking Ratio: 0.11\nMass Extra per Axle (kg): 750.0\nBearing Res per Axle (N): 40.26\n"
+        "Rolling Ratio: 0.001546\nDavis B (s/m): 1e-5\nCd*A (m^2): 4.087\n"
+    )
+    new = read(tmp_path, "Coal.yaml", CAR).rows[0] | {"name": "Bulk"}
+    assert read(tmp_path, "Bulk.yaml", text).rows[0] == new
+
+
 def test_an_old_altrios_car_is_read_loaded(tmp_path: Path) -> None:
     text = (
         "Car Type: Manifest\nLength (m): 18.0\nAxle Count: 4\nMass Static Empty (kg): 28500.0\n"
