@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.tables import BLANKS, Column, TableError, number_in, number_of, separator_of_numbers, table_of
+from readers.tables import BLANKS, Column, TableError, cells_of, number_in, number_of, separator_of_numbers, table_of
 from readers.text import quoted
 from readers.units import factor, spellings_for
 
@@ -96,8 +96,8 @@ def read_points(body: Body) -> tuple[Points, NDArray[np.int64], list[str]]:
     if len(body.rows) < FEWEST_POINTS:
         count = sum(separator_of_numbers([row]) is not None for _, row in body.rows)
         raise TableError(
-            f"{body.source} has {count} points; a {body.kind} profile needs at least {FEWEST_POINTS} rows of y, z in"
-            " mm."
+            f"{body.source} has {count} points; a {f'{body.kind} ' * bool(body.kind)}profile needs at least "
+            f"{FEWEST_POINTS} rows of y, z in mm."
         )
     points, places, notes = _numbers(body)
     if body.count and body.count[0] != len(points):
@@ -168,7 +168,7 @@ def _columns(body: Body, head: str, first: str, separator: str | None) -> tuple[
         re.sub(r"[^a-z]", "", re.split(r"[\[(]", one)[0].lower()) for one in re.split(r"[\t;,]|\s+(?![\[(])", head)
     ]
     y, z = ("x", "y") if {"x", "y"} <= set(words) else ("x", "z") if {"x", "z"} <= set(words) else ("y", "z")
-    count = 2 if head or separator != BLANKS else len(first.split())
+    count = 2 if head or separator is None else len(cells_of(first.replace('"', ""), separator, ""))
     return y, z, [y, z, *(f"column {number}" for number in range(3, count + 1))]
 
 

@@ -78,7 +78,7 @@ def contour_of(
     if part is not None and not miniprof.is_mpt(text):
         raise TableError(f"{source} must have several profiles if one is chosen; it has one. Leave #{part} out.")
     if simpack.is_simpack(rows):
-        found = simpack.read(rows, source, kind)
+        found = simpack.read(rows, source, kind or ending)
     elif miniprof.is_mpt(text):
         found = miniprof.read_mpt(rows, source, kind, part, columns.key_and_value)
     else:

@@ -142,12 +142,14 @@ def read_mpt(rows: Rows, source: str, kind: str, part: int | None, key_and_value
     """
     headers, bodies = _parts(rows, source, key_and_value)
     numbers = sorted(bodies)
+    if not numbers:
+        raise TableError(f"{source} must have a block of points, such as [Profile1Points]; it has none. Complete it.")
     if part is None:
         fitting = [one for one in numbers if not kind or headers[one].kind in ("", kind)]
         if len(fitting) != 1:
             raise TableError(
                 f"{source} must have one {kind or 'profile'}, or its number be given; it has the profiles "
-                f"{', '.join(map(str, numbers))}. Give one of them, as in {source}#{numbers[0] if numbers else 1}."
+                f"{', '.join(map(str, numbers))}. Give one of them, as in {source}#{numbers[0]}."
             )
         part = fitting[0]
     elif part not in bodies:

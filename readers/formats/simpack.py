@@ -7,6 +7,7 @@ the origin, bounds, mirrors, units. Meaning of the keys: comments in public file
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -122,6 +123,10 @@ def _blocks(rows: Rows, source: str) -> _File:
                 file.body.append((at, line))
         elif line:
             _take(file, at, blocks[-1] if blocks else "", line)
+    if blocks:
+        raise refusal(
+            source, rows[-1][0], f"the block {blocks[-1]} must end with {blocks[-1]}.end; the file ends. Complete it."
+        )
     return file
 
 
@@ -267,6 +272,6 @@ def _bounded(
 
 def _weights(file: _File) -> list[str]:
     """Return a note if a point has a weight other than 1."""
-    cells = [row.replace(",", " ").replace(";", " ").split() for _, row in file.body]
+    cells = [re.split(r"[;,\s]+" if "." in row else r"[;\s]+", row.strip()) for _, row in file.body]
     odd = sum(len(one) > 2 and number_in(one[2]) and number_of(one[2]) != 1.0 for one in cells)
     return [f"weights of {odd} points have no effect: the spline weighs all points equally"] * bool(odd)
