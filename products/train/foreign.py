@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from brake_controller.distributors.uic import UicDistributor, freight, reached_pressure
-from products.train.columns import NAMES, NUMBERS
+from products.train.columns import NUMBERS
 from products.train.consist import Consist
 from products.train.consist_file import consist_of, read_consist
 from readers.formats import Imported, Row
@@ -55,16 +55,12 @@ def _fitted(row: Row, left: dict[str, None]) -> Row:
     """Return a row without refinements beyond their limits, and tell them in `left`."""
     kept = dict(row)
     for name, value in row.items():
-        if name not in NAMES:
-            if (name, value) != ("brake", "pneumatic"):
-                left[f"{name} = {value}: a consist has no such column."] = None
-            del kept[name]
+        if name in ESSENTIAL or name not in NUMBERS:
             continue
-        if name in ESSENTIAL:
-            continue
-        if name in NUMBERS and not NUMBERS[name][1] <= value <= NUMBERS[name][2]:
+        if not NUMBERS[name][1] <= value <= NUMBERS[name][2]:
             unit, least, most = NUMBERS[name]
-            left[f"{name}: {value:.4g} is outside {least:g} to {most:g} {unit}; the default is taken."] = None
+            limits = f"{least:g} to {most:g}" if unit == "1" else f"{least:g} to {most:g} {unit}"
+            left[f"{name}: {value:.4g} is outside {limits}; the default is taken."] = None
             del kept[name]
     if "full_pressure" in kept and kept.get("brake", "pneumatic") == "pneumatic" and not _is_reached(kept):
         left[

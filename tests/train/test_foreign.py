@@ -6,6 +6,7 @@ import json
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import bogie_braking as bb
@@ -16,6 +17,7 @@ from products.train.consist_file import read_consist
 from products.train.consist_writer import write_consist
 from products.train.foreign import ESSENTIAL, consist_from, imported_consist
 from products.train.summary import brake_force, summary_of
+from rbd_model.train.coupler import rigid
 from readers.formats import vehicle_rows
 from readers.formats.trains import FORMATS
 
@@ -120,6 +122,19 @@ def test_what_is_imported_and_written_is_read_again(file: Path, ending: str, tmp
     consist, found = imported_consist(file)
     write_consist(found.rows, tmp_path / f"again.{ending}")
     assert read_consist(tmp_path / f"again.{ending}") == consist
+
+
+def test_a_coupler_has_slack_stiffness_and_strength_of_its_file(tmp_path: Path) -> None:
+    """r0 ( 0 2cm ) is a slack of 10 mm; 1 MN/m gives 20 kN at 30 mm."""
+    spring = "Spring ( Stiffness ( 1e6N/m 5e6N/m ) Break ( 2e6N 2e6N ) r0 ( 0 2cm ) )"
+    path = tmp_path / "hopper.wag"
+    path.write_text(WAGON.rstrip()[:-1] + f"Coupling ( Type ( Automatic ) {spring} ) )")
+    coupler = imported_consist(path)[0].vehicles[0].coupler
+    loading = coupler.tension[0]
+    assert np.interp([0.01, 0.03], loading.ways, loading.forces) == pytest.approx([0.0, 20e3], abs=1e-6)
+    assert coupler.strength == 2e6
+    path.write_text(WAGON.rstrip()[:-1] + f"Coupling ( Type ( Bar ) {spring} ) )")
+    assert imported_consist(path)[0].vehicles[0].coupler == rigid()
 
 
 def test_refinements_beyond_their_limits_are_told_and_left(tmp_path: Path) -> None:
