@@ -26,8 +26,12 @@ from bogie_braking.checks import (
 from bogie_braking.machines import Runnable, batch_machine_of
 from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch
 from fmu_src.system import Variable
+from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
 from readers.storage import ANOTHER_TEMPORARY, writing
+
+#: Parameters that name a file of all runs; a line is given as such.
+FILES = (PAIR_FILE.variable.name,)
 
 
 def batch(
@@ -155,22 +159,26 @@ def instances(
 
 def prepared(
     what: Runnable, line: Line | None, values: Mapping[str, ArrayLike], options: Sequence[str] = ()
-) -> tuple[BatchLibrary, dict[str, np.ndarray]]:
-    """Return the compiled system, and the values as arrays of numbers; options: further names in messages."""
+) -> tuple[BatchLibrary, dict[str, np.ndarray | str]]:
+    """Return the compiled system, and the values as arrays of numbers, or as the path of a file.
+
+    options: further names in messages.
+    """
     line = line_or_none(line)
-    given = {name: _numbers(name, value) for name, value in values.items()}
-    single: dict[str, Any] = {name: one.item(0) for name, one in given.items() if one.size and not np.ptp(one)}
+    files = {name: value for name, value in values.items() if name in FILES and isinstance(value, str)}
+    numbers = {name: _numbers(name, value) for name, value in values.items() if name not in files}
+    single: dict[str, Any] = {name: one.item(0) for name, one in numbers.items() if one.size and not np.ptp(one)}
     library = batch_machine_of(what, single, line is not None)
     for name in values:
         known(name, [*variables_of_batch(library), *options], "variable")
     for name in library.model.selectors:
-        if name in given.keys() - single.keys():
+        if name in numbers.keys() - single.keys():
             raise ValueError(
                 f"{name} must be one number for all runs, because it chooses their equations. Make a batch of each."
             )
     if line is not None and not library.file:
         raise refused(f"{library.model.name} runs on no line; leave the line out.")
-    return library, given
+    return library, {**numbers, **files}
 
 
 def _numbers(name: str, value: ArrayLike) -> np.ndarray:

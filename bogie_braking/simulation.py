@@ -19,11 +19,12 @@ from fmu_src.refusals import without_value_before
 from fmu_src.system import NONE
 from products.registry import FMUS
 from products.vehicle_file import DataSheet
+from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import LINE
 
-#: The parameter that names a line's file.
-LINE_FILE = LINE.variable.name
+#: The parameters that name a line's file and that of a contact table.
+LINE_FILE, PROFILE_FILE = LINE.variable.name, PAIR_FILE.variable.name
 #: Default interval of the rows of a recording [s].
 INTERVAL = 0.01
 #: Relative difference below which values are equal; the same for instants [s]; and a share due to rounding.
@@ -121,18 +122,18 @@ class Simulation:
         if self._machine.place is not None and not self._kernel.initialised:
             now = (
                 {name: self._kernel[name] for name in FMUS[self._machine.name].selectors}
-                | {LINE_FILE: self._line_file()}
+                | {LINE_FILE: self._file_of(LINE_FILE)}
                 | values
             )
             self._go_on_with(machine_of(self._machine.name, now, on_line=False))
         self._take(values)
 
-    def _line_file(self) -> str:
-        """Return the path of the line's file, or an empty string."""
-        return self._kernel.get_text(self._kernel.number_of(LINE_FILE)) if LINE_FILE in self._machine.variables else ""
+    def _file_of(self, name: str) -> str:
+        """Return the path of the file that a variable names, or an empty string."""
+        return self._kernel.get_text(self._kernel.number_of(name)) if name in self._machine.variables else ""
 
     def _go_on_with(self, machine: Machine, state: bytes | None = None) -> None:
-        """Change to another system of the same FMU with the same values and line, and restore a state.
+        """Change to another system of the same FMU with the same values and files, and restore a state.
 
         Raises SimulationError, with nothing changed.
         """
@@ -141,7 +142,9 @@ class Simulation:
             numbers = (one for one in machine.variables.values() if one.causality in ("parameter", "input"))
             now = {one.name: self._kernel[one.name] for one in numbers if one.kind != "string"}
             changed = {name: value for name, value in now.items() if value != machine.variables[name].start}
-            kernel, path = Kernel(machine.library, **changed), self._line_file()
+            kernel, path = Kernel(machine.library, **changed), self._file_of(LINE_FILE)
+            if self._file_of(PROFILE_FILE):
+                kernel.set(**{PROFILE_FILE: self._file_of(PROFILE_FILE)})
             if self._line is not None and path == self._laid:
                 self._lay(kernel, self._line)
             elif path:

@@ -44,8 +44,9 @@ class _Runs(ctypes.Structure):
         ("variable", _INTS),
         ("output", _INTS),
         ("value", _DOUBLES),
-        ("file", ctypes.c_int),
-        ("path", ctypes.c_char_p),
+        ("files", ctypes.c_int),
+        ("file", _INTS),
+        ("path", ctypes.POINTER(ctypes.c_char_p)),
         ("start", ctypes.c_double),
         ("stop", ctypes.c_double),
         ("result", _DOUBLES),
@@ -156,6 +157,17 @@ class BatchLibrary(Library):
         self.lanes, self.model = int(self.functions.batch_lanes()), model
         self.file = model.table_file.variable.name if model.table_file else None
 
+    def parted(
+        self, values: Mapping[str, ArrayLike | str], path: str | None
+    ) -> tuple[dict[str, ArrayLike], dict[str, str]]:
+        """Return the numbers among values, and the paths of files by the variables that name them.
+
+        path: of the table file, if the library has one.
+        """
+        files = {name: value for name, value in values.items() if isinstance(value, str)}
+        numbers = {name: value for name, value in values.items() if name not in files}
+        return numbers, ({self.file: path} if path and self.file else {}) | files
+
     def numbers(self, names: Sequence[str]) -> ctypes.Array[ctypes.c_int]:
         """Return the numbers of variables. Raises SimulationError for an unknown name."""
         kernel = Kernel(self)
@@ -230,7 +242,7 @@ def run_batch(
     library : BatchLibrary
         The compiled system.
     values : mapping of str to array_like
-        Parameters and inputs by name: a number for all runs, or an array of shape (runs,).
+        Parameters and inputs by name: a number for all runs, or an array of shape (runs,). A file has one path for all.
     stop : float
         End of the runs [s].
     outputs : sequence of str
@@ -254,6 +266,7 @@ def run_batch(
     ValueError
         If arrays differ in length.
     """
+    values, named = library.parted(values, path)
     table = table_of(values)
     count = len(table)
     result, time = np.empty((count, len(outputs))), np.empty(count)
@@ -266,8 +279,9 @@ def run_batch(
         library.numbers(list(values)),
         library.numbers(outputs),
         table.ctypes.data_as(_DOUBLES),
-        library.numbers([library.file])[0] if path and library.file else -1,
-        os.fsencode(path) if path else None,
+        len(named),
+        library.numbers(list(named)),
+        (ctypes.c_char_p * len(named))(*map(os.fsencode, named.values())),
         0.0,
         stop,
         result.ctypes.data_as(_DOUBLES),
@@ -331,7 +345,7 @@ class Instances:
         path : str or None
             Table file of all instances.
         **values : float or array_like
-            Parameters and first inputs, one for all or an array of shape (count,).
+            Parameters and first inputs, one for all or an array of shape (count,). A file has one path for all.
 
         Raises
         ------
@@ -340,7 +354,8 @@ class Instances:
         ValueError
             If an array has another length.
         """
-        self._library, self._threads, self._path = library, threads or os.cpu_count() or 1, path
+        self._library, self._threads = library, threads or os.cpu_count() or 1
+        values, self._files = library.parted(values, path)
         self.at_close: Callable[[], None] | None = None
         self._start = {name: _for_each(name, value, count) for name, value in values.items()}
         self._kernels = [Kernel(library) for _ in range(count)]
@@ -414,8 +429,7 @@ class Instances:
         kernel, given = self._kernels[row], {name: float(one[row]) for name, one in self._start.items()}
         kernel.reset()
         try:
-            if self._path and self._library.file:
-                kernel.set(**{self._library.file: self._path})
+            kernel.set(**self._files)
             kernel.set(**(given | dict(values)))
             kernel.initialise()
         except SimulationError as error:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from fmu_src.chain import Part
+import casadi as ca
+
+from fmu_src.chain import NOTHING, Call, Each, Part
 from fmu_src.equations import Generated, Slopes, part_name
 from fmu_src.own_names import PREFIX
 
@@ -15,13 +17,14 @@ class Group:
     """Calls of a part that are computed side by side: each number of a call is next to that of the call before.
 
     calls: their numbers in the function; given, left: where their numbers begin in `given_RANK` and in `left`. alone:
-    True for a single call.
+    True for a single call. each: the list of a call that is made for each of its records.
     """
 
     part: Part
     slopes: Slopes
     conditional: bool
     alone: bool
+    each: Each | None = None
     calls: list[int] = field(default_factory=list)
     given: int = 0
     left: int = 0
@@ -81,9 +84,13 @@ class Rooms:
         for rank in range(one.ranks):
             groups = list(_groups(one, rank, side_by_side))
             given: dict[int, list[list[int]]] = {}
-            for group in groups:
+            for place, group in enumerate(groups):
                 group.given, group.left = made.sizes[f"given_{rank}"], made.sizes["left"]
-                made.sizes[f"given_{rank}"] += (group.numbers + group.conditional) * group.lanes
+                same = next((each for each in groups[:place] if _given_the_same(one.calls, each, group)), None)
+                if same:
+                    group.given = same.given
+                else:
+                    made.sizes[f"given_{rank}"] += (group.numbers + group.conditional) * group.lanes
                 made.sizes["left"] += group.leaves * group.lanes
                 for lane, number in enumerate(group.calls):
                     twice = [lane, lane + 1] if lane == len(group.calls) - 1 < group.lanes - 1 else [lane]
@@ -96,6 +103,12 @@ class Rooms:
         return made
 
 
+def _given_the_same(calls: Sequence[Call], one: Group, other: Group) -> bool:
+    """Return whether two calls for each record of a list have the same arguments, which are then stored once."""
+    taken = [ca.vertsplit(calls[group.calls[0]].taken) for group in (one, other) if group.each]
+    return len(taken) == 2 and len(taken[0]) == len(taken[1]) and all(map(ca.is_equal, *taken))
+
+
 def _groups(one: Generated, rank: int, side_by_side: bool) -> Iterator[Group]:
     found: dict[object, Group] = {}
     for number, call in enumerate(one.calls):
@@ -103,12 +116,18 @@ def _groups(one: Generated, rank: int, side_by_side: bool) -> Iterator[Group]:
             continue
         alone, conditional = bool(call.part.source) or not side_by_side, not call.when.is_constant()
         key = number if alone else (part_name(call.part, one.slopes[number]), conditional)
-        found.setdefault(key, Group(call.part, one.slopes[number], conditional, alone)).calls.append(number)
+        if call.each and (side_by_side or conditional or (call.each.largest and one.slopes[number])):
+            raise ValueError(f"{call.part.name}: calls for each record belong in a part, without conditions.")
+        found.setdefault(key, Group(call.part, one.slopes[number], conditional, alone, call.each)).calls.append(number)
     yield from found.values()
 
 
 def call_of_group(name: str, rank: int, group: Group) -> str:
     """Return C of a group's call in a function of one number: `mem` is the number of lanes of the processor."""
+    if group.part.inline:
+        places = group.given, group.given + group.arguments
+        arguments, constants = (f"given_{rank} + {place}" for place in places)
+        return group.part.source.format(arguments=arguments, constants=constants, left=f"left + {group.left}")
     if group.part.flat:
         return f"real_look_up(&{group.part.name}, given_{rank} + {group.given}, left + {group.left})"
     if group.part.source:
@@ -132,13 +151,53 @@ def call_in_lanes(name: str, rank: int, group: Group) -> str:
     """Return C of a call in a function of several lanes, each of which calls the part."""
     given = [f"given_{rank} + {group.given + place} * LANES" for place in (0, group.arguments, group.numbers)]
     left = f"left + {group.left} * LANES"
-    if group.part.flat:
+    if group.each:
+        return call_for_each(name, rank, group, group.each, given[:2], left)
+    if group.part.inline:
+        call = group.part.source.format(arguments=given[0], constants=given[1], left=left)
+    elif group.part.flat:
         call = f"real_look_up(&{group.part.name}, {given[0]}, {left})"
     elif group.part.source:
         call = f"LANES_NAME({name}_each_{group.function})({given[0]}, {given[1]}, {left})"
     else:
         call = f"LANES_NAME({name}_{group.function})({given[0]}, {given[1]}, {left})"
     return call if not group.conditional else where(ASKED + call, given[2], left, group.leaves, "LANES")
+
+
+def call_for_each(name: str, rank: int, group: Group, each: Each, given: Sequence[str], left: str) -> str:
+    """Return C of calls for each record of a list; given: C of arguments and constants."""
+    call = f"LANES_NAME({name}_{group.function})({', '.join(given)}, to)"
+    first = f"real_record_in(from, {each.place}, 0, record); {{ double *to = {left}; {call}; }}" if each.always else ""
+    ask, asked = "", "has"
+    if each.asked:
+        ask = f"LANES_NAME({name}_{part_name(each.asked, ())})({', '.join(given)}, margin);"
+        asked = "real_where(has, real_load(margin)) > 0.0"
+    nothing = NOTHING if each.largest else 0.0
+    one = f"real_select(asked, {{}}, real_of({nothing}))" if each.largest else "real_where(asked, {})"
+    joined = "real_select(own > all, own, all)" if each.largest else "all + own"
+    return f"""{{
+    LANES_ALIGNED double from[LANES], margin[LANES], more[{group.leaves} * LANES];
+    double *record = given_{rank} + {group.given + group.numbers - 1} * LANES;
+    int any = {int(each.always)};
+    (void)margin;
+    real_store(from, real_load(record));
+    {first}
+    for (int i = {int(each.always)}, most = real_records_in(from, {each.place}); i < most; ++i) {{
+      const real_mask has = real_record_in(from, {each.place}, i, record);
+      {ask}
+      const real_mask asked = {asked};
+      if (!real_any(asked)) continue;
+      double *to = any ? more : {left};
+      {call};
+      for (int j = 0; j < {group.leaves}; ++j) {{
+        const real own = {one.format("real_load(to + j * LANES)")}, all = real_load({left} + j * LANES);
+        real_store({left} + j * LANES, any ? {joined} : own);
+      }}
+      any = 1;
+    }}
+    real_store(record, real_load(from));
+    for (int j = 0; !any && j < {group.leaves}; ++j) real_store({left} + j * LANES, real_of({nothing}));
+  }}"""
 
 
 #: Place in the C of a conditional call for the computation of its arguments, which is skipped with the call.

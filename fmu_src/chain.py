@@ -42,6 +42,8 @@ class Part:
         C that several parts share.
     flat : bool
         True for a table search, whose results have no slopes; its C is a table, see piecewise.py.
+    inline : bool
+        True if `source` is C of a call, with {arguments}, {constants} and {left} in braces.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Part:
     source: str = ""
     common: str = ""
     flat: bool = False
+    inline: bool = False
 
     @cached_property
     def slope(self) -> ca.SX:
@@ -102,6 +105,35 @@ def part_in_c(name: str, counts: tuple[int, int, int], source: str, common: str 
 
 
 @dataclass(frozen=True)
+class Each:
+    """A call is made for each record of a list (records.py), and the results are added up.
+
+    The last constant of the call is the record with the list; the part gets the record in the list in its place.
+
+    Attributes
+    ----------
+    place : int
+        Place of the list among those of the record.
+    asked : Part or None
+        Its one result, of the same arguments and constants, is above 0 if the part is needed for a record; None: the
+        part is called for each.
+    always : bool
+        True if the part is called for the first record in any case; the list then must not be empty.
+    largest : bool
+        True if the largest of each result is taken, and NOTHING of an empty list. Such a call has no derivatives.
+    """
+
+    place: int
+    asked: Part | None = None
+    always: bool = False
+    largest: bool = False
+
+
+#: Result of the largest of an empty list.
+NOTHING = -1.0
+
+
+@dataclass(frozen=True)
 class Call:
     """A part at a place in the equations: its arguments there, and symbols for its results and their derivatives.
 
@@ -119,6 +151,7 @@ class Call:
     rank: int
     when: ca.SX
     plain: ca.SX
+    each: Each | None = None
 
     @property
     def taken(self) -> ca.SX:
@@ -217,7 +250,9 @@ class Chain:
     #: Of a part's own chain: how its constants change with its arguments.
     following: list[Following] = field(default_factory=list, kw_only=True)
 
-    def call(self, part: Part, given: ca.SX, constants: ca.SX, when: ca.SX | float = 1.0) -> ca.SX:
+    def call(
+        self, part: Part, given: ca.SX, constants: ca.SX, when: ca.SX | float = 1.0, each: Each | None = None
+    ) -> ca.SX:
         """Return the results of a part, shape (results, 1); all calls share its code, and its derivatives are exact.
 
         Parameters
@@ -229,6 +264,8 @@ class Chain:
         when : SX or float
             Above 0 if the part is needed; elsewhere its results are 0 and not computed. They must be 0 already where
             `when` changes its sign.
+        each : Each or None
+            The list of records for which the part is called; only within a part.
         """
         pattern = part.slope.sparsity()
         symbols, slopes = ca.SX.sym(part.name, part.results.numel()), ca.SX.sym(f"d_{part.name}", pattern.nnz())
@@ -237,7 +274,7 @@ class Chain:
         needed = symbols_in(plain)
         rank = 1 + max((call.rank for call in self.calls if not needed.isdisjoint(call.own)), default=-1)
         slope = ca.SX(pattern, slopes)
-        self.links.append(Call(part, given, constants, symbols, slopes, slope, rank, ca.SX(when), plain))
+        self.links.append(Call(part, given, constants, symbols, slopes, slope, rank, ca.SX(when), plain, each))
         return symbols
 
     def narrow(self, values: ca.SX, follows: tuple[ca.SX, ca.SX] | None = None) -> ca.SX:

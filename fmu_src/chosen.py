@@ -30,8 +30,7 @@ def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> M
         If they choose no system.
     """
     selectors = [next(one for one in model.variables if one.name == name) for name in model.selectors]
-    reads = model.table_file is not None
-    place = place_in(model.choice, selectors, values, with_file) if reads or not with_file else NONE
+    place = place_in(model.choice, selectors, values, with_file) if model.table_file or not with_file else NONE
     if place == NONE:
         asked = [f"{name} = {values.get(name, 'its start value')}" for name in model.selectors]
         asked += ["a table file"] if with_file else []
@@ -42,7 +41,8 @@ def alone(model: Model, values: Mapping[str, Any], with_file: bool = False) -> M
     choice = tuple(0 if one == place else NONE for one in model.choice)
     if file:
         choice = choice[: len(choice) // 2]
-    return replace(model, variables=kept, systems=(system,), choice=choice, reads=None if file else model.reads)
+    reads: dict[str, Any] = {"reads": None if file else model.reads, "reads_records": model.record_file}
+    return replace(model, variables=kept, systems=(system,), choice=choice, **reads)
 
 
 def place_in(choice: Sequence[int], selectors: Sequence[Variable], values: Mapping[str, Any], with_file: bool) -> int:

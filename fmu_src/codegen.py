@@ -12,13 +12,14 @@ from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.effects import without_effect
 from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.equations import Generated, functions, table_ranks
-from fmu_src.equations_in_c import equations_in_c
+from fmu_src.equations_in_c import TABLE_FILE, equations_in_c
 from fmu_src.exchange import exchanged, serves_exchange
 from fmu_src.identifier import identifier
 from fmu_src.model_description import model_description
 from fmu_src.objects import FACES, KERNEL, RUNTIME
 from fmu_src.progress import counting
-from fmu_src.system import Model, SteadyStart, System, integration_variables, state_variable
+from fmu_src.record_file import own_name, own_records, record_file_source, record_in_c
+from fmu_src.system import Model, OfRecord, SteadyStart, System, integration_variables, state_variable
 from fmu_src.table_file import table_file_source
 
 #: Each calls only those before it; faces belong to FMUs, studies to the library for kernel.py.
@@ -28,6 +29,7 @@ KERNEL_SOURCES = (
     "text_rows.c",
     "table_pieces.c",
     "table_file.c",
+    "record_file.c",
     "evaluate.c",
     "variables.c",
     "experiment.c",
@@ -62,6 +64,8 @@ RUNTIME_HEADERS = (
     "variable.h",
     "model.h",
     "table_file.h",
+    "record_file.h",
+    "records.h",
     "text_rows.h",
     "lanes.h",
     "lanes_end.h",
@@ -70,6 +74,7 @@ RUNTIME_HEADERS = (
     "lanes_pairs.h",
     "lanes_scalar.h",
     "lanes_table.h",
+    "lanes_records.h",
     "piecewise.h",
     "readable.h",
     "resources.h",
@@ -114,6 +119,8 @@ FUNCTIONS = (
 )
 #: Those of its steady start, in the order of `steady_start` there.
 STEADY_FUNCTIONS = ("course", "pace")
+#: Longest path of a number of a record, as in model.h.
+LONGEST_PATH = 2
 KINDS = {"real": "KIND_REAL", "integer": "KIND_INTEGER", "boolean": "KIND_BOOLEAN", "string": "KIND_STRING"}
 
 
@@ -134,6 +141,8 @@ def _sources(model: Model) -> dict[str, str]:
         solving[system.name] = elimination(system)
         sources |= equations_in_c(system.name, generated[-1])
         sources[f"elimination_{system.name}.c"] = elimination_source(system.name, solving[system.name])
+        own = own_records(system.records)
+        sources |= {f"{TABLE_FILE}{name}.c": record_in_c(name, record) for name, record in own.items()}
     description = _description(model, generated, solving)
     # The GUID is a function of everything a host can see: equations, description, words and units.
     guid = content_guid([*sources.values(), description, model_description(model, "")])
@@ -207,12 +216,20 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
         entries.append(f"{{{table.rank}, {place}, {len(table.pieces)}, {name}}}")
         place += table.symbols.numel()
     yield c_array("table_description", f"{prefix}_table", entries)
+    yield c_array("value_of_record", f"{prefix}_record", map(_value_of_record, system.records))
     ranks = [f"{prefix}_table_argument_{rank}" for rank in range(table_ranks(system))]
     yield c_array("generated_function", f"{prefix}_table_argument", ranks)
     if system.steady_start:
         yield from _steady_arrays(system, system.steady_start)
     sentences = [c_text(condition.sentence) for condition in (*system.end_conditions, *system.warnings)]
     yield c_array("char *const", f"{prefix}_sentence", sentences)
+
+
+def _value_of_record(one: OfRecord) -> str:
+    """Return a number of a record, its members by position."""
+    steps = [*one.path, *((0, 0) for _ in range(LONGEST_PATH - len(one.path)))]
+    places = ", ".join(f"{{{place}, {entry}}}" for place, entry in steps)
+    return f"{{&{own_name(one.own)}, {len(one.path)}, {{{places}}}, {one.number}}}"
 
 
 def _algebraic_nonzeros(system: System, solving: Elimination) -> list[int]:
@@ -258,7 +275,8 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
         "outputs": len(outputs),
         "tables": len(system.tables),
         "table_ranks": table_ranks(system),
-        "table_coefficients": sum(table.symbols.numel() for table in system.tables),
+        "table_coefficients": sum(table.symbols.numel() for table in system.tables) + len(system.records),
+        "records": len(system.records),
         "limits": len(system.largest_changes),
         "ends": len(system.end_conditions),
         "conditions": len(system.end_conditions) + len(system.warnings),
@@ -282,12 +300,14 @@ def _system_entry(model: Model, system: System, made: dict[str, Generated], solv
         "limited": "limits",
         "friction": "frictions",
         "table": "tables",
+        "record": "records",
         "sentence": "conditions",
     }
     fields = {"name": c_text(system.name)} | {name: str(count) for name, count in counts.items()}
     fields |= {name: f"{prefix}_{name}" if counts[count] else "0" for name, count in arrays.items()}
     fields |= {name: made[name].function.name() if name in made else "0" for name in FUNCTIONS}
     fields |= {name: f"{prefix}_{name}" for name in ("factorise", "substitute")}
+    fields["refuses_records"] = c_text(system.refuses_records) if system.refuses_records else "0"
     fields["steady"] = f"&{prefix}_steady_start" if system.steady_start else "0"
     fields["table_argument"] = f"{prefix}_table_argument" if counts["tables"] else "0"
     return "    {" + ",\n     ".join(f"/* {name} */ {value}" for name, value in fields.items()) + "}"
@@ -313,9 +333,14 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
         lines.append(f"RUNTIME_LOCAL void {system.name}_factorise(const double *, const double *, double *);")
         lines.append(f"RUNTIME_LOCAL void {system.name}_substitute(const double *, double *);")
         lines += [line for line in _system_arrays(model, system, solving[system.name]) if line]
+    names = dict.fromkeys(name for system in model.systems for name in own_records(system.records))
+    own = [f"extern const record {name};" for name in names]
+    lines[2:2] = ['#include "records.h"', "#ifndef ONE_UNIT", *own, "#endif"] if own else []
     lines += _relations(model)
     if model.table_file:
         lines.append(table_file_source(model.table_file, model.index(model.table_file.variable.name)))
+    if model.record_file:
+        lines.append(record_file_source(model.record_file, model.index(model.record_file.variable.name)))
     lines.append("static const variable_description VARIABLE[] = {")
     for v in model.variables:
         lost = math.nan if v.when_lost is None else v.when_lost
@@ -333,6 +358,7 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
         lines.insert(2, c_array("int", "SELECTOR", map(str, chosen_by)) + "\n" + c_array("int", "SELECTABLE", values))
     selectors = "SELECTOR, SELECTABLE" if chosen_by else "0, 0"
     table_file = "&TABLE_FILE" if model.table_file else "0"
+    record_file = "&RECORD_FILE" if model.record_file else "0"
     exchange = exchanged(model)
     integrated = model.systems.index(exchange) if exchange else -1
     integration = ", ".join(str(model.index(variable.name)) for variable in integration_variables(1e-6))
@@ -340,7 +366,7 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
         "};",
         f"RUNTIME_LOCAL const model_description MODEL = {{{c_text(model.name)}, {c_text('@GUID@')}, "
         f"{len(model.variables)}, {len(model.systems)}, {len(chosen_by)}, {selectors}, CHOICE, "
-        f"{integrated}, {integration}, VARIABLE, SYSTEM, {table_file}, "
+        f"{integrated}, {integration}, VARIABLE, SYSTEM, {table_file}, {record_file}, "
         f"{len(model.relations)}, {'RELATION' if model.relations else '0'}}};",
         "",
     ]

@@ -151,7 +151,7 @@ def _connected(name: str, parts: Sequence[System], outputs: Mapping[str, Variabl
 
 
 def _take(whole: System, part: System, connections: Mapping[str, str]) -> None:
-    """Take everything of a part except its links, tables and parameters."""
+    """Take everything of a part except its links, tables of files and parameters."""
 
     def add(kind: str, entries: Mapping[str, Any]) -> None:
         known = getattr(whole, kind)
@@ -167,6 +167,8 @@ def _take(whole: System, part: System, connections: Mapping[str, str]) -> None:
     whole.frictions += part.frictions
     whole.end_conditions += part.end_conditions
     whole.warnings += part.warnings
+    whole.records += part.records
+    whole.refuses_records = whole.refuses_records or part.refuses_records
     whole.largest_changes += part.largest_changes
 
 

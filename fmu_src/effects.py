@@ -18,9 +18,9 @@ NOTHING = 1e-9
 def without_effect(model: Model, system: System) -> list[str]:
     """Return the parameters on which no expression of a system depends, in the order of the model's table.
 
-    Parameters that choose a system or name a table file, and those of the integration, are not listed.
+    Parameters that choose a system or name a file, and those of the integration, are not listed.
     """
-    named = [model.table_file.variable.name] if model.table_file else []
+    named = [variable.name for variable in model.files]
     common = {*model.selectors, *named, *(variable.name for variable in integration_variables(1e-6))}
     having = with_effect(system) | common
     return [v.name for v in model.variables if v.causality == "parameter" and v.name not in having]
@@ -49,13 +49,16 @@ def what_moves_constants(system: System) -> list[frozenset[int]]:
     constants = ca.vertcat(*system.derived_expressions.values())
     if constants.is_empty() or parameters.is_empty():
         return [frozenset() for _ in system.derived_expressions]
-    slopes = ca.Function("slopes", [parameters], [constants, ca.jacobian(constants, parameters)])
+    records = ca.vertcat(*[one.symbol for one in system.records])
+    own = np.array([one.value for one in system.records])
+    both = [constants, ca.jacobian(constants, parameters)]
+    slopes = ca.Function("slopes", [parameters, records], both)
     start, random = start_values(system), np.random.default_rng(SEED)
     structure = np.array(ca.DM(ca.jacobian_sparsity(constants, parameters), 1), bool)
     moved, silent = np.zeros_like(structure), np.ones((constants.numel(), 1), bool)
     for _ in range(DRAWS):
         values = start * 10 ** random.uniform(-DECADES, DECADES, start.size)
-        found, slope = (np.array(one) for one in slopes(values))
+        found, slope = (np.array(one) for one in slopes(values, own))
         told = np.all(np.isfinite(slope), axis=1, keepdims=True) & np.isfinite(found)
         moved |= told & (np.abs(slope * values) > NOTHING * np.abs(found))
         silent &= ~told

@@ -116,7 +116,7 @@ def _at_width(file: str, lanes: int) -> str:
 
 def _given(in_c: Sequence[Part]) -> list[str]:
     """Return C of these parts, once if several files with the same become one unit; of tables, a declaration."""
-    flat = dict.fromkeys(part.name for part in in_c if part.flat)
+    flat = dict.fromkeys(part.name for part in in_c if part.flat and not part.inline)
     known = [f"extern const piecewise {name};" for name in flat]
     parts = {part.name: part for part in in_c if not part.flat}.values()
     texts = with_own_names([*dict.fromkeys(part.common for part in parts), *(part.source for part in parts)])
@@ -129,7 +129,9 @@ def _given(in_c: Sequence[Part]) -> list[str]:
 def _tables(functions: Sequence[Generated]) -> dict[str, str]:
     """Return a file for each table that is looked up."""
     head = '#include "model.h"\n#include "piecewise.h"\n'
-    found = {call.part.name: call.part for one in functions for call in one.calls if call.part.flat}
+    found = {
+        call.part.name: call.part for one in functions for call in one.calls if call.part.flat and not call.part.inline
+    }
     return {f"{TABLE_FILE}{name}.c": head + part.source for name, part in found.items()}
 
 
@@ -138,19 +140,23 @@ def _functions_of_parts(own: Sequence[Generated]) -> dict[str, Generated]:
     made: dict[str, Generated] = {}
     parts: dict[str, Part] = {}
 
+    def make_calls(one: Generated) -> None:
+        for call, needed in zip(one.calls, one.slopes, strict=True):
+            make(call.part, needed)
+            if call.each and call.each.asked:
+                make(call.each.asked, ())
+
     def make(part: Part, slopes: Slopes) -> None:
         if parts.setdefault(part.name, part) is not part:
             raise ValueError(f"Two parts have one name, {part.name}; give each part a name of its own.")
         if part.source or part_name(part, slopes) in made:
             return
         one = part_function(part, slopes)
-        for call, needed in zip(one.calls, one.slopes, strict=True):
-            make(call.part, needed)
+        make_calls(one)
         made[part_name(part, slopes)] = one
 
     for one in own:
-        for call, needed in zip(one.calls, one.slopes, strict=True):
-            make(call.part, needed)
+        make_calls(one)
     return made
 
 
@@ -182,7 +188,9 @@ def _parts_within(
     most: dict[str, int] = {}
 
     def find(one: Generated, lanes: int) -> None:
-        for group in (group for rank in Rooms.of(one, False).groups for group in rank):
+        groups = [group for rank in Rooms.of(one, False).groups for group in rank]
+        asked = [group.each.asked for group in groups if group.each and group.each.asked]
+        for group in [*(Group(part, (), False, True) for part in asked), *groups]:
             if lanes > most.get(group.function, 0):
                 most[group.function] = lanes
                 if not group.part.source:

@@ -19,6 +19,7 @@ from fmu_src.equations_in_c import TABLE_FILE
 from fmu_src.model_description import model_description
 from fmu_src.model_description3 import model_description3
 from fmu_src.pages import pages
+from fmu_src.record_file import OWN
 from fmu_src.system import Model
 
 #: Folder in binaries/ -> targets of zig, and suffix of the library. Two targets make one universal binary. The glibc is
@@ -134,9 +135,10 @@ def _documentation(
 
 def one_unit(model: Model, names: Sequence[str], version: int) -> str:
     """Return C that makes one unit of the files, so that only the functions of FMI have external names."""
-    # The model comes first: the others read it, and in one unit it is not declared before.
+    # The model comes first: the others read it, and in one unit it is not declared before. It has its records.
     tables = [name for name in names if name.startswith(TABLE_FILE) and name not in KERNEL_SOURCES]
-    first = ["model.c", *tables]
+    records = [name for name in tables if name.startswith(f"{TABLE_FILE}{OWN}")]
+    first = [*records, "model.c", *(name for name in tables if name not in records)]
     files = [*first, *(name for name in names if name.endswith(".c") and name not in first)]
     return (
         "/* The whole FMU in one unit of C99 or later, or C++. Only the functions of FMI are seen outside.\n"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 
 import casadi as ca
@@ -11,6 +12,7 @@ import numpy as np
 
 from fmu_src.c_literals import c_array, c_number
 from fmu_src.chain import Chain, Part
+from fmu_src.records import Pieces
 
 #: Pieces are treated as equally wide if they differ by less than this share: exchanging neighbours then changes a value
 #: by round-off alone.
@@ -107,6 +109,46 @@ def _piece_at(breakpoints: bytes, coefficients: bytes, terms: int) -> Part:
     return Part(name, at, ca.SX.sym("none", 0), _chosen(rows, at), source=_in_c(name, rows), flat=True)
 
 
+def look_up_in(chain: Chain, record: ca.SX, table: int, terms: int, argument: ca.SX) -> ca.SX:
+    """Return the piece (origin, c0, ..., c_degree) of a table of a record (records.py) at `argument`.
+
+    Parameters
+    ----------
+    chain : Chain
+        The equations.
+    record : SX
+        The record.
+    table : int
+        Place of the table among those of the record.
+    terms : int
+        Number of coefficients of a piece.
+    argument : SX
+        The place; outside the breakpoints the polynomial keeps its end value.
+    """
+    return chain.call(_piece_in(table, terms), ca.SX(argument), ca.SX(record))
+
+
+def numbers_in(chain: Chain, record: ca.SX, count: int) -> list[ca.SX]:
+    """Return the first `count` numbers of a record (records.py)."""
+    return ca.vertsplit(chain.call(_numbers_in(count), ca.SX(0, 1), ca.SX(record)))
+
+
+@lru_cache
+def _piece_in(table: int, terms: int) -> Part:
+    given = ca.SX.sym("at"), ca.SX.sym("record")
+    c = f"real_look_up_in({{constants}}, {table}, {{arguments}}, {{left}})"
+    results = ca.repmat(math.nan * sum(given), 1 + terms, 1)
+    return Part(f"piece_{table}_{terms}_in_record", *given, results, source=c, flat=True, inline=True)
+
+
+@lru_cache
+def _numbers_in(count: int) -> Part:
+    record = ca.SX.sym("record")
+    c = f"real_numbers_in({{constants}}, {count}, {{left}})"
+    results = ca.repmat(math.nan * record, count, 1)
+    return Part(f"numbers_{count}_in_record", ca.SX(0, 1), record, results, source=c, flat=True, inline=True)
+
+
 def rows_of(breakpoints: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
     """Return a row (origin, c0, ..., c_degree) for each piece, between those of the constant end values."""
     last = np.polynomial.polynomial.polyval(breakpoints[-1] - breakpoints[-2], coefficients[-1])
@@ -126,10 +168,19 @@ def _chosen(rows: np.ndarray, at: ca.SX) -> ca.SX:
 
 def _in_c(name: str, rows: np.ndarray) -> str:
     """Return C of the table, a `piecewise` (piecewise.h)."""
+    array = c_array("double", f"{name}_row", map(c_number, rows.ravel()))
+    return f"{array}\nRUNTIME_LOCAL const piecewise {name} = {_members(rows, f'{name}_row')};\n"
+
+
+def _members(rows: np.ndarray, array: str) -> str:
+    """Return the members of a `piecewise` in C; array: name of its rows."""
     pieces, terms, origins = len(rows) - 2, rows.shape[1], rows[1:, 0]
     equal = np.allclose(np.diff(origins), (origins[-1] - origins[0]) / pieces, rtol=EQUAL, atol=0.0)
     per_unit = c_number(pieces / (origins[-1] - origins[0]))
-    return f"""\
-{c_array("double", f"{name}_row", map(c_number, rows.ravel()))}
-RUNTIME_LOCAL const piecewise {name} = {{{pieces}, {terms}, {int(equal)}, {per_unit}, {name}_row}};
-"""
+    return f"{{{pieces}, {terms}, {int(equal)}, {per_unit}, {array}}}"
+
+
+def piecewise_in_c(table: Pieces, array_of: Callable[[Iterable[str]], str]) -> str:
+    """Return the members of a `piecewise` in C; array_of: writes an array of numbers and returns its name."""
+    rows = rows_of(*map(np.array, table))
+    return _members(rows, array_of(map(c_number, rows.ravel())))

@@ -6,7 +6,9 @@ data. An instance has one root record: that of its file, or the one that the equ
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
+from typing import Any
 
 #: Breakpoints and rows of coefficients of a piecewise polynomial, lowest power first, as in `piecewise.look_up`.
 Pieces = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]
@@ -53,6 +55,19 @@ class RecordKind:
     numbers: tuple[NumberOfRecord, ...] = ()
     tables: tuple[TableOfRecord, ...] = ()
     lists: tuple[ListOfRecord, ...] = ()
+
+
+@dataclass(frozen=True)
+class OwnRecord:
+    """The record that a function makes of something; it is made where C is written, not with the equations."""
+
+    made_by: Callable[[Any], Record]
+    of: Hashable
+
+    @property
+    def record(self) -> Record:
+        """Return the record."""
+        return self.made_by(self.of)
 
 
 @dataclass(frozen=True)

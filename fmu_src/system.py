@@ -18,6 +18,7 @@ import numpy as np
 
 from fmu_src.chain import Chain
 from fmu_src.piecewise import look_up, polynomials
+from fmu_src.records import OwnRecord, RecordKind
 from readers.tables import Column
 from readers.units import likely_unit
 
@@ -297,6 +298,61 @@ class TableFile:
 
 
 @dataclass(frozen=True)
+class RecordFile:
+    """Records that an instance reads before the start, from the file that `variable`, a string, names.
+
+    Attributes
+    ----------
+    variable : Variable
+        The string variable with the path of the file.
+    noun : str
+        Its name in messages, "contact table".
+    resource : str
+        File in an FMU's resources that is read if the variable is not set.
+    remedy : str
+        The end of a message about a damaged file.
+    version : int
+        Format, in the first row of a file.
+    kind : RecordKind
+        Kind of the root record.
+    source : str
+        C with the function `check_record` of `record_file_description` (model.h); KIND_NAME and NUMBER_KIND_NAME are
+        the places of kinds and numbers.
+    """
+
+    variable: Variable
+    noun: str
+    resource: str
+    remedy: str
+    version: int
+    kind: RecordKind
+    source: str
+
+
+@dataclass(frozen=True)
+class OfRecord:
+    """A number of a record, or the record itself, which is the same during a run; `symbol` has it in equations.
+
+    own: the root record of an instance without a file. path: places of lists and of the records in them, from the root;
+    -1 is the last record. number: its place, -1: the record.
+    """
+
+    symbol: ca.SX
+    file: RecordFile
+    own: OwnRecord
+    path: tuple[tuple[int, int], ...]
+    number: int
+
+    @property
+    def value(self) -> float:
+        """Return the number without a file; 0 for a record."""
+        found = self.own.record
+        for place, entry in self.path:
+            found = found.lists[place][min(entry, len(found.lists[place]) - 1)]
+        return found.numbers[self.number] if self.number >= 0 else 0.0
+
+
+@dataclass(frozen=True)
 class Table:
     """The `pieces` of a table file at one place, found by one search.
 
@@ -454,6 +510,9 @@ class System(Chain):
     states: dict[str, State] = field(default_factory=dict)
     derivatives: dict[str, ca.SX] = field(default_factory=dict)
     tables: list[Table] = field(default_factory=list)
+    records: list[OfRecord] = field(default_factory=list)
+    #: Why an instance with a file of records refuses this system; empty: it warns that the file has no effect.
+    refuses_records: str = ""
     frictions: list[Friction] = field(default_factory=list)
     outputs: dict[str, ca.SX] = field(default_factory=dict)
     end_conditions: list[Condition] = field(default_factory=list)
@@ -700,6 +759,39 @@ class System(Chain):
         """Return the table file that the equations use, or None."""
         return next((table.file for table in self.tables), None)
 
+    def of_record(
+        self, file: RecordFile, own: OwnRecord, path: Sequence[tuple[int, int]] = (), number: str = ""
+    ) -> ca.SX:
+        """Return the symbol of a number of a record, or of the record itself.
+
+        Parameters
+        ----------
+        file : RecordFile
+            Description of the file.
+        own : OwnRecord
+            The root record of an instance without a file.
+        path : sequence of tuple
+            Places of lists and of the records in them, from the root; -1 is the last record.
+        number : str
+            Name of the number; empty: the record, for `piecewise.look_up_in` and calls of each record of a list.
+        """
+        kind = file.kind
+        for place, _ in path:
+            kind = kind.lists[place].kind
+        names = [one.name for one in kind.numbers]
+        key = (file, own, tuple(path), names.index(number) if number else -1)
+        for known in self.records:
+            if (known.file, known.own, known.path, known.number) == key:
+                return known.symbol
+        symbol = ca.SX.sym(f"{kind.name}_{len(self.records)}")
+        self.records.append(OfRecord(symbol, *key))
+        return symbol
+
+    @property
+    def record_file(self) -> RecordFile | None:
+        """Return the file of records that the equations use, or None."""
+        return next((one.file for one in self.records), None)
+
     def direction(self, name: str) -> ca.SX:
         """Return the symbol of the direction of a dry friction; declare the friction with `dry_friction` afterwards.
 
@@ -939,7 +1031,7 @@ class System(Chain):
             ca.vertcat(*self.parameter_symbols.values()),
             ca.vertcat(*self.derived_symbols.values()),
             ca.vertcat(*[friction.direction for friction in self.frictions]),
-            ca.vertcat(*[table.symbols for table in self.ranked_tables]),
+            ca.vertcat(*[table.symbols for table in self.ranked_tables], *[one.symbol for one in self.records]),
         ]
 
     @property
@@ -1107,6 +1199,8 @@ class Model:
         Checked before each start.
     reads : TableFile or None
         The table file that its instances read, if none of its systems defines it.
+    reads_records : RecordFile or None
+        The same for a file of records.
     """
 
     name: str
@@ -1119,6 +1213,7 @@ class Model:
     stop_time: float = 10.0
     relations: tuple[Relation, ...] = ()
     reads: TableFile | None = None
+    reads_records: RecordFile | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "variables", (*self.variables, *self._state_variables()))
@@ -1140,14 +1235,17 @@ class Model:
             raise ValueError(f"Model {self.name}: add integration_variables(...) to the table.")
 
     def _check_table_file(self) -> None:
-        """Check that every system reads the same table file, and that its variable is the only string."""
+        """Check that every system reads the same files, and that no other variables are strings."""
         for table in (table for system in self.systems for table in system.tables):
             if table.file != self.table_file:
                 raise ValueError(f"Model {self.name}: give its systems one table file, which its instances read.")
-        own = [self.table_file.variable] if self.table_file else []
+        for record in (record for system in self.systems for record in system.records):
+            if record.file != self.record_file:
+                raise ValueError(f"Model {self.name}: give its systems one file of records.")
+        own = [variable for variable in self.variables if variable in self.files]
         strings = [variable for variable in self.variables if variable.kind == "string"]
-        if self.systems and strings != own:
-            named, given = (", ".join(variable.name for variable in some) or "none" for some in (own, strings))
+        if self.systems and (strings != own or len(own) != len(self.files)):
+            named, given = (", ".join(variable.name for variable in some) or "none" for some in (self.files, strings))
             raise ValueError(f"Model {self.name}: strings name table files; have {named} in the table, not {given}.")
 
     def _state_variables(self) -> list[Variable]:
@@ -1165,6 +1263,16 @@ class Model:
     def table_file(self) -> TableFile | None:
         """Return the table file of its systems, or None."""
         return next((system.table_file for system in self.systems if system.table_file), self.reads)
+
+    @property
+    def record_file(self) -> RecordFile | None:
+        """Return the file of records of its systems, or None."""
+        return next((system.record_file for system in self.systems if system.record_file), self.reads_records)
+
+    @property
+    def files(self) -> list[Variable]:
+        """Return the variables that name files."""
+        return [file.variable for file in (self.table_file, self.record_file) if file]
 
     def index(self, name: str) -> int:
         """Return the value reference of a variable.
@@ -1203,9 +1311,9 @@ def model_of(system: System, tolerance: float, step_size: float = 1e-3, stop_tim
     step_size, stop_time : float
         The default experiment [s].
     """
-    named = [system.table_file.variable] if system.table_file else []
+    named = [file.variable for file in (system.table_file, system.record_file) if file]
     variables = (*system.variables, *named, *integration_variables(tolerance))
-    choice = (0,) * (1 + len(named))
+    choice = (0,) * (1 + bool(system.table_file))
     return Model(system.name, system.description, variables, (system,), (), choice, step_size, stop_time)
 
 

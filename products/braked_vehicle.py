@@ -6,6 +6,7 @@ from dataclasses import replace
 from brake_controller.discs import axle_discs, treads_or_discs
 from fmu_src.system import NONE, Model, System, Variable, choosing, model_of_choices
 from products.machine import coach, coach_brake, composed, of_pads
+from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.levels.models import (
     CHOICE_ON_LINE,
     DEFAULT_TOLERANCE,
@@ -56,6 +57,7 @@ def braked_vehicle(places: Sequence[int] = PLACES) -> Model:
         choice if on_line else choice[: len(choice) // 2],
         DEFAULT_TOLERANCE,
         *([LINE.variable] if on_line else []),
+        *([PAIR_FILE.variable] if any(system.record_file for system in systems) else []),
         relations=relations_of(coach().vehicle, parameters),
         stop_time=25.0,
     )

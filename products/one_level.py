@@ -8,6 +8,7 @@ from typing import Any
 from fmu_src.chosen import place_in
 from fmu_src.system import NONE, Model, Variable
 from products.registry import FMUS
+from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import relations_of
 
@@ -38,7 +39,9 @@ def model_at(name: str, table: Mapping[str, Variable], place: int) -> Model:
     assert fmu.vehicle is not None
     one = fmu.model(places=(max(place, 0),))
     reads = LINE if LINE.variable.name in table else None
+    records = PAIR_FILE if PAIR_FILE.variable.name in table else None
     whole = fmu.choice if reads else fmu.choice[: len(fmu.choice) // 2]
     choice = tuple(0 if number != NONE and place in (number, NONE) else NONE for number in whole)
     relations = relations_of(fmu.vehicle(), list(table))
-    return replace(one, variables=tuple(table.values()), choice=choice, relations=relations, reads=reads)
+    files: dict[str, Any] = {"reads": reads, "reads_records": records}
+    return replace(one, variables=tuple(table.values()), choice=choice, relations=relations, **files)

@@ -13,6 +13,7 @@ from fmu_src import compile as compiling
 from fmu_src.codegen import generate
 from fmu_src.compile import cache
 from fmu_src.kernel import Library
+from fmu_src.records import OwnRecord
 from fmu_src.system import Model, State
 from products.build_notes import is_there, noted, place_of
 from products.module_files import digest_of
@@ -64,6 +65,8 @@ class _Content:
             self.expressions.pack(one)
         elif isinstance(one, np.ndarray):
             self.words.append(f"{one.dtype} {one.shape} {hashlib.sha256(one.tobytes()).hexdigest()}")
+        elif isinstance(one, OwnRecord):
+            self.add(one.record)
         elif id(one) in self.seen:
             self.words.append(f"as {self.seen[id(one)][0]}")
         else:

@@ -201,8 +201,6 @@ PLUMBING = {
     "rbd_model/contact/creep/law.py": {"at_least"},
     "rbd_model/contact/creep/tabulated.py": {"axes", "larger_by", "part_of", "read_creep_table", "write_table"},
     "rbd_model/contact/hertz.py": {"polynomial"},
-    "rbd_model/contact/pair_file.py": {"read_pair", "remarks", "rows_of_record"},
-    "rbd_model/contact/pair_table.py": {"lines", "patch_record", "pieces_of", "side_record"},
     "rbd_model/contact/gauge_side.py": {"upright"},
     "rbd_model/contact/strips_in_c.py": {"array_in_c", "checked", "contour_entry", "contour_in_c", "fitted"},
     "rbd_model/track/line.py": {"arc", "clothoid", "irregular", "joined", "line_of", "read_line", "straight"},

@@ -59,6 +59,7 @@ static void take_in(batch *self, int l, const kernel *own) {
     if (self->lane[l].constants_of != own) {
         spread(n->parameter, l, own->given.parameter, system->parameters);
         spread(n->derived, l, own->run.derived, system->derived);
+        spread(n->coefficient, l, own->given.coefficient, system->table_coefficients);
         self->lane[l].constants_of = own;
     }
     spread(n->input, l, own->given.input, system->inputs);
@@ -257,22 +258,39 @@ static void leave_run(const batch_runs *runs, long long int row, kernel *own, ke
     if (runs->messages && (failed || runs->all_messages)) runs->messages[row] = words_of(own, status);
 }
 
-/* All variables to their start values; the file of all runs is read once. */
+/* Return whether the runs have a file of this path. */
+static bool has_file(const batch_runs *runs, const char *path) {
+    for (int i = 0; path && i < runs->files; ++i)
+        if (strcmp(runs->path[i], path) == 0) return true;
+    return false;
+}
+
+/* All variables to their start values; the files of all runs are read once. */
 static kernel_status reset_run(const batch_runs *runs, kernel *own) {
-    const bool stays = runs->path && own->table_path && strcmp(own->table_path, runs->path) == 0;
-    table_file *table = stays ? own->table : NULL;
-    char *path = stays ? own->table_path : NULL;
-    if (stays) {
-        own->table = NULL;
-        own->table_path = NULL;
-    }
+    kernel before = *own;
+    const bool table = has_file(runs, own->table_path), records = has_file(runs, own->records_path);
+    if (table) own->table = NULL, own->table_path = NULL;
+    if (records) own->records = NULL, own->records_path = NULL;
     kernel_reset(own);
     own->reads_outputs_later = false;
-    if (!stays) return runs->path ? kernel_set_text(own, runs->file, runs->path) : KERNEL_OK;
-    own->table = table;
-    own->table_path = path;
-    own->run.now->table = table->mark;
-    return KERNEL_OK;
+    if (table) {
+        own->table = before.table;
+        own->table_path = before.table_path;
+        own->run.now->table = own->table->mark;
+    }
+    if (records) {
+        own->records = before.records;
+        own->records_path = before.records_path;
+        own->run.now->records = own->records->mark;
+    }
+    kernel_status status = KERNEL_OK;
+    for (int i = 0; i < runs->files && status == KERNEL_OK; ++i) {
+        const char *path;
+        status = kernel_get_text(own, runs->file[i], &path);
+        if (status == KERNEL_OK && strcmp(path, runs->path[i]) != 0)
+            status = kernel_set_text(own, runs->file[i], runs->path[i]);
+    }
+    return status;
 }
 
 static kernel_status initialise_run(const batch_runs *runs, long long int row, kernel *own) {

@@ -27,8 +27,9 @@ typedef struct {
     int variables, outputs;
     const int *variable, *output;
     const double *value; /* count x variables: start values */
-    int file;            /* the variable that names the file of all runs */
-    const char *path;    /* NULL: no file */
+    int files;           /* of all runs: the variables that name them, and their paths */
+    const int *file;
+    const char *const *path;
     double start, stop;  /* [s] */
     double *result;      /* count x outputs: where a run ends */
     double *end;         /* count: when [s] */

@@ -18,6 +18,8 @@ void kernel_enter_system(kernel *self) {
     for (int i = 0; i < system->states; ++i) self->work.differential[i] = 1.0;
     for (int i = 0; i < system->algebraics; ++i) self->work.differential[system->algebraic[i]] = 0.0;
     for (int i = 0; i < 2 * system->tables; ++i) self->given.held[i] = NAN; /* no range is valid yet */
+    double *value = self->given.coefficient + system->table_coefficients - system->records;
+    for (int i = 0; i < system->records; ++i) value[i] = records_value(&system->record[i], self->records);
 }
 
 /* Return the index of the chosen system in the model, with another value of one selector (-1: none); below 0 if it does not
@@ -85,6 +87,19 @@ static kernel_status check_relations(kernel *self) {
     return KERNEL_OK;
 }
 
+/* Check that the chosen system can run with its records. A file without effect is a warning, unless the system refuses it. */
+static kernel_status check_records(kernel *self, const system_description *system) {
+    const record *root = self->records ? &self->records->root : system->records ? system->record[0].own : NULL;
+    if (root && !records_are_exact(root))
+        return kernel_fail(self, KERNEL_ERROR, "This computer's addresses of memory are too large for a %s.",
+                           MODEL.record_file->noun);
+    if (!self->records || system->records) return KERNEL_OK;
+    const char *name = MODEL.variable[MODEL.record_file->variable].name;
+    if (system->refuses_records) return kernel_fail(self, KERNEL_ERROR, "%s", system->refuses_records);
+    return kernel_fail(self, KERNEL_WARNING, "Nothing in the system \"%s\" depends on %s, so that setting this has no effect.",
+                       system->name, name);
+}
+
 kernel_status kernel_initialise(kernel *self, double time) {
     if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "The start time must be a finite number; got %g.", time);
     if (self->run.value[MODEL.integration_method] == (double)METHOD_EXPLICIT && self->run.value[MODEL.integration_step] == 0.0)
@@ -98,6 +113,8 @@ kernel_status kernel_initialise(kernel *self, double time) {
     if (!self->table && MODEL.system[chosen].tables > 0)
         return kernel_fail(self, KERNEL_ERROR, "%s must be the path of a file with a %s; got no path. This model has no other.",
                            kernel_name_of_table_file(), MODEL.table_file->noun);
+    const kernel_status of_records = check_records(self, &MODEL.system[chosen]);
+    if (of_records == KERNEL_ERROR) return of_records;
     self->run.now->system = chosen;
     kernel_enter_system(self);
     const system_description *system = self->system;
@@ -137,7 +154,7 @@ kernel_status kernel_initialise(kernel *self, double time) {
                                  time_text(time, 9, when));
     }
     self->run.now->outputs_stale = self->run.now->inputs_jumped = false;
-    kernel_status status = KERNEL_OK;
+    kernel_status status = of_records;
     for (int i = 0; i < MODEL.variables; ++i)
         if (MODEL.variable[i].causality == CAUSALITY_INPUT && kernel_warn_without_effect(self, i) != KERNEL_OK)
             status = KERNEL_WARNING;

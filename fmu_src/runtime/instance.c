@@ -147,6 +147,8 @@ void kernel_free(kernel *self) {
     if (!self) return;
     table_free(self->table);
     free(self->table_path);
+    records_free(self->records);
+    free(self->records_path);
     free(self->run.block);
     free(self->scratch);
     free(self->pivots);
@@ -156,6 +158,7 @@ void kernel_free(kernel *self) {
 
 void kernel_reset(kernel *self) {
     kernel_leave_table(self);
+    kernel_leave_records(self);
     memset(self->run.block, 0, self->run.doubles * sizeof(double));
     memset(self->warned, 0, (size_t)MODEL.variables);
     memset(&self->counters, 0, sizeof self->counters);

@@ -5,6 +5,7 @@
 #include "duration.h"
 #include "kernel.h"
 #include "known.h"
+#include "record_file.h"
 #include "state.h"
 #include "table_file.h"
 #include "workspace.h"
@@ -40,6 +41,8 @@ struct kernel {
     int lanes; /* how many copies of a repeated component generated functions compute at once */
     table_file *table; /* null: none */
     char *table_path;
+    record_file *records; /* null: none */
+    char *records_path;
     dimensions room;
     run_state run;
     given_values given;
@@ -79,6 +82,7 @@ RUNTIME_LOCAL kernel_status kernel_warn_of_idle_parameters(kernel *self);
 /* Report that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
 RUNTIME_LOCAL kernel_status kernel_discard(kernel *self, unsigned long long noted, double reached);
 RUNTIME_LOCAL void kernel_leave_table(kernel *self);
+RUNTIME_LOCAL void kernel_leave_records(kernel *self);
 /* Set the data that follow from the chosen system and the parameters and are not restored with them. */
 RUNTIME_LOCAL void kernel_enter_system(kernel *self);
 RUNTIME_LOCAL void kernel_gather_inputs(kernel *self);

@@ -37,8 +37,9 @@ static void object_dispose(fmu_object *self) {
 
 static bool keep_folder(fmu_object *self, const char *folder) {
     const size_t of_table = MODEL.table_file ? strlen(MODEL.table_file->resource) + 1 : 0;
+    const size_t of_records = MODEL.record_file ? strlen(MODEL.record_file->resource) + 1 : 0;
     self->folder_length = strlen(folder);
-    self->resources = (char *)malloc(self->folder_length + (of_table > sizeof START_VALUES ? of_table : sizeof START_VALUES));
+    self->resources = (char *)malloc(self->folder_length + of_table + of_records + sizeof START_VALUES);
     if (self->resources) strcpy(self->resources, folder);
     return self->resources != NULL;
 }
@@ -123,21 +124,31 @@ static kernel_status own_start_values(fmu_object *self) {
     return status;
 }
 
-static kernel_status own_table(fmu_object *self) {
+/* Set the variable of a file to the FMU's own one, if there is one. */
+static kernel_status own_data(fmu_object *self, const char *resource, int variable) {
     kernel_status status = KERNEL_OK;
-    FILE *file = MODEL.table_file ? own_file(self, MODEL.table_file->resource, &status) : NULL;
+    FILE *file = own_file(self, resource, &status);
     if (!file) return status;
     fclose(file);
-    return kernel_set_text(self->machine, MODEL.table_file->variable, self->resources);
+    return kernel_set_text(self->machine, variable, self->resources);
+}
+
+static kernel_status own_table(fmu_object *self) {
+    return MODEL.table_file ? own_data(self, MODEL.table_file->resource, MODEL.table_file->variable) : KERNEL_OK;
+}
+
+static kernel_status own_records(fmu_object *self) {
+    return MODEL.record_file ? own_data(self, MODEL.record_file->resource, MODEL.record_file->variable) : KERNEL_OK;
 }
 
 /* Start values are those of the FMU's own files, where there are any: `start_values.csv` has rows NAME,VALUE, and the
- * resource that a table file is called is its table. */
+ * resources that a table file and a file of records are called are these files. */
 static kernel_status object_reset(fmu_object *self) {
     kernel_reset(self->machine);
     if (!self->resources) return KERNEL_OK;
-    const kernel_status status = own_start_values(self);
-    return status <= KERNEL_WARNING ? own_table(self) : status;
+    kernel_status status = own_start_values(self);
+    if (status <= KERNEL_WARNING) status = own_table(self);
+    return status <= KERNEL_WARNING ? own_records(self) : status;
 }
 
 /* ---- the kernel's functions, by the names of the table ---- */

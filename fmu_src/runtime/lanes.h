@@ -12,6 +12,7 @@
 #include "lanes_names.h"
 #include "lanes_widest.h"
 #include "piecewise.h"
+#include "records.h"
 
 #if LANES > LANES_WIDEST
 #error "LANES is more than LANES_WIDEST"
@@ -84,19 +85,23 @@
 #include "lanes_scalar.h"
 #include "lanes_math.h"
 #include "lanes_table.h"
+#include "lanes_records.h"
 #elif LANES == 2 && !defined(LANES_2_KNOWN)
 #define LANES_2_KNOWN
 #include "lanes_vector.h"
 #include "lanes_math.h"
 #include "lanes_table.h"
+#include "lanes_records.h"
 #elif LANES == 4 && !defined(LANES_4_KNOWN)
 #define LANES_4_KNOWN
 #include "lanes_vector.h"
 #include "lanes_math.h"
 #include "lanes_table.h"
+#include "lanes_records.h"
 #elif LANES == 8 && !defined(LANES_8_KNOWN)
 #define LANES_8_KNOWN
 #include "lanes_vector.h"
 #include "lanes_math.h"
 #include "lanes_table.h"
+#include "lanes_records.h"
 #endif

@@ -7,6 +7,10 @@
 #define real_of LANES_NAME(real_of)
 #define real_from LANES_NAME(real_from)
 #define real_look_up LANES_NAME(real_look_up)
+#define real_look_up_in LANES_NAME(real_look_up_in)
+#define real_numbers_in LANES_NAME(real_numbers_in)
+#define real_records_in LANES_NAME(real_records_in)
+#define real_record_in LANES_NAME(real_record_in)
 #define real_not LANES_NAME(real_not)
 #define real_select LANES_NAME(real_select)
 #define real_where LANES_NAME(real_where)
@@ -44,6 +48,7 @@
 #define real_hypot LANES_NAME(real_hypot)
 
 /* Within these headers. */
+#define lanes_are_same LANES_NAME(lanes_are_same)
 #define lanes_asin_rest LANES_NAME(lanes_asin_rest)
 #define lanes_atan_rest LANES_NAME(lanes_atan_rest)
 #define lanes_atanh_rest LANES_NAME(lanes_atanh_rest)

@@ -60,12 +60,27 @@ typedef struct {
     generated_function pace; /* how the start values of all states grow with that of `speed` */
 } steady_start;
 
+typedef struct record record; /* see records.h */
+
+enum { LONGEST_PATH = 2 };
+
+/* A number of a record, or the record itself (number -1), as generated functions take it. */
+typedef struct {
+    const record *own; /* the root record of an instance without a file */
+    int steps;
+    struct {
+        int list, entry; /* entry -1: the last; one of a shorter list is its last */
+    } step[LONGEST_PATH];
+    int number;
+} value_of_record;
+
 typedef struct {
     const char *name;
     int states, algebraics, algebraic_nonzeros, nonzeros;
     int factors, lower_factors; /* entries of a step's factors, and of those below the diagonal */
     int inputs, parameters, derived, frictions, outputs;
-    int tables, table_ranks, table_coefficients;
+    int tables, table_ranks, table_coefficients; /* the last ones of these are values of records */
+    int records;
     int limits;           /* states with a limited change within a step */
     int ends, conditions; /* the conditions that end a run, and with those that only warn */
     int exchanged;        /* whether its states and switches are those of model exchange */
@@ -85,6 +100,7 @@ typedef struct {
     const limited_change *limited;
     const friction_description *friction;
     const table_description *table;
+    const value_of_record *record;
     const char *const *sentence; /* of each condition; its first %s is the time */
     /* null: not needed */
     generated_function derive, start, ode, jacobian, output, drive, capacity;
@@ -98,6 +114,7 @@ typedef struct {
      * diagonal of the factors, then the entries below it. `substitute` overwrites a vector with the solution. */
     generated_factors factorise;
     generated_solution substitute;
+    const char *refuses_records; /* why it runs with no file of records; null: such a file has an effect, or a warning */
     const steady_start *steady; /* null: a run starts with the start values */
     const generated_function *table_argument; /* one for each rank */
 } system_description;
@@ -145,6 +162,40 @@ typedef struct {
     void (*piece_between)(const table_file *self, int piece, const table_part *part, double *coefficient);
 } table_file_description;
 
+/* What a record in a file has, in this order; numbers outside of their limits are refused. */
+typedef struct {
+    const char *name;
+    double minimum, maximum;
+} number_of_record;
+typedef struct {
+    const char *name;
+    int terms; /* of a row: breakpoint and coefficients */
+    double minimum, maximum; /* of a breakpoint */
+} table_of_record;
+typedef struct {
+    const char *name;
+    int kind, least, most;
+} list_of_record;
+typedef struct {
+    int numbers, tables, lists;
+    const number_of_record *number;
+    const table_of_record *table;
+    const list_of_record *list;
+} record_kind;
+
+/* Records that an instance reads from a file before the start. */
+typedef struct {
+    int variable; /* the one that names the file */
+    const char *noun; /* its name in messages, "contact table" */
+    const char *resource; /* name of the file among the resources of an FMU, after a slash */
+    const char *remedy; /* the end of a message about a damaged file */
+    const char *name; /* the word in the first row of a file */
+    int version;
+    const record_kind *kind; /* the root's is the first */
+    /* The model's rule for the numbers of a record of a kind: return whether it is met, and a message in `problem` if not. */
+    bool (*check)(int kind, const double *number, char *problem, size_t size);
+} record_file_description;
+
 /* A relation of parameters: a constant plus parameters, each times a factor, must be above 0. */
 typedef struct {
     int terms;
@@ -167,6 +218,7 @@ typedef struct {
     const system_description *system;
     const table_file_description *table_file; /* null: none; otherwise `choice` has first all systems without a table, then
                                                * all with one, -1 where there is no system */
+    const record_file_description *record_file; /* null: none */
     int relations;
     const relation_description *relation;
 } model_description;

@@ -23,4 +23,13 @@ static inline const double *piecewise_search(const piecewise *table, double at) 
     return table->row + low * table->terms;
 }
 
+/* Return the row of the piece at a place. */
+static inline const double *piecewise_row(const piecewise *table, double at) {
+    if (!table->equal) return piecewise_search(table, at);
+    double share = (at - table->row[0]) * table->per_unit;
+    share = share < 0.0 ? -1.0 : share;
+    share = share < table->pieces ? share : table->pieces;
+    return table->row + (1 + (int)share) * table->terms;
+}
+
 #endif

@@ -11,14 +11,20 @@ void kernel_copy_block(const kernel *self, void *bytes) { memcpy(bytes, self->ru
 kernel_status kernel_take_block(kernel *self, const void *bytes) {
     run_record saved;
     memcpy(&saved, bytes, sizeof saved);
-    if (saved.system < -1 || saved.system >= MODEL.systems || (saved.table && !MODEL.table_file))
+    if (saved.system < -1 || saved.system >= MODEL.systems || (saved.table && !MODEL.table_file) ||
+        (saved.records && !MODEL.record_file))
         return kernel_fail(self, KERNEL_ERROR, "The saved state must be of %s; got another one. Nothing was restored.",
                            MODEL.name);
     if (saved.table && saved.table != self->run.now->table)
         return kernel_fail(self, KERNEL_ERROR,
                            "The saved state is one %s another %s. Set %s to that of the saved state. Nothing was restored.",
                            MODEL.table_file->in_use, MODEL.table_file->noun, kernel_name_of_table_file());
+    if (saved.records && saved.records != self->run.now->records)
+        return kernel_fail(self, KERNEL_ERROR,
+                           "The saved state is one with another %s. Set %s to that of the saved state. Nothing was restored.",
+                           MODEL.record_file->noun, MODEL.variable[MODEL.record_file->variable].name);
     if (!saved.table) kernel_leave_table(self);
+    if (!saved.records) kernel_leave_records(self);
     memcpy(self->run.block, bytes, kernel_block_size(self));
     kernel_enter_system(self);
     return KERNEL_OK;

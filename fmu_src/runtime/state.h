@@ -11,6 +11,7 @@ typedef struct {
     double proposed_step;
     double kept_time, kept_until, kept_size; /* kept Jacobian: when it was taken, until when it is used, its step */
     unsigned long long table;    /* mark of the table file; 0: no file */
+    unsigned long long records;  /* the same of the file of records */
     double switched, reluctance; /* model exchange: time of the last switch, and its effect on reluctance, see modes.c */
     double guard_warned;           /* quantity in the last warning about fixed steps; 0: none yet */
     int kept_steps;              /* steps with the kept Jacobian so far; -1: none is kept */

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fmu_src.records import LARGEST_NUMBER, MOST_PIECES, Pieces, Record, RecordKind, TableOfRecord
+from fmu_src.system import RecordFile, Variable
 from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
 from rbd_model.contact.pair_table import PAIR, PATCH, SIDE, pair_record
 from readers.storage import write_whole
@@ -27,6 +28,23 @@ VERSION = 1
 UNIT = 1e-9
 #: How to mend a damaged file.
 MAKE_AGAIN = "Make the file again with bogie-braking profile"
+#: The contact table as data of an instance.
+PAIR_FILE = RecordFile(
+    Variable(
+        "profile_file",
+        "parameter",
+        "1",
+        "Path of a contact table, the profiles of wheels and rails at level 3 with contact model 2 (docs/profiles.md), "
+        "read when it is set; empty: pair.csv in the resources of the FMU where there is one, else the vehicle's own",
+        kind="string",
+    ),
+    noun="contact table",
+    resource="pair.csv",
+    remedy=MAKE_AGAIN,
+    version=VERSION,
+    kind=PAIR,
+    source=f"static const double UNIT = {UNIT};\n{(Path(__file__).parent / 'pair.c').read_text(encoding='utf-8')}",
+)
 
 
 def write_pair(sides: Sides, path: str | Path) -> Path:
@@ -59,7 +77,7 @@ def write_pair(sides: Sides, path: str | Path) -> Path:
 
 
 def remarks(sides: Sides) -> Iterator[str]:
-    """Yield the rows that tell what pair it is."""
+    """Yield the rows that tell what pair it is (section 4.3)."""
     yield "# Contact table of wheels and rails for the parameter profile_file of bogie-braking. Units: metres, radians."
     equal = sides.left == sides.right
     for word, one in (("Both sides", sides.left),) if equal else (("Left", sides.left), ("Right", sides.right)):
@@ -83,7 +101,7 @@ def _places(one: Side) -> str:
 
 
 def rows_of_record(record: Record) -> Iterator[str]:
-    """Yield the rows of a record: numbers, tables, lists."""
+    """Yield the rows of a record: numbers, tables, lists (section 4.3)."""
     for number, value in zip(record.kind.numbers, record.numbers, strict=True):
         yield f"{number.name},{value!r}"
     for about, (breakpoints, coefficients) in zip(record.kind.tables, record.tables, strict=True):
@@ -98,7 +116,7 @@ def rows_of_record(record: Record) -> Iterator[str]:
 
 
 def read_pair(path: str | Path) -> Record:
-    """Return the contact table in a file that `write_pair` has written.
+    """Return the contact table in a file that `write_pair` has written (section 4.3).
 
     Parameters
     ----------
@@ -162,13 +180,12 @@ class _Reader:
             self.number(one.name, self.cells(one.name, 1)[0], one.minimum, one.maximum) for one in kind.numbers
         )
         tables = tuple(self.table(one) for one in kind.tables)
+        self.check(Record(kind, numbers))
         lists = tuple(
             tuple(self.record(one.kind) for _ in range(self.count("list", one.name, one.least, one.most)))
             for one in kind.lists
         )
-        found = Record(kind, numbers, tables, lists)
-        self.check(found)
-        return found
+        return Record(kind, numbers, tables, lists)
 
     def check(self, found: Record) -> None:
         """Refuse a record whose numbers do not fit each other; the twin in C is pair.c."""

@@ -13,7 +13,16 @@ import numpy as np
 
 from fmu_src.records import ListOfRecord, NumberOfRecord, Pieces, Record, RecordKind, TableOfRecord
 from rbd_model.contact.geometry import Side, Sides
-from rbd_model.contact.patches import MOST_PATCHES, Patch, check_ellipses, patches_of, stand_on_treads
+from rbd_model.contact.patches import (
+    MOST_PATCHES,
+    TABLE_PITCH,
+    Patch,
+    check_ellipses,
+    in_direction,
+    offsets_of,
+    patches_of,
+    stand_on_treads,
+)
 from rbd_model.contact.profiles import DEGREE
 from readers.text import BadInputError
 
@@ -36,7 +45,8 @@ def _table(name: str, degree: int) -> TableOfRecord:
 
 
 #: A patch of a wheel. `steepest` is 1 for the last part of a flange, on which a wheel climbs. `cosine` and `sine` are
-#: those of the direction along which the patch is described; of a tread it is level.
+#: those of the direction along which the patch is described; of a tread it is level. `gap` is the distance of wheel and
+#: rail square to it, by the offset as the nearest point, without roll; `middle` is a place along it on the wheel.
 PATCH = RecordKind(
     "patch",
     (
@@ -44,11 +54,19 @@ PATCH = RecordKind(
         _place("square"),
         NumberOfRecord("cosine", "1", 0.0, 1.0),
         NumberOfRecord("sine", "1", -1.0, 1.0),
+        _place("middle"),
         NumberOfRecord("steepest", "1", 0.0, 1.0),
     ),
-    (_table("nearest", 3), _table("along", 3), _table("wheel", DEGREE), _table("rail", DEGREE)),
+    (
+        _table("nearest", 3),
+        _table("along", 3),
+        _table("wheel", DEGREE),
+        _table("rail", DEGREE),
+        _table("gap", 1),
+    ),
 )
-#: A wheel on its rail. `depth`, `slope`, `bend` of the wheel and `rail_bend` are those where a centred wheelset stands.
+#: A wheel on its rail. `depth` and `slope` of the wheel and `curvature`, B of eq. (3.83), are those where a centred
+#: wheelset stands.
 SIDE = RecordKind(
     "side",
     (
@@ -57,8 +75,7 @@ SIDE = RecordKind(
         *(_place(f"{word}_{end}") for word in ("wheel", "rail") for end in ("begins", "ends")),
         _place("depth"),
         NumberOfRecord("slope", "1", -STEEPEST, STEEPEST),
-        NumberOfRecord("bend", "1/m", -MOST_CURVED, MOST_CURVED),
-        NumberOfRecord("rail_bend", "1/m", -MOST_CURVED, MOST_CURVED),
+        NumberOfRecord("curvature", "1/m", -MOST_CURVED, MOST_CURVED),
     ),
     lists=(
         ListOfRecord("treads", PATCH, 1, MOST_PATCHES),
@@ -97,7 +114,7 @@ def pair_record(pair: Sides) -> Record:
 
 
 def lines(places: list[float], values: list[float]) -> Pieces:
-    """Return straight lines through points, which go on BESIDE the first and the last one."""
+    """Return straight lines through points, which go on BESIDE the first and the last one (section 4.3)."""
     x, y = np.array(places), np.array(values)
     slopes = np.diff(y) / np.diff(x)
     rows = np.column_stack([np.append(y[:-1], y[-1]), np.append(slopes, slopes[-1])])
@@ -106,35 +123,64 @@ def lines(places: list[float], values: list[float]) -> Pieces:
 
 
 def pieces_of(breakpoints: np.ndarray, coefficients: np.ndarray) -> Pieces:
-    """Return a table as tuples, which compare and hash."""
+    """Return a table as tuples, which compare and hash (section 4.3)."""
     return tuple(breakpoints.tolist()), tuple(map(tuple, coefficients.tolist()))
 
 
 def side_record(one: Side, stands: float) -> Record:
-    """Return the record of a wheel on its rail; stands: place where the wheel of a centred wheelset touches [m]."""
+    """Return the record of a wheel on its rail (section 4.3).
+
+    stands: place where the wheel of a centred wheelset touches [m].
+    """
     try:
         check_ellipses(one)
         patches = patches_of(one)
     except ValueError as error:
         raise BadInputError(str(error)) from None
-    place = np.array(stands)
-    depth, slope, bend = (float(one.wheel.height(place, n)) for n in range(3))
-    shape = depth, slope, bend, float(one.rail.height(place, 2))
-    numbers = one.wheel_half_distance, one.rail_half_distance, *one.wheel.limits, *one.rail.limits, *shape
+    limits = *one.wheel.limits, *one.rail.limits
+    numbers = one.wheel_half_distance, one.rail_half_distance, *limits, *shape_at(one, stands)
     steepest = patches[-1] if patches[-1].flange else None
     every = [(patch.flange, patch_record(one, patch, patch is steepest)) for patch in patches]
     lists = tuple(tuple(record for flange, record in every if flange == asked) for asked in (False, True))
     return Record(SIDE, numbers, (), lists)
 
 
+def shape_at(one: Side, on_wheel: float) -> tuple[float, float, float]:
+    """Return depth [m] and slope of a wheel at a place [m], and half the curvature of wheel and rail there, eq. (3.83).
+
+    The rail's place is that of the wheel.
+    """
+    place = np.array(on_wheel)
+    depth, slope, bend = (float(one.wheel.height(place, n)) for n in range(3))
+    return depth, slope, (bend - float(one.rail.height(place, 2))) / (2 * math.sqrt(1 + slope**2) ** 3)
+
+
 def patch_record(one: Side, patch: Patch, steepest: bool) -> Record:
-    """Return the record of a patch; steepest: whether it is the last part of a flange."""
+    """Return the record of a patch (section 9.4.1); steepest: whether it is the last part of a flange."""
     if not patch.flange and patch.direction != 0.0:
         angle = math.degrees(patch.direction)
         raise BadInputError(
             f"At contact model 2 a tread must bear where it slopes by more than -20 degrees; {one.wheel.name} on "
             f"{one.rail.name} bears at {angle:.0f} degrees. Take contact model 3, or change where they have y = 0."
         )
-    tables = (pieces_of(*each) for each in (patch.nearest, patch.along, one.wheel.pieces, patch.rail.pieces))
+    tables = [pieces_of(*each) for each in (patch.nearest, patch.along, one.wheel.pieces, patch.rail.pieces)]
     turned = math.cos(patch.direction), math.sin(patch.direction)
-    return Record(PATCH, (patch.radius, patch.square, *turned, float(steepest)), tuple(tables))
+    middle = float(np.mean(patch.along[1][:, 0]))
+    return Record(PATCH, (patch.radius, patch.square, *turned, middle, float(steepest)), (*tables, gap_of(one, patch)))
+
+
+def gap_of(one: Side, patch: Patch) -> Pieces:
+    """Return the distance of a patch from the rail by the offset [m] (section 3.3.2), straight from one to the next.
+
+    Beside the offsets of the nearest points, and beside the rail, it is that of the last ones, as in the equations.
+    Beyond all searched offsets it is -FARTHEST, as if the patch touched.
+    """
+    known, rows = patch.nearest
+    x = offsets_of(one)
+    last = np.polynomial.polynomial.polyval(known[-1] - known[-2], rows[-1])
+    places = np.interp(x, known, np.append(rows[:, 0], last))
+    along, square = in_direction(places, one.wheel.height(places), patch.direction)
+    y = square - patch.rail.height(np.clip(along + x, *patch.rail.limits))
+    ends = [-FARTHEST, 0.0]
+    coefficients = np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
+    return pieces_of(np.array([x[0] - TABLE_PITCH, *x, x[-1] + TABLE_PITCH]), np.vstack([ends, coefficients, ends]))

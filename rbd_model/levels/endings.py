@@ -77,7 +77,7 @@ def wheel_rise(assembly: Assembly, wheelset: WheelsetOnRails, index: int) -> ca.
     It is measured at the lowest point of the nominal radius and shows how far the wheel has climbed or lifted
     (section 9.4.1).
     """
-    outwards = list(SIDES)[index] * wheelset.data.pair.both[index].wheel_half_distance
+    outwards = list(SIDES)[index] * wheelset.wheel_half_distance(index)
     up = wheelset.body.axes[2, :]
     lowest = up[1] * outwards - up[2] * assembly.value(wheelset.data.radius[index])
     return wheelset.body.position[2] + lowest - wheelset.rail_heights[index]
@@ -97,8 +97,7 @@ def watch_patches(assembly: Assembly, wheelsets: Sequence[ElasticWheelset]) -> N
         for index, side in enumerate(SIDES.values()):
             name = f"{side} wheel of wheelset {wheelset.number}"
             end_on_patches(assembly, wheelset, index)
-            *others, steepest = (near.approach / COUNTED for near in wheelset.nearest[index])
-            tread, flange = ca.mmax(ca.vertcat(*others)), steepest
+            tread, flange = (approach / COUNTED for approach in wheelset.approaches[index])
             climbing = f"Flange climb: the {name} left its tread and climbed on its flange at %s s."
             system.warn_when_negative(ca.if_else(flange > 0, tread, 1), climbing)
             risen = f"Flange climb: the {name} had risen by {1e3 * CLIMBED:g} mm on its flange at %s s."
@@ -137,7 +136,7 @@ def warn_of_tipping(assembly: Assembly, wheelsets: Sequence[ElasticWheelset], in
     side, other = list(SIDES.values())[index], list(SIDES.values())[1 - index]
     rooms = []
     for wheelset in wheelsets:
-        approach = ca.mmax(ca.vertcat(*[near.approach for near in wheelset.nearest[index]]))
+        approach = ca.fmax(*wheelset.approaches[index])
         rooms.append(ca.if_else(approach > 0, CLIMBED, CLIMBED - wheel_rise(assembly, wheelset, index)))
     sentence = (
         f"Overturning: all {side} wheels were {1e3 * CLIMBED:g} mm off their rails at %s s; the vehicle tips over its "

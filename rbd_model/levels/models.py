@@ -9,6 +9,7 @@ from fmu_src.chain import ONE_WRITES
 from fmu_src.system import NONE, Model, System, Variable, choosing, integration_variables
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.depth import DEPTHS, Contact
+from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
 from rbd_model.levels.spatial import spatial_vehicle
@@ -91,6 +92,7 @@ def model_of_levels(name: str, text: str, vehicle: Vehicle, places: Sequence[int
         *chosen_by,
         *parameters,
         *([LINE.variable] if on_line else []),
+        *([PAIR_FILE.variable] if any(system.record_file for system in systems) else []),
         *integration_variables(DEFAULT_TOLERANCE),
     )
     relations = relations_of(vehicle, [one.name for one in parameters])

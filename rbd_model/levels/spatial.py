@@ -19,6 +19,7 @@ from rbd_model.body.kinematics import Body
 from rbd_model.body.suspension import loads_of
 from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
 from rbd_model.contact.depth import ONE_RIGID_CONTACT, Contact
+from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.levels.common import (
     add_common_outputs,
     elevation,
@@ -61,6 +62,10 @@ DEPTHS = {
 }
 
 
+#: The contact model whose profiles are data of an instance.
+OF_ANY_PROFILES = 2
+
+
 def spatial_vehicle(
     vehicle: Vehicle, track: Track, contact: Contact = ONE_RIGID_CONTACT, on_line: bool = False
 ) -> System:
@@ -87,6 +92,11 @@ def spatial_vehicle(
     assembly = assemble(depth.name, "3-D contact, hunting, derailment", vehicle, f"{first.name}_", on_line)
     assembly = replace(assembly, contact=contact, axle_height=assembly.radius(vehicle.wheelsets[0]))
     system, p = assembly.system, assembly.parameter
+    if contact.depth != OF_ANY_PROFILES:
+        system.refuses_records = (
+            f"{PAIR_FILE.variable.name} must be empty at contact model {contact.depth}, which has the vehicle's own "
+            f"profiles in its equations. Leave it out, or set contact_model to {OF_ANY_PROFILES}."
+        )
     if on_line:
         # Each body has the axes of the track at its own place on the line (section 3.2.1).
         assembly, track = replace(assembly, frame_at=partial(frame_on_line, system)), with_line(track)

@@ -4,6 +4,7 @@ import math
 from itertools import product
 
 from fmu_src.system import Variable
+from rbd_model.contact.pair_table import LARGEST_SHIFT
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import RigidBody, Vehicle
 
@@ -162,7 +163,7 @@ def drive_inertia() -> Variable:
 
 
 #: Largest offsets at the start: tread contact is lost at 11.5 mm (section 9.4.1) [m]; and a yaw of 3 degrees [rad].
-LARGEST_LATERAL, LARGEST_YAW = 0.010, 0.05
+LARGEST_LATERAL, LARGEST_YAW = LARGEST_SHIFT, 0.05
 
 
 def initial_offsets() -> tuple[Variable, Variable]:

@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
-import numpy as np
 
+from fmu_src.records import OwnRecord
 from rbd_model.body.bodies import at_start, start_along
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
-from rbd_model.contact.geometry import Side, Sides
+from rbd_model.contact.geometry import Side
 from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
-from rbd_model.contact.patches import TreadStand, check_ellipses, patches_of, stand_on_treads
+from rbd_model.contact.pair_file import PAIR_FILE
+from rbd_model.contact.pair_table import pair_record
+from rbd_model.contact.patches import check_ellipses, patches_of
 from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
 from rbd_model.track.irregularity import Section
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
 from rbd_model.vehicle.scales import NOMINAL_TRAVEL_SPEED
-from rbd_model.vehicle.variables import LARGEST_LATERAL
 from rbd_model.wheelset.in_space import (
     END_MARGIN,
     NOMINAL_ROLL,
@@ -34,28 +34,42 @@ from rbd_model.wheelset.in_space import (
     stand_on_track,
 )
 from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack
+from rbd_model.wheelset.profiles_of import ProfilesOf, SideOf
 from rbd_model.wheelset.touch import SIDES, Placement, Wheel
 from rbd_model.wheelset.touching_patch import Nearest, PatchTables, find_nearest
-from rbd_model.wheelset.wheel_on_patches import Feeling, WheelPress, wheel_on_patches
+from rbd_model.wheelset.wheel_on_patches import Feeling, WheelPress
+from rbd_model.wheelset.wheel_on_record import (
+    FLANGES,
+    TREADS,
+    asked_of_record,
+    given_of,
+    near_of,
+    patch_of_record,
+    watched_wheel,
+    wheel_on_record,
+)
 from rbd_model.wheelset.yielding_rails import Give, add_give, press_rails
 
 #: Scales of the error control: with tolerance 1e-6, 1 nm of an approach that is 0.1 mm under load.
 NOMINAL_RISE = 1e-3
 #: Approach at which a contact's stiffness is evaluated [m]; its value does not matter.
 UNIT_APPROACH = 1e-3
-#: Pitch of the table of wheelset positions on the treads [m].
-STAND_PITCH = 0.25e-3
 
 
 @dataclass(frozen=True)
 class ElasticWheelset(WheelsetOnRails):
     """A wheelset on elastic contacts.
 
-    nearest: nearest points of the patches to their rails, by wheel (left, right) and in the order of `patches_of`.
+    approaches: for each wheel (left, right) the largest approach of its patches to the rail except for the steepest one
+    of its flange, and that of this one [m]; negative if they are apart.
     """
 
     stance: Stance
-    nearest: list[list[Nearest]]
+    approaches: list[tuple[ca.SX, ca.SX]]
+
+    def wheel_half_distance(self, index: int) -> ca.SX | float:
+        """Return half the distance of the y = 0 of the left (0) or right wheel (1) [m] (section 4.3)."""
+        return self.stance.profiles.sides[index].wheel_half_distance
 
 
 @dataclass(frozen=True)
@@ -68,6 +82,7 @@ class Stance:
 
     on: OnTrack
     give: Give
+    profiles: ProfilesOf
     height: ca.SX
     settled: ca.SX
     rise: ca.SX
@@ -87,17 +102,18 @@ def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX
     """
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
-    first_rise, first_roll = stand_at_start(assembly, data.pair, on)
+    profiles = ProfilesOf.of(assembly, number)
+    first_rise, first_roll = stand_at_start(assembly, profiles, on)
     # The rise is measured from the position at rest, as for the bodies that the wheelset carries.
     risen = system.state(f"rise_{number}", "m", first_rise, NOMINAL_RISE)
-    sunk = system.derived(f"sinking_{number}", sinking(assembly, number))
-    settled = sunk - (stand_on_treads(data.pair, 0.0).height - data.pair.mean_radius)
+    sunk = system.derived(f"sinking_{number}", sinking(assembly, number, profiles))
+    settled = sunk - profiles.lift
     height = assembly.radius(data) + risen - settled
     rising = system.state(f"rise_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     roll = system.state(f"roll_{number}", "rad", first_roll, NOMINAL_ROLL)
     roll_rate = system.state(f"roll_rate_{number}", "rad/s", 0.0, NOMINAL_TRAVEL_SPEED)
     give = add_give(assembly, number) if assembly.on_line else Give.rigid()
-    stance = Stance(on, give, height, settled, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
+    stance = Stance(on, give, profiles, height, settled, rising, roll, roll_rate, direction_cosines(on.yaw, roll))
     body = Body(
         ca.vertcat(on.along, on.lateral, assembly.radius(data) + risen),
         ca.vertcat(on.forward, on.sideways, rising),
@@ -144,9 +160,9 @@ def add_up(assembly: Assembly, number: int, body: Body, stance: Stance, found: S
         stored=ca.sum1(of_wheels(lambda wheel: wheel.stored)) + give.stored,
         damping_power=ca.sum1(of_wheels(lambda wheel: wheel.damping_power)) + give.damping_power,
         free=stand_freely(assembly, data, body, [wheel.pressed for wheel in found]),
-        lost=[room_left(one, wheel.nearest) / END_MARGIN - 1 for one, wheel in zip(data.pair.both, found, strict=True)],
+        lost=[wheel.room / END_MARGIN - 1 for wheel in found],
         stance=stance,
-        nearest=[wheel.nearest for wheel in found],
+        approaches=[wheel.approaches for wheel in found],
     )
 
 
@@ -154,22 +170,27 @@ def observe_patches(assembly: Assembly, number: int, found: Sequence[WheelFound]
     """Observe the force of the rail on each patch of each wheel [N], in the track's axes at the wheelset, (3.35)."""
     for side, wheel in zip(SIDES.values(), found, strict=True):
         for place, patch in enumerate(wheel.each):
-            for row, force in zip(("ahead", "aside", "above"), ca.vertsplit(patch.force), strict=True):
+            for row, force in zip(("ahead", "aside", "above"), ca.vertsplit(patch), strict=True):
                 assembly.system.observe(f"force_{place}_{number}_{side}_{row}", "N", force)
 
 
 @dataclass(frozen=True)
 class WheelFound:
-    """Effect of the patches of a wheel together and individually, and their nearest points to the rail."""
+    """Effect of the patches of a wheel together, and the force of each of those of the vehicle's own profiles [N].
+
+    `approaches` are those of an `ElasticWheelset`. `room` are the distances of the tread and of the flange from their
+    ends [m].
+    """
 
     pressed: WheelPress
-    each: list[Press]
-    nearest: list[Nearest]
+    each: list[ca.SX]
+    approaches: tuple[ca.SX, ca.SX]
+    room: ca.SX
 
 
 def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
     """Return the forces on the wheel `index` (0: left) of a wheelset on its patches, (3.77), (3.78)."""
-    one, system = side_of(assembly, number, index), assembly.system
+    one, system, profiles = side_of(assembly, number, index), assembly.system, stance.profiles.sides[index]
     check_ellipses(one)
     wheel, state = feel_rail(assembly, number, index, stance)
     track = TurningTrack(body.track.turning, body.stretch)
@@ -181,11 +202,36 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     state = replace(state, slopes=system.narrow(slopes))
     fixed = PatchConstants(stance.cosines, wheel.vector, ca.SX.zeros(2), *surroundings(assembly))
     feeling = Feeling(state, fixed, track if assembly.on_line else None)
-    patches = tuple(PatchTables.of(patch, one.wheel) for patch in patches_of(one))
-    laws = tuple(assembly.contact.law_of(patch.flange) for patch in patches)
-    pressed = system.call(wheel_on_patches(patches, laws, assembly.on_line), *feeling.given)
-    nearest = [feeling.nearest(system, patch) for patch in patches]
-    return WheelFound(WheelPress.of(pressed), feeling.each(system, patches, laws), nearest)
+    assert profiles.record is not None
+    assert profiles.first_tread is not None
+    laws = assembly.contact.law_of(False), assembly.contact.law_of(True)
+    pressed = system.call(wheel_on_record(*laws, assembly.on_line), *given_of(feeling, profiles.record))
+    given = ca.vertcat(state.offset, state.height, state.yaw, state.roll)
+    constants = ca.vertcat(fixed.cosines, fixed.wheel, profiles.record)
+    approaches = system.call(watched_wheel(flange_alone=False), given, constants)
+    of_flange = system.call(watched_wheel(flange_alone=True), given, constants)
+    tread = near_of(system, feeling, profiles.first_tread, flange=False)
+    room = room_left(profiles, tread, -of_flange[2])
+    each = force_of_each(assembly, number, index, feeling)
+    return WheelFound(WheelPress.of(pressed), each, (approaches[0], approaches[1]), room)
+
+
+def force_of_each(assembly: Assembly, number: int, index: int, feeling: Feeling) -> list[ca.SX]:
+    """Return the force of the rail on each patch of the vehicle's own profiles [N], (3.35).
+
+    With a contact table of other profiles they are those of its patches with the same numbers.
+    """
+    system, pair = assembly.system, assembly.vehicle.wheelsets[number - 1].pair
+    counts, forces = {False: 0, True: 0}, []
+    for patch in patches_of(pair.both[index]):
+        path = [(0, index), (FLANGES if patch.flange else TREADS, counts[patch.flange])]
+        counts[patch.flange] += 1
+        record = system.of_record(PAIR_FILE, OwnRecord(pair_record, pair), path)
+        given = given_of(feeling, record)
+        asked = system.call(asked_of_record(patch.flange, assembly.on_line), *given)
+        part = patch_of_record(patch.flange, assembly.contact.law_of(patch.flange), assembly.on_line)
+        forces.append(WheelPress.of(system.call(part, *given, asked)).force)
+    return forces
 
 
 def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
@@ -208,7 +254,10 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     constants = ca.vertcat(wheel.vector, *steel, without_slip, damping, gauge_face, POISSON_RATIO, assembly.on_line)
     found = assembly.system.call(wheel_on_strips(one), given, constants)
     each = [Press.of(found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)]) for i in reversed(range(len(patches)))]
-    return WheelFound(WheelPress.of_patches(each, [patch.flange for patch in patches]), each, nearest)
+    pressed = WheelPress.of_patches(each, [patch.flange for patch in patches])
+    *others, steepest = (near.approach for near in nearest)
+    room = room_left(stance.profiles.sides[index], nearest[0], nearest[-1].position)
+    return WheelFound(pressed, [patch.force for patch in each], (ca.mmax(ca.vertcat(*others)), steepest), room)
 
 
 #: By the contact model: the function for the forces on a wheel.
@@ -222,7 +271,7 @@ def side_of(assembly: Assembly, number: int, index: int) -> Side:
 
 def feel_rail(assembly: Assembly, number: int, index: int, stance: Stance) -> tuple[Wheel, PatchState]:
     """Return a wheel, its position and its motion on its rail (section 3.2); its nearest point is not known yet (0)."""
-    data, on, one = assembly.vehicle.wheelsets[number - 1], stance.on, side_of(assembly, number, index)
+    data, on, one = assembly.vehicle.wheelsets[number - 1], stance.on, stance.profiles.sides[index]
     moved, speed = stance.give.moved, stance.give.speed
     distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
     side, (spread, spreading) = list(SIDES)[index], ca.horzsplit(on.spread)
@@ -266,62 +315,59 @@ def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequen
     return assembly.system.narrow(moved)
 
 
-def room_left(one: Side, nearest: Sequence[Nearest]) -> ca.SX:
+def room_left(one: SideOf, tread: Nearest, on_flange: ca.SX) -> ca.SX:
     """Return the distances of a wheel's tread and flange from their ends [m] (section 9.4.1).
 
     The distance of the tread is that from the field side and from both ends of the rail; that of the flange is from its
-    tip.
+    tip. on_flange: position of the contact of its steepest patch [m].
     """
-    (low, high), (first, last) = one.wheel.limits, one.rail.limits
-    tread, flange = nearest[0], nearest[-1]
+    (low, high), (first, last) = one.wheel_limits, one.rail_limits
     on_tread = ca.fmin(high - tread.position, ca.fmin(tread.on_rail - first, last - tread.on_rail))
-    return ca.vertcat(on_tread, flange.position - low)
+    return ca.vertcat(on_tread, on_flange - low)
 
 
-def stand_at_start(assembly: Assembly, pair: Sides, on: OnTrack) -> tuple[Callable[[], ca.SX], Callable[[], ca.SX]]:
-    """Return functions for rise [m] and roll [rad] of a wheelset that starts on its treads (section 4.3).
+def stand_at_start(
+    assembly: Assembly, profiles: ProfilesOf, on: OnTrack
+) -> tuple[Callable[[], ca.SX] | ca.SX, Callable[[], ca.SX] | ca.SX]:
+    """Return rise [m] and roll [rad] of a wheelset that starts on its treads (section 4.3), or functions for them.
 
     The rails are those at the start. If one rail is higher, the wheelset leans. Its wheels then move sideways over the
     rails in proportion to their distance below its centre.
     """
     lateral, left, right = ca.vertsplit(at_start(assembly.system, ca.vertcat(on.offset, on.heights)))
-    leaning = (left - right) / sum(one.rail_half_distance for one in pair.both)
-    lateral += pair.mean_radius * leaning
-
-    def from_stands(of: Callable[[TreadStand], float]) -> ca.SX:
-        shifts = np.arange(-LARGEST_LATERAL, LARGEST_LATERAL + STAND_PITCH / 2, STAND_PITCH).tolist()
-        return ca.pw_lin(lateral, shifts, [of(stand_on_treads(pair, shift)) for shift in shifts])
+    leaning = (left - right) / sum(one.rail_half_distance for one in profiles.sides)
+    lateral += profiles.mean_radius * leaning
 
     def rise() -> ca.SX:
-        middle = stand_on_treads(pair, 0.0).height
-        return from_stands(lambda one: one.height - middle) + (left + right) / 2
+        return profiles.stand(lateral)[0] + (left + right) / 2
 
     def roll() -> ca.SX:
-        return from_stands(lambda one: one.roll) + leaning
+        return profiles.stand(lateral)[1] + leaning
 
-    return rise, roll
+    if profiles.sides[0].record is None:
+        return rise, roll  # the tables of positions take seconds
+    return rise(), roll()
 
 
-def sinking(assembly: Assembly, number: int) -> ca.SX:
+def sinking(assembly: Assembly, number: int, profiles: ProfilesOf) -> ca.SX:
     """Return the approach of a centred wheelset and its rails under the static load [m]: Hertz, Johnson (1985)."""
     data = assembly.vehicle.wheelsets[number - 1]
     load = (assembly.resting_on(number) + assembly.value(data.mass) * assembly.parameter["gravity"]) / 2
-    modulus, places = assembly.parameter["shear_modulus"], stand_on_treads(data.pair, 0.0).position
-    wheels = zip(data.pair.both, places, data.radius, strict=True)
-    left, right = (sinking_of_wheel(one, place, assembly.value(radius), load, modulus) for one, place, radius in wheels)
+    modulus = assembly.parameter["shear_modulus"]
+    wheels = zip(profiles.sides, data.radius, strict=True)
+    left, right = (sinking_of_wheel(one, assembly.value(radius), load, modulus) for one, radius in wheels)
     return (left + right) / 2
 
 
-def sinking_of_wheel(one: Side, on_wheel: float, radius: ca.SX, load: ca.SX, modulus: ca.SX) -> ca.SX:
-    """Return the approach of a wheel in contact at this place of its profile [m], by Hertz, Johnson (1985).
+def sinking_of_wheel(one: SideOf, radius: ca.SX, load: ca.SX, modulus: ca.SX) -> ca.SX:
+    """Return the approach of a wheel in contact where a centred wheelset stands [m], by Hertz, Johnson (1985).
 
     The load is carried by the normal force and, on a cone, by the lateral creep force of spin (3.99). For a rolling
     wheel the two are proportional.
     """
-    place = np.array(on_wheel)
-    depth, slope, bend = (float(one.wheel.height(place, n)) for n in range(3))
-    secant, rolling = math.sqrt(1 + slope**2), radius - depth
-    shape = 1 / (2 * rolling * secant), ca.SX((bend - float(one.rail.height(place, 2))) / (2 * secant**3))
+    depth, slope, curvature = one.shape
+    secant, rolling = ca.sqrt(1 + slope**2), radius - depth
+    shape = 1 / (2 * rolling * secant), ca.SX(curvature)
     logarithm, semi_axis = moving_ellipse(*shape, ca.SX(1.0), modulus)
     of_spin = modulus * smooth_kalker_coefficients(logarithm).c23 * semi_axis**3 * slope / (secant * rolling)
     normal = load * secant / (1 + of_spin * slope)

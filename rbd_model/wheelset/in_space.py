@@ -154,6 +154,10 @@ class WheelsetOnRails:
     free: ca.SX
     lost: list[ca.SX]
 
+    def wheel_half_distance(self, index: int) -> ca.SX | float:
+        """Return half the distance of the y = 0 of the left (0) or right wheel (1) [m] (section 4.3)."""
+        return self.data.pair.both[index].wheel_half_distance
+
     @property
     def static(self) -> ca.SX:
         """Largest force with which both rails hold along the track [N], friction times load as at the end of (3.97)."""

@@ -15,10 +15,10 @@ import casadi as ca
 import numpy as np
 
 from fmu_src.chain import Bundle, Chain, Part, rows
-from fmu_src.piecewise import look_up, polynomials
+from fmu_src.piecewise import look_up, look_up_in, numbers_in, polynomials
 from rbd_model.body.kinematics import turned_by
 from rbd_model.contact.patches import Patch
-from rbd_model.contact.profiles import KNOT_DISTANCE, Profile
+from rbd_model.contact.profiles import DEGREE, KNOT_DISTANCE, Profile
 from rbd_model.wheelset.touch import Pieces, Placement, Touch, Wheel, follow_cosines, touch
 
 #: Least sum of the curvatures of wheel and rail across the track in the search for a common normal [1/m]. Largest step
@@ -125,6 +125,21 @@ class Line:
 
 
 @dataclass(frozen=True)
+class LineOfRecord:
+    """The same of a patch in a contact table (`pair_table.PATCH`): numbers of an instance. A tread's line is level."""
+
+    cosine_and_sine: tuple[ca.SX | float, ca.SX | float]
+    radius: ca.SX
+    square: ca.SX
+
+    @classmethod
+    def of(cls, chain: Chain, record: ca.SX, flange: bool) -> LineOfRecord:
+        """Return that of the patch in a record."""
+        numbers = numbers_in(chain, record, 4 if flange else 2)
+        return cls((numbers[2], numbers[3]) if flange else (1.0, 0.0), numbers[0], numbers[1])
+
+
+@dataclass(frozen=True)
 class Outline:
     """A wheel's outline in the axes of a patch, from the rail's origin, including its motion by yaw and roll.
 
@@ -137,7 +152,7 @@ class Outline:
     sine: ca.SX
 
     @classmethod
-    def of(cls, line: Line, placement: Placement, on: Wheel, height: ca.SX) -> Outline:
+    def of(cls, line: Line | LineOfRecord, placement: Placement, on: Wheel, height: ca.SX) -> Outline:
         """Return that of a wheel at a `placement`; height [m]: of the wheelset's centre over the rail.
 
         A wheel that yaws touches ahead of or behind its axle if it is steep. With the slope tan(g) of the direction,
@@ -255,6 +270,56 @@ def nearest_point(patch: PatchTables) -> Part:
     return Part(f"nearest_{name}", given, constants, results, chain)
 
 
+#: Terms of a piece of a profile, with its origin; and of a table of nearest points without.
+PROFILE_TERMS, NEAREST_TERMS = 2 + DEGREE, 4
+#: Places of the tables of a `pair_table.PATCH`.
+NEAREST, ALONG, WHEEL, RAIL = range(4)
+
+
+def find_nearest_in(chain: Chain, record: ca.SX, flange: bool, at: tuple[Placement, Wheel, ca.SX]) -> Nearest:
+    """Return the same as `find_nearest` for the patch in a record of a contact table, (3.77), (3.78)."""
+    placement, on, height = at
+    given = ca.vertcat(placement.lateral, height, placement.yaw, placement.roll)
+    constants = ca.vertcat(placement.cosines, on.vector, record)
+    found = chain.call(nearest_in_record(flange), given, constants)
+    pieces = Pieces(found[1 : 1 + PROFILE_TERMS], found[1 + PROFILE_TERMS :])
+    lies = chain.call(beside_in_record(flange), ca.vertcat(given, found[0]), ca.vertcat(constants, pieces.vector))
+    return Nearest(found[0], pieces, lies[0], lies[1])
+
+
+@lru_cache
+def nearest_in_record(flange: bool) -> Part:
+    """Return the part `nearest_point` of the patches in records, (3.77), (3.78); the record is the last constant."""
+    given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 9)
+    chain, at = _placed(given, constants)
+    line = LineOfRecord.of(chain, constants[8], flange)
+    outline = Outline.of(line, *at)
+    offset = outline.along + line.radius * at[1].side * constants[3]
+
+    def piece(table: int, terms: int, place: ca.SX) -> ca.SX:
+        return look_up_in(chain, constants[8], table, terms, place)
+
+    guess = polynomials(piece(NEAREST, NEAREST_TERMS, offset), offset, 0)[0]
+    beside = polynomials(piece(ALONG, NEAREST_TERMS, offset), offset, 0)[0] if flange else guess
+    on_rail = outline.at(beside, line.square)[0]
+    results = ca.vertcat(guess, *(piece(table, 1 + DEGREE, at) for table, at in ((WHEEL, guess), (RAIL, on_rail))))
+    return Part(f"nearest_on_{_place(flange)}", given, constants, results, chain)
+
+
+@lru_cache
+def beside_in_record(flange: bool) -> Part:
+    """Return the part `beside_rail` of the patches in records, (3.78)."""
+    given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 9 + 2 * PROFILE_TERMS)
+    chain, at = _placed(given, constants)
+    line, pieces = LineOfRecord.of(chain, constants[8], flange), constants[9:]
+    results = _beside(line, at, given[4], pieces[:PROFILE_TERMS], pieces[PROFILE_TERMS:])
+    return Part(f"beside_{_place(flange)}", given, constants, results, chain)
+
+
+def _place(flange: bool) -> str:
+    return "flange" if flange else "tread"
+
+
 @lru_cache
 def beside_rail(line: Line, wheel_terms: int, rail_terms: int) -> Part:
     """Return the part for the nearest point's position on the rail's profile [m] and its approach [m], (3.78).
@@ -263,11 +328,16 @@ def beside_rail(line: Line, wheel_terms: int, rail_terms: int) -> Part:
     """
     given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 8 + wheel_terms + rail_terms)
     chain, at = _placed(given, constants)
-    outline, guess = Outline.of(line, *at), given[4]
     wheel, rail = constants[8 : 8 + wheel_terms], constants[8 + wheel_terms :]
-    cosine, sine = line.cosine_and_sine
-    rises = polynomials(wheel, guess, 0)[0]
-    along, square = outline.at(cosine * guess + sine * rises, cosine * rises - sine * guess)
-    results = ca.vertcat(along, polynomials(rail, along, 0)[0] - square)
+    results = _beside(line, at, given[4], wheel, rail)
     name = hashlib.sha256(repr(line).encode()).hexdigest()[:12]
     return Part(f"beside_{name}_{wheel_terms}_{rail_terms}", given, constants, results, chain)
+
+
+def _beside(
+    line: Line | LineOfRecord, at: tuple[Placement, Wheel, ca.SX], guess: ca.SX, wheel: ca.SX, rail: ca.SX
+) -> ca.SX:
+    outline, (cosine, sine) = Outline.of(line, *at), line.cosine_and_sine
+    rises = polynomials(wheel, guess, 0)[0]
+    along, square = outline.at(cosine * guess + sine * rises, cosine * rises - sine * guess)
+    return ca.vertcat(along, polynomials(rail, along, 0)[0] - square)

@@ -9,6 +9,7 @@ from products import machine as braked
 from products.machine import FULL_PRESSURE, coach, composed
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Pair, synthetic_pair, thesis_pair
+from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.levels.models import DEFAULT_TOLERANCE, DEPTH_ON_LINE, selectors
 from rbd_model.levels.planar import planar_vehicle
 from rbd_model.levels.point import point_vehicle
@@ -66,4 +67,6 @@ def model_of(name: str) -> Model:
     # Levels 1 and 2 run without a line's file, level 3 with one.
     choice = (0, 1, NONE, NONE, NONE, 2)
     name = f"Live{name.capitalize()}"
-    return model_of_choices(name, machine.title, systems, [level], choice, DEFAULT_TOLERANCE, LINE.variable)
+    return model_of_choices(
+        name, machine.title, systems, [level], choice, DEFAULT_TOLERANCE, LINE.variable, PAIR_FILE.variable
+    )

@@ -7,12 +7,24 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from fmu_src.kernel import Kernel, SimulationError
+from fmu_src.system import Model, model_of
+from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair
-from rbd_model.contact.pair_file import read_pair, write_pair
+from rbd_model.contact.pair_file import PAIR_FILE, read_pair, write_pair
 from rbd_model.contact.pair_table import MOST_PATCHES, pair_record
+from rbd_model.levels.models import DEFAULT_TOLERANCE, model_of_levels, places_of
+from rbd_model.levels.spatial import spatial_vehicle
+from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
 from readers.text import BadInputError
+from tests.quick_library import quick_library
+
+#: Flange forces that show contact [N], and a difference that no rounding makes [m].
+FLANGE_TOUCHES, MOVES_OTHERWISE = 1e3, 1e-4
 
 
 @lru_cache
@@ -73,3 +85,111 @@ def test_a_damaged_table_is_refused_with_row_and_remedy(damage: str, tmp_path: P
     assert path.read_text(encoding="utf-8") != whole
     with pytest.raises(BadInputError, match=rf"pair.csv, row \d+: {sentence}.*\. Make the file again"):
         read_pair(path)
+
+
+# -- in kernels -------------------------------------------------------------------------------------------------------
+
+
+def model_on(pair: Sides) -> Model:
+    """Return a wheelset in a frame on elastic contacts, with this pair in its equations."""
+    alone = wheelset_under_frame()
+    vehicle = replace(alone, wheelsets=tuple(replace(one, pair=pair) for one in alone.wheelsets))
+    return model_of(spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2)), DEFAULT_TOLERANCE)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("pairs")
+    pairs = {"synthetic": own_pair(), "european": european(), "unequal": unequal()}
+    return {name: write_pair(pair, folder / f"{name}.csv") for name, pair in pairs.items()}
+
+
+def own_pair() -> Sides:
+    """Return the pair of the wheelset in a frame."""
+    return wheelset_under_frame().wheelsets[0].pair
+
+
+@lru_cache
+def european() -> Sides:
+    """Return S1002 on 60E1 with wheels of the radius of the wheelset in a frame."""
+    side = replace(european_pair().left, radius=own_pair().mean_radius)
+    return Sides(side, side)
+
+
+def swing(pair: Sides, **values: float | str) -> np.ndarray:
+    """Return outputs of a wheelset that starts 8 mm beside the track's middle and touches with its flanges."""
+    kernel = Kernel(quick_library(model_on(pair)), initial_speed=30.0, initial_lateral=8e-3, initial_yaw=0.01, **values)
+    names = ("state_lateral_1", "state_yaw_1", "state_roll_1", "flange_force_1", "wheel_load_1_left", "speed")
+    rows = []
+    kernel.initialise()
+    for number in range(60):
+        kernel.step(number * 5e-3, 5e-3)
+        rows.append([kernel[name] for name in names])
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("name", ["european", "unequal"])
+def test_a_file_gives_the_run_of_the_pair_in_the_equations(name: str, files: dict[str, Path]) -> None:
+    pair = {"european": european, "unequal": unequal}[name]()
+    found = swing(own_pair(), profile_file=str(files[name]))
+    assert np.array_equal(found, swing(pair))
+    assert np.abs(found[:, 3]).max() > FLANGE_TOUCHES
+    own = swing(own_pair())
+    assert np.abs(found - own)[:, 0].max() > MOVES_OTHERWISE
+    assert np.array_equal(own, swing(own_pair(), profile_file=str(files["synthetic"])))
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_kernel_refuses_what_python_refuses_and_keeps_its_table(
+    damage: str, files: dict[str, Path], tmp_path: Path
+) -> None:
+    pattern, text, _ = DAMAGES[damage]
+    kernel = Kernel(quick_library(model_on(own_pair())), profile_file=str(files["european"]))
+    path = tmp_path / "pair.csv"
+    whole = files["synthetic"].read_text(encoding="utf-8")
+    path.write_text(re.sub(pattern, text, whole, count=1), encoding="utf-8")
+    refused = r"^Contact table .*pair.csv, row \d+: .* contact table before it stays in force"
+    with pytest.raises(SimulationError, match=refused) as in_c:
+        kernel.set(profile_file=str(path))
+    with pytest.raises(BadInputError) as in_python:
+        read_pair(path)
+    assert row_of(str(in_python.value)) == row_of(str(in_c.value))
+    assert kernel.get_text(kernel.number_of("profile_file")) == str(files["european"])
+
+
+def row_of(message: str) -> str:
+    """Return the row that a message names."""
+    found = re.search(r"row (\d+)", message)
+    assert found
+    return found[1]
+
+
+def test_a_state_belongs_to_the_profiles_of_its_run(files: dict[str, Path]) -> None:
+    library = quick_library(model_on(own_pair()))
+    kernel = Kernel(library, initial_speed=30.0, initial_lateral=8e-3, profile_file=str(files["european"]))
+    kernel.initialise()
+    kernel.step(0.0, 0.02)
+    state = kernel.save()
+    kernel.step(0.02, 0.02)
+    there = kernel["state_lateral_1"]
+    kernel.restore(state)
+    kernel.step(0.02, 0.02)
+    assert kernel["state_lateral_1"] == there
+    other = Kernel(library, initial_speed=30.0, profile_file=str(files["unequal"]))
+    with pytest.raises(
+        SimulationError, match="one with another contact table"
+    ):
+        other.restore(state)
+
+
+def test_contact_without_a_table_refuses_a_file_and_other_levels_warn(files: dict[str, Path]) -> None:
+    places = places_of(2, on_line=False) + places_of(3, 1, on_line=False)
+    rigid = model_of_levels("Bogie", "planar and rigid", two_axle_bogie(), places)
+    variables = (*rigid.variables, PAIR_FILE.variable)
+    library = quick_library(replace(rigid, variables=variables, reads_records=PAIR_FILE))
+    kernel = Kernel(library, level=3.0, contact_model=1.0, profile_file=str(files["synthetic"]))
+    with pytest.raises(SimulationError, match="profile_file must be empty at contact model 1"):
+        kernel.initialise()
+    kernel = Kernel(library, level=2.0, profile_file=str(files["synthetic"]))
+    kernel.initialise()
+    assert "depends on profile_file, so that setting this has no effect" in str(kernel.messages)

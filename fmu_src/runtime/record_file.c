@@ -1,0 +1,249 @@
+/* Records from a user's file, as FMUs and kernels read them: each row is a number with its name, the head of a table or of a
+ * list, or a row of a table, in the order of the kinds. rbd_model/contact/pair_file.py writes and reads the same files. */
+#include <ctype.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "record_file.h"
+#include "resources.h"
+#include "sealed.h"
+#include "text_rows.h"
+
+enum { MOST_PIECES = 20000, MOST_CELLS = 8, QUOTED_CELL = 40, END_OF_PATH = 120 };
+
+static const double LARGEST_COEFFICIENT = 1e100, EQUAL_PIECES = 1e-9;
+
+struct record_memory {
+    record_memory *before;
+    double first; /* of the content */
+};
+
+typedef struct {
+    text_rows rows;
+    const char *path;
+    char *problem;
+    const char *cell[MOST_CELLS]; /* of the row that was read last */
+    int cells;
+    record_file *made;
+} record_reader;
+
+static bool refuse_record(record_reader *self, const char *format, ...) LIKE_PRINTF(2);
+static bool refuse_record(record_reader *self, const char *format, ...) {
+    const record_file_description *about = MODEL.record_file;
+    const int length = (int)strlen(self->path), room = PROBLEM_SIZE - 2;
+    const char *path = self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0);
+    int used = snprintf(self->problem, (size_t)room, "%c%s %s%s", toupper(*about->noun), about->noun + 1,
+                        length > END_OF_PATH ? "..." : "", path);
+    if (self->rows.number) used += snprintf(self->problem + used, (size_t)(room - used), ", row %d", self->rows.number);
+    used += snprintf(self->problem + used, (size_t)(room - used), ": ");
+    va_list arguments;
+    va_start(arguments, format);
+    used += vsnprintf(self->problem + used, (size_t)(room - used), format, arguments);
+    va_end(arguments);
+    if (used < room) snprintf(self->problem + used, (size_t)(room - used), ". %s.", about->remedy);
+    return false;
+}
+
+/* Return cleared memory that is freed with the file; NULL, with a message, if there is none. */
+static void *keep(record_reader *self, int count, size_t size) {
+    record_memory *block = (record_memory *)calloc(1, sizeof *block + (size_t)count * size);
+    if (!block) {
+        (void)refuse_record(self, "there is not enough memory for it");
+        return NULL;
+    }
+    block->before = self->made->memory;
+    self->made->memory = block;
+    return &block->first;
+}
+
+/* Read the next row and its cells. wanted: the row that must be there. */
+static bool next_cells(record_reader *self, const char *wanted) {
+    const reading found = text_rows_next(&self->rows);
+    if (found == ROW_REFUSED) return refuse_record(self, "%s", self->rows.problem);
+    if (found == NO_MORE_ROWS) return refuse_record(self, "the row must be %s; the file ends", wanted);
+    char *rest = self->rows.text, *cell;
+    cell_reading next;
+    for (self->cells = 0; (next = text_next_cell(&rest, ',', &cell)) == CELL_READ; ++self->cells) {
+        if (self->cells == MOST_CELLS) return refuse_record(self, "a row must have at most %d values; it has more", MOST_CELLS);
+        self->cell[self->cells] = cell;
+    }
+    return next != CELL_REFUSED || refuse_record(self, "quotes must close within the row");
+}
+
+/* Read the row with a name and `count` more cells. */
+static bool named_cells(record_reader *self, const char *name, int count) {
+    if (!next_cells(self, name)) return false;
+    if (self->cells == 1 + count && strcmp(self->cell[0], name) == 0) return true;
+    return refuse_record(self, "the row must be '%s' with %d more cells; got '%.*s' with %d", name, count, QUOTED_CELL,
+                         self->cell[0], self->cells - 1);
+}
+
+static bool read_number(record_reader *self, const char *name, const char *cell, double minimum, double maximum,
+                        double *value) {
+    char mark;
+    if (!table_read_number(cell, value, &mark) || !(*value >= minimum && *value <= maximum))
+        return refuse_record(self, "%s must be a number from %g to %g; got '%.*s'", name, minimum, maximum, QUOTED_CELL, cell);
+    self->made->mark = seal_hash(self->made->mark, value, sizeof *value);
+    return true;
+}
+
+/* Read the head of a table or a list, and its length. */
+static bool read_count(record_reader *self, const char *word, const char *name, int least, int most, int *count) {
+    double length = 0.0;
+    if (!named_cells(self, word, 2)) return false;
+    if (strcmp(self->cell[1], name) != 0)
+        return refuse_record(self, "the %s must be %s; got '%.*s'", word, name, QUOTED_CELL, self->cell[1]);
+    if (!read_number(self, name, self->cell[2], least, most, &length)) return false;
+    if (length != floor(length)) return refuse_record(self, "the length of %s must be a whole number; got %g", name, length);
+    *count = (int)length;
+    return true;
+}
+
+/* The constant rows before and behind the pieces, and how the pieces are found: as fmu_src/piecewise.py. */
+static void complete_table(piecewise *table, double *row) {
+    const int terms = table->terms, pieces = table->pieces;
+    double *last = row + pieces * terms, *end = last + terms;
+    const double width = end[0] - last[0], mean = (end[0] - row[terms]) / pieces;
+    row[0] = row[terms];
+    row[1] = row[terms + 1];
+    end[1] = last[terms - 1];
+    for (int i = terms - 2; i > 0; --i) end[1] = last[i] + end[1] * width;
+    table->per_unit = pieces / (end[0] - row[0]);
+    table->equal = 1;
+    for (int piece = 1; piece <= pieces; ++piece) {
+        const double own = row[(piece + 1) * terms] - row[piece * terms];
+        if (!(fabs(own - mean) <= EQUAL_PIECES * fabs(mean))) table->equal = 0;
+    }
+    table->row = row;
+}
+
+/* Read a row of a table; the last one has its end alone. */
+static bool read_row_of(record_reader *self, const table_of_record *about, bool last, double *row, double before) {
+    const int terms = last ? 1 : about->terms;
+    if (!next_cells(self, about->name)) return false;
+    if (self->cells != terms)
+        return refuse_record(self, "a row of %s must have %d numbers here; got %d", about->name, terms, self->cells);
+    if (!read_number(self, "a breakpoint", self->cell[0], about->minimum, about->maximum, row)) return false;
+    if (!(row[0] > before))
+        return refuse_record(self, "breakpoints of %s must grow; got %.17g after %.17g", about->name, row[0], before);
+    for (int i = 1; i < terms; ++i)
+        if (!read_number(self, "a coefficient", self->cell[i], -LARGEST_COEFFICIENT, LARGEST_COEFFICIENT, &row[i]))
+            return false;
+    return true;
+}
+
+static bool read_table_of(record_reader *self, const table_of_record *about, piecewise *table) {
+    if (!read_count(self, "table", about->name, 1, MOST_PIECES, &table->pieces)) return false;
+    const int terms = table->terms = about->terms;
+    double *row = (double *)keep(self, (table->pieces + 2) * terms, sizeof(double)), before = -INFINITY;
+    if (!row) return false;
+    for (int i = 1; i <= table->pieces + 1; ++i) {
+        if (!read_row_of(self, about, i > table->pieces, row + i * terms, before)) return false;
+        before = row[i * terms];
+    }
+    complete_table(table, row);
+    return true;
+}
+
+static bool read_record(record_reader *self, int kind, record *made);
+
+static bool read_list_of(record_reader *self, const list_of_record *about, record_list *list) {
+    if (!read_count(self, "list", about->name, about->least, about->most, &list->count)) return false;
+    record *each = (record *)keep(self, list->count, sizeof(record));
+    if (!each) return false;
+    list->first = each;
+    for (int i = 0; i < list->count; ++i)
+        if (!read_record(self, about->kind, each + i)) return false;
+    return true;
+}
+
+static bool read_record(record_reader *self, int kind, record *made) {
+    const record_kind *about = &MODEL.record_file->kind[kind];
+    double *number = (double *)keep(self, about->numbers, sizeof(double));
+    piecewise *table = number ? (piecewise *)keep(self, about->tables, sizeof(piecewise)) : NULL;
+    record_list *list = table ? (record_list *)keep(self, about->lists, sizeof(record_list)) : NULL;
+    if (!list) return false;
+    made->number = number;
+    made->table = table;
+    made->list = list;
+    for (int i = 0; i < about->numbers; ++i) {
+        const number_of_record *one = &about->number[i];
+        if (!named_cells(self, one->name, 1)) return false;
+        if (!read_number(self, one->name, self->cell[1], one->minimum, one->maximum, &number[i])) return false;
+    }
+    for (int i = 0; i < about->tables; ++i)
+        if (!read_table_of(self, &about->table[i], &table[i])) return false;
+    char problem[PROBLEM_SIZE / 2] = "";
+    if (!MODEL.record_file->check(kind, number, problem, sizeof problem)) return refuse_record(self, "%s", problem);
+    for (int i = 0; i < about->lists; ++i)
+        if (!read_list_of(self, &about->list[i], &list[i])) return false;
+    return true;
+}
+
+static bool read_all(record_reader *self) {
+    const record_file_description *about = MODEL.record_file;
+    double version = 0.0;
+    char mark;
+    if (!named_cells(self, about->name, 1)) return false;
+    if (!table_read_number(self->cell[1], &version, &mark) || version != about->version)
+        return refuse_record(self, "the format must be %d; got '%.*s'", about->version, QUOTED_CELL, self->cell[1]);
+    if (!read_record(self, 0, &self->made->root)) return false;
+    const reading found = text_rows_next(&self->rows);
+    if (found == ROW_REFUSED) return refuse_record(self, "%s", self->rows.problem);
+    if (found == ROW_READ)
+        return refuse_record(self, "the file must end after its last record; got '%.*s'", QUOTED_CELL, self->rows.text);
+    return true;
+}
+
+static bool read_file_of_records(record_reader *self) {
+    if (!is_plain_file(self->path)) return refuse_record(self, "it is a folder, a pipe or a device");
+    FILE *file = fopen(self->path, "rb");
+    if (!file) return refuse_record(self, "it cannot be opened");
+    text_rows_begin(&self->rows, file);
+    self->made->mark = SEAL_BEGIN;
+    const bool done = read_all(self);
+    fclose(file);
+    return done;
+}
+
+record_file *records_read(const char *path, char problem[PROBLEM_SIZE]) {
+    record_reader *self = (record_reader *)calloc(1, sizeof *self);
+    record_file *made = (record_file *)calloc(1, sizeof *made);
+    if (self && made) {
+        self->path = path;
+        self->problem = problem;
+        self->made = made;
+    }
+    if (!self || !made || !read_file_of_records(self)) {
+        records_free(made);
+        made = NULL;
+    }
+    free(self);
+    return made;
+}
+
+void records_free(record_file *self) {
+    if (!self) return;
+    for (record_memory *one = self->memory, *before; one; one = before) {
+        before = one->before;
+        free(one);
+    }
+    free(self);
+}
+
+double records_value(const value_of_record *value, const record_file *file) {
+    const record *one = file ? &file->root : value->own;
+    for (int i = 0; i < value->steps; ++i) {
+        const record_list *list = &one->list[value->step[i].list];
+        const int entry = value->step[i].entry;
+        one = list->first + (entry < 0 || entry >= list->count ? list->count - 1 : entry);
+    }
+    return value->number < 0 ? record_as_number(one) : one->number[value->number];
+}
+
+bool records_are_exact(const record *root) {
+    const double number = record_as_number(root);
+    return number < 9007199254740992.0 && record_of_number(number) == root;
+}
