@@ -28,8 +28,8 @@ from readers.text import FileError, shown, text_of
 
 #: Length to which a train is divided [m]: that of a coach (UIC 567). Assumed.
 PART = 26.4
-#: Running resistance at rest below which a unit is doubtful [N/t].
-LITTLE = 3.0
+#: Running resistance at rest below which, and at a speed [m/s] above which, a unit is doubtful [N/t]. Assumed.
+LITTLE, MUCH, FAST = 3.0, 500.0, 30.0
 #: Fields without a column, each with the reason.
 LEFT = {
     "effort_curves": "traction is an input of the train",
@@ -138,21 +138,27 @@ def _resistance(read: dict[str, Any], mass: float, source: str, notes: Notes) ->
             f"rolling_resistance A = {found['A']:g} N is {found['A'] / mass:.3g} N/t; trains have {LITTLE:g} N/t and "
             "more. It is read as it stands. Check whether the file means kN."
         )
+    fast = found["A"] + found["B"] * FAST + found["C"] * FAST**2
+    if fast > MUCH * mass:
+        notes.assumed(
+            f"rolling_resistance at {3.6 * FAST:g} km/h is {fast / mass:.3g} N/t; trains have less than {MUCH:g} N/t. It "
+            "is read as it stands. Check its units."
+        )
     return {f"resistance_{name.lower()}": rounded(value) for name, value in found.items()}
 
 
 def _deceleration(read: dict[str, Any], source: str, notes: Notes) -> Row:
     """Return the deceleration [m/s2] of const_gamma, in older files of gamma."""
-    gamma = read.get("const_gamma")
+    name, gamma = "const_gamma", read.get("const_gamma")
     if gamma is None and isinstance(read.get("gamma"), dict):
-        gamma = read["gamma"].get("value")
+        name, gamma = "gamma", read["gamma"].get("value")
     if gamma is None:
         notes.assumed("Brake: the file has no const_gamma; the brake of the vehicle's kind applies.")
         return {}
-    value = abs(named_number(gamma, "const_gamma", source))
-    notes.taken("const_gamma -> deceleration [m/s2]")
+    value = abs(named_number(gamma, name, source))
+    notes.taken(f"{name} -> deceleration [m/s2]")
     notes.assumed(
-        "const_gamma is a deceleration of operation, with its margin; no physical brake. It is taken as that of fully "
+        f"{name} is a deceleration of operation, with its margin; no physical brake. It is taken as that of fully "
         "applied brakes, in position P."
     )
-    return {"deceleration": rounded(checked(value, "const_gamma", (0.01, 3.0), "m/s2", source))}
+    return {"deceleration": rounded(checked(value, name, (0.01, 3.0), "m/s2", source))}

@@ -180,6 +180,12 @@ def test_what_is_doubtful_in_an_osrd_train_is_told(tmp_path: Path) -> None:
     assert told(found, "assumed", "deceleration of operation")
     assert told(found, "assumed", "is a whole train")
     assert told(found, "left", "effort_curves: traction")
+    old = {name: value for name, value in OSRD.items() if name != "const_gamma"} | {
+        "gamma": {"type": "CONST", "value": 0.5}
+    }
+    found = read(tmp_path, "old.json", json.dumps(old | {"rolling_resistance": {"A": 9e4, "B": 12, "C": 5000}}))
+    assert {row["deceleration"] for row in found.rows} == {0.5}
+    assert told(found, "assumed", "at 108 km/h is 2.2e+03 N/t")
 
 
 # -- ALTRIOS ---------------------------------------------------------------------------------------------------------
