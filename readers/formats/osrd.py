@@ -141,8 +141,8 @@ def _resistance(read: dict[str, Any], mass: float, source: str, notes: Notes) ->
     fast = found["A"] + found["B"] * FAST + found["C"] * FAST**2
     if fast > MUCH * mass:
         notes.assumed(
-            f"rolling_resistance at {3.6 * FAST:g} km/h is {fast / mass:.3g} N/t; trains have less than {MUCH:g} N/t. It "
-            "is read as it stands. Check its units."
+            f"rolling_resistance at {3.6 * FAST:g} km/h is {fast / mass:.3g} N/t; trains have less than {MUCH:g} N/t. "
+            "It is read as it stands. Check its units."
         )
     return {f"resistance_{name.lower()}": rounded(value) for name, value in found.items()}
 

@@ -176,9 +176,7 @@ def test_a_state_belongs_to_the_profiles_of_its_run(files: dict[str, Path]) -> N
     kernel.step(0.02, 0.02)
     assert kernel["state_lateral_1"] == there
     other = Kernel(library, initial_speed=30.0, profile_file=str(files["unequal"]))
-    with pytest.raises(
-        SimulationError, match="one with another contact table"
-    ):
+    with pytest.raises(SimulationError, match="one with another contact table"):
         other.restore(state)
 
 
