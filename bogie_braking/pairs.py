@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from numbers import Real
 from pathlib import Path
+from typing import Any
 
 from rbd_model.contact.geometry import Sides
 from rbd_model.contact.measured import read_profile
 from rbd_model.contact.measured_pair import pair_of
 from rbd_model.contact.profiles import Profile
-from readers.text import BadInputError
+from readers.text import BadInputError, shown
 
 #: A profile, or the path of its file.
 Given = Profile | str | Path
@@ -53,6 +55,7 @@ def profile(
     BadInputError
         If the file is not such a profile; the message names file, row, value and remedy.
     """
+    _check_number("inclination", inclination)
     if not 0.0 <= inclination <= STEEPEST:
         raise BadInputError(
             f"inclination must be from 0 to {STEEPEST:g}; got {inclination!r}. Give a slope, as 1 / 40."
@@ -99,9 +102,11 @@ def pair(
     """
     wheels = [_read(one, "wheel", 0.0) for one in _one_or_two("wheel", wheel)]
     rails = [_read(one, "rail", inclination) for one in _one_or_two("rail", rail)]
-    radii = [None] if radius is None else [radius] if isinstance(radius, int | float) else list(radius)
+    radii: list[Any] = list(radius) if isinstance(radius, Iterable) and not isinstance(radius, str) else [radius]
     if len(radii) not in (1, 2):
         raise BadInputError(f"radius must be one or two numbers, left and right; got {len(radii)}. Correct it.")
+    for name, one in (*(("radius", each) for each in radii), ("gauge", gauge), ("flange_back", flange_back)):
+        _check_number(name, one)
     try:
         return pair_of(wheels, rails, radii, gauge, flange_back)
     except ValueError as error:
@@ -109,10 +114,17 @@ def pair(
 
 
 def _one_or_two(name: str, given: Given | Sequence[Given]) -> Sequence[Given]:
+    if not isinstance(given, Profile | str | Path | list | tuple):
+        raise BadInputError(f"{name} must be a profile, a path, or two of them; got {shown(given)}. Correct it.")
     found = [given] if isinstance(given, Profile | str | Path) else list(given)
     if len(found) not in (1, 2):
         raise BadInputError(f"{name} must be one profile or two, left and right; got {len(found)}. Correct it.")
     return found if len(found) == 1 or found[0] != found[1] else found[:1]
+
+
+def _check_number(name: str, value: object) -> None:
+    if value is not None and (isinstance(value, bool) or not isinstance(value, Real)):
+        raise BadInputError(f"{name} must be a number or None; got {shown(value)}. Correct it.")
 
 
 def _read(given: Given, kind: str, inclination: float) -> Profile:

@@ -150,12 +150,15 @@ def test_unequal_sides_differ_and_equal_ones_are_a_pair(tmp_path: Path) -> None:
         ({"inclination": 40}, "inclination must be from 0 to 0.2; got 40. Give a slope"),
         ({"gauge": 1.4}, "the left wheel stands on its flange, y = -"),
         ({"radius": (0.4, 0.4, 0.4)}, "radius must be one or two numbers"),
+        ({"gauge": "1.435"}, "gauge must be a number or None; got 1.435"),
+        ({"radius": True}, "radius must be a number or None; got true"),
+        ({"rail": None}, "rail must be a profile, a path, or two of them; got null"),
     ],
 )
 def test_numbers_that_fit_no_pair_get_one_sentence(more: dict[str, Any], sentence: str, tmp_path: Path) -> None:
     wheel, rail = simpack(tmp_path / "w.prw", WHEEL), simpack(tmp_path / "r.prr", RAIL)
     with pytest.raises(BadInputError) as told:
-        bb.pair(wheel, rail, **more)
+        bb.pair(**{"wheel": wheel, "rail": rail, **more})
     assert sentence in str(told.value)
     assert "\n" not in str(told.value)
 
