@@ -21,8 +21,9 @@ from readers.text import rows_of, text_of
 #: Largest file [bytes].
 LARGEST_FILE = 20_000_000
 #: Kind of profile by the ending of a file's name.
-KINDS = {".prw": "wheel", ".whl": "wheel", ".whe": "wheel", ".prr": "rail", ".ban": "rail", ".rail": "rail",
-         ".rai": "rail"}  # fmt: skip
+KINDS = dict.fromkeys((".prw", ".whl", ".whe", ".slcw"), "wheel") | dict.fromkeys(
+    (".prr", ".ban", ".rail", ".rai", ".slcs"), "rail"
+)
 #: A path and the number of a profile behind it.
 PART = re.compile(r"(.+)#(\d{1,4})")
 
@@ -74,7 +75,9 @@ def contour_of(
     """
     rows = list(rows_of(text, source))
     if slices.is_slices(rows):
-        raise slices.refusal_of(rows, source)
+        path, note = slices.slice_of(rows, source, part)
+        found = read_contour(path, kind or ending, drop_outliers)
+        return replace(found, notes=(note, *found.notes))
     if part is not None and not miniprof.is_mpt(text):
         raise TableError(f"{source} must have several profiles if one is chosen; it has one. Leave #{part} out.")
     if simpack.is_simpack(rows):

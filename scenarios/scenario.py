@@ -25,6 +25,8 @@ class Options:
     flange_back: float | None = None
     inclination: float | None = None
     gauge_side: Sequence[str] | None = None
+    tape_circle: Sequence[float] | None = None
+    drop_outliers: bool | None = None
     line: Path | None = None
     against: str | None = None
 

@@ -11,13 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from bogie_braking.commands.shared import add_speech, describe
+from bogie_braking.commands.shared import add_speech, add_track, describe
 from bogie_braking.exit_status import HOLDS
 from rbd_model.contact.geometry import Side, Sides, contact_at
 from rbd_model.contact.measured_pair import fault_at, gauge_of
 from rbd_model.contact.pair_file import write_pair
 from rbd_model.contact.patches import parts_of, positions_of
-from readers.command_line import quantity
 from readers.storage import write_whole
 from readers.text import BadInputError
 from scenarios.bench.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
@@ -45,20 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--right-rail", type=Path, metavar="FILE", help="profile of the right rail, if it differs")
     text = "contact table; the picture is beside it (default: pair.csv)"
     parser.add_argument("--out", type=Path, default=Path("pair.csv"), metavar="FILE", help=text)
-    sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
-    text = "diameter at the tape circle, one or left and right (default: that of the file, or 920 mm)"
-    parser.add_argument("--diameter", type=quantity("--diameter", "mm"), metavar="MM", help=text, **sides)
-    text = "gauge, 14 mm below the top (default: that of the file, or 1435 mm)"
-    parser.add_argument("--gauge", type=quantity("--gauge", "mm"), metavar="MM", help=text)
-    text = "distance between the backs of the flanges (default: 1360 mm)"
-    parser.add_argument("--flange-back", type=quantity("--flange-back", "mm"), metavar="MM", help=text)
-    text = "inclines the rails by 1:N, for files in which they stand upright (default: as in the files)"
-    parser.add_argument("--inclination", type=quantity("--inclination"), metavar="N", help=text)
-    text = "side of y in the rails' files towards the middle of the track (default: found by lean or wear)"
-    parser.add_argument("--gauge-side", choices=("y-", "y+"), help=text, **sides)
-    text = "y of the tape circle in the wheels' files (default: found from the back of the flange)"
-    parser.add_argument("--tape-circle", type=quantity("--tape-circle", "mm"), metavar="MM", help=text, **sides)
-    parser.add_argument("--drop-outliers", action="store_true", help="leave out points off the contour, and name them")
+    add_track(parser, "that of the file, or 1435 mm")
     add_speech(parser, "the findings", "no findings, only files and exit status")
 
 
@@ -88,14 +74,14 @@ def sides_given(chosen: argparse.Namespace) -> Sides:
         "--wheel",
         [chosen.wheel, chosen.right_wheel or chosen.wheel],
         tape_circles=chosen.tape_circle or [None],
-        drop_outliers=chosen.drop_outliers,
+        drop_outliers=bool(chosen.drop_outliers),
     )
     rails = profiles(
         "--rail",
         [chosen.rail, chosen.right_rail or chosen.rail],
         lean,
         chosen.gauge_side or [None],
-        drop_outliers=chosen.drop_outliers,
+        drop_outliers=bool(chosen.drop_outliers),
     )
     return sides_of(wheels, rails, chosen.diameter or [], chosen.gauge, chosen.flange_back)
 

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from bogie_braking.commands.shared import add_out, add_speech, bars, look_for_plotly
+from bogie_braking.commands.shared import add_out, add_speech, add_track, bars, look_for_plotly
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
 from readers.command_line import check_folder, quantity
 from readers.text import BadInputError
@@ -59,16 +59,7 @@ def add_profiles(runner: argparse.ArgumentParser) -> None:
     sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
     group.add_argument("--wheel", type=Path, metavar="FILE", help="profile of both wheels, or left and right", **sides)
     group.add_argument("--rail", type=Path, metavar="FILE", help="profile of both rails, or left and right", **sides)
-    text = "diameter of both wheels at the tape circle, or left and right, as 920 or 0.92m (default: 920 mm)"
-    group.add_argument("--diameter", type=quantity("--diameter", "mm"), metavar="MM", help=text, **sides)
-    text = "gauge, measured 14 mm below the top (default: y = 0 of the files 1500 mm apart, or 1435 mm)"
-    group.add_argument("--gauge", type=quantity("--gauge", "mm"), metavar="MM", help=text)
-    text = "distance between the backs of the flanges (default: 1360 mm)"
-    group.add_argument("--flange-back", type=quantity("--flange-back", "mm"), metavar="MM", help=text)
-    text = "inclines the rails by 1:N, for files in which they stand upright (default: as in the files)"
-    group.add_argument("--inclination", type=quantity("--inclination"), metavar="N", help=text)
-    text = "side of y in the rails' files that is turned to the middle of the track (default: found by lean or wear)"
-    group.add_argument("--gauge-side", choices=("y-", "y+"), help=text, **sides)
+    add_track(group, "y = 0 of the files 1500 mm apart, or 1435 mm")
 
 
 def names() -> Sequence[str]:

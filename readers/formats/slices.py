@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 from readers.contours import Rows
 from readers.tables import TableError
-from readers.text import quoted
 
-SLICE = re.compile(r"^\s*[-+.\dEe]+\s+(['\"])([^'\"]+)\1")
+SLICE = re.compile(r"^\s*([-+.\dEe]+)\s+(['\"])([^'\"]+)\2")
 COUNT = re.compile(r"^\s*\d+\s+NSLC\b")
 
 
@@ -17,10 +17,22 @@ def is_slices(rows: Rows) -> bool:
     return any(COUNT.match(row) for _, row in rows)
 
 
-def refusal_of(rows: Rows, source: str) -> TableError:
-    """Return the error of a slices file: a vehicle runs on profiles that are the same everywhere."""
-    names = [found[2] for _, row in rows if (found := SLICE.match(row))]
-    one = f"one of its {len(names)} slices, such as {quoted(names[0])}" if names else "one slice"
-    return TableError(
-        f"{source} must hold one profile; it holds profiles that change along the rail or around the wheel. Give {one}."
-    )
+def slice_of(rows: Rows, source: str, number: int | None) -> tuple[Path, str]:
+    """Return the path of one slice, and a note; slices are numbered from 1.
+
+    Raises
+    ------
+    TableError
+        If none is chosen, because a vehicle runs on profiles that are the same everywhere, or if it does not exist.
+    """
+    names = [(found[1], found[3]) for _, row in rows if (found := SLICE.match(row))]
+    if number is None or not 1 <= number <= len(names):
+        one = f"one of its {len(names)} slices, as in {source}#1" if names else "one slice"
+        raise TableError(
+            f"{source} must hold one profile; it holds profiles that change along the rail or around the wheel. Give "
+            f"{one}."
+        )
+    place, name = names[number - 1]
+    return Path(
+        source
+    ).parent / name, f"slice {number} of {len(names)} was read, that at {place} of {Path(source).name}"

@@ -31,8 +31,9 @@ def sides_from_files(options: Options) -> Sides:
             f"{missing} FILE must be given too, because conicity needs a wheel on a rail; got no {missing}."
         )
     lean = 0.0 if options.inclination is None else 1 / within("--inclination", options.inclination, "", 5.0, 1000.0)
-    wheels = profiles("--wheel", options.wheel)
-    rails = profiles("--rail", options.rail, lean, options.gauge_side or [None])
+    drop = bool(options.drop_outliers)
+    wheels = profiles("--wheel", options.wheel, tape_circles=options.tape_circle or [None], drop_outliers=drop)
+    rails = profiles("--rail", options.rail, lean, options.gauge_side or [None], drop_outliers=drop)
     return sides_of(wheels, rails, options.diameter or [], options.gauge, options.flange_back, rails_apart=RAILS_APART)
 
 

@@ -161,5 +161,17 @@ SCENARIO = Scenario(
     "contact-geometry",
     "Rolling radius difference, contact angles, conicity and the fold (section 4.3)",
     run,
-    frozenset({"wheel", "rail", "diameter", "gauge", "flange_back", "inclination", "gauge_side"}),
+    frozenset(
+        {
+            "wheel",
+            "rail",
+            "diameter",
+            "gauge",
+            "flange_back",
+            "inclination",
+            "gauge_side",
+            "tape_circle",
+            "drop_outliers",
+        }
+    ),
 )

@@ -147,6 +147,18 @@ def test_profiles_of_an_mpt_file_are_chosen_by_kind_or_number(tmp_path: Path) ->
             read_contour(f"{path}{given}")
 
 
+def test_one_slice_of_a_slices_file_is_read(tmp_path: Path) -> None:
+    (tmp_path / "b.txt").write_text(lines(wave(), "{:.6f} {:.6f}"))
+    path = tmp_path / "nose.slcs"
+    path.write_text("% a nose\n 0.0 1.0 U_OFFSET, U_SCALE\n 2 NSLC\n -10.0 'a.txt'\n 5.0 'b.txt'\n")
+    found = read_contour(f"{path}#2")
+    assert found.kind == "rail"
+    assert found.notes[0] == "slice 2 of 2 was read, that at 5.0 of nose.slcs"
+    for given, sentence in (("", "Give one of its 2 slices, as in"), ("#3", "Give one of its 2"), ("#1", "a.txt does")):
+        with pytest.raises(FileError, match=sentence):
+            read_contour(f"{path}{given}")
+
+
 def test_instruments_numbers_for_a_pair_are_facts() -> None:
     keys = "MPTypeNo=131\nGauge=1436.9\nDiameterTaperline=719.2\nWheelDiameterTaperline=70.0\nRailAngle=1.4\n"
     keys += "ColumnDef=X,Y\n"
