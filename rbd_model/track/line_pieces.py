@@ -72,6 +72,9 @@ def line_of_alignment(alignment: Alignment) -> SourcedLine:
         If a value is outside the limits of a line.
     """
     courses = [course(one, alignment.begin, alignment.end) for one in _quantities(alignment)]
+    for name, (at, values) in zip(("curvature", "cant", "gradient"), courses, strict=True):
+        sized = values / np.hypot(1.0, values) if alignment.in_plan and name == "gradient" else values
+        _check({"distance": at, name: sized}, alignment.source)
     places = _places(courses, alignment)
     curvature, cant, gradient = (np.interp(places, *one) for one in courses)
     distance = places

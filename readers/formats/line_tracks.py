@@ -99,7 +99,7 @@ def tell_jumps(alignment: Alignment) -> None:
         if jumps:
             place, size = max(jumps, key=lambda one: abs(one[1]))
             many = f"{len(jumps)} places" if len(jumps) > 1 else "1 place"
+            most = f"{abs(size):.4g}{UNITS[name]} at {place:.1f} m"
             alignment.account.assumed.append(
-                f"{name} jumps at {many}, by up to {abs(size):.4g}{UNITS[name]} at {place:.1f} m; each jump is spread over "
-                "1 m to both sides"
+                f"{name} jumps at {many}, by up to {most}; each jump is spread over 1 m to both sides"
             )
