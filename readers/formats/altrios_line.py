@@ -69,7 +69,29 @@ def read_altrios_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
         follow = {str(links[other if back else name].get(key)) for key in NEXT}
         if back != turned or (name if back else other) not in follow:
             account.assumed.append(f"links {name} and {other} follow each other, although the file does not say so")
+    account.left += _steps(links, route, source)
     return joined(tracks, source, account)
+
+
+def _steps(links: dict[str, dict[str, Any]], route: Sequence[tuple[str, bool]], source: str) -> list[str]:
+    """Return sentences about joints at which headings or elevations of links do not meet."""
+    found = []
+    for field, value, least, unit in (("headings", "heading", 1e-3, "rad"), ("elevs", "elev", 0.01, "m")):
+        steps = []
+        for (name, back), (other, turned) in pairwise(route):
+            before, after = (_values(links[one], field, value, f"{source}, link {one}") for one in (name, other))
+            if before and after:
+                steps.append(after[-1 if turned else 0] - before[0 if back else -1])
+                if field == "headings":
+                    steps[-1] = math.remainder(steps[-1] + math.pi * (turned - back), 2.0 * math.pi)
+        large = [abs(step) for step in steps if abs(step) > least]
+        if large:
+            found.append(f"steps of {field} at {len(large)} joints, up to {max(large):.3g} {unit}: the track has none")
+    return found
+
+
+def _values(read: dict[str, Any], field: str, value: str, what: str) -> list[float]:
+    return [one for _, one in _course(read, field, value, math.inf, what)]
 
 
 def _links(read: Any, source: str) -> dict[str, dict[str, Any]]:
