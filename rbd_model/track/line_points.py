@@ -5,6 +5,9 @@ the curvature has two parts. The first is noise: four standard deviations. The s
 corner, as at both ends of a transition. The smoothing averages over its reach h with the response 1 / (1 + (w h)^6) to
 waves of wave number w. Where the slope of the curvature changes by J, the average is wrong by J h / 3: the integral of
 w^4 h^5 / (1 + (w h)^6) over all w is 2 pi / 3. J is that of the smooth curve over five reaches, the largest near by.
+At both ends of the line the third derivative of the spline is 0. If the curvature changes there by K a metre, it is
+wrong by 2 K h at the end: the deviation g obeys g = h^6 g(6) with g(3) = -K and g(4) = g(5) = 0 there. It decays as
+exp(-x / 2 h).
 """
 
 from __future__ import annotations
@@ -27,6 +30,8 @@ from readers.text import BadInputError
 Numbers = NDArray[np.float64]
 #: Standard deviations of noise in a bound, which holds everywhere; bias over the jump of slope times reach (see above).
 SIGMAS, BIAS = 4.0, 1.0 / 3.0
+#: Bias at an end over slope times reach, and distance from the end in which the largest slope counts, in reaches.
+AT_END, INSIDE = 2.0, 4.0
 #: Distance over which a jump of slope is taken, to either side, and in which the largest counts, in reaches.
 BESIDE, NEAR = 2.5, 2.0
 #: Share of the distance of knots that a reach has at least in a bound: knots do not resolve more.
@@ -98,6 +103,7 @@ def _line(given: Points, noise: float | None, start: float) -> LineFromPoints:
     bend = _curvature(plan, course)
     reach = max(plan.reach, RESOLVED * plan.pitch, float(length[1]))
     error = SIGMAS * plan.deviation(course, 2) + BIAS * reach * _corner(length, bend, reach)
+    error += _ends(length, bend, reach)
     account = Account(list(given.taken), list(given.converted), [], list(given.assumed))
     _tell_plan(account, plan, noise, error)
     slope, steepness = np.zeros_like(bend), np.full_like(bend, math.inf)
@@ -166,6 +172,15 @@ def _corner(length: Numbers, values: Numbers, reach: float) -> Numbers:
     return np.asarray(maximum_filter1d(np.abs(ahead - behind), width))
 
 
+def _ends(length: Numbers, values: Numbers, reach: float) -> Numbers:
+    """Return the bias next to both ends, by the largest slope of values within INSIDE reaches from them."""
+    slope = np.abs(np.gradient(values, length))
+    found = np.zeros_like(length)
+    for way in (length, length[-1] - length):
+        found += AT_END * reach * float(slope[way <= INSIDE * reach].max()) * np.exp(-way / (2.0 * reach))
+    return found
+
+
 def _gradient(
     way: Numbers, height: Numbers, plan: Smooth, length: Numbers, account: Account
 ) -> tuple[Numbers, Numbers]:
@@ -194,7 +209,7 @@ def _tell_plan(account: Account, plan: Smooth, noise: float | None, error: Numbe
     )
     account.converted.append(
         f"error of the curvature: at most {np.median(error):.2g} 1/m at half of the rows, {error.max():.2g} 1/m "
-        "everywhere, unless curvature jumps without a transition"
+        "everywhere, unless curvature jumps without a transition, or changes that near to an end alone"
     )
     if noise is not None and not 1.0 / MISMATCH <= plan.residual / noise <= MISMATCH:
         account.assumed.append(

@@ -85,6 +85,17 @@ def test_curvature_lies_within_its_told_bounds_everywhere(noise: float) -> None:
     assert np.mean(shares) < 5.0
 
 
+@pytest.mark.parametrize("noise", [0.0001, 0.005])
+def test_ends_inside_transitions_have_bounds_too(noise: float) -> None:
+    """The third derivative of the spline is 0 at its ends, that of the track is not."""
+    exact = positions(300.0, np.arange(130.0, 390.1, 2.5))
+    for seed in range(3):
+        line = line_from_points(exact + noise * np.random.default_rng(seed).standard_normal(exact.shape))
+        distance = 130.0 + line.rows["distance"] * 260.0 / line.rows["distance"][-1]
+        missed = line.rows["curvature"] - np.interp(distance, CORNERS, curvature(300.0))
+        assert np.max(np.abs(missed) / line.curvature_error) < 1.0
+
+
 def test_a_given_noise_replaces_the_estimate() -> None:
     points = sampled(300.0, 5.0, 0.005, 1)
     line = line_from_points(points, noise=0.005)
