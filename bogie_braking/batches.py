@@ -23,9 +23,10 @@ from bogie_braking.checks import (
     seconds,
     shown,
 )
-from bogie_braking.machines import Runnable, batch_machine_of
+from bogie_braking.machines import Runnable, batch_machine_of, unfolded
 from fmu_src.batch import BatchLibrary, Ends, Instances, run_batch
 from fmu_src.system import Variable
+from products.vehicle_file import DataSheet
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.track.line import Line
 from readers.storage import ANOTHER_TEMPORARY, writing
@@ -35,7 +36,7 @@ FILES = (PAIR_FILE.variable.name,)
 
 
 def batch(
-    what: Runnable,
+    what: Runnable | DataSheet,
     duration: float,
     outputs: Sequence[str],
     line: Line | None = None,
@@ -49,7 +50,7 @@ def batch(
 
     Parameters
     ----------
-    what : str, Vehicle, System or Model
+    what : str, DataSheet, Vehicle, System or Model
         Vehicle or brake, as in `run`.
     duration : float
         Duration of each run [s].
@@ -89,7 +90,7 @@ def batch(
 
 
 def instances(
-    what: Runnable,
+    what: Runnable | DataSheet,
     count: int,
     inputs: Sequence[str],
     outputs: Sequence[str],
@@ -107,7 +108,7 @@ def instances(
 
     Parameters
     ----------
-    what : str, Vehicle, System or Model
+    what : str, DataSheet, Vehicle, System or Model
         Vehicle or brake, as in `run`.
     count : int
         Number of instances.
@@ -158,12 +159,13 @@ def instances(
 
 
 def prepared(
-    what: Runnable, line: Line | None, values: Mapping[str, ArrayLike], options: Sequence[str] = ()
+    what: Runnable | DataSheet, line: Line | None, values: Mapping[str, ArrayLike], options: Sequence[str] = ()
 ) -> tuple[BatchLibrary, dict[str, np.ndarray | str]]:
     """Return the compiled system, and the values as arrays of numbers, or as the path of a file.
 
     options: further names in messages.
     """
+    what, values = unfolded(what, values)
     line = line_or_none(line)
     files = {name: value for name, value in values.items() if name in FILES and isinstance(value, str)}
     numbers = {name: _numbers(name, value) for name, value in values.items() if name not in files}

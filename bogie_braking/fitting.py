@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 
 from bogie_braking.checks import known, line_or_none, not_both, number, shown
 from bogie_braking.histories import Value
-from bogie_braking.machines import Machine, Runnable, machine_of, model_from
+from bogie_braking.machines import Machine, Runnable, machine_of, model_from, unfolded
 from bogie_braking.measured_data import (
     check_units,
     covariance,
@@ -28,6 +28,7 @@ from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.suggestion import suggestion
 from fmu_src.system import System
+from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
 from readers.log_columns import ColumnMap
 from readers.renamed import FormerNames
@@ -167,7 +168,7 @@ def _printed(log: Recording) -> Recording:
 
 
 def fit(
-    what: Runnable,
+    what: Runnable | DataSheet,
     measured: Recording | str | Path,
     parameters: Mapping[str, float],
     line: Line | None = None,
@@ -185,7 +186,7 @@ def fit(
 
     Parameters
     ----------
-    what : str, Vehicle, System or Model
+    what : str, DataSheet, Vehicle, System or Model
         Vehicle or brake, as in `run`.
     measured : Recording, str or Path
         A table or the file of a log. Its columns are time [s] and variables in their units: outputs to fit, and inputs
@@ -222,6 +223,7 @@ def fit(
     SimulationError
         If a run is refused.
     """
+    what, values = unfolded(what, values)
     machine = machine_of(what, values, line_or_none(line) is not None)
     table = _table(measured, machine, columns)
     what = model_from(what) if isinstance(what, System) else what

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any
 
@@ -18,7 +18,7 @@ from fmu_src.kernel import Library
 from fmu_src.system import Model, System, Variable, model_of
 from products.building import kernel_at, kernel_of, variables_of, whole_kernel
 from products.one_level import model_at, place_of
-from products.registry import FMUS, SELECTORS
+from products.registry import FMUS, SELECTORS, fmu_named
 from products.registry import model_of as model_of_fmu
 from products.vehicle_file import DataSheet
 from rbd_model.contact.creep.law import CreepLaw
@@ -45,6 +45,8 @@ TOLERANCE = 1e-6
 LEVEL, LEVELS = 2, (1, 2, 3)
 #: Time to compile the equations of a level, for each wheelset, on two processors [s].
 COMPILING = {1: 2.0, 2: 2.0, 3: 4.0}
+#: Value that chooses the creep law of a vehicle's treads.
+CREEP_LAW = "creep_law"
 #: Vehicles as data, by the names of their FMUs.
 VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
     "bogie": two_axle_bogie,
@@ -92,16 +94,45 @@ def vehicle(name: str) -> Vehicle:
 
 
 def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Runnable, dict[str, Any]]:
-    """Return a vehicle from a file as its FMU or its description, with its values; others unchanged.
+    """Return what runs and its values, without a vehicle from a file and without `creep_law`.
 
-    The values of the caller replace those of the file.
+    A vehicle from a file becomes its FMU or its description, with its values, which those of the caller replace. A
+    vehicle with another creep law than its own becomes its description with this law.
+
+    Raises
+    ------
+    ValueError
+        If the creep law is unknown.
     """
     if not isinstance(what, DataSheet):
-        return what, dict(values)
+        return _with_creep_law(what, dict(values))
     if what.fmu is None:
-        return what.vehicle, dict(what.resistance) | dict(values)
+        return _with_creep_law(what.vehicle, dict(what.resistance) | dict(values))
     own = what.values if values.get("level", LEVEL) == LEVELS[-1] else what.planar_values
-    return what.fmu, own | dict(values)
+    return _with_creep_law(what.fmu, own | dict(values))
+
+
+def _with_creep_law(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dict[str, Any]]:
+    """Return a vehicle with the law `creep_law` of the values, and the other values; what is not one, as it is."""
+    name = fmu_named(what) if isinstance(what, str) else ""
+    if CREEP_LAW not in values or not (isinstance(what, Vehicle) or name in VEHICLES):
+        return what, values
+    own = what if isinstance(what, Vehicle) else VEHICLES[name]()
+    law = _law_named(values[CREEP_LAW])
+    rest = {one: value for one, value in values.items() if one != CREEP_LAW}
+    return what if law == own.creep_law else replace(own, creep_law=law), rest
+
+
+def _law_named(law: object) -> str:
+    """Return the name of a creep law, a function of the user among them, which gets a name of its own in LAWS."""
+    if callable(law):
+        name = f"{getattr(law, '__name__', 'law')} (own)"
+        LAWS[name] = law
+        return name
+    if not isinstance(law, str) or law not in LAWS:
+        those = ", ".join(one for one in LAWS if not one.endswith("(own)"))
+        raise ValueError(f"creep_law must be one of {those}, or a function of a ContactPatch; got {shown(law)}.")
+    return law
 
 
 def machine_of(what: Runnable, values: Mapping[str, Any], on_line: bool) -> Machine:

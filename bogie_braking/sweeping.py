@@ -19,7 +19,7 @@ import numpy as np
 from bogie_braking.batches import batch
 from bogie_braking.checks import is_number, known, line_or_none, names_of, not_both, once, seconds, shown
 from bogie_braking.histories import Column, Value
-from bogie_braking.machines import Runnable, machine_of, model_from
+from bogie_braking.machines import CREEP_LAW, Runnable, machine_of, model_from, unfolded
 from bogie_braking.simulation import Simulation
 from fmu_src.compile import CompilerError
 from fmu_src.cosimulation.recording import Recording
@@ -28,6 +28,7 @@ from fmu_src.system import Model, System
 from products.registry import FMUS
 from products.study.points import AHEAD, Evaluate, Outcome, Outcomes, Point, outcomes_from
 from products.study.study import Study, kept_outcomes_of, outcomes_of
+from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
 
 #: From this number of runs a batch is made: it compiles once, for as long as thousands of them take. Tasks of an
@@ -115,7 +116,7 @@ def run_by(executor: Executor | None, many: Batch | None, evaluate: Evaluate, po
 
 
 def sweep(
-    what: Runnable,
+    what: Runnable | DataSheet,
     duration: float,
     names: Sequence[str],
     vary: Mapping[str, Column],
@@ -131,7 +132,7 @@ def sweep(
 
     Parameters
     ----------
-    what : str, Vehicle, System or Model
+    what : str, DataSheet, Vehicle, System or Model
         Vehicle or brake, as in `run`.
     duration : float
         Duration of each run [s].
@@ -168,7 +169,9 @@ def sweep(
         If an executor returns the results of another row.
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
-    check_executor(executor, what)
+    own_law = callable(values.get(CREEP_LAW))
+    what, values = unfolded(what, values)
+    check_executor(executor, what, own_law)
     columns = columns_of(vary)
     not_both(columns, values, "as a column of what varies and as a value")
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
@@ -190,7 +193,7 @@ def sweep(
         names,
         rows,
         partial(end_of, what, duration, line, names, values),
-        {} if folder is None else head_of(what, duration, columns, varied | results, line, values),
+        {} if folder is None else head_of(what, duration, columns, varied | results, line, values, own_law),
     )
     if folder is None:
         found = outcomes_of(study, run_points)
@@ -210,6 +213,7 @@ def head_of(
     units: Mapping[str, str],
     line: Line | None,
     values: Mapping[str, Value],
+    own_law: bool = False,
 ) -> dict[str, Any]:
     """Return the settings that all runs in one folder share.
 
@@ -222,7 +226,7 @@ def head_of(
         "A folder keeps runs of ready machines and of vehicles, with numbers and tables; got equations or a function. "
         "Leave folder out."
     )
-    if isinstance(what, System | Model):
+    if own_law or isinstance(what, System | Model):
         raise refused
     try:
         rest = hashlib.sha256(pickle.dumps((what, line, values))).hexdigest()[:24]
@@ -239,11 +243,11 @@ def head_of(
     }
 
 
-def check_executor(executor: Any, what: Runnable) -> None:
+def check_executor(executor: Any, what: Runnable, own_law: bool = False) -> None:
     """Raise TypeError if it is not an executor, or if the equations cannot be sent to one."""
     if not (executor is None or callable(getattr(executor, "submit", None))):
         raise TypeError(f"executor must be an executor of concurrent.futures, or None; got {shown(executor)}.")
-    if executor and isinstance(what, System | Model):
+    if executor and (own_law or isinstance(what, System | Model)):
         raise TypeError("Equations of your own cannot be sent to an executor; leave it out, and threads run them here.")
 
 

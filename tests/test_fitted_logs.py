@@ -273,3 +273,12 @@ def test_their_covariance_is_that_of_the_dense_matrix() -> None:
     errors = type(errors)(2.0, 0.7, 0.4)
     dense = 2.0 * (0.7 * np.exp(-np.abs(times[:, None] - times) / 0.4) + 0.3 * np.eye(40))
     assert errors.times(times, slopes) == pytest.approx(dense @ slopes, rel=1e-10)
+
+
+def test_a_vehicle_from_its_data_sheet_is_fitted_as_it_runs(tmp_path: Path) -> None:
+    path = tmp_path / "regio.toml"
+    path.write_text('tare = "38 t"\nload = "6 t"\n[brake]\ndeceleration = "1.1 m/s2"\n')
+    regio, name = bb.read_vehicle(path), "davis_constant"
+    run = bb.run(regio, 10.0, None, ["speed"], 0.5, **{name: 2500.0}, initial_speed=30.0)
+    found = bb.fit(regio, run, {name: 2000.0}, initial_speed=30.0)
+    assert found.values[name] == pytest.approx(2500.0, rel=1e-3)

@@ -167,8 +167,8 @@ def _checked(path: Path, log: Recording, longest_gap: float | None) -> Recording
     count = wheelsets_in(log)
     if not 1 <= count <= MOST_WHEELSETS:
         raise BadInputError(
-            f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST_WHEELSETS}. Name them by a map "
-            "with --columns."
+            f"{path} has {count} columns wheel_speed_1 [m/s] and so on; give it 1 to {MOST_WHEELSETS}. Name them "
+            "by a map with --columns."
         )
     for name in speeds_of(count):
         if name not in log.names:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+import bogie_braking as bb
 from bogie_braking.machines import model_from, vehicle
 from fmu_src.kernel import Kernel, SimulationError
+from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.levels.models import STRIPS, places_of
@@ -59,3 +62,38 @@ def test_a_law_of_a_script_is_one_line_and_a_wrong_name_is_refused(monkeypatch: 
         replace(vehicle("bogie"), creep_law="mine")
     monkeypatch.setitem(LAWS, "mine", shen_hedrick_elkins)
     assert slip_ratio("mine", LARGE, 1) == slip_ratio("shen-hedrick-elkins", LARGE, 1)
+
+
+def test_a_run_takes_a_law_by_its_name_or_a_function() -> None:
+    """The default law keeps the FMU; others are those of the vehicle as data, in runs, fits, batches and sweeps."""
+    braked = {"level": 1, "brake_torque_1": LARGE, "initial_speed": 20.0}
+
+    def slip(what: object = "bogie", **values: object) -> float:
+        return float(bb.run(what, 1.0, None, ["slip_ratio_1"], 1.0, **braked, **values)["slip_ratio_1"][-1])
+
+    plain, law = slip(), {"creep_law": "shen-hedrick-elkins"}
+    assert slip(creep_law=DEFAULT_LAW) == plain
+    named = slip(**law)
+    assert abs(named / plain - 1) > 1e-3
+    assert named == slip(replace(vehicle("bogie"), **law)) == slip(vehicle("bogie"), **law)
+
+    def halved(patch: ContactPatch) -> tuple:
+        x, y = shen_hedrick_elkins(patch)
+        return x / 2, y / 2
+
+    assert slip(creep_law=halved) == pytest.approx(2 * named, rel=0.2)
+    both = {"brake_torque_1": [LARGE, LARGE], "level": 1, "initial_speed": 20.0}
+    assert bb.batch("bogie", 1.0, ["slip_ratio_1"], **both, **law)["slip_ratio_1"] == pytest.approx(named, rel=1e-6)
+    rows = bb.sweep("bogie", 1.0, ["slip_ratio_1"], {"brake_torque_1": [LARGE]}, level=1, initial_speed=20.0, **law)
+    assert rows["slip_ratio_1"][0] == pytest.approx(named, rel=1e-6)
+
+
+def test_a_creep_law_that_does_not_exist_is_refused(tmp_path: Path) -> None:
+    for wrong in ("fast", 3, None):
+        with pytest.raises(
+            ValueError, match=r"creep_law must be one of polach, .*, or a function of a ContactPatch; got"
+        ):
+            bb.run("bogie", 1.0, level=1, creep_law=wrong)
+    vary = {"friction_1": [0.1, 0.2]}
+    with pytest.raises(TypeError, match="got equations or a function"):
+        bb.sweep("bogie", 1.0, ["speed"], vary, level=1, folder=tmp_path / "sweep", creep_law=shen_hedrick_elkins)
