@@ -19,7 +19,7 @@ ROUNDING = 2e-3
 
 @dataclass
 class Account:
-    """What became of the fields of a file, a sentence an entry.
+    """Use of the fields of a file, an entry each.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ class Extreme:
 
 @dataclass(frozen=True)
 class Check:
-    """What a line demands.
+    """Extremes of a line at a speed.
 
     Attributes
     ----------

@@ -6,8 +6,8 @@ corner, as at both ends of a transition. The smoothing averages over its reach h
 waves of wave number w. Where the slope of the curvature changes by J, the average is wrong by J h / 3: the integral of
 w^4 h^5 / (1 + (w h)^6) over all w is 2 pi / 3. J is that of the smooth curve over five reaches, the largest near by.
 At both ends of the line the third derivative of the spline is 0. If the curvature changes there by K a metre, it is
-wrong by 2 K h at the end: the deviation g obeys g = h^6 g(6) with g(3) = -K and g(4) = g(5) = 0 there. It decays as
-exp(-x / 2 h).
+wrong by 2 K h at the end, and the error decays as exp(-x / 2 h). The deviation g obeys g = h^6 g(6) with g(3) = -K and
+g(4) = g(5) = 0 at the end.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ OUTLIER, MISMATCH = 5.0, 2.0
 
 @dataclass(frozen=True, eq=False)
 class LineFromPoints(SourcedLine):
-    """A line from points, with what is known of its errors.
+    """A line from points, with bounds of its errors.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ def line_from_points(points: str | Path | ArrayLike, noise: float | None = None,
     Returns
     -------
     LineFromPoints
-        The line with bounds of its errors. Its `account` tells noise, smoothing and bounds.
+        The line with bounds of its errors. Its `account` has noise, smoothing and bounds.
 
     Raises
     ------

@@ -3,8 +3,8 @@
 A spline of degree 5 on equal knots minimises the sum of squared deviations plus a factor times the integral of the
 squared third derivative (P. H. C. Eilers and B. D. Marx (1996), Flexible smoothing with B-splines and penalties,
 Statistical Science 11; the penalty is the exact integral). For a track in plan the third derivative is the change of
-curvature per metre, so that straights, arcs and transitions cost little, whereas a penalty on the second derivative, as
-in cubic smoothing splines, pulls arcs towards straight lines.
+curvature per metre. Straights, arcs and transitions therefore cost little. A penalty on the second derivative, as in
+cubic smoothing splines, pulls arcs towards straight lines.
 
 The factor minimises the generalised cross validation (P. Craven and G. Wahba (1978), Smoothing noisy data with spline
 functions, Numerische Mathematik 31), or the unbiased estimate of the risk if the noise is known (C. L. Mallows (1973),
@@ -93,7 +93,7 @@ def smooth(places: Numbers, samples: Numbers, pitch: float, noise: float | None 
     places : array, shape (n,)
         Growing places.
     samples : array, shape (n, components)
-        Samples. Of points on a curve whose places are their chords, only the noise across the curve counts.
+        Samples.
     pitch : float
         Distance of the knots, about that of the samples.
     noise : float, optional

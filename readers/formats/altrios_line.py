@@ -14,7 +14,7 @@ from typing import Any
 
 from readers.alignment import Account, Alignment, Piece
 from readers.documents import integer_in, is_number
-from readers.formats.line_tracks import Track, joined, route_of
+from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.text import FileError, shown
 from readers.yaml_files import yaml_of
 
@@ -53,7 +53,7 @@ def read_altrios_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
     for name, back in route:
         track = _track(links[name], name, lengths[name], f"{source}, link {name}")
         tracks.append(track.backwards() if back else track)
-    account = Account(taken=[f"links {', '.join(track.name for track in tracks)}: length, elevations, headings"])
+    account = Account(taken=[f"links {listed(track.name for track in tracks)}: length, elevations, headings"])
     account.converted += [
         "elevations: gradient = change of elevation over change of offset",
         "headings: curvature = change of heading over change of offset, the shorter way round",

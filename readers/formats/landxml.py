@@ -1,7 +1,7 @@
 """Alignments of LandXML 1.0 to 2.0: elements in plan, cant stations and a profile.
 
-Names and meanings are those of the schema LandXML-1.2: `rot` cw is a curve to the right, `radiusStart` INF is straight,
-stations and lengths are those of the plan, a ParaCurve is a parabola of a given length about its point of intersection.
+Names and meanings are those of the schema LandXML-1.2. `rot` cw is a curve to the right, `radiusStart` INF is straight.
+Stations and lengths are those of the plan. A ParaCurve is a parabola of a given length about its point of intersection.
 Cant is stated in mm, or in inches if units are imperial, as writers of railway alignments do; the schema has no unit.
 """
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from readers.alignment import Account, Alignment, Piece
 from readers.documents import document, list_in, number_in, text_in
-from readers.formats.line_tracks import Track, joined, route_of
+from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.text import FileError, text_of
 
 #: Largest file [bytes], longest track section [m].
@@ -54,7 +54,7 @@ def read_osrd_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
     for name, back in route:
         track = _track(sections[name], name, lengths[name], source)
         tracks.append(track.backwards() if back else track)
-    names = ", ".join(track.name for track in tracks)
+    names = listed(track.name for track in tracks)
     account.taken.append(f"track sections {names}: length, slopes, curves")
     account.converted += ["slopes: per mille to 1", "curves: radius in m to curvature 1 / radius; radius 0: straight"]
     account.left += [

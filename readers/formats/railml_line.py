@@ -15,7 +15,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from readers.alignment import BLOSS, LINEAR, Account, Alignment, Piece
-from readers.formats.line_tracks import Track, joined, route_of
+from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.formats.railml3_line import read_railml3
 from readers.formats.xml_numbers import attribute, required
 from readers.text import FileError, shown
@@ -76,7 +76,7 @@ def read_railml_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
     for name, back in route:
         track = _track(elements[name], name, *ends[name], source, account)
         tracks.append(track.backwards() if back else track)
-    names = ", ".join(track.name for track in tracks)
+    names = listed(track.name for track in tracks)
     account.taken.append(f"tracks {names}: positions of begin, end and changes")
     account.converted += ["radius in m to curvature; 0 is straight", "slope: per mille to 1", "superelevation: mm to m"]
     account.assumed += [
