@@ -7,10 +7,13 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from readers.documents import DEEPEST, check_tree, too_deep
 from readers.text import FileError, lines_of, shown, text_of
+
+try:
+    import yaml
+except ImportError:  # an environment of an earlier version
+    raise FileError("A YAML file needs the package PyYAML; it is missing. Install it: pip install pyyaml.") from None
 
 #: Largest file [bytes].
 LARGEST = 4_000_000

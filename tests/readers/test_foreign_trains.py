@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -240,6 +241,15 @@ def test_an_old_altrios_car_is_read_loaded(tmp_path: Path) -> None:
     row = read(tmp_path, "Manifest.yaml", text).rows[0]
     assert row["mass"] == 130.0
     assert row["shoe_force"] == pytest.approx(0.11 * 130 * G, rel=ROUNDED)
+
+
+def test_yaml_without_its_package_is_refused_with_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.yaml").write_text(CAR)
+    for name in ("readers.yaml_files", "readers.formats.altrios"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.setitem(sys.modules, "yaml", None)
+    with pytest.raises(FileError, match=r"Install it: pip install pyyaml\."):
+        read_foreign(tmp_path / "a.yaml")
 
 
 # -- OpenBVE ---------------------------------------------------------------------------------------------------------
