@@ -16,6 +16,7 @@ from bogie_braking.exit_status import HOLDS
 from rbd_model.contact.geometry import Side, Sides, contact_at
 from rbd_model.contact.measured_pair import fault_at, gauge_of
 from rbd_model.contact.pair_file import write_pair
+from rbd_model.contact.pair_table import LARGEST_SHIFT
 from rbd_model.contact.patches import parts_of, positions_of
 from readers.storage import write_whole
 from readers.text import BadInputError
@@ -61,10 +62,31 @@ def run(chosen: argparse.Namespace) -> int:
     elif not chosen.quiet:
         show(about)
         print(f"Picture: {picture}")
-    write_pair(sides, chosen.out)
+    write_table(sides, chosen.out)
     if not (chosen.json or chosen.quiet):
         print(f"Contact table: {chosen.out}")
     return HOLDS
+
+
+def write_table(sides: Sides, path: Path) -> None:
+    """Write the contact table of a pair.
+
+    Raises
+    ------
+    BadInputError
+        If contact model 2 cannot follow the contact, or the wheels leave the rails within the table.
+    """
+    try:
+        with np.errstate(invalid="ignore"):
+            write_pair(sides, path)
+    except BadInputError:
+        raise
+    except ValueError as error:
+        names = " and ".join(dict.fromkeys(f"{one.wheel.name} on {one.rail.name}" for one in sides.both))
+        raise BadInputError(
+            f"Wheels must stay on the heads of their rails at shifts up to {1e3 * LARGEST_SHIFT:g} mm; {names} cannot "
+            f"({error}). Give longer profiles, or check gauge and tape circle."
+        ) from error
 
 
 def sides_given(chosen: argparse.Namespace) -> Sides:
@@ -90,11 +112,27 @@ Limits = dict[str, list[tuple[float, float]]]
 
 
 def patches_by_side(sides: Sides) -> Limits:
-    """Return the limits of each wheel's patches [m], from the field side to the flange."""
-    try:
-        return {word: limits_of(side) for word, side in zip(WORDS, sides.both, strict=True)}
-    except ValueError as error:
-        raise BadInputError(str(error)) from error
+    """Return the limits of each wheel's patches [m], from the field side to the flange.
+
+    Raises
+    ------
+    BadInputError
+        If a wheel bears on no tread, or its contact cannot be followed.
+    """
+    found = {}
+    for word, side in zip(WORDS, sides.both, strict=True):
+        try:
+            found[word] = limits_of(side)
+        except ValueError as error:
+            raise BadInputError(f"{side.wheel.name} on {side.rail.name}: {error}") from error
+        if all(part.flange for part in parts_of(side)):
+            low, high = 1e3 * found[word][-1][0], 1e3 * found[word][0][1]
+            names = f"{side.wheel.name} on {side.rail.name}"
+            raise BadInputError(
+                f"The {word} wheel must bear on its tread; {names} bears only where it "
+                f"is steeper than 20 degrees, y = {low:.4g} to {high:.4g} mm. Check gauge, tape circle and profiles."
+            )
+    return found
 
 
 def limits_of(side: Side) -> list[tuple[float, float]]:

@@ -23,6 +23,8 @@ GIVEN = "given"
 SCATTER = 0.1e-3
 #: Distance of the tape circle from the back of the flange [m] (EN 13715, EN 15302).
 TAPE_CIRCLE = 70e-3
+#: Least distance of a rail's y = 0 from the ends of its profile [m].
+BESIDE = 5e-3
 #: The back of a flange: points within BACK of the contour's end that span FACE or more in height [m].
 BACK, FACE = 0.6e-3, 5e-3
 #: Places of a flange's flank, FLANK below most of the wheel [m], if y = 0 is the tape circle, and if it is the back of
@@ -84,6 +86,9 @@ def read_profile(
     else:
         notes.append(_laid(faces, inclination))
     points = _function_of_y(inclined(points, inclination), kind)
+    if kind == "rail":
+        points, moved = _about_its_head(points)
+        notes += moved
     name = Path(contour.source).stem
     found = replace(
         from_points(f"{kind} {name}", Path(contour.source).name, points[:, 0], points[:, 1], measured=True),
@@ -170,6 +175,15 @@ def _tape_circle(contour: Contour, points: np.ndarray, faces: GaugeSide, given: 
         f"{contour.source}: y = 0 must be the tape circle or the back of the flange if the contour ends before this "
         f"back; the flange's flank lies at y = {1e3 * turn * flank:.4g} mm. Give the tape circle's y (--tape-circle)."
     )
+
+
+def _about_its_head(points: np.ndarray) -> tuple[np.ndarray, list[str]]:
+    """Return a rail's points with y = 0 on its head, and a note if it lay beside: origins of check rails do."""
+    low, high = float(points[0, 0]), float(points[-1, 0])
+    if low + BESIDE < 0.0 < high - BESIDE:
+        return points, []
+    middle = (low + high) / 2
+    return points - [middle, 0.0], [f"y = 0: moved by {1e3 * middle:.5g} mm to the middle of the head"]
 
 
 def _laid(faces: GaugeSide, inclination: float) -> str:

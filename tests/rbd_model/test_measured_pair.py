@@ -172,6 +172,15 @@ def test_origin_of_a_wheel_that_is_neither_tape_circle_nor_back_must_be_given(tm
     assert given.height(np.array(0.0)) == pytest.approx(float(profile(simpack(path, WHEEL)).height(np.array(0.0))))
 
 
+def test_rail_of_another_origin_lies_about_its_head(tmp_path: Path) -> None:
+    wheel = simpack(tmp_path / "w.prw", WHEEL)
+    rails = [simpack(tmp_path / f"{at}.prr", RAIL + np.array([at, 0.0])) for at in (0.0, 140.0)]
+    near, far = (bb.pair(wheel, rail, gauge=1.435) for rail in rails)
+    assert far.left.rail.height(np.array(0.0)) > -1e-3
+    assert "y = 0: moved by 143.25 mm to the middle of the head" in " ".join(far.notes)
+    assert numbers_of(far) == pytest.approx(numbers_of(near), abs=1e-6, rel=1e-6)
+
+
 def test_spline_does_not_ring_beside_the_wall_of_a_rail() -> None:
     """A head R13 at its corner with vertical sides: within 5 um up to 70 degrees, square to the contour."""
     angle = np.radians(np.arange(0.0, 90.0, 0.5))

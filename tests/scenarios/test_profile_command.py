@@ -64,6 +64,16 @@ def test_outlier_is_refused_or_dropped(tmp_path: Path, capsys: pytest.CaptureFix
     assert notes.count("rows 501") == 1
 
 
+def test_rails_that_wheels_leave_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A flat rail that is inclined by 0.2: without a head the wheels find no balance."""
+    flat = tmp_path / "flat.csv"
+    np.savetxt(flat, np.column_stack([y := np.arange(-50.0, 51.0), 0.2 * y]), delimiter=",")
+    assert main(["profile", WHEEL, str(flat), "--gauge-side", "y-", "--out", str(tmp_path / "pair.csv")]) == 2
+    shown = capsys.readouterr().err
+    assert "must" in shown
+    assert shown.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
