@@ -104,7 +104,7 @@ def _line(given: Points, noise: float | None, start: float) -> LineFromPoints:
     reach = max(plan.reach, RESOLVED * plan.pitch, float(length[1]))
     error = SIGMAS * plan.deviation(course, 2) + BIAS * reach * _corner(length, bend, reach)
     error += _ends(length, bend, reach)
-    account = Account(list(given.taken), list(given.converted), [], list(given.assumed))
+    account = Account(list(given.taken), list(given.converted), list(given.left), list(given.assumed))
     _tell_plan(account, plan, noise, error)
     slope, steepness = np.zeros_like(bend), np.full_like(bend, math.inf)
     if given.height is not None:

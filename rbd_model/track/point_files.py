@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rbd_model.track.projection import transverse_mercator
 from readers.tables import Column, read_table
-from readers.text import BadInputError, FileError
+from readers.text import BadInputError, FileError, shown
 
 Numbers = NDArray[np.float64]
 #: Fewest and most points, largest coordinate [m].
@@ -22,8 +22,8 @@ COLUMNS = (
     *(Column(name, "m", -FARTHEST, FARTHEST) for name in ("x", "y", "z", "easting", "northing", "height")),
     Column("latitude", "deg", -84.0, 84.0),
     Column("longitude", "deg", -180.0, 180.0),
-    Column("point"),
 )
+KNOWN = {column.name for column in COLUMNS}
 #: Names of both coordinates in plan, and of the height.
 PLANS, HEIGHTS = (("x", "y"), ("easting", "northing"), ("latitude", "longitude")), ("z", "height")
 
@@ -42,8 +42,8 @@ class Points:
         Height [m].
     places : array of int, shape (n,)
         Row of each point in its file, or its number from 1.
-    taken, converted, assumed : tuple of str
-        What became of the input.
+    taken, converted, assumed, left : tuple of str
+        Use of the input.
     """
 
     source: str
@@ -53,6 +53,7 @@ class Points:
     taken: tuple[str, ...]
     converted: tuple[str, ...]
     assumed: tuple[str, ...]
+    left: tuple[str, ...] = ()
 
 
 def points_of(given: str | Path | ArrayLike) -> Points:
@@ -85,7 +86,7 @@ def points_of(given: str | Path | ArrayLike) -> Points:
 
 
 def _from_file(path: str | Path) -> Points:
-    table = read_table(path, COLUMNS, most_rows=MOST)
+    table = read_table(path, COLUMNS, others=True, most_rows=MOST)
     columns = table.numbers
     found = [pair for pair in PLANS if pair[0] in columns or pair[1] in columns]
     if len(found) != 1 or not all(name in columns for name in found[0]):
@@ -102,7 +103,9 @@ def _from_file(path: str | Path) -> Points:
         plan, told = transverse_mercator(*plan.T)
         converted = (told,)
     height = columns[heights[0]] if heights else None
-    return _checked(str(path), plan, height, table.places, converted, FileError)
+    points = _checked(str(path), plan, height, table.places, converted, FileError)
+    left = [shown(name) for name in columns if name not in KNOWN]
+    return replace(points, left=(f"columns {', '.join(left)}: they are not used",)) if left else points
 
 
 def _checked(

@@ -1,4 +1,4 @@
-"""Lines from noisy points of a known straight, clothoid and arc: curvature within the told bounds, and forces."""
+"""Lines from noisy points of a known straight, clothoid and arc: curvature within the told bounds."""
 
 from __future__ import annotations
 
@@ -8,18 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmu_src.compile import build_library
-from fmu_src.kernel import Kernel, Library
-from rbd_model.levels.models import bogie_dynamics
-from rbd_model.track.line import Line, arc, clothoid, line_of, straight
 from rbd_model.track.line_points import LineFromPoints, line_from_points
 from rbd_model.track.projection import AXIS, FLATTENING, transverse_mercator
 from readers.text import BadInputError, FileError
 
 #: Corners of the curvature [m], and radii of the arcs between the second and the third transition [m].
 CORNERS, RADII = np.array([0.0, 100.0, 160.0, 360.0, 420.0, 520.0]), (300.0, -1000.0, 150.0)
-#: Largest errors of the force with noise of 1 mm: of its peak and of its mean in the arc; measured 1.5 % and 0.05 %.
-OF_PEAK, OF_MEAN = 0.03, 2e-3
 
 
 def curvature(radius: float) -> np.ndarray:
@@ -201,27 +195,10 @@ def test_units_and_both_names_of_coordinates(tmp_path: Path) -> None:
     )
     one, two = line_from_points(plain), line_from_points(other)
     assert two.rows["curvature"] == pytest.approx(one.rows["curvature"], abs=1e-9)
+    plain.write_text("time,x,y\n" + "".join(f"{i},{x!r},{y!r}\n" for i, (x, y) in enumerate(LINE_POINTS.tolist())))
+    timed = line_from_points(plain)
+    assert timed == one
+    assert timed.account.left == ["columns time: they are not used"]
     plain.write_text("x,northing\n0,0\n5,0\n")
     with pytest.raises(FileError, match="must have the columns x and y, easting and northing, or latitude"):
         line_from_points(plain)
-
-
-def guiding_force(bogie: Library, line: Line, folder: Path) -> np.ndarray:
-    kernel = Kernel(bogie, level=3, line_file=str(line.write(folder / "line.csv")))
-    kernel.set(initial_speed=15.0)
-    return np.array(kernel.record(500.0 / 15.0, 0.02, ["guiding_force_1"])["guiding_force_1"])
-
-
-def test_a_bogie_has_the_forces_of_the_exact_line_with_noise_of_1_mm(tmp_path: Path) -> None:
-    """Level 3 at 15 m/s. The transients at the corners are up to 7 % of the peak apart; they are not judged."""
-    bogie, curve = Library(build_library(bogie_dynamics())), arc(200.0, 300.0)
-    into, out = clothoid(60.0, straight(1.0), curve), clothoid(60.0, curve, straight(1.0))
-    exact = guiding_force(bogie, line_of([straight(120.0), into, curve, out, straight(100.0)], -20.0), tmp_path)
-    inside = slice(int(200 / 15 / 0.02), int(330 / 15 / 0.02))
-    for spacing in (2.5, 5.0, 10.0):
-        ahead = np.column_stack([np.arange(-20.0, 0.0, spacing), np.zeros(int(20 / spacing))])
-        points = np.concatenate([ahead, sampled(300.0, spacing, 0.0, 0)])
-        points += 0.001 * np.random.default_rng(5).standard_normal(points.shape)
-        found = guiding_force(bogie, line_from_points(points, start=-20.0), tmp_path)
-        assert np.max(np.abs(found)) == pytest.approx(np.max(np.abs(exact)), rel=OF_PEAK)
-        assert np.mean(found[inside]) == pytest.approx(np.mean(exact[inside]), rel=OF_MEAN)
