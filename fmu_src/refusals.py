@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 #: A kernel keeps the value before: runtime/variables.c, and for strings runtime/text.c.
-VALUE_BEFORE = re.compile(r" [-+\w.]*\w(?: [^\s;]+)? stays in force\.| The \w+ before it stays in force\.")
+VALUE_BEFORE = re.compile(r" [-+\w.]*\w(?: [^\s;]+)? stays in force\.| The [\w ]+ before it stays in force\.")
 
 
 def without_value_before(sentence: str) -> str:

@@ -197,10 +197,18 @@ static bool read_all(record_reader *self) {
     return true;
 }
 
+static bool refuse_path(record_reader *self, const char *why) {
+    const int length = (int)strlen(self->path);
+    const char *noun = MODEL.record_file->noun;
+    snprintf(self->problem, PROBLEM_SIZE, "%c%s %s%s: %s. Give the path of a file that can be read.", toupper(*noun), noun + 1,
+             length > END_OF_PATH ? "..." : "", self->path + (length > END_OF_PATH ? length - END_OF_PATH : 0), why);
+    return false;
+}
+
 static bool read_file_of_records(record_reader *self) {
-    if (!is_plain_file(self->path)) return refuse_record(self, "it is a folder, a pipe or a device");
+    if (!is_plain_file(self->path)) return refuse_path(self, "it is a folder, a pipe or a device");
     FILE *file = fopen(self->path, "rb");
-    if (!file) return refuse_record(self, "it cannot be opened");
+    if (!file) return refuse_path(self, "it cannot be opened");
     text_rows_begin(&self->rows, file);
     self->made->mark = SEAL_BEGIN;
     const bool done = read_all(self);
