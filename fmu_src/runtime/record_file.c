@@ -1,5 +1,5 @@
 /* Records from a user's file, as FMUs and kernels read them: each row is a number with its name, the head of a table or of a
- * list, or a row of a table, in the order of the kinds. rbd_model/contact/pair_file.py writes and reads the same files. */
+ * list, or a row of a table, in the order of the kinds. The last one is the checksum of all numbers. rbd_model/contact/pair_file.py writes and reads the same files. */
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -190,6 +190,12 @@ static bool read_all(record_reader *self) {
     if (!table_read_number(self->cell[1], &version, &mark) || version != about->version)
         return refuse_record(self, "the format must be %d; got '%.*s'", about->version, QUOTED_CELL, self->cell[1]);
     if (!read_record(self, 0, &self->made->root)) return false;
+    char sum[20];
+    snprintf(sum, sizeof sum, "%016llx", self->made->mark);
+    if (!named_cells(self, "checksum", 1)) return false;
+    if (strcmp(self->cell[1], sum) != 0)
+        return refuse_record(self, "the checksum must be %s, that of the numbers above; got '%.*s'", sum, QUOTED_CELL,
+                             self->cell[1]);
     const reading found = text_rows_next(&self->rows);
     if (found == ROW_REFUSED) return refuse_record(self, "%s", self->rows.problem);
     if (found == ROW_READ)

@@ -2,7 +2,8 @@
 
 The file is text. Its first rows are remarks that name the pair. Then each row is one item of `pair_table.PAIR`: a
 number (`radius,0.46`), the head of a table (`table,nearest,322`) with its rows of a breakpoint and the coefficients of
-the polynomial from there on, or the head of a list (`list,treads,2`) with its records. Numbers are written with as many
+the polynomial from there on, or the head of a list (`list,treads,2`) with its records. The last row is the checksum of
+all numbers, so that a digit that was changed is found. Numbers are written with as many
 digits as they have, so that a table that is read is the one that was written. `fmu_src/runtime/record_file.c` reads
 the same files.
 """
@@ -10,8 +11,10 @@ the same files.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+import struct
+from array import array
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from fmu_src.records import LARGEST_NUMBER, MOST_PIECES, Pieces, Record, RecordKind, TableOfRecord
@@ -19,11 +22,13 @@ from fmu_src.system import RecordFile, Variable
 from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
 from rbd_model.contact.pair_table import PAIR, PATCH, SIDE, pair_record
 from readers.storage import write_whole
-from readers.tables import number_of
+from readers.tables import number_in, number_of
 from readers.text import BadInputError, rows_of, shown, text_of
 
 #: Format of the file, in its first row after the remarks.
 VERSION = 1
+#: Name of the last row; constants of its hash (sealed.h).
+CHECKSUM, SEAL_BEGIN, FACTOR, WHOLE = "checksum", 14695981039346656037, 1099511628211, 2**64 - 1
 #: Largest difference of cosine^2 + sine^2 from 1.
 UNIT = 1e-9
 #: How to mend a damaged file.
@@ -70,10 +75,21 @@ def write_pair(sides: Sides, path: str | Path) -> Path:
         If the file cannot be written.
     """
     record = pair_record(sides)
-    rows = [*remarks(sides), f"{PAIR.name},{VERSION}", *rows_of_record(record)]
+    rows = list(rows_of_record(record))
+    numbers = [float(cell) for row in rows for cell in row.split(",") if number_in(cell)]
+    rows = [*remarks(sides), f"{PAIR.name},{VERSION}", *rows, f"{CHECKSUM},{checksum(numbers)}"]
     target = Path(path)
     write_whole(target, "".join(f"{row}\n" for row in rows).encode())
     return target
+
+
+def checksum(numbers: Iterable[float]) -> str:
+    """Return the hash of numbers as the runtime computes it (sealed.h), after Fowler, Noll and Vo."""
+    found = SEAL_BEGIN
+    for (word,) in struct.iter_unpack("<Q", array("d", numbers).tobytes()):
+        found = (found ^ word) * FACTOR & WHOLE
+        found ^= found >> 29
+    return f"{found:016x}"
 
 
 def remarks(sides: Sides) -> Iterator[str]:
@@ -140,6 +156,10 @@ def read_pair(path: str | Path) -> Record:
     if version != str(VERSION):
         raise reader.refused(f"the format must be {VERSION}; got {shown(version)}")
     record = reader.record(PAIR)
+    wanted = checksum(reader.numbers)
+    [found] = reader.cells(CHECKSUM, 1)
+    if found != wanted:
+        raise reader.refused(f"the checksum must be {wanted}, that of the numbers above; got {shown(found)}")
     reader.end()
     return record
 
@@ -149,6 +169,7 @@ class _Reader:
     path: str
     rows: Iterator[tuple[int, str]]
     row: int = 0
+    numbers: list[float] = field(default_factory=list)
 
     def refused(self, problem: str) -> BadInputError:
         """Return the error for the row that was read last."""
@@ -203,6 +224,7 @@ class _Reader:
         value = number_of(cell)
         if not minimum <= value <= maximum:
             raise self.refused(f"{name} must be a number from {minimum:g} to {maximum:g}; got {shown(cell)}")
+        self.numbers.append(value)
         return value
 
     def count(self, word: str, name: str, least: int, most: int) -> int:

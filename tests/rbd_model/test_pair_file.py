@@ -71,6 +71,7 @@ DAMAGES = {
     "no number in a row": (r"(table,along,.*\n.*),[^,]*\n", r"\1,nan\n", "a coefficient must be a number"),
     "a row that goes back": (r"(table,along,.*\n.*\n)[^,]*", r"\1-0.9", "breakpoints of along must grow"),
     "a short row": (r"(table,along,.*\n.*),[^,]*\n", r"\1\n", "a row of along must have 5 numbers here; got 4"),
+    "a changed digit": (r"mean_radius,0.4\d*", "mean_radius,0.47", "the checksum must be [0-9a-f]{16}"),
     "a second end": (r"\Z", "list,sides,1\n", "the file must end after its last record"),
     "half a file": (r"(?s)table,rail.*", "", "the row must be 'table'; the file ends"),
 }
