@@ -84,7 +84,7 @@ def write_pair(sides: Sides, path: str | Path) -> Path:
 
 
 def checksum(numbers: Iterable[float]) -> str:
-    """Return the hash of numbers as the runtime computes it (sealed.h), after Fowler, Noll and Vo."""
+    """Return the hash of numbers as the runtime computes it (sealed.h), in the manner of Fowler, Noll and Vo (1991)."""
     found = SEAL_BEGIN
     for (word,) in struct.iter_unpack("<Q", array("d", numbers).tobytes()):
         found = (found ^ word) * FACTOR & WHOLE
