@@ -18,7 +18,7 @@ from rbd_model.vehicle.parameters import (
 )
 from readers.command_line import number_in
 from readers.text import quoted, shown
-from readers.units import likely_unit, spellings_for
+from readers.units import different_units, likely_unit
 
 #: Vehicles whose values are assumed where a file has none: their description, and their parameters.
 LIKE: Mapping[str, tuple[str, Callable[[], BogieParameters]]] = {
@@ -103,7 +103,7 @@ def number_of(entry: Entry, value: Any, name: str) -> float:
         return found
     limits = f"{name} must be {_limits(entry)}; got {shown(value)}."
     if found is None:
-        those = [one for one in spellings_for(entry.unit) if one.isascii() and " " not in one][:5]
+        those = different_units(entry.unit)[:5]
         raise ValueError(limits + ("" if entry.unit == "1" else f" Write a number with a unit of {', '.join(those)}."))
     raise ValueError(limits + (likely_unit(found, entry.unit, entry.least, entry.most) if value == found else ""))
 

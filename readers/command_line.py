@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 from readers.renamed import present_name
 from readers.storage import PARTIAL
 from readers.text import BadInputError, shown
-from readers.units import factor, likely_unit, spellings_for
+from readers.units import different_units, factor, likely_unit
 
 #: A number and its unit.
 NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
@@ -163,7 +163,7 @@ def _limits(unit: str, least: float, most: float, above: bool) -> str:
 
 
 def _units(unit: str) -> str:
-    those = [one for one in spellings_for(unit) if one.isascii() and " " not in one]
+    those = different_units(unit)
     return " Give a number without a unit." if unit == "1" else f" Give a number in {', '.join(those[:6])}."
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from readers.tables import BLANKS, Column, TableError, cells_of, number_in, number_of, separator_of_numbers, table_of
 from readers.text import quoted
-from readers.units import factor, spellings_for
+from readers.units import different_units, factor
 
 #: Fewest and most points.
 FEWEST_POINTS, MOST_POINTS = 20, 100_000
@@ -283,7 +283,7 @@ def unit_of(source: str, row: int, key: str, value: str) -> tuple[float, float]:
     """
     found = factor(value, "mm")
     if found is None:
-        units = ", ".join(spellings_for("mm"))
+        units = ", ".join(different_units("mm"))
         raise refusal(source, row, f"{key} must be one of {units}; got {quoted(value)}. Give y and z in mm.")
     return found
 

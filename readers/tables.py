@@ -21,8 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from readers.text import BLANK, LONGEST_ROW, FileError, lines_of, quoted, rows_in, shown, text_of
-from readers.units import factor, quantity_of, spellings_for
+from readers.units import different_units, factor, quantity_of
 
+#: The most names of columns that a message lists.
+MOST_NAMES = 20
 #: Most rows of a table, unless a caller sets another limit.
 MOST_ROWS = 4_000_000
 #: Longest text in a cell of a column of texts.
@@ -430,9 +432,13 @@ def name_and_unit(cell: str, place: str) -> tuple[str, str]:
 
 
 def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
-    """Return the end of the message for an unknown column: the nearest of the tidy names that are known, or all."""
+    """Return the end of the message for an unknown column: the nearest of the tidy names that are known, or the first."""
     near = difflib.get_close_matches(tidy(name)[:100], list(known), 1)
-    return f"Did you mean {near[0]}?" if near else f"Columns are {', '.join(column.name for column in columns)}."
+    if near:
+        return f"Did you mean {near[0]}?"
+    names = [column.name for column in columns]
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return f"Columns are {', '.join(names[:MOST_NAMES])}{more}."
 
 
 def unit_factor(column: Column, unit: str, place: str) -> tuple[float, float]:
@@ -446,7 +452,7 @@ def unit_factor(column: Column, unit: str, place: str) -> tuple[float, float]:
     both = factor(unit, column.unit)
     if both is None:
         kind = "unknown" if quantity_of(unit) is None else "of another quantity"
-        units = ", ".join(spellings_for(column.unit))
+        units = ", ".join(different_units(column.unit))
         raise TableError(
             f"{place}: the unit {quoted(unit)} of {shown(column.name)} is {kind}. "
             f"Use {units}; none means {column.unit}."

@@ -186,6 +186,15 @@ def spellings_for(target: str) -> dict[str, tuple[float, float]]:
     return {target: (1.0, 1.0)} | {one: both for one, both in found.items() if both is not None}
 
 
+def different_units(target: str) -> list[str]:
+    """Return units that convert to a unit, one spelling of each, for messages."""
+    found: dict[tuple[float, float], str] = {}
+    for one, both in spellings_for(target).items():
+        if one.isascii() and " " not in one:
+            found.setdefault(both, one)
+    return list(found.values())
+
+
 #: Common units of a quantity instead of the SI unit, the likeliest first.
 USUAL = {
     "m": ("mm",),

@@ -22,7 +22,7 @@ from pathlib import Path
 from bogie_braking.commands.shared import describe
 from bogie_braking.exit_status import HOLDS
 from fmu_src.suggestion import suggestion
-from readers.command_line import check_folder
+from readers.command_line import check_folder, whole
 from readers.storage import write_whole
 from readers.text import BadInputError, shown
 
@@ -39,7 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     fmu = actions.add_parser("fmu", help="write the FMU of a file")
     fmu.add_argument("file", type=Path, help="the vehicle")
     fmu.add_argument("--out", type=Path, help="the FMU (default: name of the file with .fmu)")
-    fmu.add_argument("--level", type=int, choices=(1, 2, 3), help="level of detail at the start (default: 2)")
+    fmu.add_argument(
+        "--level", type=whole("--level", 1, 3), metavar="LEVEL", help="level of detail at the start (default: 2)"
+    )
     parameters = actions.add_parser("parameters", help="write the parameters of a file for an FMU (.ssv)")
     parameters.add_argument("file", type=Path, help="the vehicle")
     parameters.add_argument("--out", type=Path, help="the set (default: name of the file with .ssv)")

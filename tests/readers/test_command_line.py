@@ -53,7 +53,7 @@ def parser() -> CommandLine:
         ("one a --step 5", "--step must be from 1e-05 to 0.1 s; got 5. Did you mean 5 ms = 0.005 s?"),
         ("one a --step 5h", "--step must be from 1e-05 to 0.1 s; got 5h."),
         ("one a --step -5ms", "--step must be from 1e-05 to 0.1 s; got -5ms."),
-        ("one a --step x", "--step must be from 1e-05 to 0.1 s; got x. Give a number in s, sec, ms, us, min, h."),
+        ("one a --step x", "--step must be from 1e-05 to 0.1 s; got x. Give a number in s, ms, us, min, h."),
         ("one a --step", "--step must have a value; got none. See top one --help."),
         ("one a --pulses 1.5", "--pulses must be an integer of at least 1; got 1.5."),
         ("one a --teeth 80", "There is no option --teeth; its name is --pulses now."),
