@@ -432,7 +432,7 @@ def name_and_unit(cell: str, place: str) -> tuple[str, str]:
 
 
 def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
-    """Return the end of the message for an unknown column: the nearest of the tidy names that are known, or the first."""
+    """Return the end of the message for an unknown column: the nearest of the known tidy names, or the first."""
     near = difflib.get_close_matches(tidy(name)[:100], list(known), 1)
     if near:
         return f"Did you mean {near[0]}?"

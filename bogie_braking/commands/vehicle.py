@@ -39,9 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     fmu = actions.add_parser("fmu", help="write the FMU of a file")
     fmu.add_argument("file", type=Path, help="the vehicle")
     fmu.add_argument("--out", type=Path, help="the FMU (default: name of the file with .fmu)")
-    fmu.add_argument(
-        "--level", type=whole("--level", 1, 3), metavar="LEVEL", help="level of detail at the start (default: 2)"
-    )
+    level, text = whole("--level", 1, 3), "level of detail at the start (default: 2)"
+    fmu.add_argument("--level", type=level, metavar="LEVEL", help=text)
     parameters = actions.add_parser("parameters", help="write the parameters of a file for an FMU (.ssv)")
     parameters.add_argument("file", type=Path, help="the vehicle")
     parameters.add_argument("--out", type=Path, help="the set (default: name of the file with .ssv)")
