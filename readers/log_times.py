@@ -72,7 +72,11 @@ def times_of(cells: Sequence[str], unit: str, numbers: Callable[[], NDArray[np.f
             return _counted(cells, partial(_dated, form, match["zone"] is not None), place, False)
     if OF_DAY.fullmatch(first):
         return _counted(cells, _of_day, place, True)
-    return Times(numbers())  # which refuses the first cell
+    if not first:
+        return Times(numbers())
+    raise place.refusal(
+        list(cells).index(first), f"times must be numbers, dates or times of day; got {quoted(first)}. {FORMS}"
+    )
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,9 @@ MOST_ROWS = 4_000_000
 GAP = 5.0
 #: Longest bridged gap of an input, in median steps, and the least [s].
 BRIDGED_STEPS, BRIDGED = 10.0, 2.0
+#: Ratios of a wheel's speed to the vehicle's that show a wrong unit, their relative width, and least speeds [m/s].
+WRONG = {"it were in km/h": 3.6, "it were in mph": 2.2369, "speed were in km/h": 1 / 3.6, "speed were in mph": 0.44704}
+NEAR, MOVES = 0.03, 1.0
 #: Share of an interval by which rounded times may be before its begin.
 ROUNDING = 1e-6
 
@@ -306,6 +309,7 @@ def _in_order(log: Log) -> Log:
     if time.size < 2:
         raise TableError(f"{log.source} must have at least 2 rows of values; it has {time.size}. Add rows.")
     _check_growth(log, np.diff(time))
+    _check_speeds(log)
     log.messages.extend(_gaps(log, np.diff(time)))
     return log
 
@@ -326,6 +330,20 @@ def _check_growth(log: Log, steps: NDArray[np.float64]) -> None:
         f"{log.source}, row {log.places[row + 1]}, column time: values must grow from row to row; got "
         f"{time[row + 1]:.12g} s after {time[row]:.12g} s. {remedy}"
     )
+
+
+def _check_speeds(log: Log) -> None:
+    """Check that no wheel turns as if its speed or the vehicle's were in another unit."""
+    wheels = [name for name in log.numbers if name.startswith("wheel_speed_")] if "speed" in log.numbers else []
+    for name in wheels:
+        wheel, speed = log.numbers[name], log.numbers["speed"]
+        moves = (wheel > MOVES) & (speed > MOVES)
+        ratio = float(np.median(wheel[moves] / speed[moves])) if np.any(moves) else 1.0
+        for unit in (one for one, size in WRONG.items() if abs(ratio / size - 1.0) < NEAR):
+            raise TableError(
+                f"{log.source}: {name} must be near speed; got {ratio:.3g} times as much in the median, as if {unit}. "
+                "Name the units, as in speed [km/h]."
+            )
 
 
 def _gaps(log: Log, steps: NDArray[np.float64]) -> list[str]:

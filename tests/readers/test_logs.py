@@ -118,7 +118,11 @@ def test_columns_get_names_and_units_of_variables(text: str, columns: object, ex
             "row 3, column time: times must have one form; got '12:61:00'.",
         ),
         ("time,speed\n2026-05-01T12:00:00Z,1\n2026-05-01T12:00:01,2\n", None, "times must have one form"),
-        ("time,speed\n12:00,1\n12:01,2\n", None, "row 2, column time: the value must be a number; got '12:00'."),
+        (
+            "time,speed\n12:00,1\n12:01,2\n",
+            None,
+            "row 2, column time: times must be numbers, dates or times of day; got '12:00'. Write",
+        ),
         ("time,speed\n0,1\n1,2\n", {"v": "speed"}, "columns: log.csv, row 1 has no column v; it has 'time, speed'."),
         (
             "time,speed\n0,1\n1,2\n",
@@ -160,6 +164,16 @@ def test_all_that_is_left_out_or_assumed_is_told(log: Path) -> None:
         "log.csv: 1 gap between rows, the longest 41 s after row 21; the usual step is 1 s.",
         "log.csv: speed has no value in 2 of 21 rows.",
     ]
+
+
+def test_a_wheel_in_another_unit_than_the_vehicle_is_refused(log: Path) -> None:
+    log.write_text("time,speed [km/h],wheel_speed_1\n0,72,72.5\n1,70,69.9\n")
+    with pytest.raises(
+        TableError, match=r"wheel_speed_1 must be near speed; got 3.6\d* times as much .*as if it were in km/h"
+    ):
+        read_log(log, VARIABLES)
+    log.write_text("time,speed [km/h],wheel_speed_1 [km/h]\n0,72,20\n1,70,70\n")
+    assert read_log(log, VARIABLES).numbers["wheel_speed_1"].size == 2
 
 
 def test_a_number_near_the_others_is_a_value(log: Path) -> None:
