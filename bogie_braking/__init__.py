@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from bogie_braking import parts as parts
     from bogie_braking.batches import batch as batch
     from bogie_braking.batches import instances as instances
+    from bogie_braking.calibration import fit as fit
     from bogie_braking.fitting import Fit as Fit
-    from bogie_braking.fitting import fit as fit
     from bogie_braking.fitting import measured_from as measured_from
     from bogie_braking.fmus import fmu as fmu
     from bogie_braking.fmus import write_fmu as write_fmu
@@ -52,7 +52,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "bogie_braking": ("parts",),
     "bogie_braking.batches": ("batch", "instances"),
-    "bogie_braking.fitting": ("Fit", "fit", "measured_from"),
+    "bogie_braking.calibration": ("fit",),
+    "bogie_braking.fitting": ("Fit", "measured_from"),
     "bogie_braking.fmus": ("fmu", "write_fmu"),
     "bogie_braking.machines": ("vehicle",),
     "bogie_braking.pairs": ("pair", "profile"),

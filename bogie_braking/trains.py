@@ -68,14 +68,14 @@ def train(
     line = line_or_none(line)
     if not isinstance(releases, bool | np.bool_):
         raise TypeError(f"releases must be True or False; got {shown(releases)}. Write one of them.")
-    own, imported = _consist(consist)
+    own, imported = consist_from_any(consist)
     chosen = settings or select_brake_model(own, distance_error, force_error, bool(releases))
     found = Train(own, speed=speed, line=line, settings=chosen)
     found.imported = imported
     return found
 
 
-def _consist(given: Any) -> tuple[Consist, Imported | None]:
+def consist_from_any(given: Any) -> tuple[Consist, Imported | None]:
     """Return a consist from a user's input, and the account of an import. Raises TypeError for another form."""
     if isinstance(given, int | np.integer) and not isinstance(given, bool):
         return consist_of([{"kind": "locomotive"}, {"kind": "wagon", "count": int(given)}]), None

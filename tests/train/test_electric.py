@@ -103,6 +103,31 @@ def test_the_same_axles_by_their_cylinders_have_its_forces() -> None:
     assert 1242.91 < distance < 1245.5  # springs are overcome first
 
 
+def test_a_stop_with_a_linear_build_up_has_its_closed_form() -> None:
+    """S = v^2 / 2 a + v T / 2 - a T^2 / 24 for a force that rises linearly within T; 0.95 T to 95 %."""
+    rise, slows, speed = 2.0, 1.1, 25.0
+    row = {"kind": "coach", "valve": "head", "brake": "ep-direct", "deceleration": slows, "resistance_a": 0.0}
+    train = Train(consist_of([row | {"fill_time": 0.95 * rise, "release_time": 60.0}]), speed=speed)
+    train.drive("emergency")
+    exact = speed**2 / (2 * slows) + speed * rise / 2 - slows * rise**2 / 24
+    assert stop(train, 1e-3) == pytest.approx(exact, rel=2e-4)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_pneumatic_deceleration_stops_after_the_build_up_of_its_cylinder(model: str) -> None:
+    """The force is a m in proportion to the cylinder's pressure, which is integrated as it was recorded."""
+    row = {"kind": "wagon", "valve": "head", "deceleration": 0.9, "resistance_a": 0.0, "fill_time": 6.0}
+    train = Train(consist_of([row]), speed=25.0, settings=Settings(model, cells=1.0))
+    train.drive("emergency")
+    run = train.record(60.0, 0.01)
+    share = run["cylinder_pressure[1]"] / 380e3
+    lost = np.r_[0.0, np.cumsum(0.9 * 0.01 * (share[1:] + share[:-1]) / 2)]
+    speed = np.maximum(25.0 - lost, 0.0)
+    way = run["distance[1]"][-1] - run["distance[1]"][0]
+    assert way == pytest.approx(np.trapezoid(speed, dx=0.01), rel=2e-4)
+    assert 25.0**2 / 1.8 + 25.0 * 2.0 < way < 25.0**2 / 1.8 + 25.0 * 4.5
+
+
 def metro_force(v: float) -> float:
     """Return the force of the metro's electric brake [N]."""
     return min(35e3, 450e3 / max(v, 1e-9)) * min(3.6 * v / 10.0, 1.0)

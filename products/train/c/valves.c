@@ -36,7 +36,7 @@ double valves_demand(train *self, double step, double dead_time) {
         const double *given = self->valve + v * VALVE_ROWS;
         const double position = dead_time > 0.0 ? delayed(self, v, 1, time) : self->input[IN_DRIVER_POSITION][v];
         const double service = dead_time > 0.0 ? delayed(self, v, 2, time) : self->input[IN_DRIVER_STEP][v];
-        const double least = given[VALVE_FIRST] / given[VALVE_FULL];
+        const double least = given[VALVE_FULL] > 0.0 ? fmin(given[VALVE_FIRST] / given[VALVE_FULL], 1.0) : 1.0;
         if (position == DRIVER_POSITION_SERVICE) most = fmax(most, least + service * (1.0 - least));
         if (position == DRIVER_POSITION_EMERGENCY) most = 1.0;
     }

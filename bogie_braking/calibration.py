@@ -1,0 +1,107 @@
+"""Calibration of vehicles, brakes and trains: one function for all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from bogie_braking import fitting
+from bogie_braking.fitting import Fit
+from bogie_braking.machines import Runnable
+from bogie_braking.train_fitting import fit_train
+from fmu_src.cosimulation.recording import Recording
+from products.train.consist import Consist
+from rbd_model.track.line import Line
+from readers.log_columns import ColumnMap
+
+#: Options of a train's fit, beside the line.
+OF_TRAINS = ("drive", "settings")
+
+
+def fit(
+    what: Runnable | Consist | Path | Sequence[Mapping[str, Any]] | int,
+    measured: Recording | str | Path,
+    parameters: Mapping[str, float],
+    line: Line | None = None,
+    until: float | None = None,
+    begin: float | None = None,
+    columns: ColumnMap | None = None,
+    interval: float | None = None,
+    longest_gap: float | None = None,
+    **values: Any,
+) -> Fit:
+    """Fit parameters of a run to measured data by SciPy's least squares.
+
+    Standard errors hold to first order, also for errors that are correlated in time (`correlated.py`). The errors of an
+    output are scaled by the range of its measured values.
+
+    A train is fitted to stopping distances too: to columns speed [m/s] and distance [m], from the driver's demand to
+    the stop. Its run has time [s], speed [m/s] of the head and, if braking does not begin in the first row,
+    pipe_pressure [Pa] of the head, which the driver's valve follows.
+
+    Parameters
+    ----------
+    what : str, Vehicle, System or Model; or a train: path of a file, Consist, list of rows, int
+        Vehicle or brake, as in `run`; or consist, as in `train`.
+    measured : Recording, str or Path
+        A table or the file of a log. Its columns are time [s] and variables in their units: outputs to fit, and inputs
+        that drive the run. Rows without a value of an output (NaN) are not compared there.
+    parameters : mapping of str to float
+        Names and initial values, not 0, because relative steps are taken. It may include constant inputs. Of a train:
+        lambda [%] of each braked vehicle or brake_factor [1], fill_time [s], and resistance_factor [1] or resistance_a,
+        resistance_b, resistance_c of the whole train [N, N/(m/s), N/(m/s)^2].
+    line : Line, optional
+        As in `run`.
+    until : float, optional
+        Time of the table [s] after which rows are held out, to validate the fit. By default all rows are fitted.
+    begin : float, optional
+        Time of the table at which the run starts [s]; by default that of the first row.
+    columns : mapping, str or Path, optional
+        Of a file: a map from its names to those of variables, or its TOML file. By default names are guessed, and told
+        on standard error.
+    interval : float, optional
+        Rows are averaged over intervals of this length [s]. By default they are taken as they are.
+    longest_gap : float, optional
+        Longest gap that is bridged in an input [s]. By default ten median steps, and at least 2 s.
+    **values
+        Other parameters and inputs, as in `run`. Of a train: `drive`, emergency (default) or service, the braking of
+        stops and of a run without a pipe pressure; `settings`, by default those that `train` chooses.
+
+    Returns
+    -------
+    Fit
+        Fitted values, standard errors and deviations.
+
+    Raises
+    ------
+    ValueError
+        If the table is invalid, has other units, or does not have more values than parameters; if an option is not one
+        of trains, or a train does not stop.
+    KeyError
+        If a name is unknown.
+    SimulationError
+        If a run is refused.
+    """
+    options: dict[str, Any] = {
+        "until": until,
+        "begin": begin,
+        "columns": columns,
+        "interval": interval,
+        "longest_gap": longest_gap,
+    }
+    one: Any = what
+    if not is_train(one):
+        return fitting.fit(one, measured, parameters, line, **options, **values)
+    for name, value in {**options, **values}.items():
+        if value is not None and name not in OF_TRAINS:
+            raise ValueError(f"The fit of a train must be without {name}; it has {', '.join(OF_TRAINS)}. Leave it out.")
+    return fit_train(one, measured, parameters, line=line, **values)
+
+
+def is_train(what: Any) -> bool:
+    """Return whether something is a train: a consist, its rows, its file or a number of wagons."""
+    if isinstance(what, str):
+        return bool(Path(what).suffix)
+    rows = isinstance(what, Sequence)
+    return rows or isinstance(what, Consist | Path) or (isinstance(what, int) and not isinstance(what, bool))

@@ -1,0 +1,255 @@
+"""Calibration of trains: brake, filling time and resistance from stopping distances or from a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from bogie_braking.checks import line_or_none, number, shown
+from bogie_braking.correlated import Errors
+from bogie_braking.fitting import Fit, identifiability, spread
+from bogie_braking.measured_data import covariance, errors_by_output, mismatches
+from bogie_braking.trains import consist_from_any
+from fmu_src.cosimulation.measured import in_units_of, table_from
+from fmu_src.cosimulation.recording import Recording
+from fmu_src.suggestion import suggestion
+from products.train.brake_model import select_brake_model
+from products.train.consist import Consist
+from products.train.factors import PARAMETERS, TWICE, changed
+from products.train.numbers import Settings
+from products.train.train import Train
+from rbd_model.track.line import Line
+from readers.tables import Column, read_table
+
+#: Relative step of a parameter for a finite difference.
+STEP = 1e-3
+#: Longest stop [s], and communication step of stops and runs [s].
+LONGEST_STOP, EVERY = 900.0, 0.1
+#: Fall of the measured pipe pressure below full service from which it is an emergency [Pa].
+EMERGENCY = 30e3
+#: Columns of stops and of runs, with units; those of stops with their limits.
+STOPS = (Column("speed", "m/s", 0.5, 150.0, required=True), Column("distance", "m", 1.0, 100e3, required=True))
+RUN = {"time": "s", "speed": "m/s", "pipe_pressure": "Pa"}
+#: Brakings of a table of stops, as arguments of `drive`.
+DRIVEN = {"emergency": ("emergency", 0.0), "service": ("service", 1.0)}
+
+
+def fit_train(
+    consist: Any,
+    measured: Recording | str | Path,
+    parameters: Mapping[str, float],
+    *,
+    drive: str = "emergency",
+    line: Line | None = None,
+    settings: Settings | None = None,
+) -> Fit:
+    """Fit parameters of a train to stopping distances, or to a run, by SciPy's least squares.
+
+    Standard errors hold to first order: for independent errors of the distances, and for errors of a run that may be
+    correlated in time.
+
+    Parameters
+    ----------
+    consist : str, Path, Consist, sequence of mapping or int
+        The train, as in `train`.
+    measured : Recording, str or Path
+        A table or its file. Stops have the columns speed [m/s] and distance [m], from the driver's demand to the stop.
+        A run has time [s], speed [m/s] of the head and, if braking does not begin in its first row, pipe_pressure [Pa]
+        of the head, which the driver's valve follows.
+    parameters : mapping of str to float
+        Names and initial values: lambda [%] of each braked vehicle or brake_factor [1], fill_time [s], and
+        resistance_factor [1] or resistance_a, resistance_b, resistance_c of the whole train [N, N/(m/s), N/(m/s)^2].
+    drive : str
+        Braking of stops, and of a run without a pipe pressure: emergency or service.
+    line : Line, optional
+        Line of the train from its front at the start on; by default straight, level track.
+    settings : Settings, optional
+        Brake model; by default that which `train` chooses.
+
+    Returns
+    -------
+    Fit
+        Fitted values, standard errors and deviations.
+
+    Raises
+    ------
+    ValueError
+        If the table, a parameter or a value is invalid, or a train does not stop.
+    TypeError
+        If an argument has a wrong type.
+    """
+    (own, _), along = consist_from_any(consist), line_or_none(line)
+    if drive not in DRIVEN:
+        raise ValueError(f"drive must be one of {', '.join(DRIVEN)}; got {shown(drive)}.")
+    table = _table(measured)
+    first = _begin_of(parameters)
+    chosen = settings or select_brake_model(own, releases=True)
+    is_run = table.names[0] == "time"
+    wanted = table["speed" if is_run else "distance"]
+    if wanted.size <= first.size:
+        raise ValueError(f"{wanted.size} measured values do not decide on {first.size} parameters. Measure more.")
+
+    def found_by(share: np.ndarray) -> np.ndarray:
+        other = changed(own, dict(zip(parameters, (share * first).tolist(), strict=True)))
+        make = _trains(other, along, chosen)
+        return _run(make, table, drive) if is_run else _stops(make, table["speed"].tolist(), drive)
+
+    size = float(np.ptp(wanted)) or 1.0
+    bounds = (np.array([PARAMETERS[name][1:] for name in parameters]) / first[:, None]).T
+    found = least_squares(
+        lambda share: (found_by(share) - wanted) / size, np.ones_like(first), bounds=bounds, diff_step=STEP
+    )
+    return _fit_of(table, parameters, first, found.x, found.jac, found_by(found.x), size)
+
+
+def _fit_of(
+    table: Recording,
+    parameters: Mapping[str, float],
+    first: np.ndarray,
+    share: np.ndarray,
+    slopes: np.ndarray,
+    simulated: np.ndarray,
+    size: float,
+) -> Fit:
+    """Return the result of a fit; share: fitted over initial values; size: range of the measured values."""
+    is_run = table.names[0] == "time"
+    names = ["speed" if is_run else "distance"]
+    off = (simulated - table[names[0]])[:, None]
+    there, places = np.ones_like(off, bool), np.arange(off.size, dtype=float)
+    if is_run:
+        errors = errors_by_output(table["time"], there, slopes, off, np.array([size]))
+    else:
+        errors = [Errors(float(np.sum((off / size) ** 2)) / (off.size - first.size), 0.0, 0.0)]
+    moments = table["time"] if is_run else places
+    standard, unidentifiable = identifiability(slopes, covariance(moments, there, errors), list(parameters))
+    deviations = spread(names, off)
+    fitted = np.c_[table[table.names[0]], simulated]
+    return Fit(
+        dict(zip(parameters, (share * first).tolist(), strict=True)),
+        dict(zip(parameters, (standard * np.abs(first)).tolist(), strict=True)),
+        unidentifiable,
+        deviations,
+        {},
+        table,
+        Recording({one: table.units[one] for one in (table.names[0], names[0])}, fitted),
+        {names[0]: errors[0].time},
+        mismatches(deviations, off[0], table[names[0]][:, None], table.units),
+    )
+
+
+def _table(measured: Recording | str | Path) -> Recording:
+    """Return a run (time first) or stops (speed first). Raises ValueError, TypeError."""
+    if isinstance(measured, str | Path):
+        measured = _read(Path(measured))
+    if not isinstance(measured, Recording):
+        raise TypeError(f"The measured data must be a Recording or the path of a file; got {shown(measured)}.")
+    table = in_units_of(measured, RUN | {"distance": "m"})
+    needs = ("time", "speed") if "time" in table.names else ("speed", "distance")
+    for name in needs:
+        if name not in table.names:
+            raise ValueError(f"The measured data must have the columns {needs[0]} and {needs[1]}; {name} is missing.")
+    names = [*needs, *(["pipe_pressure"] if needs[0] == "time" and "pipe_pressure" in table.names else [])]
+    units = RUN | {"distance": "m"}
+    for name in names:
+        if table.units[name] != units[name]:
+            raise ValueError(f"{name} must be in {units[name]}; got {table.units[name]} in the measured data.")
+    found = Recording({name: units[name] for name in names}, np.column_stack([table[name] for name in names]))
+    _check(found)
+    return found
+
+
+def _check(table: Recording) -> None:
+    """Check times, speeds and distances. Raises ValueError."""
+    for name in table.names:
+        if not np.all(np.isfinite(table[name])):
+            raise ValueError(f"{name} must be finite in the measured data. Remove rows without a value.")
+    if table.names[0] == "time" and (table["time"].size < 2 or np.any(np.diff(table["time"]) <= 0.0)):
+        raise ValueError("time must have at least two values that increase. Sort the rows.")
+    for one in STOPS if table.names[0] == "speed" else ():
+        wrong = table[one.name][(table[one.name] < one.minimum) | (table[one.name] > one.maximum)]
+        if wrong.size:
+            limits = f"from {one.minimum:g} to {one.maximum:g} {one.unit}"
+            raise ValueError(f"{one.name} of a stop must be {limits}; got {wrong[0]:g} {one.unit}. Correct it.")
+
+
+def _read(path: Path) -> Recording:
+    """Return a run or stops of a file. Raises FileError."""
+    head = read_table(path, [Column("speed", "m/s", required=True)], others=True)
+    if any(name.strip().lower() in ("time", "t") for name in (*head.numbers, *head.words)):
+        return table_from(path, RUN)
+    table = read_table(path, STOPS)
+    return Recording({one.name: one.unit for one in STOPS}, np.column_stack([table.numbers[one.name] for one in STOPS]))
+
+
+def _begin_of(parameters: Mapping[str, float]) -> np.ndarray:
+    """Return the initial values, shape (parameters,). Raises ValueError."""
+    if not isinstance(parameters, Mapping) or not parameters:
+        raise ValueError(f"parameters must have start values by name; got {shown(parameters)}.")
+    for name, value in parameters.items():
+        if name not in PARAMETERS:
+            raise ValueError(f"A train has no parameter {name} to be fitted; {suggestion(name, PARAMETERS)}")
+        unit, least, most = PARAMETERS[name]
+        if not least < number(value) < most:
+            raise ValueError(
+                f"The initial value of {name} must be between {least:g} and {most:g} {unit}; got {value!r}."
+            )
+    for pair in TWICE:
+        if set(pair) <= set(parameters):
+            raise ValueError(f"parameters must have {pair[0]} or {pair[1]}, not both. Leave one out.")
+    return np.array(list(parameters.values()), float)
+
+
+def _trains(consist: Consist, line: Line | None, settings: Settings) -> Callable[..., Train]:
+    return lambda **start: Train(consist, line=line, settings=settings, **start)
+
+
+def _stops(make: Callable[..., Train], speeds: Sequence[float], drive: str) -> np.ndarray:
+    """Return the stopping distances from speeds [m]. Raises ValueError if a train does not stop."""
+    found = []
+    for speed in speeds:
+        train = make(speed=float(speed))
+        begin = float(train.distance[0])
+        train.drive(*DRIVEN[drive])
+        while train.speed[0] > 0.0:
+            train.advance(EVERY)
+            if train.time > LONGEST_STOP:
+                raise ValueError(
+                    f"A stop must end within {LONGEST_STOP:g} s; from {speed:g} m/s the train still runs. Increase the "
+                    "initial value of the brake, or check the line."
+                )
+        found.append(float(train.distance[0]) - begin)
+    return np.array(found)
+
+
+def _run(make: Callable[..., Train], table: Recording, drive: str) -> np.ndarray:
+    """Return the speed of the head at the times of a run [m/s]."""
+    times = table["time"]
+    pressures = table["pipe_pressure"] if "pipe_pressure" in table.names else None
+    start = {} if pressures is None else {"pipe": float(np.clip(pressures[0], 0.0, 800e3))}
+    train = make(speed=float(table["speed"][0]), **start)
+    found = [float(train.speed[0])]
+    train.drive(*DRIVEN[drive])
+    for row in range(1, times.size):
+        if pressures is not None:
+            _follow(train, float(pressures[row]))
+        left = float(times[row] - times[row - 1])
+        train.advance(left)
+        found.append(float(train.speed[0]))
+    return np.array(found)
+
+
+def _follow(train: Train, pressure: float) -> None:
+    """Set the driver's valve so that the pipe at the head comes to a gauge pressure [Pa]."""
+    valve = next(one.valve for one in train.consist.vehicles if one.valve is not None)
+    fallen = valve.running - pressure
+    if fallen < valve.first_step / 2:
+        train.drive("running")
+    elif fallen <= valve.full_service + EMERGENCY:
+        share = (fallen - valve.first_step) / (valve.full_service - valve.first_step)
+        train.drive("service", float(np.clip(share, 0.0, 1.0)))
+    else:
+        train.drive("emergency")

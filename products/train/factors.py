@@ -1,0 +1,84 @@
+"""Consists with other brakes, filling times and resistances: the parameters that can be fitted to measured stops."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from brake_controller.distributors import ep_direct
+from brake_controller.distributors.ep_direct import RELEASED, EpDirect
+from brake_controller.distributors.piped import Piped
+from brake_controller.distributors.uic import UicDistributor, release_time, with_times
+from products.train.columns import AIR, FORCE
+from products.train.consist import Consist, TrainVehicle, braked_by
+
+#: Parameters with unit and limits: brake weight percentage of each braked vehicle; factor on all brake forces; filling
+#: time; factor on the running resistance; running resistance of the whole train.
+PARAMETERS: dict[str, tuple[str, float, float]] = {
+    "lambda": FORCE["lambda"],
+    "brake_factor": ("1", 0.01, 100.0),
+    "fill_time": AIR["fill_time"],
+    "resistance_factor": ("1", 0.01, 100.0),
+    "resistance_a": ("N", 0.1, 1e8),
+    "resistance_b": ("N/(m/s)", 1e-3, 1e7),
+    "resistance_c": ("N/(m/s)^2", 1e-4, 1e6),
+}
+#: Pairs of parameters that say the same in two ways.
+TWICE = (
+    ("lambda", "brake_factor"),
+    *(("resistance_factor", f"resistance_{one}") for one in "abc"),
+)
+
+
+def changed(consist: Consist, values: Mapping[str, float]) -> Consist:
+    """Return a consist with other parameters.
+
+    Parameters
+    ----------
+    consist : Consist
+        The train.
+    values : mapping of str to float
+        Some of PARAMETERS in their units. A resistance of the train is shared by mass.
+
+    Raises
+    ------
+    ValueError
+        If a distributor has no filling time, or no brake has the percentage.
+    """
+    mass = consist.mass
+    return Consist(tuple(_vehicle(one, values, one.mass / mass) for one in consist.vehicles))
+
+
+def _vehicle(one: TrainVehicle, values: Mapping[str, float], share: float) -> TrainVehicle:
+    factor = values.get("resistance_factor", 1.0)
+    a, b, c = (
+        share * values[name] if (name := f"resistance_{letter}") in values else factor * own
+        for letter, own in zip("abc", one.resistance, strict=True)
+    )
+    one = replace(one, resistance=(a, b, c))
+    if isinstance(one.distributor, Piped):
+        return one
+    if "fill_time" in values:
+        one = _filling(one, values["fill_time"])
+    if "lambda" in values:
+        pressure = one.distributor.full_pressure
+        one = replace(one, brake=braked_by(values["lambda"], one.mass, one.resistance, one.rotating_share, pressure))
+    if "brake_factor" in values:
+        times, brake, electric = values["brake_factor"], one.brake, one.electric
+        force, counter = times * brake.force_per_pressure, times * brake.counter_force
+        one = replace(one, brake=replace(brake, force_per_pressure=force, counter_force=counter))
+        one = replace(one, electric=replace(electric, dynamic_force=times * electric.dynamic_force))
+    return one
+
+
+def _filling(one: TrainVehicle, time: float) -> TrainVehicle:
+    """Return a vehicle with another filling time [s] and its own release time."""
+    own = one.distributor
+    if isinstance(own, UicDistributor):
+        return replace(one, distributor=with_times(own, time, release_time(own)))
+    if isinstance(own, EpDirect):
+        release = (own.full_pressure - RELEASED) / own.release_rate
+        return replace(one, distributor=ep_direct.with_times(own.full_pressure, time, release))
+    raise ValueError(
+        f"fill_time must be of vehicles with a filling time; a {one.kind} has another. Fit other parameters."
+    )
