@@ -7,8 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from scipy.optimize import brentq
+
 from brake_controller.brake_weight import FROM_120, force_of_percentage
-from brake_controller.discs import MEAN_PAD_FRICTION, axle_discs
+from brake_controller.discs import MEAN_PAD_FRICTION, DiscParameters, axle_discs
 from brake_controller.parameters import qr30
 from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI
 from brake_controller.timing import with_release_time
@@ -21,6 +24,8 @@ from readers.text import shown
 FRICTION_LAWS = {"constant": CONSTANT, "cast-iron": KARWATZKI, "composite": COMPOSITE}
 #: Mean friction of shoes if the file gives none: that of the built-in coach.
 SHOE_FRICTION = 0.25
+#: Speed from which pads on cold discs have the stated friction on average over the distance [m/s].
+ASSESSED = 120.0 / 3.6
 #: Entries that state the brake; a file has those of one line.
 STATEMENTS = (("deceleration",), ("percentage",), ("force",), ("cylinder_diameter", "cylinders", "rigging_ratio"))
 BRAKE_ENTRIES: Mapping[str, Entry] = {
@@ -102,7 +107,11 @@ def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, ra
     timed = {key: given.get(key, start) for key, start in _times().items()}
     values = rigging | timed | {"supply_pressure": pressure}
     if acts_on == "discs":
-        values = rigging | {"supply_pressure": pressure} | _on_discs(rigging, friction, arm, pressure, timed)
+        values = (
+            rigging
+            | {"supply_pressure": pressure}
+            | _on_discs(rigging, friction, arm, radius, turning_mass, axles, pressure, timed)
+        )
         del values["touch_pressure"]
     else:
         values |= {"brake_kind": float(TIMED), "friction_law": float(law), "constant_shoe_friction": friction}
@@ -183,8 +192,46 @@ def _normal_force(rigging: Mapping[str, float], pressure: float) -> float:
     return effective * (pressure - rigging["touch_pressure"])
 
 
+def friction_at_rest(mean: float, slower: float, mass: float, disc: DiscParameters) -> float:
+    """Return the friction of pads at rest on cold discs with which a stop has the distance of the mean friction.
+
+    The stop is one from ASSESSED without build-up. Friction falls with speed and with the heat of the disc, which grows
+    with the energy of the stop and is not cooled (`brake_controller/discs.py`): S = integral of v dv / a(v).
+
+    Parameters
+    ----------
+    mean : float
+        Mean friction over the distance.
+    slower : float
+        Sliding speed of the pads over the speed of the vehicle.
+    mass : float
+        Mass with that of rotating wheelsets on one wheelset [kg].
+    disc : DiscParameters
+        The discs of a wheelset.
+    """
+    speed = np.linspace(0.0, ASSESSED, 2001)
+    heat = disc.disc_heat_share * mass / 2 * (ASSESSED**2 - speed**2)
+    warmer = heat / (disc.disc_mass * disc.disc_heat_capacity)
+    fall = disc.pad_friction_over_speed * slower * speed + disc.pad_friction_over_temperature * warmer
+
+    def longer(at_rest: float) -> float:
+        friction = np.maximum(at_rest - fall, disc.least_pad_friction)
+        return float(np.trapezoid(speed / friction, speed)) - ASSESSED**2 / (2 * mean)
+
+    if longer(mean) <= 0.0:  # friction that does not fall, or is held from below
+        return mean
+    return float(brentq(longer, mean, mean + 2 * float(np.max(fall)) + 1e-9))
+
+
 def _on_discs(
-    rigging: Mapping[str, float], friction: float, arm: float, pressure: float, timed: Mapping[str, float]
+    rigging: Mapping[str, float],
+    friction: float,
+    arm: float,
+    radius: float,
+    mass: float,
+    axles: int,
+    pressure: float,
+    timed: Mapping[str, float],
 ) -> dict[str, float]:
     """Return the parameters of pads on discs, whose cylinders fill by flow of air.
 
@@ -195,12 +242,11 @@ def _on_discs(
     multiple = of_pads(shoes, disc) / shoes.force_per_pressure
     air = with_release_time(cylinder_air(pressure, timed["application_time"]), pressure, timed["release_time"])
     orifices = ("application_orifice", "release_orifice", "vent_orifice")
-    fallen = disc.pad_friction_at_rest - MEAN_PAD_FRICTION
     return {
         "brake_kind": float(DISCS),
         "force_per_pressure": rigging["force_per_pressure"] / multiple,
         "friction_radius": arm,
-        "pad_friction_at_rest": friction + fallen,
+        "pad_friction_at_rest": friction_at_rest(friction, arm / radius, mass / axles, disc),
         "spring_preload": rigging["touch_pressure"] * air.piston_area,
         **{name: getattr(air, name) for name in orifices},
     }
@@ -215,7 +261,9 @@ def _assumed(table: Mapping[str, Any], acts_on: str, stated: tuple[str, ...]) ->
         "release_time": f"{RELEASE_TIME:g} s, as the built-in coach",
     }
     if acts_on == "discs":
-        usual["friction"] = f"{MEAN_PAD_FRICTION:g} on average, falling with speed and heat, as the built-in discs"
+        usual["friction"] = (
+            f"{MEAN_PAD_FRICTION:g} on average in a stop from 120 km/h, falling as with the built-in discs"
+        )
         usual["friction_radius"] = f"{axle_discs().friction_radius:g} m, as the built-in discs"
     elif "friction_law" not in table:
         usual["friction"] = f"{SHOE_FRICTION:g}, constant, as the built-in coach"

@@ -102,6 +102,8 @@ def number_of(entry: Entry, value: Any, name: str) -> float:
     if found is not None and math.isfinite(found) and entry.least <= found <= entry.most:
         return found
     limits = f"{name} must be {_limits(entry)}; got {shown(value)}."
+    if found is None and isinstance(value, str) and "," in value:
+        raise ValueError(limits + " Write a decimal point instead of the comma.")
     if found is None:
         those = different_units(entry.unit)[:5]
         raise ValueError(limits + ("" if entry.unit == "1" else f" Write a number with a unit of {', '.join(those)}."))
@@ -122,5 +124,5 @@ def check_names(table: Mapping[str, Any], known: Iterable[str], where: str) -> N
     names = list(known)
     for name in table:
         if name not in names:
-            near = suggestion(name, names)
+            near = suggestion(name, names, f"known are {', '.join(names)}.")
             raise ValueError(f"{where}{quoted(name)} is not a known entry. {near[0].upper()}{near[1:]}")

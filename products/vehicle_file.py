@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet
-from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE, check_names, number_of, parameter_entry
+from products.vehicle_entries import ENTRIES, HEAVIEST, LIKE, RESISTANCE, check_names, number_of, parameter_entry
 from rbd_model.contact.geometry import synthetic_pair
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
 from rbd_model.vehicle.ready import four_axle_vehicle, six_axle_vehicle, two_axle_bogie
 from readers.text import FileError, shown
 from readers.toml_files import toml_of
+from readers.units import likely_unit
 
 #: FMUs that exist for a number of axles; six axles have none.
 FMU_OF_AXLES = {2: "bogie", 4: "vehicle"}
@@ -127,7 +128,10 @@ def read_vehicle(path: str | Path) -> DataSheet:
     FileError
         If the file cannot be read, or an entry is unknown, missing, stated twice or outside its limits.
     """
-    read = toml_of(path)
+    try:
+        read = toml_of(path)
+    except OSError as error:
+        raise FileError(str(error)) from None
     try:
         return sheet_of(read, Path(path).stem)
     except ValueError as error:
@@ -157,7 +161,18 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
         turning = total_mass(parameters, axles) + axles * parameters.wheelset_pitch_inertia / parameters.wheel_radius**2
         brake = brake_of_sheet(tables["brake"], turning, axles, parameters.wheel_radius)
         assumed |= dict(brake.assumed)
+    if "length" in given and "pivot_distance" in {**given, **tables["parameters"]}:
+        check_length(parameters, given["length"])
     return DataSheet(title, like, axles, parameters, resistance, brake, assumed)
+
+
+def check_length(parameters: BogieParameters, length: float) -> None:
+    """Raise ValueError if the pivots of the bogies lie outside of a vehicle of this length [m]."""
+    if isinstance(parameters, VehicleParameters) and parameters.pivot_distance > length:
+        raise ValueError(
+            f"length must be at least the pivot_distance of {parameters.pivot_distance:g} m; got {length:g} m."
+            " Check both."
+        )
 
 
 def _table(read: Mapping[str, Any], name: str) -> Mapping[str, Any]:
@@ -256,9 +271,10 @@ def _masses(
         rest = axles * values["wheelset_mass"] + (2 * values["frame_mass"] if body == "body_mass" else 0.0)
         mass = given["tare"] + given.get("load", 0.0) - rest
         if not mass > 0.0:
+            hint = likely_unit(mass + rest, "kg", rest, HEAVIEST) or " Give wheelset_mass and bogie_frame_mass too."
             raise ValueError(
                 f"tare and load must be above {rest:g} kg, the mass of wheelsets and frames; got {mass + rest:g} kg."
-                " Give wheelset_mass and bogie_frame_mass too."
+                f"{hint}"
             )
         found[body] = mass, ""
     elif "load" in given:

@@ -15,6 +15,8 @@ _tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
 
 #: Largest file [bytes].
 LARGEST = 4_000_000
+#: Remedy for text that is not TOML.
+REMEDY = "Put text, and numbers with a unit, in quotes; write numbers with a decimal point."
 
 
 def toml_of(path: str | Path) -> dict[str, Any]:
@@ -29,7 +31,7 @@ def toml_of(path: str | Path) -> dict[str, Any]:
     try:
         found: dict[str, Any] = _tomllib.loads(text)
     except _tomllib.TOMLDecodeError as error:
-        raise FileError(f"{path} must be TOML; got a fault: {str(error).rstrip('.')}. Correct it.") from None
+        raise FileError(f"{path} must be TOML; got a fault: {str(error).rstrip('.')}. {REMEDY}") from None
     except RecursionError:
         raise too_deep(str(path)) from None
     except ValueError:  # an integer of thousands of digits, or a day that no month has

@@ -132,6 +132,16 @@ def test_pads_have_the_torque_of_the_file_at_its_mean_friction() -> None:
     assert begin["brake_torque_1"][-1] == pytest.approx(share * sheet.brake.full_torque, rel=2e-3)
 
 
+def test_a_stop_with_discs_has_the_distance_of_the_stated_deceleration() -> None:
+    """From 120 km/h; cylinders that fill in 0.1 s leave v t_95 / ln 20 before the brake is on, to a tenth."""
+    brake = {"acts_on": "discs", "deceleration": "1.1 m/s2", "application_time": "0.1 s"}
+    sheet, speed = sheet_of(SHEET | {"brake": brake}), 120 / 3.6
+    assert sheet.brake is not None
+    demands = {f"pressure_demand_{number}": sheet.brake.full_pressure for number in range(1, 5)}
+    stop = bb.run(sheet, 60.0, None, ["distance"], 60.0, initial_speed=speed, **demands)
+    assert stop["distance"][-1] == pytest.approx(speed**2 / 2.2 + speed * 0.1 / math.log(20.0), rel=2e-3)
+
+
 def test_six_axles_lie_in_threes_and_carry_the_weight() -> None:
     sheet = sheet_of({"tare": "120 t", "axles": 6, "wheel_base": "1.8 m", "pivot_distance": "11 m", "length": "20 m"})
     assert sheet.fmu is None
@@ -172,6 +182,9 @@ REFUSED = [
     ({"parameters": {"body_mass": "30 t"}}, "[parameters] body_mass must be left out beside tare"),
     ({"parameters": {"wheel_base": "3 m"}, "wheel_base": "2 m"}, "[parameters] wheel_base must be stated once"),
     ({"parameters": {"body_mas": 1}}, "[parameters] 'body_mas' is not a known entry. Did you mean body_mass?"),
+    ({"tare": 38, "load": 6}, "got 44 kg. Did you mean 44 t"),
+    ({"wheel_diameter": "0,92 m"}, "Write a decimal point instead of the comma"),
+    ({"length": "18 m", "pivot_distance": "19 m"}, "length must be at least the pivot_distance of 19 m; got 18 m"),
     ({"name": 7}, "name must be a text; got 7"),
 ]
 

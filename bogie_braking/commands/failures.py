@@ -12,7 +12,7 @@ from fmu_src.cosimulation.slave import CosimulationError
 from fmu_src.kernel import SimulationError
 from products.study.points import SweepError
 from readers.storage import StorageError, cannot_write
-from readers.text import BadInputError
+from readers.text import BadInputError, FileError
 
 
 def status_of(error: BaseException, chosen: argparse.Namespace) -> int:
@@ -24,7 +24,7 @@ def status_of(error: BaseException, chosen: argparse.Namespace) -> int:
         return INTERRUPTED
     if isinstance(error, BrokenPipeError):
         raise error
-    if isinstance(error, BadInputError):
+    if isinstance(error, (BadInputError, FileError)):
         print(error, file=sys.stderr)
         return BAD_INPUT
     if isinstance(error, (CosimulationError, CompilerError, SimulationError, SweepError, StorageError)):

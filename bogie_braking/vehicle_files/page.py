@@ -34,7 +34,9 @@ def tables_of(check: Check) -> list[Table]:
             (f"{speed:g}", *("does not stop" if math.isnan(value) else f"{value:.0f}" for value in row))
             for speed, row in zip(SPEEDS, check.distances.tolist(), strict=True)
         ]
-        found.append(("Stopping distance [m], full brake without wheel-slide protection", ("km/h", *RAILS), rows))
+        rails = [f"{name} ({rail().friction:g})" for name, rail in RAILS.items()]
+        title = "Stopping distance [m], full brake without wheel-slide protection, rails with their friction at rest"
+        found.append((title, ("km/h", *rails), rows))
     if check.modes is not None:
         shown = [one for one in check.modes if one.damping_ratio < OVERDAMPED]
         rows = [(f"{one.frequency:.2f}", f"{100 * one.damping_ratio:.0f} %", motion_of(one, sheet)) for one in shown]

@@ -44,7 +44,8 @@ def side_view(axis: Axes, check: Check) -> None:
     radius = p.wheel_radius
     vehicle = sheet.vehicle
     places = [vehicle.number(one.along) for one in vehicle.wheelsets]
-    length = p.coupler_distance if isinstance(p, VehicleParameters) else 2 * p.wheel_base
+    length = p.coupler_distance if isinstance(p, VehicleParameters) else 1.4 * p.wheel_base
+    length = max(length, 2 * max(places) + 2 * radius)
     floor = 2 * radius + 0.15
     axis.add_patch(Rectangle((-length / 2, floor), length, BODY, facecolor="#e8eef4", edgecolor=BOGIE))
     axis.axhline(0.0, color=BOGIE, linewidth=2.5)
@@ -54,7 +55,8 @@ def side_view(axis: Axes, check: Check) -> None:
     height = p.body_height if isinstance(p, VehicleParameters) else p.frame_height
     axis.plot(0.0, height + radius, marker="x", markersize=11, color=TRAILING, markeredgewidth=2.5)
     axis.annotate(f"centre of mass {height + radius:.2f} m above the rail", (0.3, height + radius), va="center")
-    sizes = f"{length:.2f} m long, wheels {2e3 * radius:.0f} mm, axles {p.wheel_base:.2f} m apart"
+    sizes = f"{p.coupler_distance:.2f} m over the couplers, " if isinstance(p, VehicleParameters) else ""
+    sizes += f"wheels {2e3 * radius:.0f} mm, axles {p.wheel_base:.2f} m apart"
     if isinstance(p, VehicleParameters):
         sizes += f", pivots {p.pivot_distance:.2f} m apart"
     axis.set(title=sizes, xlim=(-length / 2 - 1, length / 2 + 1), ylim=(-1.0, floor + BODY + 0.2), aspect="equal")
