@@ -106,6 +106,8 @@ def check_control(values: Mapping[str, Any]) -> None:
     for name in WITHOUT_EFFECT[brake]:
         if name in values:
             raise ValueError(f"{name} has no effect with brake = {brake}. Leave it out.")
+    if brake == "pneumatic" and {"position", "fill_time", "release_time"} <= set(values):
+        raise ValueError("position has no effect with fill_time and release_time. Leave one of them out.")
     for name in ("dynamic_power", "dynamic_fade"):
         if name in values and "dynamic_force" not in values:
             raise ValueError(f"{name} must come with dynamic_force. Add it, or leave {name} out.")

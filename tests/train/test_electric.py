@@ -237,6 +237,10 @@ def test_the_fmu_of_a_metro_is_the_train(tmp_path: Path) -> None:
 
 REFUSED = {
     "a pipe's distributor": ({"brake": "ep-direct", "position": "G"}, "position has no effect with brake = ep-direct."),
+    "times of no position": (
+        {"position": "G", "fill_time": 9.0, "release_time": 9.0},
+        "position has no effect with fill_time and release_time.",
+    ),
     "its reservoir": ({"brake": "ep-direct", "auxiliary": 100.0}, "auxiliary has no effect with brake = ep-direct."),
     "a force of none": ({"brake": "none", "lambda": 50.0}, "lambda has no effect with brake = none."),
     "a time of none": ({"brake": "none", "fill_time": 5.0}, "fill_time has no effect with brake = none."),
