@@ -6,11 +6,14 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import bogie_braking as bb
-from bogie_braking.vehicle_files.check import axle_loads
+from bogie_braking.__main__ import main
+from bogie_braking.vehicle_files.check import RAILS, SPEEDS, Check, axle_loads
+from bogie_braking.vehicle_files.page import write_page
 from products.vehicle_entries import LIKE
 from products.vehicle_file import sheet_of
 from products.vehicle_toml import EXAMPLES, built_in_sheet, names_of_examples, write_vehicle
@@ -204,3 +207,25 @@ def test_a_message_names_the_file(tmp_path: Path) -> None:
     path.write_text("tara = '44 t'\n")
     with pytest.raises(FileError, match=r"mine\.toml: 'tara' is not a known entry"):
         bb.read_vehicle(path)
+
+
+def test_a_file_that_is_not_toml_ends_the_command_with_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("bogie coach\n", encoding="utf-8")
+    assert main(["vehicle", "check", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"{path} must be TOML; got")
+    assert "Traceback" not in error
+
+
+def test_the_page_opens_with_a_distance_and_the_number_of_assumed_values(tmp_path: Path) -> None:
+    sheet, path = sheet_of(SHEET), tmp_path / "vehicle.html"
+    distances = 100.0 + np.arange(16.0).reshape(len(SPEEDS), len(RAILS))
+    write_page(Check(sheet, axle_loads(sheet), None, None, distances), path, b"")
+    shown = path.read_text(encoding="utf-8")
+    lead = shown[: shown.index("<img")]
+    assert "44.0 t on 4 axles" in lead
+    assert "it stops in 108 m from 120 km/h on dry rails" in lead
+    assert f"{len(sheet.assumed)} values are assumed" in lead

@@ -15,6 +15,8 @@ from bogie_braking.vehicle_files.picture import picture
 from readers.storage import write_whole
 from scenarios.reporting.plots import plt
 
+#: Speed of the stop in the first sentences [km/h].
+LEAD_SPEED = 120
 #: A table: its title, names of its columns, rows.
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 
@@ -60,6 +62,20 @@ def grouped(check: Check) -> list[tuple[str, str]]:
     return [(", ".join(names), source) for source, names in sources.items()]
 
 
+def lead_of(check: Check) -> str:
+    """Return the first sentences of the page: mass, a stop, what to compare, the number of assumed values."""
+    sheet = check.sheet
+    said = [f"Simulated from a vehicle file: {sheet.mass / 1e3:.1f} t on {sheet.axles} axles."]
+    if check.distances is not None:
+        metres = float(check.distances[SPEEDS.index(LEAD_SPEED), list(RAILS).index("dry")])
+        stop = "does not stop" if math.isnan(metres) else f"stops in {metres:.0f} m"
+        said.append(f"With full brake and no wheel-slide protection it {stop} from {LEAD_SPEED:g} km/h on dry rails.")
+    said.append("Compare loads and distances with your data first.")
+    count = len(sheet.assumed)
+    said.append(f"{count or 'No'} value{' is' if count < 2 else 's are'} assumed{': the last table' if count else ''}.")
+    return " ".join(said)
+
+
 def text_of(check: Check) -> str:
     """Return the tables as text."""
     rows: list[str] = []
@@ -93,14 +109,17 @@ def write_results(check: Check, folder: Path) -> list[Path]:
 
 def write_page(check: Check, path: Path, png: bytes) -> None:
     """Write the page of a check with its picture, one file. Raises OSError."""
-    body = [f'<img alt="the vehicle" src="data:image/png;base64,{base64.b64encode(png).decode()}">']
+    body = [f"<p>{html.escape(lead_of(check))}</p>"]
+    body += [f'<img alt="the vehicle" src="data:image/png;base64,{base64.b64encode(png).decode()}">']
     for title, names, cells in tables_of(check):
         head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
         rows = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>\n" for row in cells)
         body.append(f"<h2>{html.escape(title)}</h2>\n<table>\n<tr>{head}</tr>\n{rows}</table>")
     name = html.escape(check.sheet.name)
     style = "body{font:16px sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem}img{max-width:100%}"
+    style += "h2{font-size:1.2rem}"
     style += "td,th{text-align:left;padding:.2rem 1rem .2rem 0;vertical-align:top;border-bottom:1px solid #ddd}"
+    style += "td,th{overflow-wrap:anywhere}"
     page = '<!doctype html>\n<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
     page += f"<title>{name}</title><style>{style}</style>\n<h1>{name}</h1>\n" + "\n".join(body) + "\n</html>\n"
     write_whole(path, page.encode())

@@ -40,7 +40,7 @@ class Comparison extends Player {
   }
 
   legend() {
-    const names = ["machine", ...this.stops[0].wheel.map((_, number) => `wheels of wheelset ${number + 1}`), "what its sensor shows"];
+    const names = ["vehicle", ...this.stops[0].wheel.map((_, number) => `wheels of wheelset ${number + 1}`), "reading of its sensor"];
     at("legend").replaceChildren(...names.map((name, number) => {
       const item = document.createElement("span"), sample = document.createElement("canvas");
       item.append(sample, name);
