@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from rbd_model.track.line_pieces import SourcedLine, line_of_alignment, sums
-from readers.alignment import BLOSS, LINEAR, Account, Alignment, Piece
+from readers.account import Account
+from readers.alignment import BLOSS, LINEAR, Alignment, Piece
 from readers.tables import Column, Table, read_table
 
 STRAIGHT, ARC, CLOTHOID, BLOSS_CURVE = "straight", "arc", "clothoid", "bloss"

@@ -12,7 +12,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from readers.alignment import Account, Alignment, Piece
+from readers.account import Account
+from readers.alignment import Alignment, Piece
 from readers.documents import integer_in, is_number
 from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.text import FileError, shown

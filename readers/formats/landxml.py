@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from readers.alignment import BLOSS, LINEAR, Account, Alignment, Piece
+from readers.account import Account
+from readers.alignment import BLOSS, LINEAR, Alignment, Piece
 from readers.formats.landxml_profile import gradients_of
 from readers.formats.line_tracks import listed, tell_jumps
 from readers.formats.xml_numbers import attribute, name_of, required

@@ -6,7 +6,8 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from itertools import pairwise
 
-from readers.alignment import Account, Piece
+from readers.account import Account
+from readers.alignment import Piece
 from readers.formats.line_tracks import listed
 from readers.formats.xml_numbers import name_of, required, value_of
 from readers.text import FileError, shown

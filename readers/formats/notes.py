@@ -52,7 +52,7 @@ class Notes:
     def imported(self, rows: list[Row]) -> Imported:
         """Return the rows with all sentences."""
         return Imported(
-            rows, **{kind: [self._told_of(*one) for one in told.items()] for kind, told in self._told.items()}
+            rows=rows, **{kind: [self._told_of(*one) for one in told.items()] for kind, told in self._told.items()}
         )
 
     def _told_of(self, sentence: str, places: list[str]) -> str:

@@ -12,7 +12,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from readers.alignment import BLOSS, LINEAR, Account, Alignment, Piece
+from readers.account import Account
+from readers.alignment import BLOSS, LINEAR, Alignment, Piece
 from readers.formats.line_tracks import Track, joined, route_of
 from readers.formats.xml_numbers import attribute, name_of, required
 from readers.text import FileError, shown

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-from readers.alignment import BLOSS, LINEAR, Account, Alignment, Piece
+from readers.account import Account
+from readers.alignment import BLOSS, LINEAR, Alignment, Piece
 from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.formats.railml3_line import read_railml3
 from readers.formats.xml_numbers import attribute, required
