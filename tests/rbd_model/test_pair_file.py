@@ -15,7 +15,7 @@ from fmu_src.system import Model, model_of
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair
 from rbd_model.contact.pair_file import PAIR_FILE, read_pair, write_pair
-from rbd_model.contact.pair_table import MOST_PATCHES, pair_record
+from rbd_model.contact.pair_table import MOST_PATCHES, pair_record, side_record
 from rbd_model.levels.models import DEFAULT_TOLERANCE, model_of_levels, places_of
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
@@ -27,13 +27,18 @@ from tests.quick_library import quick_library
 FLANGE_TOUCHES, MOVES_OTHERWISE = 1e3, 1e-4
 
 
+def own_pair() -> Sides:
+    """Return the pair of the wheelset in a frame."""
+    return wheelset_under_frame().wheelsets[0].pair
+
+
 @lru_cache
 def unequal() -> Sides:
     """Return a wheelset with S1002 on 60E1 on the left, and the synthetic wheel on its rail on the right."""
     return Sides(european_pair().left, synthetic_pair().right)
 
 
-@pytest.mark.parametrize("sides", [synthetic_pair(), european_pair(), unequal()], ids=["synthetic", "S1002", "unequal"])
+@pytest.mark.parametrize("sides", [own_pair(), european_pair(), unequal()], ids=["synthetic", "S1002", "unequal"])
 def test_a_table_that_is_read_is_the_one_that_was_written(sides: Sides, tmp_path: Path) -> None:
     path = write_pair(sides, tmp_path / "pair.csv")
     found = read_pair(path)
@@ -42,11 +47,10 @@ def test_a_table_that_is_read_is_the_one_that_was_written(sides: Sides, tmp_path
     assert sides.left.wheel.name in path.read_text(encoding="utf-8").splitlines()[1]
 
 
-def test_wheels_of_another_radius_have_another_table() -> None:
-    smaller = replace(synthetic_pair().left, radius=0.4)
-    other = pair_record(Sides(smaller, smaller))
-    assert other.number("mean_radius") == 0.4
-    assert other.lists == pair_record(synthetic_pair()).lists  # nearest points of profiles do not depend on it
+def test_nearest_points_do_not_depend_on_the_radius_of_a_wheel() -> None:
+    one = own_pair().left
+    smaller = replace(one, radius=0.9 * one.radius)
+    assert side_record(smaller, 0.0).lists == side_record(one, 0.0).lists
 
 
 #: How a file is damaged, and the sentence that says so.
@@ -80,7 +84,7 @@ DAMAGES = {
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_table_is_refused_with_row_and_remedy(damage: str, tmp_path: Path) -> None:
     pattern, text, sentence = DAMAGES[damage]
-    path = write_pair(synthetic_pair(), tmp_path / "pair.csv")
+    path = write_pair(own_pair(), tmp_path / "pair.csv")
     whole = path.read_text(encoding="utf-8")
     path.write_text(re.sub(pattern, text, whole, count=1), encoding="utf-8")
     assert path.read_text(encoding="utf-8") != whole
@@ -101,20 +105,8 @@ def model_on(pair: Sides) -> Model:
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pairs")
-    pairs = {"synthetic": own_pair(), "european": european(), "unequal": unequal()}
+    pairs = {"synthetic": own_pair(), "european": european_pair(), "unequal": unequal()}
     return {name: write_pair(pair, folder / f"{name}.csv") for name, pair in pairs.items()}
-
-
-def own_pair() -> Sides:
-    """Return the pair of the wheelset in a frame."""
-    return wheelset_under_frame().wheelsets[0].pair
-
-
-@lru_cache
-def european() -> Sides:
-    """Return S1002 on 60E1 with wheels of the radius of the wheelset in a frame."""
-    side = replace(european_pair().left, radius=own_pair().mean_radius)
-    return Sides(side, side)
 
 
 def swing(pair: Sides, **values: float | str) -> np.ndarray:
@@ -131,7 +123,7 @@ def swing(pair: Sides, **values: float | str) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["european", "unequal"])
 def test_a_file_gives_the_run_of_the_pair_in_the_equations(name: str, files: dict[str, Path]) -> None:
-    pair = {"european": european, "unequal": unequal}[name]()
+    pair = {"european": european_pair, "unequal": unequal}[name]()
     found = swing(own_pair(), profile_file=str(files[name]))
     assert np.array_equal(found, swing(pair))
     assert np.abs(found[:, 3]).max() > FLANGE_TOUCHES
