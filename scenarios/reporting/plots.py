@@ -130,7 +130,7 @@ def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
 
 def legend_above(axis: Axes, columns: int = 2) -> None:
     """Place the legend in the line of the title, where it hides nothing."""
-    axis.legend(loc="lower right", bbox_to_anchor=(1.0, 0.96), ncols=columns, fontsize=8, borderaxespad=0.1)
+    axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, fontsize=8, borderaxespad=0.1)
 
 
 def write_at(axis: Axes, place: tuple[float, float], text: str, colour: str, **options: Any) -> None:
