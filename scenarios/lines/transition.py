@@ -228,7 +228,7 @@ def draw(found: Found) -> Figure:
         f"cant [mm], R = {RADIUS:g} m": "distance [m]",
         f"load moved [kN]; dotted: at {FAST:.1f} m/s": "distance [m]",
         f"largest dQ/Q, 1:{RAMPS[0]:g} [1]": "distance [m]",
-        "bars: statics; marks: measured": "load moved by the twist [kN]",
+        "marks: measured": "load moved by the twist [kN]",
     }
     figure, (line, twisted, loads, bars) = charts(message, titles, (11.0, 7.6))
     for ramp, colour in zip(RAMPS, THREE, strict=True):
