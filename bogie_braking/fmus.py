@@ -8,6 +8,7 @@ from fmpy.validation import validate_fmu
 
 from bogie_braking.checks import known
 from bogie_braking.machines import LEVELS, model_from
+from fmu_src.archive import archive_bytes, contents_of
 from fmu_src.chain import ONE_WRITES
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
@@ -20,6 +21,8 @@ from rbd_model.levels.models import places_of
 from rbd_model.vehicle.description import Vehicle
 from readers.storage import write_whole
 
+#: Contact table among the resources of an FMU.
+PAIR = "resources/pair.csv"
 BUILD = {"native": build_native_fmu, "fmi3": build_native_fmu3, "python": build_python_fmu}
 
 
@@ -114,3 +117,5 @@ def _with_values(sheet: DataSheet, path: Path, kind: str, level: int | None) -> 
         )
     values = sheet.values | ({} if level is None else {"level": float(level)})
     write_whole(path, with_start_values(fmu(sheet.fmu), values))
+    if sheet.profile_file is not None:
+        write_whole(path, archive_bytes(contents_of(path) | {PAIR: sheet.profile_file.read_bytes()}))

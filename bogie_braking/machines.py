@@ -108,8 +108,10 @@ def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Run
         return _with_creep_law(what, dict(values))
     if what.fmu is None:
         return _with_creep_law(what.vehicle, dict(what.resistance) | dict(values))
-    own = what.values if values.get("level", LEVEL) == LEVELS[-1] else what.planar_values
-    return _with_creep_law(what.fmu, own | dict(values))
+    if values.get("level", LEVEL) != LEVELS[-1]:
+        return _with_creep_law(what.fmu, what.planar_values | dict(values))
+    table = {} if what.profile_file is None else {"profile_file": str(what.profile_file)}
+    return _with_creep_law(what.fmu, what.values | table | dict(values))
 
 
 def _with_creep_law(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dict[str, Any]]:

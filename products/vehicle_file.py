@@ -13,6 +13,7 @@ from typing import Any
 from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet
 from products.vehicle_entries import ENTRIES, HEAVIEST, LIKE, RESISTANCE, check_names, number_of, parameter_entry
 from rbd_model.contact.geometry import synthetic_pair
+from rbd_model.contact.pair_file import read_pair
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
 from rbd_model.vehicle.ready import four_axle_vehicle, six_axle_vehicle, two_axle_bogie
@@ -58,6 +59,8 @@ class DataSheet:
         Brake of each wheelset; None if the file has no [brake].
     assumed : mapping of str to str
         How each value was found that the file does not give, by the parameter's name.
+    profile_file : Path or None
+        Contact table of the wheels and rails, for level 3; None: the synthetic pair.
     """
 
     name: str
@@ -67,6 +70,7 @@ class DataSheet:
     resistance: Mapping[str, float] = field(default_factory=dict)
     brake: SheetBrake | None = None
     assumed: Mapping[str, str] = field(default_factory=dict)
+    profile_file: Path | None = None
 
     @property
     def fmu(self) -> str | None:
@@ -133,18 +137,36 @@ def read_vehicle(path: str | Path) -> DataSheet:
     except OSError as error:
         raise FileError(str(error)) from None
     try:
-        return sheet_of(read, Path(path).stem)
+        sheet = sheet_of(read, Path(path).stem)
+        table = None if sheet.profile_file is None else contact_table(Path(path).parent / sheet.profile_file, sheet)
     except ValueError as error:
         raise FileError(f"{path}: {error}") from None
+    return replace(sheet, profile_file=table)
+
+
+def contact_table(path: Path, sheet: DataSheet) -> Path:
+    """Return the path of a contact table if it can be read. Raises ValueError."""
+    if sheet.fmu is None:
+        raise ValueError(
+            f"profile_file must be left out with {sheet.axles} axles; got {path}. Define the pair in Python."
+        )
+    try:
+        read_pair(path)
+    except (OSError, ValueError) as error:
+        raise ValueError(f"profile_file must be a contact table of 'bogie-braking profile'. {error}") from None
+    return path.absolute()
 
 
 def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     """Return the vehicle of a file's content. Raises ValueError, as `read_vehicle` without the file's name."""
-    check_names(read, [*ENTRIES, "name", "like", *TABLES], "")
+    check_names(read, [*ENTRIES, "name", "like", "profile_file", *TABLES], "")
     tables = {table: _table(read, table) for table in TABLES}
     title, like, axles = read.get("name", name), _like(read), _axles(read)
     if not isinstance(title, str):
         raise ValueError(f"name must be a text; got {shown(title)}. Put it in quotes.")
+    profiles = read.get("profile_file")
+    if not isinstance(profiles, str | None):
+        raise ValueError(f"profile_file must be the path of a contact table; got {shown(profiles)}. Put it in quotes.")
     given = {key: number_of(ENTRIES[key], value, key) for key, value in read.items() if key in ENTRIES}
     given.pop("axles", None)
     base = LIKE[like][1]()
@@ -163,7 +185,8 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
         assumed |= dict(brake.assumed)
     if "length" in given and "pivot_distance" in {**given, **tables["parameters"]}:
         check_length(parameters, given["length"])
-    return DataSheet(title, like, axles, parameters, resistance, brake, assumed)
+    table = None if profiles is None else Path(profiles)
+    return DataSheet(title, like, axles, parameters, resistance, brake, assumed, table)
 
 
 def check_length(parameters: BogieParameters, length: float) -> None:

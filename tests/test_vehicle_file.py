@@ -12,11 +12,15 @@ from scipy.optimize import brentq
 
 import bogie_braking as bb
 from bogie_braking.__main__ import main
+from bogie_braking.machines import unfolded
 from bogie_braking.vehicle_files.check import RAILS, SPEEDS, Check, axle_loads
 from bogie_braking.vehicle_files.page import write_page
+from fmu_src.archive import contents_of
 from products.vehicle_entries import LIKE
 from products.vehicle_file import sheet_of
 from products.vehicle_toml import EXAMPLES, built_in_sheet, names_of_examples, write_vehicle
+from rbd_model.contact.geometry import thesis_pair
+from rbd_model.contact.pair_file import write_pair
 from readers.text import FileError
 
 SHEET = {"name": "Own", "tare": "38 t", "load": "6 t", "wheel_diameter": "900 mm", "length": "24.5 m"}
@@ -164,6 +168,19 @@ def test_two_axles_are_an_fmu_with_own_start_values(tmp_path: Path) -> None:
     assert sum(weights) == pytest.approx(12e3 * 9.81, rel=1e-9)
 
 
+def test_profiles_of_a_file_reach_runs_at_level_3_and_the_fmu(tmp_path: Path) -> None:
+    write_pair(thesis_pair(), tmp_path / "pair.csv")
+    (tmp_path / "wagon.toml").write_text('tare = "30 t"\naxles = 2\nprofile_file = "pair.csv"\n')
+    sheet = bb.read_vehicle(tmp_path / "wagon.toml")
+    assert unfolded(sheet, {"level": 3})[1]["profile_file"] == str(tmp_path / "pair.csv")
+    assert "profile_file" not in unfolded(sheet, {})[1]
+    contents = contents_of(bb.write_fmu(sheet, tmp_path / "wagon.fmu"))
+    assert contents["resources/pair.csv"] == (tmp_path / "pair.csv").read_bytes()
+    (tmp_path / "pair.csv").write_text("y,z\n0,0\n")
+    with pytest.raises(FileError, match="profile_file must be a contact table"):
+        bb.read_vehicle(tmp_path / "wagon.toml")
+
+
 REFUSED = [
     ({"tare": "44"}, "tare and load must be above"),
     ({"tare": "44 m"}, "tare must be from 1 to 1e+06 kg; got 44 m"),
@@ -188,6 +205,7 @@ REFUSED = [
     ({"tare": 38, "load": 6}, "got 44 kg. Did you mean 44 t"),
     ({"wheel_diameter": "0,92 m"}, "Write a decimal point instead of the comma"),
     ({"length": "18 m", "pivot_distance": "19 m"}, "length must be at least the pivot_distance of 19 m; got 18 m"),
+    ({"profile_file": 7}, "profile_file must be the path of a contact table; got 7"),
     ({"name": 7}, "name must be a text; got 7"),
 ]
 

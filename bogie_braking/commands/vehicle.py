@@ -133,7 +133,11 @@ def entries_text() -> str:
     from products.vehicle_brakes import BRAKE_ENTRIES
     from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE
 
-    rows = ["name      any text", *(f"like      {name}: {about}" for name, (about, _) in LIKE.items())]
+    rows = [
+        "name      any text",
+        "profile_file  contact table of 'bogie-braking profile', for level 3",
+        *(f"like      {name}: {about}" for name, (about, _) in LIKE.items()),
+    ]
     tables = {"": ENTRIES, "[resistance]": {key: entry for key, (_, entry) in RESISTANCE.items()}}
     for table, entries in (tables | {"[brake]": BRAKE_ENTRIES}).items():
         rows += ["", table] if table else [""]
