@@ -23,6 +23,7 @@ from products.registry import model_of as model_of_fmu
 from products.vehicle_file import DataSheet
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.laws import LAWS
+from rbd_model.contact.creep.own_law import check_own_law
 from rbd_model.levels.models import (
     DEFAULT_DEPTH,
     DEPTH_ON_LINE,
@@ -128,6 +129,7 @@ def _with_creep_law(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, d
 def _law_named(law: object) -> str:
     """Return the name of a creep law, a function of the user among them, which gets a name of its own in LAWS."""
     if callable(law):
+        check_own_law(law, getattr(law, "__name__", "law"))
         name = f"{getattr(law, '__name__', 'law')} (own)"
         LAWS[name] = law
         return name

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
+import casadi as ca
 import pytest
 
 import bogie_braking as bb
@@ -97,3 +99,19 @@ def test_a_creep_law_that_does_not_exist_is_refused(tmp_path: Path) -> None:
     vary = {"friction_1": [0.1, 0.2]}
     with pytest.raises(TypeError, match="got equations or a function"):
         bb.sweep("bogie", 1.0, ["speed"], vary, level=1, folder=tmp_path / "sweep", creep_law=shen_hedrick_elkins)
+
+
+REFUSED = [
+    (lambda patch: (patch.load * patch.creepages[0], patch.creepages[1]), "must oppose the creepage"),
+    (lambda patch: -patch.load * patch.creepages[0], "must return two"),
+    (lambda patch: (-patch.creepages[0],) * 3, "must return two forces, ahead and to the left; <lambda> returned 3"),
+    (lambda patch: (0.0, 0.0) if patch.creepages[0] > 0 else (1.0, 1.0), "Write ca.if_else"),
+    (lambda patch: (-patch.creepages[0] / ca.fabs(patch.creepages[0]), 0.0), "must be finite without creepage"),
+    (lambda patch: (-patch.mu * patch.creepages[0], 0.0), "no attribute 'mu'"),
+]
+
+
+@pytest.mark.parametrize(("law", "words"), REFUSED, ids=[words for _, words in REFUSED])
+def test_a_law_that_cannot_be_friction_is_refused(law: object, words: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(words)):
+        bb.run("bogie", 1.0, level=1, creep_law=law)
