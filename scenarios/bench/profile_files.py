@@ -12,13 +12,15 @@ from rbd_model.contact.profiles import Profile
 from scenarios.scenario import BadInputError, Options
 
 Given = TypeVar("Given")
+#: Endings of plain tables of points.
+PLAIN = (".csv", ".txt", ".dat")
 
 
 def sides_from_files(options: Options) -> Sides:
     """Return the wheelset and track that the options describe.
 
-    Without a gauge the y = 0 of both rails are 1500 mm apart, as for the reference rails of EN 15302, if that is a
-    usual gauge.
+    Without a gauge the y = 0 of both rails of plain tables are 1500 mm apart, as for the reference rails of EN 15302,
+    if that is a usual gauge. In files of instruments and programs y = 0 has no such meaning: their gauge is 1435 mm.
 
     Raises
     ------
@@ -34,7 +36,9 @@ def sides_from_files(options: Options) -> Sides:
     drop = bool(options.drop_outliers)
     wheels = profiles("--wheel", options.wheel, tape_circles=options.tape_circle or [None], drop_outliers=drop)
     rails = profiles("--rail", options.rail, lean, options.gauge_side or [None], drop_outliers=drop)
-    return sides_of(wheels, rails, options.diameter or [], options.gauge, options.flange_back, rails_apart=RAILS_APART)
+    plain = all(path.suffix.lower() in PLAIN for path in options.rail)
+    apart = RAILS_APART if plain else None
+    return sides_of(wheels, rails, options.diameter or [], options.gauge, options.flange_back, rails_apart=apart)
 
 
 def sides_of(
