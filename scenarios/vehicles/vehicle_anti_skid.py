@@ -112,7 +112,7 @@ def draw(found: Findings) -> Figure:
     if protected is None or unprotected is None:
         return titled(figure, f"On {rail} rail not every stop comes to rest")
     start = one_word(f"{Settings.speed:g} m/s")
-    return titled(figure, f"From {start} on {rail} rail protection stops in {protected:.0f}, not {unprotected:.0f} m")
+    return titled(figure, f"From {start} on {rail} rail: {protected:.0f} m, unprotected {unprotected:.0f} m")
 
 
 SCENARIO = Scenario("vehicle-anti-skid", "Wheel-slide protection of four wheelsets, each of which cleans the rail", run)
