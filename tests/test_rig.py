@@ -414,7 +414,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
             '[[case]]\nname = "a"\n',
             "case 1 (a): rail must be one of dry, wet, low, slippery, extremely_low, very_low; got nothing.",
         ),
-        ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; give some of name,"),
+        ('[[case]]\nname = "a"\nrail = "dry"\nspeeed = 3\n', "case 1 (a): there is no speeed; did you mean speed?"),
         ('[[case]]\nname = "a"\nrail = "dry"\nspeed = "3mph"\n', "as 25m/s or 160km/h; got 3mph."),
         ('[[case]]\nname = "a"\nrail = "dry"\nbrake_ratio = 0\n', "brake_ratio must be above 0 and at most 5; got 0."),
         (
@@ -513,7 +513,7 @@ def failing(tmp_path: Path) -> Iterator[tuple[str, Form]]:
     yield r"gave \[0\] at", TooFew
     yield "read-only", Arrays(Writes())
     yield r"gave \[nan, nan\] at", Arrays(NoNumbers())
-    yield r"due was \(1, 2\)", Arrays(Flat())
+    yield r"must have the shape \(1, 2\)", Arrays(Flat())
     yield "gave 7 for valve", in_c(tmp_path, NONSENSE, 0.9)
     yield r"gave \[True, True\] at", Truths
     yield r"gave \[\] at", Forgets

@@ -102,11 +102,15 @@ def _at(consist: Consist, speed: float) -> AtSpeed:
 
 
 def stopping_distance(consist: Consist, speed: float) -> float | None:
-    """Return the distance [m] of the head in emergency braking from a speed [m/s], None if the train does not stop."""
+    """Return the distance [m] of the head in emergency braking from a speed [m/s], None if the train does not stop.
+
+    A train starts with its head at 0, so that the middle of its first vehicle starts behind it.
+    """
     train = Train(consist, speed=speed, settings=select_brake_model(consist))
+    start = float(train.distance[0])
     train.drive("emergency")
     for _ in range(int(LONGEST / STEP)):
         train.advance(STEP)
         if float(np.max(np.abs(train.speed))) < RESTS:
-            return float(train.distance[0])
+            return float(train.distance[0]) - start
     return None

@@ -15,6 +15,7 @@ from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
 from products.train.fmu import build_train_fmu
 from products.train.numbers import Settings
+from products.train.summary import stopping_distance
 from products.train.train import Train
 
 #: Models of a train's brake.
@@ -272,3 +273,12 @@ def test_electric_rows_and_vehicles_are_written_and_read(name: str, tmp_path: Pa
     for one, again in zip(own.vehicles, read_consist(tmp_path / name).vehicles, strict=True):
         assert again.electric.values() == pytest.approx(one.electric.values(), rel=1e-12)
         assert again.distributor.values() == pytest.approx(one.distributor.values(), rel=1e-12)
+
+
+def test_a_checked_stop_is_counted_from_its_start() -> None:
+    """S = v^2 / 2a + v (t_dead + T / 2) - a T^2 / 24 for a linear build-up in T, less what 0.1 s of stepping adds."""
+    slows, filled, dead, speed = 1.2, 1.5, 0.3, 80 / 3.6
+    row = {"kind": "coach", "valve": "head", "brake": "ep-direct", "deceleration": slows, "resistance_a": 0.0}
+    consist = consist_of([row | {"fill_time": 0.95 * filled, "dead_time": dead, "length": 24.0}])
+    expected = speed**2 / (2 * slows) + speed * (dead + filled / 2) - slows * filled**2 / 24
+    assert stopping_distance(consist, speed) == pytest.approx(expected, abs=0.5)
