@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,6 +36,8 @@ from readers.renamed import FormerNames
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+#: Distance from a limit at which a fitted value is at it, over the limit or the value at the start.
+AT_LIMIT = 1e-3
 #: Relative step of a parameter for a finite difference. Runs are accurate to a tolerance of 1e-6.
 STEP = 1e-3
 #: Largest number of rows of a run, between which measured instants are interpolated.
@@ -263,8 +265,29 @@ def fit(
         table,
         Recording({one: table.units[one] for one in ("time", *names)}, np.c_[data.clock, off + data.wanted]),
         {name: one.time for name, one in zip(names, errors, strict=True)},
-        mismatches(deviations, off[0], data.wanted[:last], table.units),
+        [
+            *at_limits(parameters, found.x * first, limits, first),
+            *mismatches(deviations, off[0], data.wanted[:last], table.units),
+        ],
     )
+
+
+def at_limits(names: Iterable[str], values: np.ndarray, limits: np.ndarray, first: np.ndarray) -> list[str]:
+    """Return a warning for each fitted value at one of its limits.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Names of the parameters.
+    values, limits, first : ndarray
+        Fitted values, shape (parameters,), their limits, shape (parameters, 2), and the values at the start.
+    """
+    return [
+        f"{name} ended at its limit of {limit:g}; check the units of the data and the inputs that the log lacks."
+        for name, value, both, start in zip(names, values.tolist(), limits.tolist(), first.tolist(), strict=True)
+        for limit in both
+        if math.isfinite(limit) and abs(value - limit) <= AT_LIMIT * max(abs(limit), abs(start))
+    ]
 
 
 def _table(measured: Recording | str | Path, machine: Machine, columns: ColumnMap | None) -> Recording:

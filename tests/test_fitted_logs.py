@@ -282,3 +282,12 @@ def test_a_vehicle_from_its_data_sheet_is_fitted_as_it_runs(tmp_path: Path) -> N
     run = bb.run(regio, 10.0, None, ["speed"], 0.5, **{name: 2500.0}, initial_speed=30.0)
     found = bb.fit(regio, run, {name: 2000.0}, initial_speed=30.0)
     assert found.values[name] == pytest.approx(2500.0, rel=1e-3)
+
+
+def test_a_value_that_ends_at_its_limit_is_reported() -> None:
+    """A coach that coasts cannot gain speed: its resistance is fitted to 0, the lower limit of 0 N."""
+    coast = bb.run("vehicle", 20.0, None, ["speed"], 0.5, level=1, initial_speed=20.0, davis_constant=50.0)
+    coast["speed"][:] = 20.0 + 0.01 * coast["time"]
+    found = bb.fit("vehicle", coast, {"davis_constant": 500.0}, level=1, initial_speed=20.0)
+    assert any(one.startswith("davis_constant ended at its limit of 0") for one in found.warnings)
+    assert "ended at its limit" in found.status
