@@ -11,6 +11,7 @@ from packaging.tags import platform_tags
 import release
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
+from fmu_src import compile as compiling
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.kernel import Kernel, Library
 from products import building, prebuilt
@@ -74,8 +75,12 @@ def test_sources_that_make_the_same_are_recognised_by_what_they_make(
     assert building.up_to_date("brake", "native").is_relative_to(filled)
 
 
-def test_what_was_changed_is_built(filled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The brake has other start values, and nothing except its sources shows it."""
+def test_what_was_changed_is_built(filled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The brake has other start values, and nothing except its sources shows it.
+
+    It has a cache of its own: in that of the other tests its kernel would be taken for the brake's.
+    """
+    monkeypatch.setattr(compiling, "CACHE", tmp_path / "cache")
     monkeypatch.setattr(prebuilt, "digest", lambda *_: "another")
     for module in (prebuilt, building):
         monkeypatch.setattr(module, "model_of", lambda _: brake_cylinder(qr30(150)))
