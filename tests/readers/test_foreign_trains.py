@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -243,6 +244,20 @@ def test_an_old_altrios_car_is_read_loaded(tmp_path: Path) -> None:
     assert row["shoe_force"] == pytest.approx(0.11 * 130 * G, rel=ROUNDED)
 
 
+def test_yaml_is_the_same_without_the_parser_in_c(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text("a: [1e3, 1., -2, .5, '3', 4_0, yes, ~]\nb:\n- {c: 2026-05-01}\n- |\n  text\n")
+    quick = import_module("readers.yaml_files").yaml_of(path)
+    assert quick["a"] == [1000.0, 1.0, -2, 0.5, "3", "4_0", True, None]
+    monkeypatch.setattr("yaml.__with_libyaml__", False)
+    monkeypatch.delitem(sys.modules, "readers.yaml_files")
+    slow = import_module("readers.yaml_files")
+    assert slow.yaml_of(path) == quick
+    path.write_text("a: &b 1")
+    with pytest.raises(FileError, match="anchors"):
+        slow.yaml_of(path)
+
+
 def test_yaml_without_its_package_is_refused_with_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a.yaml").write_text(CAR)
     for name in ("readers.yaml_files", "readers.formats.altrios"):
@@ -386,6 +401,10 @@ LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;">]><railml>&b;</
         ("a.yaml", "car_type: x", "must have length_meters"),
         ("a.yaml", CAR.replace("18.0", "18,0"), "length_meters must be a number; got 18,0."),
         ("a.yaml", CAR.replace("0.11", "11"), "braking_ratio must be from 0 to 2"),
+        ("a.yaml", CAR.replace("18.0", "018"), "length_meters must be a number; got 018."),
+        ("a.yaml", CAR.replace("18.0", "1:18"), "length_meters must be a number; got 1:18."),
+        ("a.yaml", CAR.replace("18.0", "1_8"), "length_meters must be a number; got 1_8."),
+        ("a.yaml", CAR.replace("18.0", ".nan"), "must have finite numbers; got nan."),
         ("a.yaml", "n_cars_by_type: {none: 3}", "must have the car 'none' in rail_vehicles"),
         ("a.yaml", "n_cars_by_type: {none: 1000000}", "n_cars_by_type must have integers from 0 to 2000"),
         ("train.dat", "", "must have a section #CAR; got none."),
