@@ -7,15 +7,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from brake_controller.distributors.uic import UicDistributor, freight, reached_pressure
-from products.train.columns import NUMBERS
-from products.train.consist import Consist
+from brake_controller.distributors.ep_direct import FILLING, RELEASE, EpDirect
+from brake_controller.distributors.uic import TIMES, UicDistributor, freight, reached_pressure
+from products.train.columns import COUPLING, NUMBERS
+from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of, read_consist
 from readers.formats import Imported, Row
 from readers.formats.trains import is_foreign, read_foreign
 
 #: Columns without which a row would be another vehicle; a value beyond their limits is refused.
-ESSENTIAL = ("kind", "count", "mass", "length", "lambda", "deceleration", "brake_force", "shoe_force", "brake")
+ESSENTIAL = (
+    *("kind", "count", "mass", "length", "lambda", "deceleration", "brake_force", "shoe_force", "brake"),
+    *("resistance_a", "resistance_b", "resistance_c", "friction_value"),
+)
 
 
 def consist_from(path: Path) -> tuple[Consist, Imported | None]:
@@ -45,30 +49,57 @@ def imported_consist(path: Path) -> tuple[Consist, Imported]:
         If the file cannot be read, or its vehicles are beyond the limits of a consist.
     """
     found = read_foreign(path)
-    left: dict[str, None] = {}
-    rows = [_fitted(row, left) for row in found.rows]
+    rows, outside = zip(*(_fitted(row) for row in found.rows), strict=True)
     places = [f"vehicle {row.get('name', number)}" for number, row in enumerate(rows, 1)]
-    return consist_of(rows, str(path), places), replace(found, rows=rows, left=[*found.left, *left])
+    consist = consist_of(list(rows), str(path), places)
+    left: dict[str, None] = {}
+    at = 0
+    for row, those in zip(rows, outside, strict=True):
+        told = _defaults(consist.vehicles[at], row)
+        left |= dict.fromkeys(f"{sentence}; {told[name]}." for name, sentence in those.items())
+        at += int(row.get("count", 1))
+    return consist, replace(found, rows=list(rows), left=[*found.left, *left])
 
 
-def _fitted(row: Row, left: dict[str, None]) -> Row:
-    """Return a row without refinements beyond their limits, and tell them in `left`."""
-    kept = dict(row)
+def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
+    """Return a row without refinements beyond their limits, and the begin of a sentence on each of these."""
+    kept, outside = dict(row), {}
     for name, value in row.items():
         if name in ESSENTIAL or name not in NUMBERS:
             continue
         if not NUMBERS[name][1] <= value <= NUMBERS[name][2]:
             unit, least, most = NUMBERS[name]
             limits = f"{least:g} to {most:g}" if unit == "1" else f"{least:g} to {most:g} {unit}"
-            left[f"{name}: {value:.4g} is outside {limits}; the default is taken."] = None
+            outside[name] = f"{name}: {value:.4g} is outside {limits}"
             del kept[name]
     if "full_pressure" in kept and kept.get("brake", "pneumatic") == "pneumatic" and not _is_reached(kept):
-        left[
-            f"full_pressure: a reservoir at 5 bar does not reach {kept['full_pressure']:.4g} bar in the cylinders; the "
-            "default is taken, with equal force."
-        ] = None
-        del kept["full_pressure"]
-    return kept
+        pressure = kept.pop("full_pressure")
+        outside["full_pressure"] = (
+            f"full_pressure: a reservoir at 5 bar does not reach {pressure:.4g} bar in the cylinders, which have equal "
+            "force"
+        )
+    return kept, outside
+
+
+def _defaults(one: TrainVehicle, row: Row) -> dict[str, str]:
+    """Return what a vehicle has in place of each refinement that is left out, as the end of a sentence."""
+    direct = isinstance(one.distributor, EpDirect)
+    filling, release = (FILLING, RELEASE) if direct else TIMES[row.get("position", "P")]
+    numbers = {
+        "rotating": 100 * one.rotating_share,
+        "full_pressure": 1e-5 * one.distributor.full_pressure,
+        "fill_time": filling,
+        "release_time": release,
+        "shoes": one.brake.shoes,
+        "dead_time": one.electric.dead_time,
+    }
+    if isinstance(one.distributor, UicDistributor):
+        numbers["auxiliary"] = 1e3 * one.distributor.auxiliary_volume
+        numbers["cylinder"] = 1e3 * one.distributor.cylinder_volume
+    units = {name: "" if NUMBERS[name][0] == "1" else f" {NUMBERS[name][0]}" for name in numbers}
+    told = dict.fromkeys(NUMBERS, "it is left out")
+    told |= dict.fromkeys(COUPLING, f"that of the {one.coupler.name} coupler is taken")
+    return told | {name: f"the default of {value:.4g}{units[name]} is taken" for name, value in numbers.items()}
 
 
 def _is_reached(row: Mapping[str, Any]) -> bool:

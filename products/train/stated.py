@@ -16,7 +16,7 @@ from brake_controller.distributors import ep_direct
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import FILLING, RELEASE, EpDirect
 from brake_controller.distributors.piped import Piped
-from brake_controller.distributors.uic import UicDistributor, with_times
+from brake_controller.distributors.uic import TIMES, UicDistributor, with_times
 from brake_controller.electric_brake import FADE, NO_LIMIT, ElectricBrake
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking
@@ -45,8 +45,6 @@ AT_RIMS = ("lambda", "deceleration", "brake_force")
 CYLINDER = {"cylinders": 1.0, "rigging_efficiency": 0.83, "return_force": 1500.0}
 #: Friction radius of pads over the wheel's radius. Assumed.
 PAD_RADIUS = 0.6
-#: Times of filling and release by position [s], middle of those of UIC 540.
-TIMES = {"P": (4.0, 17.5), "G": (24.0, 52.5)}
 #: Columns without effect by kind of brake.
 _BY_PIPE, _TIMES = ("distributor", "position", "auxiliary", "cylinder"), ("full_pressure", "fill_time", "release_time")
 WITHOUT_EFFECT = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import zipfile
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import bogie_braking as bb
 from bogie_braking.__main__ import main
 from products.train.building import build_train
 from products.train.columns import MOST, VEHICLE
-from products.train.consist_file import read_consist
+from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
 from products.train.foreign import ESSENTIAL, consist_from, imported_consist
 from products.train.summary import brake_force, summary_of
@@ -147,6 +148,38 @@ def test_refinements_beyond_their_limits_are_told_and_left(tmp_path: Path) -> No
     _, found = imported_consist(path)
     assert "full_pressure" not in found.rows[0]
     assert any("does not reach 4.826 bar" in sentence for sentence in found.left)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "column"),
+    [
+        ("train.dat", "#BRAKE", "#MOVE\n500\n200\n500\n500\n90\n1e4\n#BRAKE", "release_time"),
+        ("train.dat", "#BRAKE\n2", "#MOVE\n500\n200\n500\n500\n500\n1e4\n#BRAKE\n1", "release_time"),
+        ("train.dat", "#BRAKE\n2", "#MOVE\n500\n200\n500\n500\n1e4\n200\n#BRAKE\n1", "fill_time"),
+        ("hopper.wag", "MaxReleaseRate", "ORTSBrakeCylinderVolume ( 1e6l ) MaxApplicationRate", "cylinder"),
+        ("hopper.wag", "Shoes ( 16 ) MaxReleaseRate", "Shoes ( 200 ) MaxApplicationRate", "shoes"),
+    ],
+)
+def test_the_default_that_is_told_is_the_one_that_is_taken(
+    name: str, old: str, new: str, column: str, tmp_path: Path
+) -> None:
+    """A consist that states the number of the sentence is the one from which the value was left out."""
+    path = tmp_path / name
+    assert FILES[name].count(old) == 1
+    path.write_text(FILES[name].replace(old, new).replace("0.001bar", "0.2bar"))
+    consist, found = imported_consist(path)
+    sentence = next(one for one in found.left if one.startswith(f"{column}: "))
+    default = re.search(r"; the default of ([\d.]+)( s| l|) is taken\.$", sentence)
+    assert default
+    assert column not in found.rows[0]
+    assert consist_of([row | {column: float(default[1])} for row in found.rows]) == consist
+
+
+def test_a_resistance_beyond_its_limit_is_refused_with_it(tmp_path: Path) -> None:
+    path = tmp_path / "unit.json"
+    path.write_text(json.dumps(json.loads(FILES["unit.json"]) | {"rolling_resistance": {"A": 1, "B": 1, "C": 1e8}}))
+    with pytest.raises(ValueError, match=r"resistance_c must be a number from 0 to 1000 N/\(m/s\)\^2; got "):
+        imported_consist(path)
 
 
 def test_limits_of_importers_are_those_of_consists() -> None:
