@@ -223,7 +223,14 @@ def _coupler(values: Mapping[str, Any]) -> Coupler:
     given = {
         name.removeprefix("coupler_"): scale[COUPLING[name][0]] * values[name] for name in COUPLING if name in values
     }
-    return with_numbers(one, **given)
+    found = with_numbers(one, **given)
+    if values.get("coupler_damping", 0.0) > 0.0 and not found.dissipates:
+        most = 1e-6 * one.sticking_stiffness
+        raise ValueError(
+            f"coupler_damping must come with a coupler_stiffness below {most:g} MN/m, at which the friction of a "
+            f"{one.name} coupler sticks. Decrease coupler_stiffness, or leave coupler_damping out."
+        )
+    return found
 
 
 def _resistance(values: Mapping[str, Any], one: TrainVehicle) -> tuple[float, float, float]:

@@ -160,8 +160,9 @@ def _coupler(one: Coupler) -> Row:
     preload = forces[-2]
     stiffness = (forces[-1] - forces[-2]) / (ways[-1] - ways[-2])
     row: Row = {"coupler": name, "coupler_stiffness": 1e-6 * stiffness, "coupler_preload": 1e-3 * preload}
+    row |= {"coupler_slack": 1e3 * slack}
     damping = round(1.0 - unloading.forces[-1] / forces[-1], 12)
-    return row | {"coupler_slack": 1e3 * slack, "coupler_damping": damping} | strength
+    return row | ({"coupler_damping": damping} if one.dissipates or not damping else {}) | strength
 
 
 def _valve(one: TrainVehicle) -> Row:

@@ -121,6 +121,19 @@ class Coupler:
                         f" m; got {unload:g} N. Lower the curve of unloading."
                     )
 
+    @property
+    def dissipates(self) -> bool:
+        """Whether friction can hold: whether a loading curve is flatter than the sticking stiffness where it has a force.
+
+        Otherwise unloading follows loading, whatever its own curve.
+        """
+        most = self.sticking_stiffness * (1 - 1e-9)
+        for loading, _ in (self.tension, self.compression):
+            points = list(zip(loading.ways, loading.forces, strict=True))
+            if any(fb > 0.0 and fb - fa < most * (b - a) for (a, fa), (b, fb) in pairwise(points)):
+                return True
+        return False
+
     def _bends(self, *curves: Curve) -> list[list[tuple[float, float]]]:
         """Return the bends of loading and unloading, which have one stroke."""
         stroke = max(curve.ways[-1] for curve in curves)

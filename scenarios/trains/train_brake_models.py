@@ -45,12 +45,13 @@ class Scene:
             speed=SPEED,
             settings=BRAKE_MODELS_BY_COST[brake_model].settings,
         )
+        start = float(train.distance[0])
         train.drive(*COMMANDS[self.command])
         begin = clock.perf_counter()
         while train.speed.max() > 0.0 and train.time < LONGEST:
             train.advance(STRIDE)
         pace = train.time / (clock.perf_counter() - begin)
-        return float(train.distance[0]), train.largest_compression, pace
+        return float(train.distance[0]) - start, train.largest_compression, pace
 
 
 def scenes(lengths: tuple[float, ...]) -> list[Scene]:

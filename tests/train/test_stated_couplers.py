@@ -63,7 +63,31 @@ def test_numbers_that_are_not_given_are_those_of_the_built_in_coupler() -> None:
     assert forces(loose, ways)[:150] == pytest.approx(np.zeros(150), abs=1e-6)
     assert forces(loose, ways)[200:] == pytest.approx(forces(screw, ways)[50:-150], rel=1e-9)
     assert np.array_equal(forces(loose, -ways), forces(screw, -ways))
-    assert of(coupler="rigid", coupler_damping=0.3).compression[1].forces[1] == pytest.approx(0.7e9)
+
+
+@pytest.mark.parametrize("row", [{"coupler": "rigid"}, {"coupler_stiffness": 60.0}, {"coupler_stiffness": 50.0}])
+def test_a_damping_without_effect_is_refused(row: dict[str, Any]) -> None:
+    """Friction that sticks at the slope of loading never slides: the force returns on the line on which it came."""
+    one, up = of(**row), np.linspace(0.0, 0.09, 901)
+    assert not one.dissipates
+    for way in (up, -up):
+        course = forces(one, np.r_[way, way[::-1]])
+        assert course[901:] == pytest.approx(course[:901][::-1], rel=1e-9, abs=1e-3)
+    with pytest.raises(ValueError, match=r"coupler_damping must come with a coupler_stiffness below (50|1000) MN/m"):
+        of(coupler_damping=0.3, **row)
+    assert of(coupler_damping=0.0, **row).sticking_stiffness == one.sticking_stiffness
+
+
+@pytest.mark.parametrize(
+    "row", [{"coupler": "draft-gear"}, {"coupler_stiffness": 8.0}, {"coupler_stiffness": 8.0, "coupler_slack": 9.0}]
+)
+def test_a_damping_takes_its_share_of_the_force(row: dict[str, Any]) -> None:
+    up = np.linspace(0.0, 0.09, 451)
+    for damping in (0.2, 0.6):
+        one = of(coupler_damping=damping, **row)
+        assert one.dissipates
+        course = forces(one, np.r_[up, up[::-1]])
+        assert course[2 * 451 - 1 - 150] == pytest.approx((1 - damping) * course[150], rel=1e-9)
 
 
 def torn(model: str = "whole", **row: Any) -> Train:
