@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ from bogie_braking.checks import known, line_or_none, not_both, number, shown
 from bogie_braking.histories import Value
 from bogie_braking.machines import Machine, Runnable, machine_of, model_from, unfolded
 from bogie_braking.measured_data import (
+    Data,
     check_units,
     covariance,
     data_of,
@@ -136,11 +137,6 @@ def measured_from(path: str | Path, columns: ColumnMap | None = None) -> Recordi
         A map from its names to those of variables, or its TOML file. By default names are guessed, and told on standard
         error.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
     Returns
     -------
     Recording
@@ -169,6 +165,46 @@ def _printed(log: Recording) -> Recording:
     return log
 
 
+@dataclass(frozen=True)
+class _Runs:
+    """Runs with other parameters, as shares of their values at the start, at the instants of measured data.
+
+    last: number of rows that are fitted. Raises ValueError if these have not more values than there are parameters.
+    """
+
+    what: Runnable
+    line: Line | None
+    values: dict[str, Value]
+    parameters: tuple[str, ...]
+    first: np.ndarray
+    names: list[str]
+    data: Data
+    last: int
+
+    def __post_init__(self) -> None:
+        count = np.sum(np.isfinite(self.data.wanted[: self.last]))
+        if count <= self.first.size:
+            raise ValueError(f"{count} measured values do not decide on {self.first.size} parameters. Measure more.")
+
+    def off_by(self, share: np.ndarray, rows: int) -> np.ndarray:
+        """Return simulated less measured outputs of the first rows, shape (rows, outputs)."""
+        fitted = dict(zip(self.parameters, (share * self.first).tolist(), strict=True))
+        given = self.values | self.data.inputs | fitted
+        simulation = Simulation(self.what, self.line, **given)
+        return at_times(simulation, self.names, self.data.times[:rows]) - self.data.wanted[:rows]
+
+    def fitted(self, limits: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the shares that fit best, and the slopes of the scaled outputs by them; limits: of the parameters."""
+        there, sizes = np.isfinite(self.data.wanted[: self.last]), self.data.sizes(self.last)
+        found = least_squares(
+            lambda share: (self.off_by(share, self.last) / sizes)[there],
+            np.ones_like(self.first),
+            bounds=np.sort(limits / self.first[:, None]).T,
+            diff_step=STEP,
+        )
+        return found.x, found.jac
+
+
 def fit(
     what: Runnable | DataSheet,
     measured: Recording | str | Path,
@@ -181,50 +217,7 @@ def fit(
     longest_gap: float | None = None,
     **values: Value,
 ) -> Fit:
-    """Fit parameters of a run to measured data by SciPy's least squares.
-
-    Standard errors hold to first order, also for errors that are correlated in time (`correlated.py`). The errors of an
-    output are scaled by the range of its measured values.
-
-    Parameters
-    ----------
-    what : str, DataSheet, Vehicle, System or Model
-        Vehicle or brake, as in `run`.
-    measured : Recording, str or Path
-        A table or the file of a log. Its columns are time [s] and variables in their units: outputs to fit, and inputs
-        that drive the run. Rows without a value of an output (NaN) are not compared there.
-    parameters : mapping of str to float
-        Names and initial values, not 0, because relative steps are taken. It may include constant inputs.
-    line : Line, optional
-        As in `run`.
-    until : float, optional
-        Time of the table [s] after which rows are held out, to validate the fit. By default all rows are fitted.
-    begin : float, optional
-        Time of the table at which the run starts [s]; by default that of the first row.
-    columns : mapping, str or Path, optional
-        Of a file: a map from its names to those of variables, or its TOML file. By default names are guessed, and told
-        on standard error.
-    interval : float, optional
-        Rows are averaged over intervals of this length [s]. By default they are taken as they are.
-    longest_gap : float, optional
-        Longest gap that is bridged in an input [s]. By default ten median steps, and at least 2 s.
-    **values
-        Other parameters and inputs, as in `run`.
-
-    Returns
-    -------
-    Fit
-        Fitted values, standard errors and deviations.
-
-    Raises
-    ------
-    ValueError
-        If the table is invalid, has other units, or does not have more values than parameters.
-    KeyError
-        If a name is unknown.
-    SimulationError
-        If a run is refused.
-    """
+    """Fit parameters of a vehicle or a brake; arguments, result and errors are those of `calibration.fit`."""
     what, values = unfolded(what, values)
     machine = machine_of(what, values, line_or_none(line) is not None)
     table = _table(measured, machine, columns)
@@ -235,41 +228,64 @@ def fit(
     first = begin_of(parameters, machine, driven)
     not_both(parameters, values, "as a parameter to be fitted and as a value")
     not_both(driven, values, "as a column of the measured data and as a value")
-    there, sizes = np.isfinite(data.wanted[:last]), data.sizes(last)
-    if np.sum(there) <= first.size:
-        raise ValueError(f"{np.sum(there)} measured values do not decide on {first.size} parameters.")
-
-    def off_by(share: np.ndarray, rows: int) -> np.ndarray:
-        given = values | data.inputs | dict(zip(parameters, (share * first).tolist(), strict=True))
-        return at_times(Simulation(what, line, **given), names, data.times[:rows]) - data.wanted[:rows]
-
-    if "initial_speed" not in parameters:
-        check_units(names, (off_by(np.ones_like(first), 2) + data.wanted[:2])[0], data, table.units)
+    runs = _Runs(what, line, values, tuple(parameters), first, names, data, last)
     limits = np.array([[machine.variables[one].minimum, machine.variables[one].maximum] for one in parameters])
-    bounds = np.sort(limits / first[:, None]).T
-    found = least_squares(
-        lambda share: (off_by(share, last) / sizes)[there], np.ones_like(first), bounds=bounds, diff_step=STEP
-    )
-    off = off_by(found.x, data.times.size)
-    errors = errors_by_output(data.times[:last], there, found.jac, off[:last], sizes)
+    if "initial_speed" not in parameters:
+        begins = (runs.off_by(np.ones_like(first), 2) + data.wanted[:2])[0]
+        check_units(names, begins, data, table.units)
+    share, slopes = runs.fitted(limits)
+    warnings = [*at_limits(parameters, share * first, limits, first), *lacking(driven, {*values, *parameters}, machine)]
+    return _fit_of(runs, table, share, slopes, warnings)
+
+
+def _fit_of(runs: _Runs, table: Recording, share: np.ndarray, slopes: np.ndarray, warnings: list[str]) -> Fit:
+    """Return the result of a fit to a table."""
+    data, names, first, last = runs.data, runs.names, runs.first, runs.last
+    there, sizes = np.isfinite(data.wanted[:last]), data.sizes(last)
+    off = runs.off_by(share, data.times.size)
+    errors = errors_by_output(data.times[:last], there, slopes, off[:last], sizes)
     standard, unidentifiable = identifiability(
-        found.jac, covariance(data.times[:last], there, errors), list(parameters)
+        slopes, covariance(data.times[:last], there, errors), list(runs.parameters)
     )
     deviations = spread(names, off[:last])
     return Fit(
-        dict(zip(parameters, (found.x * first).tolist(), strict=True)),
-        dict(zip(parameters, (standard * np.abs(first)).tolist(), strict=True)),
+        dict(zip(runs.parameters, (share * first).tolist(), strict=True)),
+        dict(zip(runs.parameters, (standard * np.abs(first)).tolist(), strict=True)),
         unidentifiable,
         deviations,
         spread(names, off[last:]) if last < data.times.size else {},
         table,
         Recording({one: table.units[one] for one in ("time", *names)}, np.c_[data.clock, off + data.wanted]),
         {name: one.time for name, one in zip(names, errors, strict=True)},
-        [
-            *at_limits(parameters, found.x * first, limits, first),
-            *mismatches(deviations, off[0], data.wanted[:last], table.units),
-        ],
+        [*warnings, *mismatches(deviations, off[0], data.wanted[:last], table.units)],
     )
+
+
+def lacking(driven: Sequence[str], given: Collection[str], machine: Machine) -> list[str]:
+    """Return a warning for inputs that a log lacks of those of which it has one: the others stay at their start values.
+
+    Parameters
+    ----------
+    driven : sequence of str
+        Measured inputs. `pressure_demand_1` also stands for those of the other wheelsets.
+    given : collection of str
+        Names of values and of fitted parameters.
+    machine : Machine
+        What runs.
+    """
+    found = []
+    for stem in dict.fromkeys(name.rstrip("0123456789") for name in driven if name[-1].isdigit()):
+        inputs = [one for one in machine.variables.values() if one.causality == "input"]
+        like = [one for one in inputs if one.name.rstrip("0123456789") == stem]
+        left = [one for one in like if one.name not in driven and one.name not in given]
+        stays = [f"{one.name} ({one.start:g}{in_unit(one.unit)})" for one in left]
+        if stays:
+            has = next(name for name in driven if name.rstrip("0123456789") == stem)
+            found.append(
+                f"The log has {has}, but it lacks {', '.join(stays)}: start values are taken. Map a column to these "
+                "too, or give their values."
+            )
+    return found
 
 
 def at_limits(names: Iterable[str], values: np.ndarray, limits: np.ndarray, first: np.ndarray) -> list[str]:
@@ -288,6 +304,11 @@ def at_limits(names: Iterable[str], values: np.ndarray, limits: np.ndarray, firs
         for limit in both
         if math.isfinite(limit) and abs(value - limit) <= AT_LIMIT * max(abs(limit), abs(start))
     ]
+
+
+def in_unit(unit: str) -> str:
+    """Return a unit as the end of a number, nothing for pure numbers."""
+    return "" if unit == "1" else f" {unit}"
 
 
 def _table(measured: Recording | str | Path, machine: Machine, columns: ColumnMap | None) -> Recording:
@@ -323,7 +344,7 @@ def begin_of(parameters: Mapping[str, float], machine: Machine, driven: Sequence
             raise ValueError(f"{machine.name} has no real parameter or free input {name}; {suggestion(name, able)}")
         one = machine.variables[name]
         if not one.minimum < number(value) < one.maximum or value == 0.0:
-            between = f"between {one.minimum:g} and {one.maximum:g} {one.unit}"
+            between = f"between {one.minimum:g} and {one.maximum:g}{in_unit(one.unit)}"
             raise ValueError(f"The initial value of {name} must be {between}, and not 0; got {value!r}.")
     return np.array(list(parameters.values()), float)
 

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from bogie_braking.checks import line_or_none, number, shown
 from bogie_braking.correlated import Errors
-from bogie_braking.fitting import Fit, identifiability, spread
+from bogie_braking.fitting import Fit, at_limits, identifiability, in_unit, spread
 from bogie_braking.measured_data import covariance, errors_by_output, mismatches
 from bogie_braking.trains import consist_from_any
 from fmu_src.cosimulation.measured import in_units_of, table_from
@@ -31,6 +31,8 @@ STEP = 1e-3
 LONGEST_STOP, EVERY = 900.0, 0.1
 #: Fall of the measured pipe pressure below full service from which it is an emergency [Pa].
 EMERGENCY = 30e3
+#: Limits of a measured pipe pressure, and least one that a charged pipe has [Pa, gauge]; overcharge is 540 kPa.
+LEAST_PRESSURE, MOST_PRESSURE, LEAST_CHARGED = -10e3, 560e3, 100e3
 #: Columns of stops and of runs, with units; those of stops with their limits.
 STOPS = (Column("speed", "m/s", 0.5, 150.0, required=True), Column("distance", "m", 1.0, 100e3, required=True))
 RUN = {"time": "s", "speed": "m/s", "pipe_pressure": "Pa"}
@@ -47,40 +49,10 @@ def fit_train(
     line: Line | None = None,
     settings: Settings | None = None,
 ) -> Fit:
-    """Fit parameters of a train to stopping distances, or to a run, by SciPy's least squares.
+    """Fit parameters of a train to stopping distances or to a run; arguments and errors are those of `calibration.fit`.
 
     Standard errors hold to first order: for independent errors of the distances, and for errors of a run that may be
-    correlated in time.
-
-    Parameters
-    ----------
-    consist : str, Path, Consist, sequence of mapping or int
-        The train, as in `train`.
-    measured : Recording, str or Path
-        A table or its file. Stops have the columns speed [m/s] and distance [m], from the driver's demand to the stop.
-        A run has time [s], speed [m/s] of the head and, if braking does not begin in its first row, pipe_pressure [Pa]
-        of the head, which the driver's valve follows.
-    parameters : mapping of str to float
-        Names and initial values: lambda [%] of each braked vehicle or brake_factor [1], fill_time [s], and
-        resistance_factor [1] or resistance_a, resistance_b, resistance_c of the whole train [N, N/(m/s), N/(m/s)^2].
-    drive : str
-        Braking of stops, and of a run without a pipe pressure: emergency or service.
-    line : Line, optional
-        Line of the train from its front at the start on; by default straight, level track.
-    settings : Settings, optional
-        Brake model; by default that which `train` chooses.
-
-    Returns
-    -------
-    Fit
-        Fitted values, standard errors and deviations.
-
-    Raises
-    ------
-    ValueError
-        If the table, a parameter or a value is invalid, or a train does not stop.
-    TypeError
-        If an argument has a wrong type.
+    correlated in time. `settings` are by default those that `train` chooses.
     """
     (own, _), along = consist_from_any(consist), line_or_none(line)
     if drive not in DRIVEN:
@@ -99,11 +71,16 @@ def fit_train(
         return _run(make, table, drive) if is_run else _stops(make, table["speed"].tolist(), drive)
 
     size = float(np.ptp(wanted)) or 1.0
-    bounds = (np.array([PARAMETERS[name][1:] for name in parameters]) / first[:, None]).T
+    bounds = (_limits(parameters) / first[:, None]).T
     found = least_squares(
         lambda share: (found_by(share) - wanted) / size, np.ones_like(first), bounds=bounds, diff_step=STEP
     )
     return _fit_of(table, parameters, first, found.x, found.jac, found_by(found.x), size)
+
+
+def _limits(parameters: Mapping[str, float]) -> np.ndarray:
+    """Return the limits of parameters, shape (parameters, 2)."""
+    return np.array([PARAMETERS[name][1:] for name in parameters])
 
 
 def _fit_of(
@@ -137,7 +114,10 @@ def _fit_of(
         table,
         Recording({one: table.units[one] for one in (table.names[0], names[0])}, fitted),
         {names[0]: errors[0].time},
-        mismatches(deviations, off[0], table[names[0]][:, None], table.units),
+        [
+            *at_limits(parameters, share * first, _limits(parameters), first),
+            *mismatches(deviations, np.zeros(1), table[names[0]][:, None], table.units),  # a run begins as measured
+        ],
     )
 
 
@@ -169,11 +149,29 @@ def _check(table: Recording) -> None:
             raise ValueError(f"{name} must be finite in the measured data. Remove rows without a value.")
     if table.names[0] == "time" and (table["time"].size < 2 or np.any(np.diff(table["time"]) <= 0.0)):
         raise ValueError("time must have at least two values that increase. Sort the rows.")
+    if "pipe_pressure" in table.names:
+        _check_pressure(table["pipe_pressure"])
     for one in STOPS if table.names[0] == "speed" else ():
         wrong = table[one.name][(table[one.name] < one.minimum) | (table[one.name] > one.maximum)]
         if wrong.size:
             limits = f"from {one.minimum:g} to {one.maximum:g} {one.unit}"
             raise ValueError(f"{one.name} of a stop must be {limits}; got {wrong[0]:g} {one.unit}. Correct it.")
+
+
+def _check_pressure(pressures: np.ndarray) -> None:
+    """Check that pressures of a pipe are gauge pressures in Pa. Raises ValueError."""
+    least, most = float(np.min(pressures)), float(np.max(pressures))
+    if least < LEAST_PRESSURE or most > MOST_PRESSURE:
+        wrong = least if least < LEAST_PRESSURE else most
+        raise ValueError(
+            f"pipe_pressure must be a gauge pressure from {LEAST_PRESSURE:g} to {MOST_PRESSURE:g} Pa; got {wrong:g} "
+            "Pa. Correct its unit, or subtract the ambient pressure."
+        )
+    if most < LEAST_CHARGED:
+        raise ValueError(
+            f"pipe_pressure must reach {LEAST_CHARGED:g} Pa, as the pipe is charged before it brakes; got at most "
+            f"{most:g} Pa. Correct its unit, or leave the column out."
+        )
 
 
 def _read(path: Path) -> Recording:
@@ -195,7 +193,7 @@ def _begin_of(parameters: Mapping[str, float]) -> np.ndarray:
         unit, least, most = PARAMETERS[name]
         if not least < number(value) < most:
             raise ValueError(
-                f"The initial value of {name} must be between {least:g} and {most:g} {unit}; got {value!r}."
+                f"The initial value of {name} must be between {least:g} and {most:g}{in_unit(unit)}; got {value!r}."
             )
     for pair in TWICE:
         if set(pair) <= set(parameters):
@@ -229,7 +227,7 @@ def _run(make: Callable[..., Train], table: Recording, drive: str) -> np.ndarray
     """Return the speed of the head at the times of a run [m/s]."""
     times = table["time"]
     pressures = table["pipe_pressure"] if "pipe_pressure" in table.names else None
-    start = {} if pressures is None else {"pipe": float(np.clip(pressures[0], 0.0, 800e3))}
+    start = {} if pressures is None else {"pipe": max(float(pressures[0]), 0.0)}
     train = make(speed=float(table["speed"][0]), **start)
     found = [float(train.speed[0])]
     train.drive(*DRIVEN[drive])

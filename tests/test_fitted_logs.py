@@ -291,3 +291,19 @@ def test_a_value_that_ends_at_its_limit_is_reported() -> None:
     found = bb.fit("vehicle", coast, {"davis_constant": 500.0}, level=1, initial_speed=20.0)
     assert any(one.startswith("davis_constant ended at its limit of 0") for one in found.warnings)
     assert "ended at its limit" in found.status
+
+
+def test_inputs_that_the_log_lacks_beside_one_that_it_has_are_told(rows: Rows, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(spelt(rows, *FORMS["SI"][:2]))
+    found = bb.fit("vehicle", path, {DAVIS: 500.0, "brake_torque_2": 100.0}, **COACH, brake_torque_3=0.0)
+    lacks = "The log has brake_torque_1, but it lacks brake_torque_4 (0 N.m): start values are taken."
+    assert next(one for one in found.warnings if "lacks" in one).startswith(lacks)
+    stated = dict.fromkeys([f"brake_torque_{number}" for number in (2, 3, 4)], 0.0)
+    assert not bb.fit("vehicle", path, {DAVIS: 500.0}, **COACH, **stated).warnings
+
+
+def test_a_row_alone_is_refused() -> None:
+    table = bb.Recording({"time": "s", "speed": "m/s"}, np.array([[0.0, 30.0]]))
+    with pytest.raises(ValueError, match="1 measured values do not decide on 1 parameters"):
+        bb.fit("vehicle", table, {DAVIS: 500.0}, **COACH)

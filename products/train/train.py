@@ -75,6 +75,8 @@ class Train:
     ------
     ValueError
         If a value is out of its limits.
+    TypeError
+        If `settings` are not Settings.
     """
 
     def __init__(
@@ -90,6 +92,8 @@ class Train:
     ) -> None:
         for one, value in zip(INITIAL, (speed, distance, pipe, cylinder), strict=True):
             _within(one.name, value, one.least, one.most, one.unit)
+        if settings is not None and not isinstance(settings, Settings):
+            raise TypeError(f"settings must be a Settings of products.train.numbers, or None; got {settings!r}.")
         self.consist, self.settings = consist, settings or Settings()
         self.imported: Imported | None = None
         numbers = numbers_of(consist, self.settings, line)

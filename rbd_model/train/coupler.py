@@ -123,7 +123,7 @@ class Coupler:
 
     @property
     def dissipates(self) -> bool:
-        """Whether friction can hold: whether a loading curve is flatter than the sticking stiffness where it has a force.
+        """Whether friction slides: whether a loading curve with a force is flatter than the sticking stiffness.
 
         Otherwise unloading follows loading, whatever its own curve.
         """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -109,3 +110,43 @@ def test_options_of_other_fits_are_refused() -> None:
         bb.fit(ROWS, table, {"lambda": 60.0}, initial_speed=5.0)
     with pytest.raises(ValueError, match="drive must be one of emergency, service; got 'brake'"):
         bb.fit(ROWS, table, {"lambda": 60.0}, drive="brake")
+
+
+def test_values_that_end_at_their_limits_are_told_and_stops_have_no_begin() -> None:
+    """Distances that no brake of the limits has: a tenth of those of the train."""
+    own = distances({})
+    found = bb.fit(ROWS, bb.Recording(STOPS, np.c_[SPEEDS, 0.1 * own]), {"fill_time": 4.0}, settings=SETTINGS)
+    assert found.values["fill_time"] == pytest.approx(0.5, rel=1e-3)
+    assert any(one.startswith("fill_time ended at its limit of 0.5") for one in found.warnings)
+    assert any(one.startswith("The run does not describe distance") for one in found.warnings)
+    assert "begin" not in found.status
+    assert not bb.fit(ROWS, bb.Recording(STOPS, np.c_[SPEEDS, own]), {"fill_time": 4.0}, settings=SETTINGS).warnings
+
+
+PRESSURES = {
+    "bar": (5.0, 3.5, "pipe_pressure must reach 100000 Pa, as the pipe is charged before it brakes; got at most 5 Pa"),
+    "absolute": (600e3, 450e3, "must be a gauge pressure from -10000 to 560000 Pa; got 600000 Pa"),
+    "a fall": (0.0, -150e3, "must be a gauge pressure from -10000 to 560000 Pa; got -150000 Pa"),
+}
+
+
+@pytest.mark.parametrize("case", PRESSURES)
+def test_a_pipe_pressure_that_is_not_a_gauge_pressure_in_pa_is_refused(case: str) -> None:
+    high, low, message = PRESSURES[case]
+    rows = [[0.0, 20.0, high], [1.0, 20.0, low], [2.0, 19.0, low]]
+    table = bb.Recording({"time": "s", "speed": "m/s", "pipe_pressure": "Pa"}, np.array(rows))
+    with pytest.raises(ValueError, match=re.escape(message)):
+        bb.fit(ROWS, table, {"brake_factor": 1.0}, settings=SETTINGS)
+
+
+def test_settings_that_are_none_are_refused() -> None:
+    table: Any = bb.Recording(STOPS, np.c_[SPEEDS, 10.0 * SPEEDS])
+    for refused in (
+        lambda one: bb.train(3, settings=one),
+        lambda one: bb.fit(ROWS, table, {"lambda": 60.0}, settings=one),
+    ):
+        for one in ("whole", {"cells": 1.0}):
+            with pytest.raises(
+                TypeError, match=r"settings must be a Settings of products\.train\.numbers, or None; got"
+            ):
+                refused(one)
