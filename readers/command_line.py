@@ -167,6 +167,20 @@ def _units(unit: str) -> str:
     return " Give a number without a unit." if unit == "1" else f" Give a number in {', '.join(those[:6])}."
 
 
+def check_out(out: Path, *given: Path, picture: bool = False) -> None:
+    """Refuse to write over a file that is read, or over the picture beside the file.
+
+    Raises
+    ------
+    BadInputError
+        If `--out` is one of the given files, or ends in .png although a picture is written beside it.
+    """
+    if any(out.resolve() == one.resolve() for one in given):
+        raise BadInputError(f"--out must be another file than FILE; got {out} twice. Name another.")
+    if picture and out.suffix.lower() == ".png":
+        raise BadInputError(f"--out must not end in .png, as the picture beside it does; got {out}. Rename it.")
+
+
 def check_folder(folder: Path, option: str = "--out") -> None:
     """Refuse a folder that cannot be written, before the work for it starts. The check leaves nothing behind.
 

@@ -90,6 +90,7 @@ REFUSED = {
     "no file": (["check", "nothing.csv"], "nothing.csv does not exist"),
     "a table of something": (["check", "other.csv"], "other.csv, row 1: the column 'mass' is unknown"),
     "the file itself": (["import", "other.csv", "--out", "other.csv"], "--out must be another file than FILE"),
+    "the picture beside it": (["import", "other.csv", "--out", "line.png"], "--out must not end in .png"),
     "an option of other files": (
         ["import", "elements.csv", "--tracks", "A"],
         "tracks must be given for a file of another",

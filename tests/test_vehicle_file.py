@@ -238,6 +238,15 @@ def test_a_file_that_is_not_toml_ends_the_command_with_one_sentence(
     assert "Traceback" not in error
 
 
+def test_parameters_are_not_written_over_the_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.toml"
+    assert main(["vehicle", "export", "coach", "--out", str(path)]) == 0
+    before = path.read_bytes()
+    assert main(["vehicle", "parameters", str(path), "--out", str(path)]) == 2
+    assert f"--out must be another file than FILE; got {path} twice" in capsys.readouterr().err
+    assert path.read_bytes() == before
+
+
 def test_the_page_opens_with_a_distance_and_the_number_of_assumed_values(tmp_path: Path) -> None:
     sheet, path = sheet_of(SHEET), tmp_path / "vehicle.html"
     distances = 100.0 + np.arange(16.0).reshape(len(SPEEDS), len(RAILS))

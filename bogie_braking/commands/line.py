@@ -9,7 +9,7 @@ from typing import Any
 
 from bogie_braking.commands.shared import add_out, add_speech, describe
 from bogie_braking.exit_status import HOLDS
-from readers.command_line import check_folder, quantity
+from readers.command_line import check_folder, check_out, quantity
 from readers.storage import write_whole, writing
 from readers.text import BadInputError, FileError
 
@@ -62,9 +62,8 @@ def run(chosen: argparse.Namespace) -> int:
 
     if chosen.action == "check":
         check_folder(chosen.out)
-    elif chosen.out.resolve() == chosen.file.resolve():
-        raise BadInputError(f"--out must be another file than FILE; got {chosen.out} twice. Name another.")
     else:
+        check_out(chosen.out, chosen.file, picture=True)
         check_folder(chosen.out.parent)
     try:
         line = line_from_file(

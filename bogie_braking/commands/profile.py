@@ -18,6 +18,7 @@ from rbd_model.contact.measured_pair import fault_at, gauge_of
 from rbd_model.contact.pair_file import write_pair
 from rbd_model.contact.pair_table import LARGEST_SHIFT
 from rbd_model.contact.patches import parts_of, positions_of
+from readers.command_line import check_out
 from readers.storage import write_whole
 from readers.text import BadInputError
 from scenarios.bench.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
@@ -45,12 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--right-rail", type=Path, metavar="FILE", help="profile of the right rail, if it differs")
     text = "contact table; the picture is beside it (default: pair.csv)"
     parser.add_argument("--out", type=Path, default=Path("pair.csv"), metavar="FILE", help=text)
-    add_track(parser, "that of the file, or 1435 mm")
+    add_track(parser)
     add_speech(parser, "the findings", "no findings, only files and exit status")
 
 
 def run(chosen: argparse.Namespace) -> int:
     """Write the contact table and the picture of a pair, and print the findings."""
+    given = [one for one in (chosen.wheel, chosen.rail, chosen.right_wheel, chosen.right_rail) if one is not None]
+    check_out(chosen.out, *given, *(Path(str(one).rsplit("#", 1)[0]) for one in given), picture=True)
     sides = sides_given(chosen)
     found = running_of(sides, FILE_SHIFTS, FILE_AMPLITUDES)
     patches = patches_by_side(sides)

@@ -59,7 +59,7 @@ def add_profiles(runner: argparse.ArgumentParser) -> None:
     sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
     group.add_argument("--wheel", type=Path, metavar="FILE", help="profile of both wheels, or left and right", **sides)
     group.add_argument("--rail", type=Path, metavar="FILE", help="profile of both rails, or left and right", **sides)
-    add_track(group, "y = 0 of plain tables 1500 mm apart, or 1435 mm")
+    add_track(group)
 
 
 def names() -> Sequence[str]:

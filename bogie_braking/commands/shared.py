@@ -33,12 +33,12 @@ def add_out(parser: argparse.ArgumentParser, text: str = "folder of the results"
     parser.add_argument("--out", type=Path, default=Path("results"), help=f"{text} (default: results)")
 
 
-def add_track(group: argparse._ActionsContainer, gauge: str) -> None:
-    """Add options that lay wheels and rails from files; gauge: its default."""
+def add_track(group: argparse._ActionsContainer) -> None:
+    """Add options that lay wheels and rails from files."""
     sides: dict[str, Any] = {"nargs": "+", "action": "extend"}
     text = "diameter of both wheels at the tape circle, or left and right, as 920 or 0.92m (default: 920 mm)"
     group.add_argument("--diameter", type=quantity("--diameter", "mm"), metavar="MM", help=text, **sides)
-    text = f"gauge, measured 14 mm below the top (default: {gauge})"
+    text = "gauge, measured 14 mm below the top (default: that of the file, or 1435 mm)"
     group.add_argument("--gauge", type=quantity("--gauge", "mm"), metavar="MM", help=text)
     text = "distance between the backs of the flanges (default: 1360 mm)"
     group.add_argument("--flange-back", type=quantity("--flange-back", "mm"), metavar="MM", help=text)

@@ -22,7 +22,7 @@ from pathlib import Path
 from bogie_braking.commands.shared import describe
 from bogie_braking.exit_status import HOLDS
 from fmu_src.suggestion import suggestion
-from readers.command_line import check_folder, whole
+from readers.command_line import check_folder, check_out, whole
 from readers.storage import write_whole
 from readers.text import BadInputError, shown
 
@@ -108,6 +108,7 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     if sheet.fmu is None:
         raise BadInputError(f"axles must be 2 or 4 for a parameter set; got {sheet.axles}. Write its FMU: vehicle fmu.")
     path = chosen.out or chosen.file.with_suffix(".ssv")
+    check_out(path, chosen.file)
     check_folder(path.parent)
     text = f"{sheet.name}: {sheet.mass / 1e3:.2f} t, like the {sheet.like}"
     write_whole(path, parameter_file(sheet.name, text, sheet.values, variables_of(sheet.fmu)))

@@ -83,6 +83,8 @@ def test_rails_that_wheels_leave_are_refused(tmp_path: Path, capsys: pytest.Capt
         (["--diameter", "1", "2", "3"], "--diameter must be given once for both sides or twice"),
         (["--right-wheel", "nowhere.whl"], "The file nowhere.whl does not exist"),
         (["--inclination", "0.025"], "--inclination must be from 5 to 1000"),
+        (["--out", RAIL], "--out must be another file than FILE"),
+        (["--out", "pair.png"], "--out must not end in .png, as the picture beside it does; got pair.png"),
     ],
 )
 def test_bad_options_get_one_sentence(
