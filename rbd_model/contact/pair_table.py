@@ -14,6 +14,7 @@ import numpy as np
 from fmu_src.records import ListOfRecord, NumberOfRecord, Pieces, Record, RecordKind, TableOfRecord
 from rbd_model.contact.geometry import Side, Sides
 from rbd_model.contact.patches import (
+    AT_MODEL_3,
     MOST_PATCHES,
     TABLE_PITCH,
     Patch,
@@ -161,7 +162,7 @@ def patch_record(one: Side, patch: Patch, steepest: bool) -> Record:
         angle = math.degrees(patch.direction)
         raise BadInputError(
             f"At contact model 2 a tread must bear where it slopes by more than -20 degrees; {one.wheel.name} on "
-            f"{one.rail.name} bears at {angle:.0f} degrees. Take contact model 3, or change where they have y = 0."
+            f"{one.rail.name} bears at {angle:.0f} degrees. Change where they have y = 0, or {AT_MODEL_3}."
         )
     tables = [pieces_of(*each) for each in (patch.nearest, patch.along, one.wheel.pieces, patch.rail.pieces)]
     turned = math.cos(patch.direction), math.sin(patch.direction)

@@ -33,6 +33,8 @@ REACH = 20e-3
 #: Least range of shift over which a part of a wheel is nearest by itself [m], and the largest number of patches. Parts
 #: that jump more often are joined: there the contact moves steeply, within TABLE_PITCH, instead of jumping.
 LEAST_TRAVEL, MOST_PATCHES = 0.5e-3, 6
+#: Remedy for a pair that contact model 2 refuses: contact model 3 runs on no contact table, and on no line.
+AT_MODEL_3 = "give the pair to a vehicle in Python and run it at contact model 3 without a line (docs/vehicles.md)"
 #: Largest offset between the y = 0 of a wheel and of its rail [m]. Offsets up to it are searched every TABLE_PITCH.
 LARGEST_APART = 0.25
 #: Pitch of the points through which a turned rail is laid [m].
@@ -155,7 +157,7 @@ def check_ellipses(one: Side) -> None:
         raise ValueError(
             f"At contact model 2 the contact must move without jumps on at most {MOST_PATCHES} parts of a wheel; "
             f"{one.wheel.name} on {one.rail.name} has {len(parts)}, with jumps from y = {low:.3g} to {high:.3g} mm. "
-            "Take contact model 3, or smoother profiles."
+            f"Give smoother profiles, or {AT_MODEL_3}."
         )
 
 

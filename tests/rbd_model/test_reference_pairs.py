@@ -61,7 +61,7 @@ def test_a_pair_that_no_ellipses_describe_is_refused_at_depth_2() -> None:
     check_ellipses(pair_of("B").left)
     count = len(parts_of(pair_of("A").left))
     assert count > MOST_PATCHES
-    sentence = f"has {count}, with jumps from y = -37.5 to 28.9 mm. Take contact model 3"
+    sentence = f"has {count}, with jumps from y = -37.5 to 28.9 mm. Give smoother profiles, or .* at contact model 3 "
     with pytest.raises(ValueError, match=sentence):
         check_ellipses(pair_of("A").left)
 
