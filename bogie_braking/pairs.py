@@ -84,7 +84,8 @@ def pair(
     radius : float or two, optional
         Radii at the tape circles [m]; by default that of the wheel's file, or 0.46 m.
     gauge : float, optional
-        Distance of the gauge faces, 14 mm below the tops [m]; by default that of the rail's file, or 1.435 m.
+        Distance of the gauge faces, 14 mm below the tops [m]; by default that of the rail's file, or 1.435 m. The y = 0
+        of both rails are 1.5 m apart, as in EN 15302, if this gives a gauge within 0.5 mm of 1.435 m.
     flange_back : float, optional
         Distance of the backs of the flanges [m]; by default 1.36 m.
     inclination : float

@@ -27,12 +27,11 @@ from rbd_model.contact.profiles import Profile
 
 #: Default radius of the wheels at the tape circle and distance of the flanges' backs [m] (EN 13715, EN 15302).
 RADIUS, FLANGE_BACK = 0.460, 1.360
-#: Distance of the rails' y = 0 if a rail lacks its gauge face [m], as for the reference rails of EN 15302.
-RAILS_APART = 1.5
+#: Distance of the y = 0 of the reference rails of EN 15302 [m]. It is used if a rail lacks its gauge face, and if it
+#: gives a gauge within SAME of the usual one.
+RAILS_APART, SAME = 1.5, 0.5e-3
 #: Limits of gauges and distances of backs, and of radii [m].
 DISTANCES, RADII = (0.5, 2.0), (0.1, 1.0)
-#: Gauges that rails 1.5 m apart may have by themselves [m]: tracks of 1435 mm (EN 13848-5, wear included).
-USUAL = (1.425, 1.470)
 #: Least reach of a profile to both sides of y = 0 [m]; a shorter one has lost its tread or is in metres.
 LEAST_REACH = 20e-3
 #: A contact closer to the end of a profile than this is on its end [m].
@@ -46,7 +45,6 @@ def pair_of(
     radii: Sequence[float | None] = (None,),
     gauge: float | None = None,
     flange_back: float | None = None,
-    rails_apart: float | None = None,
 ) -> Sides:
     """Return wheels on rails, at the gauge of EN 13848-1 and the flange back of EN 13715.
 
@@ -57,12 +55,11 @@ def pair_of(
     radii : sequence of float or None
         Radii at the tape circles [m]; by default that of the wheel's file, or 0.46 m.
     gauge : float, optional
-        Distance of the gauge faces 14 mm below the tops [m]; by default that of the rail's file, or 1.435 m. If a rail
-        ends above, the y = 0 of both rails are 1.5 m apart.
+        Distance of the gauge faces 14 mm below the tops [m]; by default that of the rail's file, or 1.435 m. The y = 0
+        of both rails are 1.5 m apart, as in EN 15302, if this gives a gauge within 0.5 mm of 1.435 m. They are also
+        1.5 m apart if a rail ends above its gauge face.
     flange_back : float, optional
         Distance of the backs of the flanges [m]; by default 1.36 m.
-    rails_apart : float, optional
-        Distance of the rails' y = 0 [m], used without `gauge` if it gives a usual gauge.
 
     Raises
     ------
@@ -77,7 +74,7 @@ def pair_of(
     for word, one in _differing(rail_pair):
         check_reach(one, "rail")
         notes += [f"{word}rail {one.source}: {note}" for note in one.notes]
-    places = _rail_places(rail_pair, gauge, rails_apart, notes)
+    places = _rail_places(rail_pair, gauge, notes)
     back = FLANGE_BACK if flange_back is None else within("flange_back", flange_back, DISTANCES)
     notes.append(f"flange back: {1e3 * back:g} mm, {'assumed (EN 13715)' if flange_back is None else 'given'}")
     sides = [
@@ -132,9 +129,7 @@ def _radii(wheels: tuple[Profile, Profile], given: Sequence[float | None], notes
     return found
 
 
-def _rail_places(
-    rails: tuple[Profile, Profile], gauge: float | None, apart: float | None, notes: list[str]
-) -> tuple[float, float]:
+def _rail_places(rails: tuple[Profile, Profile], gauge: float | None, notes: list[str]) -> tuple[float, float]:
     """Return the distances of the rails' y = 0 from the middle of the track [m], and note their origin."""
     short = next((rail for rail in rails if not reaches_gauge_depth(rail)), None)
     given = None if gauge is None else within("gauge", gauge, DISTANCES)
@@ -150,10 +145,14 @@ def _rail_places(
         )
         return RAILS_APART / 2, RAILS_APART / 2
     faces = [gauge_face(rail) for rail in rails]
-    if given is None and apart is not None and USUAL[0] <= apart + sum(faces) <= USUAL[1]:
-        notes.append(f"gauge: {1e3 * (apart + sum(faces)):.2f} mm, as the rails' y = 0 are {1e3 * apart:g} mm apart")
-        return apart / 2, apart / 2
     fact = next((rail.facts["gauge"] for rail in rails if "gauge" in rail.facts), None)
+    own = RAILS_APART + sum(faces)
+    if given is None and fact is None and abs(own - STANDARD_GAUGE) <= SAME:
+        notes.append(
+            f"gauge: {1e3 * own:.2f} mm, as the rails' y = 0 are {1e3 * RAILS_APART:g} mm apart (EN 15302), "
+            f"{1e3 * GAUGE_DEPTH:g} mm below the tops (EN 13848-1)"
+        )
+        return RAILS_APART / 2, RAILS_APART / 2
     chosen = given or fact or STANDARD_GAUGE
     reason = "given" if given else "from the rail's file" if fact else "assumed"
     notes.append(f"gauge: {1e3 * chosen:g} mm, {reason}, {1e3 * GAUGE_DEPTH:g} mm below the tops (EN 13848-1)")

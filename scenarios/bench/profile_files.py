@@ -7,20 +7,15 @@ from typing import TypeVar
 
 from rbd_model.contact.geometry import Sides
 from rbd_model.contact.measured import read_profile
-from rbd_model.contact.measured_pair import RAILS_APART, pair_of
+from rbd_model.contact.measured_pair import pair_of
 from rbd_model.contact.profiles import Profile
 from scenarios.scenario import BadInputError, Options
 
 Given = TypeVar("Given")
-#: Endings of plain tables of points.
-PLAIN = (".csv", ".txt", ".dat")
 
 
 def sides_from_files(options: Options) -> Sides:
-    """Return the wheelset and track that the options describe.
-
-    Without a gauge the y = 0 of both rails of plain tables are 1500 mm apart, as for the reference rails of EN 15302,
-    if that is a usual gauge. In files of instruments and programs y = 0 has no such meaning: their gauge is 1435 mm.
+    """Return the wheelset and track that the options describe (`pair_of`).
 
     Raises
     ------
@@ -36,9 +31,7 @@ def sides_from_files(options: Options) -> Sides:
     drop = bool(options.drop_outliers)
     wheels = profiles("--wheel", options.wheel, tape_circles=options.tape_circle or [None], drop_outliers=drop)
     rails = profiles("--rail", options.rail, lean, options.gauge_side or [None], drop_outliers=drop)
-    plain = all(path.suffix.lower() in PLAIN for path in options.rail)
-    apart = RAILS_APART if plain else None
-    return sides_of(wheels, rails, options.diameter or [], options.gauge, options.flange_back, rails_apart=apart)
+    return sides_of(wheels, rails, options.diameter or [], options.gauge, options.flange_back)
 
 
 def sides_of(
@@ -47,7 +40,6 @@ def sides_of(
     diameters: Sequence[float],
     gauge: float | None,
     flange_back: float | None,
-    rails_apart: float | None = None,
 ) -> Sides:
     """Return a wheelset on its track from options in mm (`pair_of`).
 
@@ -63,7 +55,7 @@ def sides_of(
         for option, one in (("--gauge", gauge), ("--flange-back", flange_back))
     )
     try:
-        return pair_of(wheels, rails, radii, track, backs, rails_apart)
+        return pair_of(wheels, rails, radii, track, backs)
     except ValueError as error:
         raise BadInputError(str(error)) from error
 

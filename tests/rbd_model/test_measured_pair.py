@@ -18,6 +18,7 @@ import bogie_braking as bb
 from bogie_braking.pairs import profile
 from rbd_model.contact.distance import LEFT, Stand, stand_of, touching
 from rbd_model.contact.geometry import Pair, Sides, contact_at, equivalent_conicity
+from rbd_model.contact.measured_pair import gauge_of
 from rbd_model.contact.normal import ContactArea, Steel, patches
 from rbd_model.contact.profiles import from_points
 from readers.text import BadInputError
@@ -122,7 +123,7 @@ def test_every_decision_is_a_note(tmp_path: Path) -> None:
         "y = 0 of the file",
         "y- (it leans 1:20 to there)",
         "1:20",
-        "1435 mm",
+        "1435.20 mm",
         "1360 mm",
         "460 mm",
     ]
@@ -130,6 +131,19 @@ def test_every_decision_is_a_note(tmp_path: Path) -> None:
     assert "left radius at the tape circle: 460 mm, given; right 459 mm, given" in told
     assert "flange back: 1358 mm, given" in told
     assert "gauge: 1437 mm, given" in told
+
+
+@pytest.mark.parametrize(("off", "gauge"), [(0.0, 1.4352), (0.3, 1.435), (-0.34, 1.434516), (-0.36, 1.435)])
+def test_rails_keep_the_standard_distance_if_it_gives_the_usual_gauge(off: float, gauge: float, tmp_path: Path) -> None:
+    """The y = 0 of both rails are 1500 mm apart, unless this is off 1435 mm by more than 0.5 mm; in every format."""
+    wheel, points = simpack(tmp_path / "w.prw", WHEEL), RAIL + np.array([off, 0.0])
+    np.savetxt(table := tmp_path / "r.csv", points, delimiter=",")
+    for path in (table, simpack(tmp_path / "r.prr", points)):
+        found = bb.pair(wheel, path)
+        assert gauge_of(found) == pytest.approx(gauge, abs=1e-5)
+        kept = found.left.rail_half_distance == 0.75
+        assert kept == (gauge != 1.435)
+        assert ("apart (EN 15302)" in " ".join(found.notes)) == kept
 
 
 def test_unequal_sides_differ_and_equal_ones_are_a_pair(tmp_path: Path) -> None:
