@@ -47,6 +47,14 @@ class Running:
         """Return the equivalent conicity at an amplitude [m]."""
         return float(np.interp(amplitude, self.conicity["amplitude"], self.conicity["equivalent_conicity"]))
 
+    def flange_within(self, amplitude: float) -> str:
+        """Return a note if a flange touches within an amplitude [m] of the centre, or an empty string."""
+        rooms = self.flanges[0] - self.centre, self.flanges[1] + self.centre
+        room, word = min(zip(rooms, WORDS, strict=True))
+        if room >= amplitude:
+            return ""
+        return f"with contact of the {word} flange, which begins at an amplitude of {1e3 * room:.3g} mm"
+
 
 def running_of(
     sides: Sides, shifts: NDArray[np.float64] = FILE_SHIFTS, amplitudes: NDArray[np.float64] = FILE_AMPLITUDES

@@ -48,8 +48,8 @@ def draw_pair(found: Running, patches: Patches | None = None, title: str = "") -
     grid[2, 0].set(title="equivalent conicity [1] over amplitude", xlabel="amplitude [mm]")
     for axis in (grid[1, 0], grid[1, 1], grid[2, 1]):
         axis.set_xlabel("shift to the left [mm]")
-    for axis in (grid[1, 1], grid[2, 1]):
-        axis.legend()
+    grid[1, 1].legend()
+    grid[2, 1].legend(ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.2))  # below the chart, which data may fill
     at_compared = found.conicity_at(COMPARED)
     return titled(figure, title or f"The profiles have a conicity of {at_compared:.3f} at {1e3 * COMPARED:g} mm")
 

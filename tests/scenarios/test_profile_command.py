@@ -11,6 +11,7 @@ import pytest
 from bogie_braking.__main__ import main
 from bogie_braking.commands import profile
 from rbd_model.contact.pair_file import read_pair
+from scenarios.thesis import contact_geometry
 
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
 WHEEL, HOLLOW, RAIL = (str(REFERENCE / f"en15302_{name}.csv") for name in ("RUIC519B", "RUIC519A", "SUIC519A"))
@@ -40,6 +41,27 @@ def test_profile_writes_table_and_picture_and_prints_what_it_found(
     assert f"equivalent conicity at 3 mm [1]       {found['equivalent conicity at 3 mm [1]']:g}" in shown
     assert f"Contact table: {out}" in shown
     assert any("Flange back: 1360 mm, assumed" in row for row in shown)
+
+
+def test_profile_and_scenario_have_one_conicity_and_one_gauge(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Flanges 1367 mm apart leave 3 mm, so that the conicity at 3 mm is that of the flange, with a note."""
+    monkeypatch.setattr(contact_geometry, "FILE_SHIFTS", np.linspace(-8e-3, 8e-3, 17))
+    monkeypatch.setattr(contact_geometry, "FILE_AMPLITUDES", np.array([1e-3, 3e-3]))
+    for more, touches in ([], False), (["--flange-back", "1367"], True):
+        assert main(["profile", WHEEL, RAIL, "--out", str(tmp_path / "pair.csv"), "--json", *more]) == 0
+        found = json.loads(capsys.readouterr().out)
+        given = ["--wheel", WHEEL, "--rail", RAIL, "--out", str(tmp_path), *more]
+        assert main(["run", "contact-geometry", *given, "--quiet"]) == 0
+        about = json.loads((tmp_path / "contact-geometry" / "summary.json").read_text())
+        [row] = [row for row in about["rows"] if row["quantity"] == "equivalent conicity at 3 mm"]
+        assert found["equivalent conicity at 3 mm [1]"] == pytest.approx(row["simulated"], abs=1e-5)
+        assert f"{found['gauge [mm]']:.2f} mm" in about["parameters"]["gauge, 14 mm below the tops"]
+        note = "with contact of the left flange, which begins at an amplitude of 2.98 mm"
+        assert (f"equivalent conicity at 3 mm: {note}" in found["notes"]) == touches
+        assert (note in json.dumps(row)) == touches
+        capsys.readouterr()
 
 
 def test_pair_that_the_table_cannot_hold_is_drawn_and_refused(
