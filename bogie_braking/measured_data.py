@@ -12,7 +12,7 @@ from bogie_braking.checks import number, seconds
 from bogie_braking.correlated import Errors, errors_of
 from bogie_braking.histories import Value
 from fmu_src.cosimulation.recording import Recording
-from readers.logs import averaged, filled
+from readers.log_rows import averaged, filled
 
 #: Size of errors, relative to the range of the measured values, from which a run does not describe them.
 FAILS = 0.2

@@ -177,9 +177,11 @@ class Naming:
                 return [Found(head, found[0], unit, guessed=True)]
             several = found or (self._of_all(name, unit, variables) if head.at not in self.texts else [])
             if several:
+                rule = json.dumps(several[0] if found else several)
+                remedy = "or false to leave it out." if found else "or those of them that have it, or false."
                 raise TableError(
                     f"{self.place}: the column {quoted(head.cell)} can be {', '.join(several[:4])}. Name it in a map "
-                    f'(--columns, columns=): {_key(head)} = "{several[0]}", or false to leave it out.'
+                    f"(--columns, columns=): {_key(head)} = {rule}, {remedy}"
                 )
         self._check_typing(head, variables)
         return []

@@ -35,6 +35,9 @@ ISO = re.compile(rf"(?P<year>\d{{4}})-(?P<month>\d\d)-(?P<day>\d\d)[Tt ]+{CLOCK}
 DOTTED = re.compile(rf"(?P<day>\d{{1,2}})\.(?P<month>\d{{1,2}})\.(?P<year>\d{{4}})[ ,T]+{CLOCK}{ZONE}", re.ASCII)
 OF_DAY = re.compile(CLOCK, re.ASCII)
 FORMS = "Write seconds, 2026-05-01T12:00:00.5 or 12:00:00.5."
+#: Numbers of days by which spreadsheets write the dates from 2000 to 2050, and the span of a log that begins with one
+#: but has steps of seconds; shortest usual step of a time without a unit, above that of days at 1 Hz.
+DATES, ONE_DAY, SHORTEST = (36_526.0, 55_153.0), 1.0, 2e-5
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ def times_of(cells: Sequence[str], unit: str, numbers: Callable[[], NDArray[np.f
     first = next((cell for cell in cells if cell), "")
     if number_in(first):
         scale = _since_1970(first, unit)
-        return _counted(cells, partial(_exact, scale), place, False) if scale else Times(numbers())
+        return _counted(cells, partial(_exact, scale), place, False) if scale else _plain(numbers(), unit, place)
     for form in (ISO, DOTTED):
         if match := form.fullmatch(first):
             return _counted(cells, partial(_dated, form, match["zone"] is not None), place, False)
@@ -90,6 +93,21 @@ class Place:
     def refusal(self, row: int, text: str) -> TableError:
         """Return the error for a time; `row` is numbered from 0."""
         return TableError(f"{self.source}, row {self.rows[row]}, column {self.column}: {text}")
+
+
+def _plain(seconds: NDArray[np.float64], unit: str, place: Place) -> Times:
+    """Return times as they are, unless they have no unit and look like days. Raises TableError."""
+    there = np.flatnonzero(np.isfinite(seconds))
+    steps = np.diff(seconds[there])
+    if not unit and steps.size and np.all(steps >= 0.0):
+        first, step = float(seconds[there[0]]), float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 1.0
+        if step < SHORTEST or (DATES[0] <= first <= DATES[1] and np.sum(steps) < ONE_DAY):
+            raise place.refusal(
+                int(there[0]),
+                f"times without a unit must not be days, as spreadsheets write them; got {first:.10g} with steps of "
+                f"{step:.4g}. Write time [s] if they are seconds, else 2026-05-01T12:00:00.5.",
+            )
+    return Times(seconds)
 
 
 def _since_1970(cell: str, unit: str) -> int:

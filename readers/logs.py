@@ -1,27 +1,28 @@
 """Logs of users: one reader for fits, replays and scenarios.
 
 A log is a table (`readers/tables.py`) as a logger writes it. Its columns get names of variables by a map, or by names
-and units that loggers use (`log_columns.py`); times may be those of a clock (`rows.py`). Text, empty columns and
-columns of other names are left out. Empty cells, `NaN` and numbers such as -999 that stand for a missing value are NaN.
-A message tells each guess, each conversion that is not plain, and all that is left out.
+and units that loggers use (`log_columns.py`); times may be those of a clock (`log_times.py`). Text, empty columns
+and columns of other names are left out. Empty cells, `NaN` and numbers such as -999 that stand for a missing value are
+NaN. A message tells each guess, each conversion that is not plain, and all that is left out.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from readers.log_columns import ColumnMap, Found, Head, Naming, factor_of, head_of
+from readers.log_rows import Log, count_of, in_order
 from readers.log_times import Place as PlaceOfTimes
 from readers.log_times import Times, times_of
 from readers.log_words import unit_like
 from readers.tables import Begin, Body, Cells, Column, DecimalMark, Place, TableError, begin_of, number_in, unit_factor
-from readers.text import quoted, shown, text_of
+from readers.text import quoted, text_of
 
 #: Words of a cell that stand for a missing value, in small letters.
 MISSING = {"", "nan", "n/a", "na", "#n/a", "#nv", "null", "none", "nil", "-", "--", "---", "?"}
@@ -34,49 +35,6 @@ MANY = 10
 #: Rows by which columns of text are found.
 SAMPLE = 200
 MOST_ROWS = 4_000_000
-#: A step between rows is told as a gap from so many times the median step on.
-GAP = 5.0
-#: Longest bridged gap of an input, in median steps, and the least [s].
-BRIDGED_STEPS, BRIDGED = 10.0, 2.0
-#: Ratios of a wheel's speed to the vehicle's that show a wrong unit, their relative width, and least speeds [m/s].
-WRONG = {"it were in km/h": 3.6, "it were in mph": 2.2369, "speed were in km/h": 1 / 3.6, "speed were in mph": 0.44704}
-NEAR, MOVES = 0.03, 1.0
-#: Share of an interval by which rounded times may be before its begin.
-ROUNDING = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class Log:
-    """A log: columns by the names of variables, in their units.
-
-    Attributes
-    ----------
-    source : str
-        Its path, for messages.
-    numbers : dict
-        Columns by name, shape (rows,), `time` first and increasing; NaN: no value.
-    units : dict
-        Their units.
-    places : array of int, shape (rows,)
-        Number of each row as an editor shows it.
-    messages : list of str
-        What was guessed, converted and left out, one line each.
-    """
-
-    source: str
-    numbers: dict[str, NDArray[np.float64]]
-    units: dict[str, str]
-    places: NDArray[np.int64] = field(repr=False)
-    messages: list[str] = field(default_factory=list)
-
-    def refusal(self, row: int, column: str, text: str) -> TableError:
-        """Return the error for a value; `row` is numbered from 0, `text` gives limit, value and remedy."""
-        return TableError(f"{self.source}, row {self.places[row]}, column {shown(column)}: {text}")
-
-    def rows(self, keep: NDArray[np.bool_]) -> Log:
-        """Return the log with some of its rows."""
-        numbers = {name: values[keep] for name, values in self.numbers.items()}
-        return Log(self.source, numbers, self.units, self.places[keep], self.messages)
 
 
 def read_log(
@@ -126,7 +84,7 @@ def read_log(
         found += [Found(head, head.name, head.unit or "1") for head in rest]
         used |= {head.at for head in rest}
     messages = [*_guesses(source, found, variables), *_left_out(source, heads, used, out, texts)]
-    return _in_order(_Reading(place, begin, variables, found).log(messages))
+    return in_order(_Reading(place, begin, variables, found).log(messages))
 
 
 def _heads(begin: Begin, by_position: Sequence[str]) -> tuple[list[Head], Begin, int]:
@@ -268,7 +226,7 @@ class _Reading:
             where = raw == value
             if np.any(where):
                 raw[where] = math.nan
-                said = f"{quoted(one.head.cell)} is {value:g} in {_rows(np.sum(where))}, taken as no value"
+                said = f"{quoted(one.head.cell)} is {value:g} in {count_of(np.sum(where))}, taken as no value"
                 messages.append(f"{self.begin.source}: {said}.")
         return reader.place.converted(raw)
 
@@ -284,140 +242,3 @@ def _sentinels(values: NDArray[np.float64]) -> list[float]:
     below, above = [one < low - span for one in SENTINELS], [many and one > high + span for one in SENTINELS]
     far = [one for one, *sides in zip(SENTINELS, below, above, strict=True) if any(sides)]
     return [one for one in far if np.any(values == one)]
-
-
-def _in_order(log: Log) -> Log:
-    """Return the log without rows that have no time or repeat the row before, and tell gaps and missing values.
-
-    Raises
-    ------
-    TableError
-        If there are fewer than two rows, or the time does not grow.
-    """
-    timed = np.isfinite(log.numbers["time"])
-    if not np.all(timed):
-        log.messages.append(f"{log.source}: left out {_rows(np.sum(~timed))} without a time.")
-        log = log.rows(timed)
-    table = np.array(list(log.numbers.values()))
-    same = np.all((table[:, 1:] == table[:, :-1]) | (np.isnan(table[:, 1:]) & np.isnan(table[:, :-1])), axis=0)
-    again = np.concatenate([[False], same]) if table.shape[1] else np.zeros(0, bool)
-    if np.any(again):
-        first = log.places[np.argmax(again)]
-        log.messages.append(f"{log.source}: left out {_rows(np.sum(again))} equal to the row before, as row {first}.")
-        log = log.rows(~again)
-    time = log.numbers["time"]
-    if time.size < 2:
-        raise TableError(f"{log.source} must have at least 2 rows of values; it has {time.size}. Add rows.")
-    _check_growth(log, np.diff(time))
-    _check_speeds(log)
-    log.messages.extend(_gaps(log, np.diff(time)))
-    return log
-
-
-def _rows(count: int) -> str:
-    return "1 row" if count == 1 else f"{count} rows"
-
-
-def _check_growth(log: Log, steps: NDArray[np.float64]) -> None:
-    bad = np.flatnonzero(~(steps > 0.0))
-    if not bad.size:
-        return
-    row, time = int(bad[0]), log.numbers["time"]
-    remedy = "Sort the rows, or remove this one."
-    if np.sum(steps == 0.0) > 1 and np.all(steps >= 0.0):
-        remedy = f"{np.sum(steps == 0.0)} rows repeat a time: export it with more digits."
-    raise TableError(
-        f"{log.source}, row {log.places[row + 1]}, column time: values must grow from row to row; got "
-        f"{time[row + 1]:.12g} s after {time[row]:.12g} s. {remedy}"
-    )
-
-
-def _check_speeds(log: Log) -> None:
-    """Check that no wheel turns as if its speed or the vehicle's were in another unit."""
-    wheels = [name for name in log.numbers if name.startswith("wheel_speed_")] if "speed" in log.numbers else []
-    for name in wheels:
-        wheel, speed = log.numbers[name], log.numbers["speed"]
-        moves = (wheel > MOVES) & (speed > MOVES)
-        ratio = float(np.median(wheel[moves] / speed[moves])) if np.any(moves) else 1.0
-        for unit in (one for one, size in WRONG.items() if abs(ratio / size - 1.0) < NEAR):
-            raise TableError(
-                f"{log.source}: {name} must be near speed; got {ratio:.3g} times as much in the median, as if {unit}. "
-                "Name the units, as in speed [km/h]."
-            )
-
-
-def _gaps(log: Log, steps: NDArray[np.float64]) -> list[str]:
-    """Return the lines on gaps in time and on missing values."""
-    said = []
-    usual = float(np.median(steps))
-    wide = np.flatnonzero(steps > GAP * usual)
-    if wide.size:
-        at = int(np.argmax(steps))
-        count = "1 gap" if wide.size == 1 else f"{wide.size} gaps"
-        said.append(
-            f"{log.source}: {count} between rows, the longest {steps[at]:.4g} s after row {log.places[at]}; the usual "
-            f"step is {usual:.4g} s."
-        )
-    for name, values in log.numbers.items():
-        if empty := int(np.sum(np.isnan(values))):
-            said.append(f"{log.source}: {shown(name)} has no value in {empty} of {values.size} rows.")
-    return said
-
-
-def filled(
-    clock: NDArray[np.float64], values: NDArray[np.float64], name: str, longest: float | None = None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return times and values of an input without its missing values.
-
-    Parameters
-    ----------
-    clock, values : array, shape (rows,)
-        Times [s] and values; NaN: none.
-    name : str
-        Name of the input, for messages.
-    longest : float, optional
-        Longest bridged gap [s]; by default ten median steps, and at least 2 s.
-
-    Raises
-    ------
-    TableError
-        If a gap is longer, or there are fewer than two values.
-    """
-    there = np.isfinite(values)
-    times = clock[there]
-    if times.size < 2:
-        raise TableError(f"{name} must have at least 2 values; it has {times.size}. Check the column.")
-    if longest is None:
-        longest = max(BRIDGED, BRIDGED_STEPS * float(np.median(np.diff(clock))))
-    steps = np.diff(np.concatenate([clock[:1], times, clock[-1:]]))
-    if np.max(steps) > longest:
-        at = int(np.argmax(steps))
-        since = clock[0] if at == 0 else times[at - 1]
-        raise TableError(
-            f"{name} must have no gap above {longest:g} s, as it drives the run; got one of {steps[at]:.4g} s after "
-            f"{since:.6g} s. Cut the log there, or allow it (--longest-gap, longest_gap=)."
-        )
-    return times, values[there]
-
-
-def averaged(rows: NDArray[np.float64], interval: float) -> NDArray[np.float64]:
-    """Return means of rows over intervals from the first row on.
-
-    Parameters
-    ----------
-    rows : array, shape (rows, columns)
-        Times [s] in the first column; NaN: no value.
-    interval : float
-        [s]
-
-    Returns
-    -------
-    array, shape (intervals with rows, columns)
-        Means of times and of the values that there are.
-    """
-    bins = np.floor((rows[:, 0] - rows[0, 0]) / interval + ROUNDING).astype(np.int64)
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(bins) > 0]))
-    there = np.isfinite(rows)
-    count = np.add.reduceat(there.astype(float), starts)
-    total = np.add.reduceat(np.where(there, rows, 0.0), starts)
-    return np.divide(total, count, out=np.full(total.shape, math.nan), where=count > 0)

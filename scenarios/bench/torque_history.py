@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from readers.logs import filled, read_log
+from readers.log_rows import filled
+from readers.logs import read_log
 from readers.text import FileError
 from scenarios.scenario import BadInputError
 

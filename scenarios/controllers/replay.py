@@ -36,7 +36,7 @@ from products.protection.settings import LONGEST_PERIOD
 from products.protection.single_controller import OneInC, OneOfMany
 from readers.command_line import quantity
 from readers.log_columns import ColumnMap
-from readers.logs import filled
+from readers.log_rows import filled
 from readers.text import FileError, quoted
 from scenarios.controllers.controller_loader import Given, controller_of
 from scenarios.controllers.table import write_document

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from readers.logs import averaged, filled, read_log
+from readers.log_rows import averaged, filled
+from readers.logs import read_log
 from readers.tables import TableError
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.controllers.replay import read_log as read_replayed
@@ -95,7 +96,12 @@ def test_columns_get_names_and_units_of_variables(text: str, columns: object, ex
             None,
             "the columns 'v_gps [km/h] and v_ist [km/h]' can both be speed. Name one in a map",
         ),
-        ("time,p [bar]\n0,1\n1,1\n", None, "the column 'p [bar]' can be pressure_1, pressure_2. Name it in a map"),
+        (
+            "time,p [bar]\n0,1\n1,1\n",
+            None,
+            "the column 'p [bar]' can be pressure_1, pressure_2. Name it in a map (--columns, columns=): \"p [bar]\" = "
+            '["pressure_1", "pressure_2"], or those of them that have it, or false.',
+        ),
         ("time,n1 [rpm]\n0,1\n1,1\n", None, "the column 'n1 [rpm]' in rpm needs the diameter of its wheel"),
         ("time,sped\n0,1\n1,1\n", None, "row 1: the column sped is unknown. Did you mean speed?"),
         ("time,speed [bar]\n0,1\n1,1\n", None, "row 1: the unit 'bar' of speed is of another quantity."),
@@ -122,6 +128,21 @@ def test_columns_get_names_and_units_of_variables(text: str, columns: object, ex
             "time,speed\n12:00,1\n12:01,2\n",
             None,
             "row 2, column time: times must be numbers, dates or times of day; got '12:00'. Write",
+        ),
+        (
+            "time,speed\n" + "".join(f"{46143.5 + t / 864000:.9f},1\n" for t in range(20)),
+            None,
+            "row 2, column time: times without a unit must not be days, as spreadsheets write them; got 46143.5 with",
+        ),
+        (
+            "Zeit;v [m/s]\n46143,5;1\n46143,5006;2\n",
+            None,
+            "row 2, column time: times without a unit must not be days",
+        ),
+        (
+            "time,speed\n" + "".join(f"{0.5 + t / 86400:.9f},1\n" for t in range(20)),
+            None,
+            "row 2, column time: times without a unit must not be days, as spreadsheets write them; got 0.5 with steps",
         ),
         ("time,speed\n0,1\n1,2\n", {"v": "speed"}, "columns: log.csv, row 1 has no column v; it has 'time, speed'."),
         (
@@ -185,6 +206,15 @@ def test_clocks_lose_no_digit(log: Path) -> None:
     """As a number of 64 bits the time would be rounded to 0.24 us."""
     log.write_text("epoch,speed\n" + "\n".join(f"1767225600.{t:06d},1" for t in range(0, 900_000, 100_001)))
     assert read_log(log, VARIABLES).numbers["time"].tolist() == [t / 1e6 for t in range(0, 900_000, 100_001)]
+
+
+def test_seconds_that_look_like_days_are_read_with_their_unit(log: Path) -> None:
+    for first, step in ((46143.5, 0.01), (0.0, 1e-6)):
+        times = first + step * np.arange(20)
+        log.write_text("time [s],speed\n" + "".join(f"{t:.9f},1\n" for t in times))
+        np.testing.assert_allclose(read_log(log, VARIABLES).numbers["time"], times, rtol=1e-12)
+    log.write_text("time,speed\n" + "".join(f"{46143 + t},1\n" for t in range(20)))
+    assert read_log(log, VARIABLES).numbers["time"][-1] == 46162.0
 
 
 def test_an_input_has_no_long_gap() -> None:
