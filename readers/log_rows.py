@@ -11,13 +11,18 @@ from numpy.typing import NDArray
 from readers.tables import TableError
 from readers.text import shown
 
-#: A step between rows is told as a gap from so many times the median step on.
+#: Shortest gap that is reported, in median steps.
 GAP = 5.0
 #: Longest bridged gap of an input, in median steps, and the least [s].
 BRIDGED_STEPS, BRIDGED = 10.0, 2.0
 #: Ratios of a wheel's speed to the vehicle's that show a wrong unit, their relative width, and least speeds [m/s].
 WRONG = {"it were in km/h": 3.6, "it were in mph": 2.2369, "speed were in km/h": 1 / 3.6, "speed were in mph": 0.44704}
 NEAR, MOVES = 0.03, 1.0
+#: Speed above all services [m/s], assumed. Higher ones are reported.
+FASTEST = 120.0
+#: Deceleration above that of all brakes [m/s2] over a time [s] from above a speed [m/s], assumed. Higher ones are
+#: reported.
+STEEP, OVER, FAST = 2.0, 10.0, 30.0
 #: Share of an interval by which rounded times may be before its begin.
 ROUNDING = 1e-6
 
@@ -82,11 +87,12 @@ def in_order(log: Log) -> Log:
         raise TableError(f"{log.source} must have at least 2 rows of values; it has {time.size}. Add rows.")
     _check_growth(log, np.diff(time))
     _check_speeds(log)
-    log.messages.extend(_gaps(log, np.diff(time)))
+    log.messages.extend([*_unlikely_speeds(log), *_gaps(log, np.diff(time))])
     return log
 
 
 def count_of(count: int) -> str:
+    """Return a number of rows as text."""
     return "1 row" if count == 1 else f"{count} rows"
 
 
@@ -116,6 +122,23 @@ def _check_speeds(log: Log) -> None:
                 f"{log.source}: {name} must be near speed; got {ratio:.3g} times as much in the median, as if {unit}. "
                 "Name the units, as in speed [km/h]."
             )
+
+
+def _unlikely_speeds(log: Log) -> list[str]:
+    """Return a line if the speeds are those of no train, as numbers in km/h are under a name with m/s."""
+    wheels = [name for name in log.numbers if name.startswith("wheel_speed_")]
+    names = [name for name in (["speed"] if "speed" in log.numbers else wheels) if log.units[name] == "m/s"]
+    speeds = np.array([log.numbers[name] for name in names])
+    there = np.any(np.isfinite(speeds), axis=0) if names else np.zeros(0, bool)
+    if not np.any(there):
+        return []
+    time, fastest = log.numbers["time"][there], np.nanmax(speeds[:, there], axis=0)
+    fall = fastest - np.interp(time + OVER, time, fastest)
+    steep = np.max(fall[(fastest > FAST) & (time + OVER <= time[-1])], initial=0.0) / OVER
+    got = f"slows down by {steep:.3g} m/s2 over {OVER:g} s" if steep > STEEP else ""
+    got = f"reaches {np.max(fastest):.4g} m/s" if np.max(fastest) > FASTEST else got
+    one = "speed" if names == ["speed"] else "the fastest wheel"
+    return [f"{log.source}: {one} {got}, more than trains do. Check that its unit is not km/h."] if got else []
 
 
 def _gaps(log: Log, steps: NDArray[np.float64]) -> list[str]:

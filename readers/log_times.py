@@ -35,9 +35,11 @@ ISO = re.compile(rf"(?P<year>\d{{4}})-(?P<month>\d\d)-(?P<day>\d\d)[Tt ]+{CLOCK}
 DOTTED = re.compile(rf"(?P<day>\d{{1,2}})\.(?P<month>\d{{1,2}})\.(?P<year>\d{{4}})[ ,T]+{CLOCK}{ZONE}", re.ASCII)
 OF_DAY = re.compile(CLOCK, re.ASCII)
 FORMS = "Write seconds, 2026-05-01T12:00:00.5 or 12:00:00.5."
-#: Numbers of days by which spreadsheets write the dates from 2000 to 2050, and the span of a log that begins with one
-#: but has steps of seconds; shortest usual step of a time without a unit, above that of days at 1 Hz.
-DATES, ONE_DAY, SHORTEST = (36_526.0, 55_153.0), 1.0, 2e-5
+#: Numbers of days by which spreadsheets write the dates from 2000 to 2050. A log that begins there is refused if it is
+#: shorter than ONE_DAY.
+DATES, ONE_DAY = (36_526.0, 55_153.0), 1.0
+#: Shortest median step of times without a unit. Days at 1 Hz have 1.2e-5.
+SHORTEST = 2e-5
 
 
 @dataclass(frozen=True)

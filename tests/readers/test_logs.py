@@ -20,7 +20,7 @@ from scenarios.controllers.replay import read_log as read_replayed
 VARIABLES = {"time": "s", "speed": "m/s", "distance": "m", "wheel_speed_1": "m/s", "wheel_speed_2": "m/s"}
 VARIABLES |= {"pressure_1": "Pa", "pressure_2": "Pa"}
 #: Logs of others: altrios_speed_trace.csv of NREL ALTRIOS.
-STRANGERS = Path(os.environ.get("LOGS_OF_OTHERS", "nowhere"))
+OF_OTHERS = Path(os.environ.get("LOGS_OF_OTHERS", "nowhere"))
 
 
 @pytest.fixture
@@ -217,6 +217,20 @@ def test_seconds_that_look_like_days_are_read_with_their_unit(log: Path) -> None
     assert read_log(log, VARIABLES).numbers["time"][-1] == 46162.0
 
 
+def test_speeds_in_kmh_under_a_name_in_metres_are_told(log: Path) -> None:
+    time = np.arange(60.0)
+    for begin, slowing, factor, said in (
+        (60.0, 0.9, 1.0, []),
+        (22.0, 0.9, 3.6, ["log.csv: the fastest wheel slows down by 3.24 m/s2 over 10 s, more than trains do."]),
+        (40.0, 0.0, 3.6, ["log.csv: the fastest wheel reaches 144 m/s, more than trains do."]),
+    ):
+        speed = factor * np.maximum(begin - slowing * time, 0.0)
+        rows = "".join(f"{t},{0.5 * v},{v}\n" for t, v in zip(time, speed, strict=True))
+        log.write_text("time [s],wheel_speed_1 [m/s],wheel_speed_2 [m/s]\n" + rows)
+        found = read_log(log, VARIABLES).messages
+        assert [one.split(" Check")[0] for one in found] == said
+
+
 def test_an_input_has_no_long_gap() -> None:
     times, values = np.arange(30.0), np.ones(30)
     values[3:14] = math.nan
@@ -254,9 +268,9 @@ def test_torques_and_replays_take_maps_too(log: Path) -> None:
     assert read_replayed(log, map_)["wheel_speed_1"] == pytest.approx([0.92 * math.pi, 0.46 * math.pi], rel=1e-15)
 
 
-@pytest.mark.skipif(not STRANGERS.is_dir(), reason="LOGS_OF_OTHERS names no folder of their files")
+@pytest.mark.skipif(not OF_OTHERS.is_dir(), reason="LOGS_OF_OTHERS names no folder of their files")
 def test_a_log_of_others_is_read() -> None:
-    path = STRANGERS / "altrios_speed_trace.csv"
+    path = OF_OTHERS / "altrios_speed_trace.csv"
     found = read_log(path, VARIABLES)
     assert found.numbers["speed"].size == 10328
     assert [one.removeprefix(f"{path}: ") for one in found.messages] == [
