@@ -23,7 +23,8 @@ from products.train.factors import PARAMETERS, TWICE, changed
 from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
-from readers.tables import Column, read_table
+from readers.columns import Column
+from readers.tables import read_table
 
 #: Relative step of a parameter for a finite difference.
 STEP = 1e-3

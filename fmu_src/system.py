@@ -19,7 +19,7 @@ import numpy as np
 from fmu_src.chain import Chain
 from fmu_src.piecewise import look_up, polynomials
 from fmu_src.records import OwnRecord, RecordKind
-from readers.tables import Column
+from readers.columns import Column
 from readers.units import likely_unit
 
 Kind = Literal["real", "integer", "boolean", "string"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.own_names import with_own_names
 from fmu_src.system import TableFile
-from readers.tables import Column
+from readers.columns import Column
 from readers.units import spellings_for, twins_of
 
 #: In front of the names that the model's C has at the scope of its file: other C of the same unit may have them too.

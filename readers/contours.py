@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.tables import BLANKS, Column, TableError, cells_of, number_in, number_of, separator_of_numbers, table_of
+from readers.columns import Column, TableError, number_in, number_of
+from readers.tables import BLANKS, cells_of, separator_of_numbers, table_of
 from readers.text import quoted
 from readers.units import different_units, factor
 

@@ -19,8 +19,9 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from readers.column_names import HEAD_ROUND, HEAD_SQUARE, tidy
+from readers.columns import TableError, number_of
 from readers.log_words import BEHIND, meant, plain, suffixed, unit_like
-from readers.tables import HEAD_ROUND, HEAD_SQUARE, TableError, number_of, tidy
 from readers.text import BLANK, quoted, shown
 from readers.toml_files import toml_of
 from readers.units import factor, quantity_of

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.tables import TableError
+from readers.columns import TableError
 from readers.text import shown
 
 #: Shortest gap that is reported, in median steps.

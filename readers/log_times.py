@@ -17,7 +17,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.tables import MINUS, TableError, number_in
+from readers.columns import MINUS, TableError, number_in
 from readers.text import quoted
 from readers.units import factor
 

@@ -16,12 +16,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from readers.columns import Cells, Column, DecimalMark, Place, TableError, number_in, unit_factor
 from readers.log_columns import ColumnMap, Found, Head, Naming, factor_of, head_of
 from readers.log_rows import Log, count_of, in_order
 from readers.log_times import Place as PlaceOfTimes
 from readers.log_times import Times, times_of
 from readers.log_words import unit_like
-from readers.tables import Begin, Body, Cells, Column, DecimalMark, Place, TableError, begin_of, number_in, unit_factor
+from readers.tables import Begin, Body, begin_of
 from readers.text import quoted, text_of
 
 #: Words of a cell that stand for a missing value, in small letters.

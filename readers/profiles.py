@@ -10,12 +10,12 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+from readers.columns import TableError
 from readers.contours import FEWEST_POINTS as FEWEST_POINTS
 from readers.contours import LARGEST_BREADTH as LARGEST_BREADTH
 from readers.contours import Contour, check_one_contour
 from readers.formats import columns, miniprof, simpack, slices
 from readers.outliers import outliers
-from readers.tables import TableError
 from readers.text import rows_of, text_of
 
 #: Largest file [bytes].

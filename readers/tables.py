@@ -9,10 +9,8 @@ ignored. A cell may be in quotes. `fmu_src/runtime/table_file.c` is the twin of 
 
 from __future__ import annotations
 
-import difflib
-import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -20,85 +18,26 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.text import BLANK, LONGEST_ROW, FileError, lines_of, quoted, rows_in, shown, text_of
-from readers.units import different_units, factor, quantity_of
+from readers.column_names import columns_in_order, layout_of, name_and_unit, tidy
+from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, number_in, unit_factor
+from readers.text import BLANK, LONGEST_ROW, lines_of, quoted, rows_in, shown, text_of
 
-#: The most names of columns that a message lists.
-MOST_NAMES = 20
 #: Most rows of a table, unless a caller sets another limit.
 MOST_ROWS = 4_000_000
-#: Longest text in a cell of a column of texts.
-LONGEST_TEXT = 60
 #: Rows by which the separator is found where there are no names.
 SAMPLE = 50
 SEPARATORS = ("\t", ";", ",")
 BLANKS = " "
-NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
-#: A number that may be one of thousands, with a separator between groups of three digits.
-THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
-#: Cells that Python's float reads as they are meant.
-PLAIN = re.compile(r"[0-9eE+.-]*", re.ASCII)
-#: A name with its unit in square brackets, and a name with or without its unit in round ones.
-HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]")
-HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]+)(\((?P<unit>[^()]*)\))?")
 #: A row with which some spreadsheets declare their separator.
 DECLARED = re.compile(rf"sep=([,;\t|:])[{BLANK}]*", re.IGNORECASE | re.ASCII)
-#: A cell in quotes, by its separator; and characters that are equal to an underscore in names.
+#: A cell in quotes, by its separator.
 IN_QUOTES = {
     one: re.compile(rf'[{BLANK.replace(one, "")}]*"((?:[^"]|"")*)"[{BLANK.replace(one, "")}]*({re.escape(one)}|\Z)')
     for one in ("\t", ";", ",", "|", ":")
 }
-BLANK_RUN = re.compile(f"[{BLANK}]+")
-GAP = re.compile(rf"[{BLANK}_-]+")
-CAPITALS = str.maketrans({chr(letter): chr(letter + 32) for letter in range(ord("A"), ord("Z") + 1)})
 PLAIN_BYTES = b"0123456789eE+-"
 #: Lines that are read at once where all cells are plain numbers.
 BLOCK = 20_000
-MINUS = "\u2212"
-
-
-class TableError(FileError):
-    """A table that cannot be read; the message names file, row, column, value, limit and remedy."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column that a reader accepts.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    unit : str
-        The unit of its values in memory; "1" for a pure number.
-    minimum, maximum : float
-        Limits in that unit, both included.
-    required : bool
-        Whether the table must have it.
-    filled : bool
-        Whether every row must have a value; otherwise an empty cell is NaN, or an empty string.
-    words : tuple of str
-        Allowed words of a column of words; empty: it holds numbers.
-    whole : bool
-        Whether its numbers are integers.
-    text : bool
-        Whether it holds any printable text instead of numbers.
-    """
-
-    name: str
-    unit: str = "1"
-    minimum: float = -math.inf
-    maximum: float = math.inf
-    required: bool = False
-    filled: bool = True
-    words: tuple[str, ...] = ()
-    whole: bool = False
-    text: bool = False
-
-    @property
-    def holds_words(self) -> bool:
-        """Whether it holds words or text instead of numbers."""
-        return bool(self.words) or self.text
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,9 +169,9 @@ def table_of(
     body = Body(source, begin.separator, most_rows)
     filled = begin.rows_behind()
     if numeric:
-        layout = _by_position(place, columns, [""] * len(begin.cells))
+        layout = columns_in_order(place, columns, [""] * len(begin.cells))
         return body.table(layout, [(begin.at, list(begin.cells)), *filled])
-    layout = _layout(place, begin.cells, columns, others, by_position)
+    layout = layout_of(place, begin.cells, columns, others, by_position)
     return body.plain(layout, begin.lines, begin.at) or body.table(layout, filled)
 
 
@@ -340,126 +279,6 @@ def separator_of_numbers(rows: Sequence[str]) -> str | None:
     return None
 
 
-def number_in(cell: str) -> bool:
-    """Return whether a cell holds a number in decimal writing, with a point or a comma."""
-    return NUMBER.fullmatch(cell.replace(MINUS, "-")) is not None
-
-
-def number_of(value: object) -> float:
-    """Return a finite number, also one in a text in decimal writing; NaN for all else, `true` among it."""
-    if isinstance(value, str):
-        value = float(value.replace(MINUS, "-").replace(",", ".")) if number_in(value) else math.nan
-    if isinstance(value, bool):
-        return math.nan
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        return math.nan
-    return number if math.isfinite(number) else math.nan
-
-
-@dataclass(frozen=True)
-class Place:
-    """A column of the file: its place in a row, its definition, the factor to its unit."""
-
-    at: int
-    column: Column
-    factor: tuple[float, float] = (1.0, 1.0)
-
-    def converted(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return values of the file in the column's unit."""
-        up, down = self.factor
-        return values if up == down == 1.0 else values * up / down
-
-    def allows(self, values: NDArray[np.float64]) -> bool:
-        """Return whether all values are within the column's limits and, where they must be, whole."""
-        inside = np.all((values >= self.column.minimum) & (values <= self.column.maximum))
-        return bool(inside and (not self.column.whole or np.all(values == np.floor(values))))
-
-
-def tidy(name: str) -> str:
-    """Return a name as names are compared: small letters, an underscore for blanks, hyphens and underscores."""
-    return GAP.sub("_", name).translate(CAPITALS)
-
-
-def _by_position(place: str, columns: Sequence[Column], units: Sequence[str]) -> list[Place]:
-    """Return the first columns in their order; units: as the file has them, a text each, empty where it says none."""
-    least = sum(column.required for column in columns)
-    if not least <= len(units) <= len(columns):
-        need = ", ".join(f"{one.name} [{one.unit}]" for one in columns)
-        count = f"{least}" if least == len(columns) else f"{least} to {len(columns)}"
-        raise TableError(f"{place}: a row must have {count} values ({need}); got {len(units)}. Correct the row.")
-    both = zip(columns, units, strict=False)
-    return [Place(at, column, unit_factor(column, unit, place)) for at, (column, unit) in enumerate(both)]
-
-
-def _layout(
-    place: str, cells: Sequence[str], columns: Sequence[Column], others: bool, by_position: bool
-) -> list[Place]:
-    """Return the columns of a file by its row of names."""
-    known = {tidy(column.name): column for column in columns}
-    parts = [(at, *name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
-    if by_position and not any(tidy(name) in known for _, name, _ in parts):
-        return _by_position(place, columns, [unit for _, _, unit in parts])
-    found: dict[str, Place] = {}
-    for at, name, unit in parts:
-        column = known.get(tidy(name))
-        if column is None and not others:
-            raise TableError(f"{place}: the column {quoted(name)} is unknown. {advice(name, known, columns)}")
-        column = column or Column(name, unit or "1")
-        if tidy(column.name) in found:
-            raise TableError(
-                f"{place}: the column {shown(column.name)} must be there once; it is there twice. Remove one."
-            )
-        found[tidy(column.name)] = Place(at, column, unit_factor(column, unit, place))
-    for key, column in known.items():
-        if column.required and key not in found:
-            there = ", ".join(one.column.name for one in found.values()) or "none"
-            raise TableError(f"{place}: the column {column.name} is missing; there are {quoted(there, 200)}. Add it.")
-    return list(found.values())
-
-
-def name_and_unit(cell: str, place: str) -> tuple[str, str]:
-    """Return name and unit, or "", of a cell in the row of names; place: file and row. Raises TableError."""
-    match = HEAD_SQUARE.fullmatch(cell) or HEAD_ROUND.fullmatch(cell)
-    name = BLANK_RUN.sub(" ", match["name"]).strip(" ") if match else ""
-    unit = (match["unit"] or "").strip(BLANK) if match else ""
-    if not name or not (name + unit).isprintable():
-        raise TableError(
-            f"{place}: a column must have a name, and its unit in brackets; got {quoted(cell)}. Write speed [m/s]."
-        )
-    return name, unit
-
-
-def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
-    """Return the end of the message for an unknown column: the nearest of the known tidy names, or the first."""
-    near = difflib.get_close_matches(tidy(name)[:100], list(known), 1)
-    if near:
-        return f"Did you mean {near[0]}?"
-    names = [column.name for column in columns]
-    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-    return f"Columns are {', '.join(names[:MOST_NAMES])}{more}."
-
-
-def unit_factor(column: Column, unit: str, place: str) -> tuple[float, float]:
-    """Return the factor from a unit of a file to the column's, as `factor` returns it. Raises TableError."""
-    if column.holds_words and unit:
-        raise TableError(
-            f"{place}: the column {column.name} holds words and has no unit; got {quoted(unit)}. Remove it."
-        )
-    if not unit or unit == column.unit:
-        return 1.0, 1.0
-    both = factor(unit, column.unit)
-    if both is None:
-        kind = "unknown" if quantity_of(unit) is None else "of another quantity"
-        units = ", ".join(different_units(column.unit))
-        raise TableError(
-            f"{place}: the unit {quoted(unit)} of {shown(column.name)} is {kind}. "
-            f"Use {units}; none means {column.unit}."
-        )
-    return both
-
-
 @dataclass(frozen=True)
 class Body:
     """The rows after the names."""
@@ -547,132 +366,3 @@ class Body:
             f"{self.source}, row {number}: a row must have at most {count} values; got {at + 1}: {quoted(cell)} has no "
             f"name. Name each column in the first row.{hint}"
         )
-
-
-@dataclass
-class DecimalMark:
-    """The decimal mark of a file, once a number has shown it: that number, its row and column.
-
-    decimal: whether a number has shown that the mark does not separate thousands, as in 1,000.
-    """
-
-    source: str
-    shown: str = ""
-    row: int = 0
-    column: str = ""
-    decimal: bool = False
-
-    def check(self, cell: str, row: int, column: str) -> None:
-        """Check that a number has the file's decimal mark."""
-        if self.shown and ("," in cell) != ("," in self.shown):
-            raise TableError(
-                f"{self.source}, row {row}, column {shown(column)}: numbers must have one decimal mark; got "
-                f"{quoted(cell)}, and {quoted(self.shown)} in row {self.row}. Use one, and no separators of thousands."
-            )
-        self.shown, self.row, self.column = self.shown or cell, self.row or row, self.column or column
-        self.decimal = self.decimal or not THOUSANDS.fullmatch(cell)
-
-    def check_thousands(self, separator: str) -> None:
-        """Check that not every number with the mark can be one of thousands, where people write those with it."""
-        if self.shown and not self.decimal and ("," in self.shown or separator == ";"):
-            whole, part = re.sub("[.,]", "", self.shown), float(self.shown.replace(",", "."))
-            raise TableError(
-                f"{self.source}, row {self.row}, column {shown(self.column)}: numbers must have one reading; "
-                f"{quoted(self.shown)} can be {whole} or {part:g}, and so can all with this mark. Write {whole}, or "
-                f"{part!r} with a decimal point in a file with commas or tabs."
-            )
-
-
-@dataclass(frozen=True)
-class Cells:
-    """The cells of one column, to be read."""
-
-    source: str
-    places: NDArray[np.int64]
-    place: Place
-
-    @property
-    def column(self) -> Column:
-        """The definition of the column."""
-        return self.place.column
-
-    def refusal(self, row: int, text: str) -> TableError:
-        """Return the error for a value; `row` is numbered from 0."""
-        return TableError(f"{self.source}, row {self.places[row]}, column {shown(self.column.name)}: {text}")
-
-    def words(self, cells: Sequence[str]) -> list[str]:
-        """Return the words of the column. Raises TableError if one is not allowed."""
-        choice = self.column.words
-        for row, cell in enumerate(cells):
-            if self.column.text and (len(cell) > LONGEST_TEXT or not cell.isprintable()):
-                raise self.refusal(
-                    row,
-                    f"the text must be printable, at most {LONGEST_TEXT} characters; got {quoted(cell)}. Shorten it.",
-                )
-            if not self.column.text and cell not in choice and (cell or self.column.filled):
-                raise self.refusal(
-                    row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. Choose one."
-                )
-        return list(cells)
-
-    def numbers(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64]:
-        """Return the numbers of the column in its unit. Raises TableError if one is not valid."""
-        values = self._plain(cells, mark)
-        if values is None:
-            values = np.array([self._number(row, cell, mark) for row, cell in enumerate(cells)], float)
-        values = self.place.converted(values)
-        low, high = self.column.minimum, self.column.maximum
-        for row in np.flatnonzero((values < low) | (values > high))[:1].tolist():
-            got = f"{quoted(cells[row])}{self._unit(self.place.factor)}"
-            raise self.refusal(row, f"the value must be {self._limits()}; got {got}. Check value and unit.")
-        parts = ~np.isnan(values) & (values != np.floor(values)) & self.column.whole
-        for row in np.flatnonzero(parts)[:1].tolist():
-            raise self.refusal(row, f"the value must be an integer; got {quoted(cells[row])}. Round it.")
-        return values
-
-    def _plain(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64] | None:
-        """Return the values where every cell is a number with a point, the quick way; None where one is not."""
-        if not PLAIN.fullmatch("".join(cells)):
-            return None
-        try:
-            values = np.array([float(cell) for cell in cells], float)
-        except ValueError:
-            return None
-        marked = [next((row for row, cell in enumerate(cells) if "." in cell), None)]
-        if marked[0] is not None and not mark.decimal:  # one that decides, if there is one
-            marked.append(
-                next((row for row, cell in enumerate(cells) if "." in cell and not THOUSANDS.fullmatch(cell)), None)
-            )
-        for row in marked:
-            if row is not None:
-                mark.check(cells[row], int(self.places[row]), self.column.name)
-        return values if np.all(np.isfinite(values)) else None
-
-    def _number(self, row: int, cell: str, mark: DecimalMark) -> float:
-        if not cell and not self.column.filled:
-            return math.nan
-        plain = cell.replace(MINUS, "-")
-        if not NUMBER.fullmatch(plain):
-            wrong = "the cell is empty" if not cell else f"got {quoted(cell)}"
-            raise self.refusal(row, f"the value must be a number; {wrong}. Write it as 0.015 or 1.5e-2.")
-        if "." in plain or "," in plain:
-            mark.check(plain, int(self.places[row]), self.column.name)
-            plain = plain.replace(",", ".")
-        value = float(plain)
-        if not math.isfinite(value):
-            raise self.refusal(row, f"the value must be below 1.8e308 in size; got {quoted(cell)}. Check it.")
-        return value
-
-    def _limits(self) -> str:
-        low, high, unit = self.column.minimum, self.column.maximum, self._of_unit(self.column.unit)
-        if math.isinf(high):
-            return f"at least {low:g}{unit}"
-        return f"from {low:g} to {high:g}{unit}"
-
-    def _unit(self, both: tuple[float, float]) -> str:
-        if both != (1.0, 1.0):
-            return f", in the file's unit, 1 of which is {both[0] / both[1]:g}{self._of_unit(self.column.unit)}"
-        return self._of_unit(self.column.unit)
-
-    def _of_unit(self, unit: str) -> str:
-        return "" if unit == "1" else f" {unit}"

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.cosimulation.recording import Recording
+from readers.column_names import tidy
 from readers.log_columns import COMMON, ColumnMap
 from readers.logs import read_log
-from readers.tables import tidy
 from readers.units import factor
 
 

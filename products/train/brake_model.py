@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from products.train.consist import Consist
 from products.train.effects import without_effect
 from products.train.numbers import Settings
-from readers.tables import number_of
+from readers.columns import number_of
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from brake_controller.distributors import BRAKES, pneumatic
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.consist import KINDS, LONGEST_VEHICLE
 from rbd_model.train.coupler import COUPLERS
-from readers.tables import LONGEST_TEXT, Column
+from readers.columns import LONGEST_TEXT, Column
 
 #: Largest number of vehicles, and of characters of a name.
 MOST, LONGEST_NAME = 2000, LONGEST_TEXT

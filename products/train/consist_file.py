@@ -32,7 +32,8 @@ from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_w
 from products.train.layout import MOST_VALVES
 from products.train.stated import brake_of, check_control, check_force, distributor_of, electric_of
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
-from readers.tables import number_of, read_table
+from readers.columns import number_of
+from readers.tables import read_table
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
 

@@ -21,8 +21,8 @@ from fmu_src.records import LARGEST_NUMBER, MOST_PIECES, Pieces, Record, RecordK
 from fmu_src.system import RecordFile, Variable
 from rbd_model.contact.geometry import GAUGE_DEPTH, Side, Sides, gauge_face
 from rbd_model.contact.pair_table import PAIR, PATCH, SIDE, pair_record
+from readers.columns import number_in, number_of
 from readers.storage import write_whole
-from readers.tables import number_in, number_of
 from readers.text import BadInputError, rows_of, shown, text_of
 
 #: Format of the file, in its first row after the remarks.

@@ -18,7 +18,8 @@ from fmu_src.chain import Part
 from fmu_src.system import ParameterSet, System, quantity
 from rbd_model.track.line import Line
 from rbd_model.track.line_table import along_line
-from readers.tables import Column, read_table
+from readers.columns import Column
+from readers.tables import read_table
 
 #: Exponent of the plateau, eq. (5.4).
 PLATEAU_POWER = 8

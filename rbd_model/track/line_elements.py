@@ -14,7 +14,8 @@ import numpy as np
 from rbd_model.track.line_pieces import SourcedLine, line_of_alignment, sums
 from readers.account import Account
 from readers.alignment import BLOSS, LINEAR, Alignment, Piece
-from readers.tables import Column, Table, read_table
+from readers.columns import Column
+from readers.tables import Table, read_table
 
 STRAIGHT, ARC, CLOTHOID, BLOSS_CURVE = "straight", "arc", "clothoid", "bloss"
 #: Words of the column `type`, and what they mean.

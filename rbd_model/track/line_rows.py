@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rbd_model.track.line_table import LINE
-from readers.tables import Column, advice, quoted
+from readers.column_names import advice
+from readers.columns import Column
+from readers.text import quoted
 
 Numbers = NDArray[np.float64]
 COLUMNS = {column.name: column for column in LINE.columns}

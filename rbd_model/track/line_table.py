@@ -10,7 +10,7 @@ from pathlib import Path
 import casadi as ca
 
 from fmu_src.system import Piece, System, TableFile, Variable
-from readers.tables import Column
+from readers.columns import Column
 
 #: Distance of the rails' heads over which cant is measured, EN 13803 [m]: its angle is asin(cant / GAUGE).
 GAUGE = 1.5

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rbd_model.track.projection import transverse_mercator
-from readers.tables import Column, read_table
+from readers.columns import Column
+from readers.tables import read_table
 from readers.text import BadInputError, FileError, shown
 
 Numbers = NDArray[np.float64]

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from readers.columns import TableError, number_in, number_of
 from readers.contours import (
     Body,
     Contour,
@@ -21,7 +22,6 @@ from readers.contours import (
     unit_of,
     unknown_keys,
 )
-from readers.tables import TableError, number_in, number_of
 from readers.text import quoted
 
 MARKS = re.compile(r"miniprof|wheelprof|railprof|^[^\S\n]*(ColumnDef|XYPoints)\s*=|^\[Profile\d+Info\]", re.I | re.M)

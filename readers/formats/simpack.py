@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from readers.columns import number_in, number_of
 from readers.contours import (
     Body,
     Contour,
@@ -24,7 +25,6 @@ from readers.contours import (
     unit_of,
     unknown_keys,
 )
-from readers.tables import number_in, number_of
 from readers.text import quoted
 
 TYPES = {0.0: "rail", 1.0: "wheel"}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from readers.columns import TableError
 from readers.contours import Rows
-from readers.tables import TableError
 
 SLICE = re.compile(r"^\s*([-+.\dEe]+)\s+(['\"])([^'\"]+)\2")
 COUNT = re.compile(r"^\s*\d+\s+NSLC\b")

@@ -9,7 +9,7 @@ import pytest
 
 from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.system import Piece, System, TableFile, Variable, model_of
-from readers.tables import Column
+from readers.columns import Column
 from tests.quick_library import quick_library
 
 #: Head and volume flow of a pump over time; the integral of the flow is the volume.

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from readers.columns import TableError
 from readers.log_rows import averaged, filled
 from readers.logs import read_log
-from readers.tables import TableError
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.controllers.replay import read_log as read_replayed
 

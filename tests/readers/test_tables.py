@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from readers.tables import Column, TableError, read_table, table_of
+from readers.columns import Column, TableError
+from readers.tables import read_table, table_of
 from readers.text import FileError
 from readers.units import SPELLINGS, factor
 

@@ -16,7 +16,8 @@ from scipy.linalg import solve_banded
 from fmu_src.chain import Part, part_in_c
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
-from readers.tables import Column, TableError, read_table
+from readers.columns import Column, TableError
+from readers.tables import read_table
 
 #: Intervals along each coordinate of `place_in_table`, its first values and its last; a/b from 1 : 20 to 20 : 1.
 INTERVALS = (12, 24, 14, 8)

@@ -1,0 +1,84 @@
+"""The row of names of a table: which column has which name and unit, in which place."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Collection, Sequence
+
+from readers.columns import Column, Place, TableError, unit_factor
+from readers.text import BLANK, quoted, shown
+
+#: The most names of columns that a message lists.
+MOST_NAMES = 20
+#: A name with its unit in square brackets, and a name with or without its unit in round ones.
+HEAD_SQUARE = re.compile(r"(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]")
+HEAD_ROUND = re.compile(r"(?P<name>[^\[\]()]+)(\((?P<unit>[^()]*)\))?")
+BLANK_RUN = re.compile(f"[{BLANK}]+")
+#: Characters that are equal to an underscore in names.
+GAP = re.compile(rf"[{BLANK}_-]+")
+CAPITALS = str.maketrans({chr(letter): chr(letter + 32) for letter in range(ord("A"), ord("Z") + 1)})
+
+
+def tidy(name: str) -> str:
+    """Return a name as names are compared: small letters, an underscore for blanks, hyphens and underscores."""
+    return GAP.sub("_", name).translate(CAPITALS)
+
+
+def columns_in_order(place: str, columns: Sequence[Column], units: Sequence[str]) -> list[Place]:
+    """Return the first columns in their order; units: as the file has them, a text each, empty where it says none."""
+    least = sum(column.required for column in columns)
+    if not least <= len(units) <= len(columns):
+        need = ", ".join(f"{one.name} [{one.unit}]" for one in columns)
+        count = f"{least}" if least == len(columns) else f"{least} to {len(columns)}"
+        raise TableError(f"{place}: a row must have {count} values ({need}); got {len(units)}. Correct the row.")
+    both = zip(columns, units, strict=False)
+    return [Place(at, column, unit_factor(column, unit, place)) for at, (column, unit) in enumerate(both)]
+
+
+def layout_of(
+    place: str, cells: Sequence[str], columns: Sequence[Column], others: bool, by_position: bool
+) -> list[Place]:
+    """Return the columns of a file by its row of names."""
+    known = {tidy(column.name): column for column in columns}
+    parts = [(at, *name_and_unit(cell, place)) for at, cell in enumerate(cells) if cell]
+    if by_position and not any(tidy(name) in known for _, name, _ in parts):
+        return columns_in_order(place, columns, [unit for _, _, unit in parts])
+    found: dict[str, Place] = {}
+    for at, name, unit in parts:
+        column = known.get(tidy(name))
+        if column is None and not others:
+            raise TableError(f"{place}: the column {quoted(name)} is unknown. {advice(name, known, columns)}")
+        column = column or Column(name, unit or "1")
+        if tidy(column.name) in found:
+            raise TableError(
+                f"{place}: the column {shown(column.name)} must be there once; it is there twice. Remove one."
+            )
+        found[tidy(column.name)] = Place(at, column, unit_factor(column, unit, place))
+    for key, column in known.items():
+        if column.required and key not in found:
+            there = ", ".join(one.column.name for one in found.values()) or "none"
+            raise TableError(f"{place}: the column {column.name} is missing; there are {quoted(there, 200)}. Add it.")
+    return list(found.values())
+
+
+def name_and_unit(cell: str, place: str) -> tuple[str, str]:
+    """Return name and unit, or "", of a cell in the row of names; place: file and row. Raises TableError."""
+    match = HEAD_SQUARE.fullmatch(cell) or HEAD_ROUND.fullmatch(cell)
+    name = BLANK_RUN.sub(" ", match["name"]).strip(" ") if match else ""
+    unit = (match["unit"] or "").strip(BLANK) if match else ""
+    if not name or not (name + unit).isprintable():
+        raise TableError(
+            f"{place}: a column must have a name, and its unit in brackets; got {quoted(cell)}. Write speed [m/s]."
+        )
+    return name, unit
+
+
+def advice(name: str, known: Collection[str], columns: Sequence[Column]) -> str:
+    """Return the end of the message for an unknown column: the nearest of the known tidy names, or the first."""
+    near = difflib.get_close_matches(tidy(name)[:100], list(known), 1)
+    if near:
+        return f"Did you mean {near[0]}?"
+    names = [column.name for column in columns]
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return f"Columns are {', '.join(names[:MOST_NAMES])}{more}."

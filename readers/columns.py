@@ -1,0 +1,254 @@
+"""A column of a table: its unit and limits, and the numbers and words in its cells."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from readers.text import FileError, quoted, shown
+from readers.units import different_units, factor, quantity_of
+
+#: Longest text in a cell of a column of texts.
+LONGEST_TEXT = 60
+#: A number in decimal writing, with a point or a comma.
+NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
+#: A number that may be one of thousands, with a separator between groups of three digits.
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
+#: Cells that Python's float reads as they are meant.
+PLAIN = re.compile(r"[0-9eE+.-]*", re.ASCII)
+#: The minus sign of typesetters, which some programs write.
+MINUS = "\u2212"
+
+
+class TableError(FileError):
+    """A table that cannot be read; the message names file, row, column, value, limit and remedy."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that a reader accepts.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    unit : str
+        The unit of its values in memory; "1" for a pure number.
+    minimum, maximum : float
+        Limits in that unit, both included.
+    required : bool
+        Whether the table must have it.
+    filled : bool
+        Whether every row must have a value; otherwise an empty cell is NaN, or an empty string.
+    words : tuple of str
+        Allowed words of a column of words; empty: it holds numbers.
+    whole : bool
+        Whether its numbers are integers.
+    text : bool
+        Whether it holds any printable text instead of numbers.
+    """
+
+    name: str
+    unit: str = "1"
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    required: bool = False
+    filled: bool = True
+    words: tuple[str, ...] = ()
+    whole: bool = False
+    text: bool = False
+
+    @property
+    def holds_words(self) -> bool:
+        """Whether it holds words or text instead of numbers."""
+        return bool(self.words) or self.text
+
+
+def number_in(cell: str) -> bool:
+    """Return whether a cell holds a number in decimal writing, with a point or a comma."""
+    return NUMBER.fullmatch(cell.replace(MINUS, "-")) is not None
+
+
+def number_of(value: object) -> float:
+    """Return a finite number, also one in a text in decimal writing; NaN for all else, `true` among it."""
+    if isinstance(value, str):
+        value = float(value.replace(MINUS, "-").replace(",", ".")) if number_in(value) else math.nan
+    if isinstance(value, bool):
+        return math.nan
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return math.nan
+    return number if math.isfinite(number) else math.nan
+
+
+@dataclass(frozen=True)
+class Place:
+    """A column of the file: its place in a row, its definition, the factor to its unit."""
+
+    at: int
+    column: Column
+    factor: tuple[float, float] = (1.0, 1.0)
+
+    def converted(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return values of the file in the column's unit."""
+        up, down = self.factor
+        return values if up == down == 1.0 else values * up / down
+
+    def allows(self, values: NDArray[np.float64]) -> bool:
+        """Return whether all values are within the column's limits and, where they must be, whole."""
+        inside = np.all((values >= self.column.minimum) & (values <= self.column.maximum))
+        return bool(inside and (not self.column.whole or np.all(values == np.floor(values))))
+
+
+def unit_factor(column: Column, unit: str, place: str) -> tuple[float, float]:
+    """Return the factor from a unit of a file to the column's, as `factor` returns it. Raises TableError."""
+    if column.holds_words and unit:
+        raise TableError(
+            f"{place}: the column {column.name} holds words and has no unit; got {quoted(unit)}. Remove it."
+        )
+    if not unit or unit == column.unit:
+        return 1.0, 1.0
+    both = factor(unit, column.unit)
+    if both is None:
+        kind = "unknown" if quantity_of(unit) is None else "of another quantity"
+        units = ", ".join(different_units(column.unit))
+        raise TableError(
+            f"{place}: the unit {quoted(unit)} of {shown(column.name)} is {kind}. "
+            f"Use {units}; none means {column.unit}."
+        )
+    return both
+
+
+@dataclass
+class DecimalMark:
+    """The decimal mark of a file, once a number has shown it: that number, its row and column.
+
+    decimal: whether a number has shown that the mark does not separate thousands, as in 1,000.
+    """
+
+    source: str
+    shown: str = ""
+    row: int = 0
+    column: str = ""
+    decimal: bool = False
+
+    def check(self, cell: str, row: int, column: str) -> None:
+        """Check that a number has the file's decimal mark."""
+        if self.shown and ("," in cell) != ("," in self.shown):
+            raise TableError(
+                f"{self.source}, row {row}, column {shown(column)}: numbers must have one decimal mark; got "
+                f"{quoted(cell)}, and {quoted(self.shown)} in row {self.row}. Use one, and no separators of thousands."
+            )
+        self.shown, self.row, self.column = self.shown or cell, self.row or row, self.column or column
+        self.decimal = self.decimal or not THOUSANDS.fullmatch(cell)
+
+    def check_thousands(self, separator: str) -> None:
+        """Check that not every number with the mark can be one of thousands, where people write those with it."""
+        if self.shown and not self.decimal and ("," in self.shown or separator == ";"):
+            whole, part = re.sub("[.,]", "", self.shown), float(self.shown.replace(",", "."))
+            raise TableError(
+                f"{self.source}, row {self.row}, column {shown(self.column)}: numbers must have one reading; "
+                f"{quoted(self.shown)} can be {whole} or {part:g}, and so can all with this mark. Write {whole}, or "
+                f"{part!r} with a decimal point in a file with commas or tabs."
+            )
+
+
+@dataclass(frozen=True)
+class Cells:
+    """The cells of one column, to be read."""
+
+    source: str
+    places: NDArray[np.int64]
+    place: Place
+
+    @property
+    def column(self) -> Column:
+        """The definition of the column."""
+        return self.place.column
+
+    def refusal(self, row: int, text: str) -> TableError:
+        """Return the error for a value; `row` is numbered from 0."""
+        return TableError(f"{self.source}, row {self.places[row]}, column {shown(self.column.name)}: {text}")
+
+    def words(self, cells: Sequence[str]) -> list[str]:
+        """Return the words of the column. Raises TableError if one is not allowed."""
+        choice = self.column.words
+        for row, cell in enumerate(cells):
+            if self.column.text and (len(cell) > LONGEST_TEXT or not cell.isprintable()):
+                raise self.refusal(
+                    row,
+                    f"the text must be printable, at most {LONGEST_TEXT} characters; got {quoted(cell)}. Shorten it.",
+                )
+            if not self.column.text and cell not in choice and (cell or self.column.filled):
+                raise self.refusal(
+                    row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. Choose one."
+                )
+        return list(cells)
+
+    def numbers(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64]:
+        """Return the numbers of the column in its unit. Raises TableError if one is not valid."""
+        values = self._plain(cells, mark)
+        if values is None:
+            values = np.array([self._number(row, cell, mark) for row, cell in enumerate(cells)], float)
+        values = self.place.converted(values)
+        low, high = self.column.minimum, self.column.maximum
+        for row in np.flatnonzero((values < low) | (values > high))[:1].tolist():
+            got = f"{quoted(cells[row])}{self._unit(self.place.factor)}"
+            raise self.refusal(row, f"the value must be {self._limits()}; got {got}. Check value and unit.")
+        parts = ~np.isnan(values) & (values != np.floor(values)) & self.column.whole
+        for row in np.flatnonzero(parts)[:1].tolist():
+            raise self.refusal(row, f"the value must be an integer; got {quoted(cells[row])}. Round it.")
+        return values
+
+    def _plain(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64] | None:
+        """Return the values where every cell is a number with a point, the quick way; None where one is not."""
+        if not PLAIN.fullmatch("".join(cells)):
+            return None
+        try:
+            values = np.array([float(cell) for cell in cells], float)
+        except ValueError:
+            return None
+        marked = [next((row for row, cell in enumerate(cells) if "." in cell), None)]
+        if marked[0] is not None and not mark.decimal:  # one that decides, if there is one
+            marked.append(
+                next((row for row, cell in enumerate(cells) if "." in cell and not THOUSANDS.fullmatch(cell)), None)
+            )
+        for row in marked:
+            if row is not None:
+                mark.check(cells[row], int(self.places[row]), self.column.name)
+        return values if np.all(np.isfinite(values)) else None
+
+    def _number(self, row: int, cell: str, mark: DecimalMark) -> float:
+        if not cell and not self.column.filled:
+            return math.nan
+        plain = cell.replace(MINUS, "-")
+        if not NUMBER.fullmatch(plain):
+            wrong = "the cell is empty" if not cell else f"got {quoted(cell)}"
+            raise self.refusal(row, f"the value must be a number; {wrong}. Write it as 0.015 or 1.5e-2.")
+        if "." in plain or "," in plain:
+            mark.check(plain, int(self.places[row]), self.column.name)
+            plain = plain.replace(",", ".")
+        value = float(plain)
+        if not math.isfinite(value):
+            raise self.refusal(row, f"the value must be below 1.8e308 in size; got {quoted(cell)}. Check it.")
+        return value
+
+    def _limits(self) -> str:
+        low, high, unit = self.column.minimum, self.column.maximum, self._of_unit(self.column.unit)
+        if math.isinf(high):
+            return f"at least {low:g}{unit}"
+        return f"from {low:g} to {high:g}{unit}"
+
+    def _unit(self, both: tuple[float, float]) -> str:
+        if both != (1.0, 1.0):
+            return f", in the file's unit, 1 of which is {both[0] / both[1]:g}{self._of_unit(self.column.unit)}"
+        return self._of_unit(self.column.unit)
+
+    def _of_unit(self, unit: str) -> str:
+        return "" if unit == "1" else f" {unit}"
