@@ -13,22 +13,24 @@ _NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
 NAMESPACES = {"xmlns:ssc": f"{_NAMESPACE}Common", "xmlns:ssv": f"{_NAMESPACE}ParameterValues"}
 
 
-def parameter_file(name: str, description: str, values: Mapping[str, float], variables: Iterable[Variable]) -> bytes:
+def parameter_file(
+    name: str, description: str, values: Mapping[str, float | str], variables: Iterable[Variable]
+) -> bytes:
     """Return a set of values in SI units for an FMU.
 
     Parameters
     ----------
     name, description : str
         Name and description of the set.
-    values : mapping of str to float
-        Values by name [SI].
+    values : mapping of str to float or str
+        Values by name [SI]; a text for a parameter that holds a path.
     variables : iterable of Variable
         Variables of the FMU.
 
     Raises
     ------
     ValueError
-        If a name is not a variable.
+        If a name is not a variable, or a value is not of its kind.
     """
     known = {variable.name: variable for variable in variables}
     root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "description": description} | NAMESPACES)
@@ -36,7 +38,9 @@ def parameter_file(name: str, description: str, values: Mapping[str, float], var
     for key, value in values.items():
         if key not in known:
             raise ValueError(f"The parameter set {name} has {key}, which is not a variable of the FMU.")
-        real = known[key].kind == "real"
+        real, text = known[key].kind == "real", known[key].kind == "string"
+        if text != isinstance(value, str):
+            raise ValueError(f"The parameter set {name} must have a {known[key].kind} for {key}; got {value!r}.")
         add_parameter(parameters, key, value, real, {"unit": known[key].unit} if real else {})
     used = {known[key].unit for key in values if known[key].kind == "real"}
     units = ET.SubElement(root, "ssv:Units")
@@ -48,9 +52,20 @@ def parameter_file(name: str, description: str, values: Mapping[str, float], var
 
 
 def add_parameter(
-    parent: ET.Element, name: str, value: float, real: bool, more: Mapping[str, str] | None = None
+    parent: ET.Element, name: str, value: float | str, real: bool, more: Mapping[str, str] | None = None
 ) -> None:
-    """Add one parameter to a set; a value that is not real is an integer."""
+    """Add one parameter to a set; a number that is not real is an integer. Raises ValueError if it is not whole."""
     parameter = ET.SubElement(parent, "ssv:Parameter", name=name)
-    text = repr(float(value)) if real else str(int(value))
-    ET.SubElement(parameter, "ssv:Real" if real else "ssv:Integer", {"value": text} | dict(more or {}))
+    if isinstance(value, str):
+        ET.SubElement(parameter, "ssv:String", {"value": value})
+        return
+    ET.SubElement(
+        parameter, "ssv:Real" if real else "ssv:Integer", {"value": text_of(name, value, real)} | dict(more or {})
+    )
+
+
+def text_of(name: str, value: float, real: bool) -> str:
+    """Return a number as XML has it, real or an integer. Raises ValueError if an integer is not whole."""
+    if not real and value != int(value):
+        raise ValueError(f"{name} must be an integer; got {value!r}. Round it.")
+    return repr(float(value)) if real else str(int(value))

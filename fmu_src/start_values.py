@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fmu_src.archive import archive_bytes, contents_of, xml_file
+from fmu_src.parameter_file import text_of
 
 #: File of start values, rows NAME,VALUE, that the binary reads instead of its own, face.c.
 FILE = "resources/start_values.csv"
@@ -27,7 +28,7 @@ def with_start_values(fmu: Path, values: Mapping[str, float]) -> bytes:
     Raises
     ------
     ValueError
-        If the FMU has no variable of a name.
+        If the FMU has no variable of a name, or an integer is not whole.
     """
     contents = contents_of(fmu)
     if not values or NATIVE not in contents:
@@ -38,7 +39,7 @@ def with_start_values(fmu: Path, values: Mapping[str, float]) -> bytes:
     for name, value in values.items():
         if name not in variables:
             raise ValueError(f"{fmu.name} has no variable {name}; its modelDescription.xml lists them.")
-        text = repr(float(value)) if variables[name].tag == "Real" else str(int(value))
+        text = text_of(name, value, variables[name].tag == "Real")
         variables[name].set("start", text)
         rows.append(f"{name},{text}\n")
     return archive_bytes(contents | {"modelDescription.xml": xml_file(about), FILE: "".join(rows).encode()})

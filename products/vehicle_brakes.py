@@ -17,8 +17,7 @@ from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI
 from brake_controller.timing import with_release_time
 from products.braked_vehicle import DISCS, TIMED
 from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, cylinder_air, of_pads
-from products.vehicle_entries import Entry, number_of
-from readers.text import shown
+from products.vehicle_entries import Entry, choice_of, number_of
 
 #: Friction laws of shoes by their names in a file.
 FRICTION_LAWS = {"constant": CONSTANT, "cast-iron": KARWATZKI, "composite": COMPOSITE}
@@ -33,13 +32,13 @@ BRAKE_ENTRIES: Mapping[str, Entry] = {
     "percentage": Entry("%", 1.0, 300.0, "brake weight percentage, lambda (EN 16834, from 120 km/h)"),
     "force": Entry("N", 1.0, 1e7, "of the full brake at the rims of all wheelsets"),
     "cylinder_diameter": Entry("m", 0.01, 1.0, "of each cylinder"),
-    "cylinders": Entry("1", 1, 48, "cylinders of the vehicle"),
+    "cylinders": Entry("1", 1, 48, "cylinders of the vehicle", whole=True),
     "rigging_ratio": Entry("1", 0.1, 100.0, "force of all shoes or pads over the force of their cylinder"),
     "rigging_efficiency": Entry("1", 0.01, 1.0, "effective over calculated force"),
     "return_force": Entry("N", 0.0, 1e5, "of the return spring at each piston"),
     "friction": Entry("1", 0.01, 1.0, "mean friction of shoes or pads"),
     "friction_law": Entry("1", 0, 0, "of shoes: constant, cast-iron, composite"),
-    "shoes": Entry("1", 1, 16, "shoes on each wheelset"),
+    "shoes": Entry("1", 1, 16, "shoes on each wheelset", whole=True),
     "friction_radius": Entry("m", 0.01, 1.0, "radius at which pads rub"),
     "full_pressure": Entry("Pa", 1e3, 1e6, "of the cylinders at full brake"),
     "application_time": Entry("s", 0.01, 120.0, "from 0 to 95 % of the full pressure"),
@@ -55,7 +54,8 @@ class SheetBrake:
     """The brake of a vehicle file.
 
     values: parameters of BrakedVehicle [SI]; full_pressure [Pa]; full_torque [N.m]: of one wheelset at the mean
-    friction; application_time [s]: from 0 to 95 %; assumed: how each value was found that the file does not give.
+    friction; application_time [s]: from 0 to 95 %; assumed: how each value was found that the file does not give;
+    entries: as the file has them.
     """
 
     acts_on: str
@@ -64,6 +64,7 @@ class SheetBrake:
     full_torque: float
     application_time: float
     assumed: Mapping[str, str]
+    entries: Mapping[str, Any]
 
 
 def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, radius: float) -> SheetBrake:
@@ -85,9 +86,7 @@ def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, ra
     ValueError
         If an entry is missing, stated twice, without effect or outside its limits.
     """
-    acts_on = table.get("acts_on", "treads")
-    if acts_on not in ("treads", "discs"):
-        raise ValueError(f"[brake] acts_on must be treads or discs; got {shown(acts_on)}.")
+    acts_on = choice_of(("treads", "discs"), table.get("acts_on", "treads"), "[brake] acts_on", "Choose one.")
     given = {
         key: number_of(BRAKE_ENTRIES[key], value, f"[brake] {key}")
         for key, value in table.items()
@@ -118,7 +117,7 @@ def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, ra
         values |= {"shoes": given["shoes"]} if "shoes" in given else {}
     torque = _normal_force(rigging, pressure) * friction * arm
     lasts = timed["application_time"]
-    return SheetBrake(acts_on, values, pressure, torque, lasts, _assumed(table, acts_on, stated))
+    return SheetBrake(acts_on, values, pressure, torque, lasts, _assumed(table, acts_on, stated), dict(table))
 
 
 def _times() -> dict[str, float]:
@@ -139,9 +138,7 @@ def _statement(given: Mapping[str, float]) -> tuple[str, ...]:
 
 
 def _law(table: Mapping[str, Any], acts_on: str) -> int:
-    name = table.get("friction_law", "constant")
-    if name not in FRICTION_LAWS:
-        raise ValueError(f"[brake] friction_law must be one of {', '.join(FRICTION_LAWS)}; got {shown(name)}.")
+    name = choice_of(FRICTION_LAWS, table.get("friction_law", "constant"), "[brake] friction_law", "Choose one.")
     if name != "constant" and "friction" in table:
         raise ValueError(f"[brake] friction must be left out with friction_law {name}, which gives it; got both.")
     return FRICTION_LAWS[name]

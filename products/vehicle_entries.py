@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import Field, dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from rbd_model.vehicle.parameters import (
     tables_5_1_and_5_2,
 )
 from readers.command_line import number_in
+from readers.documents import is_number
 from readers.text import quoted, shown
 from readers.units import different_units, likely_unit
 
@@ -33,7 +34,7 @@ class Entry:
     """A number of a vehicle file: unit of a value without one, limits in it, meaning.
 
     parameter: that of the set which it gives alone. above_rail: it is a height above the rail; the set has that above
-    the axles.
+    the axles. whole: it is an integer.
     """
 
     unit: str
@@ -42,6 +43,7 @@ class Entry:
     text: str
     parameter: str = ""
     above_rail: bool = False
+    whole: bool = False
 
 
 HEAVIEST = 1e6
@@ -74,7 +76,8 @@ RESISTANCE: Mapping[str, tuple[str, Entry]] = {
 def parameter_entry(item: Field[Any]) -> Entry:
     """Return the entry for a parameter of a set, by its unit and limits."""
     about = item.metadata
-    return Entry(about["unit"], about["minimum"], about["maximum"], about["description"])
+    whole = about["kind"] == "integer"
+    return Entry(about["unit"], about["minimum"], about["maximum"], about["description"], whole=whole)
 
 
 def number_of(entry: Entry, value: Any, name: str) -> float:
@@ -97,11 +100,14 @@ def number_of(entry: Entry, value: Any, name: str) -> float:
     found: float | None = None
     if isinstance(value, str):
         found = number_in(value, entry.unit)
-    elif isinstance(value, int | float) and not isinstance(value, bool):
+    elif is_number(value):
         found = float(value)
-    if found is not None and math.isfinite(found) and entry.least <= found <= entry.most:
+    inside = found is not None and math.isfinite(found) and entry.least <= found <= entry.most
+    if found is not None and inside and not (entry.whole and found != int(found)):
         return found
     limits = f"{name} must be {_limits(entry)}; got {shown(value)}."
+    if inside:
+        raise ValueError(limits + " Round it.")
     if found is None and isinstance(value, str) and "," in value:
         raise ValueError(limits + " Write a decimal point instead of the comma.")
     if found is None:
@@ -112,11 +118,20 @@ def number_of(entry: Entry, value: Any, name: str) -> float:
 
 def _limits(entry: Entry) -> str:
     unit = "" if entry.unit == "1" else f" {entry.unit}"
+    if entry.whole:
+        return f"an integer from {entry.least:g} to {entry.most:g}"
     if math.isinf(entry.least) and math.isinf(entry.most):
         return f"a finite number{unit and ' of'}{unit}"
     if math.isinf(entry.most):
         return f"at least {entry.least:g}{unit}"
     return f"from {entry.least:g} to {entry.most:g}{unit}"
+
+
+def choice_of(choices: Collection[str], value: Any, name: str, remedy: str) -> str:
+    """Return a text of a file that is one of some. Raises ValueError."""
+    if not isinstance(value, str) or value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(choices)}; got {shown(value)}. {remedy}")
+    return value
 
 
 def check_names(table: Mapping[str, Any], known: Iterable[str], where: str) -> None:

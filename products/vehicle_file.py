@@ -11,7 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet
-from products.vehicle_entries import ENTRIES, HEAVIEST, LIKE, RESISTANCE, check_names, number_of, parameter_entry
+from products.vehicle_entries import (
+    ENTRIES,
+    HEAVIEST,
+    LIKE,
+    RESISTANCE,
+    check_names,
+    choice_of,
+    number_of,
+    parameter_entry,
+)
 from rbd_model.contact.geometry import synthetic_pair
 from rbd_model.contact.pair_file import read_pair
 from rbd_model.vehicle.description import Vehicle
@@ -37,6 +46,8 @@ SETTINGS = frozenset(
 ONLY_IN_SPACE = frozenset(
     f"{part}_{axis}_inertia" for part in ("body", "frame", "wheelset") for axis in ("roll", "yaw")
 )
+#: Longest name of a vehicle.
+LONGEST_NAME = 60
 #: Tables of a file beside the entries at its top.
 TABLES = ("resistance", "brake", "parameters")
 
@@ -162,8 +173,9 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     check_names(read, [*ENTRIES, "name", "like", "profile_file", *TABLES], "")
     tables = {table: _table(read, table) for table in TABLES}
     title, like, axles = read.get("name", name), _like(read), _axles(read)
-    if not isinstance(title, str):
-        raise ValueError(f"name must be a text; got {shown(title)}. Put it in quotes.")
+    if not isinstance(title, str) or not title.isprintable() or not 0 < len(title) <= LONGEST_NAME:
+        limit = f"name must be a printable text of at most {LONGEST_NAME} characters"
+        raise ValueError(f"{limit}; got {shown(title)}. Put it in quotes, or shorten it.")
     profiles = read.get("profile_file")
     if not isinstance(profiles, str | None):
         raise ValueError(f"profile_file must be the path of a contact table; got {shown(profiles)}. Put it in quotes.")
@@ -207,10 +219,7 @@ def _table(read: Mapping[str, Any], name: str) -> Mapping[str, Any]:
 
 def _like(read: Mapping[str, Any]) -> str:
     default = "bogie" if read.get("axles") == 2 else "coach"
-    like = read.get("like", default)
-    if like not in LIKE:
-        raise ValueError(f"like must be one of {', '.join(LIKE)}; got {shown(like)}. Name the most similar one.")
-    return str(like)
+    return choice_of(LIKE, read.get("like", default), "like", "Name the most similar one.")
 
 
 def _axles(read: Mapping[str, Any]) -> int:

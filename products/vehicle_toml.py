@@ -42,19 +42,23 @@ def built_in_sheet(name: str) -> DataSheet:
 
 
 def toml_of_sheet(sheet: DataSheet) -> str:
-    """Return the text of a file with every parameter of a vehicle; reading it gives the same parameters.
+    """Return the text of a file with every parameter of a vehicle, its brake and its profiles.
 
-    A parameter is written as an entry of the data sheet where this is exact, otherwise in [parameters].
+    Reading it gives the same vehicle. A parameter is written as an entry of the data sheet where this is exact,
+    otherwise in [parameters].
     """
-    values, rows = sheet.parameters.values(), []
-    rows += [f"name = {json.dumps(sheet.name)}", f"like = {json.dumps(sheet.like)}", f"axles = {sheet.axles}"]
+    values = sheet.parameters.values()
+    rows = [f"name = {_literal(sheet.name)}", f"like = {_literal(sheet.like)}", f"axles = {sheet.axles}"]
     entries = {key: text for key, entry in ENTRIES.items() if (text := _exact(key, entry, values)) is not None}
-    rows += [f"{key} = {json.dumps(text)}" for key, text in entries.items()]
+    rows += [f"{key} = {_literal(text)}" for key, text in entries.items()]
     written = {ENTRIES[key].parameter for key in entries}
+    rows += [] if sheet.profile_file is None else [f"profile_file = {_literal(str(sheet.profile_file))}"]
     if sheet.resistance:
         rows += ["", "[resistance]"]
         named = {parameter: (key, entry.unit) for key, (parameter, entry) in RESISTANCE.items()}
         rows += [f'{named[one][0]} = "{value!r} {named[one][1]}"' for one, value in sheet.resistance.items()]
+    if sheet.brake is not None:
+        rows += ["", "[brake]", *(f"{key} = {_literal(value)}" for key, value in sheet.brake.entries.items())]
     rows += ["", "[parameters]"]
     for item in fields(sheet.parameters):
         if item.name not in written:
@@ -62,6 +66,11 @@ def toml_of_sheet(sheet: DataSheet) -> str:
             number = repr(values[item.name])
             rows.append(f"{item.name} = {number}" if unit == "1" else f'{item.name} = "{number} {unit}"')
     return "\n".join([*rows, ""])
+
+
+def _literal(value: str | float) -> str:
+    """Return a text or a number as TOML has it."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f") if isinstance(value, str) else repr(value)
 
 
 def _exact(key: str, entry: Entry, values: dict[str, float]) -> str | None:
@@ -79,7 +88,9 @@ def _exact(key: str, entry: Entry, values: dict[str, float]) -> str | None:
 
 
 def write_vehicle(sheet: DataSheet, path: str | Path) -> Path:
-    """Write a vehicle as a TOML file, and check that reading it gives the same parameters.
+    """Write a vehicle as a TOML file: parameters, brake, resistance and the path of its contact table.
+
+    Reading it gives the same vehicle. Values that were assumed are then stated.
 
     Raises
     ------

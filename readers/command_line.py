@@ -8,6 +8,7 @@ import errno
 import math
 import re
 import secrets
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -22,6 +23,8 @@ from readers.units import different_units, factor, likely_unit
 NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 #: An argument that begins so is a negative value, not an option.
 NEGATIVE = re.compile(r"-(\d|\.\d)")
+#: Speed without a unit from which it is reported in km/h too, as trains are rarely that fast [m/s]: 144 km/h.
+REPORTED_SPEED = 40.0
 #: Share of letters in common from which an option is suggested.
 NEAR = 0.7
 #: Messages of argparse, and their replacements, functions of the groups of the pattern.
@@ -111,13 +114,17 @@ def quantity(
     Returns
     -------
     Callable
-        Function of a string that returns a number [unit]. It raises `argparse.ArgumentTypeError` with one message.
+        Function of a string that returns a number [unit]. It raises `argparse.ArgumentTypeError` with one message. A
+        speed above REPORTED_SPEED without a unit is reported on standard error.
     """
 
     def read(text: str) -> float:
         value = number_in(text, unit)
         inside = value is not None and math.isfinite(value) and (least < value if above else least <= value)
         if value is not None and inside and value <= most:
+            if unit == "m/s" and value > REPORTED_SPEED and not text.strip()[-1:].isalpha():
+                said = f"{name} {text} is read as {value:g} m/s = {3.6 * value:g} km/h. For km/h write {text}km/h."
+                print(said, file=sys.stderr)
             return value
         limit = f"{name} must be {_limits(unit, least, most, above)}; got {shown(text)}."
         if value is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,14 @@ def test_a_built_in_vehicle_survives_the_way_through_a_file(name: str, tmp_path:
     again = bb.read_vehicle(write_vehicle(sheet, tmp_path / "vehicle.toml"))
     assert again.parameters == sheet.parameters
     assert not again.assumed
+
+
+@pytest.mark.parametrize("name", names_of_examples())
+def test_a_written_vehicle_keeps_brake_profiles_and_resistance(name: str, tmp_path: Path) -> None:
+    write_pair(thesis_pair(), tmp_path / "pair.csv")
+    sheet = replace(bb.read_vehicle(EXAMPLES / f"{name}.toml"), name='Bär "1"', profile_file=tmp_path / "pair.csv")
+    again = bb.read_vehicle(write_vehicle(sheet, tmp_path / "vehicle.toml"))
+    assert replace(again, assumed={}) == replace(sheet, assumed={})
 
 
 @pytest.mark.parametrize("tare", ["38 t", "38000 kg", 38000, "38000", "38e3kg"])
@@ -174,6 +183,8 @@ def test_profiles_of_a_file_reach_runs_at_level_3_and_the_fmu(tmp_path: Path) ->
     sheet = bb.read_vehicle(tmp_path / "wagon.toml")
     assert unfolded(sheet, {"level": 3})[1]["profile_file"] == str(tmp_path / "pair.csv")
     assert "profile_file" not in unfolded(sheet, {})[1]
+    assert main(["vehicle", "parameters", str(tmp_path / "wagon.toml")]) == 0
+    assert f'<ssv:String value="{tmp_path / "pair.csv"}"' in (tmp_path / "wagon.ssv").read_text(encoding="utf-8")
     contents = contents_of(bb.write_fmu(sheet, tmp_path / "wagon.fmu"))
     assert contents["resources/pair.csv"] == (tmp_path / "pair.csv").read_bytes()
     (tmp_path / "pair.csv").write_text("y,z\n0,0\n")
@@ -206,7 +217,13 @@ REFUSED = [
     ({"wheel_diameter": "0,92 m"}, "Write a decimal point instead of the comma"),
     ({"length": "18 m", "pivot_distance": "19 m"}, "length must be at least the pivot_distance of 19 m; got 18 m"),
     ({"profile_file": 7}, "profile_file must be the path of a contact table; got 7"),
-    ({"name": 7}, "name must be a text; got 7"),
+    ({"name": 7}, "name must be a printable text of at most 60 characters; got 7"),
+    ({"name": "a\nb"}, "name must be a printable text"),
+    ({"like": ["coach"]}, "like must be one of coach, coal-wagon, bogie; got"),
+    ({"tare": True}, "tare must be from 1 to 1e+06 kg; got true"),
+    ({"brake": BRAKE | {"friction_law": {}}}, "[brake] friction_law must be one of"),
+    ({"brake": BRAKE | {"shoes": 2.5}}, "[brake] shoes must be an integer from 1 to 16; got 2.5. Round it."),
+    ({"parameters": {"flange_at_rail": 0.5}}, "[parameters] flange_at_rail must be an integer from 0 to 1; got 0.5"),
 ]
 
 

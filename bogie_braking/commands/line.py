@@ -80,34 +80,26 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _check(chosen: argparse.Namespace, line: Any) -> int:
-    from rbd_model.track.line_check import check_line
-    from rbd_model.track.line_files import account_of
-    from scenarios.reporting.line_check_picture import figure_of_check
-
-    check = check_line(line, chosen.speed)
-    picture = _save(figure_of_check(line, check, chosen.speed), chosen.out / f"{chosen.file.stem}.png")
+    check, place, account = _drawn(line, chosen.speed, chosen.out / f"{chosen.file.stem}.png")
     if chosen.json:
-        print(json.dumps(document_of(check, chosen.speed) | {"picture": str(picture)}, indent=2))
+        print(json.dumps(document_of(check, chosen.speed) | {"picture": str(place)}, indent=2))
     elif not chosen.quiet:
-        print("\n".join(filter(None, [str(account_of(line)), text_of(check, chosen.speed), f"picture: {picture}"])))
+        print("\n".join(filter(None, [str(account), text_of(check, chosen.speed), f"picture: {place}"])))
     return HOLDS
 
 
 def _import(chosen: argparse.Namespace, line: Any) -> int:
     from rbd_model.track.line import NAMES
-    from rbd_model.track.line_check import check_line
-    from rbd_model.track.line_files import account_of
     from rbd_model.track.line_points import LineFromPoints
-    from scenarios.reporting.line_check_picture import figure_of_check, figure_of_points
+    from scenarios.reporting.line_check_picture import figure_of_points
 
     rows = line.lines_of([name for name in NAMES if name in line.rows])
     write_whole(chosen.out, ("\n".join(rows) + "\n").encode(), "name another file with --out")
-    check = check_line(line, SPEED)
-    pictures = [_save(figure_of_check(line, check, SPEED), chosen.out.with_suffix(".png"))]
+    check, place, account = _drawn(line, SPEED, chosen.out.with_suffix(".png"))
+    pictures = [place]
     if isinstance(line, LineFromPoints):
         place = chosen.out.with_name(f"{chosen.out.stem}-points.png")
         pictures.append(_save(figure_of_points(line), place))
-    account = account_of(line)
     if chosen.json:
         found = {"line": str(chosen.out), "pictures": [str(one) for one in pictures], **vars(account)}
         print(json.dumps(found | document_of(check, SPEED), indent=2))
@@ -115,6 +107,16 @@ def _import(chosen: argparse.Namespace, line: Any) -> int:
         text = f"line:     {chosen.out}, {check.rows} rows, {check.end - check.begin:.3f} m"
         print("\n".join(filter(None, [str(account), text, *(f"picture:  {one}" for one in pictures)])))
     return HOLDS
+
+
+def _drawn(line: Any, speed: float, place: Path) -> tuple[Any, Path, Any]:
+    """Return the check of a line at a speed [m/s], the path of its picture, and the account of its import."""
+    from rbd_model.track.line_check import check_line
+    from rbd_model.track.line_files import account_of
+    from scenarios.reporting.line_check_picture import figure_of_check
+
+    check = check_line(line, speed)
+    return check, _save(figure_of_check(line, check, speed), place), account_of(line)
 
 
 def _save(figure: Any, place: Path) -> Path:

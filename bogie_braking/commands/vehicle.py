@@ -111,8 +111,13 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     check_out(path, chosen.file)
     check_folder(path.parent)
     text = f"{sheet.name}: {sheet.mass / 1e3:.2f} t, like the {sheet.like}"
-    write_whole(path, parameter_file(sheet.name, text, sheet.values, variables_of(sheet.fmu)))
+    values: dict[str, float | str] = {**sheet.values}
+    if sheet.profile_file is not None:
+        values["profile_file"] = str(sheet.profile_file)
+    write_whole(path, parameter_file(sheet.name, text, values, variables_of(sheet.fmu)))
     print(f"{path}  for the FMU {sheet.fmu}")
+    if sheet.profile_file is not None:
+        print(f"It names {sheet.profile_file}, which must stay there, for level 3.")
 
 
 def export(chosen: argparse.Namespace) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from bogie_braking.machines import Runnable
 from bogie_braking.simulation import Simulation, run
+from products.machine import filling_by_time
 from products.vehicle_file import BRAKED_FMU, DataSheet
 from rbd_model.linear import Mode, critical_speed, oscillations
 from rbd_model.track.friction import RailCondition, dry, low, very_low, wet
@@ -95,8 +96,8 @@ def stopping_distance(sheet: DataSheet, speed: float, rail: RailCondition) -> fl
     if sheet.fmu == BRAKED_FMU:
         brake = {f"pressure_demand_{number}": sheet.brake.full_pressure for number in numbers}
     else:
-        torque, lasts = sheet.brake.full_torque, sheet.brake.application_time
-        brake = {f"brake_torque_{n}": lambda t: torque * (1 - 20.0 ** (-t / lasts)) for n in numbers}
+        torque, share = sheet.brake.full_torque, filling_by_time(sheet.brake.application_time)
+        brake = {f"brake_torque_{number}": lambda t: torque * share(t) for number in numbers}
     ended = run(what, LONGEST, None, ["distance", "speed"], 1.0, **values, **brake)
     return float(ended["distance"][-1]) if ended["speed"][-1] < 0.05 else float("nan")
 

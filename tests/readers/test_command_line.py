@@ -70,6 +70,22 @@ def test_a_refusal_is_one_sentence_without_usage(given: str, sentence: str) -> N
     assert str(caught.value) == sentence
 
 
+@pytest.mark.parametrize(
+    ("given", "value", "said"),
+    [
+        ("80", 80.0, "--speed 80 is read as 80 m/s = 288 km/h. For km/h write 80km/h.\n"),
+        ("25", 25.0, ""),
+        ("80 m/s", 80.0, ""),
+        ("180km/h", 50.0, ""),
+    ],
+)
+def test_a_speed_that_may_be_in_kmh_is_reported(
+    given: str, value: float, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert quantity("--speed", "m/s", 0.1, 200.0)(given) == value
+    assert capsys.readouterr().err == said
+
+
 def test_a_folder_is_looked_at_and_left_as_it_was(tmp_path: Path) -> None:
     check_folder(tmp_path / "a" / "b")
     assert not list(tmp_path.iterdir())
