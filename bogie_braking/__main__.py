@@ -25,6 +25,7 @@
   bogie-braking consist check train.toml                         masses, brakes, stops of a consist
   bogie-braking live                                             pages that brake a coach, a bogie or a train
   bogie-braking vehicle check mine.toml                          your vehicle from a file: loads, modes, stops, its FMU
+  bogie-braking benchmark                                        published cases, by this project and other programs
   bogie-braking build bogie                                      FMUs; build --help says more
   bogie-braking run levels --json | jq .rows                     the summary for a program
   for name in $(bogie-braking list --quiet); do ...              the names alone

@@ -7,7 +7,10 @@ from pathlib import Path
 from typing import Any
 
 #: Folders of templates, styles and scripts: those of all pages, then those of each.
-PLACES = [Path(__file__).parents[1] / room for room in ("web", "live/web", "controllers/web", "reporting/page")]
+PLACES = [
+    Path(__file__).parents[1] / room
+    for room in ("web", "live/web", "controllers/web", "reporting/page", "benchmark/web")
+]
 
 
 def filled(template: str, filters: dict[str, Callable[..., Any]] | None = None, **parts: Any) -> str:

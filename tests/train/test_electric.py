@@ -17,7 +17,10 @@ from products.train.fmu import build_train_fmu
 from products.train.numbers import Settings
 from products.train.summary import stopping_distance
 from products.train.train import Train
+from scenarios.benchmark.case_file import CASES, read_case
 
+#: Published answers of the worked example of EN 14531-1.
+EXAMPLE = read_case(CASES / "en-14531-1-twelve-axles.toml").points[0].published
 #: Models of a train's brake.
 MODELS = ("whole", "empirical", "delay")
 #: A metro car: electric brake of 70 kN up to 900 kW, faded out below 10 km/h; air by an electric command.
@@ -78,14 +81,16 @@ def test_twelve_axles_of_en_14531_1_stop_in_1242_9_m(model: str, tmp_path: Path)
     A rise to 100 % in 3 s is one to 95 % in 2.85 s.
     """
     path = tmp_path / "axles.csv"
-    write_consist(axles({"brake_force": 16.0735}, {"brake_force": 9.10419}), path)
+    write_consist(
+        axles({"brake_force": EXAMPLE["tread_force"] / 1e3}, {"brake_force": EXAMPLE["disc_force"] / 1e3}), path
+    )
     train = Train(read_consist(path), speed=45.0, settings=Settings(model, cells=1.0))
     assert sum((1 + one.rotating_share) * one.mass for one in train.consist.vehicles) == pytest.approx(
         190.2e3, rel=1e-12
     )
     train.drive("emergency")
-    assert stop(train) == pytest.approx(1242.91, rel=1e-3)
-    assert train.brake_force.sum() == pytest.approx(151066.15, rel=1e-6)
+    assert stop(train) == pytest.approx(EXAMPLE["distance"], rel=1e-3)
+    assert train.brake_force.sum() == pytest.approx(EXAMPLE["brake_force"], rel=1e-6)
 
 
 def test_the_same_axles_by_their_cylinders_have_its_forces() -> None:
@@ -99,9 +104,9 @@ def test_the_same_axles_by_their_cylinders_have_its_forces() -> None:
     train = Train(consist_of(own), speed=45.0, settings=Settings("whole", cells=1.0))
     train.drive("emergency")
     distance = stop(train)
-    assert train.brake_force[[0, 2]] == pytest.approx([16073.50, 9104.19], rel=1e-6)
-    assert train.brake_force.sum() == pytest.approx(151066.15, rel=1e-6)
-    assert 1242.91 < distance < 1245.5  # springs are overcome first
+    assert train.brake_force[[0, 2]] == pytest.approx([EXAMPLE["tread_force"], EXAMPLE["disc_force"]], rel=1e-6)
+    assert train.brake_force.sum() == pytest.approx(EXAMPLE["brake_force"], rel=1e-6)
+    assert EXAMPLE["distance"] < distance < 1245.5  # springs are overcome first
 
 
 def test_a_stop_with_a_linear_build_up_has_its_closed_form() -> None:

@@ -1,0 +1,139 @@
+"""Files of cases: inputs with units, a question, published answers, and where they are from.
+
+A case is a TOML file. `[inputs]` has every input once, with its unit. `[answers.NAME]` defines each answer.
+`[[points]]` have the published answers, and the inputs in which a point differs from `[inputs]`; they may be a table in
+a CSV file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from fmu_src.suggestion import suggestion
+from readers.documents import is_number
+from readers.text import FileError, shown
+from readers.toml_files import toml_of
+from scenarios.benchmark.case import Answer, Case, Unknown
+from scenarios.benchmark.entries import NAME, check_names, flat, input_at, quantity_at, table_at, text_at, valid_name
+from scenarios.benchmark.points_file import check_percent, points_of
+from scenarios.benchmark.quantities import Input, si_unit
+
+#: Cases of the package.
+CASES = Path(__file__).parent / "cases"
+#: Entries of a case that are strings; of these all but `note` are required.
+TEXTS = ("title", "question", "description", "source", "licence", "sureness", "note")
+TABLES = ("inputs", "answers", "points", "unknown")
+#: Entries of an answer.
+OF_ANSWER = ("what", "unit", "judged", "within", "within_percent")
+DISTRIBUTIONS = ("uniform", "normal", "list")
+
+
+def read_case(path: str | Path) -> Case:
+    """Return a case from its file.
+
+    Raises
+    ------
+    FileError
+        If an entry is missing, unknown, or not what it must be; the message names file and place.
+    """
+    path = Path(path)
+    read = toml_of(path)
+    if not NAME.fullmatch(path.stem) or path.suffix != ".toml":
+        raise FileError(
+            f"{path} must be named in small letters, digits and hyphens, with .toml; got {shown(path.name)}. Rename it."
+        )
+    check_names(read, (*TEXTS, *TABLES), str(path))
+    texts = {name: text_at(read, name, str(path)) for name in TEXTS if name != "note" or name in read}
+    inputs, units = inputs_of(table_at(read, "inputs", str(path)), f"{path}, inputs")
+    answers = {
+        name: answer_of(name, one, f"{path}, answers.{name}")
+        for name, one in table_at(read, "answers", str(path)).items()
+        if valid_name(name, f"{path}, answers", inputs)
+    }
+    if not answers:
+        raise FileError(f"{path} must have at least one table [answers.NAME]; got none. Add one.")
+    points = points_of(read.get("points"), path, inputs, units, answers)
+    unknown = {
+        name: unknown_of(name, one, units, f"{path}, unknown.{name}")
+        for name, one in flat(read.get("unknown", {}), f"{path}, unknown", DISTRIBUTIONS).items()
+    }
+    check_percent(answers, points, str(path))
+    return Case(path.stem, path, **{"note": "", **texts}, units=units, answers=answers, points=points, unknown=unknown)
+
+
+def cases_in(places: Iterable[Path]) -> dict[str, Path]:
+    """Return the files of cases by name; a place is a folder, or the file of one case.
+
+    Raises
+    ------
+    FileError
+        If a folder has no case, or two cases have one name.
+    """
+    found: dict[str, Path] = {}
+    for place in places:
+        files = [place] if place.is_file() else sorted(place.glob("*.toml"))
+        if not files:
+            raise FileError(f"{place} must be a case, NAME.toml, or a folder with cases; got none. Check the path.")
+        for path in files:
+            if path.stem in found:
+                raise FileError(f"{path} must have a name of its own; {found[path.stem]} has it. Rename it.")
+            found[path.stem] = path
+    return found
+
+
+def inputs_of(table: dict[str, Any], place: str) -> tuple[dict[str, Input], dict[str, str]]:
+    values: dict[str, Input] = {}
+    units: dict[str, str] = {}
+    for name, given in flat(table, place).items():
+        valid_name(name, place)
+        values[name], units[name] = input_at(f"{place}.{name}", given)
+    return values, units
+
+
+def answer_of(name: str, table: Any, place: str) -> Answer:
+    if not isinstance(table, dict):
+        raise FileError(f"{place} must be a table; got {shown(table)}.")
+    check_names(table, OF_ANSWER, place)
+    what, unit = text_at(table, "what", place), text_at(table, "unit", place)
+    try:
+        own = si_unit(unit)
+    except FileError as error:
+        raise FileError(f"{place}: {error}") from None
+    judged, percent = table.get("judged"), table.get("within_percent")
+    if not isinstance(judged, bool):
+        raise FileError(f"{place}: judged must be true or false; got {shown(judged)}. Write judged = false to show it.")
+    if "within" in table and percent is not None:
+        raise FileError(f"{place} must have within or within_percent; got both. Remove one.")
+    if judged and "within" not in table and percent is None:
+        raise FileError(f"{place} must have within or within_percent where it is judged; got none. Add one.")
+    if percent is not None and not (is_number(percent) and percent > 0.0):
+        raise FileError(f"{place}: within_percent must be a number above 0; got {shown(percent)}.")
+    bound = None if percent is None else float(percent) / 100.0
+    if "within" in table:
+        bound = quantity_at(f"{place}.within", table["within"], own)
+        if bound <= 0.0:
+            raise FileError(f"{place}: within must be above 0; got {shown(table['within'])}.")
+    return Answer(name, what, unit, judged, bound, "within" not in table)
+
+
+def unknown_of(name: str, table: Any, units: Mapping[str, str], place: str) -> Unknown:
+    if not units.get(name):
+        raise FileError(f"{place} must be the name of an input that is a number; {suggestion(name, units)}")
+    if not isinstance(table, dict):
+        raise FileError(f"{place} must be a table; got {shown(table)}.")
+    check_names(table, (*DISTRIBUTIONS, "source"), place)
+    kinds = [one for one in DISTRIBUTIONS if one in table]
+    if len(kinds) != 1:
+        raise FileError(f"{place} must have one of {', '.join(DISTRIBUTIONS)}; got {' and '.join(kinds) or 'none'}.")
+    values = table[kinds[0]]
+    if not isinstance(values, list) or not values or (kinds[0] != "list" and len(values) != 2):
+        need = "values" if kinds[0] == "list" else "two values"
+        raise FileError(f"{place}: {kinds[0]} must be a list of {need}; got {shown(values)}.")
+    numbers = tuple(quantity_at(f"{place}.{kinds[0]}", one, units[name]) for one in values)
+    if kinds[0] == "uniform" and not numbers[0] < numbers[1]:
+        raise FileError(f"{place}: uniform must have its lower value first; got {shown(values)}. Exchange them.")
+    if kinds[0] == "normal" and not numbers[1] > 0.0:
+        raise FileError(f"{place}: normal must have mean and deviation, above 0; got {shown(values)}.")
+    return Unknown(kinds[0], numbers, text_at(table, "source", place))

@@ -1,0 +1,118 @@
+"""Programs of the benchmark: this project, published formulas, peers, and what a user gives.
+
+A program is a function of a case and the number of its point, which returns answers in SI units by name. A missing
+answer is shown as a dash.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+from types import ModuleType
+from typing import Any
+
+from readers.documents import is_number
+from readers.text import BadInputError, shown
+from scenarios.benchmark import methods, own, peers
+from scenarios.benchmark.case import Case
+
+Answers = Mapping[str, float]
+
+
+class CannotAnswerError(Exception):
+    """A program failed at a point, or returned what is not an answer; the message states the reason."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program: its name, its version, and its answers to a point of a case (numbered from 0)."""
+
+    name: str
+    version: str
+    ask: Callable[[Case, int], Answers]
+
+
+def own_program() -> Program:
+    """Return this project."""
+    return of_module(own)
+
+
+def programs() -> tuple[list[Program], dict[str, str]]:
+    """Return this project, the published formulas and the peers, and the reason of each peer that is missing."""
+    found, missing = [own_program()], {}
+    for module in (*_modules(methods), *_modules(peers)):
+        try:
+            found.append(of_module(module))
+        except ImportError as error:
+            missing[str(module.NAME)] = str(error)
+    return found, missing
+
+
+def _modules(package: ModuleType) -> Iterator[ModuleType]:
+    for one in iter_modules(package.__path__):
+        yield import_module(f"{package.__name__}.{one.name}")
+
+
+def of_module(module: ModuleType) -> Program:
+    """Return the program of an adapter, a module with NAME, `version()` and `answer(question, inputs)`.
+
+    Raises
+    ------
+    ImportError
+        If the adapter's program is not installed.
+    """
+
+    def ask(case: Case, point: int) -> Answers:
+        try:
+            found = module.answer(case.question, dict(case.points[point].inputs))
+        except Exception as error:
+            raise CannotAnswerError(f"{type(error).__name__}: {error}") from error
+        return checked(found, case)
+
+    return Program(str(module.NAME), str(module.version()), ask)
+
+
+def checked(found: Any, case: Case) -> Answers:
+    """Return what a program returned as answers. Raises CannotAnswerError if it is nothing that answers a case."""
+    if found is None:
+        return {}
+    if not isinstance(found, Mapping):
+        raise CannotAnswerError(f"answer must return a dictionary or None; got {shown(found)}.")
+    for name, value in found.items():
+        if name in case.answers and not is_number(value):
+            raise CannotAnswerError(f"{name} must be a finite number; got {shown(value)}. Or leave it out.")
+    if found and not set(found) & case.answers.keys():
+        asked, got = ", ".join(case.answers), ", ".join(map(str, found))
+        raise CannotAnswerError(f"the answers must have one of {asked}; got {shown(got)}.")
+    return {name: float(value) for name, value in found.items() if name in case.answers}
+
+
+def of_file(path: Path) -> Program:
+    """Return a user's program, a Python file with `answer(question, inputs)`, and NAME and VERSION if it has them.
+
+    Raises
+    ------
+    BadInputError
+        If the file cannot be imported, or has no function `answer`.
+    """
+    if not path.is_file():
+        raise BadInputError(f"--program must be a Python file; got {path}, which does not exist. Check the path.")
+    about = importlib.util.spec_from_file_location(f"program_in_{path.stem}", path)
+    if about is None or about.loader is None:
+        raise BadInputError(f"--program must be a Python file, NAME.py; got {path}.")
+    module = sys.modules[about.name] = importlib.util.module_from_spec(about)
+    try:
+        about.loader.exec_module(module)
+    except Exception as error:
+        raise BadInputError(f"Cannot import {path}: {type(error).__name__}: {error}.") from error
+    if not callable(getattr(module, "answer", None)):
+        raise BadInputError(f"{path} must have a function answer(question, inputs); got none. Add it.")
+    module.NAME = str(getattr(module, "NAME", path.stem))  # type: ignore[attr-defined]
+    version = str(getattr(module, "VERSION", "no version stated"))
+    module.version = getattr(module, "version", lambda: version)  # type: ignore[attr-defined]
+    return of_module(module)
