@@ -22,6 +22,7 @@ LONGEST = 60
 #: Choices that are not variables, and how to make them.
 ELSEWHERE = {
     "creep_law": 'a vehicle has it: dataclasses.replace(bogie_braking.vehicle("coach"), creep_law="fastsim").',
+    "poisson_ratio": 'a vehicle has it: dataclasses.replace(bogie_braking.vehicle("coach"), poisson_ratio=0.28).',
 }
 #: A day [s], the longest step of an instance: duration.h of the runtime.
 LONGEST_TIME = 86400.0

@@ -46,8 +46,8 @@ TOLERANCE = 1e-6
 LEVEL, LEVELS = 2, (1, 2, 3)
 #: Time to compile the equations of a level, for each wheelset, on two processors [s].
 COMPILING = {1: 2.0, 2: 2.0, 3: 4.0}
-#: Value that chooses the creep law of a vehicle's treads.
-CREEP_LAW = "creep_law"
+#: Values that choose the creep law of a vehicle's treads, and the Poisson's ratio of its wheels and rails.
+CREEP_LAW, STEEL = "creep_law", "poisson_ratio"
 #: Vehicles as data, by the names of their FMUs.
 VEHICLES: Mapping[str, Callable[[], Vehicle]] = {
     "bogie": two_axle_bogie,
@@ -95,35 +95,39 @@ def vehicle(name: str) -> Vehicle:
 
 
 def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Runnable, dict[str, Any]]:
-    """Return what runs and its values, without a vehicle from a file and without `creep_law`.
+    """Return what runs and its values, without a vehicle from a file, `creep_law` and
+    `poisson_ratio`.
 
     A vehicle from a file becomes its FMU or its description, with its values, which those of the caller replace. A
-    vehicle with another creep law than its own becomes its description with this law.
+    vehicle with another creep law or ratio than its own becomes its description with this law or ratio.
 
     Raises
     ------
     ValueError
-        If the creep law is unknown.
+        If the creep law is unknown, or the ratio is not from 0 to 0.5.
     """
     if not isinstance(what, DataSheet):
-        return _with_creep_law(what, dict(values))
+        return _with_contact(what, dict(values))
     if what.fmu is None:
-        return _with_creep_law(what.vehicle, dict(what.resistance) | dict(values))
+        return _with_contact(what.vehicle, dict(what.resistance) | dict(values))
     if values.get("level", LEVEL) != LEVELS[-1]:
-        return _with_creep_law(what.fmu, what.planar_values | dict(values))
+        return _with_contact(what.fmu, what.planar_values | dict(values))
     table = {} if what.profile_file is None else {"profile_file": str(what.profile_file)}
-    return _with_creep_law(what.fmu, what.values | table | dict(values))
+    return _with_contact(what.fmu, what.values | table | dict(values))
 
 
-def _with_creep_law(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dict[str, Any]]:
-    """Return a vehicle with the law `creep_law` of the values, and the other values; what is not one, as it is."""
+def _with_contact(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dict[str, Any]]:
+    """Return a vehicle with `creep_law` and `poisson_ratio` of the values, and the other values; what is not one, as it
+    is.
+    """
     name = fmu_named(what) if isinstance(what, str) else ""
-    if CREEP_LAW not in values or not (isinstance(what, Vehicle) or name in VEHICLES):
+    if not {CREEP_LAW, STEEL} & {*values} or not (isinstance(what, Vehicle) or name in VEHICLES):
         return what, values
     own = what if isinstance(what, Vehicle) else VEHICLES[name]()
-    law = _law_named(values[CREEP_LAW])
-    rest = {one: value for one, value in values.items() if one != CREEP_LAW}
-    return what if law == own.creep_law else replace(own, creep_law=law), rest
+    law = _law_named(values.get(CREEP_LAW, own.creep_law))
+    changed = replace(own, creep_law=law, poisson_ratio=values.get(STEEL, own.poisson_ratio))
+    rest = {one: value for one, value in values.items() if one not in (CREEP_LAW, STEEL)}
+    return what if changed == own else changed, rest
 
 
 def _law_named(law: object) -> str:

@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass
 
+from rbd_model.contact.creep.kalker import checked_ratio
 from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.of_steel import law_of_ratio
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
+from rbd_model.contact.hertz import POISSON_RATIO
 
 #: Contact models by their number, the value of the parameter contact_model.
 DEPTHS = {
@@ -18,7 +21,7 @@ UNUSED: dict[int, tuple[str, ...]] = {1: ("flange_law",), 2: (), 3: ("creep_law"
 
 @dataclass(frozen=True)
 class Contact:
-    """The contact of wheels and rails: `depth`, a key of DEPTHS, and the creep laws.
+    """The contact of wheels and rails: `depth`, a key of DEPTHS, the creep laws, and Poisson's ratio of the steel.
 
     The `flange_law` is that of the patches of a flange at model 2; model 1 has no such patches. A flange spins, which
     reduces the lateral force of Polach's law. With it the Y/Q at which a wheel climbs is 12 % above Nadal's limit, on
@@ -31,12 +34,14 @@ class Contact:
     Raises
     ------
     ValueError
-        If `depth` is not a key of DEPTHS, or a law is given that the contact model does not use.
+        If `depth` is not a key of DEPTHS, a law is given that the contact model does not use, or Poisson's ratio is not
+        from 0 to 0.5.
     """
 
     depth: int = 1
     creep_law: CreepLaw = polach
     flange_law: CreepLaw = shen_hedrick_elkins
+    poisson_ratio: float = POISSON_RATIO
 
     def __post_init__(self) -> None:
         if self.depth not in DEPTHS:
@@ -45,10 +50,11 @@ class Contact:
         for name in UNUSED[self.depth]:
             if getattr(self, name) is not getattr(Contact, name):  # the law by default
                 raise ValueError(f"Contact model {self.depth} does not use a {name}; leave it out, or take model 2.")
+        checked_ratio(self.poisson_ratio)
 
     def law_of(self, flange: bool) -> CreepLaw:
         """Return the creep law of a patch of a flange or, otherwise, of a tread."""
-        return self.flange_law if flange else self.creep_law
+        return law_of_ratio(self.flange_law if flange else self.creep_law, self.poisson_ratio)
 
 
 #: The contact of the thesis.

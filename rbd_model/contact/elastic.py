@@ -40,7 +40,9 @@ def stiffness_fit() -> StiffnessFit:
     return StiffnessFit(float(q[-1]), tuple(terms.tolist()))
 
 
-def elastic_force(approach: ca.SX, along: ca.SX, across: ca.SX, shear_modulus: ca.SX) -> ca.SX:
+def elastic_force(
+    approach: ca.SX, along: ca.SX, across: ca.SX, shear_modulus: ca.SX, poisson_ratio: float = POISSON_RATIO
+) -> ca.SX:
     """Return the normal force N [N] of Hertz' contact by its approach [m], K delta^1.5; 0 if the bodies are apart.
 
     along, across: the curvatures A and B of (3.83) [1/m]; Johnson (1985), section 4.2. Beyond the fit's range of B/A
@@ -52,7 +54,7 @@ def elastic_force(approach: ca.SX, along: ca.SX, across: ca.SX, shear_modulus: c
     q = ca.fmin(ca.log(across / along), fit.limit)
     pressed = ca.if_else(approach > SMALLEST_APPROACH, approach, SMALLEST_APPROACH)
     stiffness = ca.exp(polynomial(fit.terms, q**2)) / ca.sqrt(along + across)
-    return shear_modulus / (1 - POISSON_RATIO) * stiffness * pressed * ca.sqrt(pressed)
+    return shear_modulus / (1 - poisson_ratio) * stiffness * pressed * ca.sqrt(pressed)
 
 
 def damped(force: ca.SX, closing: ca.SX, damping: ca.SX) -> ca.SX:

@@ -7,8 +7,8 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-#: Poisson's ratio of all vehicles: a column of Kalker's table (`kalker.py`), assumed, because the thesis gives none.
-#: Steel has 0.28. For the effect see docs/limits.md, Creep laws; `OfSteel` (of_steel.py) has creep laws for it.
+#: Default Poisson's ratio: a column of Kalker's table (`kalker.py`), assumed, because the thesis gives none. Steel has
+#: 0.28, see `Vehicle.poisson_ratio`. For the effect see docs/limits.md, Creep laws.
 POISSON_RATIO = 0.25
 #: The arithmetic-geometric mean converges quadratically; 6 rounds reach round-off for axis ratios above 1e-3.
 MEAN_ROUNDS = 6
@@ -74,7 +74,11 @@ def minor_over_major_axis(smaller: ca.SX, larger: ca.SX) -> ca.SX:
 
 
 def ellipse_shape(
-    wheel_radius: ca.SX, wheel_curvature: ca.SX, rail_radius: ca.SX, shear_modulus: ca.SX
+    wheel_radius: ca.SX,
+    wheel_curvature: ca.SX,
+    rail_radius: ca.SX,
+    shear_modulus: ca.SX,
+    poisson_ratio: float = POISSON_RATIO,
 ) -> EllipseShape:
     """Return the contact ellipse of a wheel on a straight rail, eqs (3.82)-(3.88).
 
@@ -87,7 +91,7 @@ def ellipse_shape(
     k, d = elliptic_integrals(g)
     e = k - (1 - g**2) * d
     # c^3 = a b sqrt(a b) for N = 1, with rho = 2/(A + B), eqs (3.84), (3.87)
-    cube = 3 * (1 - POISSON_RATIO) * (2 / (along + across)) * e / (4 * ca.pi * shear_modulus * ca.sqrt(g))
+    cube = 3 * (1 - poisson_ratio) * (2 / (along + across)) * e / (4 * ca.pi * shear_modulus * ca.sqrt(g))
     mean = cube ** (1 / 3)
     # The longer axis lies where the curvature is smaller, eq. (3.86).
     axis_ratio = ca.if_else(along <= across, 1 / g, g)
@@ -161,7 +165,9 @@ def polynomial(coefficients: tuple[float, ...], x: ca.SX) -> ca.SX:
     return value
 
 
-def moving_ellipse(along: ca.SX, across: ca.SX, load: ca.SX, shear_modulus: ca.SX) -> tuple[ca.SX, ca.SX]:
+def moving_ellipse(
+    along: ca.SX, across: ca.SX, load: ca.SX, shear_modulus: ca.SX, poisson_ratio: float = POISSON_RATIO
+) -> tuple[ca.SX, ca.SX]:
     """Return ln(a/b) and semi-axis (a b)^(1/2) [m] of a contact that moves, eqs (3.82), (3.84), (3.87).
 
     along, across: the curvatures A and B [1/m], which change; load [N]. The result equals that of `ellipse_shape`
@@ -174,7 +180,7 @@ def moving_ellipse(along: ca.SX, across: ca.SX, load: ca.SX, shear_modulus: ca.S
     q = ca.fmin(whole, fit.limit)
     past = ca.fmin(whole, fit.end) - q
     logarithm = q * polynomial(fit.ratio, q**2) + polynomial(fit.ratio_on, past)
-    scale = 3 * (1 - POISSON_RATIO) / (2 * ca.pi * shear_modulus)
+    scale = 3 * (1 - poisson_ratio) / (2 * ca.pi * shear_modulus)
     cube = scale * load / (along + ca.fmax(across, floor))
     size = polynomial(fit.size, q**2) + polynomial(fit.size_on, past)
     return logarithm, ca.exp((ca.log(cube) + size) / 3)

@@ -30,7 +30,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from rbd_model.contact.creep.kalker import C11, C22, C23
+from rbd_model.contact.creep.kalker import column
+from rbd_model.contact.hertz import POISSON_RATIO
 from rbd_model.contact.normal import TINY, ContactArea, Steel, lowering_of
 
 #: Cells along each strip; with 128 no creep force changes by more than 1 % of mu N.
@@ -86,8 +87,7 @@ def _arithmetic_geometric_mean(large: np.ndarray, small: np.ndarray) -> np.ndarr
 class Coefficients:
     """c11 / c, c22 / c and c23 / (c (a/b)^(1/2)) by the logarithm of an ellipse's c: Kalker (1990), table E.3.
 
-    Its Poisson's ratio is 0.25, as in all contact models here; at 0.28 those of creepage ahead are 4 % larger. They are
-    constant beyond axis ratios of 10 and 1/10, the ends of his table.
+    They are constant beyond axis ratios of 10 and 1/10, the ends of his table.
     """
 
     logarithm: np.ndarray
@@ -100,10 +100,11 @@ class Coefficients:
 
 
 @lru_cache
-def coefficients() -> Coefficients:
-    """Return the coefficients of the ellipses of Kalker (1990), table E.3."""
+def coefficients(poisson_ratio: float = POISSON_RATIO) -> Coefficients:
+    """Return the coefficients of the ellipses of Kalker (1990), table E.3, at a Poisson's ratio."""
     c = np.array(C_OF_ELLIPSES)
-    return Coefficients(np.log(c), np.array([C11, C22, np.array(C23) / np.sqrt(AXIS_RATIOS)]) / c)
+    c11, c22, c23 = (np.array(column(name, poisson_ratio)) for name in ("c11", "c22", "c23"))
+    return Coefficients(np.log(c), np.array([c11, c22, c23 / np.sqrt(AXIS_RATIOS)]) / c)
 
 
 def c_of_ellipse(axis_ratio: float) -> float:
@@ -144,7 +145,7 @@ def growth_of(patch: ContactArea, creepages: Creepages, steel: Steel) -> Growth:
     pull, *pulls = np.linalg.solve(stretches(away, breadth, a), asked.T).T
     pull = np.maximum(pull, LEAST_PULL)
     c = np.pi**2 / 2 * pull
-    *along, spin = coefficients().of(c)
+    *along, spin = coefficients(steel.poisson_ratio).of(c)
     near = (a**2 + away**2) ** -1.5
     carried, turned = (near.T @ (breadth * a**power) for power in (2, 3))
     stiff = np.array([near @ (breadth * a * c * ratio / carried) for ratio in along]) / np.pi

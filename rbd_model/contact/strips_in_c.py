@@ -15,6 +15,7 @@ from scipy.special import ellipe, ellipkm1
 from fmu_src.chain import Part, part_in_c
 from rbd_model.contact.friction import GAUGE_FACE_BEGINS, HEAD_ENDS
 from rbd_model.contact.geometry import Side
+from rbd_model.contact.hertz import POISSON_RATIO
 from rbd_model.contact.normal import ellipses
 from rbd_model.contact.patches import patches_of
 from rbd_model.contact.profiles import Profile
@@ -33,12 +34,13 @@ KALKER_ERROR = 0.015
 LARGEST_LOGARITHM, LEAST_COMPLEMENT = math.log(30.0), 1e-9
 
 
-def wheel_on_strips(one: Side) -> Part:
+def wheel_on_strips(one: Side, poisson_ratio: float = POISSON_RATIO) -> Part:
     """Return the part of a wheel on its rail: the forces of each segment, from the flange outwards, and the contact's
     place.
 
     Kalker (1982), Knothe and Le The (1984); see strips.c. Radius and distances are constants of the part: wheels that
-    differ only in them share it.
+    differ only in them share it. poisson_ratio: that of Kalker's coefficients; the normal force takes it from the
+    constants.
 
     Raises
     ------
@@ -51,11 +53,13 @@ def wheel_on_strips(one: Side) -> Part:
             f"{one.wheel.name} on {one.rail.name}: contact jumps between {len(segments)} parts of the wheel; contact "
             f"model 3 has room for {MOST_SEGMENTS}: smooth the profiles, or take contact model 2."
         )
-    return part_of_contours(one.wheel, one.rail, tuple(segments))
+    return part_of_contours(one.wheel, one.rail, tuple(segments), poisson_ratio)
 
 
 @lru_cache
-def part_of_contours(wheel: Profile, rail: Profile, segments: tuple[tuple[float, float], ...]) -> Part:
+def part_of_contours(
+    wheel: Profile, rail: Profile, segments: tuple[tuple[float, float], ...], poisson_ratio: float
+) -> Part:
     """Return the part of all wheels with these contours, Knothe and Le The (1984); its name depends on them."""
     numbers = [np.ravel(segments), *wheel.pieces, *rail.pieces]
     content = np.concatenate([np.ravel(one) for one in numbers]).tobytes()
@@ -73,7 +77,7 @@ static void {name}(const double *arguments, const double *constants, double *res
     angles = f"static const double HEAD_ENDS = {HEAD_ENDS!r}, GAUGE_FACE_BEGINS = {GAUGE_FACE_BEGINS!r};\n"
     common = angles + (Path(__file__).parent / "strips.c").read_text(encoding="utf-8")
     counts = (ARGUMENTS, CONSTANTS, OF_SEGMENT * len(segments) + OF_WHEEL)
-    return part_in_c(name, counts, own, f"{common}\n{fits_in_c()}")
+    return part_in_c(name, counts, own, f"{common}\n{fits_in_c(poisson_ratio)}")
 
 
 def segments_of(one: Side) -> list[tuple[float, float]]:
@@ -105,13 +109,13 @@ def contour_entry(name: str, profile: Profile) -> str:
     return f"{{{float(breakpoints[0])!r}, {float(width)!r}, {len(coefficients)}, {name}}}"
 
 
-def fits_in_c() -> str:
+def fits_in_c(poisson_ratio: float = POISSON_RATIO) -> str:
     """Return the `fits_of` of all wheels in C.
 
     They are polynomials through Hertz's ellipses (Johnson 1985), through table E.3 of Kalker (1990) over the result of
     strips for its ellipses, and through K - E.
     """
-    table, kalker = ellipses(), coefficients()
+    table, kalker = ellipses(), coefficients(poisson_ratio)
     kept = np.abs(table.axis_ratio) <= LARGEST_LOGARITHM
     ratio, alpha, kappa = (row[kept] for row in (table.curvature_ratio, table.alpha, table.kappa))
     loads = kappa + 2 * table.axis_ratio[kept]

@@ -14,8 +14,10 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from fmu_src.system import ParameterSet, Relation
+from rbd_model.contact.creep.kalker import checked_ratio
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.geometry import Pair, Sides, thesis_pair
+from rbd_model.contact.hertz import POISSON_RATIO
 from readers.text import shown
 from readers.units import likely_unit
 
@@ -373,6 +375,8 @@ class Vehicle:
         External forces on bodies or wheelsets.
     creep_law : str
         A key of LAWS, for treads. Strips (contact model 3) have their own law and accept only the default.
+    poisson_ratio : float
+        Poisson's ratio of wheels and rails [1], 0 to 0.5: of Kalker's coefficients and of the contact's stiffness.
 
     Raises
     ------
@@ -388,6 +392,7 @@ class Vehicle:
     connections: tuple[SuspensionElement, ...]
     pulls: tuple[Pull, ...] = ()
     creep_law: str = DEFAULT_LAW
+    poisson_ratio: float = POISSON_RATIO
 
     def __post_init__(self) -> None:
         check(self)
@@ -444,6 +449,7 @@ def check(vehicle: Vehicle) -> None:
     if not isinstance(vehicle.creep_law, str) or vehicle.creep_law not in LAWS:
         law, known = vehicle.creep_law, ", ".join(LAWS)
         raise _refused(vehicle, f"creep_law must be one of {known}; got {shown(law)}. Name one, or add yours to LAWS")
+    checked_ratio(vehicle.poisson_ratio)
     if not vehicle.bodies or not vehicle.wheelsets:
         raise _refused(vehicle, "give it at least one body and one wheelset")
     for user, asked, there in _references(vehicle, ends):

@@ -14,7 +14,7 @@ from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import Side
-from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
+from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.contact.pair_table import pair_record
 from rbd_model.contact.patches import check_ellipses, patches_of
@@ -204,8 +204,8 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     feeling = Feeling(state, fixed, track if assembly.on_line else None)
     assert profiles.record is not None
     assert profiles.first_tread is not None
-    laws = assembly.contact.law_of(False), assembly.contact.law_of(True)
-    pressed = system.call(wheel_on_record(*laws, assembly.on_line), *given_of(feeling, profiles.record))
+    contact = assembly.contact
+    pressed = system.call(wheel_on_record(contact, assembly.on_line), *given_of(feeling, profiles.record))
     given = ca.vertcat(state.offset, state.height, state.yaw, state.roll)
     constants = ca.vertcat(fixed.cosines, fixed.wheel, profiles.record)
     approaches = system.call(watched_wheel(flange_alone=False), given, constants)
@@ -229,7 +229,7 @@ def force_of_each(assembly: Assembly, number: int, index: int, feeling: Feeling)
         record = system.of_record(PAIR_FILE, OwnRecord(pair_record, pair), path)
         given = given_of(feeling, record)
         asked = system.call(asked_of_record(patch.flange, assembly.on_line), *given)
-        part = patch_of_record(patch.flange, assembly.contact.law_of(patch.flange), assembly.on_line)
+        part = patch_of_record(patch.flange, assembly.contact, assembly.on_line)
         forces.append(WheelPress.of(system.call(part, *given, asked)).force)
     return forces
 
@@ -249,10 +249,10 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     at = replace(stance.placement, lateral=state.offset), wheel, state.height
     nearest = [find_nearest(assembly.system, PatchTables.of(patch, one.wheel), at) for patch in patches]
     given = state.vector[: -state.nearest.numel()]
-    *steel, surface, damping, gauge_face = surroundings(assembly)
+    nu, (*steel, surface, damping, gauge_face) = assembly.contact.poisson_ratio, surroundings(assembly)
     without_slip = surface[: surface.numel() - 1]
-    constants = ca.vertcat(wheel.vector, *steel, without_slip, damping, gauge_face, POISSON_RATIO, assembly.on_line)
-    found = assembly.system.call(wheel_on_strips(one), given, constants)
+    constants = ca.vertcat(wheel.vector, *steel, without_slip, damping, gauge_face, nu, assembly.on_line)
+    found = assembly.system.call(wheel_on_strips(one, nu), given, constants)
     each = [Press.of(found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)]) for i in reversed(range(len(patches)))]
     pressed = WheelPress.of_patches(each, [patch.flange for patch in patches])
     *others, steepest = (near.approach for near in nearest)
@@ -353,13 +353,13 @@ def sinking(assembly: Assembly, number: int, profiles: ProfilesOf) -> ca.SX:
     """Return the approach of a centred wheelset and its rails under the static load [m]: Hertz, Johnson (1985)."""
     data = assembly.vehicle.wheelsets[number - 1]
     load = (assembly.resting_on(number) + assembly.value(data.mass) * assembly.parameter["gravity"]) / 2
-    modulus = assembly.parameter["shear_modulus"]
+    modulus, nu = assembly.parameter["shear_modulus"], assembly.contact.poisson_ratio
     wheels = zip(profiles.sides, data.radius, strict=True)
-    left, right = (sinking_of_wheel(one, assembly.value(radius), load, modulus) for one, radius in wheels)
+    left, right = (sinking_of_wheel(one, assembly.value(radius), load, modulus, nu) for one, radius in wheels)
     return (left + right) / 2
 
 
-def sinking_of_wheel(one: SideOf, radius: ca.SX, load: ca.SX, modulus: ca.SX) -> ca.SX:
+def sinking_of_wheel(one: SideOf, radius: ca.SX, load: ca.SX, modulus: ca.SX, poisson_ratio: float) -> ca.SX:
     """Return the approach of a wheel in contact where a centred wheelset stands [m], by Hertz, Johnson (1985).
 
     The load is carried by the normal force and, on a cone, by the lateral creep force of spin (3.99). For a rolling
@@ -368,10 +368,12 @@ def sinking_of_wheel(one: SideOf, radius: ca.SX, load: ca.SX, modulus: ca.SX) ->
     depth, slope, curvature = one.shape
     secant, rolling = ca.sqrt(1 + slope**2), radius - depth
     shape = 1 / (2 * rolling * secant), ca.SX(curvature)
-    logarithm, semi_axis = moving_ellipse(*shape, ca.SX(1.0), modulus)
-    of_spin = modulus * smooth_kalker_coefficients(logarithm).c23 * semi_axis**3 * slope / (secant * rolling)
+    logarithm, semi_axis = moving_ellipse(*shape, ca.SX(1.0), modulus, poisson_ratio)
+    of_spin = (
+        modulus * smooth_kalker_coefficients(logarithm, poisson_ratio).c23 * semi_axis**3 * slope / (secant * rolling)
+    )
     normal = load * secant / (1 + of_spin * slope)
-    stiffness = elastic_force(ca.SX(UNIT_APPROACH), *shape, modulus) / UNIT_APPROACH**1.5
+    stiffness = elastic_force(ca.SX(UNIT_APPROACH), *shape, modulus, poisson_ratio) / UNIT_APPROACH**1.5
     return secant * (normal / stiffness) ** (2 / 3)
 
 

@@ -8,6 +8,7 @@ import casadi as ca
 from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
+from rbd_model.contact.creep.of_steel import law_of_ratio
 from rbd_model.contact.creep.polach import saturated
 from rbd_model.contact.creep_of_wheel import creep_of_wheel
 from rbd_model.contact.hertz import ellipse_shape
@@ -45,9 +46,10 @@ def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:
     name = f"contact_stiffness_{same}"
     if name not in assembly.system.derived_symbols:
         curvatures = p["wheel_profile_curvature"], p["rail_head_radius"]
-        shape = ellipse_shape(assembly.value(radius), *curvatures, p["shear_modulus"])
+        nu = assembly.vehicle.poisson_ratio
+        shape = ellipse_shape(assembly.value(radius), *curvatures, p["shear_modulus"], nu)
         slender = ca.fmax(shape.axis_ratio, 1 / shape.axis_ratio) > MOST_SLENDER
-        c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio).c11)
+        c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio, nu).c11)
         assembly.system.derived(name, 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11)
     return CentredContact(assembly.system.derived_symbols[name])
 
@@ -85,7 +87,8 @@ def creep_force_by_law(
     )
     given = ca.vertcat(sliding, 0, 0, slowness, *curvatures, load.wheel, friction)
     constants = ca.vertcat(p["shear_modulus"], assembly.rail.surface.symbols)
-    return 2 * assembly.chain.call(creep_of_wheel(LAWS[assembly.vehicle.creep_law], "wheel"), given, constants)[0]
+    law = law_of_ratio(LAWS[assembly.vehicle.creep_law], assembly.vehicle.poisson_ratio)
+    return 2 * assembly.chain.call(creep_of_wheel(law, "wheel"), given, constants)[0]
 
 
 @dataclass(frozen=True)

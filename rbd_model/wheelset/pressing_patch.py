@@ -13,8 +13,9 @@ import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
 from rbd_model.body.kinematics import turned_by
-from rbd_model.contact.creep.law import SMALLEST_LOAD, CreepLaw, at_least
+from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
 from rbd_model.contact.creep_of_wheel import creep_of_wheel, how_it_slides
+from rbd_model.contact.depth import Contact
 from rbd_model.contact.elastic import damped, elastic_force
 from rbd_model.contact.friction import friction_over_angle
 from rbd_model.wheelset.touch import Pieces, follow_cosines
@@ -129,7 +130,7 @@ class RailSlope:
 
 
 @lru_cache
-def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: CreepLaw, on_line: bool = False) -> Part:
+def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, contact: Contact, on_line: bool = False) -> Part:
     """Return the part that computes a `Press` from a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach.
 
     Constants include the pieces. flange: true for a flange, false for a tread; they have their own creep laws. on_line:
@@ -141,7 +142,8 @@ def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, creep_law: C
     follow_cosines(chain, fixed.cosines, ca.vertcat(state.yaw, state.roll))
     patch = find_patch(chain, state, fixed, pieces)
     track = TurningTrack.symbols("track") if on_line else TurningTrack.straight()
-    results = press(chain, state, track, fixed, patch, creep_of_wheel(creep_law, place)).vector
+    creeping = creep_of_wheel(contact.law_of(flange), place)
+    results = press(chain, state, track, fixed, patch, creeping, contact.poisson_ratio).vector
     given = ca.vertcat(state.vector, track.vector) if on_line else state.vector
     constants = ca.vertcat(fixed.vector, pieces.vector)
     return Part(f"press_{place}_{wheel_terms}_{rail_terms}", given, constants, results, chain)
@@ -156,7 +158,13 @@ def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: P
 
 
 def press(
-    chain: Chain, state: PatchState, track: TurningTrack, fixed: PatchConstants, patch: TouchingPatch, creeping: Part
+    chain: Chain,
+    state: PatchState,
+    track: TurningTrack,
+    fixed: PatchConstants,
+    patch: TouchingPatch,
+    creeping: Part,
+    poisson_ratio: float,
 ) -> Press:
     """Return normal force by the approach (Hertz, Johnson 1985), creep forces by (3.89)-(3.105), and their moments.
 
@@ -174,7 +182,7 @@ def press(
     drift = chain.narrow(ca.dot(patch.across, sections) / track.stretch)
     closing = state.forward * drift - ca.dot(patch.normal, sliding)
     curvatures = patch.curvature_along, patch.curvature_across
-    elastic = elastic_force(patch.approach, *curvatures, fixed.shear_modulus)
+    elastic = elastic_force(patch.approach, *curvatures, fixed.shear_modulus, poisson_ratio)
     normal = chain.narrow(damped(elastic, closing, fixed.damping))
 
     directions = along, sideways, patch.normal

@@ -85,7 +85,7 @@ def place_rigid(assembly: Assembly, number: int, section: Callable[[int, ca.SX, 
     )
     fixed = rolling_constants(assembly, data)
     pieces = look_up_pieces(assembly, number, state, fixed)
-    part = rolling_wheelset(pieces[0].wheel.numel(), pieces[0].rail.numel(), assembly.contact.creep_law)
+    part = rolling_wheelset(pieces[0].wheel.numel(), pieces[0].rail.numel(), assembly.contact.law_of(flange=False))
     constants = ca.vertcat(fixed.vector, *[piece.vector for piece in pieces])
     rolled = RolledMotion.of(system.call(part, state.vector, constants))
     body = Body(

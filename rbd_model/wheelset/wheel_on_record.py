@@ -15,6 +15,8 @@ import casadi as ca
 from fmu_src.chain import Chain, Each, Part
 from fmu_src.piecewise import look_up_in, numbers_in, polynomials
 from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.of_steel import OfSteel
+from rbd_model.contact.depth import Contact
 from rbd_model.contact.pair_table import PATCH, SIDE
 from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack, pressing_patch
 from rbd_model.wheelset.touch import Placement, Wheel, follow_cosines
@@ -53,19 +55,21 @@ def near_of(chain: Chain, feeling: Feeling, record: ca.SX, flange: bool) -> Near
 
 
 @lru_cache
-def patch_of_record(flange: bool, law: CreepLaw, on_line: bool) -> Part:
+def patch_of_record(flange: bool, contact: Contact, on_line: bool) -> Part:
     """Return the part for a `WheelPress` of the patch in a record, (3.77)-(3.105), from `Feeling.given` and record."""
     (feeling, record), chain = symbols_of_feeling(on_line), Chain()
     state, fixed = feeling.state, feeling.fixed
     follow_cosines(chain, fixed.cosines, ca.vertcat(state.yaw, state.roll))
     near, line = near_of(chain, feeling, record, flange), LineOfRecord.of(chain, record, flange)
-    part = pressing_patch(PROFILE_TERMS, PROFILE_TERMS, flange, law, on_line)
+    part = pressing_patch(PROFILE_TERMS, PROFILE_TERMS, flange, contact, on_line)
     fixed = replace(fixed, direction=ca.vertcat(*line.cosine_and_sine))
     track = [] if feeling.track is None else [feeling.track.vector]
     given = ca.vertcat(replace(state, nearest=near.position).vector, *track)
     pressed = Press.of(chain.call(part, given, ca.vertcat(fixed.vector, near.pieces.vector)))
     results = WheelPress.of_patches([pressed], [flange]).vector
-    return Part(f"patch_of_{_word(flange, law, on_line)}", *given_of(feeling, record), results, chain)
+    return Part(
+        f"patch_of_{_word(flange, contact.law_of(flange), on_line)}", *given_of(feeling, record), results, chain
+    )
 
 
 @lru_cache
@@ -95,22 +99,29 @@ def given_of(feeling: Feeling, record: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def _word(flange: bool, law: CreepLaw, on_line: bool) -> str:
-    own = hashlib.sha256(f"{law.__module__}.{law.__qualname__}".encode()).hexdigest()[:8]
+    own = hashlib.sha256(_name_of(law).encode()).hexdigest()[:8]
     return f"{'flange' if flange else 'tread'}_{own}{'_on_line' if on_line else ''}"
 
 
+def _name_of(law: CreepLaw) -> str:
+    if isinstance(law, OfSteel):
+        return f"{_name_of(law.law)} {law.poisson_ratio!r}"
+    return f"{law.__module__}.{getattr(law, '__qualname__', type(law).__qualname__)}"
+
+
 @lru_cache
-def wheel_on_record(tread_law: CreepLaw, flange_law: CreepLaw, on_line: bool) -> Part:
+def wheel_on_record(contact: Contact, on_line: bool) -> Part:
     """Return the part for a `WheelPress`, (3.77)-(3.105), from `Feeling.given` and the record of the wheel's side."""
     (feeling, record), chain = symbols_of_feeling(on_line), Chain()
     given, constants = given_of(feeling, record)
 
-    def press(flange: bool, law: CreepLaw) -> ca.SX:
+    def press(flange: bool) -> ca.SX:
         each = Each(FLANGES if flange else TREADS, asked_of_record(flange, on_line), always=not flange)
-        return chain.call(patch_of_record(flange, law, on_line), given, constants, each=each)
+        return chain.call(patch_of_record(flange, contact, on_line), given, constants, each=each)
 
-    pressed = press(False, tread_law) + press(True, flange_law)
-    name = f"wheel_{_word(False, tread_law, False)}_{_word(True, flange_law, on_line)}"
+    pressed = press(False) + press(True)
+    words = _word(False, contact.law_of(False), False), _word(True, contact.law_of(True), on_line)
+    name = f"wheel_{words[0]}_{words[1]}"
     return Part(name, given, constants, pressed, chain)
 
 

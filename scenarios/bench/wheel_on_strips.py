@@ -30,7 +30,10 @@ def library_of_wheel(pair: Pair, steel: Steel, gauge_face: float = 1.0) -> Libra
 
     gauge_face: factor on the friction of the rail's gauge face.
     """
-    system, part = System("WheelOnStrips", "one wheel on its rail, by strips"), wheel_on_strips(pair.left)
+    system, part = (
+        System("WheelOnStrips", "one wheel on its rail, by strips"),
+        wheel_on_strips(pair.left, steel.poisson_ratio),
+    )
     given = [system.input(Variable(f"given_{i}", "input", "1", f"Argument {i}")) for i in range(ARGUMENTS)]
     geometry = (LEFT, pair.radius, pair.wheel_half_distance, pair.rail_half_distance)
     without_slip = CONSTANT_FRICTION[:-1]

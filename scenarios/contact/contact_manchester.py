@@ -21,9 +21,7 @@ from rbd_model.body.kinematics import direction_cosines, turned_by
 from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
-from rbd_model.contact.creep.of_steel import OfSteel
 from rbd_model.contact.creep.polach import polach
-from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.distance import LEFT, RIGHT, Stand, Strips, stand_of, strips_at, touching
 from rbd_model.contact.elastic import elastic_force
@@ -54,11 +52,7 @@ ON_PATCHES = Contact(2)
 OTHER_LAWS = {
     "Polach's law on the flange too": Contact(2, flange_law=polach),
     "FASTSIM 5 x 5 on the flange": Contact(2, flange_law=fastsim(5)),
-    f"the same laws at a Poisson's ratio of {STEEL.poisson_ratio:g}": Contact(
-        2,
-        OfSteel(polach, STEEL.poisson_ratio),
-        flange_law=OfSteel(shen_hedrick_elkins, STEEL.poisson_ratio),
-    ),
+    f"the same laws at a Poisson's ratio of {STEEL.poisson_ratio:g}": Contact(2, poisson_ratio=STEEL.poisson_ratio),
 }
 
 
@@ -210,12 +204,12 @@ def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
     steel = ca.SX(NO_SPEED), modulus, ca.SX(CONSTANT_FRICTION)
     fixed = PatchConstants(cosines, wheel.vector, direction, *steel, still, gauge_face=ca.SX(1))
     terms = nearest.pieces.wheel.numel(), nearest.pieces.rail.numel()
-    part = pressing_patch(*terms, patch.flange, contact.law_of(patch.flange))
+    part = pressing_patch(*terms, patch.flange, contact)
     press = Press.of(system.call(part, state.vector, ca.vertcat(fixed.vector, nearest.pieces.vector)))
     found = find_patch(system, state, fixed, nearest.pieces)
     shape = found.curvature_along, found.curvature_across
-    load = elastic_force(found.approach, *shape, modulus)
-    pressure = 1.5 * load / (ca.pi * moving_ellipse(*shape, load, modulus)[1] ** 2)
+    load = elastic_force(found.approach, *shape, modulus, contact.poisson_ratio)
+    pressure = 1.5 * load / (ca.pi * moving_ellipse(*shape, load, modulus, contact.poisson_ratio)[1] ** 2)
     on_rail = lateral + (turned_by(cosines) @ found.arm)[1] - pair.rail_half_distance
     angle = ca.atan2(-found.across[0], found.across[1])
     results = system.expand(ca.vertcat(press.force, load, pressure, found.position, on_rail, angle))

@@ -435,9 +435,6 @@ def test_distance_from_the_exact_theory_is_within_what_is_asked(name: str) -> No
 #: Largest distance from a traction curve over all its creepages, in % of mu_0 N; limit of the fits.
 CURVE = 2.0
 WHEEL_LOAD, WHEEL_RADIUS, SPEED, CURVES_NU = 106.7e3, 0.625, 10.0, 0.28
-#: Kalker (1990), table E.3, a/b = 0.5, for nu = 0, 0.25, 0.5. Between them 1/c is interpolated by parabolas in nu, as
-#: in CONTACT.
-AT_HALF = ((2.88, 3.62, 4.83), (2.88, 3.01, 3.14), (0.827, 0.929, 1.07))
 
 
 def traction(series: str) -> tuple[np.ndarray, np.ndarray]:
@@ -456,8 +453,7 @@ def wheel() -> tuple[float, float, Kalker]:
     across = brentq(lambda b: along / b - ratio, 1e-3, 10.0)
     cube = 1.5 * 0.5 * WHEEL_LOAD * (1 - CURVES_NU) * ellipe(square) / (math.pi * STEEL * (along + across))
     a = cube ** (1 / 3)
-    kalker = [1 / np.polyval(np.polyfit([0, 0.25, 0.5], 1 / np.array(c), 2), CURVES_NU) for c in AT_HALF]
-    return a, 2 * a, Kalker(*(ca.SX(c) for c in kalker))
+    return a, 2 * a, kalker_coefficients(ca.SX(0.5), CURVES_NU)
 
 
 def falling(kinetic: float, drop: float, half: float) -> Callable[[ca.SX], ca.SX]:

@@ -12,15 +12,21 @@ import pytest
 import bogie_braking as bb
 from bogie_braking.machines import model_from, vehicle
 from fmu_src.kernel import Kernel, SimulationError
+from rbd_model.contact.creep.kalker import kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
+from rbd_model.contact.depth import Contact
+from rbd_model.contact.hertz import POISSON_RATIO, ellipse_shape
 from rbd_model.levels.models import STRIPS, places_of
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
+from rbd_model.wheelset.wheel_on_record import patch_of_record
 from tests.quick_library import quick_library
 
 #: Torques of a wheelset [N.m]: one at which every law with Kalker's slope is linear, and a third of that which locks
 #: it.
 SMALL, LARGE = 10.0, 6e3
+BOGIE = tables_5_1_and_5_2()
 #: Tolerance between the fits of the ellipse and of Kalker's table, used by other laws, and exact values: 1.03e-3.
 FITS = 2e-3
 
@@ -88,6 +94,23 @@ def test_a_run_takes_a_law_by_its_name_or_a_function() -> None:
     assert bb.batch("bogie", 1.0, ["slip_ratio_1"], **both, **law)["slip_ratio_1"] == pytest.approx(named, rel=1e-6)
     rows = bb.sweep("bogie", 1.0, ["slip_ratio_1"], {"brake_torque_1": [LARGE]}, level=1, initial_speed=20.0, **law)
     assert rows["slip_ratio_1"][0] == pytest.approx(named, rel=1e-6)
+
+
+def test_poissons_ratio_is_that_of_a_run_and_one_beyond_its_limits_is_refused() -> None:
+    """Far below friction slip grows with 1 / (c11 a b), a b with (1 - nu)^(2/3), Kalker (1990) and (3.84)."""
+    braked = {"level": 1, "brake_torque_1": SMALL, "brake_torque_2": SMALL, "initial_speed": 20.0}
+    shape = ellipse_shape(*map(ca.SX, (BOGIE.wheel_radius, 0.0, BOGIE.rail_head_radius, BOGIE.shear_modulus)))
+
+    def product(nu: float) -> float:
+        run = bb.run("bogie", 1.0, None, ["slip_ratio_1"], 1.0, **braked, poisson_ratio=nu)
+        stiffness = float(kalker_coefficients(shape.axis_ratio, nu).c11) * (1 - nu) ** (2 / 3)
+        return float(run["slip_ratio_1"][-1]) * stiffness
+
+    assert product(0.28) == pytest.approx(product(POISSON_RATIO), rel=1e-4)
+    words = [patch_of_record(False, Contact(2, poisson_ratio=nu), on_line=False).name for nu in (POISSON_RATIO, 0.28)]
+    assert words[0] != words[1]
+    with pytest.raises(ValueError, match=r"poisson_ratio must be 0 to 0\.5; got 0\.6"):
+        bb.run("bogie", 1.0, level=1, poisson_ratio=0.6)
 
 
 def test_a_creep_law_that_does_not_exist_is_refused(tmp_path: Path) -> None:

@@ -10,13 +10,12 @@ from rbd_model.contact.hertz import POISSON_RATIO, elliptic_integrals
 ROUNDEST = 1 - 1e-6
 
 
-def slopes(axis_ratio: ca.SX) -> tuple[ca.SX, ca.SX]:
+def slopes(axis_ratio: ca.SX, nu: float = POISSON_RATIO) -> tuple[ca.SX, ca.SX]:
     """Return pi/Phi and pi/Psi, the counterparts of Kalker's c11 and c22, Vermeulen and Johnson (1964).
 
     They use the elliptic integrals B, C, D of e^2 = 1 - g^2, g = min(a/b, b/a). For a circle pi/Phi = 16/(4 - 3 nu) and
     pi/Psi = 16/(4 - nu): 19 % and 16 % above Kalker's.
     """
-    nu = POISSON_RATIO
     g = ca.fmin(ca.fmin(axis_ratio, 1 / axis_ratio), ROUNDEST)
     k, d = elliptic_integrals(g)
     b, c = k - d, (2 * d - k) / (1 - g**2)
@@ -35,7 +34,7 @@ def johnson_vermeulen(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
     x, y, _ = patch.creepages
     a, b = patch.semi_axes
     limit = patch.friction * patch.load
-    first, second = slopes(a / b)
+    first, second = slopes(a / b, patch.poisson_ratio)
     stiffness = patch.shear_modulus * a * b
     along, sideways = stiffness * first * x, stiffness * second * y
     share = saturated_share(ca.sqrt((along / limit) ** 2 + (sideways / limit) ** 2 + FORCE_FLOOR**2))

@@ -3,11 +3,13 @@
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from numbers import Real
 
 import casadi as ca
 import numpy as np
 
 from rbd_model.contact.hertz import LONGEST, POISSON_RATIO, going_on, polynomial
+from readers.text import shown
 
 #: Kalker's coefficients at Poisson's ratios 0, 0.25 and 0.5: Kalker (1990), Three-Dimensional Elastic Bodies in Rolling
 #: Contact, table E.3, for a/b = 0.1 ... 1.0 and then b/a = 0.9 ... 0.1.
@@ -56,8 +58,6 @@ TABLE = {
         ),
     ),
 }
-#: The columns of Poisson's ratio 0.25.
-C11, C22, C23 = (TABLE[name][RATIOS.index(POISSON_RATIO)] for name in TABLE)
 #: g = min(a/b, b/a) of the table, and 0.
 POINTS = [0.1 * i for i in range(11)]
 
@@ -69,6 +69,13 @@ class Kalker:
     c11: ca.SX
     c22: ca.SX
     c23: ca.SX
+
+
+def checked_ratio(nu: float) -> float:
+    """Return a Poisson's ratio of Kalker (1990), table E.3. Raises ValueError if it is not from 0 to 0.5."""
+    if not (isinstance(nu, Real) and 0.0 <= nu <= 0.5):
+        raise ValueError(f"poisson_ratio must be 0 to 0.5; got {shown(nu)}. Steel has 0.28.")
+    return float(nu)
 
 
 @lru_cache
@@ -83,9 +90,7 @@ def column(name: str, nu: float = POISSON_RATIO) -> tuple[float, ...]:
     ValueError
         If the ratio is not from 0 to 0.5.
     """
-    if not 0.0 <= nu <= 0.5:
-        raise ValueError(f"Poisson's ratio must be 0 to 0.5; got {nu:g}. Steel has 0.28.")
-    if nu in RATIOS:
+    if checked_ratio(nu) in RATIOS:
         return TABLE[name][RATIOS.index(nu)]
     terms = np.polyfit(RATIOS, 1 / np.array(TABLE[name]), 2)
     return tuple((1 / (terms[0] * nu**2 + terms[1] * nu + terms[2])).tolist())

@@ -11,6 +11,7 @@ import casadi as ca
 
 from fmu_src.chain import Chain
 from rbd_model.contact.creep.kalker import Kalker
+from rbd_model.contact.hertz import POISSON_RATIO
 
 
 def creepage(sliding_speed: ca.SX, forward_speed: ca.SX, creepage_speed: ca.SX) -> ca.SX:
@@ -44,7 +45,7 @@ class ContactPatch:
     left and into the wheel. `load` is in N. `friction` is the coefficient at the sliding speed of the whole patch.
     `semi_axes` [m] are along and across. `shear_modulus` is in Pa. `friction_at` is the coefficient by sliding speed
     [m/s], for laws with different friction within the patch, with `rolling_speed` [m/s]. Without them it is the same
-    everywhere. `chain` calls parts, such as a table.
+    everywhere. `chain` calls parts, such as a table. `poisson_ratio` is that of `kalker` and of the semi-axes.
     """
 
     creepages: tuple[ca.SX, ca.SX, ca.SX]
@@ -57,6 +58,7 @@ class ContactPatch:
     friction_at: Callable[[ca.SX], ca.SX] | None = None
     rolling_speed: ca.SX | float = 1.0
     chain: Chain = field(default_factory=Chain)
+    poisson_ratio: float = POISSON_RATIO
 
 
 #: Creep forces (F_x, F_y) [N] on the wheel of a patch. For small creepages they are those of Kalker, F_x = -G a b c11

@@ -1,10 +1,10 @@
-"""Creep laws for a Poisson's ratio other than that of all vehicles here."""
+"""Creep laws for a Poisson's ratio other than the default."""
 
 from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
+from rbd_model.contact.creep.kalker import checked_ratio, smooth_kalker_coefficients
 from rbd_model.contact.creep.law import ContactPatch, CreepLaw
 from rbd_model.contact.hertz import POISSON_RATIO
 
@@ -16,17 +16,30 @@ STEEL = 0.28
 class OfSteel:
     """A creep law for a Poisson's ratio of its own, with the coefficients of Kalker (1990), table E.3, at that ratio.
 
-    The ellipse shrinks with (1 - nu)^(1/3), eq. (3.84). Use it for laws that take Kalker's coefficients from the patch:
-    Polach, Shen, Hedrick and Elkins, FASTSIM, FaStrip, linear. Levels 1 and 2, contact model 3 and `exact_law` keep the
-    ratio of all vehicles, `POISSON_RATIO`; so does the stiffness of a contact at a given approach.
+    The ellipse shrinks with (1 - nu)^(1/3), eq. (3.84). `Contact.poisson_ratio` wraps its laws in this class. All laws
+    that take Kalker's coefficients from the patch follow the ratio. The table of exact theory does so for small
+    creepages, because its saturation is stored for 0.25.
+
+    Raises
+    ------
+    ValueError
+        If the ratio is not from 0 to 0.5.
     """
 
     law: CreepLaw
     poisson_ratio: float = STEEL
 
+    def __post_init__(self) -> None:
+        checked_ratio(self.poisson_ratio)
+
     def __call__(self, patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
-        """Return the creep forces (F_x, F_y) [N] of a patch whose ellipse is that of `POISSON_RATIO`."""
-        a, b = patch.semi_axes
-        kalker = smooth_kalker_coefficients(ca.log(a / b), self.poisson_ratio)
-        scale = ((1 - self.poisson_ratio) / (1 - POISSON_RATIO)) ** (1 / 3)
-        return self.law(replace(patch, semi_axes=(scale * a, scale * b), kalker=kalker))
+        """Return the creep forces (F_x, F_y) [N] of a patch whose ellipse is that of its own `poisson_ratio`."""
+        (a, b), nu = patch.semi_axes, self.poisson_ratio
+        kalker = smooth_kalker_coefficients(ca.log(a / b), nu)
+        scale = ((1 - nu) / (1 - patch.poisson_ratio)) ** (1 / 3)
+        return self.law(replace(patch, semi_axes=(scale * a, scale * b), kalker=kalker, poisson_ratio=nu))
+
+
+def law_of_ratio(law: CreepLaw, poisson_ratio: float) -> CreepLaw:
+    """Return a law for a Poisson's ratio, Kalker (1990); at the default one the law itself."""
+    return law if poisson_ratio == POISSON_RATIO else OfSteel(law, poisson_ratio)
