@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 
 from bogie_braking.commands.shared import add_speech, describe
 from bogie_braking.exit_status import HOLDS
+from rbd_model.train.coupler import COUPLERS
 from readers.command_line import quantity
 from readers.formats import Imported
 from readers.formats.trains import FORMATS, is_foreign, program_of
@@ -141,7 +142,33 @@ def _summary(found: Summary) -> str:
         f"{_vehicles(found.vehicles)}, {found.mass:.1f} t, {found.length:.1f} m, "
         f"brake weight {found.brake_weight:.1f} t, lambda {found.percentage:.0f} %"
     )
-    return "\n".join([first, "", *_table([head, *rows], 2), "", *_table([names, *numbers], 0)])
+    parts = [first, "", *_table([head, *rows], 2), "", *_table([names, *numbers], 0)]
+    return "\n".join([*parts, *_couplings(found), *(f"\n{remark}" for remark in found.remarks)])
+
+
+def _couplings(found: Summary) -> list[str]:
+    """Return the lines about couplings; built-in ones are left out."""
+    own = [one for one in found.couplings if one.name not in COUPLERS]
+    if not own:
+        return []
+    head = (
+        "coupler",
+        "sense",
+        "count",
+        "stroke [mm]",
+        "force [kN]",
+        "energy [kJ]",
+        "absorbed [%]",
+        "reached at [km/h]",
+    )
+    rows = [
+        (
+            *(one.name, one.sense, f"{one.count}", f"{one.stroke:.0f}", f"{one.force:.0f}", f"{one.energy:.1f}"),
+            *(f"{one.absorbed:.0f}", f"{one.speed:.1f}"),
+        )
+        for one in own
+    ]
+    return ["", *_table([head, *rows], 2)]
 
 
 def _vehicles(count: int) -> str:

@@ -6,7 +6,7 @@ The columns are those of `columns.py`.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from products.train.columns import (
     columns,
 )
 from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_with
+from products.train.coupler_tables import couplers_of
 from products.train.layout import MOST_VALVES
 from products.train.stated import brake_of, check_control, check_force, distributor_of, electric_of
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
@@ -69,8 +70,9 @@ def read_consist(path: Path) -> Consist:
         If the file is not a consist; the message names file, row, column, value and remedy.
     """
     if path.suffix.lower() == ".toml":
-        rows = _rows_of_toml(path)
-        return consist_of(rows, str(path), [f"vehicle {number}" for number in range(1, len(rows) + 1)])
+        rows, couplers = _rows_of_toml(path)
+        places = [f"vehicle {number}" for number in range(1, len(rows) + 1)]
+        return consist_of(rows, str(path), places, couplers)
     table = read_table(path, columns(), most_rows=MOST)
     rows = []
     for row in range(table.places.size):
@@ -79,28 +81,52 @@ def read_consist(path: Path) -> Consist:
     return consist_of(rows, str(path), [f"row {place}" for place in table.places])
 
 
-def _rows_of_toml(path: Path) -> list[dict[str, Any]]:
+def _rows_of_toml(path: Path) -> tuple[list[dict[str, Any]], dict[str, Coupler]]:
+    """Return the vehicles of a file, and its couplers by name."""
     read = toml_of(path)
     for name in read:
-        if name != "vehicle":
-            raise ValueError(f"{path}: the table {quoted(name)} is unknown. Call each [[vehicle]].")
+        if name not in ("vehicle", "coupler"):
+            raise ValueError(f"{path}: the table {quoted(name)} is unknown. Call each [[vehicle]] or [[coupler]].")
     vehicles = read.get("vehicle", [])
     if not isinstance(vehicles, list):
         raise ValueError(f"{path}: vehicle must be a list of tables. Write each as [[vehicle]], with two brackets.")
-    return vehicles
+    return vehicles, couplers_of(read.get("coupler", []), str(path))
 
 
-def consist_of(rows: list[dict[str, Any]], name: str = "the consist", places: Sequence[str] = ()) -> Consist:
-    """Return a consist of rows as a file has them; places: of each row, for messages. Raises ValueError."""
+def consist_of(
+    rows: list[dict[str, Any]],
+    name: str = "the consist",
+    places: Sequence[str] = (),
+    couplers: Mapping[str, Coupler] | None = None,
+) -> Consist:
+    """Return a consist of rows as a file has them.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Values by the names of columns.
+    name : str
+        The file, for messages.
+    places : sequence of str
+        Of each row, for messages.
+    couplers : mapping of str to Coupler, optional
+        Couplers that rows may name besides the built-in ones.
+
+    Raises
+    ------
+    ValueError
+        If the rows are not a consist, or a coupler has no effect; the message names file, row, value and remedy.
+    """
+    own = dict(couplers or {})
     vehicles: list[TrainVehicle] = []
     heads: list[str] = []
     for number, row in enumerate(rows):
         place = places[number] if places else f"row {number + 1}"
         try:
-            values = _checked(row)
+            values = _checked(row, own)
             if values.get("valve") == "head":
                 heads.append(place)
-            vehicles += _vehicles(values)
+            vehicles += _vehicles(values, own)
             if len(heads) > 1:
                 raise ValueError(f"one vehicle must have valve = head; {heads[0]} has it already. Take one away.")
             if len(vehicles) > MOST:
@@ -113,6 +139,7 @@ def consist_of(rows: list[dict[str, Any]], name: str = "the consist", places: Se
         raise ValueError(f"{name} must have vehicles; it has none. Give it a row for each kind of vehicle in turn.")
     led = _with_head(vehicles, name)
     _check_pipe(led, name)
+    _check_couplers(led, own, name)
     valves = sum(one.valve is not None for one in led)
     if valves > MOST_VALVES:
         raise ValueError(f"{name} must have at most {MOST_VALVES} driver's valves; it has {valves}. Take fewer.")
@@ -139,6 +166,17 @@ def _check_pipe(vehicles: Sequence[TrainVehicle], name: str) -> None:
         )
 
 
+def _check_couplers(vehicles: Sequence[TrainVehicle], own: Iterable[str], name: str) -> None:
+    """Check that each coupler of a table is between two vehicles. Raises ValueError."""
+    used = {one.coupler.name for one in vehicles[:-1]}
+    for coupler in own:
+        if coupler not in used:
+            raise ValueError(
+                f"{name}: the coupler {quoted(coupler)} must be behind a vehicle, other than the last one; it is not. "
+                f"Write coupler = {quoted(coupler)} in a [[vehicle]], or remove it."
+            )
+
+
 def _number(name: str, value: Any) -> float:
     number = number_of(value)
     unit, low, high = NUMBERS[name]
@@ -156,13 +194,14 @@ def _text(name: str, value: Any) -> str:
     return value.strip()
 
 
-def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
+def _checked(row: Mapping[str, Any], couplers: Iterable[str]) -> dict[str, Any]:
     values: dict[str, Any] = {}
     if not isinstance(row, Mapping):
         raise ValueError(f"a vehicle must be names with values; got {shown(row)}. Write kind = 'wagon'.")
     for name, value in row.items():
-        if name in WORDS and value not in choices(name):
-            raise ValueError(f"{name} must be one of {', '.join(choices(name))}; got {shown(value)}. Choose one.")
+        words = (*choices(name), *(couplers if name == "coupler" else ())) if name in WORDS else ()
+        if name in WORDS and value not in words:
+            raise ValueError(f"{name} must be one of {', '.join(words)}; got {shown(value)}. Choose one.")
         if name not in NAMES:
             raise ValueError(f"the name {quoted(str(name))} is unknown; {suggestion(str(name), NAMES)}")
         values[name] = value if name in WORDS else _text(name, value) if name in TEXTS else _number(name, value)
@@ -171,8 +210,8 @@ def _checked(row: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
-def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
-    one = _bare(values)
+def _vehicles(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> list[TrainVehicle]:
+    one = replace(_bare(values), coupler=_coupler(values, couplers))
     check_force(values)
     check_control(values)
     one = replace(one, distributor=distributor_of(values, one.distributor))
@@ -186,7 +225,7 @@ def _vehicles(values: Mapping[str, Any]) -> list[TrainVehicle]:
 
 
 def _bare(values: Mapping[str, Any]) -> TrainVehicle:
-    """Return a vehicle with its masses, resistance, distributor, pipe and coupler."""
+    """Return a vehicle with its masses, resistance, distributor and pipe."""
     kind = values["kind"]
     if "load" in values and "mass" in values:
         raise ValueError("a vehicle must have load or mass, not both. The mass is that with the load.")
@@ -205,7 +244,6 @@ def _bare(values: Mapping[str, Any]) -> TrainVehicle:
         length=values.get("length", one.length),
         resistance=_resistance(values, one),
         rotating_share=1e-2 * values["rotating"] if "rotating" in values else one.rotating_share,
-        coupler=_coupler(values),
         distributor_at=values.get("at", 0.5),
         pipe_diameter=1e-3 * values["pipe_diameter"] if "pipe_diameter" in values else one.pipe_diameter,
         branch=1e-3 * values.get("branch", 0.0),
@@ -213,10 +251,16 @@ def _bare(values: Mapping[str, Any]) -> TrainVehicle:
     )
 
 
-def _coupler(values: Mapping[str, Any]) -> Coupler:
-    """Return the coupler behind a vehicle: a built-in one, with numbers of the row in place of its own."""
-    one = COUPLERS[values.get("coupler", "screw")]()
-    if not any(name in values for name in COUPLING):
+def _coupler(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> Coupler:
+    """Return the coupler behind a vehicle: of a table, or built-in with numbers of the row instead of its own."""
+    called, stated = values.get("coupler", "screw"), [name for name in COUPLING if name in values]
+    if called in couplers and stated:
+        number = stated[0].removeprefix("coupler_")
+        raise ValueError(f"{stated[0]} must be left out with a [[coupler]], which has its own {number}. Leave it out.")
+    if called in couplers:
+        return couplers[called]
+    one = COUPLERS[called]()
+    if not stated:
         return one
     if "coupler_preload" in values and "coupler_stiffness" not in values:
         raise ValueError("coupler_preload must come with coupler_stiffness. Add it, or leave coupler_preload out.")

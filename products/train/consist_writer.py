@@ -23,9 +23,10 @@ from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake
 from products.train.columns import NAMES, NUMBERS, WHOLE
 from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of
+from products.train.coupler_tables import TABLE_NAMES, couplers_of, table_of
 from products.train.layout import UNBREAKABLE
 from products.train.stated import PAD_RADIUS
-from rbd_model.train.coupler import COUPLERS, Coupler
+from rbd_model.train.coupler import COUPLERS, Coupler, screw_coupler
 from readers.storage import write_whole
 
 #: Diameters of cylinders by which a brake without a stated cylinder is written [mm].
@@ -49,14 +50,18 @@ def write_consist(what: Consist | Iterable[Mapping[str, Any]], path: str | Path)
     Raises
     ------
     ValueError
-        If rows are no consist, or a vehicle has a value that no column states.
+        If rows are not a consist, a vehicle has a value that no column states, or couplers have tables and the file is
+        CSV.
     StorageError
         If the file cannot be written.
     """
+    couplers = coupler_tables_of(what) if isinstance(what, Consist) else []
     rows = rows_of(what) if isinstance(what, Consist) else [dict(row) for row in what]
-    consist_of(rows)
+    consist_of(rows, couplers=couplers_of(couplers, "the consist"))
     place = Path(path)
-    text = toml_of_rows(rows) if place.suffix.lower() == ".toml" else _csv(rows)
+    if couplers and place.suffix.lower() != ".toml":
+        raise ValueError(f"{place} must end in .toml, as its couplers are tables; got {place.suffix!r}. Rename it.")
+    text = toml_of_rows(rows, couplers) if place.suffix.lower() == ".toml" else _csv(rows)
     write_whole(place, text.encode())
 
 
@@ -64,9 +69,12 @@ def _number(name: str, value: Any) -> str:
     return str(int(value)) if name in WHOLE else repr(float(value))
 
 
-def toml_of_rows(rows: Iterable[Mapping[str, Any]]) -> str:
-    """Return rows as TOML, numbers with all digits."""
+def toml_of_rows(rows: Iterable[Mapping[str, Any]], couplers: Iterable[Mapping[str, Any]] = ()) -> str:
+    """Return rows as TOML after their [[coupler]] tables, numbers with all digits."""
     parts = []
+    for table in couplers:
+        lines = [f"{name} = {json.dumps(table[name], ensure_ascii=False)}" for name in TABLE_NAMES if name in table]
+        parts.append("\n".join(["[[coupler]]", *lines]) + "\n")
     for row in rows:
         lines = [
             f"{name} = {_number(name, row[name]) if name in NUMBERS else json.dumps(row[name], ensure_ascii=False)}"
@@ -95,6 +103,22 @@ def _cell(name: str, value: Any) -> str:
     return f'"{value.replace(quote, 2 * quote)}"' if name == "name" and value else str(value)
 
 
+def coupler_tables_of(consist: Consist) -> list[dict[str, Any]]:
+    """Return the [[coupler]] tables of a consist: of couplers that are neither built-in nor numbers of a row.
+
+    Raises
+    ------
+    ValueError
+        If two of them have one name.
+    """
+    found: dict[str, Coupler] = {}
+    for one in consist.vehicles[:-1]:
+        name = one.coupler.name
+        if name not in COUPLERS and found.setdefault(name, one.coupler) != one.coupler:
+            raise ValueError(f"Couplers of a consist must have names of their own; got {name!r} twice. Rename one.")
+    return [table_of(one) for one in found.values()]
+
+
 def rows_of(consist: Consist) -> list[Row]:
     """Return the rows that state a consist.
 
@@ -104,10 +128,14 @@ def rows_of(consist: Consist) -> list[Row]:
         If a vehicle has a value that no column states; the message names it.
     """
     rows = []
+    *ahead, last = consist.vehicles
+    if last.coupler.name not in {*COUPLERS, *(one.coupler.name for one in ahead)}:
+        last = replace(last, coupler=screw_coupler())  # nothing is behind it
+    consist = Consist((*ahead, last))
     for one, several in groupby(consist.vehicles):
         row, count = row_of(one), len(list(several))
         rows.append(row | ({"count": count} if count > 1 else {}))
-    found = consist_of(rows).vehicles
+    found = consist_of(rows, couplers=couplers_of(coupler_tables_of(consist), "the consist")).vehicles
     for number, (one, again) in enumerate(zip(consist.vehicles, found, strict=True), 1):
         own, other = _numbers(one), _numbers(again)
         off = [name for name in own if not np.allclose(own[name], other.get(name, math.nan), rtol=ROUNDING, atol=1e-15)]
@@ -149,9 +177,11 @@ def row_of(one: TrainVehicle) -> Row:
 
 
 def _coupler(one: Coupler) -> Row:
-    """Return the columns of a coupler: a built-in one, or one with a stiffness of its own; others are not stated."""
+    """Return the columns of a coupler: a built-in one, one with a stiffness of its own, or the name of a table."""
     strength = {} if math.isinf(one.strength) else {"coupler_strength": 1e-3 * one.strength}
-    name = one.name if one.name in COUPLERS else "screw"
+    name = one.name
+    if name not in COUPLERS:
+        return {"coupler": name}
     if replace(one, strength=math.inf) == COUPLERS[name]():
         return {"coupler": name} | strength
     loading, unloading = one.compression

@@ -12,6 +12,7 @@ from brake_controller.electric_brake import DEMANDED
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.system import Field
 from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, UNBREAKABLE, layout
+from rbd_model.train.coupler import CURVES, FEW_POINTS, POINTS
 from rbd_model.train.vehicle import ACTING, GRAVITY
 
 HEAD = "/* Written by products/train/layout_in_c.py. */"
@@ -39,6 +40,7 @@ def layout_in_c() -> str:
             "#ifndef TRAIN_LAYOUT_H\n#define TRAIN_LAYOUT_H\n",
             *(f"static const double {name} = {value!r};" for name, value in shared.items()),
             f"enum {{ MOST_VALVES = {MOST_VALVES} }};",
+            f"enum {{ CURVES = {len(CURVES)}, POINTS = {POINTS}, FEW_POINTS = {FEW_POINTS} }};",
             _enum("of", _owners(), "LAYOUT_OWNERS"),
             _enum("group", (one.name for one in layout()), "LAYOUT_GROUPS"),
             "enum { GROUP_FIRST_KIND = GROUP_PLACE + 1 };",

@@ -17,14 +17,14 @@ from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
 from products.train.layout_in_c import fields_in_c, layout_in_c
-from rbd_model.train.coupler import coupling
+from rbd_model.train.coupler import coupling, coupling_of_few
 from rbd_model.train.vehicle import rolling, sliding
 
 FOLDER = Path(folder.__file__ or "").parent
 #: Functions of cells by the C file whose loops call them.
 FUNCTIONS = {
     "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped),
-    "motion": (coupling, rolling, sliding),
+    "motion": (coupling, coupling_of_few, rolling, sliding),
     "train": (braking, blending),
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from brake_controller.vehicle_brake import braking
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
 from products.train.train import Train
+from rbd_model.train.coupler import Coupler, screw_coupler
+from rbd_model.train.impact import capacity
 
 #: Longest time of a stop, and time between two looks whether the train stands [s]; speed below which it does [m/s].
 LONGEST, STEP, RESTS = 1800.0, 1.0, 1e-3
@@ -43,8 +45,25 @@ class AtSpeed:
 
 
 @dataclass(frozen=True)
+class OfCouplings:
+    """Equal couplings in one sense up to their stroke: travel [mm], force [kN], energy [kJ], its share absorbed [%].
+
+    speed: relative speed of the heaviest two vehicles at these couplings that takes the whole stroke [km/h].
+    """
+
+    name: str
+    count: int
+    sense: str
+    stroke: float
+    force: float
+    energy: float
+    absorbed: float
+    speed: float
+
+
+@dataclass(frozen=True)
 class Summary:
-    """A train: number of vehicles, mass and brake weight [t], length [m], percentage [%]."""
+    """A train: number of vehicles, mass and brake weight [t], length [m], percentage [%]; remarks on it."""
 
     vehicles: int
     mass: float
@@ -53,6 +72,8 @@ class Summary:
     brake_weight: float
     kinds: tuple[OfVehicles, ...]
     speeds: tuple[AtSpeed, ...]
+    couplings: tuple[OfCouplings, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 def summary_of(consist: Consist, speeds: Sequence[float]) -> Summary:
@@ -85,7 +106,33 @@ def summary_of(consist: Consist, speeds: Sequence[float]) -> Summary:
         1e-3 * weight,
         tuple(kinds),
         tuple(_at(consist, speed) for speed in speeds),
+        couplings_of(consist),
+        _remarks(consist),
     )
+
+
+def couplings_of(consist: Consist) -> tuple[OfCouplings, ...]:
+    """Return the capacities of the couplings of a train, other than rigid ones, in the order of their first vehicle."""
+    masses: dict[Coupler, list[float]] = {}
+    for one, behind in pairwise(consist.vehicles):
+        if one.coupler.name != "rigid":
+            masses.setdefault(one.coupler, []).append(one.mass * behind.mass / (one.mass + behind.mass))
+    found = []
+    for own, reduced in masses.items():
+        for sense in ("compression", "tension"):
+            able = capacity(own, sense)
+            speed = 3.6 * (2 * able.energy / max(reduced)) ** 0.5
+            numbers = 1e3 * able.stroke, 1e-3 * able.force, 1e-3 * able.energy, 1e2 * able.absorbed, speed
+            found.append(OfCouplings(own.name, len(reduced), sense, *numbers))
+    return tuple(found)
+
+
+def _remarks(consist: Consist) -> tuple[str, ...]:
+    """Return remarks on values without an effect."""
+    *ahead, last = consist.vehicles
+    if not ahead or last.coupler in (ahead[-1].coupler, screw_coupler()):
+        return ()
+    return (f"The {last.coupler.name} coupler of the last vehicle has no effect: nothing is behind it.",)
 
 
 def brake_force(one: TrainVehicle, speed: float) -> float:

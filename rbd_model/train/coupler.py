@@ -18,8 +18,9 @@ import casadi as ca
 from fmu_src.chain import function_of
 from fmu_src.system import Field
 
-#: Largest number of points of a curve, including the one that a preload adds.
-POINTS = 6
+#: Largest number of points of a curve, including the one that a preload adds, and that of curves with few points. A
+#: train whose curves all have few points computes these alone.
+POINTS, FEW_POINTS = 20, 6
 #: Curves in the order of the C code.
 CURVES = ("tension_loading", "tension_unloading", "compression_loading", "compression_unloading")
 _TEXT = "a number of a coupler"
@@ -133,6 +134,10 @@ class Coupler:
             if any(fb > 0.0 and fb - fa < most * (b - a) for (a, fa), (b, fb) in pairwise(points)):
                 return True
         return False
+
+    def bends(self, sense: str) -> list[list[tuple[float, float]]]:
+        """Return travels [m] and changes of slope there [N/m] of loading and unloading; sense: tension, compression."""
+        return self._bends(*(self.tension if sense == "tension" else self.compression))
 
     def _bends(self, *curves: Curve) -> list[list[tuple[float, float]]]:
         """Return the bends of loading and unloading, which have one stroke."""
@@ -259,11 +264,6 @@ def with_numbers(
 COUPLERS = {"screw": screw_coupler, "draft-gear": draft_gear, "rigid": rigid}
 
 
-def _curve(way: ca.SX, bends: ca.SX) -> ca.SX:
-    ways, changes = bends[:POINTS], bends[POINTS:]
-    return ca.dot(changes, ca.fmax(way - ways, 0))
-
-
 def coupling() -> ca.Function:
     """Return the function for a coupler's force [N] and new unloaded place.
 
@@ -271,16 +271,31 @@ def coupling() -> ca.Function:
     constants. Tension is above 0. Play operator with bounds: F = min(max(K (s - z), lower(s)), upper(s)),
     z = s - F / K (Wu, Spiryagin and Cole (2016)).
     """
+    return _coupling("coupling", POINTS)
+
+
+def coupling_of_few() -> ca.Function:
+    """Return `coupling` for curves of at most FEW_POINTS points (Wu, Spiryagin and Cole (2016))."""
+    return _coupling("coupling_of_few", FEW_POINTS)
+
+
+def _coupling(name: str, points: int) -> ca.Function:
+    """Return the function of couplings, with the first points of each curve."""
+
+    def curve(way: ca.SX, bends: ca.SX) -> ca.SX:
+        ways, changes = bends[:points], bends[POINTS : POINTS + points]
+        return ca.dot(changes, ca.fmax(way - ways, 0))
+
     ahead, behind, rest = (ca.SX.sym(name) for name in ("ahead", "behind", "rest"))
     given = ca.SX.sym("given", len(COUPLER))
     stiffness, coupled = given[0], given[1]
     size = 2 * POINTS
     loads, unloads, presses, eases = (given[2 + n * size : 2 + (n + 1) * size] for n in range(len(CURVES)))
     way = ahead - behind
-    upper = coupled * _curve(way, loads) - _curve(-way, eases)
-    lower = coupled * _curve(way, unloads) - _curve(-way, presses)
+    upper = coupled * curve(way, loads) - curve(-way, eases)
+    lower = coupled * curve(way, unloads) - curve(-way, presses)
     force = ca.fmin(ca.fmax(stiffness * (way - rest), lower), upper)
-    return function_of("coupling", [ahead, behind, rest, given], ca.vertcat(force, way - force / stiffness))
+    return function_of(name, [ahead, behind, rest, given], ca.vertcat(force, way - force / stiffness))
 
 
 def fastest(couplers: Sequence[Coupler], masses: Sequence[float]) -> float:

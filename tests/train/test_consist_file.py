@@ -187,7 +187,7 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
     "another table": (
         "a.toml",
         "[[wagon]]\nkind = 'wagon'\n",
-        "a.toml: the table 'wagon' is unknown. Call each [[vehicle]].",
+        "a.toml: the table 'wagon' is unknown. Call each [[vehicle]] or [[coupler]].",
     ),
     "one table": ("a.toml", "[vehicle]\nkind = 'locomotive'\n", "a.toml: vehicle must be a list of tables."),
     "a list of numbers": ("a.toml", "vehicle = [5]\n", "vehicle 1: a vehicle must be names with values; got 5."),

@@ -12,12 +12,23 @@
 #define BROKEN (-1.0)
 enum { ROWS = MOTION_STATES + ACTING_ROWS + MOTION_ROWS + COUPLER_ROWS + MOTION_FOUND + 5, EXTREMES = 4 };
 
+/* Return 1 if the slope of a curve changes after its first FEW_POINTS points. */
+static int bends_often(const double *coupler, long long int couplers) {
+    for (int curve = 0; curve < CURVES; ++curve) {
+        const double *changes = coupler + (COUPLER_TENSION_LOADING_SLOPE_1 + 2 * POINTS * curve + FEW_POINTS) * couplers;
+        for (long long int n = 0; n < (POINTS - FEW_POINTS) * couplers; ++n)
+            if (changes[n] != 0.0) return 1;
+    }
+    return 0;
+}
+
 motion *motion_create(long long int vehicles, const double *given, const double *coupler) {
     motion *self = (motion *)calloc(1, sizeof *self);
     if (!self) return NULL;
     const long long int stride = self->stride = rows_stride(vehicles);
     self->vehicles = vehicles;
     self->lanes = lanes_of_processor();
+    self->bends_often = bends_often(coupler, vehicles - 1);
     self->memory = (double *)malloc((size_t)(ROWS * stride + ROWS_SPARE) * sizeof(double));
     if (!self->memory) {
         free(self);

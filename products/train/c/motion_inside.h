@@ -12,6 +12,7 @@ struct motion {
     double *memory;
     double *state, *speed, *wheel, *rest, *acting, *given, *coupler, *step, *found, *force, *wish, *lead,
         *sum; /* first cells of first rows */
+    int bends_often; /* true if a curve of a coupler has more than FEW_POINTS points */
     int led; /* true if a vehicle's speed is prescribed */
     double *strength; /* NULL: none breaks */
     int broken; /* since the last look */

@@ -4,9 +4,12 @@
 #include "motion_cells.h"
 
 void LANES_NAME(motion_force)(motion *self) {
-    for (long long int i = 0; i + 1 < self->vehicles; i += LANES)
+    for (long long int i = 0; self->bends_often && i + 1 < self->vehicles; i += LANES)
         LANES_NAME(cells_coupling)(self->state + i, self->state + i + 1, self->rest + i, self->coupler + i, self->found + i,
                                    self->stride);
+    for (long long int i = 0; !self->bends_often && i + 1 < self->vehicles; i += LANES)
+        LANES_NAME(cells_coupling_of_few)(self->state + i, self->state + i + 1, self->rest + i, self->coupler + i,
+                                          self->found + i, self->stride);
     LANES_LEAVE;
 }
 

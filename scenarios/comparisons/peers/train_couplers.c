@@ -8,7 +8,7 @@
 #include "motion.h"
 #include "train.h" /* TRAIN_SHOWN */
 
-enum { POINTS = 6, MOST_VEHICLES = 256 };
+enum { MOST_VEHICLES = 256 };
 /* Bounds this close are equal, and a force this close to a bound is on it [N]; below this speed brakes are viscous
    [m/s]. */
 static const double NEAR = 1e-6, REST = 0.01;
@@ -34,7 +34,7 @@ typedef struct {
 static double curve(const double *bends, double way, double *slope) {
     double force = 0.0;
     *slope = 0.0;
-    for (int n = 0; n < POINTS; ++n)
+    for (int n = 0; n < FEW_POINTS; ++n)
         if (way > bends[n]) {
             force += bends[n + POINTS] * (way - bends[n]);
             *slope += bends[n + POINTS];
