@@ -5,7 +5,7 @@ program, then count the locomotive's brake once, and then delay the demand for e
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,63 +13,28 @@ from matplotlib.figure import Figure
 
 from brake_controller.brake_weight import KILOMETRES_PER_HOUR, Case, stopping_distance
 from fmu_src.cosimulation.recording import Recording
-from scenarios.bench.shunting_stop import ONCE, PUBLISHED, SHIFTED, Array, Rules, distances
+from scenarios.bench.shunting_stop import ONCE, PUBLISHED, SHIFTED, Array, distances
+from scenarios.benchmark.case import Point
+from scenarios.benchmark.case_file import CASES, read_case
+from scenarios.benchmark.own.percentage import answer
 from scenarios.reporting.plots import LEADING, TRAILING, one_word, single
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, Row, measured, near
+from scenarios.reporting.report import Bound, Report, Row, measured, near
 from scenarios.scenario import Options, Scenario, Sweepable
 
-
-@dataclass(frozen=True)
-class Stop:
-    """A stop of the conversion model: speed [km/h], percentage [%], length [m], and the independently computed distance
-    [m].
-    """
-
-    case: Case
-    speed: float
-    percentage: float
-    length: float
-    distance: float
-
-
-STOPS = (
-    Stop(Case.EMERGENCY_PASSENGER_P, 120.0, 100.0, 400.0, 839.9),
-    Stop(Case.EMERGENCY_PASSENGER_P, 120.0, 100.0, 500.0, 890.9),
-    Stop(Case.EMERGENCY_FREIGHT_P, 100.0, 65.0, 700.0, 979.9),
-    Stop(Case.EMERGENCY_FREIGHT_G, 100.0, 65.0, 700.0, 1086.0),
-    Stop(Case.EMERGENCY_FREIGHT_P, 100.0, 90.0, 740.0, 836.2),
-    Stop(Case.EMERGENCY_FREIGHT_G, 80.0, 60.0, 700.0, 790.5),
-    Stop(Case.EMERGENCY_PASSENGER_P, 160.0, 135.0, 400.0, 1207.1),
-    Stop(Case.SERVICE_PASSENGER_P, 120.0, 100.0, 400.0, 1025.9),
-    Stop(Case.SERVICE_FREIGHT_P, 100.0, 65.0, 700.0, 1306.6),
-    Stop(Case.EMERGENCY_FREIGHT_P, 90.0, 70.0, 1200.0, 1098.0),
-)
-#: Tolerance [m]: distances are given to 0.1 m.
-BAND = 0.1
-
-
-@dataclass(frozen=True)
-class Printed:
-    """Published results of RailProfAC/ShuntingBrakingCurves, 1e7 stops: mean, deviation, a limit [m], the share beyond
-    it.
-    """
-
-    mean: float
-    deviation: float
-    limit: float
-    beyond: float
-
-
-PRINTED = {"G": Printed(64.26639, 0.81019, 65.0, 0.1826848), "P": Printed(38.34120, 0.47121, 39.0, 0.081124)}
+#: Benchmark cases of the ten distances, and of the shunting stops: G, then P.
+DISTANCES, SHUNTING = (read_case(CASES / f"{name}.toml") for name in ("conversion-model", "railprofac-shunting"))
+PRINTED = dict(zip(("G", "P"), SHUNTING.points, strict=True))
+#: Inputs of the rules in the place of published ones, by the names of the series.
+RULES = {"published": PUBLISHED, "locomotive_once": ONCE, "true_delay": SHIFTED}
 #: Stops by the published method and with the locomotive once, stops of the distributions, and the seed of all.
 FEW, MANY, SEED = 20_000, 100_000, 1
-#: Tolerances: relative of a mean; relative of a standard deviation, and of a share: four standard errors of FEW stops.
-MEAN_BAND, DEVIATION_BAND = 1e-3, 4 / (2 * FEW) ** 0.5
+#: Tolerance of a standard deviation, relative: four standard errors of FEW stops, as of a share.
+DEVIATION_BAND = 4 / (2 * FEW) ** 0.5
 #: Bin width of the histograms [m].
 BIN = 0.1
 
-Found = Mapping[tuple[str, Rules], Array]
+Found = Mapping[tuple[str, str], Array]
 
 
 def share_band(share: float) -> float:
@@ -90,16 +55,16 @@ def one_stop(speed: float = 100.0, percentage: float = 65.0, length: float = 700
 def run(options: Options) -> Report:
     found, published = {}, {}
     with counting(None, "braking-distance", total=8, unit="case") as bar:
-        for name in PRINTED:
-            published[name] = distances(name, PUBLISHED, FEW, SEED, published_method=True)
+        for name, point in PRINTED.items():
+            published[name] = distances(point.inputs, FEW, SEED, published_method=True)
             bar.update()
-            for rules, stops in ((PUBLISHED, MANY), (ONCE, FEW), (SHIFTED, MANY)):
-                found[name, rules] = distances(name, rules, stops, SEED)
+            for (rules, own), stops in zip(RULES.items(), (MANY, FEW, MANY), strict=True):
+                found[name, rules] = distances({**point.inputs, **own}, stops, SEED)
                 bar.update()
-    rows = [model_row(stop) for stop in STOPS]
+    rows = [model_row(point) for point in DISTANCES.points]
     rows += [row for name, stops in published.items() for row in published_rows(name, stops)]
     rows += [row for name in PRINTED for row in beside_rows(name, found)]
-    stops_of = [[stop.case.name, stop.speed, stop.percentage, stop.length] for stop in STOPS]
+    stops_of = [list(point.inputs.values()) for point in DISTANCES.points]
     parameters = {"stops": stops_of, "stops_published_method": FEW, "stops_distribution": MANY, "seed": SEED}
     said = [
         f"{message(found)} than the published ones, for a locomotive with five wagons. Our rules count the "
@@ -109,39 +74,46 @@ def run(options: Options) -> Report:
     return Report(rows, histogram(found), lambda: draw(found), parameters, 0.0, said)
 
 
-def model_row(stop: Stop) -> Row:
+def model_row(point: Point) -> Row:
     """Return one distance of the conversion model."""
-    words = stop.case.name.lower().replace("_", " ")[:-1] + stop.case.name[-1]
-    quantity = f"{words}, {stop.speed:g} km/h, {stop.percentage:g} %, {stop.length:g} m: distance"
-    value = stopping_distance(stop.case, stop.speed / KILOMETRES_PER_HOUR, stop.percentage, stop.length)
-    source = "SUBSET-026 A.3.7 to A.3.9, v T and v^2 / 2 a over its steps, computed apart"
-    return measured(quantity, "m", value, source, near(stop.distance, BAND))
+    of: Mapping[str, Any] = point.inputs
+    speed, percentage = KILOMETRES_PER_HOUR * of["speed"], 100 * of["percentage"]
+    words = f"{of['braking']} {of['train']} {of['position']}"
+    quantity = f"{words}, {speed:g} km/h, {percentage:g} %, {of['length']:g} m: distance"
+    bound = DISTANCES.answers["distance"].bound or 0.0
+    asked = near(point.published["distance"], bound)
+    return measured(quantity, "m", answer(of)["distance"], DISTANCES.source, asked)
 
 
 def published_rows(name: str, stops: Array) -> list[Row]:
     """Return the published program's stop, by its rules and its method."""
-    printed, source = PRINTED[name], "RailProfAC/ShuntingBrakingCurves, 1e7 stops"
-    beyond = f"{name}, as published: share beyond {printed.limit:g} m"
-    share = float(np.mean(stops > printed.limit))
-    deviation = near(printed.deviation, DEVIATION_BAND * printed.deviation)
-    mean = near(printed.mean, MEAN_BAND * printed.mean)
+    inputs: Mapping[str, Any] = PRINTED[name].inputs
+    printed, source = PRINTED[name].published, "RailProfAC/ShuntingBrakingCurves, 1e7 stops"
+    beyond = f"{name}, as published: share beyond {inputs['limit']:g} m"
+    share = float(np.mean(stops > inputs["limit"]))
+    deviation = near(printed["deviation"], DEVIATION_BAND * printed["deviation"])
     return [
-        measured(f"{name}, as published: mean distance", "m", np.mean(stops), source, mean),
+        measured(f"{name}, as published: mean distance", "m", np.mean(stops), source, mean_asked(name)),
         measured(f"{name}, as published: standard deviation", "m", np.std(stops), source, deviation),
-        measured(beyond, "1", share, source, near(printed.beyond, share_band(printed.beyond))),
+        measured(beyond, "1", share, source, near(printed["share"], share_band(printed["share"]))),
     ]
+
+
+def mean_asked(name: str) -> Bound:
+    """Return the tolerance of a published mean."""
+    printed, bound = PRINTED[name].published["mean"], SHUNTING.answers["mean"].bound or 0.0
+    return near(printed, bound * printed)
 
 
 def beside_rows(name: str, found: Found) -> list[Row]:
     """Return the same stop by a method of second order, and by other rules."""
-    printed = PRINTED[name].mean
-    asked, source = near(printed, MEAN_BAND * printed), "RailProfAC/ShuntingBrakingCurves; its method is of first order"
-    means = {rules: float(np.mean(found[name, rules])) for rules in (PUBLISHED, ONCE, SHIFTED)}
-    computed, longer = "computed here", f"{means[SHIFTED] / means[PUBLISHED]:.2f} times as far as published"
+    source = "RailProfAC/ShuntingBrakingCurves; its method is of first order"
+    means = {rules: float(np.mean(found[name, rules])) for rules in RULES}
+    computed, longer = "computed here", f"{means['true_delay'] / means['published']:.2f} times as far as published"
     return [
-        measured(f"{name}, published rules: mean, second order", "m", means[PUBLISHED], source, asked),
-        measured(f"{name}, locomotive once: mean", "m", means[ONCE], computed, None, "printed nowhere"),
-        measured(f"{name}, locomotive once, true delay: mean", "m", means[SHIFTED], computed, None, longer),
+        measured(f"{name}, published rules: mean, second order", "m", means["published"], source, mean_asked(name)),
+        measured(f"{name}, locomotive once: mean", "m", means["locomotive_once"], computed, None, "printed nowhere"),
+        measured(f"{name}, locomotive once, true delay: mean", "m", means["true_delay"], computed, None, longer),
     ]
 
 
@@ -151,15 +123,14 @@ def histogram(found: Found) -> Recording:
     most = max(float(np.max(stops)) for stops in found.values())
     edges = np.arange(np.floor(least), np.ceil(most) + BIN, BIN)
     series = Recording({"distance": "m"}, ((edges[1:] + edges[:-1]) / 2)[:, None])
-    words = {PUBLISHED: "published", ONCE: "locomotive_once", SHIFTED: "true_delay"}
     for (name, rules), stops in found.items():
-        series.add(f"density_{name}_{words[rules]}", "1/m", np.histogram(stops, edges, density=True)[0])
+        series.add(f"density_{name}_{rules}", "1/m", np.histogram(stops, edges, density=True)[0])
     return series
 
 
 def missing(name: str, found: Found) -> float:
     """Return by how much our rules lengthen the mean of the published ones [m]."""
-    return float(np.mean(found[name, SHIFTED]) - np.mean(found[name, PUBLISHED]))
+    return float(np.mean(found[name, "true_delay"]) - np.mean(found[name, "published"]))
 
 
 def message(found: Found) -> str:
@@ -171,7 +142,10 @@ def message(found: Found) -> str:
 def draw(found: Found) -> Figure:
     figure, axis = single(message(found), "stopping distance [m]", "share of stops in a metre [1/m]")
     for name in PRINTED:
-        for rules, colour, words in ((PUBLISHED, TRAILING, "published"), (SHIFTED, LEADING, "once, with its delays")):
+        for rules, colour, words in (
+            ("published", TRAILING, "published"),
+            ("true_delay", LEADING, "once, with its delays"),
+        ):
             draw_distribution(axis, found[name, rules], colour, f"{name}, {words}")
         draw_gap(axis, name, found)
     axis.set_ylim(bottom=0.0, top=1.05)
@@ -191,7 +165,7 @@ def draw_distribution(axis: Axes, stops: Array, colour: str, words: str) -> None
 
 def draw_gap(axis: Axes, name: str, found: Found) -> None:
     """Draw an arrow between both means of a position."""
-    ends = [float(np.mean(found[name, rules])) for rules in (PUBLISHED, SHIFTED)]
+    ends = [float(np.mean(found[name, rules])) for rules in ("published", "true_delay")]
     height = 0.15
     axis.annotate("", (ends[1], height), (ends[0], height), arrowprops={"arrowstyle": "->"})
     axis.annotate(f"+{ends[1] - ends[0]:.1f} m", (sum(ends) / 2, height + 0.015), ha="center", fontsize=9)

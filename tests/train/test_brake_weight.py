@@ -29,25 +29,29 @@ from brake_controller.brake_weight import (
     stopping_distance,
     train_percentage,
 )
+from scenarios.benchmark.case import Point
+from scenarios.benchmark.case_file import CASES, read_case
+from scenarios.benchmark.own.percentage import answer
 
-#: Reference distances are given to 0.1 m.
+#: The ten distances, given to 0.1 m.
+EXAMPLE = read_case(CASES / "conversion-model.toml")
 TOLD = 0.1
 #: Relative tolerance of inverse functions: rounding errors and the bracket of the search.
 INVERTED = 1e-10
 KMH = 1 / 3.6
-#: Case, speed [km/h], percentage [%], length [m], reference distance [m]; calculated by hand from SUBSET-026 A.3.7 to
-#: A.3.9: build-up time [s], and edge [km/h] and deceleration [m/s2] of each step.
-DISTANCES = [
-    ("EMERGENCY_PASSENGER_P", 120, 100, 400, 839.9, 5.02, [(120, 0.826)]),
-    ("EMERGENCY_PASSENGER_P", 120, 100, 500, 890.9, 6.55, [(120, 0.826)]),
-    ("EMERGENCY_FREIGHT_P", 100, 65, 700, 979.9, 10.63, [(100, 0.5635)]),
-    ("EMERGENCY_FREIGHT_G", 100, 65, 700, 1086.0, 14.45, [(100, 0.5635)]),
-    ("EMERGENCY_FREIGHT_P", 100, 90, 740, 836.2, 11.6092, [(100, 0.751)]),
-    ("EMERGENCY_FREIGHT_G", 80, 60, 700, 790.5, 14.45, [(80, 0.526)]),
-    ("EMERGENCY_PASSENGER_P", 160, 135, 400, 1207.1, 5.02, [(137.52535, 1.0885), (150, 0.8463405), (160, 0.7968465)]),
-    ("SERVICE_PASSENGER_P", 120, 100, 400, 1025.9, 10.6, [(120, 0.826)]),
-    ("SERVICE_FREIGHT_P", 100, 65, 700, 1306.6, 22.39, [(100, 0.5635)]),
-    ("EMERGENCY_FREIGHT_P", 90, 70, 1200, 1098.0, 23.12, [(90, 0.601)]),
+#: Calculated by hand from SUBSET-026 A.3.7 to A.3.9 for each of them: build-up time [s], and edge [km/h] and
+#: deceleration [m/s2] of each step.
+BY_HAND = [
+    (5.02, [(120, 0.826)]),
+    (6.55, [(120, 0.826)]),
+    (10.63, [(100, 0.5635)]),
+    (14.45, [(100, 0.5635)]),
+    (11.6092, [(100, 0.751)]),
+    (14.45, [(80, 0.526)]),
+    (5.02, [(137.52535, 1.0885), (150, 0.8463405), (160, 0.7968465)]),
+    (10.6, [(120, 0.826)]),
+    (22.39, [(100, 0.5635)]),
+    (23.12, [(90, 0.601)]),
 ]
 LENGTHS = {case: np.linspace(0.0, case.value.most_length, 61).tolist() for case in Case}
 PERCENTAGES = np.linspace(30.0, 250.0, 89).tolist()
@@ -60,21 +64,23 @@ def told(case: Case, speed: float, percentage: float, length: float) -> float:
 # ---- trains ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "speed", "percentage", "length", "distance", "time", "steps"), DISTANCES)
-def test_a_train_stops_in_the_distance_that_its_percentage_tells(
-    name: str, speed: float, percentage: float, length: float, distance: float, time: float, steps: list
-) -> None:
-    edges = [0.0, *(edge for edge, _ in steps)]
-    bands = zip(edges, steps, strict=False)
-    by_hand = speed * KMH * time + sum((up**2 - low**2) * KMH**2 / (2 * a) for low, (up, a) in bands)
-    found = told(Case[name], speed, percentage, length)
-    assert by_hand == pytest.approx(distance, abs=TOLD)
-    assert found == pytest.approx(by_hand, rel=1e-6)
-    assert found == pytest.approx(distance, abs=TOLD)
+def missed(point: Point) -> float:
+    """Return the error of a distance [m]."""
+    return answer(point.inputs)["distance"] - point.published["distance"]
+
+
+@pytest.mark.parametrize(("point", "by_hand"), list(zip(EXAMPLE.points, BY_HAND, strict=True)))
+def test_a_train_stops_in_the_distance_that_its_percentage_tells(point: Point, by_hand: tuple) -> None:
+    (time, steps), speed = by_hand, point.inputs["speed"]
+    bands = zip([0.0, *(edge for edge, _ in steps)], steps, strict=False)
+    own = speed * time + sum((up**2 - low**2) * KMH**2 / (2 * a) for low, (up, a) in bands)
+    assert own == pytest.approx(point.published["distance"], abs=TOLD)
+    assert answer(point.inputs)["distance"] == pytest.approx(own, rel=1e-6)
+    assert missed(point) == pytest.approx(0.0, abs=TOLD)
 
 
 def worst() -> float:
-    return max(abs(told(Case[name], *given) - distance) for name, *given, distance, _, _ in DISTANCES)
+    return max(abs(missed(point)) for point in EXAMPLE.points)
 
 
 @pytest.mark.parametrize(

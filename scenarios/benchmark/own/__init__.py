@@ -10,7 +10,11 @@ from fmu_src import __version__
 
 NAME = "bogie-braking"
 #: Module of this package by question.
-QUESTIONS = {"stop-of-axles": "axles"}
+QUESTIONS = {
+    "shunting-stops": "shunting",
+    "stop-by-percentage": "percentage",
+    "stop-of-axles": "axles",
+}
 
 
 def version() -> str:
