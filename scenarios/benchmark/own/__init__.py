@@ -11,6 +11,8 @@ from fmu_src import __version__
 NAME = "bogie-braking"
 #: Module of this package by question.
 QUESTIONS = {
+    "coasting": "coasting",
+    "impact-of-two-vehicles": "impact",
     "shunting-stops": "shunting",
     "stop-by-percentage": "percentage",
     "stop-of-axles": "axles",
