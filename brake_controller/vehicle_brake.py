@@ -88,11 +88,35 @@ FRICTIONS: Mapping[str, Mapping[str, float]] = {
     "composite": Fractions(0.055, 200.0, 50.0, 150.0, 75.0, 1e3).values(),
     "pads": Fractions(0.385, -24.5, -27.2, 39.5, 33.0, 20.0).values(),
 }
-#: Laws that do not depend on shoe force: 0.3 - 0.00081 V, and a constant.
+#: Laws that do not depend on shoe force: 0.3 - 0.00081 V, a constant, and `over_speed`, whose numbers a row states.
 FORCELESS: Mapping[str, Mapping[str, float]] = {
     "composite-k": {"friction_law": float(COMPOSITE)},
     "constant": {"friction_law": float(CONSTANT)},
+    "speed": {"friction_law": float(FRACTIONS)},
 }
+
+
+def over_speed(standing: float, fast: float, half_speed: float) -> dict[str, float]:
+    """Return the parameters of a friction that changes with speed alone, from `standing` to `fast`.
+
+    mu = fast + (standing - fast) V2 / (V + V2), which is the second fraction of law 6 (Karwatzki (1950)).
+
+    Parameters
+    ----------
+    standing, fast : float
+        Friction at standstill, and at a speed without limit [1].
+    half_speed : float
+        Speed V2 at which half of the change is reached [m/s].
+    """
+    return {
+        "friction_law": float(FRACTIONS),
+        "friction_scale": fast,
+        "friction_force_added": 1.0,
+        "friction_force_divisor": 1.0,
+        "friction_speed_added": half_speed * standing / fast,
+        "friction_speed_divisor": half_speed,
+        "friction_force_limit": 0.0,
+    }
 
 
 def fractions(p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:

@@ -39,6 +39,8 @@ FORCE: dict[str, tuple[str, float, float]] = {
     "rigging_efficiency": ("1", 0.1, 1.0),
     "return_force": ("N", 0.0, 20e3),
     "friction_value": ("1", 0.01, 1.0),
+    "friction_fast": ("1", 0.001, 1.0),
+    "friction_speed": ("km/h", 0.1, 1000.0),
     "friction_radius": ("1", 0.1, 1.0),
 }
 #: Columns of the air: cylinder, reservoirs and pipe.

@@ -19,7 +19,7 @@ from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
 from brake_controller.electric_brake import NO_LIMIT, ElectricBrake
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
-from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake
+from brake_controller.vehicle_brake import FORCELESS, FRACTIONS, FRICTIONS, VehicleBrake
 from products.train.columns import NAMES, NUMBERS, WHOLE
 from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of
@@ -234,6 +234,11 @@ def _distributor(one: TrainVehicle) -> Row:
 
 def _friction(one: VehicleBrake) -> Row:
     """Return the columns of a brake's friction."""
+    if one.friction_law == FRACTIONS and one.friction_force_added == one.friction_force_divisor:
+        standing = one.friction_scale * one.friction_speed_added / one.friction_speed_divisor
+        half = KILOMETRES_PER_HOUR * one.friction_speed_divisor
+        own = {"friction_value": standing, "friction_fast": one.friction_scale, "friction_speed": half}
+        return {"friction": "speed"} | own
     scaled = one.friction_scale / FRICTIONS["pads"]["friction_scale"]
     for name, law in {**FRICTIONS, **FORCELESS}.items():
         pads = {"friction_scale": law["friction_scale"] * scaled} if name == "pads" else {}

@@ -78,6 +78,11 @@ def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
             f"full_pressure: a reservoir at 5 bar does not reach {pressure:.4g} bar in the cylinders, which have equal "
             "force"
         )
+    volumes = [name for name in ("auxiliary", "cylinder") if name in kept]
+    if volumes and not _is_reached(kept):
+        for name in volumes:
+            outside[name] = f"{name}: with {kept[name]:.4g} l a reservoir at 5 bar does not fill the cylinders"
+        kept = {name: value for name, value in kept.items() if name not in volumes}
     return kept, outside
 
 
@@ -109,4 +114,5 @@ def _is_reached(row: Mapping[str, Any]) -> bool:
         return True
     volumes = {"auxiliary": "auxiliary_volume", "cylinder": "cylinder_volume"}
     one = replace(one, **{of: 1e-3 * row[name] for name, of in volumes.items() if name in row})
-    return reached_pressure(one) > 1e5 * float(row["full_pressure"])
+    pressure = 1e5 * float(row["full_pressure"]) if "full_pressure" in row else one.full_pressure
+    return reached_pressure(one) > pressure

@@ -19,7 +19,7 @@ from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import TIMES, UicDistributor, with_times
 from brake_controller.electric_brake import FADE, NO_LIMIT, ElectricBrake
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
-from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking
+from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking, over_speed
 from products.train.columns import FORCE
 from products.train.consist import (
     PERCENTAGE,
@@ -80,9 +80,16 @@ def _check_friction(values: Mapping[str, Any], stated: list[str]) -> None:
         at_rims = [f"the lambda of a {values['kind']}"]
     if "deceleration" in values and friction not in (None, "constant"):
         raise ValueError(f"friction must be constant with deceleration; got {friction}. State brake_force instead.")
-    if "friction_value" in values and friction != "constant":
-        raise ValueError("friction_value must come with friction = constant. Add it, or leave friction_value out.")
-    if "friction_value" in values and at_rims:
+    if "friction_value" in values and friction not in ("constant", "speed"):
+        raise ValueError(
+            "friction_value must come with friction = constant or speed. Add it, or leave friction_value out."
+        )
+    for name in ("friction_fast", "friction_speed"):
+        if name in values and friction != "speed":
+            raise ValueError(f"{name} must come with friction = speed. Add it, or leave {name} out.")
+        if name not in values and friction == "speed":
+            raise ValueError(f"friction = speed must come with {name}. Add it.")
+    if "friction_value" in values and friction == "constant" and at_rims:
         raise ValueError(f"friction_value must be left out with {at_rims[0]}, a force at the rims. Leave it out.")
     if "friction_radius" in values and friction != "pads":
         raise ValueError("friction_radius must come with friction = pads. Add it, or leave friction_radius out.")
@@ -94,8 +101,8 @@ def _check_friction(values: Mapping[str, Any], stated: list[str]) -> None:
     needs = values["kind"] != "wagon" and ("shoe_force" in values or "cylinder_diameter" in values)
     if needs and friction is None:
         raise ValueError(f"friction must come with {stated[0]} of a {values['kind']}. Add friction.")
-    if friction == "constant" and "friction_value" not in values and not at_rims:
-        raise ValueError("friction = constant must come with friction_value. Add it.")
+    if (friction == "speed" or (friction == "constant" and not at_rims)) and "friction_value" not in values:
+        raise ValueError(f"friction = {friction} must come with friction_value. Add it.")
 
 
 def check_control(values: Mapping[str, Any]) -> None:
@@ -199,6 +206,9 @@ def friction_of(values: Mapping[str, Any]) -> dict[str, float]:
     name = values.get("friction")
     if name is None:
         return {}
+    if name == "speed":
+        half = values["friction_speed"] / KILOMETRES_PER_HOUR
+        return over_speed(values["friction_value"], values["friction_fast"], half) | {"constant_friction": 0.0}
     found = dict({**FRICTIONS, **FORCELESS}[name]) | {"constant_friction": values.get("friction_value", 0.0)}
     if name == "pads":
         found["friction_scale"] *= values.get("friction_radius", PAD_RADIUS)

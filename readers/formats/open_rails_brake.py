@@ -9,11 +9,11 @@ TrainCar.cs).
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 from readers.formats import Row
 from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
+from readers.formats.open_rails_friction import friction_of_table
 from readers.formats.open_rails_left import EQUIPMENT
 from readers.formats.open_rails_units import PSI
 from readers.formats.vehicle_rows import rounded
@@ -23,6 +23,11 @@ from readers.text import quoted
 PRESSURE, DEFAULT_RATE = 64 * PSI, 0.9 * PSI
 #: Share of a pressure at which a cylinder counts as full, and pressure at which it counts as empty [bar] (UIC 540).
 FULL, EMPTY = 0.95, 0.4
+#: Inner diameter of a consist's pipe, length of a vehicle's two hoses [m], and largest volume of branches [l].
+PIPE, HOSES, MOST_BRANCH = 0.03175, 1.24, 25.0
+#: Emergency over auxiliary reservoir that Open Rails takes where the file has no ratio.
+EMERGENCY = 1.4
+COLUMNS = {"ORTSAuxiliaryResCapacity": "auxiliary", "ORTSBrakeCylinderVolume": "cylinder"}
 #: Friction laws by the word of ORTSBrakeShoeType.
 FRICTIONS = {
     "cast_iron_p6": "cast-iron-p6",
@@ -84,7 +89,9 @@ def _tell_equipment(fields: Fields, notes: Notes) -> None:
         if word and word not in EQUIPMENT:
             notes.left(f"BrakeEquipmentType: the word {quoted(word)} is unknown, and Open Rails ignores it.")
     if "triple_valve" in words and "distributor" not in words and "graduated_release_triple_valve" not in words:
-        notes.left("BrakeEquipmentType triple_valve: direct release has no column; the distributor releases gradually.")
+        notes.left(
+            "BrakeEquipmentType triple_valve: direct release has no column; cylinders empty as far as the pipe rises."
+        )
 
 
 def _force(fields: Fields, over_reference: float | None, notes: Notes) -> Row:
@@ -117,12 +124,8 @@ def _friction(fields: Fields, law: str | None, notes: Notes) -> Row:
             notes.converted("ORTSBrakeShoeType Disc_Pads: Open Rails has no radius of discs -> friction_radius = 1")
             radius = {"friction_radius": 1.0}
         return {"friction": law} | radius | _shoes(fields, notes)
-    if mean := _mean_friction(fields):
-        notes.converted(
-            f"ORTSBrakeShoeFriction: its mean over speed -> friction = constant, friction_value = {mean:.3g}."
-            " A table of friction has no column."
-        )
-        return {"friction": "constant", "friction_value": rounded(mean)}
+    if own := friction_of_table(fields, notes, at_rims=False):
+        return own
     notes.assumed("ORTSBrakeShoeType: missing or unknown; friction = cast-iron-p6, because Open Rails takes cast iron.")
     return {"friction": "cast-iron-p6"} | _shoes(fields, notes)
 
@@ -145,47 +148,13 @@ def _friction_of_rims(fields: Fields, law: str | None, notes: Notes) -> Row:
     if law is not None:
         notes.assumed("MaxBrakeForce with ORTSBrakeShoeType: the force is that at standstill, and falls by that law.")
         return {"friction": law} | _shoes(fields, notes)
-    table = _friction_table(fields)
-    if table:
-        at_100 = _at(table, 100.0) / table[0][1]
-        notes.left(
-            f"ORTSBrakeShoeFriction: a table of friction has no column; the force is constant here, and in Open Rails "
-            f"it is {100 * at_100:.0f} % of MaxBrakeForce at 100 km/h."
-        )
-    else:
-        notes.assumed(
-            "MaxBrakeForce without a friction: constant over speed, as in MSTS. Open Rails takes it at friction 0.20 "
-            "and reduces it above 41 km/h by cast iron, to 67 % at 100 km/h."
-        )
+    if own := friction_of_table(fields, notes, at_rims=True):
+        return own
+    notes.assumed(
+        "MaxBrakeForce without a friction: constant over speed, as in MSTS. Open Rails takes it at friction 0.20 "
+        "and reduces it above 41 km/h by cast iron, to 67 % at 100 km/h."
+    )
     return {}
-
-
-def _friction_table(fields: Fields) -> list[tuple[float, float]]:
-    """Return speeds [km/h] and friction of ORTSBrakeShoeFriction, rising, none if it is not such a table."""
-    try:
-        numbers = [float(word) for word in fields.words("ORTSBrakeShoeFriction")]
-    except ValueError:
-        return []
-    pairs = list(zip(numbers[::2], numbers[1::2], strict=False))
-    good = len(pairs) >= 2 and all(math.isfinite(a) and 0.0 < b <= 2.0 for a, b in pairs)
-    return pairs if good and all(b[0] > a[0] for a, b in pairwise(pairs)) else []
-
-
-def _at(table: list[tuple[float, float]], speed: float) -> float:
-    """Return the friction at a speed [km/h], linear between rows, constant beyond them."""
-    for (low, first), (high, second) in pairwise(table):
-        if low <= speed <= high:
-            return first + (second - first) * (speed - low) / (high - low)
-    return table[0][1] if speed < table[0][0] else table[-1][1]
-
-
-def _mean_friction(fields: Fields) -> float | None:
-    """Return the mean of a friction table over its speeds, or None."""
-    table = _friction_table(fields)
-    if not table:
-        return None
-    area = sum((b[0] - a[0]) * (a[1] + b[1]) / 2 for a, b in pairwise(table))
-    return area / (table[-1][0] - table[0][0])
 
 
 def _times(fields: Fields, pressure: float, notes: Notes) -> Row:
@@ -211,12 +180,65 @@ def _times(fields: Fields, pressure: float, notes: Notes) -> Row:
 
 def _volumes(fields: Fields, brake: str, notes: Notes) -> Row:
     """Return the volumes of reservoir and cylinders [l]; a direct brake has none."""
-    found: Row = {}
-    for name, column in (("ORTSAuxiliaryResCapacity", "auxiliary"), ("ORTSBrakeCylinderVolume", "cylinder")):
-        volume = fields.number(name, "l")
-        if volume and brake == "pneumatic":
-            found[column] = rounded(volume)
-            notes.taken(f"{name} -> {column} [l]")
-        elif volume:
-            notes.left(f"{name}: a direct brake has a rate, no volumes.")
-    return found
+    auxiliary, cylinder = fields.number("ORTSAuxiliaryResCapacity", "l"), fields.number("ORTSBrakeCylinderVolume", "l")
+    if brake != "pneumatic":
+        for name, volume in (("ORTSAuxiliaryResCapacity", auxiliary), ("ORTSBrakeCylinderVolume", cylinder)):
+            if volume:
+                notes.left(f"{name}: a direct brake has a rate, no volumes.")
+        return {}
+    for name, volume in (("ORTSAuxiliaryResCapacity", auxiliary), ("ORTSBrakeCylinderVolume", cylinder)):
+        if volume:
+            notes.taken(f"{name} -> {COLUMNS[name]} [l]")
+    auxiliary = auxiliary or _of_emergency(fields, notes)
+    cylinder = cylinder or _of_pistons(fields, notes)
+    ratio = fields.number("TripleValveRatio", "1")
+    if ratio and ratio > 0.0 and bool(auxiliary) is not bool(cylinder):
+        notes.converted("TripleValveRatio, reservoir over cylinder -> the volume of these that is missing [l]")
+        auxiliary, cylinder = auxiliary or ratio * (cylinder or 0.0), cylinder or (auxiliary or 0.0) / ratio
+    elif ratio:
+        notes.left(f"TripleValveRatio: {'both volumes are there' if auxiliary else 'a ratio without a volume'}.")
+    found = {"auxiliary": auxiliary, "cylinder": cylinder}
+    return {name: rounded(volume) for name, volume in found.items() if volume}
+
+
+def _of_emergency(fields: Fields, notes: Notes) -> float | None:
+    """Return the volume of the auxiliary reservoir by that of the emergency reservoir [l]."""
+    emergency = fields.number("EmergencyResCapacity", "l")
+    if not emergency:
+        return None
+    ratio = fields.number("EmergencyResVolumeMultiplier", "1")
+    notes.converted("EmergencyResCapacity / EmergencyResVolumeMultiplier -> auxiliary [l]; no emergency reservoir acts")
+    if not ratio or ratio <= 0.0:
+        notes.assumed(f"EmergencyResVolumeMultiplier: missing; {EMERGENCY}, as in Open Rails.")
+        ratio = EMERGENCY
+    return emergency / ratio
+
+
+def _of_pistons(fields: Fields, notes: Notes) -> float | None:
+    """Return the volume of the cylinders by number, diameter and travel [l]."""
+    diameter = fields.number("ORTSBrakeCylinderDiameter", "m")
+    travel = fields.number("ORTSBrakeCylinderPistonTravel", "m")
+    if not diameter or not travel:
+        return None
+    count = fields.number("ORTSNumberBrakeCylinders", "1")
+    notes.converted("ORTSBrakeCylinderDiameter, PistonTravel, ORTSNumberBrakeCylinders -> cylinder [l]")
+    if not count:
+        notes.assumed("ORTSNumberBrakeCylinders: missing; 1.")
+    return 1e3 * (count or 1.0) * math.pi / 4 * diameter**2 * travel
+
+
+def branch_of(fields: Fields, length: float, notes: Notes) -> Row:
+    """Return the volume of the pipe beyond that of a vehicle's own pipe, as branches [l]; length of the vehicle [m]."""
+    volume = fields.number("BrakePipeVolume", "l")
+    if not volume:
+        return {}
+    own = 1e3 * math.pi / 4 * PIPE**2 * (length + HOSES)
+    branch = rounded(volume - own)
+    if not 0.0 <= branch <= MOST_BRANCH:
+        notes.left(
+            f"BrakePipeVolume: {volume:.3g} l, but the pipe of {1e3 * PIPE:g} mm has {own:.3g} l, and branches have 0 "
+            f"to {MOST_BRANCH:g} l; set pipe_diameter yourself."
+        )
+        return {}
+    notes.converted(f"BrakePipeVolume less the pipe of {1e3 * PIPE:g} mm with its hoses -> branch [l]")
+    return {"branch": branch} if branch > 0.0 else {}

@@ -25,7 +25,9 @@ EQUIPMENT = (
 _AXLES = "a vehicle of a train has its mass on braked wheels, without axles of their own"
 _VALVE = "the distributor has its own emergency and quick-service parts"
 _TRACTION = "traction is an input of the train"
-_DYNAMIC = "of the dynamic brake, the largest force alone is read; set dynamic_power and dynamic_fade yourself"
+_DYNAMIC = "of the dynamic brake, the largest force and its speeds alone are read"
+_BLENDING = "blending of dynamic and air brakes has no column, other than brake = ep-direct"
+_STAGES = "two stages of pressure over speed (R brake) have no column; full_pressure applies at all speeds"
 _DRIVER = "the driver's valve is that of UIC 541-03"
 #: Reasons by field.
 LEFT = {
@@ -40,17 +42,10 @@ LEFT = {
     "ORTSMergeSpeed": "breakaway resistance has no column",
     "ORTSDavisDragConstant": "wind has no column",
     "ORTSWagonFrontalArea": "wind has no column",
-    "TripleValveRatio": "a ratio without a volume; give ORTSAuxiliaryResCapacity and ORTSBrakeCylinderVolume",
-    "EmergencyResCapacity": "an emergency reservoir has no column",
-    "EmergencyResVolumeMultiplier": "an emergency reservoir has no column",
     "EmergencyResChargingRate": "an emergency reservoir has no column",
     "EmergencyBrakeResMaxPressure": "an emergency reservoir has no column",
     "MaxAuxilaryChargingRate": "the choke that charges the reservoir is fixed",
     "MaxAuxiliaryChargingRate": "the choke that charges the reservoir is fixed",
-    "BrakePipeVolume": "a consist has one pipe diameter for all vehicles; set pipe_diameter yourself",
-    "ORTSBrakeCylinderDiameter": "force and volume are stated; a diameter adds nothing",
-    "ORTSBrakeCylinderPistonTravel": "force and volume are stated; a travel adds nothing",
-    "ORTSNumberBrakeCylinders": "force and volume are stated; a number adds nothing",
     "ORTSBrakeCylinderPipingVolume": "dead volume of a cylinder has no column",
     "ORTSBrakeCylinderSize": "a vacuum cylinder has no column",
     "ORTSAuxilaryResCapacity": "a vacuum reservoir has no column",
@@ -76,8 +71,8 @@ LEFT = {
     "ORTSMaxTripleValveCylinderPressure": "a limit of service pressure has no column",
     "ORTSMaxServiceCylinderPressure": "a limit of service pressure has no column",
     "ORTSMaxServiceApplicationRate": "a rate of service braking alone has no column",
-    "ORTSTwoStageLowPressure": "two stages of pressure over speed (R brake) have no column",
-    "ORTSHighSpeedReducingPressure": "two stages of pressure over speed have no column",
+    "ORTSTwoStageLowPressure": _STAGES,
+    "ORTSHighSpeedReducingPressure": _STAGES,
     "ORTSEPBrakeInhibitsTripleValve": "valves of both kinds together have no column",
     "ORTSMainResPipeAuxResCharging": "a main pipe has no column",
     "MaxHandbrakeForce": "hand and parking brakes have no column",
@@ -93,15 +88,13 @@ LEFT = {
     "ORTSMaxTractiveForceCurves": _TRACTION,
     "DynamicBrakeForceCurves": _DYNAMIC,
     "ORTSDynamicBrakeForceCurves": _DYNAMIC,
-    "DynamicBrakesMinUsableSpeed": _DYNAMIC,
-    "DynamicBrakesMaximumEffectiveSpeed": _DYNAMIC,
-    "DynamicBrakesFadingSpeed": _DYNAMIC,
-    "DynamicBrakesMaximumSpeedForFadeOut": _DYNAMIC,
-    "DynamicBrakeHasAutoBailOff": _DYNAMIC,
-    "ORTSDynamicBrakesHasPartialBailOff": _DYNAMIC,
-    "ORTSDynamicBlendingMinimumSpeed": _DYNAMIC,
-    "ORTSDynamicBlendingRetainedPressure": _DYNAMIC,
-    "ORTSTrainDynamicBlendingTable": _DYNAMIC,
+    "DynamicBrakesDelayTimeBeforeEngaging": "a dead time has a column with brake = ep-direct alone",
+    "DynamicBrakesEffectAtMaximumFadeOut": _DYNAMIC,
+    "DynamicBrakeHasAutoBailOff": _BLENDING,
+    "ORTSDynamicBrakesHasPartialBailOff": _BLENDING,
+    "ORTSDynamicBlendingMinimumSpeed": _BLENDING,
+    "ORTSDynamicBlendingRetainedPressure": _BLENDING,
+    "ORTSTrainDynamicBlendingTable": _BLENDING,
     "ORTSBrakePipeChargingRate": _DRIVER,
     "ORTSBrakeServiceTimeFactor": _DRIVER,
     "ORTSBrakeEmergencyTimeFactor": _DRIVER,

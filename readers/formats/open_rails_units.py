@@ -28,6 +28,14 @@ _FACTORS: dict[str, dict[str, float]] = {
         "in": INCH,
         "in/2": INCH / 2,
     },
+    "km/h": {
+        "": 3.6 * MILE_PER_HOUR,
+        "mph": 3.6 * MILE_PER_HOUR,
+        "km/h": 1.0,
+        "kmh": 1.0,
+        "kph": 1.0,
+        "m/s": 3.6,
+    },
     "N": {"": 1.0, "n": 1.0, "kn": 1e3, "mn": 1e6, "lbf": POUND_FORCE, "lb": POUND_FORCE},
     "N/(m/s)": {
         "": 1.0,

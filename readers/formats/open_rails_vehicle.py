@@ -9,7 +9,7 @@ from pathlib import Path
 
 from readers.formats import Row
 from readers.formats.notes import Notes
-from readers.formats.open_rails_brake import brake_of
+from readers.formats.open_rails_brake import brake_of, branch_of
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_left import LEFT
 from readers.formats.open_rails_text import Block, Reader
@@ -49,6 +49,13 @@ TAKEN = (
     "BrakeDistributorReleaseRate",
     "ORTSAuxiliaryResCapacity",
     "ORTSBrakeCylinderVolume",
+    "TripleValveRatio",
+    "EmergencyResCapacity",
+    "EmergencyResVolumeMultiplier",
+    "BrakePipeVolume",
+    "ORTSBrakeCylinderDiameter",
+    "ORTSBrakeCylinderPistonTravel",
+    "ORTSNumberBrakeCylinders",
     "Coupling",
     "ORTSFreightAnims",
     "ORTSEPBrakeControlsBrakePipe",
@@ -82,6 +89,7 @@ def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
     row["length"] = _length(fields, path, notes)
     row |= _resistance(fields, notes)
     row |= brake_of(fields, notes) | _dynamic(_engines(root), notes)
+    row |= branch_of(fields, row["length"], notes)
     _tell_left(fields, root, notes)
     return row, [block for block in blocks if block.name == "coupling"]
 
@@ -164,12 +172,34 @@ def _engines(root: Block) -> list[Block]:
 
 
 def _dynamic(engines: list[Block], notes: Notes) -> Row:
-    """Return the largest force of the dynamic brake [kN]."""
-    force = Fields([block for one in engines for block in one.blocks], notes).number("DynamicBrakesMaximumForce", "N")
+    """Return the largest force of the dynamic brake [kN], the speed below which it fades and its largest power.
+
+    Open Rails has no force below MinUsableSpeed, all of it from FadingSpeed to MaximumEffectiveSpeed, and less above.
+    """
+    fields = Fields([block for one in engines for block in one.blocks], notes)
+    force = fields.number("DynamicBrakesMaximumForce", "N")
     if not force or force < 0.0:
         return {}
     notes.taken("DynamicBrakesMaximumForce -> dynamic_force [kN]; the input dynamic_brake of the train applies it")
-    return {"dynamic_force": rounded(1e-3 * force)}
+    row = {"dynamic_force": rounded(1e-3 * force)}
+    least, fades = (fields.number(name, "km/h") for name in ("DynamicBrakesMinUsableSpeed", "DynamicBrakesFadingSpeed"))
+    if fades is not None and fades >= 0.0:
+        row["dynamic_fade"] = rounded(fades)
+        notes.converted("DynamicBrakesFadingSpeed -> dynamic_fade [km/h]")
+        if least:
+            notes.left(
+                f"DynamicBrakesMinUsableSpeed: the force fades to 0 at standstill, in Open Rails at {least:.3g} km/h."
+            )
+    effective = fields.number("DynamicBrakesMaximumEffectiveSpeed", "km/h")
+    if effective and effective > 0.0:
+        row["dynamic_power"] = rounded(1e-3 * force * effective / 3.6)
+        notes.converted("DynamicBrakesMaximumForce x DynamicBrakesMaximumEffectiveSpeed -> dynamic_power [kW]")
+        if fields.has("DynamicBrakesMaximumSpeedForFadeOut"):
+            notes.left(
+                "DynamicBrakesMaximumSpeedForFadeOut: above the effective speed the force falls as P / v, in Open "
+                "Rails linearly."
+            )
+    return row
 
 
 def _tell_left(fields: Fields, root: Block, notes: Notes) -> None:

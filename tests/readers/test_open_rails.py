@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from products.train.consist_file import consist_of
+from products.train.summary import brake_force
 from readers.formats import Imported
 from readers.formats.open_rails_text import DEEPEST, DEEPEST_INCLUDE, MOST_INCLUDES, Reader
 from readers.formats.trains import read_foreign
@@ -140,7 +142,20 @@ def test_open_rails_friction_of_old_files_is_as_told() -> None:
         ("ORTSMaxBrakeShoeForce ( 100kN )", {"shoe_force": 100.0, "friction": "cast-iron-p6"}),
         (
             "ORTSMaxBrakeShoeForce ( 100kN ) ORTSBrakeShoeFriction ( 0 0.4 100 0.2 )",
-            {"shoe_force": 100.0, "friction": "constant", "friction_value": 0.3},
+            {"shoe_force": 100.0, "friction": "speed", "friction_value": 0.4},
+        ),
+        (
+            "ORTSMaxBrakeShoeForce ( 100kN ) ORTSBrakeShoeFriction ( 0 0.35 100 0.35 )",
+            {"shoe_force": 100.0, "friction": "constant", "friction_value": 0.35},
+        ),
+        (  # 200 l / 1.4 and, at a ratio of 2.5, that / 2.5; 20 l less pi / 4 31.75^2 mm2 (14 + 1.24) m
+            "EmergencyResCapacity ( 200L ) TripleValveRatio ( 2.5 ) BrakePipeVolume ( 20L )",
+            {"auxiliary": 200 / 1.4, "cylinder": 200 / 1.4 / 2.5, "branch": 20.0 - 12.065971846},
+        ),
+        (  # 2 cylinders of 10 x 12 in at a ratio of 3
+            "ORTSBrakeCylinderDiameter ( 10in ) ORTSBrakeCylinderPistonTravel ( 12in ) ORTSNumberBrakeCylinders ( 2 ) "
+            "TripleValveRatio ( 3 )",
+            {"cylinder": 2 * 15.444443963, "auxiliary": 6 * 15.444443963},
         ),
         (
             "MaxBrakeForce ( 50kN ) ORTSBrakeShoeType ( Cast_Iron_P10 ) ORTSNumberCarBrakeShoes ( 8 )",
@@ -170,7 +185,36 @@ def test_a_dynamic_brake_has_its_largest_force(tmp_path: Path) -> None:
     path = tmp_path / "one.eng"
     text = "Wagon ( one Type ( Engine ) Size ( 3 4 19m ) Mass ( 84t ) MaxBrakeForce ( 60kN ) )"
     path.write_text(f"{text} Engine ( one Type ( Diesel ) DynamicBrakesMaximumForce ( 100kN ) )")
-    assert read_foreign(path).rows[0]["dynamic_force"] == 100.0
+    row = read_foreign(path).rows[0]
+    assert row["dynamic_force"] == 100.0
+    assert not {"dynamic_power", "dynamic_fade"} & set(row)
+    speeds = "DynamicBrakesFadingSpeed ( 10 ) DynamicBrakesMaximumEffectiveSpeed ( 36km/h )"
+    path.write_text(f"{text} Engine ( one Type ( Diesel ) DynamicBrakesMaximumForce ( 100kN ) {speeds} )")
+    row = read_foreign(path).rows[0]
+    assert row["dynamic_fade"] == pytest.approx(16.09344, rel=1e-9)  # 10 mph, the unit of the field
+    assert row["dynamic_power"] == pytest.approx(1000.0, rel=1e-9)  # 100 kN at 10 m/s
+
+
+@pytest.mark.parametrize("force", ["MaxBrakeForce ( 60kN )", "ORTSMaxBrakeShoeForce ( 60kN )"])
+def test_a_table_of_friction_is_a_friction_that_changes_with_speed(force: str, tmp_path: Path) -> None:
+    """mu = 0.1 + 0.3 40 / (V + 40): 0.4, 0.3, 0.25, 0.2, 0.18571 at 0, 20, 40, 80, 100 km/h."""
+    path = tmp_path / "one.wag"
+    start = f"Wagon ( one Type ( Freight ) Size ( 3 4 14m ) Mass ( 20t ) {force} ORTSBrakeShoeFriction ("
+    table = [(v, 0.1 + 12 / (v + 40)) for v in range(0, 121)]
+    path.write_text(f"{start} {' '.join(f'{v} {mu}' for v, mu in table)} ) )")
+    found = read_foreign(path)
+    row = found.rows[0]
+    assert (row["friction_value"], row["friction_fast"]) == pytest.approx((0.4, 0.1), rel=0.01)
+    assert row["friction_speed"] == pytest.approx(40.0, rel=0.02)
+    assert told(found, "converted", "largest deviation from the table 0.")
+    rims = force.startswith("Max")
+    for speed, mu in ((0.0, 0.4), (40.0, 0.25), (100.0, 0.1 + 12 / 140)):
+        own = brake_force(consist_of([*found.rows]).vehicles[0], speed / 3.6)
+        assert own == pytest.approx(60e3 * mu / (0.4 if rims else 1.0), rel=3e-3)
+    path.write_text(f"{start} 0 0.4 60 0.1 100 0.3 ) )")
+    assert told(read_foreign(path), "assumed", "deviates by 63 % from the table")
+    path.write_text(f"{start} 0 0.4 60 ) )")
+    assert told(read_foreign(path), "left", "it is not pairs of a speed that grows")
 
 
 def test_freight_animations_load_a_wagon(tmp_path: Path) -> None:

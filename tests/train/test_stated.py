@@ -160,6 +160,14 @@ ROWS: list[dict[str, Any]] = [
     {"kind": "coach", "deceleration": 1.05, "fill_time": 3.25, "release_time": 12.0, "full_pressure": 3.6},
     {"kind": "coach", "shoe_force": 210.0, "shoes": 8, "friction": "pads", "friction_radius": 0.61},
     {"kind": "coach", "resistance_a": 600.0, "resistance_b": 12.5, "resistance_c": 3.125, "rotating": 6.5},
+    {
+        "kind": "wagon",
+        "shoe_force": 90.0,
+        "friction": "speed",
+        "friction_value": 0.4,
+        "friction_fast": 0.1,
+        "friction_speed": 35.0,
+    },
     {"kind": "locomotive", "valve": "second", "delay": 1.5, "auxiliary": 150.0, "cylinder": 22.5},
 ]
 
@@ -198,7 +206,8 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "cylinder alone": ({"cylinder_diameter": 400.0}, "cylinder_diameter must come with rigging_ratio."),
     "weighed": ({"lambda": 65.0, "weighing": "lever"}, "weighing must be left out with lambda"),
     "falling mean": ({"deceleration": 1.0, "friction": "composite"}, "friction must be constant with deceleration"),
-    "a value alone": ({"friction_value": 0.3}, "friction_value must come with friction = constant."),
+    "a value alone": ({"friction_value": 0.3}, "friction_value must come with friction = constant or speed."),
+    "not over speed": ({"friction": "speed", "friction_value": 0.4}, "friction = speed must come with friction_fast."),
     "no value": ({"friction": "constant"}, "friction = constant must come with friction_value."),
     "at the rims": (
         {"brake_force": 50.0, "friction": "constant", "friction_value": 0.3},
