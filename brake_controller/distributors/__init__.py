@@ -1,5 +1,6 @@
 """Distributors by the names that consists use, one file each: add a file with a `Distributor`, and a line here."""
 
+from brake_controller.distributors.aar import AAR
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.distributors.ep_direct import EP_DIRECT
 from brake_controller.distributors.piped import PIPED
@@ -8,6 +9,7 @@ from brake_controller.distributors.uic import UIC
 #: All distributors in the C code of trains; a test may add to them.
 DISTRIBUTORS: dict[str, Distributor] = {
     UIC.name: UIC,
+    AAR.name: AAR,
     EP_DIRECT.name: EP_DIRECT,
     PIPED.name: PIPED,
 }

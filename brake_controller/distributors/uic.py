@@ -9,7 +9,6 @@ memory; all others are assumed.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -102,7 +101,7 @@ def freight(position: str = "P") -> UicDistributor:
     )
 
 
-def _flow_of_a_metre(pressure: float, behind: float) -> float:
+def flow_of_a_metre(pressure: float, behind: float) -> float:
     """Return the mass flow [kg/s] through a choke of 1 m, both pressures absolute (ISO 6358-1)."""
     area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
     return float(ca.evalf(elliptic_flow(area, ca.SX(pressure), ca.SX(WALL), ca.SX(behind))))
@@ -114,7 +113,7 @@ def filling_choke(p: UicDistributor, time: float) -> float:
     Isothermal: t = V / (R T) int dp / (G of a metre) / d^2. The in-shot is omitted, because it fills its share at once.
     """
     supply, full = 500e3 + AMBIENT, p.full_pressure
-    integral = quad(lambda x: 1.0 / _flow_of_a_metre(supply, x + AMBIENT), p.inshot, 0.95 * full, limit=200)[0]
+    integral = quad(lambda x: 1.0 / flow_of_a_metre(supply, x + AMBIENT), p.inshot, 0.95 * full, limit=200)[0]
     return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
 
 
@@ -133,7 +132,7 @@ def release_time(p: UicDistributor) -> float:
 @lru_cache(maxsize=1024)
 def _release_integral(full_pressure: float) -> float:
     """Return int dp / (G of a metre) from full to 0.4 bar [Pa.s/kg]."""
-    return float(quad(lambda x: 1.0 / _flow_of_a_metre(x + AMBIENT, AMBIENT), 40e3, full_pressure, limit=200)[0])
+    return float(quad(lambda x: 1.0 / flow_of_a_metre(x + AMBIENT, AMBIENT), 40e3, full_pressure, limit=200)[0])
 
 
 def reached_pressure(p: UicDistributor) -> float:
@@ -147,7 +146,7 @@ def reached_pressure(p: UicDistributor) -> float:
 
 @lru_cache
 def _flow_function() -> ca.Function:
-    """Return `_flow_of_a_metre` as a function of both pressures."""
+    """Return `flow_of_a_metre` as a function of both pressures."""
     before, after = ca.SX.sym("before"), ca.SX.sym("after")
     area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
     return ca.Function("flow", [before, after], [elliptic_flow(area, before, ca.SX(WALL), after)])
@@ -207,8 +206,8 @@ def fastest_change(p: UicDistributor) -> float:
     cylinder fills and empties at once.
     """
     specific = GAS_CONSTANT * WALL
-    steepest = 2 * _flow_of_a_metre(1.0, 1.0 - LAMINAR_DIFFERENCE) / LAMINAR_DIFFERENCE
-    relay = _flow_of_a_metre(p.full_pressure + 2 * AMBIENT, AMBIENT) / RELAY
+    steepest = 2 * flow_of_a_metre(1.0, 1.0 - LAMINAR_DIFFERENCE) / LAMINAR_DIFFERENCE
+    relay = flow_of_a_metre(p.full_pressure + 2 * AMBIENT, AMBIENT) / RELAY
     filling = p.filling_choke**2 + p.inshot_choke**2
     paces = (
         p.control_choke**2 * steepest / p.control_volume,
@@ -222,14 +221,16 @@ def _share(value: ca.SX) -> ca.SX:
     return ca.fmax(ca.fmin(value, 1), 0)
 
 
-def _accelerating(p: Mapping[str, ca.SX], line: ca.SX, chamber: ca.SX, brakes: ca.SX) -> tuple[ca.SX, ca.SX]:
+def accelerating(volume: ca.SX, time: ca.SX, line: ca.SX, chamber: ca.SX, brakes: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return the rate of the accelerator's pressure [Pa/s], and its air flow from the pipe [kg/s].
 
-    During braking, the chamber fills from the pipe; after release, it empties to the surroundings at the same rate.
+    During braking, a chamber (V dp/dt = R T G, ideal gas; Boyle (1662)) of a volume [m3] fills from the pipe to 95 % in
+    a time [s]; after release, it empties to
+    the surroundings at the same rate.
     """
-    pace = TIME_CONSTANTS_TO_95_PERCENT / p["accelerator_time"]
+    pace = TIME_CONSTANTS_TO_95_PERCENT / time
     into = ca.fmax(line - chamber, 0) * pace * brakes
-    return into - (chamber - AMBIENT) * pace * (1 - brakes), into * p["accelerator_volume"] / (GAS_CONSTANT * WALL)
+    return into - (chamber - AMBIENT) * pace * (1 - brakes), into * volume / (GAS_CONSTANT * WALL)
 
 
 def whole(moment: Moment) -> Answer:
@@ -251,7 +252,7 @@ def whole(moment: Moment) -> Answer:
     to_control = through(p["control_choke"], line, air_temperature, control)
     from_control = (1 - brakes) * through(p["control_choke"], control, WALL, line)
     specific = GAS_CONSTANT * WALL
-    quickens, to_accelerator = _accelerating(p, line, accelerator, brakes)
+    quickens, to_accelerator = accelerating(p["accelerator_volume"], p["accelerator_time"], line, accelerator, brakes)
     to_auxiliary = through(p["auxiliary_choke"], line, air_temperature, auxiliary)
     wanted = ca.fmin(p["full_pressure"] / p["full_difference"] * fallen, p["full_pressure"]) * brakes
     over = cylinder - AMBIENT
@@ -300,7 +301,7 @@ def empirical(moment: Moment) -> Answer:
     vents = (p["vented"] * p["vent_choke"] ** 2 + p["cylinder_leak"] ** 2) / p["release_choke"] ** 2 * empties
     changes = (1 - p["held"]) * ca.fmax(ca.fmin(EMPIRICAL_PACE * (wanted - over), fills), -empties) - vents
     charged = ca.fmin(-fallen, 0.1 * line) * (1 - brakes) * choked * 10 * p["control_choke"] ** 2 / p["control_volume"]
-    quickens, taken = _accelerating(p, line, accelerator, brakes)
+    quickens, taken = accelerating(p["accelerator_volume"], p["accelerator_time"], line, accelerator, brakes)
     enthalpy = HEAT_CAPACITY * taken * moment.pipe.temperature
     rates = {"control": charged, "accelerator": quickens, "auxiliary": 0.0, "cylinder": changes}
     return Answer(rates, taken, enthalpy, ca.fmax(changes, 0))

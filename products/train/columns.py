@@ -43,7 +43,7 @@ FORCE: dict[str, tuple[str, float, float]] = {
     "friction_speed": ("km/h", 0.1, 1000.0),
     "friction_radius": ("1", 0.1, 1.0),
 }
-#: Columns of the air: cylinder, reservoirs and pipe.
+#: Columns of the air: cylinder, reservoirs and pipe; the driver's valve.
 AIR: dict[str, tuple[str, float, float]] = {
     "full_pressure": ("bar", 1.0, 8.0),
     "fill_time": ("s", 0.5, 120.0),
@@ -55,6 +55,8 @@ AIR: dict[str, tuple[str, float, float]] = {
     "leak": ("mm", 0.0, 10.0),
     "branch": ("l", 0.0, 25.0),
     "delay": ("s", 0.0, 9.0),
+    "service_rate": ("bar/s", 0.01, 5.0),
+    "exhaust": ("mm", 1.0, 30.0),
 }
 #: Columns of the electric command and of the electric brake.
 ELECTRIC: dict[str, tuple[str, float, float]] = {

@@ -13,7 +13,7 @@ from typing import Any
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS
-from brake_controller.drivers_valve import drivers_valve
+from brake_controller.drivers_valve import DriversValve, drivers_valve
 from fmu_src.suggestion import suggestion
 from products.train.columns import (
     COUPLING,
@@ -55,6 +55,8 @@ WITHOUT_BRAKE = (
     "leak",
     "branch",
     "delay",
+    "service_rate",
+    "exhaust",
     "pipe_diameter",
     *ELECTRIC,
     *COUPLING,
@@ -300,8 +302,20 @@ def _with_valve(values: Mapping[str, Any], one: TrainVehicle) -> TrainVehicle:
     if valve in ("head", "second") and count > 1:
         raise ValueError(f"count must be 1 with a {valve} valve; got {count}. Give that vehicle a row of its own.")
     if valve == "none":
-        return replace(one, valve=None)
-    if valve is None:
-        return one
-    delay = values.get("delay", 0.0) if valve == "second" else -1.0
-    return replace(one, valve=drivers_valve(), valve_delay=delay, leads=valve == "head")
+        one = replace(one, valve=None)
+    elif valve is not None:
+        delay = values.get("delay", 0.0) if valve == "second" else -1.0
+        one = replace(one, valve=drivers_valve(), valve_delay=delay, leads=valve == "head")
+    return replace(one, valve=_stated_valve(values, one.valve))
+
+
+def _stated_valve(values: Mapping[str, Any], one: DriversValve | None) -> DriversValve | None:
+    """Return a driver's valve with the rate and the exhaust of a row."""
+    for name in ("service_rate", "exhaust"):
+        if name in values and one is None:
+            raise ValueError(f"{name} must be of a vehicle with a driver's valve. Set valve to head, or leave it out.")
+    if one is not None and "service_rate" in values:
+        one = replace(one, service_rate=1e5 * values["service_rate"])
+    if one is not None and "exhaust" in values:
+        one = replace(one, exhaust_area=math.pi / 4 * (1e-3 * values["exhaust"]) ** 2)
+    return one

@@ -14,9 +14,11 @@ import numpy as np
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS, kind_of
+from brake_controller.distributors.aar import AarValve
 from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
+from brake_controller.drivers_valve import drivers_valve
 from brake_controller.electric_brake import NO_LIMIT, ElectricBrake
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import FORCELESS, FRACTIONS, FRICTIONS, VehicleBrake
@@ -198,7 +200,13 @@ def _coupler(one: Coupler) -> Row:
 def _valve(one: TrainVehicle) -> Row:
     if one.valve is None:
         return {"valve": "none"} if one.kind == "locomotive" else {}
-    return {"valve": "head"} if one.valve_delay < 0.0 else {"valve": "second", "delay": one.valve_delay}
+    row: Row = {"valve": "head"} if one.valve_delay < 0.0 else {"valve": "second", "delay": one.valve_delay}
+    usual = drivers_valve()
+    if one.valve.service_rate != usual.service_rate:
+        row["service_rate"] = 1e-5 * one.valve.service_rate
+    if one.valve.exhaust_area != usual.exhaust_area:
+        row["exhaust"] = 1e3 * (4 / math.pi * one.valve.exhaust_area) ** 0.5
+    return row
 
 
 def _electric(one: ElectricBrake) -> Row:
@@ -222,6 +230,8 @@ def _distributor(one: TrainVehicle) -> Row:
         return {"brake": "ep-direct", "full_pressure": 1e-5 * own.full_pressure} | times
     kind = kind_of(own)
     named: Row = {} if kind.name == "uic" else {"distributor": kind.name}
+    if isinstance(own, AarValve):
+        return named
     for position in ("P", "G"):
         if DISTRIBUTORS[kind.name].ready(position) == own:
             return named | {"position": position}

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 
 from brake_controller.distributors.uic import UicDistributor, freight
+from brake_controller.drivers_valve import drivers_valve
 from products.train.consist import Consist, TrainVehicle
 
 #: Diameter of a pipe that is not stated [m], and volume of a reservoir [m3].
 PIPE, AUXILIARY = 0.03175, freight().auxiliary_volume
+#: Area of a driver's valve's exhaust that is not stated [m2].
+EXHAUST = drivers_valve().exhaust_area
 
 
 def without_effect(consist: Consist, brake_model: str, cells: float) -> str:
@@ -30,5 +33,11 @@ def _unused(one: TrainVehicle, model: str, cells: float) -> str:
         return "coupler_strength"
     if model != "delay":
         return ""
-    found = {"pipe_diameter": one.pipe_diameter != PIPE, "leak": one.leak > 0.0, "branch": one.branch > 0.0}
+    narrow = one.valve is not None and one.valve.exhaust_area != EXHAUST
+    found = {
+        "exhaust": narrow,
+        "pipe_diameter": one.pipe_diameter != PIPE,
+        "leak": one.leak > 0.0,
+        "branch": one.branch > 0.0,
+    }
     return next((name for name, is_stated in found.items() if is_stated), "")

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import FROM_100, force_of_percentage
 from brake_controller.distributors import ep_direct
+from brake_controller.distributors.aar import AAR
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import FILLING, RELEASE, EpDirect
 from brake_controller.distributors.piped import Piped
@@ -52,6 +53,8 @@ WITHOUT_EFFECT = {
     "ep-direct": _BY_PIPE,
     "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, "friction", "weighing"),
 }
+#: Columns without effect on a control valve of the AAR type: its volumes set its pressures.
+WITHOUT_EFFECT_ON_AAR = ("position", "full_pressure")
 #: Columns of a UIC distributor's cylinder and reservoirs.
 OF_UIC = ("fill_time", "release_time", "auxiliary", "cylinder")
 
@@ -113,6 +116,9 @@ def check_control(values: Mapping[str, Any]) -> None:
             raise ValueError(f"{name} has no effect with brake = {brake}. Leave it out.")
     if brake == "pneumatic" and {"position", "fill_time", "release_time"} <= set(values):
         raise ValueError("position has no effect with fill_time and release_time. Leave one of them out.")
+    for name in WITHOUT_EFFECT_ON_AAR if values.get("distributor") == AAR.name else ():
+        if name in values:
+            raise ValueError(f"{name} has no effect with distributor = {AAR.name}. Leave it out.")
     for name in ("dynamic_power", "dynamic_fade"):
         if name in values and "dynamic_force" not in values:
             raise ValueError(f"{name} must come with dynamic_force. Add it, or leave {name} out.")

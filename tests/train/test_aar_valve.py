@@ -1,0 +1,160 @@
+"""The AAR control valve: balance of its volumes, direct release, quick service, and emergency by local venting."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from brake_controller.air import AMBIENT
+from brake_controller.distributors.aar import AarValve, balance, ready
+from products.train.consist_file import consist_of, read_consist
+from products.train.consist_writer import write_consist
+from products.train.numbers import Settings
+from products.train.pipe import Outside, Pipe
+from products.train.train import Train
+
+PSI = 6894.757
+#: Pressures of freight trains that AAR handbooks print, from 90 psi: full service, emergency [psi].
+CHARGED, FULL_SERVICE, EMERGENCY = 90 * PSI, 64.3, 77.1
+#: Relative error of a balance: an opening choke is laminar, and the relay stays a few kPa apart.
+BALANCE = 0.002
+
+
+def car(**changes: float) -> AarValve:
+    return replace(ready("P"), **changes)
+
+
+def bench(valve: AarValve, pressure: float, seconds: float, charged: float = CHARGED) -> tuple[Pipe, float]:
+    """Open a charged car to a gauge pressure; return its pipe, and the cylinder's gauge pressure after a time."""
+    pipe = Pipe(2, pressure=charged + AMBIENT, length=7.5, diameter=0.03175)
+    pipe.connect([1], [valve], charged + AMBIENT)
+    pipe.open_to(0, Outside(2e-4, pressure + AMBIENT))
+    pipe.advance(seconds)
+    return pipe, float(pipe.vehicle_pressures("cylinder")[0]) - AMBIENT
+
+
+def train(cars: int, **changes: float) -> Train:
+    """Return a locomotive that does not brake, and cars of 15 m."""
+    rows = [{"kind": "locomotive", "brake": "none"}, {"kind": "wagon", "length": 15, "distributor": "aar"}]
+    consist = consist_of([rows[0], rows[1] | {"count": cars}])
+    vehicles = [replace(v, distributor=car(**changes)) if v.kind == "wagon" else v for v in consist.vehicles]
+    return Train(replace(consist, vehicles=tuple(vehicles)), settings=Settings(cells=1))
+
+
+def begun(one: Train, seconds: float) -> np.ndarray:
+    """Return the time at which each car's cylinder has 10 kPa [s], infinite if it has not after `seconds`."""
+    found = np.full(len(one.consist.vehicles) - 1, np.inf)
+    while one.time < seconds:
+        one.advance(0.05)
+        found = np.where((one.cylinder_pressure[1:] > 10e3) & np.isinf(found), one.time, found)
+    return found
+
+
+def test_balances_are_those_that_handbooks_print() -> None:
+    """Three volumes in gauge pressure, Boyle: 90 * 2.5 / 3.5 and 90 * 6 / 7 psi; emergency is 1.2 times service."""
+    assert balance(ready("P"), CHARGED) / PSI == pytest.approx(FULL_SERVICE, abs=0.05)
+    assert balance(ready("P"), CHARGED, emergency=True) / PSI == pytest.approx(EMERGENCY, abs=0.05)
+
+
+def test_full_service_and_emergency_end_in_the_balances() -> None:
+    """Without air of the pipe, the cylinder ends where Boyle has it; with quick service it ends a little above."""
+    closed = car(quick_choke=0.0)
+    slow = car(quick_choke=0.0, emergency_difference=1e7)
+    _, service = bench(slow, CHARGED - 30 * PSI, 60.0)
+    assert service == pytest.approx(balance(closed, CHARGED), rel=BALANCE)
+    pipe, emergency = bench(closed, 0.0, 60.0)
+    assert emergency == pytest.approx(balance(closed, CHARGED, emergency=True), rel=BALANCE)
+    assert pipe.vehicle_pressures("auxiliary")[0] - AMBIENT == pytest.approx(emergency, rel=BALANCE)
+    _, quick = bench(car(emergency_difference=1e7), CHARGED - 30 * PSI, 60.0)
+    assert service < quick < 1.05 * service
+
+
+@pytest.mark.parametrize("reduction", [8.0, 15.0])
+def test_a_reduction_gives_two_and_a_half_times_itself(reduction: float) -> None:
+    """Auxiliary over cylinder 2.5: the air that leaves one fills the other; the valve laps within its band."""
+    _, pressure = bench(car(quick_choke=0.0, emergency_difference=1e7), CHARGED - reduction * PSI, 60.0)
+    assert pressure == pytest.approx(2.5 * reduction * PSI, abs=2.5 * 5e3)
+
+
+def test_a_small_rise_of_the_pipe_releases_it_wholly() -> None:
+    one = train(4)
+    one.drive("service", 0.6)
+    one.advance(30.0)
+    assert one.cylinder_pressure[1:].min() > 200e3
+    one.drive("service", 0.2)
+    one.advance(40.0)
+    assert one.pipe_pressure.max() < 450e3
+    assert one.cylinder_pressure.max() < 1e3
+
+
+def test_quick_service_carries_a_first_step_through_a_long_train() -> None:
+    """The first step, 0.4 bar, brakes 60 cars at the speed of the wave; without quick service the end comes later."""
+    quick, plain = (train(60, **changes) for changes in ({}, {"bulb_volume": 0.0, "quick_choke": 0.0}))
+    for one in (quick, plain):
+        one.drive("service", 0.0)
+    first, later = begun(quick, 8.0), begun(plain, 8.0)
+    assert first[-1] < 4.0
+    assert later[-1] > first[-1] + 0.5
+    assert plain.cylinder_pressure[-1] < 65e3 < quick.cylinder_pressure[1:].min()
+
+
+def test_an_emergency_runs_faster_than_the_published_wave_and_a_service_does_not_begin_one() -> None:
+    """Published: 280 m/s (920 ft/s). Each car vents the pipe; full service leaves it at 3.5 bar."""
+    hard, soft = train(60), train(60)
+    hard.drive("emergency")
+    times = begun(hard, 10.0)
+    wave = 15.0 * 50 / (times[-1] - times[9])
+    assert 280.0 < wave < 380.0
+    assert hard.pipe_pressure.max() < 5e3
+    soft.drive("service", 1.0)
+    soft.advance(60.0)
+    assert soft.pipe_pressure.min() > 340e3
+    hard.advance(30.0)
+    assert hard.cylinder_pressure[1:].min() > 1.15 * soft.cylinder_pressure[1:].max()
+
+
+def test_the_balance_of_air_closes() -> None:
+    one = train(6)
+    mass = one.air.mass
+    for position in ("service", "running", "emergency"):
+        one.drive(position, 0.5)
+        one.advance(8.0)
+    gone = one.air.passed
+    assert one.air.mass + gone.valve_mass + gone.leak_mass + gone.vehicle_mass == pytest.approx(mass, rel=1e-12)
+
+
+def test_a_consist_states_it_and_its_drivers_valve_and_is_written_again(tmp_path: Path) -> None:
+    """Columns: distributor, service_rate [bar/s], exhaust [mm]. What has no effect is refused."""
+    rows = [
+        {"kind": "locomotive", "service_rate": 0.14, "exhaust": 8},
+        {"kind": "wagon", "count": 2, "distributor": "aar"},
+    ]
+    consist = consist_of(rows)
+    valve = consist.vehicles[0].valve
+    assert valve is not None
+    assert (valve.service_rate, valve.exhaust_area) == pytest.approx((14e3, np.pi / 4 * 0.008**2))
+    write_consist(consist, tmp_path / "again.toml")
+    assert read_consist(tmp_path / "again.toml").vehicles[1].distributor == consist.vehicles[1].distributor
+    for row, name in (
+        ({"position": "G"}, "position"),
+        ({"full_pressure": 3}, "full_pressure"),
+        ({"exhaust": 8}, "exh"),
+    ):
+        with pytest.raises(ValueError, match=name):
+            consist_of([rows[0], rows[1] | row])
+
+
+def test_a_slower_equalising_reservoir_brakes_later() -> None:
+    """The pipe at the head follows 0.14 bar/s instead of 0.5: 1.5 bar in 10.7 s instead of 3 s."""
+    wagon = {"kind": "wagon", "count": 3}
+    falls = []
+    for row in ({}, {"service_rate": 0.14}):
+        one = Train(consist_of([{"kind": "locomotive"} | row, wagon]))
+        one.drive("service", 1.0)
+        one.advance(3.0)
+        falls.append(500e3 - float(one.pipe_pressure[0]))
+    assert falls[0] > 100e3
+    assert falls[1] == pytest.approx(3.0 * 14e3, abs=10e3)
