@@ -16,7 +16,7 @@ NAME = "bogie_braking"
 ROOMS = ("readers", "fmu_src", "rbd_model", "brake_controller", "products", "scenarios")
 BESIDE = ("build_fmu.py",)
 #: Experiments that need a checkout.
-LEFT_OUT = ("scenarios/comparisons",)
+LEFT_OUT = ("scenarios/comparisons", "scenarios/benchmark/peers")
 #: At the beginning of a line that imports from a room. Our code has no other form (tests/test_architecture.py).
 IMPORTS = re.compile(rf"^(\s*from )((?:{'|'.join([*ROOMS, *(name[:-3] for name in BESIDE)])})\b)", re.MULTILINE)
 

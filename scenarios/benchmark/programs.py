@@ -18,8 +18,9 @@ from typing import Any
 
 from readers.documents import is_number
 from readers.text import BadInputError, shown
-from scenarios.benchmark import methods, own, peers
+from scenarios.benchmark import own
 from scenarios.benchmark.case import Case
+from scenarios.benchmark.elsewhere import OtherPython, other_python
 
 Answers = Mapping[str, float]
 
@@ -43,19 +44,43 @@ def own_program() -> Program:
 
 
 def programs() -> tuple[list[Program], dict[str, str]]:
-    """Return this project, the published formulas and the peers, and the reason of each peer that is missing."""
-    found, missing = [own_program()], {}
-    for module in (*_modules(methods), *_modules(peers)):
+    """Return this project, the published formulas and the peers, and the reason of each peer that is missing.
+
+    Peers run in the Python that BOGIE_BRAKING_PEERS names, if it is set. A wheel has no peers.
+    """
+    found, missing = [own_program(), *map(of_module, _modules("methods"))], dict[str, str]()
+    for module in _modules("peers"):
         try:
-            found.append(of_module(module))
+            other = other_python()
+            found.append(of_adapter(module, other) if other else of_module(module))
         except ImportError as error:
             missing[str(module.NAME)] = str(error)
     return found, missing
 
 
-def _modules(package: ModuleType) -> Iterator[ModuleType]:
-    for one in iter_modules(package.__path__):
-        yield import_module(f"{package.__name__}.{one.name}")
+def _modules(name: str) -> Iterator[ModuleType]:
+    for one in iter_modules([str(Path(__file__).parent / name)]):
+        yield import_module(f"{__package__}.{name}.{one.name}")
+
+
+def of_adapter(module: ModuleType, other: OtherPython) -> Program:
+    """Return the program of an adapter in another Python.
+
+    Raises
+    ------
+    ImportError
+        If that Python cannot be started, or does not have the adapter's program.
+    """
+    place = str(module.__file__)
+
+    def ask(case: Case, point: int) -> Answers:
+        try:
+            found = other.answer(place, case.question, case.points[point].inputs)
+        except RuntimeError as error:
+            raise CannotAnswerError(str(error)) from error
+        return checked(found, case)
+
+    return Program(str(module.NAME), str(other.call(place, "version")), ask)
 
 
 def of_module(module: ModuleType) -> Program:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scenarios.benchmark import elsewhere
 from scenarios.benchmark.case import Answer, Case
 from scenarios.benchmark.programs import Answers, CannotAnswerError, Program
 
@@ -107,9 +108,9 @@ def _asked(program: Program, case: Case) -> tuple[list[Answers], float | None, s
 
 
 def processor_time() -> float:
-    """Return the processor time of this process and of processes that it has ended [s]."""
+    """Return the processor time of this process, of processes that it has ended, and of answers elsewhere [s]."""
     ended = os.times()
-    return time.process_time() + ended.children_user + ended.children_system
+    return time.process_time() + ended.children_user + ended.children_system + elsewhere.seconds()
 
 
 def rows_of(scored: Sequence[Scored]) -> Iterator[dict[str, object]]:
