@@ -13,10 +13,14 @@ from fmu_src.system import ParameterSet, quantity
 
 #: Speed below which an electric brake fades out, where none is given [m/s]: 8 km/h. Assumed, as train simulators do.
 FADE = 8.0 / 3.6
+#: Time of the rise to the largest force, where none is given [s]. Assumed: a metro's service deceleration of 1.0 to 1.3
+#: m/s2 at a jerk of about 1 m/s3.
+RISE = 1.0
 #: Power of an electric brake that has no limit of it [W].
 NO_LIMIT = 1e12
-#: Commands of a vehicle: share of its whole brake that drivers demand, and share of its electric brake alone.
-DEMANDED = ("demanded", "dynamic")
+#: Commands of a vehicle: share of its whole brake that drivers demand, and share of its electric brake alone. Then the
+#: force of its electric brake before a step [N], and the length of the step [s].
+DEMANDED = ("demanded", "dynamic", "before", "step")
 #: Least speed [m/s] and force [N] in a denominator.
 LEAST = 1e-6
 
@@ -30,18 +34,20 @@ class ElectricBrake(ParameterSet):
     dynamic_force: float = quantity("N", "Largest force of the electric brake at the rims", 0.0)
     dynamic_power: float = quantity("W", "Largest power of the electric brake at the rims", 0.0)
     dynamic_fade: float = quantity("m/s", "Speed below which the electric brake fades out linearly", 0.0)
+    dynamic_rise: float = quantity("s", "Time of the electric brake's rise to its largest force, and of its fall", 0.0)
 
 
 #: A vehicle without electric command and electric brake.
-NO_ELECTRIC_BRAKE = ElectricBrake(0.0, 0.0, 0.0, NO_LIMIT, FADE)
+NO_ELECTRIC_BRAKE = ElectricBrake(0.0, 0.0, 0.0, NO_LIMIT, FADE, 0.0)
 
 
 def blending() -> ca.Function:
-    """Return the function for the electric brake's force at the rims [N], and the share of the full cylinder pressure.
+    """Return the function for a step of an electric brake: mean force at the rims [N], share of the air, last force.
 
     The electric brake gives min(F, P / v), fading out linearly below a speed: the part of the demanded force that it
-    can, or the share that its own command asks for. Air fills what is missing as a share of the shoe force, which is
-    exact for a friction that does not depend on that force (blending of metros; forces by eqs (2.4) and (2.6)).
+    can, or the share that its own command demands. Its force rises and falls at the rate F / T, as EN 14531-1 takes
+    build-up. Air fills what the electric brake lacks after its rise (blending of metros), as a share of the shoe force.
+    This is exact for a friction that does not depend on that force. Forces are those of eqs (2.4) and (2.6).
     """
     wheel, command = ca.SX.sym("wheel"), ca.SX.sym("command", len(DEMANDED))
     brake, given = ca.SX.sym("brake", len(named(VehicleBrake))), ca.SX.sym("given", len(named(ElectricBrake)))
@@ -49,15 +55,17 @@ def blending() -> ca.Function:
         dict(zip(named(of), ca.vertsplit(row), strict=True))
         for of, row in ((ElectricBrake, given), (VehicleBrake, brake))
     )
-    demanded, dynamic = ca.vertsplit(command)
+    demanded, dynamic, before, step = ca.vertsplit(command)
     fast = ca.fabs(wheel)
     strength = ca.fmin(p["dynamic_force"], p["dynamic_power"] / ca.fmax(fast, LEAST))
     able = strength * ca.fmin(fast / ca.fmax(p["dynamic_fade"], LEAST), 1)
     full = brake_force(p["blended_pressure"] + AMBIENT, wheel, b)
     electric = ca.fmin(ca.fmax(demanded * full, dynamic * able), able)
+    change = p["dynamic_force"] * step / ca.fmax(p["dynamic_rise"], LEAST**2)
+    ends = ca.fmin(ca.fmax(ca.fmin(electric, before + change), before - change), able)
+    mean = ca.if_else(ends == electric, ends, (before + ends) / 2)
     lacks = ca.fmax(demanded - electric / ca.fmax(full, LEAST), 0)
     pressed = ca.fmax(b["force_per_pressure"] * p["blended_pressure"], LEAST)
     share = lacks + (1 - lacks) * ca.fmin(b["counter_force"] / pressed, 1)
-    return function_of(
-        "blending", [wheel, command, brake, given], ca.vertcat(electric, ca.if_else(lacks > 0, share, 0))
-    )
+    found = ca.vertcat(mean, ca.if_else(lacks > 0, share, 0), ends)
+    return function_of("blending", [wheel, command, brake, given], found)

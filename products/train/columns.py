@@ -64,6 +64,7 @@ ELECTRIC: dict[str, tuple[str, float, float]] = {
     "dynamic_force": ("kN", 0.1, 1000.0),
     "dynamic_power": ("kW", 1.0, 20e3),
     "dynamic_fade": ("km/h", 0.0, 100.0),
+    "dynamic_rise": ("s", 0.0, 30.0),
 }
 #: Columns of the coupler behind a vehicle, in place of numbers of the built-in one.
 COUPLING: dict[str, tuple[str, float, float]] = {

@@ -214,6 +214,7 @@ def _electric(one: ElectricBrake) -> Row:
     row: Row = {"dead_time": one.dead_time} if one.dead_time else {}
     if one.dynamic_force:
         row |= {"dynamic_force": 1e-3 * one.dynamic_force, "dynamic_fade": KILOMETRES_PER_HOUR * one.dynamic_fade}
+        row["dynamic_rise"] = one.dynamic_rise
     if one.dynamic_force and one.dynamic_power < NO_LIMIT:
         row["dynamic_power"] = 1e-3 * one.dynamic_power
     return row

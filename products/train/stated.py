@@ -18,7 +18,7 @@ from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import FILLING, RELEASE, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import TIMES, UicDistributor, with_times
-from brake_controller.electric_brake import FADE, NO_LIMIT, ElectricBrake
+from brake_controller.electric_brake import FADE, NO_LIMIT, RISE, ElectricBrake
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking, over_speed
 from products.train.columns import FORCE
@@ -119,7 +119,7 @@ def check_control(values: Mapping[str, Any]) -> None:
     for name in WITHOUT_EFFECT_ON_AAR if values.get("distributor") == AAR.name else ():
         if name in values:
             raise ValueError(f"{name} has no effect with distributor = {AAR.name}. Leave it out.")
-    for name in ("dynamic_power", "dynamic_fade"):
+    for name in ("dynamic_power", "dynamic_fade", "dynamic_rise"):
         if name in values and "dynamic_force" not in values:
             raise ValueError(f"{name} must come with dynamic_force. Add it, or leave {name} out.")
 
@@ -134,6 +134,7 @@ def electric_of(values: Mapping[str, Any], one: DistributorParameters) -> Electr
         dynamic_force=1e3 * values.get("dynamic_force", 0.0),
         dynamic_power=NO_LIMIT if power is None else 1e3 * power,
         dynamic_fade=FADE if fade is None else fade / KILOMETRES_PER_HOUR,
+        dynamic_rise=values.get("dynamic_rise", RISE if "dynamic_force" in values else 0.0),
     )
 
 

@@ -37,6 +37,7 @@ _FACTORS: dict[str, dict[str, float]] = {
         "m/s": 3.6,
     },
     "N": {"": 1.0, "n": 1.0, "kn": 1e3, "mn": 1e6, "lbf": POUND_FORCE, "lb": POUND_FORCE},
+    "N/s": {"": 1.0, "n/s": 1.0, "kn/s": 1e3, "lbf/s": POUND_FORCE},
     "N/(m/s)": {
         "": 1.0,
         "n/m/s": 1.0,

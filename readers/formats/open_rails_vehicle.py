@@ -190,6 +190,10 @@ def _dynamic(engines: list[Block], notes: Notes) -> Row:
             notes.left(
                 f"DynamicBrakesMinUsableSpeed: the force fades to 0 at standstill, in Open Rails at {least:.3g} km/h."
             )
+    rate = fields.number("ORTSDynamicBrakeForceRampUpRate", "N/s")
+    if rate and rate > 0.0:
+        row["dynamic_rise"] = rounded(force / rate)
+        notes.converted("DynamicBrakesMaximumForce / ORTSDynamicBrakeForceRampUpRate -> dynamic_rise [s]")
     effective = fields.number("DynamicBrakesMaximumEffectiveSpeed", "km/h")
     if effective and effective > 0.0:
         row["dynamic_power"] = rounded(1e-3 * force * effective / 3.6)

@@ -188,10 +188,12 @@ def test_a_dynamic_brake_has_its_largest_force(tmp_path: Path) -> None:
     row = read_foreign(path).rows[0]
     assert row["dynamic_force"] == 100.0
     assert not {"dynamic_power", "dynamic_fade"} & set(row)
-    speeds = "DynamicBrakesFadingSpeed ( 10 ) DynamicBrakesMaximumEffectiveSpeed ( 36km/h )"
+    speeds = "ORTSDynamicBrakeForceRampUpRate ( 40kN/s ) "
+    speeds += "DynamicBrakesFadingSpeed ( 10 ) DynamicBrakesMaximumEffectiveSpeed ( 36km/h )"
     path.write_text(f"{text} Engine ( one Type ( Diesel ) DynamicBrakesMaximumForce ( 100kN ) {speeds} )")
     row = read_foreign(path).rows[0]
     assert row["dynamic_fade"] == pytest.approx(16.09344, rel=1e-9)  # 10 mph, the unit of the field
+    assert row["dynamic_rise"] == 2.5
     assert row["dynamic_power"] == pytest.approx(1000.0, rel=1e-9)  # 100 kN at 10 m/s
 
 

@@ -142,7 +142,7 @@ def metro_force(v: float) -> float:
 @pytest.mark.parametrize("model", MODELS)
 def test_a_metro_brakes_electrically_first_and_air_fills_what_is_missing(model: str) -> None:
     """Cylinders follow the missing share at their rates, settling with 25 over the shorter time."""
-    car = METRO | {"deceleration": 1.2}
+    car = METRO | {"deceleration": 1.2, "dynamic_rise": 0.0}
     train = Train(consist_of([car | {"valve": "head"}, *[car] * 3]), speed=22.0, settings=Settings(model, cells=1.0))
     mass, full = 1.04 * 40e3, 1.2 * 1.04 * 40e3
 
@@ -158,6 +158,41 @@ def test_a_metro_brakes_electrically_first_and_air_fills_what_is_missing(model: 
     train.drive("emergency")
     assert stop(train, 0.005) == pytest.approx(way_of(slows, 22.0, fills), rel=5e-4)
     assert train.largest_compression < 70e3  # preload of the buffers: all cars brake alike
+
+
+def test_a_stop_with_an_electric_brake_that_rises_has_its_closed_form() -> None:
+    """S = v^2 / 2 a + v T / 2 - a T^2 / 24 for a force that rises linearly within T; it falls at the same rate."""
+    rise, force, speed = 3.0, 44e3, 25.0
+    row = {"kind": "coach", "valve": "head", "mass": 40.0, "rotating": 0.0, "resistance_a": 0.0, "brake_force": 0.1}
+    row |= {"dynamic_force": 1e-3 * force, "dynamic_fade": 0.0, "dynamic_rise": rise}
+    train, slows = Train(consist_of([row]), speed=speed), force / 40e3
+    train.inputs["dynamic_brake"][0] = 1.0
+    start = train.state
+    assert stop(train, 1e-3) == pytest.approx(
+        speed**2 / (2 * slows) + speed * rise / 2 - slows * rise**2 / 24, rel=1e-4
+    )
+    train.state = start
+    train.inputs["dynamic_brake"][0] = 0.6
+    for demand, time, due in ((0.6, 1.2, 0.4), (0.6, 2.0, 0.6), (0.0, 0.9, 0.3), (0.0, 1.0, 0.0)):
+        train.inputs["dynamic_brake"][0] = demand
+        train.advance(time)
+        train.advance(1e-6)
+        assert train.brake_force[0] == pytest.approx(due * force, abs=1e-5 * force)
+
+
+@pytest.mark.parametrize(("rise", "least", "most"), [(0.0, 25e3, 31e3), (1.0, 0.0, 1e3)])
+def test_rigid_couplers_oscillate_by_a_step_of_force_and_not_by_a_rise(rise: float, least: float, most: float) -> None:
+    """The step excites an amplitude of the force that it moves; a rise over T one of 2 / (omega T) of it and less."""
+    motor = {"kind": "coach", "valve": "head", "mass": 45.0, "length": 18.0, "rotating": 9.0, "coupler": "rigid"}
+    motor |= {"brake": "ep-direct", "deceleration": 1.2, "dead_time": 0.3, "fill_time": 1.2}
+    motor |= {"dynamic_force": 60.0, "dynamic_power": 900.0, "dynamic_fade": 10.0, "dynamic_rise": rise}
+    trailer = {"kind": "coach", "mass": 38.0, "length": 18.0, "coupler": "rigid", "count": 2}
+    trailer |= {name: motor[name] for name in ("brake", "deceleration", "dead_time", "fill_time")}
+    train = Train(consist_of([motor, trailer]), speed=20.0)
+    train.drive("service", 1.0)
+    train.advance(4.0)
+    forces = train.record(1.0, 0.004)["coupler_force[1]"]
+    assert least <= float(np.ptp(forces)) / 2 <= most
 
 
 def test_a_service_step_demands_a_share_of_the_force_and_needs_no_pipe() -> None:

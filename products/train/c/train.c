@@ -11,7 +11,11 @@
 /* Brakes and line are constant during a step. It is as long as waves in the pipe allow, within these limits [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
 /* Rows of brakes: constants, three results of all lanes; electric constants, commands and results. */
-enum { BLENDED_ROWS = 2, ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS };
+enum { BLENDED_ROWS = 3, ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS };
+
+/* Length of a run's variables: behind those of the valves, the force of each vehicle's electric brake [N]. */
+static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves + self->vehicles; }
+static double *electric_run(train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves; }
 
 static double *take(double **from, long long int count) {
     double *place = *from;
@@ -56,7 +60,7 @@ static void put_heights(train *self) {
 
 /* Allocates memory for all numbers outside pipe and motion; returns 0 if out of memory. */
 static int take_memory(train *self) {
-    const long long int n = self->vehicles, run = RUN_VALVES + OF_VALVE * self->valves;
+    const long long int n = self->vehicles, run = runs(self);
     long long int outputs = TRAIN_SUMS;
     for (int row = 0; row < TRAIN_INPUTS; ++row) self->inputs += layout_input(self->counts, row);
     for (int row = 0; row < OUT_SUMS; ++row) outputs += layout_output(self->counts, row);
@@ -166,8 +170,6 @@ void train_free(train *self) {
     free(self);
 }
 
-static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves; }
-
 static void fill(double *values, long long int count, double value) {
     for (long long int i = 0; i < count; ++i) values[i] = value;
 }
@@ -209,10 +211,14 @@ static void demand_brakes(train *self, double step) {
     for (long long int i = 0; i < self->vehicles; ++i) {
         const int released = self->input[IN_PROTECTION][i] == PROTECTION_RELEASE;
         const double dead_time = self->electric[i + ELECTRIC_DEAD_TIME * self->stride];
-        self->command[i] = released ? 0.0 : valves_demand(self, step, dead_time);
-        self->command[i + self->stride] = released ? 0.0 : self->input[IN_DYNAMIC_BRAKE][i];
+        double *command = self->command + i;
+        command[ELECTRICALLY_DEMANDED * self->stride] = released ? 0.0 : valves_demand(self, step, dead_time);
+        command[ELECTRICALLY_DYNAMIC * self->stride] = released ? 0.0 : self->input[IN_DYNAMIC_BRAKE][i];
+        command[ELECTRICALLY_BEFORE * self->stride] = released ? 0.0 : electric_run(self)[i];
+        command[ELECTRICALLY_STEP * self->stride] = step;
     }
     IN_LANES(train_blend);
+    memcpy(electric_run(self), self->blended + 2 * self->stride, (size_t)self->vehicles * sizeof(double));
     pipe_demand(self->air, self->blended + self->stride);
 }
 
