@@ -57,6 +57,13 @@ def imported(path: Path) -> set[str]:
     return names
 
 
+def test_supervision_needs_arrays_and_messages_alone() -> None:
+    """Trains of this project and ETCS curves meet in numbers, so that each can be checked by itself."""
+    for path in (ROOT / "products" / "supervision").glob("*.py"):
+        own = {name for name in imported(path) if name.split(".")[0] in OURS}
+        assert all(name.startswith(("products.supervision", "readers.text")) for name in own), (path.name, own)
+
+
 @pytest.mark.parametrize("package", ALLOWED)
 def test_imports_run_one_way(package: str) -> None:
     for path in (ROOT / package).rglob("*.py"):

@@ -1,0 +1,30 @@
+"""Supervision of a braking train as ETCS defines it, SUBSET-026, section 3.13: curves of place over speed.
+
+Plain functions of the numbers of a train, a line and a target, exact over arcs, in arrays. No vehicle, brake or FMU of
+this project is behind them: both meet in numbers alone, so that each can be checked by itself (docs/etcs.md).
+"""
+
+from products.supervision.arcs import Arcs, braking_arcs
+from products.supervision.conversion import BRAKE_POSITIONS, brake_of_percentage
+from products.supervision.curves import Curves, supervise
+from products.supervision.gradients import Gradients
+from products.supervision.release import release_speed
+from products.supervision.steps import Steps
+from products.supervision.train import SupervisedTrain
+from products.supervision.values import BASELINES, FixedValues, NationalValues
+
+__all__ = [
+    "BASELINES",
+    "BRAKE_POSITIONS",
+    "Arcs",
+    "Curves",
+    "FixedValues",
+    "Gradients",
+    "NationalValues",
+    "Steps",
+    "SupervisedTrain",
+    "brake_of_percentage",
+    "braking_arcs",
+    "release_speed",
+    "supervise",
+]

@@ -1,0 +1,206 @@
+"""Braking curves of place over speed, exact: parabolas between steps of speed and of gradient, SUBSET-026, 3.13.8."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from products.supervision.steps import Steps
+
+
+@dataclass(frozen=True)
+class Arcs:
+    """Arcs of a braking curve in the order of speed.
+
+    Parameters
+    ----------
+    places : ndarray
+        Where each arc begins, at its lowest speed [m], shape (..., n).
+    squares : ndarray
+        Squares of these speeds [m2/s2], ascending, shape (..., n).
+    decelerations : ndarray
+        Decelerations of the arcs [m/s2], shape (..., n). Where one is not above 0 no higher speed is reached.
+    """
+
+    places: np.ndarray
+    squares: np.ndarray
+    decelerations: np.ndarray
+
+    def place_at(self, speed: np.ndarray | float) -> np.ndarray:
+        """Return the place at which the curve has a speed.
+
+        Parameters
+        ----------
+        speed : ndarray or float
+            Speeds [m/s], shape (..., m), or one speed.
+
+        Returns
+        -------
+        ndarray
+            Places [m], shape (..., m); minus infinity for a speed from which the train cannot brake on these gradients.
+        """
+        square = np.atleast_1d(np.asarray(speed, dtype=float)) ** 2
+        arc = (square[..., :, None] >= self.squares[..., None, :]).sum(axis=-1) - 1
+        shape = np.broadcast_shapes(arc.shape[:-1], self.squares.shape[:-1])
+        arc = np.broadcast_to(np.maximum(arc, 0), (*shape, arc.shape[-1]))
+
+        def of_arc(values: np.ndarray) -> np.ndarray:
+            return np.take_along_axis(np.broadcast_to(values, (*shape, values.shape[-1])), arc, axis=-1)
+
+        place, lost, brake = of_arc(self.places), square - of_arc(self.squares), of_arc(self.decelerations)
+        braked = place - np.maximum(lost, 0.0) / np.where(brake > 0.0, 2.0 * brake, 1.0)
+        return np.where((brake > 0.0) | (lost <= 0.0), braked, -np.inf)
+
+    def speed_at(self, place: np.ndarray | float) -> np.ndarray:
+        """Return the speed of the curve at a place.
+
+        Parameters
+        ----------
+        place : ndarray or float
+            Places [m], shape (..., m), or one place.
+
+        Returns
+        -------
+        ndarray
+            Speeds [m/s], shape (..., m); 0 behind the end of the curve.
+        """
+        where = np.atleast_1d(np.asarray(place, dtype=float))
+        arc = (where[..., :, None] <= self.places[..., None, :]).sum(axis=-1) - 1
+        shape = np.broadcast_shapes(arc.shape[:-1], self.places.shape[:-1])
+        arc = np.broadcast_to(arc, (*shape, arc.shape[-1]))
+        inside = np.maximum(arc, 0)
+
+        def of_arc(values: np.ndarray) -> np.ndarray:
+            return np.take_along_axis(np.broadcast_to(values, (*shape, values.shape[-1])), inside, axis=-1)
+
+        brake = np.maximum(of_arc(self.decelerations), 0.0)
+        square = of_arc(self.squares) + 2.0 * brake * (of_arc(self.places) - where)
+        return np.where(arc < 0, 0.0, np.sqrt(np.maximum(square, 0.0)))
+
+
+def braking_arcs(
+    place: np.ndarray | float,
+    speed: np.ndarray | float,
+    brake: Steps,
+    gradients: tuple[np.ndarray, np.ndarray],
+    eased: Eased | None = None,
+) -> Arcs:
+    """Return the braking curve through a foot, to rest and to all higher speeds.
+
+    Parameters
+    ----------
+    place, speed : ndarray or float
+        The foot [m], [m/s], shape (...).
+    brake : Steps
+        Deceleration without gradient [m/s2].
+    gradients : tuple of ndarray
+        Places at which the acceleration by the gradient changes [m], shape (..., m), and its values [m/s2].
+    eased : Eased or None
+        What normal service subtracts on gradients.
+
+    Returns
+    -------
+    Arcs
+        From rest on.
+    """
+    edges, slopes = gradients
+    shape = np.broadcast_shapes(
+        np.shape(place), np.shape(speed), brake.values.shape[:-1], edges.shape[:-1], slopes.shape[:-1]
+    )
+    known = (brake.boundaries, brake.values, edges, slopes)
+    boundaries, brakes, edges, slopes = (np.broadcast_to(one, (*shape, one.shape[-1])) for one in known)
+    walk = _Walk(boundaries, brakes, edges, slopes, eased)
+    foot = np.broadcast_to(np.asarray(place, dtype=float), shape), np.broadcast_to(np.square(speed), shape)
+    slower, faster = walk.from_foot(*foot, -1), walk.from_foot(*foot, +1)
+    # Walked to rest, an arc is between its start and the next one: its lowest speed is at the next one.
+    places, squares = (np.stack([one[n] for one in slower][::-1], axis=-1) for n in (0, 1))
+    brakes_to_rest = np.stack([one[2] for one in slower][-2::-1], axis=-1)
+    ahead = [np.stack([one[n] for one in faster[:-1]], axis=-1) for n in range(3)]
+    return Arcs(
+        np.concatenate([places[..., :-1], ahead[0]], axis=-1),
+        np.concatenate([squares[..., :-1], ahead[1]], axis=-1),
+        np.concatenate([brakes_to_rest, ahead[2]], axis=-1),
+    )
+
+
+@dataclass(frozen=True)
+class Eased:
+    """What a driver's normal service brake subtracts on gradients, Kn times gradient: SUBSET-026, 3.13.6.4.
+
+    Parameters
+    ----------
+    uphill, downhill : Steps
+        Kn+ and Kn- by speed [m/s2 a permille], with the boundaries of the brake.
+    permille : ndarray
+        Gradients between the places of the curve [permille], shape (..., m + 1).
+    """
+
+    uphill: Steps
+    downhill: Steps
+    permille: np.ndarray
+
+    def at(self, step: np.ndarray, part: np.ndarray) -> np.ndarray:
+        """Return the deceleration that is missing [m/s2] in steps of speed and parts of the line."""
+        gradient = _of(self.permille, part)
+        return gradient * np.where(gradient > 0.0, _of(self.uphill.values, step), _of(self.downhill.values, step))
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """Steps of speed and of place, for a walk along a curve from one step to the next."""
+
+    boundaries: np.ndarray
+    brakes: np.ndarray
+    edges: np.ndarray
+    slopes: np.ndarray
+    eased: Eased | None
+
+    def from_foot(self, place: np.ndarray, square: np.ndarray, way: int) -> list[tuple[np.ndarray, ...]]:
+        """Return starts and decelerations of the arcs, and the end of the last one; way 1: to higher speeds, back."""
+        place, square = place.copy(), square.copy()
+        speed = np.sqrt(square)[..., None]
+        bounds = np.square(self.boundaries)
+        # Up, a boundary at the speed is passed; down, it is ahead. The train comes from before a place.
+        step = (self.boundaries <= speed if way > 0 else self.boundaries < speed).sum(axis=-1)
+        part = (self.edges < place[..., None] if way > 0 else self.edges <= place[..., None]).sum(axis=-1)
+        found: list[tuple[np.ndarray, ...]] = []
+        for _ in range(self.boundaries.shape[-1] + self.edges.shape[-1] + 1):
+            deceleration = _take(self.brakes, step) + _take(self.slopes, part)
+            if self.eased is not None:
+                deceleration = deceleration - self.eased.at(step, part)
+            found.append((place.copy(), square.copy(), deceleration))
+            to_edge, edge = self._next(self.edges, part, -way, np.inf * -way)
+            to_bound, bound = self._next(bounds, step, way, np.inf if way > 0 else 0.0)
+            brakes = deceleration > 0.0
+            safe = np.where(brakes, deceleration, 1.0)
+            with np.errstate(invalid="ignore"):
+                by_edge, by_bound = np.abs(edge - place), np.abs(bound - square) / (2.0 * safe)
+            first = by_edge < by_bound  # at an edge before a boundary of speed
+            far = np.minimum(by_edge, by_bound)
+            moves = brakes & np.isfinite(far)
+            square = np.where(
+                moves, np.where(first, square + way * 2.0 * safe * np.where(moves, far, 0.0), bound), square
+            )
+            place = np.where(moves, np.where(first, edge, place - way * np.where(moves, far, 0.0)), place)
+            part = np.where(moves & first, part - way * to_edge, part)
+            step = np.where(moves & ~first, step + way * to_bound, step)
+        found.append((place, square, deceleration))
+        return found
+
+    def _next(self, bounds: np.ndarray, at: np.ndarray, way: int, end: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return 1 where there is a boundary in this direction, else 0, and the boundary, or `end`."""
+        count = bounds.shape[-1]
+        index = at if way > 0 else at - 1
+        inside = (index >= 0) & (index < count)
+        if not count:
+            return np.zeros(at.shape, dtype=int), np.full(at.shape, end)
+        return inside.astype(int), np.where(inside, _take(bounds, np.clip(index, 0, count - 1)), end)
+
+
+def _take(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    return np.take_along_axis(values, at[..., None], axis=-1)[..., 0]
+
+
+def _of(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    return _take(np.broadcast_to(values, (*at.shape, values.shape[-1])), at)

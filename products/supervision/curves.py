@@ -1,0 +1,221 @@
+"""Supervision limits of one target: places over the estimated speed, SUBSET-026, 3.13.8 and 3.13.9."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from products.supervision.arcs import Arcs, Eased, braking_arcs
+from products.supervision.conversion import KMH
+from products.supervision.gradients import Gradients, acceleration_by
+from products.supervision.train import SupervisedTrain
+from products.supervision.values import FixedValues, NationalValues
+from readers.text import BadInputError, shown
+
+#: Kinds of targets: the end of authority, a limit of authority, a lower speed of the most restrictive speed profile.
+KINDS = ("EOA", "LOA", "MRSP")
+#: Largest acceleration that counts while the brake builds up [m/s2], and the time that the on-board unit waits before
+#: traction is cut off [s]: 3.13.9.3.2.
+BUILDING_UP, BEFORE_CUT_OFF = 0.4, 2.0
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Places of the train's front at which each limit has the speeds of `V_est` [m], shape (..., m).
+
+    Parameters
+    ----------
+    V_est : ndarray
+        Speeds [m/s].
+    EBD, EBI, SBI2, W, P, I : ndarray
+        Deceleration and intervention of the emergency brake, second intervention of the service brake, warning,
+        permitted speed and indication.
+    SBD, SBI1 : ndarray or None
+        Deceleration of the service brake and its first intervention, for the end of authority.
+    GUI : ndarray or None
+        Guidance, where the country and the train have it.
+    """
+
+    V_est: np.ndarray
+    EBD: np.ndarray
+    EBI: np.ndarray
+    SBI2: np.ndarray
+    W: np.ndarray
+    P: np.ndarray
+    I: np.ndarray  # noqa: E741  (name of the standard)
+    SBD: np.ndarray | None = None
+    SBI1: np.ndarray | None = None
+    GUI: np.ndarray | None = None
+
+    @property
+    def SBI(self) -> np.ndarray:
+        """Return the first intervention of the service brake that the train meets [m]."""
+        return self.SBI2 if self.SBI1 is None else np.minimum(self.SBI1, self.SBI2)
+
+
+def speed_inaccuracy(speed: np.ndarray | float) -> np.ndarray:
+    """Return the largest error of the speed that an on-board unit may have, SUBSET-041, 5.3.1.2.
+
+    Parameters
+    ----------
+    speed : ndarray or float
+        Speed [m/s].
+
+    Returns
+    -------
+    ndarray
+        2 km/h up to 30 km/h, linear to 12 km/h at 500 km/h [m/s].
+    """
+    return np.asarray(np.interp(speed, (30.0 * KMH, 500.0 * KMH), (2.0 * KMH, 12.0 * KMH)))
+
+
+def supervise(
+    train: SupervisedTrain,
+    place: float | np.ndarray,
+    V_est: np.ndarray | float,
+    *,
+    kind: str = "EOA",
+    target_speed: float | np.ndarray = 0.0,
+    beyond: float | np.ndarray = 0.0,
+    gradients: Gradients | None = None,
+    national: NationalValues | None = None,
+    fixed: FixedValues | None = None,
+    A_est: float | np.ndarray = 0.0,
+    V_ura: np.ndarray | float | None = None,
+    slippery: bool = False,
+) -> Curves:
+    """Return the supervision limits of one target for a train or many trains.
+
+    Parameters
+    ----------
+    train : SupervisedTrain
+        Numbers of the train, or of many.
+    place : float or ndarray
+        Place of the target [m], shape (...).
+    V_est : ndarray or float
+        Estimated speeds [m/s], shape (m) or (..., m).
+    kind : str
+        EOA: end of authority, at rest. LOA: limit of authority. MRSP: a lower permitted speed.
+    target_speed : float or ndarray
+        Speed at the target [m/s]; 0 at an EOA.
+    beyond : float or ndarray
+        Distance of the supervised location (SvL) behind the EOA [m].
+    gradients : Gradients or None
+        Of the line; None: level.
+    national, fixed : NationalValues, FixedValues or None
+        Values of the country and of the baseline; None: the defaults.
+    A_est : float or ndarray
+        Estimated acceleration [m/s2].
+    V_ura : ndarray or float or None
+        Error of the speed [m/s]; None: `speed_inaccuracy`, 0: inhibited by the country.
+    slippery : bool
+        True for reduced adhesion.
+
+    Returns
+    -------
+    Curves
+        Places of each limit.
+
+    Raises
+    ------
+    BadInputError
+        If a number is not finite, a speed is below 0, or the kind is unknown.
+    """
+    national, fixed = national or NationalValues(), fixed or FixedValues()
+    speeds = np.atleast_1d(np.asarray(V_est, dtype=float))
+    _check(kind, speeds, target_speed, beyond, place)
+    target, foot = np.asarray(target_speed, dtype=float), np.asarray(place, dtype=float)
+    slopes = _slopes(train, gradients or Gradients.level())
+    if kind == "EOA":
+        emergency = braking_arcs(foot + beyond, 0.0, train.safe_brake(national, slippery), slopes)
+    else:
+        emergency = braking_arcs(foot, target + fixed.dV_ebi(target), train.safe_brake(national, slippery), slopes)
+    T_be, T_bs = (time[..., None] for time in map(np.asarray, train.build_up_times(national, target)))
+    error = speed_inaccuracy(speeds) if V_ura is None else np.asarray(V_ura, dtype=float)
+    accelerates = np.asarray(A_est, dtype=float)[..., None]
+    EBI = _intervention(train, emergency, T_be, (speeds, target[..., None]), (error, accelerates))
+    wait = T_bs if train.service_command else np.zeros_like(T_bs)
+    SBI2, SBD, SBI1 = EBI - speeds * wait, None, None
+    if kind == "EOA":
+        SBD = braking_arcs(foot, 0.0, train.A_brake_service, slopes).place_at(speeds)
+        SBI1 = SBD - speeds * wait
+    SBI = SBI2 if SBI1 is None else np.minimum(SBI1, SBI2)
+    P, GUI = SBI - speeds * fixed.T_driver, None
+    if national.guidance and train.A_brake_normal_service is not None:
+        if kind == "EOA":
+            start = foot
+        else:
+            at_target = target[..., None]
+            still = _intervention(train, emergency, T_be, (at_target, at_target), (error_at(V_ura, at_target), 0.0))
+            start = (still - at_target * (wait + fixed.T_driver))[..., 0]
+        GUI = _guidance(train, start, target, gradients or Gradients.level()).place_at(speeds)
+        P = np.minimum(P, GUI)
+    T_indication = np.maximum(0.8 * T_bs, fixed.T_indication_least) + fixed.T_indication_more
+    EBD = emergency.place_at(speeds)
+    return Curves(speeds, EBD, EBI, SBI2, SBI - speeds * fixed.T_warning, P, P - speeds * T_indication, SBD, SBI1, GUI)
+
+
+def error_at(V_ura: np.ndarray | float | None, speed: np.ndarray) -> np.ndarray:
+    """Return the error of the speed at other speeds than those of the curves; the largest one given."""
+    return speed_inaccuracy(speed) if V_ura is None else np.max(np.asarray(V_ura, dtype=float))
+
+
+def _check(kind: str, speeds: np.ndarray, target_speed: object, beyond: object, place: object) -> None:
+    if kind not in KINDS:
+        raise BadInputError(f"kind must be one of {', '.join(KINDS)}; got {shown(kind)}.")
+    for name, value, least in (
+        ("V_est", speeds, 0.0),
+        ("target_speed", target_speed, 0.0),
+        ("beyond", beyond, 0.0),
+        ("place", place, -np.inf),
+    ):
+        numbers = np.asarray(value, dtype=float)
+        if not np.all(np.isfinite(numbers) & (numbers >= least)):
+            limit = "finite" if least < 0.0 else "finite and at least 0"
+            raise BadInputError(f"{name} must be {limit}; got {shown(numbers.tolist())}. Correct it.")
+    if kind == "EOA" and np.any(np.asarray(target_speed, dtype=float) > 0.0):
+        raise BadInputError("target_speed must be 0 at an end of authority (EOA). Give kind='LOA' for a moving target.")
+    if kind != "EOA" and np.any(np.asarray(beyond, dtype=float) != 0.0):
+        raise BadInputError(f"beyond must be 0 for {kind}: only an end of authority (EOA) has an SvL behind it.")
+
+
+def _slopes(train: SupervisedTrain, gradients: Gradients) -> tuple[np.ndarray, np.ndarray]:
+    edges, permille = gradients.lowest_under(train.length)
+    return edges, acceleration_by(permille, train.rotating)
+
+
+def _intervention(
+    train: SupervisedTrain,
+    emergency: Arcs,
+    T_be: np.ndarray,
+    speeds: tuple[np.ndarray, np.ndarray],
+    doubts: tuple[np.ndarray | float, np.ndarray | float],
+) -> np.ndarray:
+    """Return EBI: from there the train reaches EBD while traction is cut off and the brake builds up, 3.13.9.3.2."""
+    V_est, V_target = speeds
+    error, accelerates = doubts
+    cut_off = np.asarray(train.T_traction_cut_off, dtype=float)[..., None]
+    if train.traction_command:
+        # Traction is cut off at the warning, T_warning and T_bs2 before the emergency brake.
+        waits = BEFORE_CUT_OFF + (np.asarray(train.T_brake_service)[..., None] if train.service_command else 0.0)
+        cut_off = np.maximum(cut_off - waits, 0.0)
+    building = np.maximum(T_be - cut_off, 0.0)
+    first, second = np.maximum(accelerates, 0.0), np.clip(accelerates, 0.0, BUILDING_UP)
+    pulled, crept = first * cut_off, second * building
+    after = np.maximum(V_est + error + pulled, V_target)
+    travelled = np.maximum(V_est + error + pulled / 2.0, V_target) * cut_off + (after + crept / 2.0) * building
+    return emergency.place_at(after + crept) - travelled
+
+
+def _guidance(train: SupervisedTrain, start: np.ndarray, target: np.ndarray, gradients: Gradients) -> Arcs:
+    """Return GUI, the curve of a driver who brakes in comfort, 3.13.8.5."""
+    brake = train.A_brake_normal_service
+    assert brake is not None
+    edges, permille = gradients.lowest_under(train.length)
+    every = (brake, train.Kn_plus, train.Kn_minus)
+    brake, up, down = (
+        one.with_others(lambda *values: values[0], *(other for other in every if other is not one)) for one in every
+    )
+    slopes = acceleration_by(permille, train.rotating)
+    return braking_arcs(start, target, brake, (edges, slopes), Eased(up, down, permille))

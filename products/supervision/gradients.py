@@ -1,0 +1,115 @@
+"""Gradients along a line, and the acceleration by the lowest one under a train, SUBSET-026, 3.13.4."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from readers.text import BadInputError, shown
+
+#: Acceleration of gravity [m/s2]. SUBSET-026 prints 9.8; the test frames of ERA have 9.81.
+GRAVITY = 9.81
+#: Rotating mass where the train has no nominal one, uphill and downhill [% of the mass]: SUBSET-026, A.3.1.
+ROTATING_UPHILL, ROTATING_DOWNHILL = 15.0, 2.0
+#: Steepest gradient of a line [permille].
+STEEPEST = 255.0
+
+
+@dataclass(frozen=True)
+class Gradients:
+    """Gradients of a line: each holds from its place to the next one, the first also before it, the last also behind.
+
+    Parameters
+    ----------
+    starts : ndarray
+        Places [m], ascending, shape (n).
+    permille : ndarray
+        Gradients [permille], positive uphill, shape (n).
+
+    Raises
+    ------
+    BadInputError
+        If a number is not finite, places do not ascend, or a gradient is steeper than 255 permille.
+    """
+
+    starts: np.ndarray
+    permille: np.ndarray
+
+    def __post_init__(self) -> None:
+        starts, permille = (np.atleast_1d(np.asarray(one, dtype=float)) for one in (self.starts, self.permille))
+        if starts.shape != permille.shape or starts.ndim != 1:
+            raise BadInputError(
+                f"Gradients must have one place each; got {starts.size} places and {permille.size} gradients."
+            )
+        if not (np.all(np.isfinite(starts)) and np.all(np.diff(starts) > 0.0)):
+            raise BadInputError(f"Places of gradients must ascend; got {shown(starts.tolist())}. Sort them.")
+        if not np.all(np.abs(permille) <= STEEPEST):
+            raise BadInputError(
+                f"A gradient must be within -{STEEPEST:g} and {STEEPEST:g} permille; got {shown(permille.tolist())}. "
+                "Give permille, not percent or a ratio."
+            )
+        object.__setattr__(self, "starts", starts)
+        object.__setattr__(self, "permille", permille)
+
+    @classmethod
+    def level(cls) -> Gradients:
+        """Return those of a level line.
+
+        Returns
+        -------
+        Gradients
+            One gradient of 0.
+        """
+        return cls(np.zeros(1), np.zeros(1))
+
+    def lowest_under(self, length: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the lowest gradient under a train over the place of its front, SUBSET-026, 3.13.4.2.
+
+        Parameters
+        ----------
+        length : ndarray or float
+            Lengths of trains [m], shape (...).
+
+        Returns
+        -------
+        places, permille : ndarray
+            Places where it may change [m], ascending, shape (..., m); gradients between them, shape (..., m + 1).
+        """
+        lengths, edges = np.asarray(length, dtype=float)[..., None], self.starts[1:]
+        entering = np.broadcast_to(edges, (*lengths.shape[:-1], edges.size))
+        places = np.sort(np.concatenate([entering, entering + lengths], axis=-1), axis=-1)
+        # Between two places the same gradients are under the train: those at the middle.
+        inside = (places[..., 1:] + places[..., :-1]) / 2.0
+        front = np.concatenate([places[..., :1] - 1.0, inside, places[..., -1:] + 1.0], axis=-1)
+        if not edges.size:
+            front = np.zeros((*places.shape[:-1], 1))
+        lowest = np.full(front.shape, np.inf)
+        for n, gradient in enumerate(self.permille):
+            first = edges[n - 1] if n else -np.inf
+            last = edges[n] if n < edges.size else np.inf
+            under = (front > first) & (front - lengths < last)
+            lowest = np.where(under, np.minimum(lowest, gradient), lowest)
+        return places, lowest
+
+
+def acceleration_by(permille: np.ndarray, rotating: np.ndarray | float | None) -> np.ndarray:
+    """Return what a gradient adds to the deceleration of a train, SUBSET-026, 3.13.4.3.
+
+    Parameters
+    ----------
+    permille : ndarray
+        Gradients [permille], shape (..., n).
+    rotating : ndarray or float or None
+        Nominal rotating mass [% of the mass], shape (...); None: 15 % uphill and 2 % downhill.
+
+    Returns
+    -------
+    ndarray
+        A_gradient [m/s2], shape (..., n).
+    """
+    if rotating is None:
+        share = np.where(permille > 0.0, ROTATING_UPHILL, ROTATING_DOWNHILL)
+    else:
+        share = np.asarray(rotating, dtype=float)[..., None]
+    return GRAVITY * permille / (1000.0 + 10.0 * share)

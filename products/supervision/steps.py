@@ -1,0 +1,112 @@
+"""Step functions of speed, SUBSET-026, 3.13.2.2.3."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from readers.text import BadInputError, shown
+
+
+@dataclass(frozen=True)
+class Steps:
+    """A step function of speed: value n holds above boundary n - 1 up to boundary n, which it includes.
+
+    Parameters
+    ----------
+    boundaries : ndarray
+        Speeds at which a step ends [m/s], ascending, shape (..., n).
+    values : ndarray
+        Values of the steps, shape (..., n + 1); the last one has no upper end.
+
+    Raises
+    ------
+    BadInputError
+        If a number is not finite, boundaries do not ascend from 0, or there is not one value more than boundaries.
+
+    Notes
+    -----
+    Leading axes belong to trains. Equal boundaries enclose no speed: so trains with fewer steps have the same shape.
+    """
+
+    boundaries: np.ndarray
+    values: np.ndarray
+
+    def __post_init__(self) -> None:
+        for name in ("boundaries", "values"):
+            try:
+                array = np.asarray(getattr(self, name), dtype=float)
+            except (TypeError, ValueError):
+                raise BadInputError(f"Steps: {name} must be numbers; got {shown(getattr(self, name))}.") from None
+            if not np.all(np.isfinite(array)):
+                raise BadInputError(f"Steps: {name} must be finite; got {shown(array.tolist())}. Correct them.")
+            object.__setattr__(self, name, np.atleast_1d(array))
+        if self.values.shape[-1] != self.boundaries.shape[-1] + 1:
+            raise BadInputError(
+                f"Steps must have one value more than boundaries; got {self.values.shape[-1]} values and "
+                f"{self.boundaries.shape[-1]} boundaries. The last value holds above the last boundary."
+            )
+        if np.any(np.diff(self.boundaries, axis=-1, prepend=0.0) < 0.0):
+            raise BadInputError(
+                f"Boundaries of steps must ascend from 0 m/s; got {shown(self.boundaries.tolist())}. Sort them."
+            )
+
+    @classmethod
+    def constant(cls, value: float | np.ndarray) -> Steps:
+        """Return one step for all speeds.
+
+        Parameters
+        ----------
+        value : float or ndarray
+            Its value, for each train.
+
+        Returns
+        -------
+        Steps
+            Without boundaries.
+        """
+        array = np.asarray(value, dtype=float)[..., None]
+        return cls(np.zeros((*array.shape[:-1], 0)), array)
+
+    def at(self, speed: np.ndarray | float) -> np.ndarray:
+        """Return the values at speeds.
+
+        Parameters
+        ----------
+        speed : ndarray or float
+            Speeds [m/s], shape (..., m), or one speed.
+
+        Returns
+        -------
+        ndarray
+            Values, shape (..., m).
+        """
+        speeds = np.atleast_1d(np.asarray(speed, dtype=float))
+        step = (speeds[..., :, None] > self.boundaries[..., None, :]).sum(axis=-1)
+        shape = np.broadcast_shapes(self.values.shape[:-1], step.shape[:-1])
+        values = np.broadcast_to(self.values, (*shape, self.values.shape[-1]))
+        return np.take_along_axis(values, np.broadcast_to(step, (*shape, step.shape[-1])), axis=-1)
+
+    def with_others(self, rule: Callable[..., np.ndarray], *others: Steps) -> Steps:
+        """Return a step function of several ones, exact at each speed.
+
+        Parameters
+        ----------
+        rule : callable
+            Computes the values from those of this function and of the others.
+        *others : Steps
+            The others.
+
+        Returns
+        -------
+        Steps
+            With the boundaries of all.
+        """
+        every = (self, *others)
+        shape = np.broadcast_shapes(*(one.values.shape[:-1] for one in every))
+        ends = [np.broadcast_to(one.boundaries, (*shape, one.boundaries.shape[-1])) for one in every]
+        boundaries = np.sort(np.concatenate(ends, axis=-1), axis=-1)
+        within = np.concatenate([boundaries, np.full((*shape, 1), np.inf)], axis=-1)
+        return Steps(boundaries, rule(*(one.at(within) for one in every)))

@@ -1,0 +1,231 @@
+"""Numbers of a train that supervision needs, SUBSET-026, 3.13.2.2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from products.supervision.conversion import MOVING_TARGET, brake_of_percentage
+from products.supervision.steps import Steps
+from products.supervision.values import NationalValues
+from readers.text import BadInputError, shown
+
+#: Largest number of steps of a deceleration in train data, SUBSET-026, 3.13.2.2.3.1.2.
+MOST_STEPS = 7
+ONE = Steps.constant(1.0)
+#: Limits of decelerations [m/s2], times [s] and lengths [m] of train data.
+LIMITS = {
+    "length": (1.0, 4095.0, "m"),
+    "T_brake_emergency": (0.0, 60.0, "s"),
+    "T_brake_service": (0.0, 60.0, "s"),
+    "T_traction_cut_off": (0.0, 30.0, "s"),
+    "rotating": (0.0, 30.0, "%"),
+}
+
+
+@dataclass(frozen=True)
+class SupervisedTrain:
+    """Train data of supervision. Numbers may be arrays with one value for each train, steps have leading axes.
+
+    Parameters
+    ----------
+    length : float or ndarray
+        Length of the train [m].
+    A_brake_emergency, A_brake_service : Steps
+        Decelerations on level track by speed [m/s2].
+    T_brake_emergency, T_brake_service : float or ndarray
+        Equivalent build-up times for a target at rest: reaction and half of the rise to 95 % [s].
+    Kdry_rst, Kwet_rst : Steps
+        Correction factors for the confidence level of the national values, and for wet rails; 1 for percentages.
+    position : str or None
+        Brake position of a train whose brake is given by its percentage, of BRAKE_POSITIONS; None: by decelerations.
+    T_traction_cut_off : float or ndarray
+        Time until traction is off [s].
+    traction_command, service_command : bool
+        True if the on-board unit can cut off traction, and can command the service brake.
+    rotating : float or ndarray or None
+        Nominal rotating mass [% of the mass]; None: the values of `gradients.acceleration_by`.
+    A_brake_normal_service : Steps or None
+        Deceleration of the guidance curve [m/s2], see `choose_normal_service`; None: the train has no guidance curve.
+    Kn_plus, Kn_minus : Steps
+        What the guidance curve subtracts up and down a gradient [m/s2 a permille].
+    without_adhesion : bool
+        True if the train has brakes that need no adhesion, for its deceleration on slippery rails.
+
+    Raises
+    ------
+    BadInputError
+        If a number is not finite or outside its limits, or a deceleration is not above 0 or has more than 7 steps.
+    """
+
+    length: float | np.ndarray
+    A_brake_emergency: Steps
+    A_brake_service: Steps
+    T_brake_emergency: float | np.ndarray
+    T_brake_service: float | np.ndarray
+    Kdry_rst: Steps = ONE
+    Kwet_rst: Steps = ONE
+    position: str | None = None
+    T_traction_cut_off: float | np.ndarray = 0.0
+    traction_command: bool = False
+    service_command: bool = False
+    rotating: float | np.ndarray | None = None
+    A_brake_normal_service: Steps | None = None
+    Kn_plus: Steps = field(default_factory=lambda: Steps.constant(0.0))
+    Kn_minus: Steps = field(default_factory=lambda: Steps.constant(0.0))
+    without_adhesion: bool = False
+
+    def __post_init__(self) -> None:
+        for name, (least, most, unit) in LIMITS.items():
+            value = getattr(self, name)
+            if value is not None and not np.all((np.asarray(value) >= least) & (np.asarray(value) <= most)):
+                raise BadInputError(f"{name} must be {least:g} to {most:g} {unit}; got {shown(value)}. Correct it.")
+        for name in ("A_brake_emergency", "A_brake_service", "A_brake_normal_service"):
+            steps = getattr(self, name)
+            if steps is None:
+                continue
+            if not np.all((steps.values > 0.0) & (steps.values < 10.0)):
+                raise BadInputError(
+                    f"{name} must be above 0 and below 10 m/s2; got {shown(steps.values.tolist())}. Give m/s2."
+                )
+            if steps.values.shape[-1] > MOST_STEPS:
+                raise BadInputError(
+                    f"{name} must have at most {MOST_STEPS} steps (SUBSET-026, 3.13.2.2.3); got "
+                    f"{steps.values.shape[-1]}. Unite some of them, with the lower value."
+                )
+
+    @classmethod
+    def of_percentage(
+        cls,
+        percentage: float | np.ndarray,
+        position: str,
+        length: float | np.ndarray,
+        *,
+        resolution: float = 0.0,
+        T_traction_cut_off: float | np.ndarray = 0.0,
+        traction_command: bool = False,
+        service_command: bool = False,
+        rotating: float | np.ndarray | None = None,
+    ) -> SupervisedTrain:
+        """Return the train data of a brake percentage, by the conversion model, SUBSET-026, A.3.7 and A.3.8.
+
+        Parameters
+        ----------
+        percentage : float or ndarray
+            Brake percentage [%].
+        position : str
+            Brake position, of BRAKE_POSITIONS.
+        length : float or ndarray
+            Length of the train [m].
+        resolution : float
+            See `conversion.limit_speed`.
+        T_traction_cut_off, traction_command, service_command, rotating
+            As of the class.
+
+        Returns
+        -------
+        SupervisedTrain
+            The train.
+
+        Raises
+        ------
+        BadInputError
+            If a number is outside the range of the model.
+        """
+        brake = brake_of_percentage(percentage, position, length, resolution)
+        return cls(
+            length,
+            brake.emergency,
+            brake.service,
+            brake.emergency_time,
+            brake.service_time,
+            position=position,
+            T_traction_cut_off=T_traction_cut_off,
+            traction_command=traction_command,
+            service_command=service_command,
+            rotating=rotating,
+        )
+
+    def safe_brake(self, national: NationalValues, slippery: bool = False) -> Steps:
+        """Return A_brake_safe, the deceleration that the emergency brake reaches for certain, 3.13.6.2.
+
+        Parameters
+        ----------
+        national : NationalValues
+            Values of the country.
+        slippery : bool
+            True on a stretch of reduced adhesion.
+
+        Returns
+        -------
+        Steps
+            Deceleration on level track [m/s2].
+        """
+        if self.position is None:
+            share = national.M_NVAVADH
+            wet = self.Kwet_rst.with_others(lambda wet: wet + share * (1.0 - wet))
+            safe = self.A_brake_emergency.with_others(lambda *factors: np.prod(factors, axis=0), self.Kdry_rst, wet)
+        else:
+            by_length = national.Kr_int.at(np.asarray(self.length, dtype=float)[..., None])
+            by_speed = self._speed_factor(national)
+            safe = self.A_brake_emergency.with_others(lambda brake, factor: brake * factor * by_length, by_speed)
+        if not slippery:
+            return safe
+        passenger = self.position is None or self.position.startswith("passenger")
+        most = national.reduced_adhesion[(0 if self.without_adhesion else 1) if passenger else 2]
+        return safe.with_others(lambda brake: np.minimum(brake, most))
+
+    def _speed_factor(self, national: NationalValues) -> Steps:
+        """Return Kv_int, for passenger trains between both sets by the largest deceleration, 3.13.6.2.1.7."""
+        low, high = national.Kv_int, national.Kv_int_b
+        if high is None or not str(self.position).startswith("passenger"):
+            return low
+        largest = self.A_brake_emergency.values.max(axis=-1)
+        span = max(national.A_NVP23 - national.A_NVP12, 1e-9)
+        between = np.clip((largest - national.A_NVP12) / span, 0.0, 1.0)[..., None]
+        return low.with_others(lambda one, other: one + between * (other - one), high)
+
+    def build_up_times(
+        self, national: NationalValues, target_speed: np.ndarray | float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return T_be and T_bs for a target, 3.13.6.2.2 and A.3.8.
+
+        Parameters
+        ----------
+        national : NationalValues
+            Values of the country.
+        target_speed : ndarray or float
+            Speed at the target [m/s].
+
+        Returns
+        -------
+        emergency, service : ndarray
+            Times [s].
+        """
+        emergency, service = np.asarray(self.T_brake_emergency), np.asarray(self.T_brake_service)
+        if self.position is None:
+            return emergency, service
+        factor = np.where(np.asarray(target_speed) > 0.0, MOVING_TARGET[self.position], 1.0)
+        return emergency * factor * national.Kt_int, service * factor
+
+
+def choose_normal_service(service: Steps, choices: tuple[Steps, Steps, Steps], limits: tuple[float, float]) -> Steps:
+    """Return the normal service deceleration that belongs to a full service brake, SUBSET-026, 3.13.6.4.
+
+    Parameters
+    ----------
+    service : Steps
+        A_brake_service of one train.
+    choices : tuple of Steps
+        A_brake_normal_service 0, 1, 2 of the brake position.
+    limits : tuple of float
+        A_SB01 and A_SB12 [m/s2].
+
+    Returns
+    -------
+    Steps
+        The choice by the service deceleration at rest.
+    """
+    at_rest = float(np.ravel(service.at(0.0))[0])
+    return choices[int(at_rest > limits[0]) + int(at_rest > limits[1])]

@@ -1,0 +1,152 @@
+"""Curves against the test frames of ERA, the table of the conversion model, and another program, where they are."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from products.supervision import FixedValues, Gradients, NationalValues, Steps, SupervisedTrain, gradients, supervise
+from products.supervision.conversion import KMH, build_up_time, deceleration_of, limit_speed
+
+OF_OTHERS = Path(os.environ.get("CURVES_OF_OTHERS", "nowhere"))
+there = pytest.mark.skipif(not OF_OTHERS.is_dir(), reason="CURVES_OF_OTHERS names no folder of their values")
+#: Places in the frames have two decimals; on gradients they differ by more (docs/etcs.md) [m].
+LEVEL, ON_GRADIENTS, TOLERATED = 0.01, 0.1, 0.25
+POSITIONS = {"FreightTrainInG": "freight G", "FreightTrainInP": "freight P", "PassengerTrainInP": "passenger P"}
+LIMITS = ("EBD", "EBI", "SBI2", "W", "P", "I")
+#: The workbook of ERA rounds the first limit speed up to this [m/s].
+ROUNDED_UP = 0.1 * KMH
+
+
+def rows_of(name: str) -> list[dict[str, str]]:
+    with (OF_OTHERS / name).open(encoding="utf-8") as text:
+        return list(csv.DictReader(text))
+
+
+def frames() -> dict[str, dict[str, str]]:
+    return {row["case"]: row for row in rows_of("etcs_cases_inputs.csv")} if OF_OTHERS.is_dir() else {}
+
+
+def train_and_country(given: dict[str, str]) -> tuple[SupervisedTrain, NationalValues]:
+    number = {name: float(text) for name, text in given.items() if text.replace(".", "").isdigit()}
+    others = {
+        "T_traction_cut_off": number["T_traction_cut_off_s"],
+        "traction_command": given["traction_cut_off_interface"] == "True",
+        "service_command": given["service_brake_command"] == "True",
+    }
+    length = number["train_length_m"]
+    if given["model"] == "gamma":
+        brake = Steps.constant(number["gamma_m_s2"])
+        times = number["T_brake_emergency_s"], number["T_brake_service_s"]
+        return SupervisedTrain(length, brake, brake, *times, **others), NationalValues()
+    position = POSITIONS[given["brake_position"]]
+    train = SupervisedTrain.of_percentage(number["lambda_pct"], position, length, resolution=ROUNDED_UP, **others)
+    factors = [Steps.constant(number[name]) for name in ("Kv_int", "Kr_int")]
+    return train, NationalValues(Kv_int=factors[0], Kr_int=factors[1], Kt_int=number["Kt_int"])
+
+
+def worst(case: str, given: dict[str, str], **others: object) -> float:
+    """Return the largest difference of a place of a frame [m]."""
+    train, country = train_and_country(given)
+    line = np.array([[float(one) for one in pair.split(":")] for pair in given["gradient_start_m:permille"].split(";")])
+    set_up = {"kind": "MRSP", "gradients": Gradients(*line.T), "national": country, "V_ura": 0.0} | others
+    places: dict[str, list[tuple[float, float]]] = defaultdict(list)
+    for row in rows_of("etcs_cases.csv"):
+        if row["case"] == case and row["curve"] in LIMITS and "clamped" not in row["note"]:
+            places[row["curve"]].append((float(row["speed_kmh"]) * KMH, float(row["value"])))
+    assert set(places) == set(LIMITS)
+    differences = []
+    for limit, pairs in places.items():
+        speeds, before = np.array(pairs).T
+        found = supervise(train, 7000.0, speeds, **set_up)  # type: ignore[arg-type]
+        differences.append(np.abs(7000.0 - getattr(found, limit) - before).max())
+    return float(max(differences))
+
+
+@there
+@pytest.mark.parametrize("case", frames())
+def test_curves_are_those_of_the_frames(case: str) -> None:
+    given = frames()[case]
+    level = given["gradient_start_m:permille"] == "0.0:0.0"
+    assert worst(case, given) < (LEVEL if level else ON_GRADIENTS)
+
+
+@there
+def test_each_of_these_faults_shows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """10 % rotating mass, no foot of 7.5 km/h, the indication of the other baseline, no longer build-up."""
+    case = "Lambda PasInP SBInterface"
+    given = frames()[case]
+    assert worst(case, given, fixed=FixedValues(T_indication_more=4.0)) > TOLERATED
+    assert worst(case, given, kind="EOA") > TOLERATED
+    for name in ("ROTATING_UPHILL", "ROTATING_DOWNHILL"):
+        monkeypatch.setattr(gradients, name, 10.0)
+    assert worst(case, given) > TOLERATED
+
+
+def test_build_up_is_longer_for_a_target_that_moves() -> None:
+    train = SupervisedTrain.of_percentage(100.0, "freight G", 700.0)
+    at_rest, moving = (train.build_up_times(NationalValues(Kt_int=1.0), speed) for speed in (0.0, 10.0))
+    assert moving[0] / at_rest[0] == moving[1] / at_rest[1] == pytest.approx(1.16)
+
+
+@there
+def test_decelerations_are_those_of_the_conversion_table() -> None:
+    rows = rows_of("etcs_cases_conversion_table.csv")
+    shares = np.array([float(row["lambda_pct"]) for row in rows])
+    table = np.array([[float(row[f"AD_{n}"]) for n in range(6)] for row in rows])
+    assert np.abs(deceleration_of(shares).values - table).max() < 1e-8
+    speeds = np.array([float(row["V_lim_kmh_rounded"]) for row in rows])
+    assert np.abs(limit_speed(shares) / KMH - speeds).max() <= 0.5 + 1e-9
+
+
+@pytest.mark.parametrize("position", ["freight P", "freight G"])
+@pytest.mark.parametrize("emergency", [True, False])
+def test_build_up_times_of_long_freight_trains_join_those_of_short_ones(position: str, emergency: bool) -> None:
+    """The formulas of SUBSET-026 meet at 900 m within half a second."""
+    assert build_up_time(position, 900.1, emergency) == pytest.approx(
+        build_up_time(position, 900.0, emergency), abs=0.5
+    )
+
+
+@there
+def test_distances_of_another_program_are_longer_by_its_steps_and_its_time_on_the_curve() -> None:
+    """OSRD steps by 2 s, and takes the distance of the build-up at the speed of EBD, not of the train."""
+    given = {row["parameter"]: row for row in rows_of("etcs_cases_osrd_inputs.csv")}
+
+    def steps(name: str) -> Steps:
+        ends, values = (
+            [float(one) for one in given[name][column].split(";") if one] for column in ("boundaries_m_s", "values")
+        )
+        return Steps(np.array(ends), np.array(values))
+
+    train = SupervisedTrain(
+        400.0,
+        steps("gamma_emergency"),
+        steps("gamma_service"),
+        2.5,
+        2.0,
+        Kdry_rst=steps("k_dry"),
+        Kwet_rst=steps("k_wet"),
+        T_traction_cut_off=1.0,
+        traction_command=True,
+        service_command=True,
+        A_brake_normal_service=steps("gamma_normal_service"),
+    )
+    country, fixed = NationalValues(guidance=True), FixedValues(T_indication_more=4.0)
+
+    def before(limit: str, speed: float, **others: object) -> float:
+        set_up = {"national": country, "fixed": fixed, "A_est": 0.4} | others
+        return -float(getattr(supervise(train, 0.0, speed * KMH, **set_up), limit)[0])  # type: ignore[arg-type]
+
+    # Without its steps: 6919.9 m of guidance; I at the speeds of two targets: 667.43 m for 675.63, 544.87 for 551.98.
+    assert before("GUI", 288.0) == pytest.approx(6919.9, abs=0.05)
+    for speed, place in ((141.9984, 667.43), (111.9996, 544.87)):
+        assert before("I", speed, kind="LOA", target_speed=speed * KMH) == pytest.approx(place, abs=0.01)
+    other = {float(row["speed_kmh"]): float(row["value"]) for row in rows_of("etcs_cases_osrd.csv")}
+    assert 4.0 < other[111.9996] - before("I", 111.9996) < 9.0
+    assert other[159.4114755] == pytest.approx(before("I", 159.4114755, beyond=100.0), abs=0.05)
