@@ -9,6 +9,7 @@ from typing import Any
 from bogie_braking import fitting
 from bogie_braking.fitting import Fit
 from bogie_braking.machines import Runnable
+from bogie_braking.measured_data import Options
 from bogie_braking.train_fitting import fit_train
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist
@@ -83,17 +84,11 @@ def fit(
     SimulationError
         If a run is refused.
     """
-    options: dict[str, Any] = {
-        "until": until,
-        "begin": begin,
-        "columns": columns,
-        "interval": interval,
-        "longest_gap": longest_gap,
-    }
+    options = Options(until, begin, columns, interval, longest_gap)
     one: Any = what
     if not is_train(one):
-        return fitting.fit(one, measured, parameters, line, **options, **values)
-    for name, value in {**options, **values}.items():
+        return fitting.fit(one, measured, parameters, line, options, values)
+    for name, value in {**vars(options), **values}.items():
         if value is not None and name not in OF_TRAINS:
             raise ValueError(f"The fit of a train must be without {name}; it has {', '.join(OF_TRAINS)}. Leave it out.")
     return fit_train(one, measured, parameters, line=line, **values)

@@ -17,6 +17,7 @@ from bogie_braking.histories import Value
 from bogie_braking.machines import Machine, Runnable, machine_of, model_from, unfolded
 from bogie_braking.measured_data import (
     Data,
+    Options,
     check_units,
     covariance,
     data_of,
@@ -209,22 +210,18 @@ def fit(
     what: Runnable | DataSheet,
     measured: Recording | str | Path,
     parameters: Mapping[str, float],
-    line: Line | None = None,
-    until: float | None = None,
-    begin: float | None = None,
-    columns: ColumnMap | None = None,
-    interval: float | None = None,
-    longest_gap: float | None = None,
-    **values: Value,
+    line: Line | None,
+    options: Options,
+    values: dict[str, Value],
 ) -> Fit:
     """Fit parameters of a vehicle or a brake; arguments, result and errors are those of `calibration.fit`."""
     what, values = unfolded(what, values)
     machine = machine_of(what, values, line_or_none(line) is not None)
-    table = _table(measured, machine, columns)
+    table = _table(measured, machine, options.columns)
     what = model_from(what) if isinstance(what, System) else what
     names, driven = parted(table, machine)
-    data = data_of(table, names, driven, begin, interval, longest_gap)
-    last = rows_until(until, data.clock)
+    data = data_of(table, names, driven, options)
+    last = rows_until(options.until, data.clock)
     first = begin_of(parameters, machine, driven)
     not_both(parameters, values, "as a parameter to be fitted and as a value")
     not_both(driven, values, "as a column of the measured data and as a value")

@@ -12,6 +12,7 @@ from bogie_braking.checks import number, seconds
 from bogie_braking.correlated import Errors, errors_of
 from bogie_braking.histories import Value
 from fmu_src.cosimulation.recording import Recording
+from readers.log_columns import ColumnMap
 from readers.log_rows import averaged, filled
 
 #: Size of errors, relative to the range of the measured values, from which a run does not describe them.
@@ -20,8 +21,21 @@ FAILS = 0.2
 UNIT_RATIOS = {3.6: "km/h", 1 / 0.44704: "mph"}
 #: Relative deviation from such a ratio, least speed for which it is tested [m/s], and relative mismatch that is told.
 NEAR_RATIO, LEAST_SPEED, MISMATCH = 0.03, 1.0, 0.1
+#: Greatest pressure of a column below which it is in another unit [Pa]: 10 bar and 1000 kPa as numbers under Pa.
+LEAST_PRESSURE = 1000.0
 #: Longest average and longest gap [s].
 LONGEST = 86400.0
+
+
+@dataclass(frozen=True)
+class Options:
+    """How measured data are read and prepared, as the arguments of `calibration.fit`."""
+
+    until: float | None = None
+    begin: float | None = None
+    columns: ColumnMap | None = None
+    interval: float | None = None
+    longest_gap: float | None = None
 
 
 @dataclass(frozen=True)
@@ -52,22 +66,18 @@ class Data:
         return np.where(high > low, high - low, 1.0)
 
 
-def data_of(
-    table: Recording,
-    names: Sequence[str],
-    driven: Sequence[str],
-    begin: float | None,
-    interval: float | None,
-    longest_gap: float | None,
-) -> Data:
-    """Return measured data; names, driven: of outputs and inputs; the others as in `fit`.
+def data_of(table: Recording, names: Sequence[str], driven: Sequence[str], options: Options) -> Data:
+    """Return measured data; names, driven: of outputs and inputs.
 
     Raises
     ------
     ValueError
-        If an output has no value, an input has a gap, or too few rows are left.
+        If an output has no value, an input has a gap, a pressure is in another unit, or too few rows are left.
     """
-    clock = table["time"]
+    clock, begin, interval, longest_gap = table["time"], options.begin, options.interval, options.longest_gap
+    for name in (*names, *driven):
+        if table.units[name] == "Pa":
+            check_pressure(name, table[name])
     rows = np.column_stack([since(begin, clock), *(table[one] for one in (*names, *driven))])
     if interval is not None:
         rows = averaged(rows, seconds("interval", interval, LONGEST))
@@ -111,6 +121,30 @@ def rows_until(until: float | None, times: np.ndarray) -> int:
             f"until must be at most {times[-1]:.12g} s, the time of the last row; got {until!r}. Lower it."
         )
     return int(np.searchsorted(times, float(until), "right"))
+
+
+def check_pressure(name: str, values: np.ndarray) -> None:
+    """Check that a column of pressures in Pa is not in bar or kPa.
+
+    Parameters
+    ----------
+    name : str
+        The column.
+    values : array, shape (rows,)
+        Pressures [Pa].
+
+    Raises
+    ------
+    ValueError
+        If its greatest pressure is above 0, and below LEAST_PRESSURE.
+    """
+    most = float(np.nanmax(np.abs(values), initial=0.0))
+    if 0.0 < most < LEAST_PRESSURE:
+        unit = "kPa" if most > 20.0 else "bar"
+        raise ValueError(
+            f"{name} must reach {LEAST_PRESSURE:g} Pa in the measured data; got at most {most:.4g} Pa, as if in {unit}."
+            " Correct the unit of the column, or leave the column out."
+        )
 
 
 def check_units(names: Sequence[str], simulated: np.ndarray, data: Data, units: Mapping[str, str]) -> None:

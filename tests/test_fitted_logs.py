@@ -307,3 +307,19 @@ def test_a_row_alone_is_refused() -> None:
     table = bb.Recording({"time": "s", "speed": "m/s"}, np.array([[0.0, 30.0]]))
     with pytest.raises(ValueError, match="1 measured values do not decide on 1 parameters"):
         bb.fit("vehicle", table, {DAVIS: 500.0}, **COACH)
+
+
+@pytest.mark.parametrize(
+    ("factor", "message"), [(1e-5, "at most 3 Pa, as if in bar"), (1e-3, "at most 300 Pa, as if in kPa")]
+)
+def test_a_pressure_in_another_unit_is_refused(factor: float, message: str) -> None:
+    """A cylinder that fills to 3 bar, logged in bar and in kPa under Pa."""
+    times = np.arange(50) / 10
+    pressures = 3e5 * (1.0 - np.exp(-times)) / (1.0 - math.exp(-4.9))
+    demand = np.where(times > 0.0, 3e5, 0.0)
+    for columns in ((pressures, factor * demand), (factor * pressures, demand)):
+        table = bb.Recording(
+            {"time": "s", "cylinder_pressure": "Pa", "pressure_demand": "Pa"}, np.column_stack([times, *columns])
+        )
+        with pytest.raises(ValueError, match=message):
+            bb.fit("brake", table, {"supply_pressure": 5e5})

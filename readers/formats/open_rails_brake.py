@@ -90,7 +90,8 @@ def _tell_equipment(fields: Fields, notes: Notes) -> None:
             notes.left(f"BrakeEquipmentType: the word {quoted(word)} is unknown, and Open Rails ignores it.")
     if "triple_valve" in words and "distributor" not in words and "graduated_release_triple_valve" not in words:
         notes.left(
-            "BrakeEquipmentType triple_valve: direct release has no column; cylinders empty as far as the pipe rises."
+            "BrakeEquipmentType triple_valve: cylinders empty as far as the pipe rises; distributor = aar releases "
+            "wholly, but has its own pressures, times and volumes."
         )
 
 
