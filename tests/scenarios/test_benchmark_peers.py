@@ -19,8 +19,8 @@ SERVED = {
     "altrios": ("en-14531-1-twelve-axles", "distance", 1e-3),
     "exudyn": ("two-vehicle-impact", "force", 1e-5),
     "railprofac": ("en-14531-1-twelve-axles", "brake_force", 1e-6),
-    "sumo": ("coasting", "distance", 1e-3),
-    "transportation_ai999x": ("coasting", "distance", 3e-4),
+    "sumo": ("stop-on-gradients", "distance", 3e-3),
+    "transportation_ai999x": ("stop-on-gradients", "distance", 3e-4),
 }
 ADAPTER = """
 NAME = "strange"

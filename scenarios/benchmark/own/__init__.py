@@ -16,6 +16,7 @@ QUESTIONS = {
     "shunting-stops": "shunting",
     "stop-by-percentage": "percentage",
     "stop-of-axles": "axles",
+    "stop-with-full-brakes": "full_brakes",
 }
 
 

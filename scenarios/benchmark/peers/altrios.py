@@ -57,8 +57,8 @@ class Train:
 
 
 def answer(question: str, inputs: Mapping[str, Any]) -> dict[str, float] | None:
-    """Return distance [m], time [s] and brake force [N]; None to questions that ALTRIOS does not serve."""
-    served = {"stop-of-axles": stop_of_axles, "coasting": coasting}
+    """Return distance [m], time [s] and brake force [N]; None to other questions."""
+    served = {"stop-of-axles": stop_of_axles, "stop-with-full-brakes": full_brakes, "coasting": coasting}
     return served[question](inputs) if question in served else None
 
 
@@ -67,8 +67,16 @@ def stop_of_axles(inputs: Mapping[str, Any]) -> dict[str, float]:
     axles = [axle_of(kind, inputs) for kind in inputs["axles"]]
     mass, rotating, force = (sum(one[name] for one in axles) for name in ("mass", "rotating", "force"))
     late = sum(one["force"] * (one["delay"] + one["rise"] / 2) for one in axles) / force
-    distance, largest = stop(Train(mass, rotating, resistance_of(inputs), force, 2 * late), inputs["speed"])
+    distance, _, largest = stop(Train(mass, rotating, resistance_of(inputs), force, 2 * late), inputs["speed"])
     return {"distance": distance, "brake_force": largest}
+
+
+def full_brakes(inputs: Mapping[str, Any]) -> dict[str, float]:
+    """Return distance [m] and time [s] of a stop without a rise of the brake force."""
+    masses = inputs["mass"], inputs["rotating_mass"]
+    train = Train(*masses, resistance_of(inputs), inputs["brake_force"], 0.0, inputs["gradient"])
+    distance, time, _ = stop(train, inputs["speed"])
+    return {"distance": distance, "time": time}
 
 
 def coasting(inputs: Mapping[str, Any]) -> dict[str, float]:
@@ -106,8 +114,8 @@ def axle_of(kind: str, inputs: Mapping[str, Any]) -> dict[str, float]:
     return {name: own[name] for name in ("mass", "delay", "rise")} | {"force": force, "rotating": own["rotating_mass"]}
 
 
-def stop(train: Train, speed: float) -> tuple[float, float]:
-    """Return the distance from the first brake force to rest [m], and the largest brake force [N].
+def stop(train: Train, speed: float) -> tuple[float, float, float]:
+    """Return distance [m] and time [s] from the first brake force to rest, and the largest brake force [N].
 
     The train starts two steps before the place where ALTRIOS brakes, as its locomotive has no power.
     """
@@ -118,11 +126,12 @@ def stop(train: Train, speed: float) -> tuple[float, float]:
     run.walk()
     found = run.to_pydict()
     forces = found["fric_brake"]["history"]["force_newtons"]
-    places, speeds = (found["history"][name] for name in ("offset_meters", "speed_meters_per_second"))
+    names = ("offset_meters", "time_seconds", "speed_meters_per_second")
+    places, times, speeds = (found["history"][name] for name in names)
     if speeds[-1] > 0.0:
         raise ValueError(f"the train passed the end of its path at {speeds[-1]:g} m/s")
     first = next(number for number, one in enumerate(forces) if one > 0.0)
-    return places[-1] - places[first - 1], max(forces)
+    return places[-1] - places[first - 1], times[-1] - times[first - 1], max(forces)
 
 
 def simulation(train: Train, speed: float, place: float, limit: float) -> Any:

@@ -30,7 +30,7 @@ def version() -> str:
 
 
 def answer(question: str, inputs: Mapping[str, Any]) -> dict[str, float] | None:
-    """Return force [N], deflection [m] and speeds [m/s] of an impact; None to questions that Exudyn does not serve."""
+    """Return force [N], deflection [m] and speeds [m/s] of an impact; None to other questions."""
     if question != "impact-of-two-vehicles":
         return None
     loading, unloading = (curve_of(name, inputs) for name in ("loading", "unloading"))

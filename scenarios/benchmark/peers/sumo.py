@@ -57,12 +57,14 @@ class Train:
 
 
 def answer(question: str, inputs: Mapping[str, Any]) -> dict[str, float] | None:
-    """Return distance [m] and time [s] of a coasting run; None to questions that SUMO does not serve."""
-    if question != "coasting":
+    """Return distance [m] and time [s] of a run; None to other questions."""
+    if question not in ("coasting", "stop-with-full-brakes"):
         return None
     resistance = tuple(inputs[f"resistance.{name}"] for name in ("constant", "linear", "square"))
-    train = Train(inputs["mass"], inputs["rotating_mass"], resistance, 0.0, inputs["gradient"])
-    distance, time = run(train, inputs["speed"], inputs["end_speed"])
+    masses = inputs["mass"], inputs["rotating_mass"]
+    deceleration = inputs.get("brake_force", 0.0) / sum(masses)
+    train = Train(*masses, resistance, deceleration, inputs["gradient"])
+    distance, time = run(train, inputs["speed"], inputs.get("end_speed", 0.0))
     return {"distance": distance, "time": time}
 
 

@@ -24,19 +24,19 @@ def version() -> str:
 
 
 def answer(question: str, inputs: Mapping[str, Any]) -> dict[str, float] | None:
-    """Return distance [m] and time [s] of a coasting run; None to questions that it does not serve."""
-    if question != "coasting":
+    """Return distance [m] and time [s] of a run; None to other questions."""
+    if question not in ("coasting", "stop-with-full-brakes"):
         return None
     resistance = tuple(inputs[f"resistance.{name}"] for name in ("constant", "linear", "square"))
-    speeds = inputs["speed"], inputs["end_speed"]
-    distance, time = braking(inputs["mass"], inputs["rotating_mass"], resistance, 0.0, inputs["gradient"], *speeds)
+    masses, speeds = (inputs["mass"], inputs["rotating_mass"]), (inputs["speed"], inputs.get("end_speed", 0.0))
+    distance, time = braking(*masses, resistance, inputs.get("brake_force", 0.0), inputs["gradient"], *speeds)
     return {"distance": distance, "time": time}
 
 
 def braking(
     mass: float,
     rotating: float,
-    resistance: tuple[float, float, float],
+    resistance: tuple[float, ...],
     force: float,
     gradient: float,
     speed: float,
