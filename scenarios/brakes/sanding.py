@@ -10,37 +10,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 
-from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
-from fmu_src.compile import build_library
-from fmu_src.compose import compose
-from fmu_src.cosimulation.recording import Recording
-from fmu_src.kernel import Kernel, Library
-from fmu_src.system import System, Variable, model_of
-from rbd_model.track.sand import SandParameters, common_sand, sanders
+from rbd_model.track.sand import SandParameters, common_sand
+from scenarios.bench.sanded_train import SPEED, UNTREATED, stop, way
+from scenarios.benchmark.case_file import CASES, read_case
+from scenarios.benchmark.own.sand import FIXED, LIMIT, VARIABLE
 from scenarios.reporting.plots import BOGIE, THESIS, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_least, between, measured
 from scenarios.scenario import Options, Scenario
 
-#: 55 mph [m/s], demanded deceleration [m/s2], and adhesion without sand: published. Time to 95 % of the brake [s]:
-#: assumed.
-SPEED, ASKED, UNTREATED, APPLICATION_TIME = 55 * 0.44704, 0.9, 0.02, 2.0
-#: Places of the wheelsets of four cars of 20 m [m]; wheelsets ahead of which the first and the second sander are
-#: mounted, and other places of the second: assumed.
-PLACES = tuple(-(20.0 * car + along) for car in range(4) for along in (0.0, 2.6, 14.0, 16.6))
+#: Wheelsets ahead of which the first and the second sander are mounted, and other places of the second: assumed.
 FIRST, SECOND, OTHERS = 3, 7, (5, 9)
-#: Rate of a fixed sander, and largest rate [kg/s] and sand for each metre [kg/m] of a variable one: from memory.
-FIXED, VARIABLE, LIMIT = 2 / 60, 4 / 60, 7.5e-3
-#: Recording interval [s], and longest stop [s].
-STEP, LONGEST, STANDING, GRAVITY = 0.1, 300.0, 0.02, 9.81
-TOLERANCE = 1e-6
+#: Published distances [m]: no sander, one and two of fixed rate, one and two of variable rate.
+PRINTED = [point.published["distance"] for point in read_case(CASES / "sand-trials.toml").points]
 #: Tolerance of a prediction [m]: distances of the trials are published to 50 m, "approximately".
 NEAR = 50.0
 
@@ -60,49 +47,12 @@ class Trial:
         return {f"sand_rate_{number}": rate for number in self.sanders} | {"sand_limit": limit}
 
 
-FITTED = (Trial("one fixed sander", 800.0, (FIRST,)), Trial("two fixed sanders", 650.0, (FIRST, SECOND)))
+FITTED = (Trial("one fixed sander", PRINTED[1], (FIRST,)), Trial("two fixed sanders", PRINTED[2], (FIRST, SECOND)))
 ONE, TWO = (
-    Trial("one of variable rate", 600.0, (FIRST,), varies=True),
-    Trial("two of variable rate", 400.0, (FIRST, SECOND), varies=True),
+    Trial("one of variable rate", PRINTED[3], (FIRST,), varies=True),
+    Trial("two of variable rate", PRINTED[4], (FIRST, SECOND), varies=True),
 )
-NONE = Trial("no sander", 1200.0, ())
-
-
-@lru_cache
-def train() -> Library:
-    """Return wheelsets of equal load. They use the adhesion of their rail up to the demanded deceleration."""
-    cars = System("cars", "A train of wheelsets that use all adhesion")
-    speed, distance = cars.state("speed", "m/s", SPEED, 1.0), cars.state("distance", "m", 0.0, 1.0)
-    since = ca.fmax(cars.time - common_sand().sand_start, 0)
-    asked = ASKED * (1 - ca.exp(-TIME_CONSTANTS_TO_95_PERCENT * since / APPLICATION_TIME))
-    numbers = range(1, len(PLACES) + 1)
-    text = "Friction under wheelset"
-    frictions = [cars.input(Variable(f"sanded_{n}", "input", "1", f"{text} {n}", UNTREATED, 0.0)) for n in numbers]
-    cars.derivative(speed, -sum((ca.fmin(asked, GRAVITY * one) for one in frictions), ca.SX(0)) / len(PLACES))
-    cars.derivative(distance, speed)
-    cars.output(Variable("speed", "output", "m/s", "Speed of the train"), speed)
-    cars.output(Variable("distance", "output", "m", "Distance of the train"), distance)
-    given = {f"sanded_{n}": f"sanded_friction_{n}" for n in numbers} | {"speed": "speed"}
-    whole = compose("train", "A train on sand", [cars, sanders(PLACES)], given)
-    return Library(build_library(model_of(whole, TOLERANCE)))
-
-
-def stop(trial: Trial, sand: SandParameters) -> Recording:
-    """Return time [s], speed [m/s] and distance [m] until the train stops."""
-    kernel = Kernel(train(), **sand.values() | trial.values())
-    kernel.set(**{f"friction_{n}": UNTREATED for n in range(1, len(PLACES) + 1)})
-    kernel.initialise()
-    rows = [[0.0, SPEED, 0.0]]
-    while rows[-1][1] > STANDING and rows[-1][0] < LONGEST:
-        kernel.step(kernel.time, STEP)
-        rows.append([kernel.time, kernel["speed"], kernel["distance"]])
-    return Recording({"time": "s", "speed": "m/s", "distance": "m"}, rows)
-
-
-def way(trial: Trial, sand: SandParameters) -> float:
-    """Return the stopping distance [m]; the last step is cut at the instant of rest."""
-    rows = stop(trial, sand)
-    return float(np.interp(-STANDING, -rows["speed"], rows["distance"]))
+NONE = Trial("no sander", PRINTED[0], ())
 
 
 def fitted(trials: Sequence[Trial] = FITTED) -> SandParameters:
@@ -112,7 +62,7 @@ def fitted(trials: Sequence[Trial] = FITTED) -> SandParameters:
         return replace(common_sand(), sanded_friction=float(x[0]), sand_scale=float(np.exp(x[1])))
 
     def missed(x: np.ndarray) -> list[float]:
-        return [way(trial, sand(x)) - trial.printed for trial in trials]
+        return [way(trial.values(), sand(x)) - trial.printed for trial in trials]
 
     first = [common_sand().sanded_friction, np.log(common_sand().sand_scale)]
     found = least_squares(missed, first, bounds=([UNTREATED, -12.0], [0.5, 0.0]), diff_step=1e-3, xtol=1e-6)
@@ -146,10 +96,10 @@ def run(options: Options) -> Report:
         others = {}
         for number in OTHERS:
             again = fitted((FITTED[0], replace(FITTED[1], sanders=(FIRST, number))))
-            others[number] = way(replace(TWO, sanders=(FIRST, number)), again)
+            others[number] = way(replace(TWO, sanders=(FIRST, number)).values(), again)
             bar.update()
         trials = (NONE, *FITTED, ONE, TWO)
-        ways = {trial.name: way(trial, sand) for trial in trials}
+        ways = {trial.name: way(trial.values(), sand) for trial in trials}
         bar.update()
     remarks = [
         f"One sander of variable rate is predicted {ways[ONE.name] / ONE.printed - 1:+.0%}, two "
@@ -157,7 +107,7 @@ def run(options: Options) -> Report:
         "clean, and what sanders gave is from memory."
     ]
     parameters = sand.values() | {"speed": SPEED, "untreated": UNTREATED, "fixed": FIXED, "variable": VARIABLE}
-    rows, series = rows_of(sand, ways, others), stop(TWO, sand)
+    rows, series = rows_of(sand, ways, others), stop(TWO.values(), sand)
     seconds = float(series["time"][-1])
     return Report(rows, series, lambda: draw(trials, ways), parameters, seconds, remarks)
 

@@ -35,6 +35,7 @@ from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press,
 from rbd_model.wheelset.touch import Placement, Wheel
 from rbd_model.wheelset.touching_patch import Line, PatchTables, find_nearest
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
+from scenarios.benchmark.case_file import CASES, read_case
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, measured, value_of
@@ -45,6 +46,8 @@ LOAD, SPEED, FRICTION, STEEL = 10e3, 2.0, 0.3, Steel(82e9, 0.28)
 #: y of the rail's gauge face, 14 mm below the top, half distance of the wheels' origins, and radius there [m].
 GAUGE_FACE, WHEEL_HALF_DISTANCE, RADIUS = -43.0315e-3, 0.750, 0.460
 SIDES = {"left": LEFT, "right": RIGHT}
+#: Exact theory of the benchmark.
+EXAMPLE = read_case(CASES / "manchester-contact.toml")
 #: An approach at which any contact carries more than the load [m].
 MOST_APPROACH = 0.3e-3
 #: Contact model 2 with the default laws of the level `spatial`, and with others.
@@ -89,13 +92,14 @@ class Found:
 
 def exact(name: str) -> dict[float, Found]:
     """Return the exact theory by shift [mm] for the wheel of this name, in the axes of that wheel."""
-    columns, outwards = table("exact"), -SIDES[name]
-    mine = slice(0, 11) if name == "left" else slice(11, 22)
-    heads = ("y_ws_mm", "y_rail_mm", "angle_rad", "Fx_total_N", "Fy_total_N", "pmax_MPa")
-    rows = np.column_stack([columns[head][mine] for head in heads]).tolist()
+    outwards = -SIDES[name]
+    points = [one for one in EXAMPLE.points if one.inputs["wheel"] == name]
+    answers = ("place", "angle", "force_along", "force_across", "pressure")
+    rows = [[one.published[answer] for answer in answers] for one in points]
+    shifts = [round(1e3 * float(np.asarray(one.inputs["lateral"])), 9) for one in points]
     return {
-        shift: Found(outwards * place / 1e3, -outwards * angle, ahead, outwards * aside, 1e6 * pressure)
-        for shift, place, angle, ahead, aside, pressure in rows
+        shift: Found(outwards * place, -outwards * angle, ahead, outwards * aside, pressure)
+        for shift, (place, angle, ahead, aside, pressure) in zip(shifts, rows, strict=True)
     }
 
 

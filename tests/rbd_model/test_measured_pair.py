@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +11,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
 
 import bogie_braking as bb
 from bogie_braking.pairs import profile
-from rbd_model.contact.distance import LEFT, Stand, stand_of, touching
 from rbd_model.contact.geometry import Pair, Sides, contact_at, equivalent_conicity
 from rbd_model.contact.measured_pair import gauge_of
-from rbd_model.contact.normal import ContactArea, Steel, patches
 from rbd_model.contact.profiles import from_points
 from readers.text import BadInputError
 
@@ -220,42 +216,3 @@ def test_pair_of_the_manchester_benchmark_is_s1002_on_uic_60() -> None:
     conicity = [equivalent_conicity(one, np.array([3e-3]), rolls=False)[0] for one in (found, same)]
     assert conicity[0] == pytest.approx(0.1805, abs=5e-4)
     assert conicity[1] == pytest.approx(conicity[0], rel=1e-6)
-
-
-RSGEO = STRANGERS.parents[1] / "rsgeo_s1002_uic60.csv" if STRANGERS.is_dir() else STRANGERS
-
-
-@pytest.mark.skipif(not RSGEO.is_file(), reason="PROFILES_OF_OTHERS names no folder of their files")
-def test_contact_of_model_3_is_where_rsgeo_has_it() -> None:
-    """S1002 on UIC 60 from files, 66.6 kN, up to 7 mm of shift: place within 0.5 mm and angle within 0.01 rad.
-
-    RSGEO's tape circles are 1495 mm apart. The place is that of contact model 3, the centre of the squared overlap.
-    """
-    files = STRANGERS / "MBench_S1002_v3.prw", STRANGERS / "MBench_UIC60_v3.prr"
-    pair = bb.pair(*files, radius=0.425, gauge=1.435, flange_back=1.355)
-    assert isinstance(pair, Pair)
-    rows = np.loadtxt(RSGEO, delimiter=",", skiprows=2)
-    errors = []
-    for shift, load, angle, place in rows[np.abs(rows[:, 0]) < 7.01e-3][::3][:, [0, 1, 2, 5]]:
-        stand = stand_of(LEFT, shift, 0.0, contact_at(pair, shift).roll, 0.0)
-        found = pressed_down(pair, stand, load)
-        on_wheel, slope, weights = (
-            np.concatenate(values)
-            for values in zip(*((one.strips.on_wheel, one.strips.angle, one.overlap) for one in found), strict=True)
-        )
-        errors.append(
-            (np.average(on_wheel, weights=weights) + 0.7475 - place, np.average(slope, weights=weights) - angle)
-        )
-    places, angles = np.abs(errors).T
-    assert places.max() < 0.5e-3
-    assert angles.max() < 0.01
-
-
-def pressed_down(pair: Pair, stand: Stand, load: float) -> list[ContactArea]:
-    """Return the contact areas of a wheel under a normal force [N]."""
-    top, _ = touching(pair, stand)
-
-    def at(approach: float) -> list[ContactArea]:
-        return patches(pair, replace(stand, height=top - approach), Steel(82e9, 0.28))
-
-    return at(brentq(lambda approach: sum(one.load for one in at(approach)) - load, 1e-6, 400e-6, xtol=1e-9))

@@ -194,6 +194,15 @@ def test_twelve_axles_of_en_14531_1(tmp_path: Path) -> None:
     assert found[mean, "distance"].errors == pytest.approx([0.0024, 0.0024, 0.0027], abs=2e-4)
 
 
+@pytest.mark.parametrize(
+    "name", ["coasting", "two-vehicle-impact", "rsgeo-contact", "rsgeo-kalker", "manchester-contact"]
+)
+def test_this_project_answers_within_the_bounds(name: str) -> None:
+    for one in score(read_case(CASES / f"{name}.toml"), [own_program()]).scores:
+        assert one.holds is (True if one.answer.judged else None), (one.answer.name, one.worst)
+        assert len(one.errors) == one.points
+
+
 def test_all_cases_of_the_package_are_read() -> None:
     for path in cases_in([CASES]).values():
         assert read_case(path).source

@@ -11,12 +11,18 @@ from fmu_src import __version__
 NAME = "bogie-braking"
 #: Module of this package by question.
 QUESTIONS = {
+    "block-braked-bogie": "bogie",
     "coasting": "coasting",
+    "kalker-coefficients": "kalker",
     "impact-of-two-vehicles": "impact",
     "shunting-stops": "shunting",
     "stop-by-percentage": "percentage",
     "stop-of-axles": "axles",
+    "stop-on-sand": "sand",
     "stop-with-full-brakes": "full_brakes",
+    "traction-curve": "traction",
+    "train-stop": "train_stop",
+    "wheel-on-rail": "wheel_contact",
 }
 
 
