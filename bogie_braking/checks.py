@@ -135,7 +135,7 @@ def shown(value: Any) -> str:
     if isinstance(value, type):
         return f"the class {value.__name__}"
     text = repr(value)
-    return text if len(text) <= LONGEST else f"a {type(value).__name__}"
+    return text if len(text) <= LONGEST and "\n" not in text else f"a {type(value).__name__}"
 
 
 def is_number(value: Any) -> TypeGuard[float]:

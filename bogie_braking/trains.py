@@ -10,7 +10,7 @@ import numpy as np
 
 from bogie_braking.checks import line_or_none, shown
 from products.train.brake_model import select_brake_model
-from products.train.consist import Consist
+from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of
 from products.train.foreign import consist_from
 from products.train.numbers import Settings
@@ -19,7 +19,7 @@ from rbd_model.track.line import Line
 from readers.formats import Imported
 
 #: Accepted forms, for messages.
-FORMS = "the path of a file, a list of its rows as dictionaries, a Consist, or an integer, the number of wagons"
+FORMS = "the path of a file, a list of its rows as dictionaries or of vehicles, a Consist, or a number of wagons"
 
 
 def train(
@@ -36,7 +36,7 @@ def train(
 
     Parameters
     ----------
-    consist : str, Path, Consist, sequence of mapping or int
+    consist : str, Path, Consist, sequence of mapping or TrainVehicle, or int
         A file (CSV or TOML, or a train of another program, see docs/consists.md), a list of its rows, vehicles, or the
         number of loaded wagons behind a locomotive.
     speed : float
@@ -82,7 +82,19 @@ def consist_from_any(given: Any) -> tuple[Consist, Imported | None]:
     if isinstance(given, str | Path):
         return consist_from(Path(given))
     if isinstance(given, Consist):
-        return given, None
-    if not isinstance(given, Sequence):
+        return _driven(given), None
+    if not isinstance(given, Sequence) or isinstance(given, bytes | bytearray):
         raise TypeError(f"A consist must be {FORMS}; got {shown(given)}. Give one of these.")
+    if given and all(isinstance(one, TrainVehicle) for one in given):
+        return _driven(Consist(tuple(given))), None
     return consist_of(list(given)), None
+
+
+def _driven(one: Consist) -> Consist:
+    """Return a consist with a driver's valve. Raises ValueError without one."""
+    if not any(vehicle.valve is not None for vehicle in one.vehicles):
+        raise ValueError(
+            f"A consist must have a vehicle with a driver's valve; got {len(one.vehicles)} vehicles without one. Add a "
+            "locomotive, or give one vehicle a valve."
+        )
+    return one

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 #: Speeds from which a train stops [km/h].
 SPEEDS = (40.0, 80.0, 120.0)
+#: Endings of consists.
+OWN = (".toml", ".csv")
 #: Width of sentences, and headings of the account of an import.
 WIDTH = 110
 HEADINGS = {"taken": "taken", "converted": "converted", "left": "left out", "assumed": "assumed"}
@@ -65,11 +67,16 @@ def import_train(chosen: argparse.Namespace) -> int:
     from products.train.consist_writer import write_consist
     from products.train.foreign import imported_consist
 
+    if chosen.file.suffix.lower() in OWN:
+        raise BadInputError(
+            f"{chosen.file} must be a train of another program; got a {chosen.file.suffix} file, as a consist is. Read "
+            f"it by: bogie-braking consist check {chosen.file}"
+        )
     if not is_foreign(chosen.file):
         raise BadInputError(
             f"{chosen.file} must end in one of {', '.join(FORMATS)}; got {shown(chosen.file.name)}. Rename it."
         )
-    if chosen.out is not None and chosen.out.suffix.lower() not in (".toml", ".csv"):
+    if chosen.out is not None and chosen.out.suffix.lower() not in OWN:
         raise BadInputError(f"--out must end in .toml or .csv; got {shown(chosen.out.name)}. Rename it.")
     try:
         consist, found = imported_consist(chosen.file)

@@ -5,13 +5,16 @@ A CSV file has them in its first row, a TOML file as keys of each [[vehicle]].
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
+from typing import Any
 
 from brake_controller.distributors import BRAKES, pneumatic
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.consist import KINDS, LONGEST_VEHICLE
 from rbd_model.train.coupler import COUPLERS
-from readers.columns import LONGEST_TEXT, Column
+from readers.columns import LONGEST_TEXT, Column, number_of
+from readers.command_line import number_in
 
 #: Largest number of vehicles, and of characters of a name.
 MOST, LONGEST_NAME = 2000, LONGEST_TEXT
@@ -110,3 +113,12 @@ def columns() -> list[Column]:
     for name, (unit, least, most) in NUMBERS.items():
         found.append(Column(name, unit, least, most, filled=False, whole=name in WHOLE))
     return found
+
+
+def number_with_unit(value: Any, unit: str) -> float:
+    """Return a number, or a text with a number and a unit such as "60 t", in a unit; NaN if it is neither."""
+    number = number_of(value)
+    if math.isnan(number) and isinstance(value, str):
+        found = number_in(value, unit)
+        return math.nan if found is None else found
+    return number

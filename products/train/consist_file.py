@@ -27,16 +27,18 @@ from products.train.columns import (
     WORDS,
     choices,
     columns,
+    number_with_unit,
 )
 from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_with
 from products.train.coupler_tables import couplers_of
 from products.train.layout import MOST_VALVES
 from products.train.stated import brake_of, check_control, check_force, distributor_of, electric_of
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
-from readers.columns import number_of
+from readers.documents import is_number
 from readers.tables import read_table
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
+from readers.units import likely_unit
 
 #: Columns that leave the brake of the kind as it is.
 WITHOUT_BRAKE = (
@@ -180,12 +182,13 @@ def _check_couplers(vehicles: Sequence[TrainVehicle], own: Iterable[str], name: 
 
 
 def _number(name: str, value: Any) -> float:
-    number = number_of(value)
     unit, low, high = NUMBERS[name]
+    number = number_with_unit(value, unit)
     if not low <= number <= high or (name in WHOLE and number != int(number)):
         kind = "an integer" if name in WHOLE else "a number"
         said = f"{low:g} to {high:g} {unit}" if unit != "1" else f"{low:g} to {high:g}"
-        raise ValueError(f"{name} must be {kind} from {said}; got {shown(value)}. Correct it.")
+        likely = likely_unit(number, unit, low, high) if is_number(value) else ""
+        raise ValueError(f"{name} must be {kind} from {said}; got {shown(value)}.{likely or ' Correct it.'}")
     return number
 
 

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
-from products.train.columns import LONGEST_NAME, NUMBERS
+from products.train.columns import LONGEST_NAME, NUMBERS, number_with_unit
 from rbd_model.train.coupler import COUPLERS, Coupler, Curve
-from readers.documents import is_number
 from readers.text import quoted, shown
 
 #: Devices: senses in which they act, devices in series and side by side in a coupling.
@@ -152,10 +151,11 @@ def _checked(table: Any) -> dict[str, Any]:
 
 def _number(name: str, value: Any, limits: tuple[str, float, float]) -> float:
     unit, least, most = limits
-    if not is_number(value) or not least <= value <= most:
+    number = number_with_unit(value, unit)
+    if not least <= number <= most:
         between = f"{least:g} to {most:g}" + ("" if unit == "1" else f" {unit}")
         raise ValueError(f"{name} must be a number from {between}; got {shown(value)}. Correct it, or its unit.")
-    return float(value)
+    return number
 
 
 @dataclass(frozen=True)

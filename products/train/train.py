@@ -36,7 +36,8 @@ def _within(name: str, value: float, least: float, most: float, unit: str) -> No
     number = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
     if not (number and least <= value <= most):
         said = f"{name} must be a number from {least:g} to {most:g} {unit}".rstrip() + f"; got {value}."
-        raise ValueError(said + (likely_unit(value, unit, least, most) if number else ""))
+        remedy = likely_unit(value, unit, least, most) if number else ""
+        raise ValueError(said + (remedy or " Correct it."))
 
 
 def _place(name: str, value: int, count: int) -> None:

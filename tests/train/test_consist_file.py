@@ -166,6 +166,16 @@ BAD: dict[str, tuple[str, str | bytes, str]] = {
         "[[vehicle]]\nkind = 'locomotive'\nload = 'much'\n",
         "vehicle 1: load must be a number from 0 to 200 t; got much. Correct it.",
     ),
+    "kilograms in TOML": (
+        "a.toml",
+        "[[vehicle]]\nkind = 'locomotive'\nmass = 84000\n",
+        "vehicle 1: mass must be a number from 1 to 300 t; got 84000. Did you mean 84000 kg = 84 t?",
+    ),
+    "another quantity in TOML": (
+        "a.toml",
+        "[[vehicle]]\nkind = 'locomotive'\nmass = '84 bar'\n",
+        "vehicle 1: mass must be a number from 1 to 300 t; got 84 bar. Correct it.",
+    ),
     "a truth in TOML": (
         "a.toml",
         "[[vehicle]]\nkind = 'locomotive'\ncount = true\n",
@@ -252,11 +262,13 @@ def test_what_is_no_line_is_told_in_one_sentence(tmp_path: Path, capsys: pytest.
 @pytest.mark.parametrize(
     ("given", "more", "sentence"),
     [
-        (2.5, {}, r"A consist must be .* integer, the number of wagons; got 2\.5\."),
+        (2.5, {}, r"A consist must be .* or a number of wagons; got 2\.5\."),
         (None, {}, r"A consist must be .*; got None\."),
         (True, {}, r"A consist must be .*; got True\."),
         ({"kind": "wagon"}, {}, r"A consist must be .* a list of its rows .*; got \{'kind': 'wagon'\}\."),
         (["wagon"], {}, r"the consist, row 1: a vehicle must be names with values; got wagon\."),
+        ([wagon()], {}, "A consist must have a vehicle with a driver's valve; got 1 vehicles without one"),
+        (b"train.toml", {}, r"A consist must be .*; got b'train.toml'\."),
         (1, {"force_error": "5 %"}, r"The error of the force must be at least 0, a share; got '5 %'\."),
         (1, {"distance_error": None}, r"The error of the distance must be at least 0, a share; got None\."),
         (1, {"releases": "no"}, r"releases must be True or False; got 'no'\."),
@@ -295,3 +307,10 @@ def test_a_spreadsheet_of_another_country_is_the_same_consist(tmp_path: Path) ->
 def test_cells_that_cannot_be_are_told(cells: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert build_fmu.main(["train", f"--cells={cells}"]) == 2
     assert f"--cells must be from 0.1 to 32; got {cells}." in capsys.readouterr().err
+
+
+def test_a_number_in_toml_may_carry_its_unit(tmp_path: Path) -> None:
+    rows = "[[vehicle]]\nkind = 'locomotive'\n[[vehicle]]\nkind = 'wagon'\n"
+    plain = read_consist(written(tmp_path, "a.toml", f"{rows}load = 45.5\nlength = 13.5\nfull_pressure = 3.6\n"))
+    units = f"{rows}load = '45500 kg'\nlength = '13500 mm'\nfull_pressure = '360 kPa'\n"
+    assert read_consist(written(tmp_path, "b.toml", units)) == plain

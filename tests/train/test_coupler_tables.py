@@ -151,7 +151,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "sticking": (BUFFERS | {"sticking_stiffness": 3}, r"steepest slope of the coupling, 9\.444 MN/m; got 3 MN/m"),
     "name": (BUFFERS | {"name": "screw"}, "name must not be that of a built-in coupler"),
     "unknown": (BUFFERS | {"buffer_force": 3}, "the name 'buffer_force' is unknown"),
-    "text": (BUFFERS | {"draw_travel": [0, "60 mm"]}, "draw_travel, number 2, must be a number from 0 to 1000 mm"),
+    "text": (BUFFERS | {"draw_travel": [0, "60 kN"]}, "draw_travel, number 2, must be a number from 0 to 1000 mm"),
     "many": (
         BUFFERS | {"draw_travel": list(range(40))},
         "draw_travel must be a list of 2 to 16 numbers; got 40 of them",

@@ -222,7 +222,7 @@ def test_the_command_prints_numbers_of_a_consist(tmp_path: Path, capsys: pytest.
     ("given", "sentence"),
     [
         (["import", "none.con"], "does not exist"),
-        (["import", "train.toml"], "must end in one of .con"),
+        (["import", "train.toml"], "must be a train of another program; got a .toml file, as a consist is."),
         (["import", "cut.json"], "must be JSON"),
         (["import", "heavy.json"], "mass of each"),
         (["import", "unit.json", "--out", "train.txt"], "--out must end in .toml or .csv"),
