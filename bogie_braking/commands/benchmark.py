@@ -4,6 +4,8 @@
   bogie-braking benchmark en-14531-1-twelve-axles            one case: errors, cost, results/benchmark.html
   bogie-braking benchmark                                    all cases
   bogie-braking benchmark --program mine.py                  your program too: a function answer(question, inputs)
+  bogie-braking benchmark --fmu mine.fmu --map mine.toml     an FMU, whose map gives the names of its variables
+  bogie-braking benchmark sand-trials --range                also the range over inputs that are not published
   bogie-braking benchmark --answers mine.csv                 answers of any program: case, point, answer, value, unit
   bogie-braking benchmark --cases my_cases                   your cases too: a file NAME.toml, or a folder of them
 
@@ -23,8 +25,9 @@ from pathlib import Path
 from bogie_braking.commands.shared import add_out, add_speech, bars, describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
 from fmu_src.suggestion import suggestion
-from readers.command_line import check_folder
+from readers.command_line import check_folder, whole
 from readers.text import BadInputError, shown
+from scenarios.benchmark.band import DRAWS, Band, bands
 from scenarios.benchmark.case import Case
 from scenarios.benchmark.case_file import CASES, cases_in, read_case
 
@@ -40,6 +43,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--program", type=Path, action="append", default=[], metavar="FILE", help=program)
     answers = "a CSV file of answers: case, point, answer, value, unit"
     parser.add_argument("--answers", type=Path, action="append", default=[], metavar="FILE", help=answers)
+    fmu = "an FMU for co-simulation; the n-th --map belongs to the n-th --fmu"
+    parser.add_argument("--fmu", type=Path, action="append", default=[], metavar="FILE", help=fmu)
+    mapped = "a TOML file that maps inputs and answers of a question to variables of the FMU"
+    parser.add_argument("--map", type=Path, action="append", default=[], metavar="FILE", help=mapped)
+    draws = f"also the range over inputs that are not published, from N random draws (default: {DRAWS})"
+    reader = whole("--range", 10, 100_000)
+    parser.add_argument("--range", type=reader, nargs="?", const=DRAWS, default=0, metavar="N", help=draws)
     add_out(parser, "folder of page, picture, table and document")
     add_speech(parser, "the scores", "no table, only the exit status")
 
@@ -77,7 +87,8 @@ def _list(cases: Sequence[Case], chosen: argparse.Namespace) -> int:
 
 def _run(cases: Sequence[Case], files: dict[str, Path], chosen: argparse.Namespace) -> int:
     from scenarios.benchmark.answers_file import program_of_answers
-    from scenarios.benchmark.page import document, text_of, write_results
+    from scenarios.benchmark.fmu_program import program_of_fmu
+    from scenarios.benchmark.page import Results, document, text_of, write_results
     from scenarios.benchmark.programs import of_file, programs
     from scenarios.benchmark.score import score
     from scenarios.reporting.progress import counting
@@ -85,15 +96,23 @@ def _run(cases: Sequence[Case], files: dict[str, Path], chosen: argparse.Namespa
     known, missing = programs()
     known += [of_file(path) for path in chosen.program]
     known += [program_of_answers(path, files) for path in chosen.answers]
+    if len(chosen.fmu) != len(chosen.map):
+        got = f"{len(chosen.fmu)} and {len(chosen.map)}"
+        raise BadInputError(f"--fmu and --map must be given equally often; got {got}. Give a map for each FMU.")
+    known += [program_of_fmu(*both) for both in zip(chosen.fmu, chosen.map, strict=True)]
     repeated = {one.name for one in known if sum(one.name == other.name for other in known) > 1}
     if repeated:
         raise BadInputError(f"Programs must have names of their own; got {repeated.pop()} twice. Rename a file.")
-    scored = [score(case, known) for case in counting(cases, "benchmark")]
-    places = write_results(scored, known, missing, chosen.out)
+    scored, ranges = [], list[Band]()
+    for case in counting(cases, "benchmark"):
+        scored.append(score(case, known))
+        ranges += bands(case, known[0], chosen.range) if chosen.range else []
+    results = Results(scored, known, missing, ranges)
+    places = write_results(results, chosen.out)
     if chosen.json:
-        print(json.dumps(document(scored, known, missing), indent=2))
+        print(json.dumps(document(results), indent=2))
     elif not chosen.quiet:
-        print(text_of(scored, known, missing) + "\n" + "".join(f"{place}\n" for place in places), end="")
+        print(text_of(results) + "\n" + "".join(f"{place}\n" for place in places), end="")
     own = [one for each in scored for one in each.scores if one.program == known[0].name]
     failed = any(one.holds is False for one in own) or any(known[0].name in one.failures for one in scored)
     return DOES_NOT_HOLD if failed else HOLDS

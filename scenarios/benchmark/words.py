@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from scenarios.benchmark.band import Band
+from scenarios.benchmark.case import Answer, Case
 from scenarios.benchmark.score import Score, Scored
 
 DASH = "-"
+#: With more points the root mean square of the errors is shown too.
+MANY = 20
 #: Names of the columns before those of the programs.
 HEADS = ("case", "answer", "points", "published", "bound")
 
@@ -34,6 +38,64 @@ def rows_of_cost(scored: Sequence[Scored], programs: Sequence[str]) -> list[list
     return rows
 
 
+#: Names of the columns of ranges.
+RANGES = ("case", "point", "answer", "published", "value", "median", "5 to 95 %", "published in range", "draws")
+
+
+def rows_of_bands(bands: Sequence[Band]) -> list[list[str]]:
+    """Return the table of ranges: a row for each point and answer."""
+    rows = []
+    for one in bands:
+        ends = DASH if one.lower is None else f"{quantity(one.answer, one.lower)} to {quantity(one.answer, one.upper)}"
+        inside = {True: "yes", False: "no", None: DASH}[one.holds]
+        values = [quantity(one.answer, value) for value in (one.published, one.value, one.median)]
+        count = f"{one.draws}" if one.answered == one.draws else f"{one.answered} of {one.draws}"
+        point = point_of(one.case, one.number - 1)
+        rows.append([one.case.name, point, one.answer.name, *values, ends, inside, count])
+    return rows
+
+
+def rows_of_points(one: Scored) -> list[list[str]]:
+    """Return every value of a case: point, answer, published value, and value and error of each program with one."""
+    rows = []
+    for number in range(len(one.case.points)):
+        for name, answer in one.case.answers.items():
+            told = one.case.points[number].published.get(name)
+            for each in one.scores:
+                value = each.values[number]
+                if each.answer.name == name and value is not None and told is not None:
+                    error = (value - told) / told if answer.relative else value - told
+                    cells = [quantity(answer, told), each.program, quantity(answer, value), size(each, error, "+")]
+                    rows.append([point_of(one.case, number), name, *cells])
+    return rows
+
+
+def point_of(case: Case, number: int) -> str:
+    """Return the number of a point, and its own inputs that are numbers or strings."""
+    point = case.points[number]
+    own = [f"{name} {value_of(case, name, point.inputs[name])}" for name in point.own]
+    return f"{number + 1}: {', '.join(own)}" if own else f"{number + 1}"
+
+
+def value_of(case: Case, name: str, value: object) -> str:
+    """Return an input with its unit; lists by their length."""
+    if isinstance(value, tuple):
+        return f"of {len(value)}"
+    unit, scale = displayed(case.units[name])
+    return f"{value / scale:.4g}{'' if unit == '1' else ' ' + unit}" if isinstance(value, float) else str(value)
+
+
+def displayed(unit: str) -> tuple[str, float]:
+    """Return the unit in which inputs are shown, and its SI value: speeds in km/h."""
+    return ("km/h", 1 / 3.6) if unit == "m/s" else (unit, 1.0)
+
+
+def quantity(answer: Answer, value: float | None) -> str:
+    """Return a value with the unit of the answer."""
+    unit = "" if answer.unit == "1" else f" {answer.unit}"
+    return DASH if value is None else f"{value / answer.scale:.4g}{unit}"
+
+
 def published(one: Score) -> str:
     """Return the published value, or the range of several, with the unit."""
     values = [value / one.answer.scale for value in one.published if value is not None]
@@ -54,7 +116,8 @@ def worst(one: Score) -> str:
     if one.worst is None:
         return DASH
     answered = "" if len(one.errors) == one.points else f" ({len(one.errors)} of {one.points})"
-    return size(one, one.worst, "+") + answered + (" !" if one.holds is False else "")
+    spread = f", rms {size(one, one.rms or 0.0)}" if len(one.errors) > MANY else ""
+    return size(one, one.worst, "+") + spread + answered + (" !" if one.holds is False else "")
 
 
 def size(one: Score, error: float, sign: str = "") -> str:

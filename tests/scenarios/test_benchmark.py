@@ -11,8 +11,9 @@ import pytest
 from bogie_braking.__main__ import main
 from bogie_braking.exit_status import BAD_INPUT, HOLDS
 from readers.text import FileError
+from scenarios.benchmark.band import bands
 from scenarios.benchmark.case_file import CASES, cases_in, read_case
-from scenarios.benchmark.programs import own_program, programs
+from scenarios.benchmark.programs import of_file, own_program, programs
 from scenarios.benchmark.score import score
 from scenarios.benchmark.words import worst
 
@@ -213,3 +214,55 @@ def test_a_case_is_listed_and_a_wrong_name_is_refused(capsys: pytest.CaptureFixt
     assert "en-14531-1-twelve-axles  Twelve axles" in capsys.readouterr().out
     assert main(["benchmark", "en-14531-1-twelve-axle"]) == BAD_INPUT
     assert "did you mean en-14531-1-twelve-axles?" in capsys.readouterr().err
+
+
+BRAKE_MAP = """
+question = "block-braked-bogie"
+ignore = ["shoes", "shoe_friction_factor", "rail_friction", "speed", "rolling_resistance_torque"]
+[run]
+duration = "5 s"
+step = "10 ms"
+[inputs]
+pressure = "pressure_demand"
+application_time = "application_time"
+shoe_force_area = "force_per_pressure"
+braked_shoes = "shoes"
+rigging_efficiency = "rigging_efficiency"
+shoe_friction = "constant_shoe_friction"
+[values]
+wheelset_share = 0.5
+touch_pressure = 0.0
+slack_adjuster_force = 0.0
+[answers]
+shoe_force = { variable = "shoe_force", factor = 0.5 }
+"""
+
+
+def test_an_fmu_answers_by_a_map(
+    fmus: dict[tuple[str, str], Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The shoe force of the cylinder over its pressure is that of the brake's parameters; another map is refused."""
+    mapped = write(tmp_path, BRAKE_MAP, "map.toml")
+    given = ["--fmu", str(fmus["brake", "native"]), "--map", str(mapped), "--out", str(tmp_path / "out")]
+    assert main(["benchmark", "qr30-bogie", "--json", *given]) == HOLDS
+    read = json.loads(capsys.readouterr().out)
+    found = {one["answer"]: one for one in read["scores"] if one["program"] == "BrakeCylinder"}
+    assert found["shoe_force"]["worst"] == pytest.approx(0.0, abs=1e-6)
+    assert found["deceleration"]["worst"] is None
+    write(tmp_path, BRAKE_MAP.replace('"speed", ', ""), "map.toml")
+    assert main(["benchmark", "qr30-bogie", *given]) == HOLDS
+    assert "point 1: the map must have a variable for speed, or ignore it" in capsys.readouterr().out
+    write(tmp_path, BRAKE_MAP.replace('"10 ms"', '"10 m"'), "map.toml")
+    assert main(["benchmark", "qr30-bogie", *given]) == BAD_INPUT
+    assert "run.step must have a unit that converts to s" in capsys.readouterr().err
+
+
+def test_a_range_has_the_percentiles_of_its_distribution(tmp_path: Path) -> None:
+    """A force of 1 to 3 kN: the 5th percentile of the distance is that of 2.9 kN, and work does not depend on it."""
+    case = read_case(write(tmp_path, CASE))
+    program = of_file(write(tmp_path, PROGRAM, "mine.py"))
+    first, second = bands(case, program, draws=4000)
+    ends = [1000.0 * 10.0**2 / (2 * force) for force in (2900.0, 2000.0, 1100.0)]
+    assert [first.lower, first.median, first.upper] == pytest.approx(ends, rel=0.02)
+    assert (first.value, first.draws, first.answered, first.holds) == (pytest.approx(25.0), 4000, 4000, True)
+    assert second.median == pytest.approx(4 * (first.median or 0.0))
