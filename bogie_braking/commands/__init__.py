@@ -34,6 +34,7 @@ COMMANDS = {
     "profile": ("make a contact table from files of a wheel and a rail, and draw the pair", "profile"),
     "live": ("write pages that brake a coach, a bogie or a train in any browser", "live"),
     "vehicle": ("check your own vehicle from a file, write its FMU", "vehicle"),
+    "etcs": ("braking curves of ETCS for a train, and its own stops that begin there", "etcs"),
     "benchmark": ("answer published cases, beside other programs or yours: errors, cost, a page", "benchmark"),
     "build": ("build FMUs", "build"),
 }

@@ -1,0 +1,181 @@
+"""Train data of ETCS from a train of this project: stops in emergency and full service braking, and stops at limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from products.supervision import Gradients, Steps, SupervisedTrain
+from products.supervision.of_run import BrakeOfRun, brake_of_run
+from products.train.brake_model import select_brake_model
+from products.train.consist import Consist
+from products.train.train import Train
+from rbd_model.track.line import Line
+from readers.text import BadInputError
+
+#: Longest stop, time between rows of a run and of a drawn stop, and of a part of a run [s]; speed of a train at rest.
+LONGEST, ROW, DRAWN, LOOK, RESTS = 900.0, 0.05, 0.5, 5.0, 1e-3
+#: First margin of the speed at which a run begins, what each further run adds [m/s], and the number of runs.
+MARGIN, MORE, RUNS = 5.0, 1.0, 6
+#: Driver's valve of each brake.
+COMMANDS = {"emergency": ("emergency", 0.0), "service": ("service", 1.0)}
+
+
+@dataclass(frozen=True)
+class FromRuns:
+    """Train data, and the two stops from which they are."""
+
+    train: SupervisedTrain
+    emergency: BrakeOfRun
+    service: BrakeOfRun
+
+
+@dataclass(frozen=True)
+class OwnStop:
+    """A simulated emergency stop that begins at a limit: places of the front [m] and its speeds [m/s] up to rest.
+
+    The last place is infinite if the train does not stop.
+    """
+
+    places: np.ndarray
+    speeds: np.ndarray
+
+    @property
+    def ends(self) -> float:
+        """Return the place where the train stops [m]."""
+        return float(self.places[-1])
+
+
+def supervised_train(consist: Consist, largest: float, **others: Any) -> FromRuns:
+    """Return the ETCS train data of a train, from stops on level, dry track.
+
+    Parameters
+    ----------
+    consist : Consist
+        The train.
+    largest : float
+        Largest speed of the train data [m/s]. The runs begin faster, so that the brake is developed there.
+    **others
+        Further data of `SupervisedTrain`, such as `Kdry_rst`.
+
+    Returns
+    -------
+    FromRuns
+        Train data, and what the runs showed.
+
+    Raises
+    ------
+    BadInputError
+        If the train has no pneumatic brake, does not stop, or cannot be run fast enough.
+    """
+    emergency, service = (_brake(consist, name, largest) for name in COMMANDS)
+    train = SupervisedTrain(
+        consist.length,
+        emergency.deceleration,
+        service.deceleration,
+        emergency.build_up,
+        service.build_up,
+        rotating=others.pop("rotating", None),
+        **others,
+    )
+    return FromRuns(train, emergency, service)
+
+
+def _brake(consist: Consist, command: str, largest: float) -> BrakeOfRun:
+    """Return the brake of a run that begins as fast as it must."""
+    begin = largest + MARGIN
+    for _ in range(RUNS):
+        time, speed, pressure = _run(consist, command, begin)
+        if pressure.max() <= 0.0:
+            raise BadInputError("The train has no pressure in any brake cylinder; ETCS data need a pneumatic brake.")
+        share = pressure / pressure.max()
+        late = largest - float(np.interp(time[np.argmax(share >= 0.95)], time, speed))
+        if late <= 0.0:
+            return brake_of_run(time, speed, share, largest)
+        begin += late + MORE
+    raise BadInputError(f"The {command} brake is not developed at {largest:.1f} m/s in any run. Give a lower speed.")
+
+
+def _run(consist: Consist, command: str, speed: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return time, speed of the mass centre and sum of cylinder pressures of a stop."""
+    train = Train(consist, speed=speed, settings=select_brake_model(consist))
+    train.drive(*COMMANDS[command])
+    masses = np.array([one.mass for one in consist.vehicles])
+    parts: list[np.ndarray] = []
+    count, past = masses.size, 0.0
+    while past < LONGEST:
+        record = train.record(LOOK, ROW)
+        speeds, pressures = (_columns(record, name, count) for name in ("speed", "cylinder_pressure"))
+        rows = np.stack([record["time"], speeds @ masses / masses.sum(), pressures.sum(axis=1)])
+        parts.append(rows[:, 1:] if parts else rows)
+        past += LOOK
+        if float(np.abs(train.speed).max()) < RESTS:
+            times, mean, pressure = np.concatenate(parts, axis=1)
+            return times, mean, pressure
+    raise BadInputError(f"The train does not stop within {LONGEST:g} s in {command} braking. Check its brakes.")
+
+
+def _columns(record: Any, name: str, count: int) -> np.ndarray:
+    names = [name] if count == 1 and name in record.units else [f"{name}[{n}]" for n in range(1, count + 1)]
+    return np.stack([record[one] for one in names], axis=1)
+
+
+def own_stops(consist: Consist, speeds: np.ndarray, places: np.ndarray, line: Line | None) -> list[OwnStop]:
+    """Return stops of the train itself that begin where its front has these speeds.
+
+    Parameters
+    ----------
+    consist : Consist
+        The train.
+    speeds, places : ndarray
+        Speeds [m/s] and places of the front [m] at the command.
+    line : Line or None
+        The line; None: level.
+
+    Returns
+    -------
+    list of OwnStop
+        One for each speed; a train that does not stop within 900 s ends at infinity.
+    """
+    return [_own_stop(consist, *start, line) for start in zip(speeds.tolist(), places.tolist(), strict=True)]
+
+
+def _own_stop(consist: Consist, speed: float, place: float, line: Line | None) -> OwnStop:
+    train = Train(consist, speed=speed, distance=place, line=line, settings=select_brake_model(consist))
+    start = float(train.distance[0])
+    train.drive("emergency")
+    rows = [(place, speed)]
+    for _ in range(int(LONGEST / DRAWN)):
+        train.advance(DRAWN)
+        rows.append((place + float(train.distance[0]) - start, float(train.speed[0])))
+        if float(np.abs(train.speed).max()) < RESTS:
+            return OwnStop(*np.array(rows).T)
+    return OwnStop(*np.array([*rows, (np.inf, rows[-1][1])]).T)
+
+
+def gradients_of(line: Line) -> Gradients:
+    """Return the gradients of a line as ETCS has them: between two rows the lower one of both [permille].
+
+    Parameters
+    ----------
+    line : Line
+        The line.
+
+    Returns
+    -------
+    Gradients
+        Steps with their starts.
+    """
+    places = np.asarray(line.rows["distance"], dtype=float)
+    values = 1e3 * np.asarray(line.rows.get("gradient", np.zeros(places.size)), dtype=float)
+    lower = np.minimum(values[:-1], values[1:]) if values.size > 1 else values
+    starts = places[: lower.size]
+    changes = np.append(True, np.diff(lower) != 0.0)
+    return Gradients(starts[changes], lower[changes])
+
+
+def with_factors(train: SupervisedTrain, dry: float, wet: float) -> SupervisedTrain:
+    """Return a train with one factor for dry and one for wet rails at all speeds."""
+    return replace(train, Kdry_rst=Steps.constant(dry), Kwet_rst=Steps.constant(wet))

@@ -1,0 +1,120 @@
+"""Train data from runs, against closed forms, and the command that supervises a consist."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bogie_braking.__main__ import main
+from bogie_braking.supervised import gradients_of, own_stops, supervised_train
+from products.supervision import supervise
+from products.supervision.of_run import brake_of_run
+from products.train.consist_file import consist_of
+from rbd_model.track.line import Line
+from readers.text import BadInputError
+
+#: Step of the rows of a run [s]. A row is a mean over it, so a deceleration lags by half of it.
+STEP = 0.02
+COACHES = '[[vehicle]]\nkind = "locomotive"\n[[vehicle]]\nkind = "coach"\ncount = 4\n'
+
+
+def stop(begin: float, faster: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a run: 1 s of reaction, 2 s of linear rise; the deceleration is 0.8 m/s2 and 1.2 m/s2 below `faster`."""
+    time = np.arange(0.0, 120.0, STEP)
+    share = np.clip((time - 1.0) / 2.0, 0.0, 1.0)
+    speed = np.empty(time.size)
+    now = begin
+    for n in range(time.size):
+        speed[n] = now
+        now = max(now - STEP * share[n] * (0.8 if now > faster else 1.2), 0.0)
+    return time, speed, share
+
+
+def test_deceleration_and_build_up_of_a_run_are_its_own() -> None:
+    """The rise ends at 95 %, 1.9 s after its beginning: 1 s and half of 1.9 s."""
+    found = brake_of_run(*stop(45.0, 20.0), largest=40.0)
+    # The brake begins at 1 % of the share, 0.02 s after its first motion.
+    assert found.build_up == pytest.approx(1.0 + 0.02 + (1.9 - 0.02) / 2.0, abs=1e-6)
+    assert found.deceleration.at([5.0, 19.0, 21.0, 39.0]) == pytest.approx([1.2, 1.2, 0.8, 0.8])
+    assert found.loss == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("most", [1, 2, 4, 7])
+def test_steps_are_nowhere_above_the_run_and_lose_less_the_more_there_are(most: int) -> None:
+    time = np.arange(0.0, 60.0, STEP)
+    speed = np.maximum(50.0 * np.exp(-0.02 * time) - 0.4 * time, 0.0)  # dv/dt rises with v
+    share = np.ones(time.size)
+    found = brake_of_run(time, speed, share, 45.0, most)
+    assert found.deceleration.values.size <= most
+    rates = -np.diff(speed) / STEP
+    moves = (speed[1:] > 0.0) & (speed[:-1] <= 45.0)
+    assert np.all(found.deceleration.at(speed[:-1][moves]) <= rates[moves] + 1e-9)
+    fewer = brake_of_run(time, speed, share, 45.0, most - 1) if most > 1 else None
+    assert fewer is None or found.loss < fewer.loss
+    assert found.loss > 0.0
+
+
+@pytest.mark.parametrize(
+    ("run", "largest", "says"),
+    [
+        (stop(40.5, 20.0), 40.0, "must be developed to 95 % before the train is slower than 40.00 m/s"),
+        ((np.arange(3.0), np.full(3, 50.0), np.array([0.0, 0.5, 0.6])), 40.0, "must develop to 95 %; got 60 %"),
+        ((np.arange(3.0), np.full(3, 50.0), np.array([0.0, 0.5, 1.0])), 40.0, "must end below 2.00 m/s"),
+    ],
+)
+def test_a_run_that_is_no_stop_is_refused(run: tuple[np.ndarray, ...], largest: float, says: str) -> None:
+    with pytest.raises(BadInputError, match=says):
+        brake_of_run(*run, largest)
+
+
+def test_gradients_between_rows_are_the_lower_ones() -> None:
+    rows = {"distance": [0.0, 100.0, 200.0, 300.0], "curvature": [0.0] * 4, "cant": [0.0] * 4}
+    found = gradients_of(
+        Line({name: np.array(one) for name, one in rows.items()} | {"gradient": np.array([0.01, 0.01, -0.02, 0.005])})
+    )
+    assert found.starts.tolist() == [0.0, 100.0]
+    assert found.permille == pytest.approx([10.0, -20.0])
+
+
+def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    consist = tmp_path / "train.toml"
+    consist.write_text(COACHES)
+    words = ["etcs", str(consist), "--target", "2km", "--speed", "140", "--out", str(tmp_path / "out")]
+    assert main([*words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert all(place < 2000.0 for place in found["own_stops_m"])
+    assert Path(found["picture"]).is_file()
+    assert Path(found["table"]).read_text().count("\n") == 161
+
+
+def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> None:
+    """A train whose build-up is stated 1 s too short passes the target."""
+    consist = consist_of([{"kind": "locomotive"}, {"kind": "coach", "count": 4}])
+    speed, train = np.array([40.0]), supervised_train(consist, 40.0).train
+    short = replace(train, T_brake_emergency=train.T_brake_emergency - 1.0)
+    for one, before in ((train, True), (short, False)):
+        begins = supervise(one, 2000.0, speed, V_ura=0.0).EBI
+        [own] = own_stops(consist, speed, begins, None)
+        assert (own.ends <= 2000.0) == before
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--target-speed", "150"], "--target-speed must be below --speed"),
+        (["--target-speed", "50", "--beyond", "10"], "leave it out with --target-speed"),
+        (["--position", "passenger P", "--dry", "0.8"], "leave them out with --position"),
+        (["--dry", "8"], "--dry must be"),
+    ],
+)
+def test_contradictions_are_refused(
+    words: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    consist = tmp_path / "train.toml"
+    consist.write_text(COACHES)
+    assert main(["etcs", str(consist), "--target", "2000", "--out", str(tmp_path), *words]) == 2
+    assert says in capsys.readouterr().err
