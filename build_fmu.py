@@ -46,6 +46,8 @@ from readers.text import BadInputError
 
 #: Name of this program.
 PROGRAM = "python build_fmu.py"
+#: Options of one FMU alone: its name, and their defaults.
+OWN_OPTIONS = {"--coupler": ("coupler", "screw"), "--brake-model": ("train", "whole"), "--cells": ("train", 2.0)}
 #: Names of FMUs and systems.
 NAMES = (*FMUS, "train", "coupler", "sensor", "ssp", "all")
 #: Exit status.
@@ -98,7 +100,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--wheelsets", type=wheelsets, default=BOGIE, metavar="COUNT", help=text)
     add("--consist", type=Path, metavar="FILE", help="of the train, CSV or TOML (default: a locomotive and 20 wagons)")
     add("--line", type=Path, metavar="FILE", help="that the train runs on, CSV (default: straight and level)")
-    add("--coupler", default="screw", choices=[*COUPLERS], help="of the coupler's FMU (default: screw)")
+    text = f"of the coupler's FMU: {', '.join(COUPLERS)}, or FILE.toml:NAME of a consist (default: screw)"
+    add("--coupler", default="screw", metavar="COUPLER", help=text)
     add("--brake-model", default="whole", choices=[*BRAKE_MODELS], help="of the train (default: whole)")
     least, most = SETTING_LIMITS["cells"]
     text = f"of the pipe in each vehicle, {least:g} to {most:g} (default: 2)"
@@ -116,6 +119,12 @@ def kinds_of(chosen: argparse.Namespace) -> list[str]:
     if chosen.model != "train" and (chosen.consist or chosen.line):
         given = "--consist" if chosen.consist else "--line"
         raise BadInputError(f"{given} belongs to the train; got {chosen.model}. Write: train {given} FILE.")
+    for option, (model, default) in OWN_OPTIONS.items():
+        value = getattr(chosen, option.removeprefix("--").replace("-", "_"))
+        if chosen.model != model and value != default:
+            raise BadInputError(
+                f"{option} belongs to the {model}; got {chosen.model}. Write: {model} {option} {value}."
+            )
     if chosen.describe and chosen.model in ("train", "coupler", "sensor", "ssp"):
         raise BadInputError(f"--describe must be with an FMU of {', '.join(FMUS)}; got {chosen.model}.")
     if chosen.controller:

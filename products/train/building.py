@@ -11,11 +11,11 @@ from products.train.consist import block_train
 from products.train.consist_writer import toml_of_rows
 from products.train.coupler_fmu import NAME as COUPLER
 from products.train.coupler_fmu import build_coupler_fmu
+from products.train.coupler_tables import coupler_named
 from products.train.fmu import NAME, build_train_fmu
 from products.train.foreign import consist_from
 from products.train.numbers import Settings
 from rbd_model.track.line import read_line
-from rbd_model.train.coupler import COUPLERS
 
 
 def build_train(
@@ -55,15 +55,15 @@ def build_train(
 
 
 def build_coupler(out: Path, kinds: Sequence[str], coupler: str = "screw", all_platforms: bool = False) -> list[str]:
-    """Write OUT/KIND/Coupler.fmu of a built-in coupler; return the problems found by fmpy.
+    """Write OUT/KIND/Coupler.fmu of a coupler, by `coupler_named`; return the problems found by fmpy.
 
-    Raises OSError, CompilerError.
+    Raises ValueError, OSError, CompilerError.
     """
-    problems = []
+    problems, one = [], coupler_named(coupler)
     for kind in kinds:
         begin, path = time.perf_counter(), out / kind / f"{COUPLER}.fmu"
         files = {"documentation/licenses/license.txt": license_text()}
         version = 2 if kind == "native" else 3
-        build_coupler_fmu(COUPLERS[coupler](), path, version, all_platforms=all_platforms, extras=files)
+        build_coupler_fmu(one, path, version, all_platforms=all_platforms, extras=files)
         problems += announce(path, time.perf_counter() - begin)
     return problems

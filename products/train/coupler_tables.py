@@ -17,6 +17,7 @@ from fmu_src.suggestion import suggestion
 from products.train.columns import LONGEST_NAME, NUMBERS, number_with_unit
 from rbd_model.train.coupler import COUPLERS, Coupler, Curve
 from readers.text import quoted, shown
+from readers.toml_files import toml_of
 
 #: Devices: senses in which they act, devices in series and side by side in a coupling.
 DEVICES: dict[str, tuple[tuple[str, ...], float, float]] = {
@@ -26,6 +27,7 @@ DEVICES: dict[str, tuple[tuple[str, ...], float, float]] = {
     "tension": (("tension",), 1.0, 1.0),
     "compression": (("compression",), 1.0, 1.0),
 }
+TOML = ".toml"
 SENSES = ("tension", "compression")
 #: Most points of a table, and its limits: travel [mm], force [kN].
 MOST_POINTS, FARTHEST, STRONGEST = 16, 1000.0, 20e3
@@ -63,6 +65,32 @@ def couplers_of(tables: Any, source: str) -> dict[str, Coupler]:
             raise ValueError(f"{source}, coupler {number}: {error}") from None
         found[one.name] = one
     return found
+
+
+def coupler_named(text: str) -> Coupler:
+    """Return a built-in coupler by its name, or one of a file, as "FILE.toml" or "FILE.toml:NAME".
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    ValueError
+        If the text is neither, or the file has no such coupler.
+    """
+    if text in COUPLERS:
+        return COUPLERS[text]()
+    file, ending, name = text.partition(f"{TOML}:")
+    path = f"{file}{TOML}" if ending else text
+    if not path.lower().endswith(TOML):
+        raise ValueError(
+            f"coupler must be one of {', '.join(COUPLERS)}, or FILE.toml:NAME; got {shown(text)}. Choose one."
+        )
+    found = couplers_of(toml_of(path).get("coupler", []), path)
+    able = [name] if name in found else list(found) if not name else []
+    if len(able) != 1:
+        names = ", ".join(found) or "none"
+        raise ValueError(f"{path} must have the coupler that is named, FILE.toml:NAME; got {names}. Name one of them.")
+    return found[able[0]]
 
 
 def coupler_of(table: Any) -> Coupler:

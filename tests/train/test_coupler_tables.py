@@ -12,9 +12,9 @@ import pytest
 
 from products.train.consist_file import read_consist
 from products.train.consist_writer import write_consist
-from products.train.coupler_tables import coupler_of
+from products.train.coupler_tables import coupler_named, coupler_of
 from products.train.summary import couplings_of
-from rbd_model.train.coupler import Coupler, coupling, draft_gear, screw_coupler
+from rbd_model.train.coupler import COUPLERS, Coupler, coupling, draft_gear, screw_coupler
 from rbd_model.train.impact import impact
 from tests.train.chains import MASS
 from tests.train.test_couplers import CLOSED, collide
@@ -170,6 +170,20 @@ def test_a_bad_table_is_refused_by_its_names(name: str, tmp_path: Path) -> None:
         read_consist(path)
     assert str(caught.value).startswith(f"{path}, coupler 1: ")
     assert "\n" not in str(caught.value)
+
+
+def test_a_coupler_is_found_by_its_name_in_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(toml([BUFFERS, GEAR], "buffers"))
+    assert coupler_named("rigid") == COUPLERS["rigid"]()
+    assert coupler_named(f"{path}:gear") == coupler_of(GEAR)
+    for text in (str(path), f"{path}:rubber"):
+        with pytest.raises(ValueError, match=r"a\.toml must have the coupler that is named, .* got buffers, gear\."):
+            coupler_named(text)
+    with pytest.raises(
+        ValueError, match=r"coupler must be one of screw, draft-gear, rigid, or FILE\.toml:NAME; got bar"
+    ):
+        coupler_named("bar")
 
 
 def test_a_table_without_an_effect_is_refused(tmp_path: Path) -> None:
