@@ -10,6 +10,7 @@ from products.supervision import (
     BASELINES,
     BRAKE_POSITIONS,
     Arcs,
+    BrakeUnits,
     Curves,
     FixedValues,
     Gradients,
@@ -18,7 +19,9 @@ from products.supervision import (
     SupervisedTrain,
     brake_of_percentage,
     braking_arcs,
+    dry_factors,
     release_speed,
+    rounded_down,
     supervise,
 )
 
@@ -26,6 +29,7 @@ __all__ = [
     "BASELINES",
     "BRAKE_POSITIONS",
     "Arcs",
+    "BrakeUnits",
     "Curves",
     "FixedValues",
     "Gradients",
@@ -34,6 +38,8 @@ __all__ = [
     "SupervisedTrain",
     "brake_of_percentage",
     "braking_arcs",
+    "dry_factors",
     "release_speed",
+    "rounded_down",
     "supervise",
 ]

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from products.supervision import Gradients, Steps, SupervisedTrain
+from products.supervision import BrakeUnits, Gradients, Steps, SupervisedTrain
 from products.supervision.of_run import BrakeOfRun, brake_of_run
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist
+from products.train.summary import brake_force
 from products.train.train import Train
 from rbd_model.track.line import Line
 from readers.text import BadInputError
@@ -174,6 +176,30 @@ def gradients_of(line: Line) -> Gradients:
     starts = places[: lower.size]
     changes = np.append(True, np.diff(lower) != 0.0)
     return Gradients(starts[changes], lower[changes])
+
+
+def brake_units(consist: Consist, speed: float, failure: float, spread: float) -> list[BrakeUnits]:
+    """Return the braked vehicles of a train as units that fail independently, equal ones in one group.
+
+    Parameters
+    ----------
+    consist : Consist
+        The train.
+    speed : float
+        Speed at which forces of different vehicles are compared [m/s].
+    failure : float
+        Probability that the brake of a vehicle does not act.
+    spread : float
+        Standard deviation of the force of a vehicle over its nominal force.
+
+    Returns
+    -------
+    list of BrakeUnits
+        The groups; empty for a train without brakes.
+    """
+    forces = [round(brake_force(one, speed), 3) for one in consist.vehicles]
+    groups = Counter(force for force in forces if force > 0.0)
+    return [BrakeUnits(count, force, failure, spread) for force, count in groups.items()]
 
 
 def with_factors(train: SupervisedTrain, dry: float, wet: float) -> SupervisedTrain:

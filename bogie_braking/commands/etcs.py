@@ -4,6 +4,8 @@
   bogie-braking etcs train.toml --target 2000 --line line.csv --speed 140km/h
   bogie-braking etcs train.toml --target 2000 --target-speed 40km/h  a lower speed instead of a stop
   bogie-braking etcs train.toml --target 2000 --dry 0.85 --wet 0.9   with the factors of its confidence level
+  bogie-braking etcs train.toml --target 2000 --failure 0.1% --spread 5% --common 3% --level 9
+                                                                     and with Kdry_rst of these failures and spreads
   bogie-braking etcs train.toml --target 2000 --position "passenger P"
                                                                      by its brake percentage, not its decelerations
   bogie-braking etcs train.toml --target 2000 --json | jq .train     for a program
@@ -19,12 +21,13 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from bogie_braking.commands.shared import add_out, add_speech, describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
-from readers.command_line import check_folder, quantity
+from readers.command_line import check_folder, quantity, whole
 from readers.storage import write_whole, writing
 from readers.text import BadInputError
 
@@ -32,6 +35,12 @@ from readers.text import BadInputError
 IN_TABLE, IN_CURVES, LARGEST = 8, 160, 120.0 / 3.6
 LIMITS = ("I", "P", "W", "SBI", "EBI", "EBD")
 BASELINES, POSITIONS = ("3.3.0", "4.0.0"), ("passenger P", "freight P", "freight G")
+
+
+def share(name: str) -> Callable[[str], float]:
+    """Return the reader of a share in percent, 0 to 50 %, whose result is a number from 0 to 0.5."""
+    read = quantity(name, "%", 0.0, 50.0)
+    return lambda text: read(text) / 100.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,6 +65,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, words in (("--dry", "Kdry_rst"), ("--wet", "Kwet_rst")):
         factor = quantity(name, "1", 0.05, 1.55)
         parser.add_argument(name, type=factor, metavar="FACTOR", default=1.0, help=f"{words} (default: 1, no margin)")
+    text = "probability that the brake of a vehicle does not act, in percent, as 0.1%% or 0.1 (default: 0)"
+    parser.add_argument("--failure", type=share("--failure"), metavar="SHARE", default=0.0, help=text)
+    text = "standard deviation of a vehicle's brake force over its nominal force (default: 0)"
+    parser.add_argument("--spread", type=share("--spread"), metavar="SHARE", default=0.0, help=text)
+    text = "standard deviation that all vehicles share, of friction for example (default: 0)"
+    parser.add_argument("--common", type=share("--common"), metavar="SHARE", default=0.0, help=text)
+    text = "confidence level of Kdry_rst, 0 to 9 (default: 9, a weaker brake once in 1e9)"
+    parser.add_argument("--level", type=whole("--level", 0, 9), metavar="LEVEL", default=9, help=text)
     text = "take the conversion model of the train's brake percentage, in this brake position"
     parser.add_argument("--position", choices=POSITIONS, help=text)
     parser.add_argument("--baseline", choices=BASELINES, default=BASELINES[0], help="default: %(default)s")
@@ -97,7 +114,7 @@ def _compute(chosen: argparse.Namespace) -> dict[str, Any]:
     except ValueError as error:
         raise BadInputError(str(error)) from error
     largest, target = chosen.speed / 3.6, chosen.target_speed / 3.6
-    train, runs = _train_data(chosen, consist, largest)
+    train, runs, factors = _train_data(chosen, consist, largest)
     set_up: dict[str, Any] = {
         "kind": "LOA" if target else "EOA",
         "target_speed": target,
@@ -117,6 +134,7 @@ def _compute(chosen: argparse.Namespace) -> dict[str, Any]:
         "consist": consist,
         "train": train,
         "runs": runs,
+        "factors": factors,
         "few": limits,
         "many": supervise(train, chosen.target, many, **set_up),
         "stops": stops,
@@ -125,21 +143,44 @@ def _compute(chosen: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _train_data(chosen: argparse.Namespace, consist: Any, largest: float) -> tuple[Any, Any]:
-    """Return train data by the brake percentage, or by own stops, which are returned too."""
+def _train_data(chosen: argparse.Namespace, consist: Any, largest: float) -> tuple[Any, Any, Any]:
+    """Return train data by the brake percentage, or by own stops, which are returned too, with Kdry_rst."""
     from bogie_braking.supervised import supervised_train, with_factors
     from products.supervision import SupervisedTrain
 
     if chosen.position is not None:
-        if (chosen.dry, chosen.wet) != (1.0, 1.0):
-            raise BadInputError("--dry and --wet are factors of decelerations; leave them out with --position.")
+        if (chosen.dry, chosen.wet, chosen.failure, chosen.spread, chosen.common) != (1.0, 1.0, 0.0, 0.0, 0.0):
+            raise BadInputError("Factors act on decelerations, not on percentages. Leave them out with --position.")
         percentage = min(consist.percentage, 250.0)
         train = SupervisedTrain.of_percentage(
             percentage, chosen.position, consist.length, service_command=chosen.service
         )
-        return train, None
+        return train, None, None
     runs = supervised_train(consist, largest, service_command=chosen.service)
-    return with_factors(runs.train, chosen.dry, chosen.wet), runs
+    factors = _factors(chosen, consist, largest)
+    dry = chosen.dry if factors is None else factors[chosen.level]
+    return with_factors(runs.train, dry, chosen.wet), runs, factors
+
+
+def _factors(chosen: argparse.Namespace, consist: Any, largest: float) -> Any:
+    """Return Kdry_rst of all levels by failures and spreads, rounded down; None without any."""
+    from bogie_braking.supervised import brake_units
+    from products.supervision import dry_factors, rounded_down
+
+    if not (chosen.failure or chosen.spread or chosen.common):
+        return None
+    if chosen.dry != 1.0:
+        raise BadInputError(
+            "--dry states Kdry_rst, which follows from --failure, --spread and --common. Leave one out."
+        )
+    units = brake_units(consist, largest / 2.0, chosen.failure, chosen.spread)
+    factors = rounded_down(dry_factors(units, chosen.common))
+    if not factors[chosen.level]:
+        raise BadInputError(
+            f"At level {chosen.level} no brake force is left: Kdry_rst is 0 with these failures and spreads. "
+            "Give a lower --level or smaller numbers."
+        )
+    return factors
 
 
 def _write(chosen: argparse.Namespace, found: dict[str, Any]) -> tuple[Path, Path]:
@@ -178,6 +219,7 @@ def _document(found: dict[str, Any]) -> dict[str, Any]:
             "T_brake_emergency_s": float(train.T_brake_emergency),
             "T_brake_service_s": float(train.T_brake_service),
             "brake_percentage": found["consist"].percentage,
+            "Kdry_rst": None if found["factors"] is None else found["factors"].tolist(),
         },
         "V_est_kmh": (3.6 * few.V_est).tolist(),
         "limits_m": {name: getattr(few, name).tolist() for name in LIMITS},
@@ -198,6 +240,9 @@ def _text(chosen: argparse.Namespace, found: dict[str, Any]) -> list[str]:
     ]
     if runs is not None:
         lines.append(f"Steps add {100 * runs.emergency.loss:.1f} % to the braking distance of the run.")
+    if found["factors"] is not None:
+        each = " ".join(f"{factor:.2f}" for factor in found["factors"])
+        lines.append(f"Kdry_rst of levels 0 to 9, rounded down: {each}; in use: level {chosen.level}")
     names = [*LIMITS, *(["own stop"] if found["stops"] else [])]
     lines += ["", f"Distance before {found['ends']:g} m [m]", "V_est [km/h]" + "".join(f"{name:>10}" for name in names)]
     for n, speed in enumerate(few.V_est):

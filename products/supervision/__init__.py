@@ -9,6 +9,7 @@ from products.supervision.conversion import BRAKE_POSITIONS, brake_of_percentage
 from products.supervision.curves import Curves, supervise
 from products.supervision.gradients import Gradients
 from products.supervision.release import release_speed
+from products.supervision.safety import BrakeUnits, dry_factors, rounded_down
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain
 from products.supervision.values import BASELINES, FixedValues, NationalValues
@@ -17,6 +18,7 @@ __all__ = [
     "BASELINES",
     "BRAKE_POSITIONS",
     "Arcs",
+    "BrakeUnits",
     "Curves",
     "FixedValues",
     "Gradients",
@@ -25,6 +27,8 @@ __all__ = [
     "SupervisedTrain",
     "brake_of_percentage",
     "braking_arcs",
+    "dry_factors",
     "release_speed",
+    "rounded_down",
     "supervise",
 ]
