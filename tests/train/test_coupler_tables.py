@@ -17,7 +17,7 @@ from products.train.summary import couplings_of
 from rbd_model.train.coupler import COUPLERS, Coupler, coupling, draft_gear, screw_coupler
 from rbd_model.train.impact import impact
 from tests.train.chains import MASS
-from tests.train.test_couplers import CLOSED, collide
+from tests.train.test_couplers import CLOSED, ROUNDING, collide, works_of_cycles
 
 #: The buffers and draw gear of the built-in screw coupler, of one buffer and of one vehicle's draw gear.
 BUFFERS: dict[str, Any] = {
@@ -86,6 +86,13 @@ def test_areas_of_an_impact_are_those_of_its_course(one: Coupler, sense: str) ->
         forces.append(force)
     assert np.trapezoid(forces[:1001], up) == pytest.approx(due.taken, rel=2e-3)
     assert -np.trapezoid(forces[1001:], up[::-1]) == pytest.approx(due.returned, rel=2e-3)
+
+
+@pytest.mark.parametrize("table", [BUFFERS | {"slack": 15, "buffer_stroke": 130}, GEAR | {"slack": 10}])
+def test_a_closed_cycle_of_a_table_never_gives_energy(table: dict[str, Any]) -> None:
+    work = works_of_cycles(coupler_of(table))
+    assert np.all(work > -ROUNDING)
+    assert work.max() > 1e3 * ROUNDING
 
 
 def test_slack_shifts_the_draw_gear_and_buffers_touch() -> None:
