@@ -250,13 +250,10 @@ def rare(
         path = file_of(line, folder)
 
         def make(given: dict[str, Numbers]) -> list[Ends]:
-            if executor is None:
-                return [run_batch(library, {**values, **given}, duration, names, threads, path)]
-            work = partial(one_task, what, duration, names, line, values)
-            tasks = dict(enumerate(tasks_of(given)))
-            made = dict(outcomes_from(executor, work, tasks, len(tasks)))
-            return [made[number].result() for number in tasks]
+            return [run_batch(library, {**values, **given}, duration, names, threads, path)]
 
+        if executor is not None:
+            make = partial(made_by, executor, partial(one_task, what, duration, names, line, values))
         runs = Runs(distributions, make, output, limit)
         idle, probed = runs.without_effect(seed)
         populations, climbed = climb(runs, len(distributions), limit, particles, moves, seed)
@@ -355,6 +352,15 @@ def tasks_of(given: Mapping[str, Numbers]) -> list[dict[str, Numbers]]:
     count = len(next(iter(given.values())))
     parts = np.array_split(np.arange(count), max(1, count // PAYS_FROM))
     return [{name: value[part] for name, value in given.items()} for part in parts]
+
+
+def made_by(
+    executor: Executor, work: Callable[[Mapping[str, Numbers]], Ends], given: Mapping[str, Numbers]
+) -> list[Ends]:
+    """Return the ends of runs that an executor makes in tasks, in their order."""
+    tasks = dict(enumerate(tasks_of(given)))
+    made = dict(outcomes_from(executor, work, tasks, len(tasks)))
+    return [made[number].result() for number in tasks]
 
 
 def one_task(

@@ -197,13 +197,16 @@ def sweep(
     )
     if folder is None:
         found = outcomes_of(study, run_points)
-        outcomes = [found[number] for number in range(len(rows))]
-    else:
-        outcomes, _ = kept_outcomes_of(study, nullcontext(run_points), Path(folder))
-    ends = [[(one.results or {}).get(name) for name in names] for one in outcomes]
-    table = [[number, *row.values(), *end] for number, (row, end) in enumerate(zip(rows, ends, strict=True))]
+        return table_of(study, [found[number] for number in range(len(rows))])
+    return table_of(study, kept_outcomes_of(study, nullcontext(run_points), Path(folder))[0])
+
+
+def table_of(study: Study, outcomes: Sequence[Outcome]) -> Recording:
+    """Return the table of a sweep: number, varied values and results of each row, and the messages."""
+    ends = [[(one.results or {}).get(name) for name in study.results] for one in outcomes]
+    rows = [[number, *row.values(), *end] for number, (row, end) in enumerate(zip(study.points, ends, strict=True))]
     messages = [one.message if one.failure is None else f"Row {row}: {one.failure}" for row, one in enumerate(outcomes)]
-    return Recording({"number": "1"} | varied | results, np.array(table, float), messages, {"runs": len(rows)})
+    return Recording({"number": "1"} | dict(study.units), np.array(rows, float), messages, {"runs": len(rows)})
 
 
 def head_of(
