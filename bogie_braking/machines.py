@@ -110,10 +110,10 @@ def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Run
         return _with_contact(what, dict(values))
     if what.fmu is None:
         return _with_contact(what.vehicle, dict(what.resistance) | dict(values))
-    if values.get("level", LEVEL) != LEVELS[-1]:
-        return _with_contact(what.fmu, what.planar_values | dict(values))
-    table = {} if what.profile_file is None else {"profile_file": str(what.profile_file)}
-    return _with_contact(what.fmu, what.values | table | dict(values))
+    level = values.get("level", LEVEL)
+    reads = level == LEVELS[-1] and what.profile_file is not None
+    table = {"profile_file": str(what.profile_file)} if reads else {}
+    return _with_contact(what.fmu, what.values_at(level) | table | dict(values))
 
 
 def _with_contact(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dict[str, Any]]:

@@ -137,7 +137,9 @@ def _finish(brake: Brake, pressure: ca.SX, spring_pressure: ca.SX, rubbing: Rubb
     return system
 
 
-def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:
+def timed_brake(
+    defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE, rubbing: Rubbing | None = None
+) -> System:
     """Return a brake whose pressure follows its demand with an application and a release time, section 2.4.2.
 
     Parameters
@@ -146,18 +148,21 @@ def timed_brake(defaults: BrakeParameters, table: FrictionTable = EXAMPLE_TABLE)
         Start values of its parameters.
     table : FrictionTable
         Table of the shoe friction law that reads one.
+    rubbing : Rubbing, optional
+        Friction pairs, by default shoes on treads with this table.
 
     Returns
     -------
     System
         The equations of one wheelset's brake.
     """
-    brake = _begin("timed", "Cylinder pressure by application and release time", defaults)
+    rubbing = rubbing or treads(table)
+    brake = _begin("timed", "Cylinder pressure by application and release time", defaults, rubbing.without)
     p = brake.parameter
     pressure = brake.system.state("cylinder_pressure", "Pa", 0.0, NOMINAL_PRESSURE)
     rate = pressure_rate(pressure, brake.target, brake.valve, p["application_time"], p["release_time"])
     brake.system.derivative(pressure, rate)
-    return _finish(brake, pressure, p["touch_pressure"], treads(table))
+    return _finish(brake, pressure, p["touch_pressure"], rubbing)
 
 
 def flow_brake(defaults: BrakeParameters, air: FlowParameters, table: FrictionTable = EXAMPLE_TABLE) -> System:

@@ -33,7 +33,7 @@ class DiscParameters(ParameterSet):
     pad_friction_over_speed: float = quantity("s/m", "Fall of friction with each m/s of sliding", 0.0)
     pad_friction_over_temperature: float = quantity("1/K", "Fall of friction with each K above the surroundings", 0.0)
     least_pad_friction: float = quantity("1", "Friction below which it does not fall", 0.0, 2.0)
-    disc_mass: float = quantity("kg", "Mass of all discs of the wheelset", 1e-3)
+    disc_mass: float = quantity("kg", "Mass of all discs of the wheelset", 1.0)
     disc_heat_capacity: float = quantity("J/(kg.K)", "Specific heat capacity of the discs", 1.0)
     disc_heat_share: float = quantity("1", "Share of the heat of braking that goes into the discs", 0.0, 1.0)
     disc_cooling_at_rest: float = quantity("W/K", "Heat lost for each K above the surroundings, standing", 0.0)

@@ -10,6 +10,8 @@ from fmu_src.system import ParameterSet, choice, quantity
 
 #: Fall of law 4 with sliding speed [s/m]. Assumed.
 FALLING_FRICTION_CONSTANT = 0.02
+#: Smallest pressure of a supply [Pa]: far below any, and above the numbers of pressures in bar and kPa.
+LEAST_SUPPLY = 1e3
 
 
 @dataclass(frozen=True)
@@ -18,7 +20,7 @@ class BrakeParameters(ParameterSet):
 
     application_time: float = quantity("s", "Time from 0 to 95 % of the demanded pressure", 1e-3)
     release_time: float = quantity("s", "Time from 100 % to 5 % of the pressure", 1e-3)
-    supply_pressure: float = quantity("Pa", "Largest pressure the regulator lets through", 0.0)
+    supply_pressure: float = quantity("Pa", "Largest pressure the regulator lets through", LEAST_SUPPLY)
     force_per_pressure: float = quantity(
         "N/Pa", "Normal force of all shoes of the bogie per pressure (pi/4 D^2 i_t)", 0.0
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from brake_controller.air import GAS_CONSTANT, effective_area, mass_flow
+from brake_controller.parameters import LEAST_SUPPLY
 from fmu_src.system import ParameterSet, System, Variable, quantity
 
 NOMINAL_PRESSURE, NOMINAL_MASS = 1e5, 1e-1
@@ -16,7 +17,9 @@ class ReservoirParameters(ParameterSet):
 
     reservoir_volume: float = quantity("m3", "Volume of the reservoir", 1e-4)
     initial_reservoir_pressure: float = quantity("Pa", "Pressure of the reservoir at the start", 0.0)
-    feed_pressure: float = quantity("Pa", "Pressure of the pipe that feeds the reservoir, through a check valve", 0.0)
+    feed_pressure: float = quantity(
+        "Pa", "Pressure of the pipe that feeds the reservoir, through a check valve", LEAST_SUPPLY
+    )
     feed_orifice: float = quantity("m", "Diameter of the restriction between pipe and reservoir; 0: it is cut off", 0.0)
 
 

@@ -18,12 +18,13 @@ from rbd_model.levels.models import (
 from rbd_model.track.line_table import LINE
 from rbd_model.vehicle.description import relations_of
 
-#: Kinds of brake by their numbers; and that of discs.
-TIMED, BY_FLOW, DISCS = 1, 2, 3
+#: Kinds of brake by their numbers.
+TIMED, BY_FLOW, DISCS, TIMED_DISCS = 1, 2, 3, 4
 BRAKES = {
     TIMED: "shoes on treads, cylinders by application and release time",
     BY_FLOW: "shoes on treads, cylinders by flow of air from a reservoir through magnet valves",
     DISCS: "pads on discs, cylinders by flow of air from a reservoir through magnet valves",
+    TIMED_DISCS: "pads on discs, cylinders by application and release time",
 }
 BRAKE = Variable("brake_kind", "parameter", start=float(TIMED), **choosing("Brake of each wheelset", BRAKES))
 #: Systems of the vehicle whose cylinders can also fill by flow of air: the planar ones. A 3D system would make the FMU
@@ -32,7 +33,7 @@ WITH_FLOW = places_of(level=2)
 #: Number of the system for each choice, as in CHOICE_ON_LINE, with `brake_kind` last. Systems with flow of air have
 #: numbers after EVERY.
 CHOICE = tuple(
-    place if brake == TIMED else len(EVERY) + WITH_FLOW.index(place) if place in WITH_FLOW else NONE
+    place if brake in (TIMED, TIMED_DISCS) else len(EVERY) + WITH_FLOW.index(place) if place in WITH_FLOW else NONE
     for place in CHOICE_ON_LINE
     for brake in BRAKES
 )
@@ -65,11 +66,11 @@ def braked_vehicle(places: Sequence[int] = PLACES) -> Model:
 
 def _system(place: int) -> System:
     """The system of this number in CHOICE."""
-    machine = coach()
+    machine, brake, disc = coach(), coach_brake(), axle_discs()
+    pads = of_pads(brake, disc) / brake.force_per_pressure
     if place in EVERY:
-        return composed(machine, system_at(machine.vehicle, place))
+        rubbing = treads_or_discs(BRAKE, TIMED_DISCS, pads, disc)
+        return composed(machine, system_at(machine.vehicle, place), rubbing)
     system = system_at(machine.vehicle, WITH_FLOW[place - len(EVERY)])
-    brake, disc = coach_brake(), axle_discs()
-    rubbing = treads_or_discs(BRAKE, DISCS, of_pads(brake, disc) / brake.force_per_pressure, disc)
-    whole = composed(replace(machine, by_flow=True), system, rubbing)
+    whole = composed(replace(machine, by_flow=True), system, treads_or_discs(BRAKE, DISCS, pads, disc))
     return replace(whole, name=f"{system.name}_by_flow")

@@ -171,8 +171,8 @@ def of_pads(brake: BrakeParameters, disc: DiscParameters) -> float:
 def composed(machine: Machine, system: System, rubbing: Rubbing | None = None) -> System:
     """Return the vehicle at one level of detail, with or without a line, composed with all its equipment.
 
-    All brakes begin with the parameters of `brake_of`. rubbing: friction pair of cylinders by flow of air, instead of
-    treads or discs.
+    All brakes begin with the parameters of `brake_of`. rubbing: friction pair of the cylinders, instead of treads or
+    discs.
     """
     vehicle = machine.vehicle
     if SANDERS in machine.equipment:
@@ -183,7 +183,7 @@ def composed(machine: Machine, system: System, rubbing: Rubbing | None = None) -
     if machine.by_flow:
         return _with_reservoir(system, machine, rubbing)
     brake = brake_of(vehicle, machine.full_torque)
-    return _on_each_wheelset(system, vehicle, lambda: timed_brake(brake), "brake_torque")
+    return _on_each_wheelset(system, vehicle, lambda: timed_brake(brake, rubbing=rubbing), "brake_torque")
 
 
 def _on_each_wheelset(system: System, vehicle: Vehicle, make: Callable[[], System], torque: str) -> System:

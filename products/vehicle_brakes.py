@@ -14,9 +14,8 @@ from brake_controller.brake_weight import FROM_120, force_of_percentage
 from brake_controller.discs import MEAN_PAD_FRICTION, DiscParameters, axle_discs
 from brake_controller.parameters import qr30
 from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI
-from brake_controller.timing import with_release_time
-from products.braked_vehicle import DISCS, TIMED
-from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, cylinder_air, of_pads
+from products.braked_vehicle import TIMED, TIMED_DISCS
+from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, of_pads
 from products.vehicle_entries import Entry, choice_of, number_of
 
 #: Friction laws of shoes by their names in a file.
@@ -106,12 +105,7 @@ def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, ra
     timed = {key: given.get(key, start) for key, start in _times().items()}
     values = rigging | timed | {"supply_pressure": pressure}
     if acts_on == "discs":
-        values = (
-            rigging
-            | {"supply_pressure": pressure}
-            | _on_discs(rigging, friction, arm, radius, turning_mass, axles, pressure, timed)
-        )
-        del values["touch_pressure"]
+        values |= _on_discs(rigging, friction, arm, radius, turning_mass / axles)
     else:
         values |= {"brake_kind": float(TIMED), "friction_law": float(law), "constant_shoe_friction": friction}
         values |= {"shoes": given["shoes"]} if "shoes" in given else {}
@@ -221,31 +215,19 @@ def friction_at_rest(mean: float, slower: float, mass: float, disc: DiscParamete
 
 
 def _on_discs(
-    rigging: Mapping[str, float],
-    friction: float,
-    arm: float,
-    radius: float,
-    mass: float,
-    axles: int,
-    pressure: float,
-    timed: Mapping[str, float],
+    rigging: Mapping[str, float], friction: float, arm: float, radius: float, mass: float
 ) -> dict[str, float]:
-    """Return the parameters of pads on discs, whose cylinders fill by flow of air.
+    """Return the parameters of pads on discs; mass: on one wheelset, with that of its rotation [kg].
 
     The FMU presses its pads by a fixed multiple of the shoes' force (`of_pads`).
     """
-    disc = axle_discs()
-    shoes = coach_brake()
+    disc, shoes = axle_discs(), coach_brake()
     multiple = of_pads(shoes, disc) / shoes.force_per_pressure
-    air = with_release_time(cylinder_air(pressure, timed["application_time"]), pressure, timed["release_time"])
-    orifices = ("application_orifice", "release_orifice", "vent_orifice")
     return {
-        "brake_kind": float(DISCS),
+        "brake_kind": float(TIMED_DISCS),
         "force_per_pressure": rigging["force_per_pressure"] / multiple,
         "friction_radius": arm,
-        "pad_friction_at_rest": friction_at_rest(friction, arm / radius, mass / axles, disc),
-        "spring_preload": rigging["touch_pressure"] * air.piston_area,
-        **{name: getattr(air, name) for name in orifices},
+        "pad_friction_at_rest": friction_at_rest(friction, arm / radius, mass, disc),
     }
 
 

@@ -10,7 +10,9 @@ from typing import Any
 from fmu_src.suggestion import suggestion
 from rbd_model.vehicle.description import LARGEST_RADIUS, LONGEST_VEHICLE, SMALLEST_RADIUS
 from rbd_model.vehicle.parameters import (
-    POSITIVE,
+    LEAST_BODY,
+    LEAST_FRAME,
+    LEAST_WHEELSET,
     BogieParameters,
     coach_with_traction_rods,
     coal_wagon,
@@ -49,11 +51,11 @@ class Entry:
 HEAVIEST = 1e6
 ENTRIES: Mapping[str, Entry] = {
     "axles": Entry("1", 2, 6, "number of wheelsets: 2, 4 or 6"),
-    "tare": Entry("kg", 1.0, HEAVIEST, "mass of the empty vehicle on the rails"),
+    "tare": Entry("kg", LEAST_BODY, HEAVIEST, "mass of the empty vehicle on the rails"),
     "load": Entry("kg", 0.0, HEAVIEST, "load in or on the body"),
-    "bogie_frame_mass": Entry("kg", POSITIVE, HEAVIEST, "one bogie without its wheelsets", "frame_mass"),
-    "wheelset_mass": Entry("kg", POSITIVE, HEAVIEST, "one wheelset", "wheelset_mass"),
-    "rotating_mass": Entry("kg", POSITIVE, HEAVIEST, "equivalent mass of all rotating parts at the rims"),
+    "bogie_frame_mass": Entry("kg", LEAST_FRAME, HEAVIEST, "one bogie without its wheelsets", "frame_mass"),
+    "wheelset_mass": Entry("kg", LEAST_WHEELSET, HEAVIEST, "one wheelset", "wheelset_mass"),
+    "rotating_mass": Entry("kg", LEAST_WHEELSET, HEAVIEST, "equivalent mass of all rotating parts at the rims"),
     "wheel_diameter": Entry("m", 2 * SMALLEST_RADIUS, 2 * LARGEST_RADIUS, "at the tread", "wheel_radius"),
     "length": Entry("m", 1.0, LONGEST_VEHICLE, "over the couplers", "coupler_distance"),
     "pivot_distance": Entry("m", 0.5, LONGEST_VEHICLE, "between the middles of both bogies", "pivot_distance"),
@@ -113,7 +115,8 @@ def number_of(entry: Entry, value: Any, name: str) -> float:
     if found is None:
         those = different_units(entry.unit)[:5]
         raise ValueError(limits + ("" if entry.unit == "1" else f" Write a number with a unit of {', '.join(those)}."))
-    raise ValueError(limits + (likely_unit(found, entry.unit, entry.least, entry.most) if value == found else ""))
+    bare = not isinstance(value, str) or not value.strip()[-1:].isalpha()
+    raise ValueError(limits + (likely_unit(found, entry.unit, entry.least, entry.most) if bare else ""))
 
 
 def _limits(entry: Entry) -> str:

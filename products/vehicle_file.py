@@ -42,10 +42,24 @@ SETTINGS = frozenset(
         *("shear_modulus", "contact_damping", "gravity"),
     }
 )
-#: Parameters of a set that the planar level does not use.
-ONLY_IN_SPACE = frozenset(
-    f"{part}_{axis}_inertia" for part in ("body", "frame", "wheelset") for axis in ("roll", "yaw")
+#: Parameters of a set with an effect at level 1, and the further ones at level 2; at level 3 all have one.
+AT_POINT = frozenset(
+    {
+        *("body_mass", "frame_mass", "wheelset_mass", "wheelset_pitch_inertia", "wheel_radius", "wheel_base"),
+        *("pivot_distance", "rolling_resistance_torque", "creepage_speed", "gravity", "shear_modulus"),
+        *("rail_head_radius", "wheel_profile_curvature"),
+    }
 )
+IN_PLANE = frozenset(
+    {
+        *("body_height", "body_pitch_inertia", "frame_height", "frame_pitch_inertia", "coupler_distance"),
+        *("coupler_height", "longitudinal_stiffness", "longitudinal_damping", "vertical_stiffness", "vertical_damping"),
+        *("secondary_height", "secondary_half_spacing", "secondary_bending_stiffness", "torque_reaction"),
+        *("secondary_longitudinal_stiffness", "secondary_longitudinal_damping", "secondary_vertical_stiffness"),
+        *("secondary_vertical_damping", "traction_rod_stiffness", "traction_rod_damping"),
+    }
+)
+WITH_EFFECT = {1: AT_POINT, 2: AT_POINT | IN_PLANE}
 #: Longest name of a vehicle.
 LONGEST_NAME = 60
 #: Tables of a file beside the entries at its top.
@@ -94,10 +108,11 @@ class DataSheet:
         brake = self.brake.values if self.brake and self.fmu == BRAKED_FMU else {}
         return self.parameters.values() | dict(self.resistance) | dict(brake)
 
-    @property
-    def planar_values(self) -> dict[str, float]:
-        """Those of the values that the equations of level 2 use [SI]."""
-        return {name: value for name, value in self.values.items() if name not in ONLY_IN_SPACE}
+    def values_at(self, level: object) -> dict[str, float]:
+        """Return those of the values that have an effect at a level [SI]."""
+        own = self.parameters.values()
+        used = next((names for one, names in WITH_EFFECT.items() if one == level), None)
+        return {name: one for name, one in self.values.items() if used is None or name in used or name not in own}
 
     @property
     def vehicle(self) -> Vehicle:

@@ -212,6 +212,10 @@ USUAL = {
 }
 
 
+#: Pressure below which a demand above 0 is a number in bar or kPa [Pa], as in fmu_src/runtime/variables.c.
+LEAST_PRESSURE = 1e3
+
+
 def likely_unit(value: float, unit: str, least: float, most: float) -> str:
     """Return the end of a message about a number outside its limits: the usual unit in which it is inside.
 

@@ -95,6 +95,21 @@ def test_it_runs_on_a_line(brake: int) -> None:
     assert slowing["level"] - slowing["down"] == pytest.approx(slope / rotating, rel=0.02)
 
 
+def test_demands_in_bar_are_noticed() -> None:
+    demands = {f"pressure_demand_{n}": 3.8 for n in coach().numbers}
+    stop = bb.run("braked-vehicle", 1.0, None, ["speed"], 1.0, **demands)
+    said = "pressure_demand_1 is 3.8 Pa at the start, which is almost 0. Did you mean 3.8 bar = 3.8e+05 Pa?"
+    assert said in stop.messages
+    with pytest.raises(
+        SimulationError, match=r"pressure_demand_1 must be 0 or reach 1000 Pa; got at most 3.8 Pa. Did you"
+    ):
+        bb.run("braked-vehicle", 1.0, pressure_demand_1=([0.0, 1.0], [0.0, 3.8]))
+    with pytest.raises(SimulationError, match=r"supply_pressure must be at least 1000 Pa.*Did you mean 3\.8 bar"):
+        bb.run("braked-vehicle", 1.0, supply_pressure=3.8)
+    with pytest.raises(SimulationError, match=r"body_mass must be at least 100 kg.*Did you mean 32 t = 3.2e.04 kg"):
+        bb.run("braked-vehicle", 1.0, body_mass=32.0)
+
+
 def test_what_there_is_not_is_refused_with_what_there_is() -> None:
     with pytest.raises(
         SimulationError, match=r"no system for level 1, contact_model 2, brake_kind 2.*Set level to 2.*brake_kind to 1"

@@ -17,8 +17,10 @@ from bogie_braking.machines import unfolded
 from bogie_braking.vehicle_files.check import RAILS, SPEEDS, Check, axle_loads
 from bogie_braking.vehicle_files.page import write_page
 from fmu_src.archive import contents_of
+from fmu_src.effects import without_effect
+from products.registry import FMUS
 from products.vehicle_entries import LIKE
-from products.vehicle_file import sheet_of
+from products.vehicle_file import WITH_EFFECT, sheet_of
 from products.vehicle_toml import EXAMPLES, built_in_sheet, names_of_examples, write_vehicle
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.contact.pair_file import write_pair
@@ -158,6 +160,30 @@ def test_a_stop_with_discs_has_the_distance_of_the_stated_deceleration() -> None
     assert stop["distance"][-1] == pytest.approx(speed**2 / 2.2 + speed * 0.1 / math.log(20.0), rel=2e-3)
 
 
+def test_values_without_effect_at_a_level_are_those_of_its_equations() -> None:
+    for name in ("bogie", "vehicle"):
+        model = FMUS[name].model(places=(0, 1))
+        for level, system in enumerate(model.systems, 1):
+            used = set(system.parameter_symbols) - set(without_effect(model, system))
+            own = LIKE["coach" if name == "vehicle" else name][1]().values()
+            assert used & own.keys() == WITH_EFFECT[level] & own.keys()
+
+
+@pytest.mark.parametrize("level", [1, 3])
+def test_discs_brake_alike_at_every_level(level: int) -> None:
+    """On a dry rail the distance depends on the torque alone; no value of the file is without effect."""
+    sheet = sheet_of(SHEET | {"brake": BRAKE | {"acts_on": "discs"}})
+    assert sheet.brake is not None
+    demands = {f"pressure_demand_{number}": sheet.brake.full_pressure for number in range(1, 5)}
+    names = ["distance", "disc_temperature_1"]
+    stops = [
+        bb.run(sheet, 60.0, None, names, 60.0, level=one, initial_speed=120 / 3.6, **demands) for one in (level, 2)
+    ]
+    assert stops[0]["distance"][-1] == pytest.approx(stops[1]["distance"][-1], rel=1e-5)
+    assert stops[0]["disc_temperature_1"][-1] == pytest.approx(stops[1]["disc_temperature_1"][-1], abs=0.01)
+    assert not any("has no effect" in one for one in stops[0].messages)
+
+
 def test_six_axles_lie_in_threes_and_carry_the_weight() -> None:
     sheet = sheet_of({"tare": "120 t", "axles": 6, "wheel_base": "1.8 m", "pivot_distance": "11 m", "length": "20 m"})
     assert sheet.fmu is None
@@ -187,15 +213,23 @@ def test_profiles_of_a_file_reach_runs_at_level_3_and_the_fmu(tmp_path: Path) ->
     assert f'<ssv:String value="{tmp_path / "pair.csv"}"' in (tmp_path / "wagon.ssv").read_text(encoding="utf-8")
     contents = contents_of(bb.write_fmu(sheet, tmp_path / "wagon.fmu"))
     assert contents["resources/pair.csv"] == (tmp_path / "pair.csv").read_bytes()
+    messages = []
+    for more in ({}, {"frame_roll_inertia": sheet.values["frame_roll_inertia"]}, {"frame_roll_inertia": 5e4}):
+        with bb.FmuInstance(tmp_path / "wagon.fmu", **more) as fmu:
+            fmu.start()
+            messages.append(fmu.messages)
+    assert messages[:2] == [[], []]
+    assert messages[2][0].startswith('Nothing in the system "planar" depends on frame_roll_inertia, so that setting')
     (tmp_path / "pair.csv").write_text("y,z\n0,0\n")
     with pytest.raises(FileError, match="profile_file must be a contact table"):
         bb.read_vehicle(tmp_path / "wagon.toml")
 
 
 REFUSED = [
-    ({"tare": "44"}, "tare and load must be above"),
-    ({"tare": "44 m"}, "tare must be from 1 to 1e+06 kg; got 44 m"),
-    ({"tare": 10}, "Give wheelset_mass and bogie_frame_mass too"),
+    ({"tare": "44"}, "tare must be from 100 to 1e+06 kg; got 44. Did you mean 44 t"),
+    ({"tare": "3 t"}, "tare and load must be above"),
+    ({"tare": "44 m"}, "tare must be from 100 to 1e+06 kg; got 44 m"),
+    ({"tare": 5e3}, "Give wheelset_mass and bogie_frame_mass too"),
     ({"tara": "44 t"}, "'tara' is not a known entry. Did you mean tare?"),
     ({"like": "tram"}, "like must be one of coach, coal-wagon, bogie; got tram"),
     ({"axles": 5}, "axles must be 2, 4 or 6; got 5"),
@@ -213,14 +247,14 @@ REFUSED = [
     ({"parameters": {"body_mass": "30 t"}}, "[parameters] body_mass must be left out beside tare"),
     ({"parameters": {"wheel_base": "3 m"}, "wheel_base": "2 m"}, "[parameters] wheel_base must be stated once"),
     ({"parameters": {"body_mas": 1}}, "[parameters] 'body_mas' is not a known entry. Did you mean body_mass?"),
-    ({"tare": 38, "load": 6}, "got 44 kg. Did you mean 44 t"),
+    ({"tare": 38, "load": 6}, "got 38. Did you mean 38 t"),
     ({"wheel_diameter": "0,92 m"}, "Write a decimal point instead of the comma"),
     ({"length": "18 m", "pivot_distance": "19 m"}, "length must be at least the pivot_distance of 19 m; got 18 m"),
     ({"profile_file": 7}, "profile_file must be the path of a contact table; got 7"),
     ({"name": 7}, "name must be a printable text of at most 60 characters; got 7"),
     ({"name": "a\nb"}, "name must be a printable text"),
     ({"like": ["coach"]}, "like must be one of coach, coal-wagon, bogie; got"),
-    ({"tare": True}, "tare must be from 1 to 1e+06 kg; got true"),
+    ({"tare": True}, "tare must be from 100 to 1e+06 kg; got true"),
     ({"brake": BRAKE | {"friction_law": {}}}, "[brake] friction_law must be one of"),
     ({"brake": BRAKE | {"shoes": 2.5}}, "[brake] shoes must be an integer from 1 to 16; got 2.5. Round it."),
     ({"parameters": {"flange_at_rail": 0.5}}, "[parameters] flange_at_rail must be an integer from 0 to 1; got 0.5"),
@@ -270,6 +304,7 @@ def test_the_page_opens_with_a_distance_and_the_number_of_assumed_values(tmp_pat
     write_page(Check(sheet, axle_loads(sheet), None, None, distances), path, b"")
     shown = path.read_text(encoding="utf-8")
     lead = shown[: shown.index("<img")]
+    assert "<p>For the author of the vehicle file, before its FMU is used or handed on. Simulated" in lead
     assert "44.0 t on 4 axles" in lead
     assert "it stops in 108 m from 120 km/h on dry rails" in lead
     assert f"{len(sheet.assumed)} values are assumed" in lead

@@ -75,7 +75,7 @@ def _runnable(sheet: DataSheet) -> tuple[Runnable, dict[str, Any]]:
     """Return what `run` takes for a sheet at level 2, and its values."""
     if sheet.fmu is None:
         return sheet.vehicle, {"level": 2, **sheet.resistance}
-    return sheet.fmu, {"level": 2, **sheet.planar_values}
+    return sheet.fmu, {"level": 2, **sheet.values_at(2)}
 
 
 def axle_loads(sheet: DataSheet) -> tuple[float, ...]:

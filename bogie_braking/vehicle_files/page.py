@@ -63,9 +63,10 @@ def grouped(check: Check) -> list[tuple[str, str]]:
 
 
 def lead_of(check: Check) -> str:
-    """Return the first sentences of the page: mass, a stop, what to compare, the number of assumed values."""
+    """Return the first sentences of the page: readers, mass, a stop, what to compare, number of assumed values."""
     sheet = check.sheet
-    said = [f"Simulated from a vehicle file: {sheet.mass / 1e3:.1f} t on {sheet.axles} axles."]
+    said = ["For the author of the vehicle file, before its FMU is used or handed on."]
+    said.append(f"Simulated from the file: {sheet.mass / 1e3:.1f} t on {sheet.axles} axles.")
     if check.distances is not None:
         metres = float(check.distances[SPEEDS.index(LEAD_SPEED), list(RAILS).index("dry")])
         stop = "does not stop" if math.isnan(metres) else f"stops in {metres:.0f} m"

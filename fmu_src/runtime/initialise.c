@@ -94,10 +94,11 @@ static kernel_status check_records(kernel *self, const system_description *syste
         return kernel_fail(self, KERNEL_ERROR, "This computer's addresses of memory are too large for a %s.",
                            MODEL.record_file->noun);
     if (!self->records || system->records) return KERNEL_OK;
-    const char *name = MODEL.variable[MODEL.record_file->variable].name;
+    const int variable = MODEL.record_file->variable;
     if (system->refuses_records) return kernel_fail(self, KERNEL_ERROR, "%s", system->refuses_records);
+    if (self->warned[variable]) return KERNEL_OK;
     return kernel_fail(self, KERNEL_WARNING, "Nothing in the system \"%s\" depends on %s, so that setting this has no effect.",
-                       system->name, name);
+                       system->name, MODEL.variable[variable].name);
 }
 
 kernel_status kernel_initialise(kernel *self, double time) {
@@ -155,9 +156,11 @@ kernel_status kernel_initialise(kernel *self, double time) {
     }
     self->run.now->outputs_stale = self->run.now->inputs_jumped = false;
     kernel_status status = of_records;
-    for (int i = 0; i < MODEL.variables; ++i)
-        if (MODEL.variable[i].causality == CAUSALITY_INPUT && kernel_warn_without_effect(self, i) != KERNEL_OK)
-            status = KERNEL_WARNING;
+    for (int i = 0; i < MODEL.variables; ++i) {
+        if (MODEL.variable[i].causality != CAUSALITY_INPUT) continue;
+        if (kernel_warn_without_effect(self, i) != KERNEL_OK) status = KERNEL_WARNING;
+        if (kernel_warn_of_small_pressure(self, i) != KERNEL_OK) status = KERNEL_WARNING;
+    }
     return kernel_warn_of_idle_parameters(self) != KERNEL_OK ? KERNEL_WARNING : status;
 }
 

@@ -58,7 +58,7 @@ struct kernel {
     kernel_counters counters;
     kernel_recorder *recorder;
     message_log messages;
-    char *warned; /* one flag per variable: the warning "has no effect here" was given */
+    char *warned; /* one flag per variable: the warning "has no effect here" was given, or the value is the FMU's own */
     double *backup; /* of the block of the run, at the start of a step */
     double *scratch; /* memory of the workspaces */
     int *pivots;
@@ -79,6 +79,9 @@ RUNTIME_LOCAL const char *kernel_name_of_table_file(void);
 RUNTIME_LOCAL kernel_status kernel_check_value(kernel *self, const variable_description *variable, double value, double kept);
 RUNTIME_LOCAL kernel_status kernel_warn_without_effect(kernel *self, int variable);
 RUNTIME_LOCAL kernel_status kernel_warn_of_idle_parameters(kernel *self);
+RUNTIME_LOCAL kernel_status kernel_warn_of_small_pressure(kernel *self, int variable);
+/* The value of a variable is from the FMU's own files: no warning if it has no effect, until it is set to another. */
+RUNTIME_LOCAL void kernel_keep_own(kernel *self, int variable);
 /* Report that the run ended `reached` seconds into a step that is taken back; there were `noted` records before it. */
 RUNTIME_LOCAL kernel_status kernel_discard(kernel *self, unsigned long long noted, double reached);
 RUNTIME_LOCAL void kernel_leave_table(kernel *self);

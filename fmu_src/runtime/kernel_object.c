@@ -100,8 +100,11 @@ static kernel_status set_own_start(fmu_object *self, text_rows *row) {
     double number;
     if (filled == 0) return KERNEL_OK;
     for (int i = 0; filled == 2 && i < MODEL.variables; ++i)
-        if (strcmp(pair[0], MODEL.variable[i].name) == 0 && table_read_number(pair[1], &number, &mark))
-            return kernel_set(self->machine, i, number);
+        if (strcmp(pair[0], MODEL.variable[i].name) == 0 && table_read_number(pair[1], &number, &mark)) {
+            const kernel_status status = kernel_set(self->machine, i, number);
+            if (MODEL.variable[i].causality == CAUSALITY_PARAMETER) kernel_keep_own(self->machine, i);
+            return status;
+        }
     snprintf(problem, sizeof problem,
              "a row must have the name of a variable of %.40s and its number; got '%.60s'. Write NAME,VALUE", MODEL.name,
              pair[0]);
@@ -130,7 +133,9 @@ static kernel_status own_data(fmu_object *self, const char *resource, int variab
     FILE *file = own_file(self, resource, &status);
     if (!file) return status;
     fclose(file);
-    return kernel_set_text(self->machine, variable, self->resources);
+    status = kernel_set_text(self->machine, variable, self->resources);
+    kernel_keep_own(self->machine, variable);
+    return status;
 }
 
 static kernel_status own_table(fmu_object *self) {

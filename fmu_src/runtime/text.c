@@ -67,6 +67,7 @@ kernel_status kernel_set_text(kernel *self, int variable, const char *text) {
         (table ? kernel_leave_table : kernel_leave_records)(self);
         return KERNEL_OK;
     }
+    self->warned[variable] = 0;
     const char *noun = table ? MODEL.table_file->noun : MODEL.record_file->noun;
     char problem[PROBLEM_SIZE];
     snprintf(problem, sizeof problem, "There is not enough memory for a %s.", noun);

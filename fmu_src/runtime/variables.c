@@ -29,14 +29,19 @@ static bool is_allowed(const variable_description *variable, double value) {
     return isfinite(value) && value >= variable->minimum && value <= variable->maximum && whole;
 }
 
-/* Write the end of a message for a value in another unit than the variable's, km/h or mm, as readers/units.py does. */
+/* Write the end of a message for a value that may be in the usual unit of its quantity, as readers/units.py does. */
 static const char *likely_unit(const variable_description *variable, double value, char text[120]) {
-    const bool speed = strcmp(variable->unit, "m/s") == 0;
-    const double own = value / (speed ? 3.6 : 1000.0);
+    static const struct {
+        const char *unit, *usual;
+        double up, down;
+    } USUAL[] = {{"m/s", "km/h", 1.0, 3.6}, {"m", "mm", 1.0, 1e3}, {"kg", "t", 1e3, 1.0}, {"Pa", "bar", 1e5, 1.0}};
     snprintf(text, 120, ".");
-    if (own < variable->minimum || own > variable->maximum) return text;
-    if (speed) snprintf(text, 120, ". Did you mean %.6g km/h = %.4g m/s?", value, own);
-    else if (strcmp(variable->unit, "m") == 0) snprintf(text, 120, ". Did you mean %.6g mm = %.4g m?", value, own);
+    for (size_t i = 0; i < sizeof USUAL / sizeof *USUAL; ++i) {
+        const double own = value * USUAL[i].up / USUAL[i].down;
+        if (strcmp(variable->unit, USUAL[i].unit) != 0 || value == 0.0) continue;
+        if (own < variable->minimum || own > variable->maximum) continue;
+        snprintf(text, 120, ". Did you mean %.6g %s = %.4g %s?", value, USUAL[i].usual, own, USUAL[i].unit);
+    }
     return text;
 }
 
@@ -68,6 +73,16 @@ kernel_status kernel_warn_without_effect(kernel *self, int variable) {
                        MODEL.variable[variable].name, self->system->name);
 }
 
+kernel_status kernel_warn_of_small_pressure(kernel *self, int variable) {
+    static const double LEAST_PRESSURE = 1e3; /* Pa, as in readers/units.py */
+    const variable_description *one = &MODEL.variable[variable];
+    const double value = self->run.value[variable];
+    char other[120];
+    if (strcmp(one->unit, "Pa") != 0 || !(value > 0.0 && value < LEAST_PRESSURE)) return KERNEL_OK;
+    return kernel_fail(self, KERNEL_WARNING, "%s is %g Pa at the start, which is almost 0%s", one->name, value,
+                       likely_unit(one, value, other));
+}
+
 /* Write a name after others if there is room; return whether there was. */
 static bool add_name(char *names, size_t size, const char *before, const char *name) {
     const size_t length = strlen(names);
@@ -82,7 +97,7 @@ kernel_status kernel_warn_of_idle_parameters(kernel *self) {
     int count = 0, left = 0;
     for (int i = 0; i < self->system->idles; ++i) {
         const int variable = self->system->idle[i];
-        if (self->run.value[variable] == MODEL.variable[variable].start) continue;
+        if (self->warned[variable] || self->run.value[variable] == MODEL.variable[variable].start) continue;
         left += left > 0 || !add_name(names, sizeof names, count ? ", " : "", MODEL.variable[variable].name);
         ++count;
     }
@@ -94,6 +109,8 @@ kernel_status kernel_warn_of_idle_parameters(kernel *self) {
                        "Nothing in the system \"%s\" depends on %s%s, so that setting this has no effect%s.",
                        self->system->name, names, others, selectors);
 }
+
+void kernel_keep_own(kernel *self, int variable) { self->warned[variable] = 1; }
 
 /* Refuse steps too short to change the time: they would take indefinitely. */
 static kernel_status check_integration_step(kernel *self, double value) {
@@ -127,7 +144,9 @@ kernel_status kernel_set(kernel *self, int variable, double value) {
     if (status != KERNEL_OK) return status;
     const bool lost = isnan(value) && !isnan(description->when_lost);
     if (lost) value = description->when_lost;
-    self->run.now->inputs_jumped |= value != self->run.value[variable];
+    const bool changed = value != self->run.value[variable];
+    self->run.now->inputs_jumped |= changed;
+    if (changed && description->causality == CAUSALITY_PARAMETER) self->warned[variable] = 0;
     self->run.value[variable] = value;
     self->run.input_rate[variable] = 0.0;
     self->run.now->outputs_stale = true;

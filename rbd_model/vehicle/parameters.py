@@ -11,6 +11,9 @@ from rbd_model.vehicle.description import LARGEST_RADIUS, LONGEST_VEHICLE
 
 #: Smallest value of quantities that must be above zero. It is far below any bogie's and far above round-off.
 POSITIVE = 1e-6
+#: Smallest masses [kg]: below those of models at a scale of 1:5, which have 1/125 of the mass, and above the numbers of
+#: masses in t. A sprung mass is that of one body on two axles.
+LEAST_BODY, LEAST_SPRUNG, LEAST_FRAME, LEAST_WHEELSET = 100.0, 100.0, 10.0, 5.0
 #: Largest half lateral distance [m]: half of a vehicle's width on the widest gauges, rounded up.
 WIDEST = 3.0
 #: The thesis's reading of the points of action: its torques act on the wheelsets alone (3.36), its flange's force at
@@ -22,12 +25,12 @@ AS_PRINTED = {"torque_reaction": 0.0, "flange_at_rail": 0.0}
 class BogieParameters(ParameterSet):
     """A two-axle bogie with one sprung mass; stiffness and damping of one of its four suspension elements."""
 
-    frame_mass: float = quantity("kg", "Sprung mass carried by the two wheelsets", POSITIVE)
+    frame_mass: float = quantity("kg", "Sprung mass carried by the two wheelsets", LEAST_SPRUNG)
     frame_roll_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about x (I_xx)", POSITIVE)
     frame_pitch_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about y (I_yy)", POSITIVE)
     frame_yaw_inertia: float = quantity("kg.m2", "Sprung mass, moment of inertia about z (I_zz)", POSITIVE)
     frame_height: float = quantity("m", "Height of the sprung mass's centre above the wheelset axes")
-    wheelset_mass: float = quantity("kg", "Mass of one wheelset", POSITIVE)
+    wheelset_mass: float = quantity("kg", "Mass of one wheelset", LEAST_WHEELSET)
     wheelset_roll_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about x (I_xx)", POSITIVE)
     wheelset_pitch_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about its axle (I_yy, J)", POSITIVE)
     wheelset_yaw_inertia: float = quantity("kg.m2", "Wheelset, moment of inertia about z (I_zz)", POSITIVE)
@@ -98,7 +101,8 @@ class VehicleParameters(BogieParameters):
     rod joins the body to the middle of a frame, at the height of the secondary springs.
     """
 
-    body_mass: float = quantity("kg", "Car body, mass", POSITIVE)
+    frame_mass: float = quantity("kg", "Sprung mass carried by the two wheelsets", LEAST_FRAME)
+    body_mass: float = quantity("kg", "Car body, mass", LEAST_BODY)
     body_roll_inertia: float = quantity("kg.m2", "Car body, moment of inertia about x (I_xx)", POSITIVE)
     body_pitch_inertia: float = quantity("kg.m2", "Car body, moment of inertia about y (I_yy)", POSITIVE)
     body_yaw_inertia: float = quantity("kg.m2", "Car body, moment of inertia about z (I_zz)", POSITIVE)

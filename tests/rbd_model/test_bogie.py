@@ -489,8 +489,9 @@ def test_friction_of_zero_gives_no_force_and_no_failure(bogie: Library) -> None:
     [
         ({"brake_torque_1": -5.0}, r"brake_torque_1 must be at least 0 N\.m; got -5 N\.m"),
         ({"brake_torque_2": math.nan}, "brake_torque_2 must be a finite number"),
-        ({"wheelset_mass": 0.0}, "wheelset_mass must be at least 1e-06 kg"),
-        ({"frame_mass": -1.0}, "frame_mass must be at least 1e-06 kg"),
+        ({"wheelset_mass": 0.0}, "wheelset_mass must be at least 5 kg"),
+        ({"frame_mass": -1.0}, "frame_mass must be at least 100 kg"),
+        ({"frame_mass": 60.0}, "frame_mass must be at least 100 kg; got 60 kg.*Did you mean 60 t = 6e.04 kg"),
         ({"friction_1": -0.1}, "friction_1 must be at least 0"),
         ({"level": 4}, "level must be at most 3; got 4"),
         ({"tolerance": 0.0}, "tolerance must be at least 1e-12"),
