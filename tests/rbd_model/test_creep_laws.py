@@ -495,17 +495,21 @@ def test_modified_fastsim_follows_its_curve_with_the_printed_parameters() -> Non
     assert 100 * np.abs(constant_slope - coefficient).max() / 0.36 > 4 * CURVE
 
 
-#: Least-squares fits to a curve, with the friction of the curve: k_A, k_S of Polach's law, and k_0, alpha, beta.
+#: Largest error at the odd points of a curve, of fits to its even points [% of mu_0 N]. Between creepages of 1e-5 and
+#: 0.004 the curve of modified FASTSIM has one point, 0.002, which is odd. Without it Polach's law is CURVE off there;
+#: with all points it is within 1.5 %.
+ODD_POLACH, ODD_FASTSIM, ODD_POLACH_ON_FASTSIM = 0.4, 1.3, 4.0
+#: Least-squares fits to the even points of a curve, with its friction: k_A, k_S of Polach's law, and k_0, alpha, beta.
 FITS = {
-    ("polach_2005", "exact_falling_layer"): ((0.14, 0.19, 1.25), (0.253, 0.279)),
-    ("polach_2005", "modified_fastsim_falling"): ((0.1368, 0.2232, 0.99), (0.502, 0.282)),
-    ("modified_fastsim", "exact_falling_layer"): ((0.14, 0.19, 1.25), (0.309, 0.0, 0.080)),
+    ("polach_2005", "exact_falling_layer"): ((0.14, 0.19, 1.25), (0.252, 0.279), ODD_POLACH),
+    ("polach_2005", "modified_fastsim_falling"): ((0.1368, 0.2232, 0.99), (0.440, 0.267), ODD_POLACH_ON_FASTSIM),
+    ("modified_fastsim", "exact_falling_layer"): ((0.14, 0.19, 1.25), (0.310, 0.0, 0.094), ODD_FASTSIM),
 }
 
 
 @pytest.mark.parametrize(("name", "series"), FITS)
-def test_fits_to_a_traction_curve_are_near_and_can_be_repeated(name: str, series: str) -> None:
-    friction, expected = FITS[name, series]
+def test_fits_to_even_points_of_a_traction_curve_are_judged_on_odd_ones(name: str, series: str) -> None:
+    friction, expected, odd = FITS[name, series]
     creepage, coefficient = traction(series)
     symbols = ca.SX.sym("chosen", len(expected))
     parts = ca.vertsplit(symbols)
@@ -514,13 +518,15 @@ def test_fits_to_a_traction_curve_are_near_and_can_be_repeated(name: str, series
     else:
         fitted = curves(modified_fastsim(6, SlopeReduction(*parts)), falling(*friction), chosen=symbols)
 
-    def distances(chosen: np.ndarray) -> np.ndarray:
-        return np.asarray(100 * (fitted(creepage, chosen) - coefficient) / (friction[0] + friction[1]))
+    def distances(chosen: np.ndarray, first: int = 0) -> np.ndarray:
+        at = slice(first, None, 2)
+        return np.asarray(100 * (fitted(creepage[at], chosen) - coefficient[at]) / (friction[0] + friction[1]))
 
     start = np.array([0.4, 0.4, 0.3][: len(expected)])
     fit = least_squares(distances, start, bounds=(0, 2))
     assert fit.x == pytest.approx(expected, abs=0.01)
     assert np.abs(fit.fun).max() < CURVE
+    assert np.abs(distances(fit.x, 1)).max() == pytest.approx(odd, abs=0.05)
     assert np.abs(distances(start)).max() > CURVE
 
 
