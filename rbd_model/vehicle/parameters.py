@@ -259,9 +259,11 @@ def manchester_vehicle_1() -> VehicleParameters:
     S. Iwnicki (1998), Vehicle System Dynamics 30, 295-313, as transcribed in public code that cites it: masses,
     inertias, spacings, wheel radius, heights of the centres (1.8 and 0.6 m above the rail), springs, dampers, anti-roll
     bar, bending of the air springs. Transcriptions give 1.220 and 1.200 MN/m for the vertical primary stiffness; this
-    set uses 1.220. No transcription has a traction rod.
-    Assumed: height of the secondary springs 0.9 m above the rail; couplers 20 m apart and 1.0 m above the rail. Wheels
-    and rails (`synthetic_pair`), flange and contact are as in `tables_5_1_and_5_2`, without rolling resistance.
+    set uses 1.220. No transcription has a traction rod. The secondary springs stand 0.525 m (frame) to 1.130 m (body)
+    above the rail in one transcription, to 1.150 m in another. This set has the middle of the first, 0.8275 m, which
+    that one uses too: a spring with equal ends has no moment in its middle.
+    Assumed: couplers 20 m apart and 1.0 m above the rail. Wheels and rails (`synthetic_pair`), flange and contact are
+    as in `tables_5_1_and_5_2`, without rolling resistance.
     """
     radius = 0.46
     return VehicleParameters(
@@ -294,7 +296,7 @@ def manchester_vehicle_1() -> VehicleParameters:
         body_height=1.8 - radius,
         pivot_distance=19.0,
         secondary_half_spacing=1.0,
-        secondary_height=0.9 - radius,
+        secondary_height=0.8275 - radius,
         secondary_longitudinal_stiffness=160e3,
         secondary_lateral_stiffness=160e3,
         secondary_vertical_stiffness=430e3,
