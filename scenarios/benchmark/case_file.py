@@ -56,7 +56,7 @@ def read_case(path: str | Path) -> Case:
         raise FileError(f"{path} must have at least one table [answers.NAME]; got none. Add one.")
     points = points_of(read.get("points"), path, inputs, units, answers)
     unknown = {
-        name: unknown_of(name, one, units, f"{path}, unknown.{name}")
+        name: unknown_of(name, one, units, inputs, f"{path}, unknown.{name}")
         for name, one in flat(read.get("unknown", {}), f"{path}, unknown", DISTRIBUTIONS).items()
     }
     check_percent(answers, points, str(path))
@@ -84,6 +84,7 @@ def cases_in(places: Iterable[Path]) -> dict[str, Path]:
 
 
 def inputs_of(table: dict[str, Any], place: str) -> tuple[dict[str, Input], dict[str, str]]:
+    """Return inputs and their SI units by name. Raises FileError."""
     values: dict[str, Input] = {}
     units: dict[str, str] = {}
     for name, given in flat(table, place).items():
@@ -93,6 +94,7 @@ def inputs_of(table: dict[str, Any], place: str) -> tuple[dict[str, Input], dict
 
 
 def answer_of(name: str, table: Any, place: str) -> Answer:
+    """Return what a case needs from a program. Raises FileError."""
     if not isinstance(table, dict):
         raise FileError(f"{place} must be a table; got {shown(table)}.")
     check_names(table, OF_ANSWER, place)
@@ -118,8 +120,9 @@ def answer_of(name: str, table: Any, place: str) -> Answer:
     return Answer(name, what, unit, judged, bound, "within" not in table)
 
 
-def unknown_of(name: str, table: Any, units: Mapping[str, str], place: str) -> Unknown:
-    if not units.get(name):
+def unknown_of(name: str, table: Any, units: Mapping[str, str], inputs: Mapping[str, Input], place: str) -> Unknown:
+    """Return the distribution of an input. Raises FileError."""
+    if not isinstance(inputs.get(name), float):
         raise FileError(f"{place} must be the name of an input that is a number; {suggestion(name, units)}")
     if not isinstance(table, dict):
         raise FileError(f"{place} must be a table; got {shown(table)}.")

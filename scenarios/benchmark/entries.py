@@ -15,12 +15,14 @@ NAME = re.compile(r"[a-z][a-z0-9_.-]*")
 
 
 def check_names(table: Mapping[str, Any], known: Iterable[str], place: str) -> None:
+    """Raise FileError for an entry that is not among the known ones."""
     for name in table:
         if name not in known:
             raise FileError(f"{place}: {shown(name)} must be one of {', '.join(known)}; {suggestion(name, known)}")
 
 
 def valid_name(name: str, place: str, taken: Iterable[str] = ()) -> bool:
+    """Return True for a name of an input or answer that is not taken. Raises FileError for others."""
     if not NAME.fullmatch(name):
         raise FileError(f"{place}: a name must have small letters, digits, _, - and .; got {shown(name)}. Rename it.")
     if name in taken:
@@ -29,14 +31,16 @@ def valid_name(name: str, place: str, taken: Iterable[str] = ()) -> bool:
 
 
 def text_at(table: Mapping[str, Any], name: str, place: str) -> str:
+    """Return the string of an entry. Raises FileError."""
     value = table.get(name)
-    if not isinstance(value, str) or not value.strip():
+    if not isinstance(value, str) or not value.strip() or not value.strip().isprintable():
         got = "nothing" if value is None else shown(value)
-        raise FileError(f'{place}: {name} must be a text; got {got}. Write {name} = "...".')
+        raise FileError(f'{place}: {name} must be a text of one line; got {got}. Write {name} = "...".')
     return value.strip()
 
 
 def table_at(table: Mapping[str, Any], name: str, place: str) -> dict[str, Any]:
+    """Return the table of an entry. Raises FileError."""
     value = table.get(name)
     if not isinstance(value, dict):
         raise FileError(f"{place} must have a table [{name}]; got {shown(value) if name in table else 'none'}. Add it.")
@@ -57,6 +61,7 @@ def flat(table: Any, place: str, leaves: Iterable[str] = ()) -> dict[str, Any]:
 
 
 def input_at(place: str, given: Any) -> tuple[Input, str]:
+    """Return an input and its SI unit, as `input_of`. Raises FileError with the place."""
     try:
         return input_of(given)
     except FileError as error:
@@ -64,6 +69,7 @@ def input_at(place: str, given: Any) -> tuple[Input, str]:
 
 
 def quantity_at(place: str, given: Any, unit: str) -> float:
+    """Return a number in an SI unit. Raises FileError with the place."""
     try:
         value, own = quantity(given)
     except FileError as error:

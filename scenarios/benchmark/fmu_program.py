@@ -153,6 +153,9 @@ def _run(fmu: FmuInstance, mapped: Map, case: Case, point: int) -> Answers:
             value = (number + 1) * mapped.step if one.variable == TIME else fmu[one.variable]
             unit = "s" if one.variable == TIME else fmu.units[one.variable]
             ends[name] = one.factor * value / _scale(own, unit, one.variable)
+    if not ends:
+        asked, got = ", ".join(case.answers), ", ".join(mapped.answers)
+        raise CannotAnswerError(f"the answers of the map must have one of {asked}; got {shown(got)}.")
     return ends
 
 

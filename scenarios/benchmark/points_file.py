@@ -23,6 +23,7 @@ MOST_POINTS = 20_000
 def points_of(
     given: Any, path: Path, inputs: dict[str, Input], units: dict[str, str], answers: dict[str, Answer]
 ) -> tuple[Point, ...]:
+    """Return the points of a case. Raises FileError."""
     if isinstance(given, str):
         rows = rows_of(path, given, inputs, units, answers)
     elif isinstance(given, list) and all(isinstance(one, dict) for one in given):
@@ -95,6 +96,7 @@ def rows_of(
 
 
 def check_percent(answers: Mapping[str, Answer], points: Iterable[Point], place: str) -> None:
+    """Check that no published value is 0 where its error is in percent. Raises FileError."""
     for number, point in enumerate(points, 1):
         for name, value in point.published.items():
             if answers[name].relative and value == 0.0:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -31,11 +32,12 @@ class CannotAnswerError(Exception):
 
 @dataclass(frozen=True)
 class Program:
-    """A program: its name, its version, and its answers to a point of a case (numbered from 0)."""
+    """A program: its name, its version, its answers to a point of a case (numbered from 0), and whether it computes."""
 
     name: str
     version: str
     ask: Callable[[Case, int], Answers]
+    computes: bool = True
 
 
 def own_program() -> Program:
@@ -83,8 +85,10 @@ def of_adapter(module: ModuleType, other: OtherPython) -> Program:
     return Program(str(module.NAME), str(other.call(place, "version")), ask)
 
 
-def of_module(module: ModuleType) -> Program:
+def of_module(module: ModuleType, strict: bool = False) -> Program:
     """Return the program of an adapter, a module with NAME, `version()` and `answer(question, inputs)`.
+
+    Its output goes to the standard error. strict: answers of which the case needs none are an error.
 
     Raises
     ------
@@ -94,16 +98,17 @@ def of_module(module: ModuleType) -> Program:
 
     def ask(case: Case, point: int) -> Answers:
         try:
-            found = module.answer(case.question, dict(case.points[point].inputs))
-        except Exception as error:
+            with redirect_stdout(sys.stderr):
+                found = module.answer(case.question, dict(case.points[point].inputs))
+        except (Exception, SystemExit) as error:
             raise CannotAnswerError(f"{type(error).__name__}: {error}") from error
-        return checked(found, case)
+        return checked(found, case, strict)
 
     return Program(str(module.NAME), str(module.version()), ask)
 
 
-def checked(found: Any, case: Case) -> Answers:
-    """Return what a program returned as answers. Raises CannotAnswerError if it is nothing that answers a case."""
+def checked(found: Any, case: Case, strict: bool = False) -> Answers:
+    """Return what a program returned as answers. Raises CannotAnswerError if it is not valid."""
     if found is None:
         return {}
     if not isinstance(found, Mapping):
@@ -111,7 +116,7 @@ def checked(found: Any, case: Case) -> Answers:
     for name, value in found.items():
         if name in case.answers and not is_number(value):
             raise CannotAnswerError(f"{name} must be a finite number; got {shown(value)}. Or leave it out.")
-    if found and not set(found) & case.answers.keys():
+    if strict and found and not set(found) & case.answers.keys():
         asked, got = ", ".join(case.answers), ", ".join(map(str, found))
         raise CannotAnswerError(f"the answers must have one of {asked}; got {shown(got)}.")
     return {name: float(value) for name, value in found.items() if name in case.answers}
@@ -132,12 +137,13 @@ def of_file(path: Path) -> Program:
         raise BadInputError(f"--program must be a Python file, NAME.py; got {path}.")
     module = sys.modules[about.name] = importlib.util.module_from_spec(about)
     try:
-        about.loader.exec_module(module)
-    except Exception as error:
+        with redirect_stdout(sys.stderr):
+            about.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
         raise BadInputError(f"Cannot import {path}: {type(error).__name__}: {error}.") from error
     if not callable(getattr(module, "answer", None)):
         raise BadInputError(f"{path} must have a function answer(question, inputs); got none. Add it.")
     module.NAME = str(getattr(module, "NAME", path.stem))  # type: ignore[attr-defined]
     version = str(getattr(module, "VERSION", "no version stated"))
     module.version = getattr(module, "version", lambda: version)  # type: ignore[attr-defined]
-    return of_module(module)
+    return of_module(module, strict=True)

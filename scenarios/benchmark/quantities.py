@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from readers.command_line import NUMBER
@@ -29,7 +30,8 @@ def si_unit(unit: str) -> str:
         return "m2"
     quantity = quantity_of(unit)
     if quantity is None:
-        raise FileError(f"a unit must be one that is known, such as m/s, km/h, kN, bar or 1; got {shown(unit)}.")
+        known = "such as m/s, km/h, kN, bar or 1"
+        raise FileError(f"a unit must be one that is known, {known}; got {shown(unit)}. Begin a text with a letter.")
     return next(one for one, both in SPELLINGS[quantity].items() if both == (1, 1))
 
 
@@ -55,10 +57,11 @@ def quantity(given: Any) -> tuple[float, str]:
     if found[2] is None:
         raise FileError(f'a number in quotes must have its unit, as "45 km/h"; got {shown(given)}. Remove the quotes.')
     unit = si_unit(found[2])
-    if unit == "m2":
-        return float(found[1]) * AREAS[found[2]], unit
-    numerator, denominator = factor(found[2], unit) or (1.0, 1.0)
-    return float(found[1]) * numerator / denominator, unit
+    numerator, denominator = (AREAS[found[2]], 1.0) if unit == "m2" else factor(found[2], unit) or (1.0, 1.0)
+    value = float(found[1]) * numerator / denominator
+    if not math.isfinite(value):
+        raise FileError(f"a value must be finite; got {shown(given)}. Correct it.")
+    return value, unit
 
 
 def input_of(given: Any) -> tuple[Input, str]:

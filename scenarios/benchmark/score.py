@@ -104,7 +104,7 @@ def _asked(program: Program, case: Case) -> tuple[list[Answers], float | None, s
             answers, failure = {}, failure or f"point {point + 1}: {error}"
         found.append(answers)
     cost = (processor_time() - begin) / len(case.points)
-    return found[1:], cost if any(found) else None, failure
+    return found[1:], cost if any(found) and program.computes else None, failure
 
 
 def processor_time() -> float:

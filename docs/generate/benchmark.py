@@ -1,0 +1,116 @@
+"""Updates the tables of docs/benchmark.md from docs/data/benchmark.json and the cases. --check only compares.
+
+  python -m bogie_braking benchmark --json > results/benchmark.json
+  python docs/generate/benchmark.py --collect results/benchmark.json    first the scores, into docs/data/
+
+The scores are those of one run with all peers. tests/scenarios/test_benchmark.py compares some of them.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from pages import DOCS, write_or_check
+
+from readers.documents import read_document
+from scenarios.benchmark.case import Case
+from scenarios.benchmark.case_file import CASES, cases_in, read_case
+from scenarios.benchmark.score import Score
+from scenarios.benchmark.words import DASH, bound, published, size, time
+
+PAGE, KEPT = DOCS / "benchmark.md", DOCS / "data" / "benchmark.json"
+#: Entries of a score that are kept, and the digits of their numbers.
+ENTRIES, DIGITS = ("case", "answer", "program", "points", "answered", "worst", "rms", "holds", "cost"), 4
+BEGIN, END = "<!-- tables: docs/generate/benchmark.py -->\n", "<!-- end of the tables -->\n"
+
+
+def collect(source: Path) -> None:
+    """Write the scores of a run into docs/data/."""
+    read = read_document(source)
+    scores = [{name: shortened(one[name]) for name in ENTRIES} for one in read["scores"] if one["worst"] is not None]
+    lines = ",\n".join(json.dumps(one) for one in scores)
+    programs = json.dumps(read["programs"])
+    KEPT.write_text(f'{{"programs": {programs},\n"scores": [\n{lines}\n]}}\n', encoding="utf-8")
+
+
+def shortened(value: Any) -> Any:
+    """Return a number with a few digits."""
+    return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
+
+
+def cell(case: Case, one: dict[str, Any] | None) -> str:
+    """Return the largest error of a program, the root mean square of many, and the number of points with an answer."""
+    if one is None:
+        return DASH
+    answer = case.answers[one["answer"]]
+    score = Score(case, answer, one["program"], (), (), None)
+    spread = f", rms {size(score, one['rms'])}" if one["answered"] > 20 else ""
+    count = "" if one["answered"] == one["points"] else f" ({one['answered']} of {one['points']})"
+    return size(score, one["worst"], "+") + spread + count + (" **!**" if one["holds"] is False else "")
+
+
+def tables() -> str:
+    """Return the tables of errors, of processor time, and of sources."""
+    read = read_document(KEPT)
+    cases = {name: read_case(path) for name, path in cases_in([CASES]).items()}
+    programs, found = list(read["programs"]), {}
+    for one in read["scores"]:
+        found[one["case"], one["answer"], one["program"]] = one
+    rows = []
+    for name, case in cases.items():
+        for answer in case.answers.values():
+            told = tuple(point.published.get(answer.name) for point in case.points)
+            score = Score(case, answer, programs[0], told, told, None)
+            own = found.get((name, answer.name, programs[0]))
+            cells = [cell(case, found.get((name, answer.name, program))) for program in programs]
+            limit = bound(score) if answer.judged else "shown only"
+            text = [f"`{name}`", answer.what, str(score.points), published(score), limit, *cells]
+            rows.append((rank(case, own), text))
+    rows.sort(key=lambda row: row[0])
+    heads = ["case", "answer", "points", "published", "bound", *programs]
+    costs = [[f"`{name}`", *(time(cost_of(found, name, program)) for program in programs)] for name in cases]
+    sources = [[f"`{name}`", one.source, one.licence, one.sureness] for name, one in cases.items()]
+    parts = [
+        markdown(heads, [text for _, text in rows]),
+        "Processor time of a point:",
+        markdown(["case", *programs], costs),
+        "Sources:",
+        markdown(["case", "source", "licence", "how sure"], sources),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def rank(case: Case, own: dict[str, Any] | None) -> tuple[int, float]:
+    """Return the place of a row: errors of this project beyond their bounds, shown ones, then the others by size."""
+    if own is None:
+        return 3, 0.0
+    answer = case.answers[own["answer"]]
+    if answer.bound is not None and answer.judged:
+        return (2 if own["holds"] else 0), -abs(own["worst"]) / answer.bound
+    return 1, -abs(own["worst"])
+
+
+def cost_of(found: dict[Any, dict[str, Any]], case: str, program: str) -> float | None:
+    """Return the processor time of a point [s]; None without an answer."""
+    costs = [one["cost"] for (name, _, by), one in found.items() if (name, by) == (case, program)]
+    return costs[0] if costs else None
+
+
+def markdown(heads: list[str], rows: list[list[str]]) -> str:
+    """Return a table."""
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def page() -> str:
+    """Return the page with its tables."""
+    text = PAGE.read_text(encoding="utf-8")
+    before, _, rest = text.partition(BEGIN)
+    return before + BEGIN + "\n" + tables() + "\n" + END + rest.partition(END)[2]
+
+
+if __name__ == "__main__":
+    if "--collect" in sys.argv:
+        collect(Path(sys.argv[sys.argv.index("--collect") + 1]))
+    sys.exit(write_or_check({PAGE: page()}, sys.argv[1:]))
