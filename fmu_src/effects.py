@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import casadi as ca
 import numpy as np
 
@@ -46,7 +48,7 @@ def what_moves_constants(system: System) -> list[frozenset[int]]:
     Many cancel in statics: half of the weight rests on each of two springs, at any distance between them.
     """
     parameters = ca.vertcat(*system.parameter_symbols.values())
-    constants = ca.vertcat(*system.derived_expressions.values())
+    constants = without_calls(system, ca.vertcat(*system.derived_expressions.values()))
     if constants.is_empty() or parameters.is_empty():
         return [frozenset() for _ in system.derived_expressions]
     records = ca.vertcat(*[one.symbol for one in system.records])
@@ -86,6 +88,17 @@ def expressions_of(system: System) -> list[ca.SX]:
         *(largest for _, largest in system.largest_changes),
         *(table.argument for table in system.tables),
     ]
+
+
+def without_calls(system: System, expression: ca.SX) -> ca.SX:
+    """Return an expression with NaN for results of parts; it depends on the same symbols."""
+    expression = system.without_waists(expression)
+    for call in reversed(system.calls):
+        if not symbols_in(expression).isdisjoint(call.own):
+            expression = ca.substitute(
+                expression, call.symbols, math.nan * ca.sum1(call.plain) * ca.SX.ones(call.symbols.shape)
+            )
+    return expression
 
 
 def places_that_matter(part: Part, count: int) -> list[int]:

@@ -8,13 +8,10 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from fmu_src.records import OwnRecord
-from rbd_model.body.bodies import at_start, start_along
+from rbd_model.body.bodies import start_along
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by
-from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
-from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import Side
-from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.contact.pair_file import PAIR_FILE
 from rbd_model.contact.pair_table import pair_record
 from rbd_model.contact.patches import check_ellipses, patches_of
@@ -35,6 +32,7 @@ from rbd_model.wheelset.in_space import (
 )
 from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack
 from rbd_model.wheelset.profiles_of import ProfilesOf, SideOf
+from rbd_model.wheelset.standing import press_at_start, sinking, stand_at_start
 from rbd_model.wheelset.touch import SIDES, Placement, Wheel
 from rbd_model.wheelset.touching_patch import Nearest, PatchTables, find_nearest
 from rbd_model.wheelset.wheel_on_patches import Feeling, WheelPress
@@ -52,8 +50,6 @@ from rbd_model.wheelset.yielding_rails import Give, add_give, press_rails
 
 #: Scales of the error control: with tolerance 1e-6, 1 nm of an approach that is 0.1 mm under load.
 NOMINAL_RISE = 1e-3
-#: Approach at which a contact's stiffness is evaluated [m]; its value does not matter.
-UNIT_APPROACH = 1e-3
 
 
 @dataclass(frozen=True)
@@ -103,11 +99,10 @@ def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX
     system, data = assembly.system, assembly.vehicle.wheelsets[number - 1]
     on = follow_track(assembly, number, section)
     profiles = ProfilesOf.of(assembly, number)
+    settled = system.derived(f"sinking_{number}", sinking(assembly, number, profiles)) - profiles.lift
     first_rise, first_roll = stand_at_start(assembly, profiles, on)
     # The rise is measured from the position at rest, as for the bodies that the wheelset carries.
     risen = system.state(f"rise_{number}", "m", first_rise, NOMINAL_RISE)
-    sunk = system.derived(f"sinking_{number}", sinking(assembly, number, profiles))
-    settled = sunk - profiles.lift
     height = assembly.radius(data) + risen - settled
     rising = system.state(f"rise_speed_{number}", "m/s", 0.0, NOMINAL_TRAVEL_SPEED)
     roll = system.state(f"roll_{number}", "rad", first_roll, NOMINAL_ROLL)
@@ -131,6 +126,9 @@ def place_elastic(assembly: Assembly, number: int, section: Callable[[int, ca.SX
     system.derivative(roll, body.turning[0])
     press = STRIPS_OR_PATCHES[assembly.contact.depth]
     found = [press(assembly, number, index, stance, body) for index in range(len(SIDES))]
+    given = [wheel.given for wheel in found if wheel.given is not None]
+    if given:
+        press_at_start(assembly, number, profiles, (risen, roll), given)
     wheelset = add_up(assembly, number, body, stance, found)
     if assembly.on_line:
         press_rails(assembly, give, wheelset.thrusts[0] - wheelset.thrusts[1], wheelset.loads)
@@ -179,13 +177,14 @@ class WheelFound:
     """Effect of the patches of a wheel together, and the force of each of those of the vehicle's own profiles [N].
 
     `approaches` are those of an `ElasticWheelset`. `room` are the distances of the tread and of the flange from their
-    ends [m].
+    ends [m]. `given`: arguments and constants of `wheel_on_record`.
     """
 
     pressed: WheelPress
     each: list[ca.SX]
     approaches: tuple[ca.SX, ca.SX]
     room: ca.SX
+    given: ca.SX | None = None
 
 
 def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
@@ -204,8 +203,8 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     feeling = Feeling(state, fixed, track if assembly.on_line else None)
     assert profiles.record is not None
     assert profiles.first_tread is not None
-    contact = assembly.contact
-    pressed = system.call(wheel_on_record(contact, assembly.on_line), *given_of(feeling, profiles.record))
+    whole = given_of(feeling, profiles.record)
+    pressed = system.call(wheel_on_record(assembly.contact, assembly.on_line), *whole)
     given = ca.vertcat(state.offset, state.height, state.yaw, state.roll)
     constants = ca.vertcat(fixed.cosines, fixed.wheel, profiles.record)
     approaches = system.call(watched_wheel(flange_alone=False), given, constants)
@@ -213,7 +212,7 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     tread = near_of(system, feeling, profiles.first_tread, flange=False)
     room = room_left(profiles, tread, -of_flange[2])
     each = force_of_each(assembly, number, index, feeling)
-    return WheelFound(WheelPress.of(pressed), each, (approaches[0], approaches[1]), room)
+    return WheelFound(WheelPress.of(pressed), each, (approaches[0], approaches[1]), room, ca.vertcat(*whole))
 
 
 def force_of_each(assembly: Assembly, number: int, index: int, feeling: Feeling) -> list[ca.SX]:
@@ -324,57 +323,6 @@ def room_left(one: SideOf, tread: Nearest, on_flange: ca.SX) -> ca.SX:
     (low, high), (first, last) = one.wheel_limits, one.rail_limits
     on_tread = ca.fmin(high - tread.position, ca.fmin(tread.on_rail - first, last - tread.on_rail))
     return ca.vertcat(on_tread, on_flange - low)
-
-
-def stand_at_start(
-    assembly: Assembly, profiles: ProfilesOf, on: OnTrack
-) -> tuple[Callable[[], ca.SX] | ca.SX, Callable[[], ca.SX] | ca.SX]:
-    """Return rise [m] and roll [rad] of a wheelset that starts on its treads (section 4.3), or functions for them.
-
-    The rails are those at the start. If one rail is higher, the wheelset leans. Its wheels then move sideways over the
-    rails in proportion to their distance below its centre.
-    """
-    lateral, left, right = ca.vertsplit(at_start(assembly.system, ca.vertcat(on.offset, on.heights)))
-    leaning = (left - right) / sum(one.rail_half_distance for one in profiles.sides)
-    lateral += profiles.mean_radius * leaning
-
-    def rise() -> ca.SX:
-        return profiles.stand(lateral)[0] + (left + right) / 2
-
-    def roll() -> ca.SX:
-        return profiles.stand(lateral)[1] + leaning
-
-    if profiles.sides[0].record is None:
-        return rise, roll  # the tables of positions take seconds
-    return rise(), roll()
-
-
-def sinking(assembly: Assembly, number: int, profiles: ProfilesOf) -> ca.SX:
-    """Return the approach of a centred wheelset and its rails under the static load [m]: Hertz, Johnson (1985)."""
-    data = assembly.vehicle.wheelsets[number - 1]
-    load = (assembly.resting_on(number) + assembly.value(data.mass) * assembly.parameter["gravity"]) / 2
-    modulus, nu = assembly.parameter["shear_modulus"], assembly.contact.poisson_ratio
-    wheels = zip(profiles.sides, data.radius, strict=True)
-    left, right = (sinking_of_wheel(one, assembly.value(radius), load, modulus, nu) for one, radius in wheels)
-    return (left + right) / 2
-
-
-def sinking_of_wheel(one: SideOf, radius: ca.SX, load: ca.SX, modulus: ca.SX, poisson_ratio: float) -> ca.SX:
-    """Return the approach of a wheel in contact where a centred wheelset stands [m], by Hertz, Johnson (1985).
-
-    The load is carried by the normal force and, on a cone, by the lateral creep force of spin (3.99). For a rolling
-    wheel the two are proportional.
-    """
-    depth, slope, curvature = one.shape
-    secant, rolling = ca.sqrt(1 + slope**2), radius - depth
-    shape = 1 / (2 * rolling * secant), ca.SX(curvature)
-    logarithm, semi_axis = moving_ellipse(*shape, ca.SX(1.0), modulus, poisson_ratio)
-    of_spin = (
-        modulus * smooth_kalker_coefficients(logarithm, poisson_ratio).c23 * semi_axis**3 * slope / (secant * rolling)
-    )
-    normal = load * secant / (1 + of_spin * slope)
-    stiffness = elastic_force(ca.SX(UNIT_APPROACH), *shape, modulus, poisson_ratio) / UNIT_APPROACH**1.5
-    return secant * (normal / stiffness) ** (2 / 3)
 
 
 def move_elastic(

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -20,6 +21,7 @@ from rbd_model.levels.models import DEFAULT_TOLERANCE, model_of_levels, places_o
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
+from rbd_model.wheelset.standing import lift_until_static
 from readers.text import BadInputError
 from tests.quick_library import quick_library
 
@@ -130,6 +132,41 @@ def test_a_file_gives_the_run_of_the_pair_in_the_equations(name: str, files: dic
     own = swing(own_pair())
     assert np.abs(found - own)[:, 0].max() > MOVES_OTHERWISE
     assert np.array_equal(own, swing(own_pair(), profile_file=str(files["synthetic"])))
+
+
+@pytest.mark.parametrize("lateral", [0.0, 5e-3])
+def test_wheels_start_with_their_static_load_on_all_their_patches(lateral: float, files: dict[str, Path]) -> None:
+    """S1002 on 60E1 bears on two patches when centred: the approach of one of them would give 1.45 times the load."""
+    numbers = wheelset_under_frame().parameters
+    static = (numbers.frame_mass + numbers.wheelset_mass) * numbers.gravity / 2
+    library, still = quick_library(model_on(own_pair())), {"initial_speed": 20.0, "initial_lateral": lateral}
+    for path in files.values():
+        kernel = Kernel(library, profile_file=str(path), **still)
+        kernel.initialise()
+        loads = [kernel[f"wheel_load_1_{side}"] for side in ("left", "right")]
+        assert loads == pytest.approx([static, static], rel=0.005)
+        kernel.step(0.0, 2e-3)
+        if lateral == 0.0:
+            assert kernel["wheel_load_1_left"] == pytest.approx(static, rel=0.01)
+
+
+def test_two_equal_patches_sink_less_than_one() -> None:
+    """Each carries half: by Hertz the approach is 2^(-2/3) of that of one patch. An error below 0.5 % is kept."""
+    lift, load, sunk = ca.SX.sym("lift"), 50e3, 0.1e-3
+
+    def lift_with(patches: float) -> float:
+        stiffness = patches * load / sunk**1.5
+
+        def press(lifted: ca.SX, asked: ca.SX) -> tuple[ca.SX, ca.SX]:
+            approach = ca.fmax(sunk - lifted, 0)
+            return stiffness * approach**1.5, -1.5 * stiffness * ca.sqrt(approach)
+
+        return float(ca.Function("lift", [lift], [lift_until_static(ca.SX(load), press)])(0.0))
+
+    assert lift_with(2.0) == pytest.approx((1 - 2 ** (-2 / 3)) * sunk, rel=1e-6)
+    assert lift_with(100.0) == pytest.approx((1 - 100 ** (-2 / 3)) * sunk, rel=1e-6)
+    assert lift_with(0.5) == pytest.approx((1 - 0.5 ** (-2 / 3)) * sunk, rel=1e-6)
+    assert lift_with(1.004) == 0.0
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
