@@ -39,9 +39,10 @@ def figure_of_errors(scored: Sequence[Scored], programs: Sequence[str]) -> Figur
     axis.set_yticks(range(len(rows)), [_label(one, name) for one, name in rows], fontsize=8)
     axis.set_ylim(len(rows) - 0.5, -0.5)
     axis.set_xlabel("largest error over its bound; of answers that are only shown, in percent or units")
+    titled(figure, _message(scored, programs[0]))
     if axis.get_legend_handles_labels()[0]:
-        axis.legend(loc="upper left", bbox_to_anchor=(0.0, -0.08 - 0.6 / len(rows)), ncols=3, fontsize=8)
-    return titled(figure, _message(scored, programs[0]))
+        figure.legend(loc="outside lower center", ncols=4, fontsize=8)
+    return figure
 
 
 def _share(one: Score) -> float:

@@ -10,9 +10,10 @@ import pytest
 
 from bogie_braking.__main__ import main
 from bogie_braking.exit_status import BAD_INPUT, HOLDS
-from readers.text import FileError
+from readers.text import BadInputError, FileError
 from scenarios.benchmark.band import bands
 from scenarios.benchmark.case_file import CASES, cases_in, read_case
+from scenarios.benchmark.fmu_program import program_of_fmu
 from scenarios.benchmark.programs import of_file, own_program, programs
 from scenarios.benchmark.score import score
 from scenarios.benchmark.words import worst
@@ -248,23 +249,18 @@ shoe_force = { variable = "shoe_force", factor = 0.5 }
 """
 
 
-def test_an_fmu_answers_by_a_map(
-    fmus: dict[tuple[str, str], Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_fmu_answers_by_a_map(fmus: dict[tuple[str, str], Path], tmp_path: Path) -> None:
     """The shoe force of the cylinder over its pressure is that of the brake's parameters; another map is refused."""
-    mapped = write(tmp_path, BRAKE_MAP, "map.toml")
-    given = ["--fmu", str(fmus["brake", "native"]), "--map", str(mapped), "--out", str(tmp_path / "out")]
-    assert main(["benchmark", "qr30-bogie", "--json", *given]) == HOLDS
-    read = json.loads(capsys.readouterr().out)
-    found = {one["answer"]: one for one in read["scores"] if one["program"] == "BrakeCylinder"}
-    assert found["shoe_force"]["worst"] == pytest.approx(0.0, abs=1e-6)
-    assert found["deceleration"]["worst"] is None
-    write(tmp_path, BRAKE_MAP.replace('"speed", ', ""), "map.toml")
-    assert main(["benchmark", "qr30-bogie", *given]) == HOLDS
-    assert "point 1: the map must have a variable for speed, or ignore it" in capsys.readouterr().out
-    write(tmp_path, BRAKE_MAP.replace('"10 ms"', '"10 m"'), "map.toml")
-    assert main(["benchmark", "qr30-bogie", *given]) == BAD_INPUT
-    assert "run.step must have a unit that converts to s" in capsys.readouterr().err
+    fmu, case = fmus["brake", "native"], read_case(CASES / "qr30-bogie.toml")
+    found = score(case, [program_of_fmu(fmu, write(tmp_path, BRAKE_MAP, "map.toml"))])
+    errors = {one.answer.name: one.worst for one in found.scores}
+    assert errors.pop("shoe_force") == pytest.approx(0.0, abs=1e-6)
+    assert set(errors.values()) == {None}
+    unmapped = write(tmp_path, BRAKE_MAP.replace('"speed", ', ""), "map.toml")
+    said = score(case, [program_of_fmu(fmu, unmapped)]).failures["BrakeCylinder"]
+    assert said == "point 1: the map must have a variable for speed, or ignore it."
+    with pytest.raises(BadInputError, match=r"run.step must have a unit that converts to s; got 10 m."):
+        program_of_fmu(fmu, write(tmp_path, BRAKE_MAP.replace('"10 ms"', '"10 m"'), "map.toml"))
 
 
 def test_a_range_has_the_percentiles_of_its_distribution(tmp_path: Path) -> None:
