@@ -91,7 +91,9 @@ def main() -> None:
             found = {"value": getattr(_imported(adapter), name)(*arguments)}
         except ImportError as error:
             found = {"missing": str(error)}
-        except Exception as error:
+        except KeyboardInterrupt:
+            return
+        except BaseException as error:  # programs in Rust raise their own
             found = {"error": f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"}
         print(json.dumps(found | {"seconds": _processor_time() - begin}), file=answers, flush=True)
 
