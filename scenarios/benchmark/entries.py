@@ -18,7 +18,7 @@ def check_names(table: Mapping[str, Any], known: Iterable[str], place: str) -> N
     """Raise FileError for an entry that is not among the known ones."""
     for name in table:
         if name not in known:
-            raise FileError(f"{place}: {shown(name)} must be one of {', '.join(known)}; {suggestion(name, known)}")
+            raise FileError(f"{place}: the entry {shown(name)} is unknown; {suggestion(name, known)}")
 
 
 def valid_name(name: str, place: str, taken: Iterable[str] = ()) -> bool:

@@ -28,6 +28,7 @@ from rbd_model.contact.creep.polach_2005 import polach_2005
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.creep.strip_theory import strip_theory
 from rbd_model.contact.hertz import POISSON_RATIO
+from scenarios.benchmark.case_file import CASES, read_case
 
 STEEL = 82e9
 DATA = Path(__file__).parents[1] / "data" / "creep"
@@ -437,10 +438,22 @@ CURVE = 2.0
 WHEEL_LOAD, WHEEL_RADIUS, SPEED, CURVES_NU = 106.7e3, 0.625, 10.0, 0.28
 
 
+#: Theory and thickness of the elastic layer [mm] of a series of the benchmark case `traction-curves`.
+SERIES = {
+    "exact_falling_layer": ("exact", 1.25),
+    "fastsim_coulomb": ("FASTSIM", 0.0),
+    "modified_fastsim_falling": ("modified FASTSIM", 0.0),
+}
+
+
 def traction(series: str) -> tuple[np.ndarray, np.ndarray]:
-    rows = csv.DictReader((DATA / "traction.csv").read_text().splitlines())
-    table = [(float(row["creep_x"]), float(row["traction_coefficient"])) for row in rows if row["series"] == series]
-    creepage, coefficient = np.array(table).T
+    theory, layer = SERIES[series]
+    table = [
+        (one.inputs["creepage"], one.published["traction"])
+        for one in read_case(CASES / "traction-curves.toml").points
+        if (one.inputs["theory"], one.inputs["layer"]) == (theory, pytest.approx(layer / 1e3))
+    ]
+    creepage, coefficient = np.array(table, float).T
     return creepage, coefficient
 
 

@@ -95,7 +95,7 @@ def test_points_may_be_rows_of_a_table(tmp_path: Path) -> None:
         ('force = "2 kN"', "force = true", "inputs.force: a value must be a number"),
         ('force = "2 kN"', 'force = "2 kX"', "inputs.force: a unit must be one that is known"),
         ('force = "2 kN"', 'force = "2"', "a number in quotes must have its unit"),
-        ('speed = "72 km/h"', 'sped = "72 km/h"', "point 2: sped must be one of"),
+        ('speed = "72 km/h"', 'sped = "72 km/h"', "point 2: the entry sped is unknown; did you mean speed?"),
         ('speed = "72 km/h"', 'speed = "72 kg"', "point 2: speed must have the unit of inputs.speed"),
         ('distance = "0.1 km"', 'distance = "0.1 kg"', "point 2, distance must have a unit that converts to m"),
         ("distance = 25.0", "distance = 0", "point 1: distance must not be 0"),
@@ -107,7 +107,7 @@ def test_points_may_be_rows_of_a_table(tmp_path: Path) -> None:
         ('uniform = ["1 kN", "3000 N"]', 'uniform = ["3 kN", "1 kN"]', "uniform must have its lower value first"),
         ("[answers.work]", "[answers.mass]", "mass must not be the name of an input too"),
         ("judged = true", "", "judged must be true or false"),
-        ("title", "titel", "must be one of title"),
+        ("title", "titel", "the entry titel is unknown; did you mean title?"),
     ],
 )
 def test_a_bad_case_is_refused_in_one_sentence_with_its_place(old: str, new: str, said: str, tmp_path: Path) -> None:
