@@ -64,7 +64,8 @@ $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 	touch $@ $(VENV)/demo-installed $(VENV)/compiler-installed
 
 # Draws the pictures of docs/choosing.md anew, some ten minutes, and puts what they measured into the text.
-CHARTS := speed-accuracy throughput stability-atlas coupling-step levels levels-in-curves contact-model thesis-step
+CHARTS := speed-accuracy throughput stability-atlas coupling-step levels levels-in-curves contact-model thesis-step \
+	train-brake-evidence
 charts: $(VENV)/charts-installed
 	for name in $(CHARTS); do $(RUN) -m bogie_braking run $$name || [ $$? = 1 ] || exit 1; done  # 1: a row does not hold
 	$(RUN) docs/generate/charts.py --collect

@@ -31,6 +31,7 @@ from scenarios.thesis import (
 )
 from scenarios.trains import (
     braking_distance,
+    train_brake_evidence,
     train_brake_models,
     train_braking,
     train_build_up,
@@ -92,6 +93,7 @@ SCENARIOS: list[Scenario] = [
     train_braking.SCENARIO,
     train_release.SCENARIO,
     train_build_up.SCENARIO,
+    train_brake_evidence.SCENARIO,
     train_brake_models.SCENARIO,
     train_coupling.SCENARIO,
     train_low_adhesion.SCENARIO,

@@ -29,6 +29,7 @@ CHARTS = (
     "levels-in-curves",
     "contact-model",
     "thesis-step",
+    "train-brake-evidence",
 )
 #: Characters in a line of text.
 WIDTH = 118

@@ -85,9 +85,7 @@ class TrainVehicle:
 
         S = T v + int m v / (F + R) dv (EN 14531-1).
         """
-        full = self.distributor.full_pressure + AMBIENT
-        given = list(self.brake.values().values())
-        force = np.array([float(_BRAKING(full, speed, given)) for speed in SPEEDS])
+        force = forces_of(self.brake, np.full(SPEEDS.size, self.distributor.full_pressure), SPEEDS)
         if not force.any():
             return 0.0
         way = braking_way(force, (1 + self.rotating_share) * self.mass, self.resistance)
@@ -98,6 +96,12 @@ class TrainVehicle:
     def pipe_length(self) -> float:
         """Length of its pipe with both hoses [m]."""
         return self.length + 2 * HOSE
+
+
+def forces_of(brake: VehicleBrake, pressure: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return brake forces at the rim [N] by gauge pressures [Pa] and speeds [m/s], one of each, eqs (2.4) to (2.7)."""
+    given = np.tile(np.array(list(brake.values().values()))[:, None], speed.size)
+    return np.ravel(np.asarray(_BRAKING((pressure + AMBIENT)[None, :], speed[None, :], given)))
 
 
 def freight_resistance(mass: float) -> tuple[float, float, float]:

@@ -30,6 +30,7 @@ from products.train.consist import (
     braked_with,
     braking_way,
     check_percentage,
+    forces_of,
 )
 
 #: Statements of a brake's force: the column that begins each, and those that belong to it alone.
@@ -261,7 +262,7 @@ def _sized_by(percentage: float, one: TrainVehicle, friction: Mapping[str, float
 
     def excess(pressed: float) -> float:
         own = _pressed(pressed, pressure, friction, shoes)
-        force = np.array([_force_at(own, pressure, speed) for speed in SPEEDS])
+        force = forces_of(own, np.full(SPEEDS.size, pressure), SPEEDS)
         return way - braking_way(force, turning, one.resistance)
 
     return _pressed(_root(excess, 1e-2 * mean, 200.0 * mean), pressure, friction, shoes)

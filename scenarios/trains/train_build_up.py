@@ -18,16 +18,18 @@ from brake_controller.distributors.uic import filling_choke, freight
 from products.train.consist import Consist
 from products.train.numbers import Settings
 from products.train.train import Train
-from scenarios.bench.train_runs import Course, build_up_time, follow, train_of
+from scenarios.bench.train_runs import Course, build_up_time, follow, propagation, train_of
 from scenarios.reporting.plots import FOUR, charts, one_word
 from scenarios.reporting.progress import counting
-from scenarios.reporting.report import Report, at_least, at_most, measured
+from scenarios.reporting.report import Report, Row, at_least, at_most, measured
 from scenarios.scenario import Options, Scenario
 
 #: Lengths by position [m]; mixed trains have five vehicles in G at their head.
 LENGTHS = {"P": (400.0, 500.0, 600.0), "G": (400.0, 600.0, 750.0, 900.0), "five in G": (900.0, 1200.0, 1500.0)}
 CASES = {"P": Case.EMERGENCY_FREIGHT_P, "G": Case.EMERGENCY_FREIGHT_G, "five in G": Case.EMERGENCY_FREIGHT_P}
 MODES = {"P": ("P", 0), "G": ("G", 0), "five in G": ("P", 5)}
+#: Volumes of branches with which the propagation is shown [m3].
+BRANCHES = (0.0, 4e-3)
 #: The trains whose unknowns are varied, and the simulated time [s].
 VARIED, WATCHED = {"P": 600.0, "G": 750.0}, {"P": 60.0, "G": 90.0, "five in G": 90.0}
 
@@ -65,6 +67,19 @@ def slower(consist: Consist, mode: str) -> Consist:
     return with_distributors(consist, filling_choke=choke)
 
 
+def with_branches(consist: Consist, volume: float) -> Consist:
+    """Return the consist with branches of its pipe, one volume in each vehicle [m3]."""
+    return Consist(tuple(replace(one, branch=volume) for one in consist.vehicles))
+
+
+def slowest(consist: Consist, mode: str) -> Consist:
+    """Return the consist without accelerators and in-shot, filling in the longest time, with branches of 4 l and a
+    third of the emergency valve's area.
+    """
+    plain = with_distributors(slower(consist, mode), accelerator_volume=0.0, inshot=0.0)
+    return with_valve(with_branches(plain, 4e-3), 1 / 3)
+
+
 @dataclass(frozen=True)
 class Unknown:
     """A changed parameter; later: physical sign of the effect on the time: longer (1), shorter (-1), or either (0)."""
@@ -83,7 +98,9 @@ UNKNOWNS = {
     "half of the wall friction": Unknown(None, Settings(friction=0.5), -1),
     "isothermal air": Unknown(None, Settings(heat=1e3), 1),
     "adiabatic air": Unknown(None, Settings(heat=0.0), -1),
-    "branches of 2 l": Unknown(lambda c, _: Consist(tuple(replace(v, branch=2e-3) for v in c.vehicles)), Settings(), 1),
+    "branches of 2 l": Unknown(lambda c, _: with_branches(c, 2e-3), Settings(), 1),
+    "branches of 4 l": Unknown(lambda c, _: with_branches(c, 4e-3), Settings(), 1),
+    "the slowest brake that still has 250 m/s": Unknown(lambda c, mode: slowest(c, mode), Settings(), 1),
     "pipes of 25 mm": Unknown(  # less air has to leave, against more friction
         lambda c, _: Consist(tuple(replace(v, pipe_diameter=0.025) for v in c.vehicles)), Settings(), 0
     ),
@@ -104,6 +121,7 @@ def run(options: Options) -> Report:
         due, name = formula(CASES[mode], length), f"{mode}, {length:g} m"
         rows.append(measured(f"{name}: build-up time", "s", seconds, f"formula {due:.2f} s"))
         rows.append(measured(f"{name}: over that of the formula", "1", seconds / due, "SUBSET-026"))
+    rows += [row for volume in BRANCHES for row in rows_of_wave(volume)]
     largest = max(moved, key=lambda one: moved[one])
     said = [
         f"Plain physics builds up in {found['P', 600.0][0]:.1f} s in P at 600 m, where the formula has "
@@ -115,6 +133,18 @@ def run(options: Options) -> Report:
     seconds = sum(WATCHED[mode] for mode, _ in [*trains, *tries])
     parameters = {"varied": VARIED, "positions": list(MODES)}
     return Report(rows, course.recording(), lambda: draw(found, moved), parameters, seconds, said)
+
+
+def rows_of_wave(volume: float) -> list[Row]:
+    """Return propagation and mean begin of an emergency in P at 600 m, with a volume of branches [m3]."""
+    consist = with_branches(consist_of("P", 600.0), volume)
+    _, course = build_up(consist, "P")
+    words = f"P, 600 m, branches of {1e3 * volume:g} l"
+    wave, begun = propagation(course, consist.length), float(course.begun().mean())
+    return [
+        measured(f"{words}: propagation", "m/s", wave, "UIC 540: at least 250; measured: 280 to 300"),
+        measured(f"{words}: cylinders begin to fill after", "s", begun, "formula: reaction time of 2.99 s"),
+    ]
 
 
 def shift(mode: str, name: str) -> float:

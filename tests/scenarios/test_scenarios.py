@@ -35,6 +35,7 @@ from scenarios.thesis import qr30, thesis_step
 from scenarios.thesis.creep_forces import EXACT
 from scenarios.trains import (
     braking_distance,
+    train_brake_evidence,
     train_brake_models,
     train_braking,
     train_one_vehicle_in_detail,
@@ -185,6 +186,11 @@ def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(train_one_vehicle_in_detail, "FINE", 5e-4)
     stiffest = dict(list(train_one_vehicle_in_detail.STIFFNESS.items())[-1:])
     monkeypatch.setattr(train_one_vehicle_in_detail, "STIFFNESS", stiffest)
+    monkeypatch.setattr(train_brake_evidence, "DRAWS", 2)
+    few_switches = {name: train_brake_evidence.SWITCHES[name] for name in list(train_brake_evidence.SWITCHES)[::5]}
+    monkeypatch.setattr(train_brake_evidence, "SWITCHES", few_switches)
+    last = dict(list(train_brake_evidence.MODELS.items())[-1:])
+    monkeypatch.setattr(train_brake_evidence, "MODELS", last)
     monkeypatch.setattr(train_braking, "LENGTHS", (400.0, 750.0))
     monkeypatch.setattr(train_standing, "LEAKS", train_standing.LEAKS[1:])
     monkeypatch.setattr(braking_distance, "MANY", 20_000)
