@@ -28,7 +28,7 @@ ASSESSED = 120.0 / 3.6
 STATEMENTS = (("deceleration",), ("percentage",), ("force",), ("cylinder_diameter", "cylinders", "rigging_ratio"))
 BRAKE_ENTRIES: Mapping[str, Entry] = {
     "deceleration": Entry("m/s2", 0.01, 5.0, "of the full brake on a dry rail, after build-up"),
-    "percentage": Entry("%", 1.0, 300.0, "brake weight percentage, lambda (EN 16834, from 120 km/h)"),
+    "percentage": Entry("%", 1.0, 300.0, "or lambda: brake weight percentage (EN 16834, from 120 km/h)"),
     "force": Entry("N", 1.0, 1e7, "of the full brake at the rims of all wheelsets"),
     "cylinder_diameter": Entry("m", 0.01, 1.0, "of each cylinder"),
     "cylinders": Entry("1", 1, 48, "cylinders of the vehicle", whole=True),
@@ -64,6 +64,15 @@ class SheetBrake:
     application_time: float
     assumed: Mapping[str, str]
     entries: Mapping[str, Any]
+
+
+def with_entry_names(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the table [brake] of a file with the column name of consists, lambda, as percentage. Raises ValueError."""
+    if "lambda" not in table:
+        return dict(table)
+    if "percentage" in table:
+        raise ValueError("[brake] percentage must be given once; got lambda beside it. Leave one out.")
+    return {"percentage" if key == "lambda" else key: value for key, value in table.items()}
 
 
 def brake_of_sheet(table: Mapping[str, Any], turning_mass: float, axles: int, radius: float) -> SheetBrake:

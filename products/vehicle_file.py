@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet
+from products.vehicle_brakes import BRAKE_ENTRIES, SheetBrake, brake_of_sheet, with_entry_names
 from products.vehicle_entries import (
     ENTRIES,
     HEAVIEST,
@@ -206,6 +206,7 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     resistance = _resistance(tables["resistance"])
     brake = None
     if tables["brake"]:
+        tables["brake"] = with_entry_names(tables["brake"])
         check_names(tables["brake"], [*BRAKE_ENTRIES, "acts_on"], "[brake] ")
         turning = total_mass(parameters, axles) + axles * parameters.wheelset_pitch_inertia / parameters.wheel_radius**2
         brake = brake_of_sheet(tables["brake"], turning, axles, parameters.wheel_radius)

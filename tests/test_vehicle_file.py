@@ -115,6 +115,13 @@ def test_a_force_and_its_deceleration_are_the_same_brake() -> None:
     )
 
 
+def test_lambda_is_the_percentage_and_is_given_once() -> None:
+    same = [sheet_of(SHEET | {"brake": {name: 105.0}}).brake for name in ("lambda", "percentage")]
+    assert same[0] == same[1]
+    with pytest.raises(ValueError, match="must be given once; got lambda beside it"):
+        sheet_of(SHEET | {"brake": {"lambda": 105.0, "percentage": 105.0}})
+
+
 def test_a_percentage_is_that_of_the_assessment() -> None:
     """lambda = C / S - D from 120 km/h with a build-up of 2 s (EN 16834, EN 14531-1)."""
     speed = 120 / 3.6
