@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from fmpy.validation import validate_fmu
@@ -20,6 +21,7 @@ from products.vehicle_file import DataSheet
 from rbd_model.levels.models import places_of
 from rbd_model.vehicle.description import Vehicle
 from readers.storage import write_whole
+from readers.text import text_of
 
 #: Contact table among the resources of an FMU.
 PAIR = "resources/pair.csv"
@@ -96,12 +98,16 @@ def write_fmu(
         raise ValueError(f"level must be 1, 2 or 3, or left out for all of them; got {level!r}.")
     if path.suffix != ".fmu":
         raise ValueError(f"{path} must end with .fmu, the only name under which hosts take an FMU.")
+    if isinstance(what, DataSheet) and what.profile_files and kind == "python":
+        raise ValueError("kind must be native or fmi3 for a vehicle with a profile_file; got python. Choose one.")
     if isinstance(what, DataSheet) and what.fmu is not None:
         _with_values(what, path, kind, level)
     else:
         contents = what.vehicle if isinstance(what, DataSheet) else what
         with ONE_WRITES:
             build(model_from(contents, places_of(level)), path)
+    if isinstance(what, DataSheet) and what.profile_files:
+        write_whole(path, archive_bytes(contents_of(path) | {PAIR: one_table(what.profile_files)}))
     problems = validate_fmu(str(path))
     if problems:
         raise ValueError(f"{path} is not a valid FMU: {' '.join(map(str, problems))}")
@@ -117,5 +123,8 @@ def _with_values(sheet: DataSheet, path: Path, kind: str, level: int | None) -> 
         )
     values = sheet.values | ({} if level is None else {"level": float(level)})
     write_whole(path, with_start_values(fmu(sheet.fmu), values))
-    if sheet.profile_file is not None:
-        write_whole(path, archive_bytes(contents_of(path) | {PAIR: sheet.profile_file.read_bytes()}))
+
+
+def one_table(paths: Sequence[Path]) -> bytes:
+    """Return files of contact tables as one, which has the tables one after the other."""
+    return paths[0].read_bytes() if len(paths) == 1 else "".join(f"{text_of(path)}\n" for path in paths).encode()

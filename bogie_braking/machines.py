@@ -24,6 +24,7 @@ from products.vehicle_file import DataSheet
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.laws import LAWS
 from rbd_model.contact.creep.own_law import check_own_law
+from rbd_model.contact.pair_file import PAIR_FILE, joined
 from rbd_model.levels.models import (
     DEFAULT_DEPTH,
     DEPTH_ON_LINE,
@@ -108,12 +109,11 @@ def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Run
     """
     if not isinstance(what, DataSheet):
         return _with_contact(what, dict(values))
+    in_space = values.get("level", LEVEL) == LEVELS[-1]
+    table = {PAIR_FILE.variable.name: joined(what.profile_files)} if what.profile_files and in_space else {}
     if what.fmu is None:
-        return _with_contact(what.vehicle, dict(what.resistance) | dict(values))
-    level = values.get("level", LEVEL)
-    reads = level == LEVELS[-1] and what.profile_file is not None
-    table = {"profile_file": str(what.profile_file)} if reads else {}
-    return _with_contact(what.fmu, what.values_at(level) | table | dict(values))
+        return _with_contact(what.vehicle, dict(what.resistance) | table | dict(values))
+    return _with_contact(what.fmu, what.values_at(values.get("level", LEVEL)) | table | dict(values))
 
 
 def _with_contact(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dict[str, Any]]:

@@ -75,7 +75,7 @@ class Part:
     @cached_property
     def function(self) -> ca.Function:
         """Return the results, and the nonzeros of their slopes, of arguments and constants."""
-        both = [ca.densify(self.chain.expand(one)) for one in (self.results, self.slope.nz[:])]
+        both = [ca.densify(self.chain.expand(one)) for one in (self.results, ca.vec(self.slope.nz[:]))]
         return ca.Function(self.name, [self.arguments, self.constants], both)
 
 

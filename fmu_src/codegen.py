@@ -229,7 +229,7 @@ def _value_of_record(one: OfRecord) -> str:
     """Return a number of a record, its members by position."""
     steps = [*one.path, *((0, 0) for _ in range(LONGEST_PATH - len(one.path)))]
     places = ", ".join(f"{{{place}, {entry}}}" for place, entry in steps)
-    return f"{{&{own_name(one.own)}, {len(one.path)}, {{{places}}}, {one.number}}}"
+    return f"{{&{own_name(one.own)}, {one.root}, {len(one.path)}, {{{places}}}, {one.number}}}"
 
 
 def _algebraic_nonzeros(system: System, solving: Elimination) -> list[int]:
@@ -340,7 +340,8 @@ def _description(model: Model, generated: Sequence[dict[str, Generated]], solvin
     if model.table_file:
         lines.append(table_file_source(model.table_file, model.index(model.table_file.variable.name)))
     if model.record_file:
-        lines.append(record_file_source(model.record_file, model.index(model.record_file.variable.name)))
+        roots = max((1 + one.root for system in model.systems for one in system.records), default=0)
+        lines.append(record_file_source(model.record_file, model.index(model.record_file.variable.name), roots))
     lines.append("static const variable_description VARIABLE[] = {")
     for v in model.variables:
         lost = math.nan if v.when_lost is None else v.when_lost

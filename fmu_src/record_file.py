@@ -18,8 +18,18 @@ PREFIX = "of_records_"
 OWN = "records_"
 
 
-def record_file_source(file: RecordFile, variable: int) -> str:
-    """Return C of RECORD_FILE, a `record_file_description`; variable: place of the one that names the file."""
+def record_file_source(file: RecordFile, variable: int, roots: int) -> str:
+    """Return C of RECORD_FILE, a `record_file_description`.
+
+    Parameters
+    ----------
+    file : RecordFile
+        The description.
+    variable : int
+        Place of the variable that names the file.
+    roots : int
+        The largest number of root records that a system reads; 0 if none reads them.
+    """
     kinds = kinds_of(file.kind)
     places = [f"KIND_{kind.name.upper()}" for kind in kinds]
     names = [f"enum {{ {', '.join(places)} }};"]
@@ -30,8 +40,9 @@ def record_file_source(file: RecordFile, variable: int) -> str:
     lines = ['#include <stdio.h>\n#include "record_file.h"', given]
     for kind, place in zip(kinds, places, strict=True):
         lines += _arrays_of_kind(kind, place, kinds)
-    words = (file.noun, f"/{file.resource}", file.remedy, file.kind.name)
-    members = [str(variable), *map(c_text, words), str(file.version), "KIND_OF_RECORD", f"{PREFIX}check_record"]
+    words = (file.noun, f"/{file.resource}", file.remedy, file.owner, file.kind.name)
+    counts = str(file.version), str(roots)
+    members = [str(variable), *map(c_text, words), *counts, "KIND_OF_RECORD", f"{PREFIX}check_record"]
     lines.append(c_array("record_kind", "KIND_OF_RECORD", (_kind(kind) for kind in kinds)))
     lines.append(f"static const record_file_description RECORD_FILE = {{{', '.join(members)}}};")
     return "\n".join(line for line in lines if line)

@@ -318,6 +318,8 @@ class RecordFile:
     source : str
         C with the function `check_record` of `record_file_description` (model.h); KIND_NAME and NUMBER_KIND_NAME are
         the places of kinds and numbers.
+    owner : str
+        What has a root record of its own, "wheelset".
     """
 
     variable: Variable
@@ -327,19 +329,22 @@ class RecordFile:
     version: int
     kind: RecordKind
     source: str
+    owner: str
 
 
 @dataclass(frozen=True)
 class OfRecord:
     """A number of a record, or the record itself, which is the same during a run; `symbol` has it in equations.
 
-    own: the root record of an instance without a file. path: places of lists and of the records in them, from the root;
-    -1 is the last record. number: its place, -1: the record.
+    own: the root record of an instance without a file. root: place of the root record among those of the files; a
+    single one is that of all. path: places of lists and of the records in them, from the root. The place -1 is the last
+    record. number: its place, -1: the record.
     """
 
     symbol: ca.SX
     file: RecordFile
     own: OwnRecord
+    root: int
     path: tuple[tuple[int, int], ...]
     number: int
 
@@ -760,7 +765,7 @@ class System(Chain):
         return next((table.file for table in self.tables), None)
 
     def of_record(
-        self, file: RecordFile, own: OwnRecord, path: Sequence[tuple[int, int]] = (), number: str = ""
+        self, file: RecordFile, own: OwnRecord, path: Sequence[tuple[int, int]] = (), number: str = "", root: int = 0
     ) -> ca.SX:
         """Return the symbol of a number of a record, or of the record itself.
 
@@ -774,14 +779,16 @@ class System(Chain):
             Places of lists and of the records in them, from the root; -1 is the last record.
         number : str
             Name of the number; empty: the record, for `piecewise.look_up_in` and calls of each record of a list.
+        root : int
+            Place of the root record among those of the files.
         """
         kind = file.kind
         for place, _ in path:
             kind = kind.lists[place].kind
         names = [one.name for one in kind.numbers]
-        key = (file, own, tuple(path), names.index(number) if number else -1)
+        key = (file, own, root, tuple(path), names.index(number) if number else -1)
         for known in self.records:
-            if (known.file, known.own, known.path, known.number) == key:
+            if (known.file, known.own, known.root, known.path, known.number) == key:
                 return known.symbol
         symbol = ca.SX.sym(f"{kind.name}_{len(self.records)}")
         self.records.append(OfRecord(symbol, *key))

@@ -5,7 +5,7 @@ A number that the file lacks is taken from a named built-in vehicle and listed a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from products.vehicle_entries import (
     parameter_entry,
 )
 from rbd_model.contact.geometry import synthetic_pair
-from rbd_model.contact.pair_file import read_pair
+from rbd_model.contact.pair_file import read_pairs
 from rbd_model.vehicle.description import Vehicle
 from rbd_model.vehicle.parameters import BogieParameters, VehicleParameters
 from rbd_model.vehicle.ready import four_axle_vehicle, six_axle_vehicle, two_axle_bogie
@@ -84,8 +84,8 @@ class DataSheet:
         Brake of each wheelset; None if the file has no [brake].
     assumed : mapping of str to str
         How each value was found that the file does not give, by the parameter's name.
-    profile_file : Path or None
-        Contact table of the wheels and rails, for level 3; None: the synthetic pair.
+    profile_files : tuple of Path
+        Contact tables for level 3, of all wheelsets or of each; empty: the synthetic pair.
     """
 
     name: str
@@ -95,7 +95,7 @@ class DataSheet:
     resistance: Mapping[str, float] = field(default_factory=dict)
     brake: SheetBrake | None = None
     assumed: Mapping[str, str] = field(default_factory=dict)
-    profile_file: Path | None = None
+    profile_files: tuple[Path, ...] = ()
 
     @property
     def fmu(self) -> str | None:
@@ -164,23 +164,24 @@ def read_vehicle(path: str | Path) -> DataSheet:
         raise FileError(str(error)) from None
     try:
         sheet = sheet_of(read, Path(path).stem)
-        table = None if sheet.profile_file is None else contact_table(Path(path).parent / sheet.profile_file, sheet)
+        tables = contact_tables([Path(path).parent / table for table in sheet.profile_files], sheet.axles)
     except ValueError as error:
         raise FileError(f"{path}: {error}") from None
-    return replace(sheet, profile_file=table)
+    return replace(sheet, profile_files=tables)
 
 
-def contact_table(path: Path, sheet: DataSheet) -> Path:
-    """Return the path of a contact table if it can be read. Raises ValueError."""
-    if sheet.fmu is None:
-        raise ValueError(
-            f"profile_file must be left out with {sheet.axles} axles; got {path}. Define the pair in Python."
-        )
+def contact_tables(paths: Sequence[Path], wheelsets: int) -> tuple[Path, ...]:
+    """Return the paths of contact tables if they can be read and suit the number of wheelsets. Raises ValueError."""
     try:
-        read_pair(path)
+        count = sum(len(read_pairs(path)) for path in paths)
     except (OSError, ValueError) as error:
         raise ValueError(f"profile_file must be a contact table of 'bogie-braking profile'. {error}") from None
-    return path.absolute()
+    if count not in (0, 1, wheelsets):
+        raise ValueError(
+            f"profile_file must name one contact table for all wheelsets or one for each, {wheelsets}; got {count}. "
+            "Correct it."
+        )
+    return tuple(path.absolute() for path in paths)
 
 
 def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
@@ -191,9 +192,7 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     if not isinstance(title, str) or not title.isprintable() or not 0 < len(title) <= LONGEST_NAME:
         limit = f"name must be a printable text of at most {LONGEST_NAME} characters"
         raise ValueError(f"{limit}; got {shown(title)}. Put it in quotes, or shorten it.")
-    profiles = read.get("profile_file")
-    if not isinstance(profiles, str | None):
-        raise ValueError(f"profile_file must be the path of a contact table; got {shown(profiles)}. Put it in quotes.")
+    profiles = _profile_files(read.get("profile_file", []))
     given = {key: number_of(ENTRIES[key], value, key) for key, value in read.items() if key in ENTRIES}
     given.pop("axles", None)
     base = LIKE[like][1]()
@@ -213,8 +212,18 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
         assumed |= dict(brake.assumed)
     if "length" in given and "pivot_distance" in {**given, **tables["parameters"]}:
         check_length(parameters, given["length"])
-    table = None if profiles is None else Path(profiles)
-    return DataSheet(title, like, axles, parameters, resistance, brake, assumed, table)
+    return DataSheet(title, like, axles, parameters, resistance, brake, assumed, profiles)
+
+
+def _profile_files(given: object) -> tuple[Path, ...]:
+    """Return the paths of contact tables: a list, or a text with semicolons between them. Raises ValueError."""
+    paths = [one.strip() for one in given.split(";")] if isinstance(given, str) else given
+    if not isinstance(paths, list) or not all(isinstance(one, str) for one in paths):
+        raise ValueError(
+            f"profile_file must be the path of a contact table, or a list of paths; got {shown(given)}. Put paths in "
+            "quotes."
+        )
+    return tuple(map(Path, paths))
 
 
 def check_length(parameters: BogieParameters, length: float) -> None:

@@ -52,7 +52,8 @@ def toml_of_sheet(sheet: DataSheet) -> str:
     entries = {key: text for key, entry in ENTRIES.items() if (text := _exact(key, entry, values)) is not None}
     rows += [f"{key} = {_literal(text)}" for key, text in entries.items()]
     written = {ENTRIES[key].parameter for key in entries}
-    rows += [] if sheet.profile_file is None else [f"profile_file = {_literal(str(sheet.profile_file))}"]
+    tables = ", ".join(_literal(str(path)) for path in sheet.profile_files)
+    rows += [f"profile_file = [{tables}]"] if tables else []
     if sheet.resistance:
         rows += ["", "[resistance]"]
         named = {parameter: (key, entry.unit) for key, (parameter, entry) in RESISTANCE.items()}

@@ -23,7 +23,7 @@ from products.vehicle_entries import LIKE
 from products.vehicle_file import WITH_EFFECT, sheet_of
 from products.vehicle_toml import EXAMPLES, built_in_sheet, names_of_examples, write_vehicle
 from rbd_model.contact.geometry import thesis_pair
-from rbd_model.contact.pair_file import write_pair
+from rbd_model.contact.pair_file import read_pairs, write_pair
 from readers.text import FileError
 
 SHEET = {"name": "Own", "tare": "38 t", "load": "6 t", "wheel_diameter": "900 mm", "length": "24.5 m"}
@@ -44,7 +44,7 @@ def test_a_built_in_vehicle_survives_the_way_through_a_file(name: str, tmp_path:
 @pytest.mark.parametrize("name", names_of_examples())
 def test_a_written_vehicle_keeps_brake_profiles_and_resistance(name: str, tmp_path: Path) -> None:
     write_pair(thesis_pair(), tmp_path / "pair.csv")
-    sheet = replace(bb.read_vehicle(EXAMPLES / f"{name}.toml"), name='Bär "1"', profile_file=tmp_path / "pair.csv")
+    sheet = replace(bb.read_vehicle(EXAMPLES / f"{name}.toml"), name='Bär "1"', profile_files=(tmp_path / "pair.csv",))
     again = bb.read_vehicle(write_vehicle(sheet, tmp_path / "vehicle.toml"))
     assert replace(again, assumed={}) == replace(sheet, assumed={})
 
@@ -227,6 +227,19 @@ def test_profiles_of_a_file_reach_runs_at_level_3_and_the_fmu(tmp_path: Path) ->
             messages.append(fmu.messages)
     assert messages[:2] == [[], []]
     assert messages[2][0].startswith('Nothing in the system "planar" depends on frame_roll_inertia, so that setting')
+    (tmp_path / "other.csv").write_bytes((tmp_path / "pair.csv").read_bytes())
+    for files in ('["pair.csv", "other.csv"]', '"pair.csv;other.csv"'):
+        (tmp_path / "wagon.toml").write_text(f'tare = "30 t"\naxles = 2\nprofile_file = {files}\n')
+        sheet = bb.read_vehicle(tmp_path / "wagon.toml")
+        both = unfolded(sheet, {"level": 3})[1]["profile_file"]
+        assert both == f"{tmp_path / 'pair.csv'};{tmp_path / 'other.csv'}"
+    contents = contents_of(bb.write_fmu(sheet, tmp_path / "wagon.fmu"))
+    (tmp_path / "both.csv").write_bytes(contents["resources/pair.csv"])
+    assert len(read_pairs(tmp_path / "both.csv")) == 2
+    (tmp_path / "wagon.toml").write_text('tare = "30 t"\naxles = 4\nprofile_file = "both.csv"\n')
+    with pytest.raises(FileError, match="one contact table for all wheelsets or one for each, 4; got 2"):
+        bb.read_vehicle(tmp_path / "wagon.toml")
+    (tmp_path / "wagon.toml").write_text('tare = "30 t"\naxles = 2\nprofile_file = "pair.csv"\n')
     (tmp_path / "pair.csv").write_text("y,z\n0,0\n")
     with pytest.raises(FileError, match="profile_file must be a contact table"):
         bb.read_vehicle(tmp_path / "wagon.toml")
@@ -257,7 +270,7 @@ REFUSED = [
     ({"tare": 38, "load": 6}, "got 38. Did you mean 38 t"),
     ({"wheel_diameter": "0,92 m"}, "Write a decimal point instead of the comma"),
     ({"length": "18 m", "pivot_distance": "19 m"}, "length must be at least the pivot_distance of 19 m; got 18 m"),
-    ({"profile_file": 7}, "profile_file must be the path of a contact table; got 7"),
+    ({"profile_file": 7}, "profile_file must be the path of a contact table, or a list of paths; got 7"),
     ({"name": 7}, "name must be a printable text of at most 60 characters; got 7"),
     ({"name": "a\nb"}, "name must be a printable text"),
     ({"like": ["coach"]}, "like must be one of coach, coal-wagon, bogie; got"),

@@ -103,6 +103,7 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     from fmu_src.parameter_file import parameter_file
     from products.registry import variables_of
     from products.vehicle_file import read_vehicle
+    from rbd_model.contact.pair_file import PAIR_FILE, joined
 
     sheet = read_vehicle(chosen.file)
     if sheet.fmu is None:
@@ -112,12 +113,12 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     check_folder(path.parent)
     text = f"{sheet.name}: {sheet.mass / 1e3:.2f} t, like the {sheet.like}"
     values: dict[str, float | str] = {**sheet.values}
-    if sheet.profile_file is not None:
-        values["profile_file"] = str(sheet.profile_file)
+    if sheet.profile_files:
+        values[PAIR_FILE.variable.name] = joined(sheet.profile_files)
     write_whole(path, parameter_file(sheet.name, text, values, variables_of(sheet.fmu)))
     print(f"{path}  for the FMU {sheet.fmu}")
-    if sheet.profile_file is not None:
-        print(f"It names {sheet.profile_file}, which must stay there, for level 3.")
+    if sheet.profile_files:
+        print(f"It names {joined(sheet.profile_files)}, which must stay there, for level 3.")
 
 
 def export(chosen: argparse.Namespace) -> None:
@@ -141,7 +142,7 @@ def entries_text() -> str:
 
     rows = [
         "name      any text",
-        "profile_file  contact table of 'bogie-braking profile', for level 3",
+        "profile_file  contact table of 'bogie-braking profile', or a list with one for each wheelset, for level 3",
         *(f"like      {name}: {about}" for name, (about, _) in LIKE.items()),
     ]
     tables = {"": ENTRIES, "[resistance]": {key: entry for key, (_, entry) in RESISTANCE.items()}}

@@ -89,8 +89,9 @@ static kernel_status check_relations(kernel *self) {
 
 /* Check that the chosen system can run with its records. A file without effect is a warning, unless the system refuses it. */
 static kernel_status check_records(kernel *self, const system_description *system) {
-    const record *root = self->records ? &self->records->root : system->records ? system->record[0].own : NULL;
-    if (root && !records_are_exact(root))
+    bool exact = self->records || !system->records || records_are_exact(system->record[0].own);
+    for (int i = 0; self->records && i < self->records->roots; ++i) exact = exact && records_are_exact(self->records->root[i]);
+    if (!exact)
         return kernel_fail(self, KERNEL_ERROR, "This computer's addresses of memory are too large for a %s.",
                            MODEL.record_file->noun);
     if (!self->records || system->records) return KERNEL_OK;

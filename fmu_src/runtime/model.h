@@ -67,6 +67,7 @@ enum { LONGEST_PATH = 2 };
 /* A number of a record, or the record itself (number -1), as generated functions take it. */
 typedef struct {
     const record *own; /* the root record of an instance without a file */
+    int root;          /* place among the root records of its files; a single one is that of all */
     int steps;
     struct {
         int list, entry; /* entry -1: the last; one of a shorter list is its last */
@@ -183,14 +184,16 @@ typedef struct {
     const list_of_record *list;
 } record_kind;
 
-/* Records that an instance reads from a file before the start. */
+/* Records that an instance reads from files before the start: one root record for all owners, or one for each. */
 typedef struct {
     int variable; /* the one that names the file */
     const char *noun; /* its name in messages, "contact table" */
     const char *resource; /* name of the file among the resources of an FMU, after a slash */
     const char *remedy; /* the end of a message about a damaged file */
+    const char *owner; /* what has a root record of its own, "wheelset" */
     const char *name; /* the word in the first row of a file */
     int version;
+    int roots; /* the largest number of root records that a system reads; 0: none reads them */
     const record_kind *kind; /* the root's is the first */
     /* The model's rule for the numbers of a record of a kind: return whether it is met, and a message in `problem` if not. */
     bool (*check)(int kind, const double *number, char *problem, size_t size);

@@ -1,5 +1,6 @@
-/* Records from a user's file, as FMUs and kernels read them: each row is a number with its name, the head of a table or of a
- * list, or a row of a table, in the order of the kinds. The last one is the checksum of all numbers. rbd_model/contact/pair_file.py writes and reads the same files. */
+/* Records from users' files, as FMUs and kernels read them. Each row is a number with its name, the head of a table or of a
+ * list, or a row of a table, in the order of the kinds. The last one is the checksum of all numbers; another root record may
+ * follow. rbd_model/contact/pair_file.py writes and reads the same files. */
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -26,6 +27,7 @@ typedef struct {
     char *problem;
     const char *cell[MOST_CELLS]; /* of the row that was read last */
     int cells;
+    unsigned long long mark; /* of the root record that is read */
     record_file *made;
 } record_reader;
 
@@ -58,11 +60,8 @@ static void *keep(record_reader *self, int count, size_t size) {
     return &block->first;
 }
 
-/* Read the next row and its cells. wanted: the row that must be there. */
-static bool next_cells(record_reader *self, const char *wanted) {
-    const reading found = text_rows_next(&self->rows);
-    if (found == ROW_REFUSED) return refuse_record(self, "%s", self->rows.problem);
-    if (found == NO_MORE_ROWS) return refuse_record(self, "the row must be %s; the file ends", wanted);
+/* Find the cells of a row. */
+static bool split_row(record_reader *self) {
     char *rest = self->rows.text, *cell;
     cell_reading next;
     for (self->cells = 0; (next = text_next_cell(&rest, ',', &cell)) == CELL_READ; ++self->cells) {
@@ -72,12 +71,24 @@ static bool next_cells(record_reader *self, const char *wanted) {
     return next != CELL_REFUSED || refuse_record(self, "quotes must close within the row");
 }
 
-/* Read the row with a name and `count` more cells. */
-static bool named_cells(record_reader *self, const char *name, int count) {
-    if (!next_cells(self, name)) return false;
+/* Read the next row and its cells. wanted: the row that must be there. */
+static bool next_cells(record_reader *self, const char *wanted) {
+    const reading found = text_rows_next(&self->rows);
+    if (found == ROW_REFUSED) return refuse_record(self, "%s", self->rows.problem);
+    if (found == NO_MORE_ROWS) return refuse_record(self, "the row must be %s; the file ends", wanted);
+    return split_row(self);
+}
+
+/* Check that the row has a name and `count` more cells. */
+static bool is_named(record_reader *self, const char *name, int count) {
     if (self->cells == 1 + count && strcmp(self->cell[0], name) == 0) return true;
     return refuse_record(self, "the row must be '%s' with %d more cells; got '%.*s' with %d", name, count, QUOTED_CELL,
                          self->cell[0], self->cells - 1);
+}
+
+/* Read the row with a name and `count` more cells. */
+static bool named_cells(record_reader *self, const char *name, int count) {
+    return next_cells(self, name) && is_named(self, name, count);
 }
 
 static bool read_number(record_reader *self, const char *name, const char *cell, double minimum, double maximum,
@@ -85,7 +96,7 @@ static bool read_number(record_reader *self, const char *name, const char *cell,
     char mark;
     if (!table_read_number(cell, value, &mark) || !(*value >= minimum && *value <= maximum))
         return refuse_record(self, "%s must be a number from %g to %g; got '%.*s'", name, minimum, maximum, QUOTED_CELL, cell);
-    self->made->mark = seal_hash(self->made->mark, value, sizeof *value);
+    self->mark = seal_hash(self->mark, value, sizeof *value);
     return true;
 }
 
@@ -182,25 +193,44 @@ static bool read_record(record_reader *self, int kind, record *made) {
     return true;
 }
 
-static bool read_all(record_reader *self) {
+/* Return the root record that was read before with this mark, or `own`: lanes with one record take less time. */
+static const record *same_root(const record_file *made, unsigned long long mark, const record *own) {
+    for (int i = 0; i < made->roots; ++i)
+        if (made->mark_of_root[i] == mark) return made->root[i];
+    return own;
+}
+
+/* Read a root record, of which the first row has been read. */
+static bool read_root(record_reader *self) {
     const record_file_description *about = MODEL.record_file;
+    record_file *made = self->made;
     double version = 0.0;
     char mark;
-    if (!named_cells(self, about->name, 1)) return false;
+    if (!is_named(self, about->name, 1)) return false;
+    if (made->roots == MOST_ROOTS) return refuse_record(self, "there must be at most %d of them; there are more", MOST_ROOTS);
     if (!table_read_number(self->cell[1], &version, &mark) || version != about->version)
         return refuse_record(self, "the format must be %d; got '%.*s'", about->version, QUOTED_CELL, self->cell[1]);
-    if (!read_record(self, 0, &self->made->root)) return false;
+    self->mark = SEAL_BEGIN;
+    record *root = (record *)keep(self, 1, sizeof *root);
+    if (!root || !read_record(self, 0, root)) return false;
     char sum[20];
-    snprintf(sum, sizeof sum, "%016llx", self->made->mark);
+    snprintf(sum, sizeof sum, "%016llx", self->mark);
     if (!named_cells(self, "checksum", 1)) return false;
     if (strcmp(self->cell[1], sum) != 0)
         return refuse_record(self, "the checksum must be %s, that of the numbers above; got '%.*s'", sum, QUOTED_CELL,
                              self->cell[1]);
-    const reading found = text_rows_next(&self->rows);
-    if (found == ROW_REFUSED) return refuse_record(self, "%s", self->rows.problem);
-    if (found == ROW_READ)
-        return refuse_record(self, "the file must end after its last record; got '%.*s'", QUOTED_CELL, self->rows.text);
+    made->root[made->roots] = same_root(made, self->mark, root);
+    made->mark_of_root[made->roots++] = self->mark;
+    made->mark = made->roots == 1 ? self->mark : seal_hash(made->mark, &self->mark, sizeof self->mark);
     return true;
+}
+
+/* Read all root records of a file. */
+static bool read_all(record_reader *self) {
+    bool done = next_cells(self, MODEL.record_file->name) && read_root(self);
+    reading found = NO_MORE_ROWS;
+    while (done && (found = text_rows_next(&self->rows)) == ROW_READ) done = split_row(self) && read_root(self);
+    return done && (found != ROW_REFUSED || refuse_record(self, "%s", self->rows.problem));
 }
 
 static bool refuse_path(record_reader *self, const char *why) {
@@ -216,21 +246,51 @@ static bool read_file_of_records(record_reader *self) {
     FILE *file = fopen(self->path, "rb");
     if (!file) return refuse_path(self, "it cannot be opened");
     text_rows_begin(&self->rows, file);
-    self->made->mark = SEAL_BEGIN;
     const bool done = read_all(self);
     fclose(file);
     return done;
 }
 
-record_file *records_read(const char *path, char problem[PROBLEM_SIZE]) {
+/* Check that there is a root record for all owners, or one for each. */
+static bool check_roots(const record_reader *self) {
+    const record_file_description *about = MODEL.record_file;
+    const int roots = self->made->roots;
+    if (roots == 1 || roots == about->roots || about->roots == 0) return true;
+    snprintf(self->problem, PROBLEM_SIZE, "%s must name one %s for all %ss or one for each, %d; got %d. Correct it.",
+             MODEL.variable[about->variable].name, about->noun, about->owner, about->roots, roots);
+    return false;
+}
+
+/* Return whether a text is the path of one file: it has no semicolon, or a file has this name. */
+static bool is_one_path(const char *text) {
+    FILE *file = strchr(text, ';') && is_plain_file(text) ? fopen(text, "rb") : NULL;
+    if (file) fclose(file);
+    return file || !strchr(text, ';');
+}
+
+/* Read one file, or several whose paths semicolons separate. */
+static bool read_files(record_reader *self, const char *paths) {
+    self->path = paths;
+    if (is_one_path(paths)) return read_file_of_records(self) && check_roots(self);
+    char *rest = (char *)keep(self, (int)strlen(paths) + 1, 1), *path;
+    if (!rest) return false;
+    strcpy(rest, paths);
+    cell_reading next;
+    while ((next = text_next_cell(&rest, ';', &path)) == CELL_READ) {
+        self->path = path;
+        if (!read_file_of_records(self)) return false;
+    }
+    return next != CELL_REFUSED ? check_roots(self) : refuse_path(self, "its quotes must close");
+}
+
+record_file *records_read(const char *paths, char problem[PROBLEM_SIZE]) {
     record_reader *self = (record_reader *)calloc(1, sizeof *self);
     record_file *made = (record_file *)calloc(1, sizeof *made);
     if (self && made) {
-        self->path = path;
         self->problem = problem;
         self->made = made;
     }
-    if (!self || !made || !read_file_of_records(self)) {
+    if (!self || !made || !read_files(self, paths)) {
         records_free(made);
         made = NULL;
     }
@@ -248,7 +308,8 @@ void records_free(record_file *self) {
 }
 
 double records_value(const value_of_record *value, const record_file *file) {
-    const record *one = file ? &file->root : value->own;
+    const record *one = value->own;
+    if (file) one = file->root[value->root < file->roots ? value->root : 0];
     for (int i = 0; i < value->steps; ++i) {
         const record_list *list = &one->list[value->step[i].list];
         const int entry = value->step[i].entry;

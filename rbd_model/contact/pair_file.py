@@ -3,9 +3,9 @@
 The file is text. Its first rows are remarks that name the pair. Then each row is one item of `pair_table.PAIR`: a
 number (`radius,0.46`), the head of a table (`table,nearest,322`) with its rows of a breakpoint and the coefficients of
 the polynomial from there on, or the head of a list (`list,treads,2`) with its records. The last row is the checksum of
-all numbers, so that a digit that was changed is found. Numbers are written with as many
-digits as they have, so that a table that is read is the one that was written. `fmu_src/runtime/record_file.c` reads
-the same files.
+all numbers, so that a digit that was changed is found. Another table may follow: that of the next wheelset. Numbers
+are written with as many digits as they have, so that a table that is read is the one that was written.
+`fmu_src/runtime/record_file.c` reads the same files.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from __future__ import annotations
 import math
 import struct
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 from fmu_src.records import LARGEST_NUMBER, MOST_PIECES, Pieces, Record, RecordKind, TableOfRecord
@@ -40,7 +41,8 @@ PAIR_FILE = RecordFile(
         "parameter",
         "1",
         "Path of a contact table, the profiles of wheels and rails at level 3 with contact model 2 (docs/profiles.md), "
-        "read when it is set; empty: pair.csv in the resources of the FMU where there is one, else the vehicle's own",
+        "read when it is set, or paths for wheelsets 1, 2, 3... with semicolons between them; empty: pair.csv in the "
+        "resources of the FMU where there is one, else the vehicle's own",
         kind="string",
     ),
     noun="contact table",
@@ -48,6 +50,7 @@ PAIR_FILE = RecordFile(
     remedy=MAKE_AGAIN,
     version=VERSION,
     kind=PAIR,
+    owner="wheelset",
     source=f"static const double UNIT = {UNIT};\n{(Path(__file__).parent / 'pair.c').read_text(encoding='utf-8')}",
 )
 
@@ -131,8 +134,8 @@ def rows_of_record(record: Record) -> Iterator[str]:
             yield from rows_of_record(each)
 
 
-def read_pair(path: str | Path) -> Record:
-    """Return the contact table in a file that `write_pair` has written (section 4.3).
+def read_pairs(path: str | Path) -> tuple[Record, ...]:
+    """Return the contact tables in a file: those of `write_pair`, one after the other (section 4.3).
 
     Parameters
     ----------
@@ -141,8 +144,8 @@ def read_pair(path: str | Path) -> Record:
 
     Returns
     -------
-    Record
-        Equal to the `pair_record` that was written.
+    tuple of Record
+        Equal to each `pair_record` that was written.
 
     Raises
     ------
@@ -152,16 +155,17 @@ def read_pair(path: str | Path) -> Record:
         If the file cannot be read as text.
     """
     reader = _Reader(str(path), rows_of(text_of(path), str(path)))
-    [version] = reader.cells(PAIR.name, 1)
-    if version != str(VERSION):
-        raise reader.refused(f"the format must be {VERSION}; got {shown(version)}")
-    record = reader.record(PAIR)
-    wanted = checksum(reader.numbers)
-    [found] = reader.cells(CHECKSUM, 1)
-    if found != wanted:
-        raise reader.refused(f"the checksum must be {wanted}, that of the numbers above; got {shown(found)}")
-    reader.end()
-    return record
+    found = [reader.root()]
+    while reader.goes_on():
+        found.append(reader.root())
+    return tuple(found)
+
+
+def joined(paths: Sequence[Path]) -> str:
+    """Return the paths of contact tables as a value of `profile_file` (section 4.3)."""
+    return (
+        str(paths[0]) if len(paths) == 1 else ";".join(f'"{path}"' if ";" in str(path) else str(path) for path in paths)
+    )
 
 
 @dataclass
@@ -170,6 +174,25 @@ class _Reader:
     rows: Iterator[tuple[int, str]]
     row: int = 0
     numbers: list[float] = field(default_factory=list)
+
+    def root(self) -> Record:
+        """Return the next contact table."""
+        self.numbers.clear()
+        [version] = self.cells(PAIR.name, 1)
+        if version != str(VERSION):
+            raise self.refused(f"the format must be {VERSION}; got {shown(version)}")
+        record = self.record(PAIR)
+        wanted = checksum(self.numbers)
+        [found] = self.cells(CHECKSUM, 1)
+        if found != wanted:
+            raise self.refused(f"the checksum must be {wanted}, that of the numbers above; got {shown(found)}")
+        return record
+
+    def goes_on(self) -> bool:
+        """Return whether another row follows."""
+        found = next(self.rows, None)
+        self.rows = self.rows if found is None else chain([found], self.rows)
+        return found is not None
 
     def refused(self, problem: str) -> BadInputError:
         """Return the error for the row that was read last."""
@@ -182,12 +205,6 @@ class _Reader:
         if found is None:
             raise self.refused(f"the row must be {wanted}; the file ends")
         return [cell.strip() for cell in found[1].split(",")]
-
-    def end(self) -> None:
-        """Refuse a row after the last record."""
-        for number, row in self.rows:
-            self.row = number
-            raise self.refused(f"the file must end after its last record; got {shown(row)}")
 
     def cells(self, name: str, count: int) -> list[str]:
         """Return the cells after the name at the beginning of the next row."""

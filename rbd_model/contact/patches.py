@@ -30,9 +30,10 @@ SEARCH_PITCH, TABLE_PITCH = 0.02e-3, 0.1e-3
 LEAST_BEND = 1.0
 #: Largest displacement of the wheel against the rail along a patch [m].
 REACH = 20e-3
-#: Least range of shift over which a part of a wheel is nearest by itself [m], and the largest number of patches. Parts
-#: that jump more often are joined: there the contact moves steeply, within TABLE_PITCH, instead of jumping.
-LEAST_TRAVEL, MOST_PATCHES = 0.5e-3, 6
+#: Least range of shift over which a part of a wheel is nearest by itself [m], and the largest number of patches of a
+#: wheel, above the 15 of the most worn measured pair. Parts that jump more often are joined: there the contact moves
+#: steeply, within TABLE_PITCH, instead of jumping.
+LEAST_TRAVEL, MOST_PATCHES = 0.5e-3, 64
 #: Remedy for a pair that contact model 2 refuses: contact model 3 runs on no contact table, and on no line.
 AT_MODEL_3 = "give the pair to a vehicle in Python and run it at contact model 3 without a line (docs/vehicles.md)"
 #: Largest offset between the y = 0 of a wheel and of its rail [m]. Offsets up to it are searched every TABLE_PITCH.
@@ -54,7 +55,7 @@ class Patch:
     line.
 
     `radius` [m] is that of the rail's contour at the contact. A roll leaves this arc unchanged. It only moves the wheel
-    along the arc, about its centre.
+    along the arc, about its centre. `flange` is True if the patch belongs to the flange, False for the tread.
     """
 
     direction: float
@@ -64,11 +65,7 @@ class Patch:
     nearest: tuple[np.ndarray, np.ndarray]
     along: tuple[np.ndarray, np.ndarray]
     square: float
-
-    @property
-    def flange(self) -> bool:
-        """True if the patch belongs to the flange, False for the tread."""
-        return self.direction >= TREAD_SLOPE
+    flange: bool
 
 
 @dataclass(frozen=True)
@@ -88,7 +85,7 @@ class Part:
 
     @property
     def flange(self) -> bool:
-        """True if the part belongs to the flange, as for a `Patch`."""
+        """True if the part is as steep as a flange."""
         return self.direction >= TREAD_SLOPE
 
     @property
@@ -98,13 +95,19 @@ class Part:
 
 
 @lru_cache
-def patches_of(one: Side) -> tuple[Patch, ...]:
-    """Return the patches of a wheel from the field side to the flange, at most MOST_PATCHES (section 9.4.1)."""
+def patches_of(one: Side, most: int = MOST_PATCHES) -> tuple[Patch, ...]:
+    """Return the patches of a wheel from the field side to the flange, joined to at most `most` (section 9.4.1).
+
+    A part beyond the first one of the flange belongs to the flange, however flat it is: it is the flange's tip.
+    """
     parts, s = list(parts_of(one)), positions_of(one)
-    gaps = gaps_of(one, s) if len(parts) > MOST_PATCHES else []
-    while len(parts) > MOST_PATCHES:
+    if len(parts) <= most < MOST_PATCHES:
+        return patches_of(one)
+    gaps = gaps_of(one, s) if len(parts) > most else []
+    while len(parts) > most:
         join_shortest(one, s, gaps, parts)
-    return tuple(patch(one, s, part) for part in parts)
+    first = next((place for place, part in enumerate(parts) if part.flange), len(parts))
+    return tuple(patch(one, s, part, place >= first) for place, part in enumerate(parts))
 
 
 @lru_cache
@@ -133,6 +136,7 @@ def parts_of(one: Side) -> tuple[Part, ...]:
         else:
             whole += [(first, cut), (cut, last)]
     parts = [follow(one, s, gaps, *ends) for ends in sorted(cuts, reverse=True)]
+    join_tip(one, s, gaps, parts)
     while len(parts) > 1 and min(part.travel for part in parts) < LEAST_TRAVEL:
         join_shortest(one, s, gaps, parts)
     if parts[0].travel < LEAST_TRAVEL:
@@ -144,7 +148,7 @@ def parts_of(one: Side) -> tuple[Part, ...]:
 
 
 def check_ellipses(one: Side) -> None:
-    """Check that the contact of a wheel jumps in few places, so that ellipses describe it (section 9.4.1).
+    """Check that a contact table has room for the patches of a wheel (section 9.4.1).
 
     Raises
     ------
@@ -172,6 +176,18 @@ def join_shortest(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[
     other = min(beside, key=lambda place: (parts[place].flange != parts[at].flange, parts[place].travel))
     low, high = sorted((at, other))
     parts[low : high + 1] = [follow(one, s, gaps, parts[high].first, parts[low].last)]
+
+
+def join_tip(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
+    """Join the parts beyond the steepest one of a flange to it: where they bear, the wheel climbs over its flange.
+
+    This is a decision of this project (section 9.4.1). The end of the last part is thus that of the flange.
+    """
+    at = int(np.argmax([part.direction for part in parts]))
+    if not parts[at].flange or at == len(parts) - 1:
+        return
+    direction = (parts[at].direction + max(parts[-1].direction, TREAD_SLOPE)) / 2
+    parts[at:] = [follow(one, s, gaps, parts[-1].first, parts[at].last, direction)]
 
 
 def positions_of(one: Side) -> np.ndarray:
@@ -240,23 +256,33 @@ def rail_bend(one: Side, y: float) -> float:
 
 
 def bearing(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> tuple[list[float], list[float]]:
-    """Slopes of the wheel [rad] and curvatures of the rail [1/m] (3.83) where a part is nearest and bears."""
+    """Slopes of the wheel [rad] and curvatures of the rail [1/m] (3.83) where a part is nearest and bears.
+
+    Those of a part that bears only on a rolling wheelset are taken where it is nearest to bearing.
+    """
+    places = [first + int(np.argmin(gap[first:last])) for gap in gaps]
+    above = [
+        gap[here] - np.min(gap) if first < here < last - 1 else math.inf for here, gap in zip(places, gaps, strict=True)
+    ]
+    most = max(RELEVANT, math.nextafter(min(above), math.inf))
     slopes, bends = [], []
-    for offset, gap in zip(offsets_of(one), gaps, strict=True):
-        here = first + int(np.argmin(gap[first:last]))
-        if gap[here] < np.min(gap) + RELEVANT and first < here < last - 1:
+    for offset, here, more in zip(offsets_of(one), places, above, strict=True):
+        if more < most and more < math.inf:
             slopes.append(math.atan(float(one.wheel.height(s[here], 1))))
             bends.append(rail_bend(one, s[here] + offset))
     return slopes, bends
 
 
-def follow(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> Part:
+def follow(
+    one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int, direction: float | None = None
+) -> Part:
     """Follow the nearest place of the points `first` to `last` of the wheel's profile (section 3.3.2).
 
-    Described along the slope of the wheel in the middle of where it bears; level for a tread, which lies over its rail.
+    Described along `direction` [rad], by default the slope of the wheel in the middle of where it bears; level for a
+    tread, which lies over its rail.
     """
     slopes, bends = bearing(one, s, gaps, first, last)
-    middle = (min(slopes) + max(slopes)) / 2 if slopes else 0.0
+    middle = direction if direction is not None else (min(slopes) + max(slopes)) / 2 if slopes else 0.0
     direction = 0.0 if abs(middle) < TREAD_SLOPE else middle
     radius = 1 / max(float(np.median(bends)), LEAST_BEND) if bends else 0.0
     rail = turned(one.rail, direction)
@@ -268,17 +294,20 @@ def follow(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: i
         gap = square - rail.height(along + offset)
         if np.any(np.isfinite(gap)):
             found[i] = nearest_point(inside, gap, (first > 0, last < s.size))
+    if first == 0 and direction and np.any(np.isfinite(found)):
+        # The contact moves from the root to the tip. Before, the back of the flange may lie over the turned rail.
+        found[: np.nanargmax(found)] = np.nan
     return Part(first, last, direction, radius, rail, found)
 
 
-def patch(one: Side, s: np.ndarray, part: Part) -> Patch:
-    """The patch of a part of a wheel (section 3.3.2)."""
+def patch(one: Side, s: np.ndarray, part: Part, flange: bool) -> Patch:
+    """Return the patch of a part of a wheel (section 3.3.2)."""
     offsets, known, direction = offsets_of(one), np.isfinite(part.nearest), part.direction
     place = in_direction(part.nearest[known], one.wheel.height(part.nearest[known]), direction)
     nearest, beside = (PchipInterpolator(offsets[known], each) for each in (part.nearest[known], place[0]))
     near, along_line = ((curve.x, curve.c[::-1].T) for curve in (nearest, beside))
     limits = float(s[part.first]), float(s[part.last - 1])
-    return Patch(direction, part.radius, limits, part.rail, near, along_line, float(np.mean(place[1])))
+    return Patch(direction, part.radius, limits, part.rail, near, along_line, float(np.mean(place[1])), flange)
 
 
 def nearest_point(s: np.ndarray, gap: np.ndarray, cut: tuple[bool, bool]) -> float:

@@ -41,19 +41,8 @@ def wheel_on_strips(one: Side, poisson_ratio: float = POISSON_RATIO) -> Part:
     Kalker (1982), Knothe and Le The (1984); see strips.c. Radius and distances are constants of the part: wheels that
     differ only in them share it. poisson_ratio: that of Kalker's coefficients; the normal force takes it from the
     constants.
-
-    Raises
-    ------
-    ValueError
-        If the contour is cut into more segments than strips.c supports.
     """
-    segments = segments_of(one)
-    if len(segments) > MOST_SEGMENTS:
-        raise ValueError(
-            f"{one.wheel.name} on {one.rail.name}: contact jumps between {len(segments)} parts of the wheel; contact "
-            f"model 3 has room for {MOST_SEGMENTS}: smooth the profiles, or take contact model 2."
-        )
-    return part_of_contours(one.wheel, one.rail, tuple(segments), poisson_ratio)
+    return part_of_contours(one.wheel, one.rail, tuple(segments_of(one)), poisson_ratio)
 
 
 @lru_cache
@@ -83,9 +72,10 @@ static void {name}(const double *arguments, const double *constants, double *res
 def segments_of(one: Side) -> list[tuple[float, float]]:
     """Return the ends [m] of the parts of a wheel's contour between which contact jumps, from the flange outwards.
 
-    Section 9.4.1. Each begins at the end of the one before, so that strips of both leave no gap.
+    Section 9.4.1. There are at most MOST_SEGMENTS, which strips.c supports. Each begins at the end of the one before,
+    so that strips of both leave no gap.
     """
-    limits = [patch.limits for patch in reversed(patches_of(one))]
+    limits = [patch.limits for patch in reversed(patches_of(one, MOST_SEGMENTS))]
     return [(low, limits[i + 1][0] if i + 1 < len(limits) else high) for i, (low, high) in enumerate(limits)]
 
 

@@ -7,15 +7,12 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from fmu_src.records import OwnRecord
 from rbd_model.body.bodies import start_along
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.contact.geometry import Side
-from rbd_model.contact.pair_file import PAIR_FILE
-from rbd_model.contact.pair_table import pair_record
 from rbd_model.contact.patches import check_ellipses, patches_of
-from rbd_model.contact.strips_in_c import OF_SEGMENT, wheel_on_strips
+from rbd_model.contact.strips_in_c import MOST_SEGMENTS, OF_SEGMENT, wheel_on_strips
 from rbd_model.track.irregularity import Section
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
@@ -31,18 +28,19 @@ from rbd_model.wheelset.in_space import (
     stand_on_track,
 )
 from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack
-from rbd_model.wheelset.profiles_of import ProfilesOf, SideOf
+from rbd_model.wheelset.profiles_of import ProfilesOf, record_of
 from rbd_model.wheelset.standing import press_at_start, sinking, stand_at_start
 from rbd_model.wheelset.touch import SIDES, Placement, Wheel
-from rbd_model.wheelset.touching_patch import Nearest, PatchTables, find_nearest
+from rbd_model.wheelset.touching_patch import PatchTables, find_nearest
 from rbd_model.wheelset.wheel_on_patches import Feeling, WheelPress
 from rbd_model.wheelset.wheel_on_record import (
     FLANGES,
     TREADS,
     asked_of_record,
     given_of,
-    near_of,
     patch_of_record,
+    room_of_tread,
+    room_on,
     watched_wheel,
     wheel_on_record,
 )
@@ -176,8 +174,8 @@ def observe_patches(assembly: Assembly, number: int, found: Sequence[WheelFound]
 class WheelFound:
     """Effect of the patches of a wheel together, and the force of each of those of the vehicle's own profiles [N].
 
-    `approaches` are those of an `ElasticWheelset`. `room` are the distances of the tread and of the flange from their
-    ends [m]. `given`: arguments and constants of `wheel_on_record`.
+    `approaches` are those of an `ElasticWheelset`. `room` are the distances from their ends of the tread and of the
+    steepest patch of the flange [m]. `given`: arguments and constants of `wheel_on_record`.
     """
 
     pressed: WheelPress
@@ -202,15 +200,15 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     fixed = PatchConstants(stance.cosines, wheel.vector, ca.SX.zeros(2), *surroundings(assembly))
     feeling = Feeling(state, fixed, track if assembly.on_line else None)
     assert profiles.record is not None
-    assert profiles.first_tread is not None
     whole = given_of(feeling, profiles.record)
     pressed = system.call(wheel_on_record(assembly.contact, assembly.on_line), *whole)
     given = ca.vertcat(state.offset, state.height, state.yaw, state.roll)
     constants = ca.vertcat(fixed.cosines, fixed.wheel, profiles.record)
     approaches = system.call(watched_wheel(flange_alone=False), given, constants)
     of_flange = system.call(watched_wheel(flange_alone=True), given, constants)
-    tread = near_of(system, feeling, profiles.first_tread, flange=False)
-    room = room_left(profiles, tread, -of_flange[2])
+    ends = ca.vertcat(profiles.wheel_limits[1], *profiles.rail_limits)
+    of_tread = system.call(room_of_tread(), given, ca.vertcat(fixed.cosines, fixed.wheel, ends, profiles.record))
+    room = ca.vertcat(-of_tread, -of_flange[2] - profiles.wheel_limits[0])
     each = force_of_each(assembly, number, index, feeling)
     return WheelFound(WheelPress.of(pressed), each, (approaches[0], approaches[1]), room, ca.vertcat(*whole))
 
@@ -220,13 +218,12 @@ def force_of_each(assembly: Assembly, number: int, index: int, feeling: Feeling)
 
     With a contact table of other profiles they are those of its patches with the same numbers.
     """
-    system, pair = assembly.system, assembly.vehicle.wheelsets[number - 1].pair
+    system = assembly.system
     counts, forces = {False: 0, True: 0}, []
-    for patch in patches_of(pair.both[index]):
+    for patch in patches_of(side_of(assembly, number, index)):
         path = [(0, index), (FLANGES if patch.flange else TREADS, counts[patch.flange])]
         counts[patch.flange] += 1
-        record = system.of_record(PAIR_FILE, OwnRecord(pair_record, pair), path)
-        given = given_of(feeling, record)
+        given = given_of(feeling, record_of(assembly, number, path))
         asked = system.call(asked_of_record(patch.flange, assembly.on_line), *given)
         part = patch_of_record(patch.flange, assembly.contact, assembly.on_line)
         forces.append(WheelPress.of(system.call(part, *given, asked)).force)
@@ -244,7 +241,7 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     wheel, state = feel_rail(assembly, number, index, stance)
     slopes = (state.slopes + ca.cross(body.track.turning, middle)[1:]) / body.stretch
     state = replace(state, slopes=slopes)
-    patches = patches_of(one)
+    patches = patches_of(one, MOST_SEGMENTS)
     at = replace(stance.placement, lateral=state.offset), wheel, state.height
     nearest = [find_nearest(assembly.system, PatchTables.of(patch, one.wheel), at) for patch in patches]
     given = state.vector[: -state.nearest.numel()]
@@ -255,7 +252,10 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     each = [Press.of(found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)]) for i in reversed(range(len(patches)))]
     pressed = WheelPress.of_patches(each, [patch.flange for patch in patches])
     *others, steepest = (near.approach for near in nearest)
-    room = room_left(stance.profiles.sides[index], nearest[0], nearest[-1].position)
+    ends = stance.profiles.sides[index]
+    treads = [near for near, patch in zip(nearest, patches, strict=True) if not patch.flange]
+    of_treads = [room_on(near, ends.wheel_limits[1], ends.rail_limits) for near in treads]
+    room = ca.vertcat(ca.mmin(ca.vertcat(*of_treads)), nearest[-1].position - ends.wheel_limits[0])
     return WheelFound(pressed, [patch.force for patch in each], (ca.mmax(ca.vertcat(*others)), steepest), room)
 
 
@@ -312,17 +312,6 @@ def stand_freely(assembly: Assembly, data: Wheelset, body: Body, pressed: Sequen
     moment = sum((wheel.moment for wheel in pressed), -gyroscopic)
     moved = ca.vertcat((1 / mass) * force, moment[0] / inertia[0], moment[1], moment[2] / inertia[2])
     return assembly.system.narrow(moved)
-
-
-def room_left(one: SideOf, tread: Nearest, on_flange: ca.SX) -> ca.SX:
-    """Return the distances of a wheel's tread and flange from their ends [m] (section 9.4.1).
-
-    The distance of the tread is that from the field side and from both ends of the rail; that of the flange is from its
-    tip. on_flange: position of the contact of its steepest patch [m].
-    """
-    (low, high), (first, last) = one.wheel_limits, one.rail_limits
-    on_tread = ca.fmin(high - tread.position, ca.fmin(tread.on_rail - first, last - tread.on_rail))
-    return ca.vertcat(on_tread, on_flange - low)
 
 
 def move_elastic(

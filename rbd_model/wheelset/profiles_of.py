@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -35,7 +35,6 @@ class SideOf:
     rail_limits: tuple[Number, Number]
     shape: tuple[Number, Number, Number]
     record: ca.SX | None = None
-    first_tread: ca.SX | None = None
 
     @classmethod
     def of(cls, one: Side, on_wheel: float) -> SideOf:
@@ -60,7 +59,7 @@ class ProfilesOf:
     def of(cls, assembly: Assembly, number: int) -> ProfilesOf:
         """Return the profiles of a wheelset at the contact model of its vehicle (section 4.3)."""
         pair = assembly.vehicle.wheelsets[number - 1].pair
-        return profiles_of_record(assembly, pair) if assembly.contact.depth == 2 else profiles_of_numbers(pair)
+        return profiles_of_record(assembly, number) if assembly.contact.depth == 2 else profiles_of_numbers(pair)
 
 
 def profiles_of_numbers(pair: Sides) -> ProfilesOf:
@@ -79,25 +78,33 @@ def profiles_of_numbers(pair: Sides) -> ProfilesOf:
     return ProfilesOf(pair.mean_radius, middle.height - pair.mean_radius, (left, right), stand)
 
 
-def profiles_of_record(assembly: Assembly, pair: Sides) -> ProfilesOf:
-    """Return profiles that an instance takes from its contact table, without a file that of `pair` (section 4.3)."""
-    system, own = assembly.system, OwnRecord(pair_record, pair)
+def record_of(assembly: Assembly, number: int, path: Sequence[tuple[int, int]] = (), name: str = "") -> ca.SX:
+    """Return a number, or the record itself, of a wheelset's contact table; without a file that of its own pair.
+
+    Section 4.3. path, name: as `System.of_record` has them.
+    """
+    own = OwnRecord(pair_record, assembly.vehicle.wheelsets[number - 1].pair)
+    return assembly.system.of_record(PAIR_FILE, own, path, name, root=number - 1)
+
+
+def profiles_of_record(assembly: Assembly, number: int) -> ProfilesOf:
+    """Return profiles that a wheelset takes from the contact table of its instance (section 4.3)."""
+    system = assembly.system
 
     def side(index: int) -> SideOf:
-        def number(name: str) -> ca.SX:
-            return system.of_record(PAIR_FILE, own, [(0, index)], name)
+        def value(name: str) -> ca.SX:
+            return record_of(assembly, number, [(0, index)], name)
 
-        limits = [(number(f"{word}_begins"), number(f"{word}_ends")) for word in ("wheel", "rail")]
-        shape = number("depth"), number("slope"), number("curvature")
-        distances = number("wheel_half_distance"), number("rail_half_distance")
-        record, tread = (system.of_record(PAIR_FILE, own, [(0, index), *more]) for more in ([], [(0, 0)]))
-        return SideOf(*distances, limits[0], limits[1], shape, record, tread)
+        limits = [(value(f"{word}_begins"), value(f"{word}_ends")) for word in ("wheel", "rail")]
+        shape = value("depth"), value("slope"), value("curvature")
+        distances = value("wheel_half_distance"), value("rail_half_distance")
+        return SideOf(*distances, limits[0], limits[1], shape, record_of(assembly, number, [(0, index)]))
 
     def stand(shift: ca.SX) -> tuple[ca.SX, ca.SX]:
-        root = system.of_record(PAIR_FILE, own)
+        root = record_of(assembly, number)
         pieces = [look_up_in(system, root, table, LINE_TERMS, shift) for table in (HEIGHT, ROLL)]
         height, roll = (polynomials(piece, shift, 0)[0] for piece in pieces)
         return height, roll
 
-    mean_radius, lift = (system.of_record(PAIR_FILE, own, (), name) for name in ("mean_radius", "lift"))
+    mean_radius, lift = (record_of(assembly, number, (), name) for name in ("mean_radius", "lift"))
     return ProfilesOf(mean_radius, lift, (side(0), side(1)), stand)

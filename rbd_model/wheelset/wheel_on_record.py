@@ -143,6 +143,44 @@ def watched_patch(flange: bool) -> Part:
     return Part(f"watched_{'flange' if flange else 'tread'}", given, constants, ca.vertcat(*results), chain)
 
 
+#: Gap of a tread [m] beyond which it does not bear soon, and how much room a larger gap adds [m/m].
+BEARS_SOON, ROOM_OF_GAP = 0.3e-3, 100.0
+
+
+def room_on(near: Nearest, wheel_end: ca.SX | float, rail_ends: tuple[ca.SX | float, ca.SX | float]) -> ca.SX:
+    """Return the distance of a patch of a tread from the field side of its wheel and from both ends of its rail [m].
+
+    Section 9.4.1. A patch that does not bear soon has more: its nearest point may be at an end of the rail.
+    """
+    room = ca.fmin(wheel_end - near.position, ca.fmin(near.on_rail - rail_ends[0], rail_ends[1] - near.on_rail))
+    return room + ROOM_OF_GAP * ca.fmax(-near.approach - BEARS_SOON, 0)
+
+
+@lru_cache
+def room_of_patch() -> Part:
+    """Return the part for the negative `room_on` of the tread's patch in a record (section 9.4.1).
+
+    Arguments as for `watched_patch`; constants: direction cosines, the wheel, end of the wheel, both ends of the rail
+    [m], and the record.
+    """
+    given, constants, chain = ca.SX.sym("given", 4), ca.SX.sym("constants", 12), Chain()
+    placement = Placement(given[2], given[3], constants[:4], given[0])
+    at = placement, Wheel(*ca.vertsplit(constants[4:8])), given[1]
+    near = find_nearest_in(chain, constants[11], False, at)
+    return Part("room_of_patch", given, constants, -room_on(near, constants[8], (constants[9], constants[10])), chain)
+
+
+@lru_cache
+def room_of_tread() -> Part:
+    """Return the part for the negative of the least room of all patches of a tread (section 9.4.1).
+
+    The record is that of its side.
+    """
+    given, constants, chain = ca.SX.sym("given", 4), ca.SX.sym("constants", 12), Chain()
+    found = chain.call(room_of_patch(), given, constants, each=Each(TREADS, largest=True))
+    return Part("room_of_tread", given, constants, found, chain)
+
+
 @lru_cache
 def watched_wheel(flange_alone: bool) -> Part:
     """Return the part for the largest of each result of `watched_patch` on a wheel (section 9.4.1).

@@ -11,20 +11,25 @@ import casadi as ca
 import numpy as np
 import pytest
 
+import bogie_braking as bb
 from fmu_src.kernel import Kernel, SimulationError
 from fmu_src.system import Model, model_of
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair
-from rbd_model.contact.pair_file import PAIR_FILE, read_pair, write_pair
+from rbd_model.contact.pair_file import PAIR_FILE, read_pairs, write_pair
 from rbd_model.contact.pair_table import MOST_PATCHES, pair_record, side_record
+from rbd_model.contact.patches import patches_of
 from rbd_model.levels.models import DEFAULT_TOLERANCE, model_of_levels, places_of
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
+from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
 from rbd_model.wheelset.standing import lift_until_static
 from readers.text import BadInputError
 from tests.quick_library import quick_library
 
+#: Profiles of EN 15302.
+REFERENCE = Path(__file__).parents[1] / "data" / "contact"
 #: Flange forces that show contact [N], and a difference that no rounding makes [m].
 FLANGE_TOUCHES, MOVES_OTHERWISE = 1e3, 1e-4
 
@@ -43,7 +48,7 @@ def unequal() -> Sides:
 @pytest.mark.parametrize("sides", [own_pair(), european_pair(), unequal()], ids=["synthetic", "S1002", "unequal"])
 def test_a_table_that_is_read_is_the_one_that_was_written(sides: Sides, tmp_path: Path) -> None:
     path = write_pair(sides, tmp_path / "pair.csv")
-    found = read_pair(path)
+    [found] = read_pairs(path)
     assert found == pair_record(sides)
     assert len(found.lists[0]) == 1 + (sides.left != sides.right)
     assert sides.left.wheel.name in path.read_text(encoding="utf-8").splitlines()[1]
@@ -78,7 +83,7 @@ DAMAGES = {
     "a row that goes back": (r"(table,along,.*\n.*\n)[^,]*", r"\1-0.9", "breakpoints of along must grow"),
     "a short row": (r"(table,along,.*\n.*),[^,]*\n", r"\1\n", "a row of along must have 5 numbers here; got 4"),
     "a changed digit": (r"mean_radius,0.4\d*", "mean_radius,0.47", "the checksum must be [0-9a-f]{16}"),
-    "a second end": (r"\Z", "list,sides,1\n", "the file must end after its last record"),
+    "a second end": (r"\Z", "list,sides,1\n", "the row must be 'contact_pair' with 1 more cells"),
     "half a file": (r"(?s)table,rail.*", "", "the row must be 'table'; the file ends"),
 }
 
@@ -91,16 +96,17 @@ def test_a_damaged_table_is_refused_with_row_and_remedy(damage: str, tmp_path: P
     path.write_text(re.sub(pattern, text, whole, count=1), encoding="utf-8")
     assert path.read_text(encoding="utf-8") != whole
     with pytest.raises(BadInputError, match=rf"pair.csv, row \d+: {sentence}.*\. Make the file again"):
-        read_pair(path)
+        read_pairs(path)
 
 
 # -- in kernels -------------------------------------------------------------------------------------------------------
 
 
-def model_on(pair: Sides) -> Model:
-    """Return a wheelset in a frame on elastic contacts, with this pair in its equations."""
-    alone = wheelset_under_frame()
-    vehicle = replace(alone, wheelsets=tuple(replace(one, pair=pair) for one in alone.wheelsets))
+def model_on(*pairs: Sides) -> Model:
+    """Return a bogie on elastic contacts, with the pairs of both wheelsets in its equations."""
+    own = two_axle_bogie()
+    both = zip(own.wheelsets, (pairs[0], pairs[-1]), strict=True)
+    vehicle = replace(own, wheelsets=tuple(replace(one, pair=pair) for one, pair in both))
     return model_of(spatial_vehicle(vehicle, irregular_track(section_5_3()), Contact(2)), DEFAULT_TOLERANCE)
 
 
@@ -111,34 +117,84 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {name: write_pair(pair, folder / f"{name}.csv") for name, pair in pairs.items()}
 
 
-def swing(pair: Sides, **values: float | str) -> np.ndarray:
-    """Return outputs of a wheelset that starts 8 mm beside the track's middle and touches with its flanges."""
-    kernel = Kernel(quick_library(model_on(pair)), initial_speed=30.0, initial_lateral=8e-3, initial_yaw=0.01, **values)
-    names = ("state_lateral_1", "state_yaw_1", "state_roll_1", "flange_force_1", "wheel_load_1_left", "speed")
+def weight() -> float:
+    """Return the weight of the bogie [N]."""
+    numbers = tables_5_1_and_5_2()
+    return (numbers.frame_mass + 2 * numbers.wheelset_mass) * numbers.gravity
+
+
+#: Outputs of a wheelset.
+OF_WHEELSET = ("state_lateral_{}", "state_yaw_{}", "state_roll_{}", "flange_force_{}", "wheel_load_{}_left")
+
+
+def swing(*pairs: Sides, **values: float | str) -> np.ndarray:
+    """Return outputs of both wheelsets of a bogie that starts 8 mm beside the track's middle: its flanges touch.
+
+    Shape (times, wheelsets, outputs).
+    """
+    library = quick_library(model_on(*pairs))
+    kernel = Kernel(library, initial_speed=30.0, initial_lateral=8e-3, initial_yaw=0.01, **values)
     rows = []
     kernel.initialise()
     for number in range(60):
+        rows.append([[kernel[name.format(one)] for name in OF_WHEELSET] for one in (1, 2)])
         kernel.step(number * 5e-3, 5e-3)
-        rows.append([kernel[name] for name in names])
     return np.array(rows)
 
 
-@pytest.mark.parametrize("name", ["european", "unequal"])
-def test_a_file_gives_the_run_of_the_pair_in_the_equations(name: str, files: dict[str, Path]) -> None:
-    pair = {"european": european_pair, "unequal": unequal}[name]()
-    found = swing(own_pair(), profile_file=str(files[name]))
-    assert np.array_equal(found, swing(pair))
-    assert np.abs(found[:, 3]).max() > FLANGE_TOUCHES
+def test_files_give_the_run_of_the_pairs_in_the_equations(files: dict[str, Path], tmp_path: Path) -> None:
+    """One file for each wheelset, or both tables in one file; one file, or a file twice, is that of both wheelsets."""
+    paths = [str(files[name]) for name in ("unequal", "european")]
+    found = swing(own_pair(), profile_file=" ; ".join(paths))
+    assert np.array_equal(found, swing(unequal(), european_pair()))
+    whole = tmp_path / "with;semicolon.csv"
+    whole.write_bytes(b"".join(Path(path).read_bytes() for path in paths))
+    assert np.array_equal(found, swing(own_pair(), profile_file=str(whole)))
+    assert np.abs(found[:, :, 3]).max() > FLANGE_TOUCHES
     own = swing(own_pair())
-    assert np.abs(found - own)[:, 0].max() > MOVES_OTHERWISE
-    assert np.array_equal(own, swing(own_pair(), profile_file=str(files["synthetic"])))
+    assert np.abs(found - own)[:, :, 0].max() > MOVES_OTHERWISE
+    synthetic = str(files["synthetic"])
+    assert np.array_equal(own, swing(own_pair(), profile_file=synthetic))
+    assert np.array_equal(own, swing(own_pair(), profile_file=f"{synthetic};{synthetic}"))
+
+
+def test_a_pair_on_wheelset_1_changes_the_contact_of_wheelset_1_alone(files: dict[str, Path]) -> None:
+    own = swing(own_pair())
+    other = swing(own_pair(), profile_file=f"{files['european']};{files['synthetic']}")
+    assert np.array_equal(own[0, 1], other[0, 1])
+    assert np.abs(own - other)[0, 0, 4] > FLANGE_TOUCHES
+    assert not np.array_equal(own[-1, 1], other[-1, 1])  # the frame joins them
+
+
+def test_worn_wheel_of_twelve_patches_carries_the_vehicle(tmp_path: Path) -> None:
+    worn = bb.pair(REFERENCE / "en15302_RUIC519A.csv", REFERENCE / "en15302_SUIC519A.csv")
+    assert len(patches_of(worn.left)) == 12
+    path = write_pair(worn, tmp_path / "worn.csv")
+    kernel = Kernel(quick_library(model_on(own_pair())), initial_speed=20.0, profile_file=str(path))
+    kernel.initialise()
+    kernel.advance(2.0)
+    loads = [kernel[f"axle_load_{number}"] for number in (1, 2)]
+    assert sum(loads) == pytest.approx(weight(), rel=0.01)
+
+
+def test_another_number_of_tables_and_a_missing_file_are_refused(files: dict[str, Path]) -> None:
+    one = str(files["synthetic"])
+    kernel = Kernel(quick_library(model_on(own_pair())), profile_file=one)
+    for text, sentence in (
+        (f"{one};{one};{one}", "one contact table for all wheelsets or one for each, 2; got 3. Correct it."),
+        (f"{one};nowhere.csv", "Contact table nowhere.csv: it cannot be opened"),
+        (f"{one};", "Contact table : it cannot be opened"),
+        (f'{one};"{one}', "quotes must close"),
+    ):
+        with pytest.raises(SimulationError, match=sentence):
+            kernel.set(profile_file=text)
+    assert kernel.get_text(kernel.number_of("profile_file")) == one
 
 
 @pytest.mark.parametrize("lateral", [0.0, 5e-3])
 def test_wheels_start_with_their_static_load_on_all_their_patches(lateral: float, files: dict[str, Path]) -> None:
-    """S1002 on 60E1 bears on two patches when centred: the approach of one of them would give 1.45 times the load."""
-    numbers = wheelset_under_frame().parameters
-    static = (numbers.frame_mass + numbers.wheelset_mass) * numbers.gravity / 2
+    """S1002 on 60E1 bears on two patches when centred: the approach of one of them would give more load."""
+    static = weight() / 4
     library, still = quick_library(model_on(own_pair())), {"initial_speed": 20.0, "initial_lateral": lateral}
     for path in files.values():
         kernel = Kernel(library, profile_file=str(path), **still)
@@ -182,7 +238,7 @@ def test_a_kernel_refuses_what_python_refuses_and_keeps_its_table(
     with pytest.raises(SimulationError, match=refused) as in_c:
         kernel.set(profile_file=str(path))
     with pytest.raises(BadInputError) as in_python:
-        read_pair(path)
+        read_pairs(path)
     assert row_of(str(in_python.value)) == row_of(str(in_c.value))
     assert kernel.get_text(kernel.number_of("profile_file")) == str(files["european"])
 

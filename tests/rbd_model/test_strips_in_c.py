@@ -138,13 +138,6 @@ def test_polynomial_that_is_too_far_off_is_refused() -> None:
         strips_in_c.fitted(x, np.abs(x))
 
 
-def test_wheel_with_more_parts_than_there_is_room_for_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    parts = len(strips_in_c.segments_of(PAIR.left))
-    monkeypatch.setattr(strips_in_c, "MOST_SEGMENTS", parts - 1)
-    with pytest.raises(ValueError, match=rf"contact jumps between {parts} parts .* model 3 has room for {parts - 1}: "):
-        strips_in_c.wheel_on_strips(PAIR.left)
-
-
 def test_constants_do_not_hang_on_the_threads_of_blas() -> None:
     """Otherwise an FMU would have another GUID on a computer with more processors, or where a test sets its threads."""
     program = "from rbd_model.contact.strips_in_c import fits_in_c; print(fits_in_c())"

@@ -10,7 +10,9 @@ import pytest
 
 from bogie_braking.__main__ import main
 from bogie_braking.commands import profile
-from rbd_model.contact.pair_file import read_pair
+from rbd_model.contact import patches
+from rbd_model.contact.pair_file import read_pairs
+from rbd_model.contact.pair_table import pair_record
 from scenarios.thesis import contact_geometry
 
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
@@ -35,7 +37,7 @@ def test_profile_writes_table_and_picture_and_prints_what_it_found(
     assert found["patches, left and right"] == [5, 5]
     assert "left radius at the tape circle: 459 mm, given; right 460 mm, given" in found["notes"]
     assert (tmp_path / "pair.png").read_bytes().startswith(b"\x89PNG")
-    read_pair(out)
+    read_pairs(out)
     assert main(["profile", *given]) == 0
     shown = capsys.readouterr().out.splitlines()
     assert f"equivalent conicity at 3 mm [1]       {found['equivalent conicity at 3 mm [1]']:g}" in shown
@@ -65,10 +67,12 @@ def test_profile_and_scenario_have_one_conicity_and_one_gauge(
 
 
 def test_pair_that_the_table_cannot_hold_is_drawn_and_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(patches, "MOST_PATCHES", 11)
+    pair_record.cache_clear()
     assert main(["profile", HOLLOW, RAIL, "--out", str(tmp_path / "pair.csv")]) == 2
-    assert "the contact must move without jumps on at most 6 parts of a wheel" in capsys.readouterr().err
+    assert "the contact must move without jumps on at most 11 parts of a wheel" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["pair.png"]
 
 
