@@ -18,6 +18,7 @@ from scenarios.benchmark.score import processor_time
 SERVED = {
     "altrios": ("en-14531-1-twelve-axles", "distance", 1e-3),
     "exudyn": ("two-vehicle-impact", "force", 1e-5),
+    "oxiphysics": ("stop-on-gradients", "distance", 0.05),
     "railprofac": ("en-14531-1-twelve-axles", "brake_force", 1e-6),
     "sumo": ("stop-on-gradients", "distance", 3e-3),
     "transportation_ai999x": ("stop-on-gradients", "distance", 3e-4),
