@@ -271,6 +271,8 @@ ROOT = Path(release.__file__).parent
 #: `products/study/cluster.py: client_of`, `bogie_braking/commands/shared.py: look_for_plotly`), or at the beginning
 #: of the only file that imports them (`bogie_braking/gym.py`).
 LOOKED_FOR = {"sksundae", "distributed", "plotly", "gymnasium"}
+#: Other programs of the benchmark: `version` of each adapter checks its package, and a wheel has no adapters.
+LOOKED_FOR |= {"altrios", "exudyn", "libsumo", "pandas", "sumo", "transportation_ai999x"}
 
 
 def imported_without_a_way_out(body: list[ast.stmt]) -> Iterator[str]:

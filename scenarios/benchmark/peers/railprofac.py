@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,9 @@ STOPS, SEED = 500, 42
 
 
 def version() -> str:
-    """Return the first digits of the SHA-256 of both files. Raises ImportError if they are not there."""
+    """Return the first digits of the SHA-256 of both files. Raises ImportError if they, or pandas, are not there."""
+    if find_spec("pandas") is None:
+        raise ImportError("install what it needs by pip install pandas")
     files = [folder() / name for name in (MEAN_VALUES, SHUNTING)]
     missing = [str(one) for one in files if not one.is_file()]
     if missing:
