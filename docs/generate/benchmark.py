@@ -1,7 +1,8 @@
 """Updates the tables of docs/benchmark.md from docs/data/benchmark.json and the cases. --check only compares.
 
   python -m bogie_braking benchmark --json > results/benchmark.json
-  python docs/generate/benchmark.py --collect results/benchmark.json    first the scores, into docs/data/
+  python -m bogie_braking benchmark NAMES --range --json > results/ranges.json       cases with unknown inputs
+  python docs/generate/benchmark.py --collect results/benchmark.json results/ranges.json    first these, into docs/data/
 
 The scores are those of one run with all peers. tests/scenarios/test_benchmark.py compares some of them.
 """
@@ -25,13 +26,19 @@ ENTRIES, DIGITS = ("case", "answer", "program", "points", "answered", "worst", "
 BEGIN, END = "<!-- tables: docs/generate/benchmark.py -->\n", "<!-- end of the tables -->\n"
 
 
-def collect(source: Path) -> None:
-    """Write the scores of a run into docs/data/."""
-    read = read_document(source)
+def collect(source: Path, with_ranges: Path) -> None:
+    """Write the scores of a run, and the ranges of another, into docs/data/."""
+    read, ranges = read_document(source), dict[str, list[int]]()
+    for one in read_document(with_ranges)["ranges"]:
+        if one["lower"] is not None:
+            counts = ranges.setdefault(one["case"], [0, 0, one["draws"]])
+            counts[0] += one["lower"] <= one["published"] <= one["upper"]
+            counts[1] += 1
     scores = [{name: shortened(one[name]) for name in ENTRIES} for one in read["scores"] if one["worst"] is not None]
     lines = ",\n".join(json.dumps(one) for one in scores)
     programs = json.dumps(read["programs"])
-    KEPT.write_text(f'{{"programs": {programs},\n"scores": [\n{lines}\n]}}\n', encoding="utf-8")
+    head = f'{{"programs": {programs},\n"ranges": {json.dumps(ranges)},\n"scores": ['
+    KEPT.write_text(f"{head}\n{lines}\n]}}\n", encoding="utf-8")
 
 
 def shortened(value: Any) -> Any:
@@ -71,10 +78,16 @@ def tables() -> str:
     heads = ["case", "answer", "points", "published", "bound", *programs]
     costs = [[f"`{name}`", *(time(cost_of(found, name, program)) for program in programs)] for name in cases]
     sources = [[f"`{name}`", one.source, one.licence, one.sureness] for name, one in cases.items()]
+    ranges = [
+        [f"`{name}`", ", ".join(cases[name].unknown), f"{inside} of {total}", str(draws)]
+        for name, (inside, total, draws) in read["ranges"].items()
+    ]
     parts = [
         markdown(heads, [text for _, text in rows]),
         "Processor time of a point:",
         markdown(["case", *programs], costs),
+        "Published values within 5 to 95 % of the answers, where inputs are drawn at random ([ranges](#ranges)):",
+        markdown(["case", "random inputs", "in range", "draws"], ranges),
         "Sources:",
         markdown(["case", "source", "licence", "how sure"], sources),
     ]
@@ -112,5 +125,5 @@ def page() -> str:
 
 if __name__ == "__main__":
     if "--collect" in sys.argv:
-        collect(Path(sys.argv[sys.argv.index("--collect") + 1]))
+        collect(*map(Path, sys.argv[sys.argv.index("--collect") + 1 :]))
     sys.exit(write_or_check({PAGE: page()}, sys.argv[1:]))

@@ -13,8 +13,8 @@ NAME = "bogie-braking"
 QUESTIONS = {
     "block-braked-bogie": "bogie",
     "coasting": "coasting",
-    "kalker-coefficients": "kalker",
     "impact-of-two-vehicles": "impact",
+    "kalker-coefficients": "kalker",
     "shunting-stops": "shunting",
     "stop-by-percentage": "percentage",
     "stop-of-axles": "axles",
