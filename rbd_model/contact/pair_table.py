@@ -138,9 +138,14 @@ def side_record(one: Side, stands: float) -> Record:
         patches = patches_of(one)
     except ValueError as error:
         raise BadInputError(str(error)) from None
+    if not patches[-1].flange:
+        raise BadInputError(
+            f"A wheel of a contact table must have a flange; {one.wheel.name} on {one.rail.name} touches on its tread "
+            "alone at all shifts. Check gauge, flange back and the side of y that is turned to the middle of the track."
+        )
     limits = *one.wheel.limits, *one.rail.limits
     numbers = one.wheel_half_distance, one.rail_half_distance, *limits, *shape_at(one, stands)
-    steepest = patches[-1] if patches[-1].flange else None
+    steepest = patches[-1]
     every = [(patch.flange, patch_record(one, patch, patch is steepest)) for patch in patches]
     lists = tuple(tuple(record for flange, record in every if flange == asked) for asked in (False, True))
     return Record(SIDE, numbers, (), lists)
