@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from rbd_model.contact.creep.kalker import checked_ratio
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.of_steel import law_of_ratio
 from rbd_model.contact.creep.polach import polach
-from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.hertz import POISSON_RATIO
 
 #: Contact models by their number, the value of the parameter contact_model.
@@ -23,13 +23,11 @@ UNUSED: dict[int, tuple[str, ...]] = {1: ("flange_law",), 2: (), 3: ("creep_law"
 class Contact:
     """The contact of wheels and rails: `depth`, a key of DEPTHS, the creep laws, and Poisson's ratio of the steel.
 
-    The `flange_law` is that of the patches of a flange at model 2; model 1 has no such patches. A flange spins, which
-    reduces the lateral force of Polach's law. With it the Y/Q at which a wheel climbs is 12 % above Nadal's limit, on
-    the unsafe side. With Shen, Hedrick and Elkins it is under 2 % (scenario flange-climb). The distance of each law
-    from exact theory on the Manchester contact benchmark is computed by contact-manchester: docs/limits.md, Creep laws.
-    FASTSIM, 5 x 5, is nearest at ten times the cost. On a tread, which spins without sliding much, Shen, Hedrick and
-    Elkins are no better than Polach (creep-laws). At model 3 neither law is used: each strip creeps by FASTSIM with
-    flexibilities of its own.
+    The `flange_law` is that of the patches of a flange at model 2; model 1 has no such patches. A flange spins while it
+    slides everywhere. In Polach's law spin then reduces the lateral force. In that of Shen, Hedrick and Elkins it turns
+    the force. With `kalker_to_coulomb` the force opposes the mean sliding. contact-manchester computes the distance of
+    each law from exact theory: docs/limits.md, Creep laws. The default of treads is the law of the thesis. At model 3
+    neither law is used: each strip creeps by FASTSIM with flexibilities of its own.
 
     Raises
     ------
@@ -40,7 +38,7 @@ class Contact:
 
     depth: int = 1
     creep_law: CreepLaw = polach
-    flange_law: CreepLaw = shen_hedrick_elkins
+    flange_law: CreepLaw = kalker_to_coulomb
     poisson_ratio: float = POISSON_RATIO
 
     def __post_init__(self) -> None:

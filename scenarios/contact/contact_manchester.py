@@ -20,8 +20,10 @@ from fmu_src.system import System
 from rbd_model.body.kinematics import direction_cosines, turned_by
 from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.kalker import smooth_kalker_coefficients
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
+from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.distance import LEFT, RIGHT, Stand, Strips, stand_of, strips_at, touching
 from rbd_model.contact.elastic import elastic_force
@@ -54,6 +56,8 @@ MOST_APPROACH = 0.3e-3
 ON_PATCHES = Contact(2)
 OTHER_LAWS = {
     "Polach's law on the flange too": Contact(2, flange_law=polach),
+    "Shen, Hedrick and Elkins on the flange": Contact(2, flange_law=shen_hedrick_elkins),
+    "the flange's law on treads too": Contact(2, kalker_to_coulomb),
     "FASTSIM 5 x 5 on the flange": Contact(2, flange_law=fastsim(5)),
     f"the same laws at a Poisson's ratio of {STEEL.poisson_ratio:g}": Contact(2, poisson_ratio=STEEL.poisson_ratio),
 }

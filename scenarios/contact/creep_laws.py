@@ -18,6 +18,7 @@ from rbd_model.contact.creep.fastrip import fastrip
 from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.johnson_vermeulen import johnson_vermeulen
 from rbd_model.contact.creep.kalker_linear import kalker_linear
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
@@ -46,6 +47,7 @@ LAWS: dict[str, CreepLaw] = {
     "Kalker, linear": kalker_linear,
     "Vermeulen, Johnson": johnson_vermeulen,
     "Shen, Hedrick, Elkins": shen_hedrick_elkins,
+    "Kalker to Coulomb": kalker_to_coulomb,
     "Polach": polach,
     "FASTSIM 5 x 5": fastsim(5),
     "FASTSIM 10 x 10": fastsim(10),
@@ -62,6 +64,7 @@ STYLE = {
     "Kalker, linear": ("X", "#999999", 8),
     "Vermeulen, Johnson": ("^", "#cc79a7", 8),
     "Shen, Hedrick, Elkins": ("D", "#009e73", 8),
+    "Kalker to Coulomb": ("v", "#009e73", 8),
     "Polach": ("*", "#0072b2", 12),
     "FASTSIM 5 x 5": ("s", "#56b4e9", 5),
     "FASTSIM 10 x 10": ("s", "#56b4e9", 9),

@@ -28,7 +28,7 @@ BAND = 0.02
 #: Angles of attack of the curve [rad], its flange angle and its friction.
 YAWS = (0.0005, 0.001, 0.002, 0.0035, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.035, 0.05)
 CURVE_ANGLE, CURVE_FRICTION = 70.3, 0.3
-#: Contact models with the creep law of the flange; the default is that of Shen, Hedrick and Elkins.
+#: Contact models with the creep law of the flange; the default is `kalker_to_coulomb`.
 LAWS = {"default": Contact(2), "exact": Contact(2, flange_law=exact_law), "Polach": Contact(2, flange_law=polach)}
 COLOURS = {"default": LEADING, "exact": TRAILING, "Polach": BOGIE}
 #: Without lateral creep a wheel climbs at tan of its flange, twice Nadal's limit; a tenth of that is a clear margin.
@@ -86,8 +86,7 @@ def remarks(series: Recording) -> list[Row]:
     lower = "less yaw, less lateral creep, a higher limit; above saturation it stays, but for the steeper contact"
     no_yaw = "a curve that does not feel the yaw would hold Nadal's limit everywhere"
     spin = (
-        "not judged: in the law of Shen, Hedrick and Elkins spin alone reaches all of mu N, so that little yaw is "
-        f"as much as more; the limit is up to {percent_under(curves['default'], curves['exact']):.0f} % under "
+        f"not judged: the limit is up to {percent_under(curves['default'], curves['exact']):.0f} % under "
         "that by exact theory, on the safe side"
     )
     polach = f"{place}: by Polach's law at {ATTACK} rad over Nadal's"

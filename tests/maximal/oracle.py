@@ -13,7 +13,7 @@ from tests.maximal.hertz import load_of, semi_axes_of
 from tests.maximal.joints import Carriers, End, Ends, on_bodies, wrenches
 from tests.maximal.motion import Moving, accelerations
 from tests.maximal.rails import Course, Rails, Shifted
-from tests.maximal.slip import Rolling, polach, shen_hedrick_elkins
+from tests.maximal.slip import Rolling, kalker_to_coulomb, polach
 from tests.maximal.statics import preloads
 from tests.maximal.touch import Touch, Wheel, touches
 
@@ -212,7 +212,7 @@ class Oracle:
         creepages = np.array(slides) / math.hypot(forward, least)
         axes = semi_axes_of(load, *curvatures, modulus)
         patch = Rolling(tuple(creepages.tolist()), load, friction, axes, modulus)  # type: ignore[arg-type]
-        along, aside = (shen_hedrick_elkins if flange else polach)(patch)
+        along, aside = (kalker_to_coulomb if flange else polach)(patch)
         creep = along * touch.along + aside * sideways
         return load * by_place + np.concatenate([creep, np.cross(touch.arm, creep)]), along
 

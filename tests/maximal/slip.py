@@ -1,4 +1,4 @@
-"""Creep forces of one patch in plain floats: Polach (1999) on treads, Shen, Hedrick and Elkins (1983) on flanges."""
+"""Creep forces of one patch in plain floats: Polach (1999) on treads, Kalker to Coulomb on flanges."""
 
 from __future__ import annotations
 
@@ -106,14 +106,25 @@ def polach(patch: Rolling) -> tuple[float, float]:
     return force * x / total, force * y / total + from_spin
 
 
-def shen_hedrick_elkins(patch: Rolling) -> tuple[float, float]:
-    """Return forces on the wheel [N]: Kalker's linear ones, reduced together by the cubic of Vermeulen and Johnson."""
+def kalker_to_coulomb(patch: Rolling) -> tuple[float, float]:
+    """Return forces on the wheel [N]: Kalker's linear ones, reduced together by the cubic of Vermeulen and Johnson.
+
+    Their direction turns to the mean sliding with the square of the linear force of creepage, half at 3 mu N.
+    """
     (x, y, spin), (a, b) = patch.creepages, patch.semi_axes
     c11, c22, c23 = kalker(a / b)
-    linear = -patch.shear_modulus * a * b * np.array([c11 * x, c22 * y + math.sqrt(a * b) * c23 * spin])
     limit = patch.friction * patch.load
-    size = float(np.linalg.norm(linear)) / limit
+    of_creepage = patch.shear_modulus * a * b * np.array([c11 * x, c22 * y]) / limit
+    linear = of_creepage + np.array([0.0, patch.shear_modulus * (a * b) ** 1.5 * c23 * spin / limit])
+    size, creepage = float(np.linalg.norm(linear)), math.hypot(x, y)
     if size == 0.0:
         return 0.0, 0.0
-    share = 1 - size / 3 + size**2 / 27 if size < 3.0 else 1 / size
-    return float(share * linear[0]), float(share * linear[1])
+    force = 1 - (1 - size / 3) ** 3 if size < 3.0 else 1.0
+    direction = linear / size
+    if creepage > 0.0:
+        # The variance of the spin's sliding across that of the creepage, under Hertz's pressure.
+        across = spin**2 * ((a * x) ** 2 + (b * y) ** 2) / (5 * creepage**2)
+        part = float(of_creepage @ of_creepage)
+        part /= part + 9.0
+        direction = (1 - part) * direction + part * np.array([x, y]) / math.sqrt(creepage**2 + across)
+    return float(-limit * force * direction[0]), float(-limit * force * direction[1])

@@ -21,6 +21,7 @@ from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.johnson_vermeulen import johnson_vermeulen
 from rbd_model.contact.creep.kalker import Kalker, kalker_coefficients
 from rbd_model.contact.creep.kalker_linear import kalker_linear
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CLEAN, ContactPatch, CreepLaw, Reduction
 from rbd_model.contact.creep.modified_fastsim import SlopeReduction, modified_fastsim
 from rbd_model.contact.creep.polach import polach
@@ -37,6 +38,7 @@ DATA = Path(__file__).parents[1] / "data" / "creep"
 KALKERS: dict[str, CreepLaw] = {
     "kalker_linear": kalker_linear,
     "shen_hedrick_elkins": shen_hedrick_elkins,
+    "kalker_to_coulomb": kalker_to_coulomb,
     "polach": polach,
     "polach_2005": polach_2005,
     "fastsim": fastsim(6),
@@ -401,6 +403,7 @@ def test_an_odd_number_of_strips_is_refused() -> None:
 ASKED: dict[str, tuple[CreepLaw, float, float | None]] = {
     "polach": (polach, 5.5, None),
     "shen_hedrick_elkins": (shen_hedrick_elkins, 5.5, None),
+    "kalker_to_coulomb": (kalker_to_coulomb, 5.5, None),
     "johnson_vermeulen": (johnson_vermeulen, 6.5, None),
     "fastsim": (fastsim(10), 4.0, 8.0),
     "fastrip": (fastrip(8), 2.5, 5.0),

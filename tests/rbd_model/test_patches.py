@@ -18,9 +18,9 @@ from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
 from rbd_model.body.kinematics import direction_cosines
 from rbd_model.contact.creep.kalker_linear import kalker_linear
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
-from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.depth import DEPTHS, Contact
 from rbd_model.contact.distance import touching
 from rbd_model.contact.elastic import damped, elastic_force
@@ -175,7 +175,7 @@ def test_flange_slides_by_its_own_law_and_the_tread_by_its_own() -> None:
     """Right wheel of the Manchester benchmark: flange contact at 7 mm, tread contact at 3 mm."""
     exact = manchester.exact("right")
     by_default, by_user = Contact(2), Contact(2, creep_law=kalker_linear)
-    own, others = Contact(2, polach, shen_hedrick_elkins), Contact(2, shen_hedrick_elkins, polach)
+    own, others = Contact(2, polach, kalker_to_coulomb), Contact(2, kalker_to_coulomb, polach)
 
     def outwards(shift: float, contact: Contact) -> float:
         return -sum(one.outwards for one in manchester.bearings(*manchester.case("right", shift), contact))

@@ -9,6 +9,7 @@ from rbd_model.contact.creep.fastrip import fastrip
 from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.johnson_vermeulen import johnson_vermeulen
 from rbd_model.contact.creep.kalker_linear import kalker_linear
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.polach_2005 import polach_2005
@@ -18,11 +19,12 @@ from rbd_model.contact.creep.strip_theory import strip_theory
 #: The law of the thesis, used by default.
 DEFAULT_LAW = "polach"
 #: Error and cost of each: scenario `creep-laws`. FASTSIM, FaStrip and strips have the grid with an error below 5 % of
-#: mu N there.
+#: mu N at its published rows; at random states it is 10 to 20 % (docs/limits.md, Creep laws).
 LAWS: dict[str, CreepLaw] = {
     DEFAULT_LAW: polach,
     "polach-2005": polach_2005,
     "shen-hedrick-elkins": shen_hedrick_elkins,
+    "kalker-to-coulomb": kalker_to_coulomb,
     "johnson-vermeulen": johnson_vermeulen,
     "kalker-linear": kalker_linear,
     "fastsim": fastsim(14),
