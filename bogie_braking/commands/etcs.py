@@ -38,9 +38,16 @@ BASELINES, POSITIONS = ("3.3.0", "4.0.0"), ("passenger P", "freight P", "freight
 
 
 def share(name: str) -> Callable[[str], float]:
-    """Return the reader of a share in percent, 0 to 50 %, whose result is a number from 0 to 0.5."""
+    """Return the reader of a share of 0 to 50 %, whose result is a number from 0 to 0.5; it must state its unit."""
     read = quantity(name, "%", 0.0, 50.0)
-    return lambda text: read(text) / 100.0
+
+    def with_unit(text: str) -> float:
+        found = read(text)
+        if not text.strip().endswith("%"):
+            raise argparse.ArgumentTypeError(f"{name} must have its unit, %; got {text}. Write {found:g}%, or another.")
+        return found / 100.0
+
+    return with_unit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,11 +72,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, words in (("--dry", "Kdry_rst"), ("--wet", "Kwet_rst")):
         factor = quantity(name, "1", 0.05, 1.55)
         parser.add_argument(name, type=factor, metavar="FACTOR", default=1.0, help=f"{words} (default: 1, no margin)")
-    text = "probability that the brake of a vehicle does not act, in percent, as 0.1%% or 0.1 (default: 0)"
+    text = "probability that the brake of a vehicle does not act, as 0.1%% (default: 0)"
     parser.add_argument("--failure", type=share("--failure"), metavar="SHARE", default=0.0, help=text)
-    text = "standard deviation of a vehicle's brake force over its nominal force (default: 0)"
+    text = "standard deviation of a vehicle's brake force over its nominal force, as 5%% (default: 0)"
     parser.add_argument("--spread", type=share("--spread"), metavar="SHARE", default=0.0, help=text)
-    text = "standard deviation that all vehicles share, of friction for example (default: 0)"
+    text = "standard deviation that all vehicles share, of friction for example, as 3%% (default: 0)"
     parser.add_argument("--common", type=share("--common"), metavar="SHARE", default=0.0, help=text)
     text = "confidence level of Kdry_rst, 0 to 9 (default: 9, a weaker brake once in 1e9)"
     parser.add_argument("--level", type=whole("--level", 0, 9), metavar="LEVEL", default=9, help=text)
@@ -244,12 +251,20 @@ def _text(chosen: argparse.Namespace, found: dict[str, Any]) -> list[str]:
         each = " ".join(f"{factor:.2f}" for factor in found["factors"])
         lines.append(f"Kdry_rst of levels 0 to 9, rounded down: {each}; in use: level {chosen.level}")
     names = [*LIMITS, *(["own stop"] if found["stops"] else [])]
-    lines += ["", f"Distance before {found['ends']:g} m [m]", "V_est [km/h]" + "".join(f"{name:>10}" for name in names)]
+    lines += [
+        "",
+        f"Distance before {_name_of_end(chosen, found)}, {found['ends']:g} m [m]",
+        "V_est [km/h]" + "".join(f"{name:>10}" for name in names),
+    ]
     for n, speed in enumerate(few.V_est):
         places = [float(getattr(few, name)[n]) for name in LIMITS]
         places += [found["stops"][n].ends] if found["stops"] else []
         lines.append(f"{3.6 * speed:12.1f}" + "".join(f"{found['ends'] - place:10.1f}" for place in places))
     return lines
+
+
+def _name_of_end(chosen: argparse.Namespace, found: dict[str, Any]) -> str:
+    return "the target" if found["ends"] == chosen.target else "the supervised location"
 
 
 def _lines_of_steps(name: str, steps: Any) -> list[str]:

@@ -25,6 +25,8 @@ LONGEST = 600.0
 KILOMETRES_PER_HOUR = 3.6
 #: Speeds between which the critical speed is searched, their distance [m/s]; friction of the rails.
 SLOWEST, FASTEST, STEP, FRICTION = 10.0, 120.0, 10.0, 0.4
+#: Time in which wheels come to roll freely and contacts to their loads, before the equations are linearised [s].
+SETTLED = 1.0
 #: Speed at which modes are computed [m/s], and damping above which a mode is not listed.
 MODES_AT, OVERDAMPED = 10.0, 0.9
 MOTIONS = ("shift", "lateral", "bounce", "roll", "pitch", "yaw")
@@ -108,7 +110,7 @@ def modes_of(sheet: DataSheet, speed: float) -> list[Mode]:
     friction = {f"friction_{number}": FRICTION for number in range(1, sheet.axles + 1)}
     values = RIGID | sheet.parameters.values() | friction
     kernel = prepare(name, tolerance=1e-8, initial_speed=speed, **values)
-    kernel.initialise()
+    kernel.advance(SETTLED)
     found = oscillations(system_of(name, **RIGID), np.array(kernel.linearise().jacobian))
     return sorted(found, key=lambda mode: mode.frequency)
 

@@ -10,7 +10,15 @@ import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
-from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check, motion_of
+from bogie_braking.vehicle_files.check import (
+    FRICTION,
+    KILOMETRES_PER_HOUR,
+    OVERDAMPED,
+    RAILS,
+    SPEEDS,
+    Check,
+    motion_of,
+)
 from bogie_braking.vehicle_files.picture import picture
 from readers.storage import write_whole
 from scenarios.reporting.plots import plt
@@ -49,9 +57,10 @@ def tables_of(check: Check) -> list[Table]:
 
 def critical_words(check: Check) -> str:
     """Return the critical speed in words."""
+    profiles = f"built-in profiles, friction {FRICTION:g}"
     if check.critical is None or math.isinf(check.critical):
-        return "no hunting up to 430 km/h"
-    return f"hunting above {check.critical * KILOMETRES_PER_HOUR:.0f} km/h"
+        return f"no hunting up to 430 km/h ({profiles})"
+    return f"hunting above {check.critical * KILOMETRES_PER_HOUR:.0f} km/h ({profiles})"
 
 
 def grouped(check: Check) -> list[tuple[str, str]]:

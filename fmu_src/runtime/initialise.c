@@ -102,6 +102,17 @@ static kernel_status check_records(kernel *self, const system_description *syste
                        system->name, MODEL.variable[variable].name);
 }
 
+/* Reports inputs and parameters without an effect, and pressures in a likely other unit. */
+static kernel_status warn_at_start(kernel *self) {
+    kernel_status status = KERNEL_OK;
+    for (int i = 0; i < MODEL.variables; ++i) {
+        if (MODEL.variable[i].causality != CAUSALITY_INPUT) continue;
+        if (kernel_warn_without_effect(self, i) != KERNEL_OK) status = KERNEL_WARNING;
+        if (kernel_warn_of_small_pressure(self, i) != KERNEL_OK) status = KERNEL_WARNING;
+    }
+    return kernel_warn_of_idle_parameters(self) != KERNEL_OK ? KERNEL_WARNING : status;
+}
+
 kernel_status kernel_initialise(kernel *self, double time) {
     if (!isfinite(time)) return kernel_fail(self, KERNEL_ERROR, "The start time must be a finite number; got %g.", time);
     if (self->run.value[MODEL.integration_method] == (double)METHOD_EXPLICIT && self->run.value[MODEL.integration_step] == 0.0)
@@ -156,13 +167,7 @@ kernel_status kernel_initialise(kernel *self, double time) {
                                  time_text(time, 9, when));
     }
     self->run.now->outputs_stale = self->run.now->inputs_jumped = false;
-    kernel_status status = of_records;
-    for (int i = 0; i < MODEL.variables; ++i) {
-        if (MODEL.variable[i].causality != CAUSALITY_INPUT) continue;
-        if (kernel_warn_without_effect(self, i) != KERNEL_OK) status = KERNEL_WARNING;
-        if (kernel_warn_of_small_pressure(self, i) != KERNEL_OK) status = KERNEL_WARNING;
-    }
-    return kernel_warn_of_idle_parameters(self) != KERNEL_OK ? KERNEL_WARNING : status;
+    return warn_at_start(self) != KERNEL_OK ? KERNEL_WARNING : of_records;
 }
 
 /* Open the parameters again, all values kept; initialise afterwards. */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +24,8 @@ from scenarios.thesis.creep_forces import EXACT, FRICTION, LOAD, SEMI_AXES, SHEA
 from tests.rolling_half_space import Grid, grid_of, pressure, rolling_forces, tractions
 
 STEEL = Steel(82e9, 0.28)
+#: Places, angles and creepages of both wheels of the Manchester contact benchmark.
+CREEPAGES = Path(__file__).parents[1] / "data" / "manchester_creepages.csv"
 #: Error of 24 strips across the overlap against closed forms, measured up to 1.2 %: the edge is inside a strip.
 STRIP_ERROR = 0.02
 #: Errors against elements: measured up to 1.5 % in load and, for a patch with a shoulder, 0.14 mm in position.
@@ -181,11 +184,13 @@ def test_creepages_of_the_benchmark_follow_from_its_motion(name: str) -> None:
 
     Near 0 the longitudinal creepage is a difference of speeds; a displacement of 0.01 mm changes it by 2e-6.
     """
-    pair, columns = manchester.manchester_pair(), manchester.table("exact")
-    rows = slice(0, 11) if name == "left" else slice(11, 22)
+    pair = manchester.manchester_pair()
     outwards = -manchester.SIDES[name]
     heads = ("y_ws_mm", "y_wheel_mm", "angle_rad", "creep_x", "creep_y", "spin_1_per_mm")
-    for shift, on_wheel, angle, ahead, aside, spin in np.column_stack([columns[head][rows] for head in heads]):
+    with CREEPAGES.open(encoding="utf-8") as text:
+        rows = [row for row in csv.DictReader(line for line in text if line[0] != "#") if row["wheel"] == name]
+    assert len(rows) >= 11
+    for shift, on_wheel, angle, ahead, aside, spin in ([float(row[head]) for head in heads] for row in rows):
         stand, motion = manchester.case(name, float(shift))
         strip = strips_at(pair, stand, np.array([outwards * on_wheel / 1e3]))
         found = creepages_of(replace(strip, angle=np.array([-outwards * angle])), motion)

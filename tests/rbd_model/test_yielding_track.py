@@ -23,12 +23,12 @@ PEAK_BAND = 0.02
 DEFAULT, OTHERS = (1e-6, 1.0), ((1e-5, 1.0), (1e-7, 1.0), (1e-8, 1.0), (1e-6, 0.5), (1e-6, 2.0))
 ORDINARY = curve(300.0, 0.15)
 #: A case in which the coach flutters on rigid rails.
-FLUTTERS = curve(500.0, 0.15, friction=0.5)
+FLUTTERS = curve(300.0, 0.15, friction=0.5)
 #: Contact damping with which the coach is stable there [s/m], and the default.
 CALM, ASSUMED = 2.5, 1.0
 #: Frequencies of bounce and roll of a wheelset on rigid rails [Hz], and a lower limit of the frequencies of wheel on
 #: rail.
-CONTACT_MODES, QUICK = (175.0, 205.0), 60.0
+CONTACT_MODES, QUICK = (160.0, 205.0), 60.0
 #: Tolerance of the track statics, of the static wheel load: the body still moves a little, and rails are damped;
 #: measured 2e-4.
 STATIC_BAND = 1e-3

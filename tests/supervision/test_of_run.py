@@ -109,6 +109,7 @@ def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> Non
         (["--target-speed", "50", "--beyond", "10"], "leave it out with --target-speed"),
         (["--position", "passenger P", "--dry", "0.8"], "Leave them out with --position"),
         (["--failure", "0.1%", "--dry", "0.8"], "Leave one out"),
+        (["--failure", "0.001"], "must have its unit, %; got 0.001"),
         (["--failure", "30%", "--level", "9"], "no brake force is left"),
         (["--dry", "8"], "--dry must be"),
     ],
