@@ -28,7 +28,7 @@ ASSESSED = 120.0 / 3.6
 STATEMENTS = (("deceleration",), ("percentage",), ("force",), ("cylinder_diameter", "cylinders", "rigging_ratio"))
 BRAKE_ENTRIES: Mapping[str, Entry] = {
     "deceleration": Entry("m/s2", 0.01, 5.0, "of the full brake on a dry rail, after build-up"),
-    "percentage": Entry("%", 1.0, 300.0, "or lambda: brake weight percentage (EN 16834, from 120 km/h)"),
+    "percentage": Entry("%", 5.0, 300.0, "or lambda: brake weight percentage (EN 16834, from 120 km/h)"),
     "force": Entry("N", 1.0, 1e7, "of the full brake at the rims of all wheelsets"),
     "cylinder_diameter": Entry("m", 0.01, 1.0, "of each cylinder"),
     "cylinders": Entry("1", 1, 48, "cylinders of the vehicle", whole=True),

@@ -21,6 +21,7 @@ import argparse
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bogie_braking.commands.shared import add_out, add_speech, bars, describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
@@ -30,6 +31,9 @@ from readers.text import BadInputError, shown
 from scenarios.benchmark.band import DRAWS, Band, bands
 from scenarios.benchmark.case import Case
 from scenarios.benchmark.case_file import CASES, cases_in, read_case
+
+if TYPE_CHECKING:
+    from scenarios.benchmark.score import Scored
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -85,6 +89,18 @@ def _list(cases: Sequence[Case], chosen: argparse.Namespace) -> int:
     return HOLDS
 
 
+def _check_answered(scored: Sequence[Scored]) -> None:
+    """Raise BadInputError for a case whose question no program answers, as a misspelt one."""
+    for one in scored:
+        if not one.failures and all(
+            each.cost is None and all(value is None for value in each.values) for each in one.scores
+        ):
+            raise BadInputError(
+                f"question must be one that a program answers; got {shown(one.case.question)} in {one.case.name}. "
+                "Correct its spelling, or add a program with --program."
+            )
+
+
 def _run(cases: Sequence[Case], files: dict[str, Path], chosen: argparse.Namespace) -> int:
     from scenarios.benchmark.answers_file import program_of_answers
     from scenarios.benchmark.fmu_program import program_of_fmu
@@ -107,6 +123,7 @@ def _run(cases: Sequence[Case], files: dict[str, Path], chosen: argparse.Namespa
     for case in counting(cases, "benchmark"):
         scored.append(score(case, known))
         ranges += bands(case, known[0], chosen.range) if chosen.range else []
+    _check_answered(scored)
     results = Results(scored, known, missing, ranges)
     places = write_results(results, chosen.out)
     if chosen.json:

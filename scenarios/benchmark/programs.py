@@ -100,6 +100,8 @@ def of_module(module: ModuleType, strict: bool = False) -> Program:
         try:
             with redirect_stdout(sys.stderr):
                 found = module.answer(case.question, dict(case.points[point].inputs))
+        except KeyError as error:
+            raise CannotAnswerError(f"it needs the input {error}, which the case lacks.") from error
         except (Exception, SystemExit) as error:
             raise CannotAnswerError(f"{type(error).__name__}: {error}") from error
         return checked(found, case, strict)

@@ -119,6 +119,13 @@ def test_a_bad_case_is_refused_in_one_sentence_with_its_place(old: str, new: str
     assert "\n" not in str(told.value)
 
 
+def test_a_question_that_no_program_knows_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write(tmp_path / "cases")
+    given = ["--cases", str(tmp_path / "cases"), "--out", str(tmp_path / "out")]
+    assert main(["benchmark", "constant-force", *given]) == BAD_INPUT
+    assert "question must be one that a program answers; got constant-force" in capsys.readouterr().err
+
+
 def test_a_stranger_adds_a_case_and_programs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The program answers distance alone; the file gives one wrong distance and the work; ours has dashes."""
     write(tmp_path / "cases")
