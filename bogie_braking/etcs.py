@@ -6,40 +6,5 @@
 >>> limits.P  # places of the front at which the permitted speed is 10, 20 and 30 m/s [m]
 """
 
-from products.supervision import (
-    BASELINES,
-    BRAKE_POSITIONS,
-    Arcs,
-    BrakeUnits,
-    Curves,
-    FixedValues,
-    Gradients,
-    NationalValues,
-    Steps,
-    SupervisedTrain,
-    brake_of_percentage,
-    braking_arcs,
-    dry_factors,
-    release_speed,
-    rounded_down,
-    supervise,
-)
-
-__all__ = [
-    "BASELINES",
-    "BRAKE_POSITIONS",
-    "Arcs",
-    "BrakeUnits",
-    "Curves",
-    "FixedValues",
-    "Gradients",
-    "NationalValues",
-    "Steps",
-    "SupervisedTrain",
-    "brake_of_percentage",
-    "braking_arcs",
-    "dry_factors",
-    "release_speed",
-    "rounded_down",
-    "supervise",
-]
+from products.supervision import *  # noqa: F403
+from products.supervision import __all__ as __all__

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from products.supervision.steps import Steps
+from products.supervision.steps import Steps, values_at
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,8 @@ class Arcs:
         """
         square = np.atleast_1d(np.asarray(speed, dtype=float)) ** 2
         arc = (square[..., :, None] >= self.squares[..., None, :]).sum(axis=-1) - 1
-        shape = np.broadcast_shapes(arc.shape[:-1], self.squares.shape[:-1])
-        arc = np.broadcast_to(np.maximum(arc, 0), (*shape, arc.shape[-1]))
-
-        def of_arc(values: np.ndarray) -> np.ndarray:
-            return np.take_along_axis(np.broadcast_to(values, (*shape, values.shape[-1])), arc, axis=-1)
-
-        place, lost, brake = of_arc(self.places), square - of_arc(self.squares), of_arc(self.decelerations)
+        place, begins, brake = self._at(np.maximum(arc, 0))
+        lost = square - begins
         braked = place - np.maximum(lost, 0.0) / np.where(brake > 0.0, 2.0 * brake, 1.0)
         return np.where((brake > 0.0) | (lost <= 0.0), braked, -np.inf)
 
@@ -67,16 +62,13 @@ class Arcs:
         """
         where = np.atleast_1d(np.asarray(place, dtype=float))
         arc = (where[..., :, None] <= self.places[..., None, :]).sum(axis=-1) - 1
-        shape = np.broadcast_shapes(arc.shape[:-1], self.places.shape[:-1])
-        arc = np.broadcast_to(arc, (*shape, arc.shape[-1]))
-        inside = np.maximum(arc, 0)
-
-        def of_arc(values: np.ndarray) -> np.ndarray:
-            return np.take_along_axis(np.broadcast_to(values, (*shape, values.shape[-1])), inside, axis=-1)
-
-        brake = np.maximum(of_arc(self.decelerations), 0.0)
-        square = of_arc(self.squares) + 2.0 * brake * (of_arc(self.places) - where)
+        begins, square, brake = self._at(np.maximum(arc, 0))
+        square = square + 2.0 * np.maximum(brake, 0.0) * (begins - where)
         return np.where(arc < 0, 0.0, np.sqrt(np.maximum(square, 0.0)))
+
+    def _at(self, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return place, square of speed and deceleration of arcs by their numbers, shape (..., m)."""
+        return values_at(self.places, arc), values_at(self.squares, arc), values_at(self.decelerations, arc)
 
 
 def braking_arcs(
@@ -142,8 +134,8 @@ class Eased:
 
     def at(self, step: np.ndarray, part: np.ndarray) -> np.ndarray:
         """Return the deceleration that is missing [m/s2] in steps of speed and parts of the line."""
-        gradient = _of(self.permille, part)
-        return gradient * np.where(gradient > 0.0, _of(self.uphill.values, step), _of(self.downhill.values, step))
+        gradient = _take(self.permille, part)
+        return gradient * np.where(gradient > 0.0, _take(self.uphill.values, step), _take(self.downhill.values, step))
 
 
 @dataclass(frozen=True)
@@ -199,8 +191,4 @@ class _Walk:
 
 
 def _take(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    return np.take_along_axis(values, at[..., None], axis=-1)[..., 0]
-
-
-def _of(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    return _take(np.broadcast_to(values, (*at.shape, values.shape[-1])), at)
+    return values_at(values, at[..., None])[..., 0]

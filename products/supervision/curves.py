@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from products.supervision.arcs import Arcs, Eased, braking_arcs
 from products.supervision.conversion import KMH
 from products.supervision.gradients import Gradients, acceleration_by
+from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain
 from products.supervision.values import FixedValues, NationalValues
 from readers.text import BadInputError, shown
@@ -124,7 +126,7 @@ def supervise(
     """
     national, fixed = national or NationalValues(), fixed or FixedValues()
     speeds = np.atleast_1d(np.asarray(V_est, dtype=float))
-    _check(kind, speeds, target_speed, beyond, place)
+    _check(kind, target_speed, beyond, V_est=speeds, place=place, A_est=A_est, V_ura=0.0 if V_ura is None else V_ura)
     target, foot = np.asarray(target_speed, dtype=float), np.asarray(place, dtype=float)
     slopes = _slopes(train, gradients or Gradients.level())
     if kind == "EOA":
@@ -134,8 +136,9 @@ def supervise(
     T_be, T_bs = (time[..., None] for time in map(np.asarray, train.build_up_times(national, target)))
     error = speed_inaccuracy(speeds) if V_ura is None else np.asarray(V_ura, dtype=float)
     accelerates = np.asarray(A_est, dtype=float)[..., None]
-    EBI = _intervention(train, emergency, T_be, (speeds, target[..., None]), (error, accelerates))
     wait = T_bs if train.service_command else np.zeros_like(T_bs)
+    to_brake = _ToBrake.of(train, emergency, T_be, wait)
+    EBI = to_brake.begins(speeds, target[..., None], error, accelerates)
     SBI2, SBD, SBI1 = EBI - speeds * wait, None, None
     if kind == "EOA":
         SBD = braking_arcs(foot, 0.0, train.A_brake_service, slopes).place_at(speeds)
@@ -143,11 +146,10 @@ def supervise(
     SBI = SBI2 if SBI1 is None else np.minimum(SBI1, SBI2)
     P, GUI = SBI - speeds * fixed.T_driver, None
     if national.guidance and train.A_brake_normal_service is not None:
-        if kind == "EOA":
-            start = foot
-        else:
+        start = foot
+        if kind != "EOA":
             at_target = target[..., None]
-            still = _intervention(train, emergency, T_be, (at_target, at_target), (error_at(V_ura, at_target), 0.0))
+            still = to_brake.begins(at_target, at_target, error_at(V_ura, at_target), 0.0)
             start = (still - at_target * (wait + fixed.T_driver))[..., 0]
         GUI = _guidance(train, start, target, gradients or Gradients.level()).place_at(speeds)
         P = np.minimum(P, GUI)
@@ -161,18 +163,13 @@ def error_at(V_ura: np.ndarray | float | None, speed: np.ndarray) -> np.ndarray:
     return speed_inaccuracy(speed) if V_ura is None else np.max(np.asarray(V_ura, dtype=float))
 
 
-def _check(kind: str, speeds: np.ndarray, target_speed: object, beyond: object, place: object) -> None:
+def _check(kind: str, target_speed: object, beyond: object, **others: object) -> None:
     if kind not in KINDS:
         raise BadInputError(f"kind must be one of {', '.join(KINDS)}; got {shown(kind)}.")
-    for name, value, least in (
-        ("V_est", speeds, 0.0),
-        ("target_speed", target_speed, 0.0),
-        ("beyond", beyond, 0.0),
-        ("place", place, -np.inf),
-    ):
-        numbers = np.asarray(value, dtype=float)
-        if not np.all(np.isfinite(numbers) & (numbers >= least)):
-            limit = "finite" if least < 0.0 else "finite and at least 0"
+    for name, value in {"target_speed": target_speed, "beyond": beyond, **others}.items():
+        numbers, signed = np.asarray(value, dtype=float), name in ("place", "A_est")
+        if not np.all(np.isfinite(numbers) & (signed | (numbers >= 0.0))):
+            limit = "finite" if signed else "finite and at least 0"
             raise BadInputError(f"{name} must be {limit}; got {shown(numbers.tolist())}. Correct it.")
     if kind == "EOA" and np.any(np.asarray(target_speed, dtype=float) > 0.0):
         raise BadInputError("target_speed must be 0 at an end of authority (EOA). Give kind='LOA' for a moving target.")
@@ -185,27 +182,32 @@ def _slopes(train: SupervisedTrain, gradients: Gradients) -> tuple[np.ndarray, n
     return edges, acceleration_by(permille, train.rotating)
 
 
-def _intervention(
-    train: SupervisedTrain,
-    emergency: Arcs,
-    T_be: np.ndarray,
-    speeds: tuple[np.ndarray, np.ndarray],
-    doubts: tuple[np.ndarray | float, np.ndarray | float],
-) -> np.ndarray:
-    """Return EBI: from there the train reaches EBD while traction is cut off and the brake builds up, 3.13.9.3.2."""
-    V_est, V_target = speeds
-    error, accelerates = doubts
-    cut_off = np.asarray(train.T_traction_cut_off, dtype=float)[..., None]
-    if train.traction_command:
-        # Traction is cut off at the warning, T_warning and T_bs2 before the emergency brake.
-        waits = BEFORE_CUT_OFF + (np.asarray(train.T_brake_service)[..., None] if train.service_command else 0.0)
-        cut_off = np.maximum(cut_off - waits, 0.0)
-    building = np.maximum(T_be - cut_off, 0.0)
-    first, second = np.maximum(accelerates, 0.0), np.clip(accelerates, 0.0, BUILDING_UP)
-    pulled, crept = first * cut_off, second * building
-    after = np.maximum(V_est + error + pulled, V_target)
-    travelled = np.maximum(V_est + error + pulled / 2.0, V_target) * cut_off + (after + crept / 2.0) * building
-    return emergency.place_at(after + crept) - travelled
+@dataclass(frozen=True)
+class _ToBrake:
+    """What happens from the emergency brake's command to its full force: times with and without traction [s]."""
+
+    emergency: Arcs
+    traction: np.ndarray
+    building: np.ndarray
+
+    @classmethod
+    def of(cls, train: SupervisedTrain, emergency: Arcs, T_be: np.ndarray, T_bs2: np.ndarray) -> _ToBrake:
+        """T_bs2: time from the end of the warning to the emergency brake [s], 0 if no service brake is commanded."""
+        cut_off = np.asarray(train.T_traction_cut_off, dtype=float)[..., None]
+        if train.traction_command:
+            # Traction is cut off at the warning, T_warning and T_bs2 before the emergency brake.
+            cut_off = np.maximum(cut_off - (BEFORE_CUT_OFF + T_bs2), 0.0)
+        return cls(emergency, cut_off, np.maximum(T_be - cut_off, 0.0))
+
+    def begins(
+        self, V_est: np.ndarray, V_target: np.ndarray, error: np.ndarray, A_est: np.ndarray | float
+    ) -> np.ndarray:
+        """Return EBI: from there the train reaches EBD as traction is cut off and the brake builds up, 3.13.9.3.2."""
+        pulled = np.maximum(A_est, 0.0) * self.traction
+        crept = np.clip(A_est, 0.0, BUILDING_UP) * self.building
+        after = np.maximum(V_est + error + pulled, V_target)
+        with_traction = np.maximum(V_est + error + pulled / 2.0, V_target) * self.traction
+        return self.emergency.place_at(after + crept) - with_traction - (after + crept / 2.0) * self.building
 
 
 def _guidance(train: SupervisedTrain, start: np.ndarray, target: np.ndarray, gradients: Gradients) -> Arcs:
@@ -213,9 +215,12 @@ def _guidance(train: SupervisedTrain, start: np.ndarray, target: np.ndarray, gra
     brake = train.A_brake_normal_service
     assert brake is not None
     edges, permille = gradients.lowest_under(train.length)
+    # On boundaries of their own: the walk finds all three by one number of a step.
     every = (brake, train.Kn_plus, train.Kn_minus)
-    brake, up, down = (
-        one.with_others(lambda *values: values[0], *(other for other in every if other is not one)) for one in every
-    )
+    brake, up, down = (Steps.constant(0.0).with_others(_nth(n), *every) for n in range(len(every)))
     slopes = acceleration_by(permille, train.rotating)
     return braking_arcs(start, target, brake, (edges, slopes), Eased(up, down, permille))
+
+
+def _nth(number: int) -> Callable[..., np.ndarray]:
+    return lambda zero, *values: values[number] + zero

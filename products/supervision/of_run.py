@@ -31,7 +31,7 @@ class BrakeOfRun:
     speeds, decelerations : ndarray
         Deceleration of the developed brake in the run, lowest one in each range of speed [m/s], [m/s2].
     loss : float
-        What the steps add to the braking distance of the developed brake [1].
+        What the steps add to the braking distance with a lowest deceleration in each of 60 ranges of speed [1].
     """
 
     deceleration: Steps

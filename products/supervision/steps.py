@@ -85,9 +85,7 @@ class Steps:
         """
         speeds = np.atleast_1d(np.asarray(speed, dtype=float))
         step = (speeds[..., :, None] > self.boundaries[..., None, :]).sum(axis=-1)
-        shape = np.broadcast_shapes(self.values.shape[:-1], step.shape[:-1])
-        values = np.broadcast_to(self.values, (*shape, self.values.shape[-1]))
-        return np.take_along_axis(values, np.broadcast_to(step, (*shape, step.shape[-1])), axis=-1)
+        return values_at(self.values, step)
 
     def with_others(self, rule: Callable[..., np.ndarray], *others: Steps) -> Steps:
         """Return a step function of several ones, exact at each speed.
@@ -110,3 +108,23 @@ class Steps:
         boundaries = np.sort(np.concatenate(ends, axis=-1), axis=-1)
         within = np.concatenate([boundaries, np.full((*shape, 1), np.inf)], axis=-1)
         return Steps(boundaries, rule(*(one.at(within) for one in every)))
+
+
+def values_at(values: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """Return values by their numbers along the last axis; leading axes, of trains, are broadcast.
+
+    Parameters
+    ----------
+    values : ndarray
+        Values, shape (..., n).
+    numbers : ndarray
+        Numbers from 0 to n - 1, shape (..., m).
+
+    Returns
+    -------
+    ndarray
+        Values, shape (..., m).
+    """
+    shape = np.broadcast_shapes(values.shape[:-1], numbers.shape[:-1])
+    of_trains = np.broadcast_to(values, (*shape, values.shape[-1]))
+    return np.take_along_axis(of_trains, np.broadcast_to(numbers, (*shape, numbers.shape[-1])), axis=-1)

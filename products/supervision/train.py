@@ -155,7 +155,7 @@ class SupervisedTrain:
         national : NationalValues
             Values of the country.
         slippery : bool
-            True on a stretch of reduced adhesion.
+            True on a stretch of reduced adhesion. A train without brake position has the limit of passenger trains.
 
         Returns
         -------
