@@ -20,7 +20,7 @@ class Arcs:
     squares : ndarray
         Squares of these speeds [m2/s2], ascending, shape (..., n).
     decelerations : ndarray
-        Decelerations of the arcs [m/s2], shape (..., n). Where one is not above 0 no higher speed is reached.
+        Decelerations of the arcs [m/s2], shape (..., n). An arc with one of 0 or less reaches no higher speed.
     """
 
     places: np.ndarray
@@ -118,7 +118,7 @@ def braking_arcs(
 
 @dataclass(frozen=True)
 class Eased:
-    """What a driver's normal service brake subtracts on gradients, Kn times gradient: SUBSET-026, 3.13.6.4.
+    """The reduction of a driver's normal service brake on gradients, Kn times gradient: SUBSET-026, 3.13.6.4.
 
     Parameters
     ----------

@@ -184,7 +184,7 @@ def _slopes(train: SupervisedTrain, gradients: Gradients) -> tuple[np.ndarray, n
 
 @dataclass(frozen=True)
 class _ToBrake:
-    """What happens from the emergency brake's command to its full force: times with and without traction [s]."""
+    """Times from the command of the emergency brake to its full force, with and without traction [s]."""
 
     emergency: Arcs
     traction: np.ndarray

@@ -73,7 +73,7 @@ AFTER = Switches(
 )
 #: Passenger train: pads, and the margin and the build-up that MSP120's table leaves room for.
 PASSENGER = Switches(columns={"friction": "pads", "brake": "ep-direct", "fill_time": 0.5}, margin=1.06)
-#: What is switched on, one at a time, in a train that brakes in full service.
+#: Mechanisms that are switched on one at a time, in a train that brakes in full service.
 SWITCHES = {
     "emergency instead of full service": BEFORE,
     "position G": Switches(columns={"position": "G"}),

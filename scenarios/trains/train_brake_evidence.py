@@ -1,4 +1,4 @@
-"""What is missing in a train's brake: mechanisms switched on one at a time, against published stopping distances.
+"""Evidence on a train's brake: mechanisms switched on one at a time, against published stopping distances.
 
 ARTC's tables of four trains. Mechanisms are chosen by sources and on two trains, and reported on the two others. One
 number of each train, the size of its brake, is fitted to one stop on level track. Driver's time, margin and brakes
