@@ -5,12 +5,22 @@ this project is behind them: both meet in numbers alone, so that each can be che
 """
 
 from products.supervision.arcs import Arcs, braking_arcs
+from products.supervision.causes import (
+    BrakedVehicles,
+    Cause,
+    OneFailure,
+    build_up_of,
+    causes_of,
+    factors_of,
+    one_failure,
+)
 from products.supervision.conversion import BRAKE_POSITIONS, brake_of_percentage
 from products.supervision.curves import Curves, supervise
 from products.supervision.gradients import Gradients
 from products.supervision.release import release_speed
 from products.supervision.safety import BrakeUnits, dry_factors, rounded_down
 from products.supervision.steps import Steps
+from products.supervision.tolerances import Tolerances
 from products.supervision.train import SupervisedTrain
 from products.supervision.values import BASELINES, FixedValues, NationalValues
 
@@ -19,15 +29,23 @@ __all__ = [
     "BRAKE_POSITIONS",
     "Arcs",
     "BrakeUnits",
+    "BrakedVehicles",
+    "Cause",
     "Curves",
     "FixedValues",
     "Gradients",
     "NationalValues",
+    "OneFailure",
     "Steps",
     "SupervisedTrain",
+    "Tolerances",
     "brake_of_percentage",
     "braking_arcs",
+    "build_up_of",
+    "causes_of",
     "dry_factors",
+    "factors_of",
+    "one_failure",
     "release_speed",
     "rounded_down",
     "supervise",

@@ -1,0 +1,229 @@
+"""Kdry_rst from tolerances and failures of a train's brake, SUBSET-026, 7.5, and the causes that decide it.
+
+Deceleration over its nominal value is the sum of all forces over the mass. The force of a vehicle is friction x
+cylinder force x efficiency x radius of its discs / radius of its wheels. Each factor is normal with mean 1 and
+independent of all others. Sums and products are convolved, without draws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import ndtri
+from scipy.stats import binom
+
+from products.supervision.convolution import SHARES, Law, Numbers, losses_of, product_of, quantiles_of, sum_of
+from products.supervision.safety import WEAKER
+from products.supervision.tolerances import Tolerances
+from readers.text import BadInputError, shown
+
+#: Largest numbers of equal vehicles, and of groups; largest force and mass of a vehicle.
+MOST_VEHICLES, MOST_GROUPS, LARGEST = 2_000, 500, 1e12
+
+
+@dataclass(frozen=True)
+class BrakedVehicles:
+    """Equal vehicles of a train, each with a distributor.
+
+    Parameters
+    ----------
+    count : int
+        Number of vehicles.
+    force : float
+        Nominal brake force of a vehicle, in any unit that all groups share; 0 without a brake.
+    mass : float
+        Mass of a vehicle, in any unit that all groups share.
+    discs : bool
+        True if it brakes by discs, whose force at the rim depends on the wheel diameter.
+
+    Raises
+    ------
+    BadInputError
+        If a number is outside its limits.
+    """
+
+    count: int
+    force: float
+    mass: float = 1.0
+    discs: bool = True
+
+    def __post_init__(self) -> None:
+        for name, least, most in (("count", 1, MOST_VEHICLES), ("force", 0.0, LARGEST), ("mass", 1e-6, LARGEST)):
+            value = getattr(self, name)
+            number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+            if not number or not least <= value <= most or (name == "count" and value != int(value)):
+                kind = "an integer from " if name == "count" else ""
+                raise BadInputError(
+                    f"{name} of braked vehicles must be {kind}{least:g} to {most:g}; got {shown(value)}."
+                )
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause of a weaker brake: its name and value, Kdry_rst without it, and how much that is more."""
+
+    name: str
+    value: float
+    without: float
+    gain: float
+
+
+@dataclass(frozen=True)
+class OneFailure:
+    """A vehicle whose brake does not act: its group, its share of the nominal force, and Kdry_rst without it."""
+
+    group: int
+    share: float
+    factor: float
+
+
+def factors_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances) -> Numbers:
+    """Return Kdry_rst for the confidence levels 0 to 9.
+
+    Parameters
+    ----------
+    vehicles : sequence of BrakedVehicles
+        All vehicles of the train.
+    tolerances : Tolerances
+        Tolerances and failures.
+
+    Returns
+    -------
+    ndarray
+        Share of the nominal deceleration that is reached with a probability of 50 %, 90 %, ..., 1 - 1e-9, shape (10); 0
+        where no force is.
+
+    Raises
+    ------
+    BadInputError
+        If the train has no brake force, or too many groups.
+    """
+    return _factors(vehicles, tolerances, np.array(WEAKER))
+
+
+def causes_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, level: int = 9) -> list[Cause]:
+    """Return what each cause takes from Kdry_rst at a confidence level, the largest first.
+
+    Parameters
+    ----------
+    vehicles, tolerances
+        As in `factors_of`.
+    level : int
+        Confidence level, 0 to 9.
+
+    Returns
+    -------
+    list of Cause
+        One for each cause that is given. Gains do not add up: spreads add up by their squares.
+
+    Raises
+    ------
+    BadInputError
+        If the level is not 0 to 9, or for the reasons given in `factors_of`.
+    """
+    weaker = _weaker(level)
+    whole = float(_factors(vehicles, tolerances, weaker)[0])
+    found = []
+    for name in tolerances.causes:
+        without = float(_factors(vehicles, tolerances.without(name), weaker)[0])
+        found.append(Cause(name, getattr(tolerances, name), without, without - whole))
+    return sorted(found, key=lambda one: -one.gain)
+
+
+def one_failure(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, level: int = 9) -> list[OneFailure]:
+    """Return Kdry_rst at a confidence level if the brake of one vehicle does not act for certain, by groups.
+
+    Parameters
+    ----------
+    vehicles, tolerances, level
+        As in `causes_of`.
+
+    Returns
+    -------
+    list of OneFailure
+        One for each group with brakes, over the nominal force of the whole train.
+
+    Raises
+    ------
+    BadInputError
+        As `causes_of`.
+    """
+    weaker, found = _weaker(level), []
+    nominal = _nominal(vehicles)
+    for number, one in enumerate(vehicles):
+        if one.force:
+            rest = [*vehicles[:number], *([replace(one, count=one.count - 1)] if one.count > 1 else [])]
+            rest += [*vehicles[number + 1 :], replace(one, count=1, force=0.0)]
+            left = 1.0 - one.force / nominal
+            factor = left * float(_factors(rest, tolerances, weaker)[0]) if left > 1e-12 else 0.0
+            found.append(OneFailure(number, one.force / nominal, factor))
+    return found
+
+
+def build_up_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, build_up: float) -> Numbers:
+    """Return T_brake_emergency for the confidence levels 0 to 9.
+
+    SUBSET-026 has no factor for it. Its quantile is train data as it stands: a longer one is reached with the
+    probability of the level, apart from that of Kdry_rst.
+
+    Parameters
+    ----------
+    vehicles, tolerances
+        As in `factors_of`.
+    build_up : float
+        Nominal equivalent build-up time [s].
+
+    Returns
+    -------
+    ndarray
+        Build-up times, shape (10) [s]. The train's is the mean of those of its vehicles by their forces.
+    """
+    nominal = _nominal(vehicles)
+    shares = np.array([one.force / nominal for one in vehicles])
+    counts = np.array([one.count for one in vehicles])
+    own = tolerances.delay * np.sqrt(counts @ shares**2)
+    found: Numbers = build_up - ndtri(np.array(WEAKER)) * np.hypot(own, tolerances.delay_common)
+    return found
+
+
+def _weaker(level: int) -> Numbers:
+    if isinstance(level, bool) or not isinstance(level, int | np.integer) or not 0 <= level < len(WEAKER):
+        raise BadInputError(f"The confidence level must be an integer from 0 to 9; got {shown(level)}.")
+    return np.array(WEAKER[level : level + 1])
+
+
+def _nominal(vehicles: Sequence[BrakedVehicles]) -> float:
+    if len(vehicles) > MOST_GROUPS:
+        raise BadInputError(
+            f"Groups of braked vehicles must be at most {MOST_GROUPS}; got {len(vehicles)}. Join vehicles with similar "
+            "forces."
+        )
+    nominal = float(sum(one.count * one.force for one in vehicles))
+    if not nominal > 0.0:
+        raise BadInputError("A train must have a brake force for its factors; got none. Give vehicles with brakes.")
+    return nominal
+
+
+def _factors(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, weaker: Numbers) -> Numbers:
+    """Return the factors at probabilities of a weaker brake, shape (levels,)."""
+    t, nominal = tolerances, _nominal(vehicles)
+    own = (t.friction, t.cylinder_force, t.efficiency, t.spread)
+    laws = {discs: product_of(own, [t.wheel_diameter] if discs else []) for discs in {one.discs for one in vehicles}}
+    forces = [(one.count, _of_vehicle(laws[one.discs], one.force / nominal, t)) for one in vehicles if one.force]
+    masses, counts = np.array([one.mass for one in vehicles]), np.array([one.count for one in vehicles])
+    of_train = t.mass * np.sqrt(counts @ masses**2) / (counts @ masses)
+    common = product_of([t.friction_common, t.common], [of_train, t.mass_common])
+    return quantiles_of(sum_of(forces), common, weaker)
+
+
+def _of_vehicle(law: Law, share: float, t: Tolerances) -> Numbers:
+    """Return the masses of what a vehicle lacks of its share of the nominal force of the train."""
+    acts = 1.0 - t.isolated * (1.0 - t.noticed)
+    braking = acts * binom.pmf(np.arange(t.units + 1), t.units, 1.0 - t.lost)
+    braking[0] += 1.0 - acts
+    found = np.zeros(SHARES)
+    for number in np.flatnonzero(braking):
+        found += braking[number] * losses_of(law, share, number / t.units)
+    return found

@@ -1,0 +1,132 @@
+"""Tolerances and failures of a train's brake by name, with units and limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+from readers.text import BadInputError, shown
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A tolerance or a failure: unit in files, limits [1 or s], meaning."""
+
+    unit: str
+    most: float
+    text: str
+    least: float = 0.0
+
+
+#: Largest standard deviation [1], probability [1], and delay [s].
+MOST_SPREAD, MOST_FAILURES, MOST_DELAY = 0.2, 0.5, 10.0
+ENTRIES = {
+    "friction": Entry("%", MOST_SPREAD, "friction of a vehicle's blocks or pads"),
+    "friction_common": Entry("%", MOST_SPREAD, "friction of all blocks or pads together"),
+    "cylinder_force": Entry("%", MOST_SPREAD, "cylinder force of a vehicle"),
+    "efficiency": Entry("%", MOST_SPREAD, "efficiency of a vehicle's rigging"),
+    "wheel_diameter": Entry("%", MOST_SPREAD, "wheel diameter of a vehicle with discs"),
+    "spread": Entry("%", MOST_SPREAD, "other causes in a vehicle"),
+    "common": Entry("%", MOST_SPREAD, "other causes in all vehicles together"),
+    "mass": Entry("%", MOST_SPREAD, "mass of a vehicle"),
+    "mass_common": Entry("%", MOST_SPREAD, "mass of the train"),
+    "isolated": Entry("%", MOST_FAILURES, "distributors isolated before the trip"),
+    "noticed": Entry("%", 1.0, "isolated distributors that the brake test notices"),
+    "lost": Entry("%", MOST_FAILURES, "units that do not brake at the demand"),
+    "units": Entry("1", 16, "units of a vehicle", 1),
+    "delay": Entry("s", MOST_DELAY, "build-up time of a vehicle"),
+    "delay_common": Entry("s", MOST_DELAY, "build-up time of the train"),
+}
+#: Entries that are no cause of a weaker brake by themselves.
+NO_CAUSES = ("noticed", "units", "delay", "delay_common")
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Tolerances and failures of a train's brake; the default is a brake that always has its nominal force.
+
+    Parameters
+    ----------
+    friction, friction_common : float
+        Standard deviation of the friction of blocks and pads over its nominal value: of a vehicle, and of all vehicles
+        together.
+    cylinder_force, efficiency : float
+        Standard deviation of the cylinder force and of the rigging's efficiency of a vehicle.
+    wheel_diameter : float
+        Standard deviation of the wheel diameter of a vehicle with discs. Blocks brake at the tread, at any diameter.
+    spread, common : float
+        Standard deviation by any other cause: of a vehicle, and of all vehicles together.
+    mass, mass_common : float
+        Standard deviation of the mass of a vehicle, and of the train.
+    isolated, noticed : float
+        Probability that the distributor of a vehicle is isolated before the trip, and the share of these that the brake
+        test notices. Train data without the noticed ones are right, so these do not lower the factor.
+    lost, units : float, int
+        Probability that a unit of a vehicle does not brake at the demand, and the number of equal units of a vehicle.
+    delay, delay_common : float
+        Standard deviation of the build-up time of a vehicle, and of the train [s].
+
+    Raises
+    ------
+    BadInputError
+        If a number is outside its limits, see ENTRIES.
+    """
+
+    friction: float = 0.0
+    friction_common: float = 0.0
+    cylinder_force: float = 0.0
+    efficiency: float = 0.0
+    wheel_diameter: float = 0.0
+    spread: float = 0.0
+    common: float = 0.0
+    mass: float = 0.0
+    mass_common: float = 0.0
+    isolated: float = 0.0
+    noticed: float = 0.0
+    lost: float = 0.0
+    units: int = 1
+    delay: float = 0.0
+    delay_common: float = 0.0
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            check(one.name, getattr(self, one.name), ENTRIES[one.name])
+        if self.noticed and not self.isolated:
+            raise BadInputError("noticed is a share of the isolated distributors; got no isolated. Give both.")
+        if self.units > 1 and not self.lost:
+            raise BadInputError("units counts what may be lost; got no lost. Give both.")
+
+    @property
+    def causes(self) -> list[str]:
+        """Return the names of the given causes of a weaker brake."""
+        return [name for name in ENTRIES if name not in NO_CAUSES and getattr(self, name)]
+
+    def without(self, name: str) -> Tolerances:
+        """Return the same without one cause.
+
+        Parameters
+        ----------
+        name : str
+            One of `causes`.
+
+        Returns
+        -------
+        Tolerances
+            With 0 for it, and without the entries that only describe it.
+        """
+        given: dict[str, Any] = {name: 0.0}
+        given |= {"noticed": 0.0} if name == "isolated" else {"units": 1} if name == "lost" else {}
+        return replace(self, **given)
+
+
+def check(name: str, value: object, entry: Entry) -> None:
+    """Raise BadInputError if a value is not a number within the limits of its entry."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    whole = entry.unit != "1" or (number and float(value) == math.floor(float(value)))  # type: ignore[arg-type]
+    if number and whole and entry.least <= float(value) <= entry.most:  # type: ignore[arg-type]
+        return
+    kind = "an integer from" if entry.unit == "1" else "from"
+    unit = " s" if entry.unit == "s" else ""
+    hint = " Give 0.05 for 5 %." if entry.unit == "%" else ""
+    raise BadInputError(f"{name} must be {kind} {entry.least:g} to {entry.most:g}{unit}; got {shown(value)}.{hint}")
