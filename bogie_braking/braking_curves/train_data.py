@@ -60,7 +60,7 @@ def train_data(chosen: argparse.Namespace, largest: float) -> TrainData:
             raise BadInputError("Factors act on decelerations, not on percentages. Leave them out with --position.")
         percentage = min(consist.percentage, 250.0)
         train = SupervisedTrain.of_percentage(
-            percentage, chosen.position, consist.length, service_command=chosen.service
+            percentage, chosen.position, consist.length, service_command=chosen.service, maximum_speed=largest
         )
         return TrainData(train, consist)
     runs = supervised_train(consist, largest, service_command=chosen.service)

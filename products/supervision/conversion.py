@@ -70,6 +70,24 @@ def limit_speed(percentage: np.ndarray | float, resolution: float = 0.0) -> np.n
     return np.ceil(speed / resolution - 1e-9) * resolution if resolution else speed
 
 
+def basic_decelerations(percentage: np.ndarray | float) -> np.ndarray:
+    """Return all six steps of the basic deceleration, A.3.7.4 and A.3.7.5, also those that the model ignores.
+
+    Parameters
+    ----------
+    percentage : ndarray or float
+        Brake percentage [%], shape (...).
+
+    Returns
+    -------
+    ndarray
+        AD_0 to AD_5 [m/s2], shape (..., 6). Ignored steps may be below 0.
+    """
+    share = np.asarray(percentage, dtype=float)[..., None]
+    polynomials = [sum(one * share**n for n, one in enumerate(row)) for row in COEFFICIENTS]
+    return np.concatenate([0.0075 * share + 0.076, *polynomials], axis=-1)
+
+
 def deceleration_of(percentage: np.ndarray | float, resolution: float = 0.0) -> Steps:
     """Return the deceleration of a brake percentage by speed, A.3.7.
 
@@ -84,12 +102,14 @@ def deceleration_of(percentage: np.ndarray | float, resolution: float = 0.0) -> 
     -------
     Steps
         Decelerations [m/s2]: 0.0075 lambda + 0.076 up to the limit speed, then a polynomial of lambda in each range.
+        A range that ends below the limit speed is ignored (A.3.7.5): it has no width here, and the first value.
     """
     share = np.asarray(percentage, dtype=float)[..., None]
-    limit = limit_speed(share, resolution)
-    boundaries = np.concatenate([limit, np.maximum(limit, np.array(ENDS) * KMH)], axis=-1)
-    polynomials = [sum(one * share**n for n, one in enumerate(row)) for row in COEFFICIENTS]
-    return Steps(boundaries, np.concatenate([0.0075 * share + 0.076, *polynomials], axis=-1))
+    limit, ends = limit_speed(share, resolution), np.array(ENDS) * KMH
+    boundaries = np.concatenate([limit, np.maximum(limit, ends)], axis=-1)
+    basic = basic_decelerations(percentage)
+    ignored = np.concatenate([np.zeros_like(limit), limit > ends, np.zeros_like(limit)], axis=-1).astype(bool)
+    return Steps(boundaries, np.where(ignored, basic[..., :1], basic))
 
 
 def build_up_time(position: str, length: np.ndarray | float, emergency: bool) -> np.ndarray:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from products.supervision.arcs import Arcs, Eased, braking_arcs
-from products.supervision.conversion import KMH
+from products.supervision.conversion import FASTEST, KMH
+from products.supervision.feedback import service_times
 from products.supervision.gradients import Gradients, acceleration_by
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain
@@ -17,9 +18,10 @@ from readers.text import BadInputError, shown
 
 #: Kinds of targets: the end of authority, a limit of authority, a lower speed of the most restrictive speed profile.
 KINDS = ("EOA", "LOA", "MRSP")
-#: Largest acceleration that counts while the brake builds up [m/s2], and the time that the on-board unit waits before
-#: traction is cut off [s]: 3.13.9.3.2.
-BUILDING_UP, BEFORE_CUT_OFF = 0.4, 2.0
+#: Largest acceleration that counts while the brake builds up [m/s2], 3.13.9.3.2.9.
+BUILDING_UP = 0.4
+#: Largest estimated speed of a train by its brake percentage [m/s]: 200 km/h, and the margin of the emergency brake.
+FASTEST_CONVERTED = FASTEST + 15.0 * KMH
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,7 @@ def supervise(
     A_est: float | np.ndarray = 0.0,
     V_ura: np.ndarray | float | None = None,
     slippery: bool = False,
+    pipe_fall: float | np.ndarray = 0.0,
 ) -> Curves:
     """Return the supervision limits of one target for a train or many trains.
 
@@ -113,6 +116,8 @@ def supervise(
         Error of the speed [m/s]; None: `speed_inaccuracy`, 0: inhibited by the country.
     slippery : bool
         True for reduced adhesion.
+    pipe_fall : float or ndarray
+        Fall of the brake pipe's pressure [Pa] for a train with `service_feedback`, see `feedback.service_times`.
 
     Returns
     -------
@@ -126,7 +131,13 @@ def supervise(
     """
     national, fixed = national or NationalValues(), fixed or FixedValues()
     speeds = np.atleast_1d(np.asarray(V_est, dtype=float))
-    _check(kind, target_speed, beyond, V_est=speeds, place=place, A_est=A_est, V_ura=0.0 if V_ura is None else V_ura)
+    numbers = {"V_est": speeds, "place": place, "A_est": A_est, "pipe_fall": pipe_fall}
+    _check(kind, target_speed, beyond, **numbers, V_ura=0.0 if V_ura is None else V_ura)
+    if train.position is not None and speeds.max(initial=0.0) > FASTEST_CONVERTED:
+        raise BadInputError(
+            f"V_est must be at most {FASTEST_CONVERTED / KMH:g} km/h for a train by its brake percentage (SUBSET-026, "
+            f"3.13.3.2); got {speeds.max() / KMH:.1f} km/h. Give decelerations by speed instead."
+        )
     target, foot = np.asarray(target_speed, dtype=float), np.asarray(place, dtype=float)
     slopes = _slopes(train, gradients or Gradients.level())
     if kind == "EOA":
@@ -136,31 +147,46 @@ def supervise(
     T_be, T_bs = (time[..., None] for time in map(np.asarray, train.build_up_times(national, target)))
     error = speed_inaccuracy(speeds) if V_ura is None else np.asarray(V_ura, dtype=float)
     accelerates = np.asarray(A_est, dtype=float)[..., None]
-    wait = T_bs if train.service_command else np.zeros_like(T_bs)
-    to_brake = _ToBrake.of(train, emergency, T_be, wait)
+    T_bs1, T_bs2 = service_times(T_bs, train, np.asarray(pipe_fall, dtype=float)[..., None])
+    to_brake = _ToBrake.of(train, emergency, T_be, T_bs2 + fixed.T_warning)
     EBI = to_brake.begins(speeds, target[..., None], error, accelerates)
-    SBI2, SBD, SBI1 = EBI - speeds * wait, None, None
+    SBI2, SBD, SBI1 = EBI - speeds * T_bs2, None, None
     if kind == "EOA":
         SBD = braking_arcs(foot, 0.0, train.A_brake_service, slopes).place_at(speeds)
-        SBI1 = SBD - speeds * wait
+        SBI1 = SBD - speeds * T_bs1
     SBI = SBI2 if SBI1 is None else np.minimum(SBI1, SBI2)
     P, GUI = SBI - speeds * fixed.T_driver, None
     if national.guidance and train.A_brake_normal_service is not None:
         start = foot
         if kind != "EOA":
             at_target = target[..., None]
-            still = to_brake.begins(at_target, at_target, error_at(V_ura, at_target), 0.0)
-            start = (still - at_target * (wait + fixed.T_driver))[..., 0]
+            still = to_brake.begins(at_target, at_target, predicted_error(V_ura, at_target), 0.0)
+            start = (still - at_target * (T_bs2 + fixed.T_driver))[..., 0]
         GUI = _guidance(train, start, target, gradients or Gradients.level()).place_at(speeds)
         P = np.minimum(P, GUI)
-    T_indication = np.maximum(0.8 * T_bs, fixed.T_indication_least) + fixed.T_indication_more
+    share = 0.0 if train.service_feedback else 0.8  # 3.13.9.3.6
+    T_indication = np.maximum(share * T_bs, fixed.T_indication_least) + fixed.T_indication_more
     EBD = emergency.place_at(speeds)
     return Curves(speeds, EBD, EBI, SBI2, SBI - speeds * fixed.T_warning, P, P - speeds * T_indication, SBD, SBI1, GUI)
 
 
-def error_at(V_ura: np.ndarray | float | None, speed: np.ndarray) -> np.ndarray:
-    """Return the error of the speed at other speeds than those of the curves; the largest one given."""
-    return speed_inaccuracy(speed) if V_ura is None else np.max(np.asarray(V_ura, dtype=float))
+def predicted_error(V_ura: np.ndarray | float | None, speed: np.ndarray | float) -> np.ndarray:
+    """Return the error of the speed that the standard assumes at a speed which the train does not have yet.
+
+    Parameters
+    ----------
+    V_ura : ndarray or float or None
+        As of `supervise`: 0 at all speeds if the country inhibits it.
+    speed : ndarray or float
+        Speeds [m/s].
+
+    Returns
+    -------
+    ndarray
+        `speed_inaccuracy` [m/s], or 0 if it is inhibited: 3.13.9.3.5.9 and 3.13.9.4.6.
+    """
+    inhibited = V_ura is not None and not np.any(V_ura)
+    return np.zeros_like(speed, dtype=float) if inhibited else speed_inaccuracy(speed)
 
 
 def _check(kind: str, target_speed: object, beyond: object, **others: object) -> None:
@@ -191,12 +217,11 @@ class _ToBrake:
     building: np.ndarray
 
     @classmethod
-    def of(cls, train: SupervisedTrain, emergency: Arcs, T_be: np.ndarray, T_bs2: np.ndarray) -> _ToBrake:
-        """T_bs2: time from the end of the warning to the emergency brake [s], 0 if no service brake is commanded."""
+    def of(cls, train: SupervisedTrain, emergency: Arcs, T_be: np.ndarray, warned: np.ndarray) -> _ToBrake:
+        """`warned`: time from the warning, at which traction is cut off, to the emergency brake [s], 3.13.9.3.2.3."""
         cut_off = np.asarray(train.T_traction_cut_off, dtype=float)[..., None]
         if train.traction_command:
-            # Traction is cut off at the warning, T_warning and T_bs2 before the emergency brake.
-            cut_off = np.maximum(cut_off - (BEFORE_CUT_OFF + T_bs2), 0.0)
+            cut_off = np.maximum(cut_off - warned, 0.0)
         return cls(emergency, cut_off, np.maximum(T_be - cut_off, 0.0))
 
     def begins(

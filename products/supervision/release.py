@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from products.supervision.conversion import KMH
-from products.supervision.curves import supervise
+from products.supervision.curves import predicted_error, supervise
 from products.supervision.train import SupervisedTrain
 from readers.text import BadInputError
 
@@ -15,7 +15,7 @@ from readers.text import BadInputError
 FASTEST, RESOLUTION = 100.0 * KMH, 1.0 * KMH
 
 
-def release_speed(train: SupervisedTrain, beyond: float, trip: float = 0.0, **others: Any) -> float:
+def release_speed(train: SupervisedTrain, beyond: float, trip: float = 0.0, place: float = 0.0, **others: Any) -> float:
     """Return the release speed that the on-board unit calculates: a train that passes the EOA faster is tripped.
 
     Its emergency brake then stops the train before the supervised location.
@@ -28,22 +28,29 @@ def release_speed(train: SupervisedTrain, beyond: float, trip: float = 0.0, **ot
         Distance of the supervised location (SvL) behind the end of authority [m].
     trip : float
         Distance behind the end of authority at which the train is tripped [m].
+    place : float
+        Place of the end of authority on the line of `gradients` [m].
     **others
-        Other arguments of `supervise`: gradients, national, fixed, V_ura.
+        Other arguments of `supervise`: gradients, national, fixed, V_ura, slippery. The estimated acceleration is 0,
+        and the error of the speed at least `speed_inaccuracy`, unless it is inhibited (3.13.9.4.8).
 
     Returns
     -------
     float
-        Speed, rounded down to 1 km/h [m/s]; 0 if no speed is safe.
+        Speed, rounded down to 1 km/h [m/s], at most 100 km/h; 0 if no speed is safe.
 
     Raises
     ------
     BadInputError
-        If the trip lies behind the supervised location.
+        If the trip lies behind the supervised location, or A_est is given.
     """
+    if "A_est" in others:
+        raise BadInputError("A_est must be left out of a release speed: the standard sets it to 0 (3.13.9.4.8.1).")
     if not 0.0 <= trip <= beyond:
         raise BadInputError(f"trip must be 0 to {beyond:g} m, the distance of the SvL; got {trip:g} m.")
     speeds = np.arange(0.0, FASTEST + RESOLUTION, RESOLUTION)
-    found = supervise(train, 0.0, speeds, kind="EOA", beyond=beyond, **others).EBI
-    safe = np.nonzero(np.ravel(found) >= trip)[0]
+    measured = others.pop("V_ura", None)
+    error = np.maximum(predicted_error(measured, speeds), 0.0 if measured is None else np.max(measured))
+    found = supervise(train, place, speeds, kind="EOA", beyond=beyond, V_ura=error, **others).EBI
+    safe = np.nonzero(np.ravel(found) >= place + trip)[0]
     return float(speeds[safe[-1]]) if safe.size else 0.0

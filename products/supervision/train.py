@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from products.supervision.conversion import MOVING_TARGET, brake_of_percentage
+from products.supervision.conversion import FASTEST, KMH, MOVING_TARGET, brake_of_percentage
 from products.supervision.steps import Steps
-from products.supervision.values import NationalValues
+from products.supervision.values import NationalValues, check_factors
 from readers.text import BadInputError, shown
 
 #: Largest number of steps of a deceleration in train data, SUBSET-026, 3.13.2.2.3.1.2.
@@ -21,6 +22,14 @@ LIMITS = {
     "T_brake_service": (0.0, 60.0, "s"),
     "T_traction_cut_off": (0.0, 30.0, "s"),
     "rotating": (0.0, 30.0, "%"),
+    "maximum_speed": (0.0, 600.0 * KMH, "m/s"),
+}
+#: Limits of factors in train data: K of dry and wet rails by SUBSET-027; Kn, 0 to 10 m/s2 for a gradient of 1.
+FACTORS = {
+    "Kdry_rst": (0.0, 1.55, "Give 0.85 for 85 %."),
+    "Kwet_rst": (0.0, 1.55, "Give 0.85 for 85 %."),
+    "Kn_plus": (0.0, 0.01, "Give m/s2 a permille: 0.007, not 7."),
+    "Kn_minus": (0.0, 0.01, "Give m/s2 a permille: 0.007, not 7."),
 }
 
 
@@ -44,6 +53,8 @@ class SupervisedTrain:
         Time until traction is off [s].
     traction_command, service_command : bool
         True if the on-board unit can cut off traction, and can command the service brake.
+    service_feedback : bool
+        True if the on-board unit also measures the service brake, A.3.10.
     rotating : float or ndarray or None
         Nominal rotating mass [% of the mass]; None: the values of `gradients.acceleration_by`.
     A_brake_normal_service : Steps or None
@@ -52,6 +63,11 @@ class SupervisedTrain:
         What the guidance curve subtracts up and down a gradient [m/s2 a permille].
     without_adhesion : bool
         True if the train has brakes that need no adhesion, for its deceleration on slippery rails.
+    freight : bool
+        True for a freight train without `position`, for its deceleration on slippery rails.
+    maximum_speed : float or ndarray or None
+        Largest speed of the train [m/s]: faster steps do not count for the largest deceleration, 3.13.6.2.1.8.2; None:
+        all steps count.
 
     Raises
     ------
@@ -75,12 +91,19 @@ class SupervisedTrain:
     Kn_plus: Steps = field(default_factory=lambda: Steps.constant(0.0))
     Kn_minus: Steps = field(default_factory=lambda: Steps.constant(0.0))
     without_adhesion: bool = False
+    service_feedback: bool = False
+    freight: bool = False
+    maximum_speed: float | np.ndarray | None = None
 
     def __post_init__(self) -> None:
         for name, (least, most, unit) in LIMITS.items():
             value = getattr(self, name)
             if value is not None and not np.all((np.asarray(value) >= least) & (np.asarray(value) <= most)):
                 raise BadInputError(f"{name} must be {least:g} to {most:g} {unit}; got {shown(value)}. Correct it.")
+        for name, (least, most, remedy) in FACTORS.items():
+            check_factors(name, getattr(self, name).values, least, most, remedy)
+        if self.service_feedback and not self.service_command:
+            raise BadInputError("service_feedback must be False without service_command: there is no brake to measure.")
         for name in ("A_brake_emergency", "A_brake_service", "A_brake_normal_service"):
             steps = getattr(self, name)
             if steps is None:
@@ -103,10 +126,8 @@ class SupervisedTrain:
         length: float | np.ndarray,
         *,
         resolution: float = 0.0,
-        T_traction_cut_off: float | np.ndarray = 0.0,
-        traction_command: bool = False,
-        service_command: bool = False,
-        rotating: float | np.ndarray | None = None,
+        maximum_speed: float | np.ndarray | None = None,
+        **others: Any,
     ) -> SupervisedTrain:
         """Return the train data of a brake percentage, by the conversion model, SUBSET-026, A.3.7 and A.3.8.
 
@@ -120,8 +141,11 @@ class SupervisedTrain:
             Length of the train [m].
         resolution : float
             See `conversion.limit_speed`.
-        T_traction_cut_off, traction_command, service_command, rotating
-            As of the class.
+        maximum_speed : float or ndarray or None
+            Largest speed of the train [m/s], up to 200 km/h; None: not stated.
+        **others
+            Others of the class: T_traction_cut_off, traction_command, service_command, service_feedback, rotating, and
+            the data of the guidance curve.
 
         Returns
         -------
@@ -134,18 +158,13 @@ class SupervisedTrain:
             If a number is outside the range of the model.
         """
         brake = brake_of_percentage(percentage, position, length, resolution)
-        return cls(
-            length,
-            brake.emergency,
-            brake.service,
-            brake.emergency_time,
-            brake.service_time,
-            position=position,
-            T_traction_cut_off=T_traction_cut_off,
-            traction_command=traction_command,
-            service_command=service_command,
-            rotating=rotating,
-        )
+        if maximum_speed is not None and not np.all(np.asarray(maximum_speed) <= FASTEST * (1.0 + 1e-9)):
+            raise BadInputError(
+                f"maximum_speed must be at most {FASTEST / KMH:g} km/h for the conversion model (SUBSET-026, "
+                f"3.13.3.2); got {shown(maximum_speed)} m/s. Give decelerations by speed instead."
+            )
+        data = (length, brake.emergency, brake.service, brake.emergency_time, brake.service_time)
+        return cls(*data, position=position, maximum_speed=maximum_speed, **others)
 
     def safe_brake(self, national: NationalValues, slippery: bool = False) -> Steps:
         """Return A_brake_safe, the deceleration that the emergency brake reaches for certain, 3.13.6.2.
@@ -155,7 +174,7 @@ class SupervisedTrain:
         national : NationalValues
             Values of the country.
         slippery : bool
-            True on a stretch of reduced adhesion. A train without brake position has the limit of passenger trains.
+            True on a stretch of reduced adhesion.
 
         Returns
         -------
@@ -172,7 +191,7 @@ class SupervisedTrain:
             safe = self.A_brake_emergency.with_others(lambda brake, factor: brake * factor * by_length, by_speed)
         if not slippery:
             return safe
-        passenger = self.position is None or self.position.startswith("passenger")
+        passenger = not self.freight if self.position is None else self.position.startswith("passenger")
         most = national.reduced_adhesion[(0 if self.without_adhesion else 1) if passenger else 2]
         return safe.with_others(lambda brake: np.minimum(brake, most))
 
@@ -181,7 +200,10 @@ class SupervisedTrain:
         low, high = national.Kv_int, national.Kv_int_b
         if high is None or not str(self.position).startswith("passenger"):
             return low
-        largest = self.A_brake_emergency.values.max(axis=-1)
+        brake = self.A_brake_emergency
+        begins = np.concatenate([np.zeros_like(brake.values[..., :1]), brake.boundaries], axis=-1)
+        reached = begins < np.asarray(np.inf if self.maximum_speed is None else self.maximum_speed)[..., None]
+        largest = np.where(reached, brake.values, 0.0).max(axis=-1)
         span = max(national.A_NVP23 - national.A_NVP12, 1e-9)
         between = np.clip((largest - national.A_NVP12) / span, 0.0, 1.0)[..., None]
         return low.with_others(lambda one, other: one + between * (other - one), high)

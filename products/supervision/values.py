@@ -5,12 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from products.supervision.conversion import KMH
 from products.supervision.steps import Steps
+from readers.text import BadInputError, shown
 
 #: Time that each baseline adds to the indication [s]: the driver's time, which only baseline 4 counts in T_indication.
 BASELINES = {"3.3.0": 0.0, "4.0.0": 4.0}
+#: Largest national values, SUBSET-026, 7.5.1: shares and factors [1], decelerations [m/s2].
+RANGES = {
+    "M_NVAVADH": 1.0,
+    "Kv_int": 2.54,
+    "Kv_int_b": 2.54,
+    "Kr_int": 1.55,
+    "Kt_int": 1.55,
+    "A_NVP12": 3.15,
+    "A_NVP23": 3.15,
+    "reduced_adhesion": 3.15,
+}
 
 
 @dataclass(frozen=True)
@@ -31,6 +44,10 @@ class FixedValues:
     T_driver: float = 4.0
     T_indication_least: float = 5.0
     T_indication_more: float = BASELINES["3.3.0"]
+
+    def __post_init__(self) -> None:
+        for name in ("T_warning", "T_driver", "T_indication_least", "T_indication_more"):
+            check_factors(name, getattr(self, name), 0.0, 60.0, "Give seconds.")
 
     def dV_ebi(self, speed: np.ndarray | float) -> np.ndarray:
         """Return the margin of the emergency brake over a permitted speed, 7.5 to 15 km/h at 110 to 210 km/h.
@@ -73,6 +90,11 @@ class NationalValues:
         other trains [m/s2].
     guidance : bool
         True if the guidance curve is permitted.
+
+    Raises
+    ------
+    BadInputError
+        If a value is outside the range of its variable in SUBSET-026, 7.5.
     """
 
     M_NVEBCL: int = 9
@@ -85,3 +107,38 @@ class NationalValues:
     Kt_int: float = 1.1
     reduced_adhesion: tuple[float, float, float] = (1.0, 0.7, 0.7)
     guidance: bool = False
+
+    def __post_init__(self) -> None:
+        names = ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int", "reduced_adhesion")
+        known = {name: getattr(self, name) for name in names}
+        known |= {"Kv_int": self.Kv_int.values, "Kr_int": self.Kr_int.values}
+        if self.Kv_int_b is not None:
+            known["Kv_int_b"] = self.Kv_int_b.values
+        for name, value in known.items():
+            check_factors(name, value, 0.0, RANGES[name], "Correct it.")
+        if self.A_NVP12 > self.A_NVP23:
+            raise BadInputError(f"A_NVP12 must be at most A_NVP23, {self.A_NVP23:g} m/s2; got {self.A_NVP12:g} m/s2.")
+
+
+def check_factors(name: str, values: ArrayLike, least: float, most: float, remedy: str) -> None:
+    """Refuse values outside their range.
+
+    Parameters
+    ----------
+    name : str
+        Their name.
+    values : array_like
+        The values.
+    least, most : float
+        The range.
+    remedy : str
+        Last sentence of the message.
+
+    Raises
+    ------
+    BadInputError
+        If a value is outside, or not a number.
+    """
+    array = np.asarray(values, dtype=float)
+    if not np.all((array >= least) & (array <= most)):
+        raise BadInputError(f"{name} must be {least:g} to {most:g}; got {shown(array.tolist())}. {remedy}")

@@ -27,6 +27,24 @@ def trains(rng: np.random.Generator, count: int, **others: object) -> Supervised
     )
 
 
+def extreme_trains(rng: np.random.Generator, count: int, **others: object) -> SupervisedTrain:
+    """Return trains whose numbers are between a tenth and ten times a usual one."""
+
+    def near(usual: float, *shape: int) -> np.ndarray:
+        return usual * 10.0 ** rng.uniform(-1.0, 1.0, (count, *shape))
+
+    boundaries = np.sort(rng.uniform(2.0, 70.0, (count, 4)), axis=-1)
+    return SupervisedTrain(
+        near(300.0),
+        Steps(boundaries, near(0.99, 5)),
+        Steps(boundaries, near(0.7, 5)),
+        near(3.0),
+        near(3.0),
+        T_traction_cut_off=near(2.0),
+        **others,  # type: ignore[arg-type]
+    )
+
+
 def one_of(trains: SupervisedTrain, n: int, **others: object) -> SupervisedTrain:
     """Return one of the trains."""
     steps = (Steps(one.boundaries[n], one.values[n]) for one in (trains.A_brake_emergency, trains.A_brake_service))

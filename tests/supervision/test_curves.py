@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -19,9 +20,10 @@ from products.supervision import (
     supervise,
 )
 from readers.text import BadInputError
-from tests.supervision.random_trains import Motion, one_of, trains
+from tests.supervision.random_trains import Motion, extreme_trains, one_of, trains
 
 KMH = 1.0 / 3.6
+Draw = Callable[..., SupervisedTrain]
 HILLS = Gradients(np.array([0.0, 900.0, 1700.0, 2300.0, 3100.0]), np.array([2.0, -8.0, 5.0, -3.0, 6.0]))
 PLACE = 3500.0
 #: Error of the place where a train stops in steps of 1 ms: it passes a step of speed or gradient up to one step late,
@@ -32,7 +34,7 @@ ROUNDED = 1e-7
 PLAIN = SupervisedTrain(200.0, Steps.constant(1.0), Steps.constant(0.8), 3.0, 2.0)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_train_at_the_limit_of_the_emergency_brake_stops_at_the_supervised_location(seed: int) -> None:
     """It accelerates until traction is off, then by at most 0.4 m/s2 until the brake acts, 3.13.9.3.2."""
     rng = np.random.default_rng(seed)
@@ -136,27 +138,33 @@ def test_factors_of_dry_and_wet_rails_multiply_and_the_country_may_waive_the_los
     assert train.safe_brake(NationalValues(), slippery=True).values.max() <= 0.7
 
 
-@pytest.mark.parametrize("kind", ["EOA", "LOA"])
-def test_limits_keep_their_order_and_rise_with_the_brake_at_random_trains(kind: str) -> None:
+@pytest.mark.parametrize(("kind", "steep", "some"), [("EOA", 1.0, trains), ("LOA", 5.0, extreme_trains)])
+def test_limits_keep_their_order_and_rise_with_the_brake_at_random_trains(kind: str, steep: float, some: Draw) -> None:
     """10 000 trains: I before P before W before SBI before EBI before EBD; a better brake, a later limit."""
     rng = np.random.default_rng(52)
-    every = trains(rng, 10_000, service_command=True)
+    every = some(rng, 10_000, service_command=True, traction_command=kind == "LOA")
     target = 0.0 if kind == "EOA" else rng.uniform(0.0, 20.0, 10_000)
-    speeds = np.linspace(21.0, 75.0, 12)
-    set_up = {"kind": kind, "target_speed": target, "gradients": HILLS}
+    speeds, line = np.linspace(21.0, 75.0, 8), Gradients(HILLS.starts, steep * HILLS.permille)
+    set_up = {"kind": kind, "target_speed": target, "gradients": line, "A_est": 0.3}
     found = supervise(every, PLACE, speeds, **set_up)
     order = (found.I, found.P, found.W, found.SBI, found.EBI, found.EBD)
     assert all(np.all(one <= other + ROUNDED) for one, other in pairwise(order))
-    assert all(np.all(np.isfinite(one)) and np.all(np.diff(one, axis=-1) < 0.0) for one in order[1:])
-    weaker = supervise(replace(every, Kdry_rst=Steps.constant(0.9)), PLACE, speeds, **set_up)
+    stops = np.isfinite(found.EBD)
+    assert np.all(stops) if kind == "EOA" else 0.5 < np.mean(stops) < 1.0
+    with np.errstate(invalid="ignore"):
+        assert all(np.all((np.diff(one, axis=-1) < 0.0) | np.isneginf(one[:, 1:])) for one in order[1:])
     # Below the speed of its foot, which is above that of the target, a curve lies behind the target.
-    before = found.EBI < PLACE - 200.0
-    assert np.all((weaker.EBI < found.EBI)[before])
-    longer = supervise(replace(every, length=np.asarray(every.length) + 100.0), PLACE, speeds, **set_up)
-    assert np.all((longer.EBI <= found.EBI + ROUNDED)[before])
-    steeper = Gradients(HILLS.starts, HILLS.permille - 1.0)
-    downhill = supervise(every, PLACE, speeds, **(set_up | {"gradients": steeper}))
-    assert np.all((downhill.EBI < found.EBI)[before])
+    before = (found.EBI < PLACE - 200.0) & np.isfinite(found.EBI)
+
+    def now(train: SupervisedTrain = every, **others: object) -> np.ndarray:
+        return supervise(train, PLACE, speeds, **(set_up | others)).EBI[before]  # type: ignore[arg-type]
+
+    assert np.all(now(replace(every, Kdry_rst=Steps.constant(0.9))) < found.EBI[before])
+    assert np.all(now(gradients=Gradients(line.starts, line.permille - 1.0)) < found.EBI[before])
+    assert np.all(now(replace(every, length=np.asarray(every.length) + 100.0)) <= found.EBI[before] + ROUNDED)
+    slower = replace(every, T_brake_emergency=np.asarray(every.T_brake_emergency) + 1.0)
+    assert np.all(now(slower) <= found.EBI[before] + ROUNDED)
+    assert np.mean(now(slower) < found.EBI[before] - 21.0) > 0.5  # 1 s at 21 m/s and more, unless traction lasts longer
 
 
 def test_a_train_among_many_has_the_limits_that_it_has_alone() -> None:
@@ -197,6 +205,15 @@ def test_the_release_speed_is_the_fastest_that_stops_before_the_supervised_locat
         (lambda: Steps([10.0, 5.0], [1.0, 1.0, 1.0]), "must ascend from 0 m/s"),
         (lambda: Steps([10.0], [1.0]), "one value more than boundaries"),
         (lambda: Steps([10.0], [1.0, np.nan]), "must be finite"),
+        (lambda: replace(PLAIN, Kdry_rst=Steps.constant(85.0)), "Kdry_rst must be 0 to 1.55"),
+        (lambda: replace(PLAIN, Kn_plus=Steps.constant(6.74)), "Kn_plus must be 0 to 0.01"),
+        (lambda: replace(PLAIN, service_feedback=True), "service_feedback must be False without service_command"),
+        (lambda: NationalValues(Kt_int=np.nan), "Kt_int must be 0 to 1.55"),
+        (lambda: NationalValues(A_NVP12=1.0), "A_NVP12 must be at most A_NVP23"),
+        (lambda: FixedValues(T_driver=-1.0), "T_driver must be 0 to 60"),
+        (lambda: SupervisedTrain.of_percentage(90.0, "freight P", 300.0, maximum_speed=60.0), "at most 200 km/h"),
+        (lambda: supervise(SupervisedTrain.of_percentage(90.0, "freight P", 300.0), 0.0, 62.0), "at most 215 km/h"),
+        (lambda: release_speed(PLAIN, 10.0, A_est=1.0), "A_est must be left out"),
         (lambda: Gradients([0.0], [300.0]), "Give permille"),
         (lambda: Gradients([5.0, 0.0], [0.0, 1.0]), "must ascend"),
         (lambda: replace(PLAIN, length=0.0), "length must be 1 to 4095 m"),

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from products.supervision import FixedValues, Gradients, NationalValues, Steps, SupervisedTrain, gradients, supervise
-from products.supervision.conversion import KMH, build_up_time, deceleration_of, limit_speed
+from products.supervision.conversion import KMH, basic_decelerations, build_up_time, limit_speed
 
 OF_OTHERS = Path(os.environ.get("CURVES_OF_OTHERS", "nowhere"))
 there = pytest.mark.skipif(not OF_OTHERS.is_dir(), reason="CURVES_OF_OTHERS names no folder of their values")
@@ -99,7 +99,7 @@ def test_decelerations_are_those_of_the_conversion_table() -> None:
     rows = rows_of("etcs_cases_conversion_table.csv")
     shares = np.array([float(row["lambda_pct"]) for row in rows])
     table = np.array([[float(row[f"AD_{n}"]) for n in range(6)] for row in rows])
-    assert np.abs(deceleration_of(shares).values - table).max() < 1e-8
+    assert np.abs(basic_decelerations(shares) - table).max() < 1e-8
     speeds = np.array([float(row["V_lim_kmh_rounded"]) for row in rows])
     assert np.abs(limit_speed(shares) / KMH - speeds).max() <= 0.5 + 1e-9
 
