@@ -98,8 +98,6 @@ def write_fmu(
         raise ValueError(f"level must be 1, 2 or 3, or left out for all of them; got {level!r}.")
     if path.suffix != ".fmu":
         raise ValueError(f"{path} must end with .fmu, the only name under which hosts take an FMU.")
-    if isinstance(what, DataSheet) and what.profile_files and kind == "python":
-        raise ValueError("kind must be native or fmi3 for a vehicle with a profile_file; got python. Choose one.")
     if isinstance(what, DataSheet) and what.fmu is not None:
         _with_values(what, path, kind, level)
     else:

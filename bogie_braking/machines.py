@@ -99,8 +99,9 @@ def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Run
     """Return what runs and its values, without a vehicle from a file, `creep_law` and
     `poisson_ratio`.
 
-    A vehicle from a file becomes its FMU or its description, with its values, which those of the caller replace. A
-    vehicle with another creep law or ratio than its own becomes its description with this law or ratio.
+    A vehicle from a file becomes its FMU or its description, with its values, which those of the caller replace. An
+    empty path does not replace its contact tables. A vehicle with another creep law or ratio than its own becomes its
+    description with this law or ratio.
 
     Raises
     ------
@@ -111,9 +112,10 @@ def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Run
         return _with_contact(what, dict(values))
     in_space = values.get("level", LEVEL) == LEVELS[-1]
     table = {PAIR_FILE.variable.name: joined(what.profile_files)} if what.profile_files and in_space else {}
+    given = {name: value for name, value in values.items() if name not in table or value != ""}
     if what.fmu is None:
-        return _with_contact(what.vehicle, dict(what.resistance) | table | dict(values))
-    return _with_contact(what.fmu, what.values_at(values.get("level", LEVEL)) | table | dict(values))
+        return _with_contact(what.vehicle, dict(what.resistance) | table | given)
+    return _with_contact(what.fmu, what.values_at(values.get("level", LEVEL)) | table | given)
 
 
 def _with_contact(what: Runnable, values: dict[str, Any]) -> tuple[Runnable, dict[str, Any]]:

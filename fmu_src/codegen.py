@@ -227,8 +227,12 @@ def _system_arrays(model: Model, system: System, solving: Elimination) -> Iterab
 
 def _value_of_record(one: OfRecord) -> str:
     """Return a number of a record, its members by position."""
-    steps = [*one.path, *((0, 0) for _ in range(LONGEST_PATH - len(one.path)))]
-    places = ", ".join(f"{{{place}, {entry}}}" for place, entry in steps)
+    kind, steps = one.file.kind, []
+    for place, entry in one.path:
+        steps.append((place, entry, int(kind.lists[place].shared)))
+        kind = kind.lists[place].kind
+    steps += [(0, 0, 0)] * (LONGEST_PATH - len(steps))
+    places = ", ".join(f"{{{place}, {entry}, {shared}}}" for place, entry, shared in steps)
     return f"{{&{own_name(one.own)}, {one.root}, {len(one.path)}, {{{places}}}, {one.number}}}"
 
 

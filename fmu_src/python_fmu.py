@@ -71,7 +71,9 @@ def slave_module(model: Model, guid: str) -> str:
     files = [HERE / f"{name}.py" for name in ("kernel", "telling_slave", "python_slave")]
     own = [f"{__package__}.{name}" for name in ("kernel", "telling_slave")]
     body = joined([file.read_text(encoding="utf-8") for file in files], own)
+    own_files = {file.variable.name: file.resource for file in (model.table_file, model.record_file) if file}
     return (
         f"{body}\n\nclass {model.name}(KernelSlave):\n"
         f'    library_file = "kernel{library_suffix()}"\n    guid_of_content = "{guid}"\n'
+        f"    own_files = {own_files!r}\n"
     )

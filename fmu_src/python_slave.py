@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pythonfmu.enums import Fmi2Status
 
@@ -29,6 +29,8 @@ class KernelSlave(TellingSlave):
 
     library_file: str
     guid_of_content: str
+    #: Names in the resources of the FMU's own files, by the variables that name files.
+    own_files: ClassVar[dict[str, str]] = {}
 
     def __init__(self, **kwargs):  # type: ignore[no-untyped-def]
         super().__init__(**kwargs)
@@ -37,6 +39,8 @@ class KernelSlave(TellingSlave):
         self.problems: dict[int, str] = {}
         self.start_time = 0.0
         self.initialising = False
+        files = [self.kernel.number_of(name) for name in self.own_files]
+        self.set_string(files, [""] * len(files))
 
     def setup_experiment(
         self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
@@ -97,8 +101,8 @@ class KernelSlave(TellingSlave):
         self._set(self.kernel.set_number, vrs, values)
 
     def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """Set strings (fmi2SetString), as `set_real`."""
-        self._set(self.kernel.set_text, vrs, values)
+        """Set strings (fmi2SetString), as `set_real`; an empty one selects the FMU's own file, if there is one."""
+        self._set(self._set_text, vrs, values)
 
     def get_string(self, vrs: list[int]) -> list[str]:
         """Return strings (fmi2GetString)."""
@@ -106,6 +110,11 @@ class KernelSlave(TellingSlave):
 
     set_integer = set_real
     set_boolean = set_real
+
+    def _set_text(self, reference: int, text: str) -> None:
+        name = self.own_files.get(self.kernel.library.names[reference], "") if not text else ""
+        own = Path(self.resources) / name
+        self.kernel.set_text(reference, str(own) if name and own.exists() else text)
 
     def _set(self, setter: Callable[[int, Any], None], vrs: list[int], values: Sequence[Any]) -> None:
         if self.initialising:

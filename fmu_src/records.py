@@ -39,12 +39,13 @@ class TableOfRecord:
 
 @dataclass(frozen=True)
 class ListOfRecord:
-    """A list of records of one kind; least, most: how many it may have."""
+    """A list of records of one kind; least, most: how many it may have; shared: a single one is that of all places."""
 
     name: str
     kind: RecordKind
     least: int
     most: int
+    shared: bool = False
 
 
 @dataclass(frozen=True)

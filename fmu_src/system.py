@@ -337,8 +337,8 @@ class OfRecord:
     """A number of a record, or the record itself, which is the same during a run; `symbol` has it in equations.
 
     own: the root record of an instance without a file. root: place of the root record among those of the files; a
-    single one is that of all. path: places of lists and of the records in them, from the root. The place -1 is the last
-    record. number: its place, -1: the record.
+    single one is that of all. path: places of lists and of the records in them, from the root. A single record of a
+    shared list is that of all places. number: its place, -1: the record, which is 0 if a file does not have it.
     """
 
     symbol: ca.SX
@@ -353,7 +353,8 @@ class OfRecord:
         """Return the number without a file; 0 for a record."""
         found = self.own.record
         for place, entry in self.path:
-            found = found.lists[place][min(entry, len(found.lists[place]) - 1)]
+            shared = found.kind.lists[place].shared and len(found.lists[place]) == 1
+            found = found.lists[place][0 if shared else entry]
         return found.numbers[self.number] if self.number >= 0 else 0.0
 
 
@@ -776,7 +777,7 @@ class System(Chain):
         own : OwnRecord
             The root record of an instance without a file.
         path : sequence of tuple
-            Places of lists and of the records in them, from the root; -1 is the last record.
+            Places of lists and of the records in them, from the root. If a file does not have the record, it is 0.
         number : str
             Name of the number; empty: the record, for `piecewise.look_up_in` and calls of each record of a list.
         root : int

@@ -215,6 +215,7 @@ def test_profiles_of_a_file_reach_runs_at_level_3_and_the_fmu(tmp_path: Path) ->
     (tmp_path / "wagon.toml").write_text('tare = "30 t"\naxles = 2\nprofile_file = "pair.csv"\n')
     sheet = bb.read_vehicle(tmp_path / "wagon.toml")
     assert unfolded(sheet, {"level": 3})[1]["profile_file"] == str(tmp_path / "pair.csv")
+    assert unfolded(sheet, {"level": 3, "profile_file": ""})[1]["profile_file"] == str(tmp_path / "pair.csv")
     assert "profile_file" not in unfolded(sheet, {})[1]
     assert main(["vehicle", "parameters", str(tmp_path / "wagon.toml")]) == 0
     assert f'<ssv:String value="{tmp_path / "pair.csv"}"' in (tmp_path / "wagon.ssv").read_text(encoding="utf-8")

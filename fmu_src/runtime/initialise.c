@@ -65,9 +65,13 @@ static kernel_status refuse_choice(kernel *self) {
         add_remedy(self, i, remedies);
     }
     if (file) add_text(chosen, " %s a %s", self->table ? file->in_use : "without", file->noun);
-    if (file && chosen_system(self, -1, 0, !self->table) >= 0)
-        add_text(remedies, "%s %s to %s", *remedies ? ", or" : "Set", kernel_name_of_table_file(),
-                 self->table ? "no text" : "the path of a file");
+    if (file && chosen_system(self, -1, 0, !self->table) >= 0) {
+        if (self->own_table)
+            add_text(remedies, "%s%s", *remedies ? ", or remove resources" : "Remove resources", file->resource);
+        else
+            add_text(remedies, "%s %s to %s", *remedies ? ", or" : "Set", kernel_name_of_table_file(),
+                     self->table ? "no text" : "the path of a file");
+    }
     return kernel_fail(self, KERNEL_ERROR, "%s has no system%s. %s.", MODEL.name, chosen,
                        *remedies ? remedies : "Change more than one of these");
 }

@@ -41,6 +41,7 @@ struct kernel {
     int lanes; /* how many copies of a repeated component generated functions compute at once */
     table_file *table; /* null: none */
     char *table_path;
+    bool own_table; /* the table is the FMU's own file */
     record_file *records; /* null: none */
     char *records_path;
     dimensions room;

@@ -127,23 +127,22 @@ static kernel_status own_start_values(fmu_object *self) {
     return status;
 }
 
+/* Return the name of the FMU's own file for a variable that names a file; NULL for another variable. */
+static const char *resource_of(int variable) {
+    if (MODEL.table_file && variable == MODEL.table_file->variable) return MODEL.table_file->resource;
+    return MODEL.record_file && variable == MODEL.record_file->variable ? MODEL.record_file->resource : NULL;
+}
+
 /* Set the variable of a file to the FMU's own one, if there is one. */
-static kernel_status own_data(fmu_object *self, const char *resource, int variable) {
+static kernel_status own_data(fmu_object *self, const char *resource, int variable, bool *found) {
     kernel_status status = KERNEL_OK;
     FILE *file = own_file(self, resource, &status);
+    *found = file != NULL;
     if (!file) return status;
     fclose(file);
     status = kernel_set_text(self->machine, variable, self->resources);
-    kernel_keep_own(self->machine, variable);
+    if (status == KERNEL_OK) kernel_keep_own(self->machine, variable);
     return status;
-}
-
-static kernel_status own_table(fmu_object *self) {
-    return MODEL.table_file ? own_data(self, MODEL.table_file->resource, MODEL.table_file->variable) : KERNEL_OK;
-}
-
-static kernel_status own_records(fmu_object *self) {
-    return MODEL.record_file ? own_data(self, MODEL.record_file->resource, MODEL.record_file->variable) : KERNEL_OK;
 }
 
 /* Start values are those of the FMU's own files, where there are any: `start_values.csv` has rows NAME,VALUE, and the
@@ -152,8 +151,11 @@ static kernel_status object_reset(fmu_object *self) {
     kernel_reset(self->machine);
     if (!self->resources) return KERNEL_OK;
     kernel_status status = own_start_values(self);
-    if (status <= KERNEL_WARNING) status = own_table(self);
-    return status <= KERNEL_WARNING ? own_records(self) : status;
+    for (int i = 0; i < MODEL.variables && status <= KERNEL_WARNING; ++i) {
+        bool found;
+        if (resource_of(i)) status = own_data(self, resource_of(i), i, &found);
+    }
+    return status;
 }
 
 /* ---- the kernel's functions, by the names of the table ---- */
@@ -186,8 +188,13 @@ static kernel_status object_set(fmu_object *self, unsigned variable, size_t firs
 static kernel_status object_get_text(fmu_object *self, unsigned variable, const char **text) {
     return kernel_get_text(self->machine, (int)variable, text);
 }
+
+/* An empty text selects the FMU's own file: hosts set every start value of modelDescription.xml, this empty one too. */
 static kernel_status object_set_text(fmu_object *self, unsigned variable, const char *text) {
-    return kernel_set_text(self->machine, (int)variable, text);
+    const char *own = text && !*text && self->resources ? resource_of((int)variable) : NULL;
+    bool found = false;
+    const kernel_status status = own ? own_data(self, own, (int)variable, &found) : KERNEL_OK;
+    return found || status > KERNEL_WARNING ? status : kernel_set_text(self->machine, (int)variable, text);
 }
 
 static kernel_status object_plan(fmu_object *self, const double *tolerance, double start, const double *stop) {

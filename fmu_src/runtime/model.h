@@ -70,7 +70,8 @@ typedef struct {
     int root;          /* place among the root records of its files; a single one is that of all */
     int steps;
     struct {
-        int list, entry; /* entry -1: the last; one of a shorter list is its last */
+        int list, entry;
+        int shared; /* 1: a single record is that of all entries */
     } step[LONGEST_PATH];
     int number;
 } value_of_record;

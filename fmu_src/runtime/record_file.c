@@ -312,8 +312,9 @@ double records_value(const value_of_record *value, const record_file *file) {
     if (file) one = file->root[value->root < file->roots ? value->root : 0];
     for (int i = 0; i < value->steps; ++i) {
         const record_list *list = &one->list[value->step[i].list];
-        const int entry = value->step[i].entry;
-        one = list->first + (entry < 0 || entry >= list->count ? list->count - 1 : entry);
+        const int entry = value->step[i].shared && list->count == 1 ? 0 : value->step[i].entry;
+        if (entry >= list->count) return value->number < 0 ? 0.0 : NAN;
+        one = list->first + entry;
     }
     return value->number < 0 ? record_as_number(one) : one->number[value->number];
 }

@@ -22,7 +22,8 @@ typedef struct {
  * on error. */
 RUNTIME_LOCAL record_file *records_read(const char *paths, char problem[PROBLEM_SIZE]);
 RUNTIME_LOCAL void records_free(record_file *self);
-/* Return a number of a record, or a record as a number, from its own root or from that of files (NULL: none). */
+/* Return a number of a record, or a record as a number, from its own root or from that of files (NULL: none). A record that
+ * does not exist is 0 as a number, and its numbers are NaN. */
 RUNTIME_LOCAL double records_value(const value_of_record *value, const record_file *file);
 /* Return whether the addresses of records are exact as numbers. */
 RUNTIME_LOCAL bool records_are_exact(const record *root);

@@ -22,6 +22,7 @@ void kernel_leave_table(kernel *self) {
     free(self->table_path);
     self->table = NULL;
     self->table_path = NULL;
+    self->own_table = false;
     self->run.now->table = 0;
 }
 
@@ -62,7 +63,7 @@ kernel_status kernel_set_text(kernel *self, int variable, const char *text) {
     if (fixed) return kernel_fail(self, KERNEL_ERROR, "%s %s", name, fixed);
     if (!text)
         return kernel_fail(self, KERNEL_ERROR,
-                           "%s must be the path of a file; got a null pointer. Set an empty text for no file.", name);
+                           "%s must be the path of a file; got a null pointer. Set an empty text for the default.", name);
     if (!*text) {
         (table ? kernel_leave_table : kernel_leave_records)(self);
         return KERNEL_OK;

@@ -110,7 +110,10 @@ kernel_status kernel_warn_of_idle_parameters(kernel *self) {
                        self->system->name, names, others, selectors);
 }
 
-void kernel_keep_own(kernel *self, int variable) { self->warned[variable] = 1; }
+void kernel_keep_own(kernel *self, int variable) {
+    self->warned[variable] = 1;
+    if (MODEL.table_file && variable == MODEL.table_file->variable) self->own_table = true;
+}
 
 /* Refuse steps too short to change the time: they would take indefinitely. */
 static kernel_status check_integration_step(kernel *self, double value) {

@@ -89,7 +89,7 @@ PAIR = RecordKind(
     "contact_pair",
     (NumberOfRecord("mean_radius", "m", *RADII), _place("lift")),
     (_table("height", 1), _table("roll", 1)),
-    (ListOfRecord("sides", SIDE, 1, 2),),
+    (ListOfRecord("sides", SIDE, 1, 2, shared=True),),
 )
 
 

@@ -216,15 +216,17 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
 def force_of_each(assembly: Assembly, number: int, index: int, feeling: Feeling) -> list[ca.SX]:
     """Return the force of the rail on each patch of the vehicle's own profiles [N], (3.35).
 
-    With a contact table of other profiles they are those of its patches with the same numbers.
+    With a contact table of other profiles they are those of its patches with the same numbers. The force on a patch
+    that the table does not have is 0: its record is 0, and its parts are not called.
     """
     system = assembly.system
     counts, forces = {False: 0, True: 0}, []
     for patch in patches_of(side_of(assembly, number, index)):
         path = [(0, index), (FLANGES if patch.flange else TREADS, counts[patch.flange])]
         counts[patch.flange] += 1
-        given = given_of(feeling, record_of(assembly, number, path))
-        asked = system.call(asked_of_record(patch.flange, assembly.on_line), *given)
+        record = record_of(assembly, number, path)
+        given = given_of(feeling, record)
+        asked = system.call(asked_of_record(patch.flange, assembly.on_line), *given, record)
         part = patch_of_record(patch.flange, assembly.contact, assembly.on_line)
         forces.append(WheelPress.of(system.call(part, *given, asked)).force)
     return forces

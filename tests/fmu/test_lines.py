@@ -50,18 +50,24 @@ def test_an_fmu_runs_on_the_line_that_a_string_names(
 def test_a_line_among_the_resources_is_the_first_one(
     fmus: Mapping[tuple[str, str], Path], curve: Path, tmp_path: Path
 ) -> None:
-    """The line needs no parameter. A reset restores it; an empty string selects straight track."""
+    """The line needs no parameter. A reset and an empty string restore it."""
     path = tmp_path / "bogie on a line.fmu"
     shutil.copyfile(fmus["bogie", "native"], path)
     with zipfile.ZipFile(path, "a") as archive:
         archive.write(curve, "resources/line.csv")
     assert run(path) == run(fmus["bogie", "native"], line_file=str(curve))
-    assert run(path, line_file="") == run(fmus["bogie", "native"])
-    with FmuInstance(path, **SPACE, line_file="") as one:
+    level = line_of([straight(500.0)]).write(tmp_path / "level.csv")
+    with FmuInstance(path, **SPACE, line_file=str(level)) as one:
         one.start()
         one.restart(SPACE)
         one.step(0.0, 6.0)
         assert one["lateral_1"] < -1e-3
+    remedy = r"or contact_model to 2, or remove resources/line\.csv"
+    with (
+        FmuInstance(path, **SPACE, contact_model=3, line_file="") as one,
+        pytest.raises(CosimulationError, match=remedy),
+    ):
+        one.start()
 
 
 def test_a_bad_line_among_the_resources_leaves_no_instance(

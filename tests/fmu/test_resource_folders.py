@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
+import zipfile
 from collections.abc import Callable
 from ctypes import byref
 from pathlib import Path
@@ -46,6 +48,8 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], Path
     paths = {(name, kind): folder / f"{name}_{kind}.fmu" for name in ("surveyor", "coupler") for kind in KINDS}
     build_native_fmu(model, paths["surveyor", "native"])
     build_native_fmu3(model, paths["surveyor", "fmi3"])
+    paths["surveyor", "python"] = folder / "surveyor_python.fmu"
+    build_python_fmu(model, paths["surveyor", "python"])
     for version, kind in enumerate(KINDS, 2):
         build_coupler_fmu(screw_coupler(), paths["coupler", kind], version)
     return paths
@@ -133,6 +137,24 @@ def test_a_folder_of_any_name_is_found(what: str, kind: str, fmus: dict, tmp_pat
     for name in NAMES:
         resources = unzipped(fmus[what, kind], tmp_path / name)
         found(fmus[what, kind], tmp_path / name, named(kind, resources))
+
+
+@pytest.mark.parametrize("kind", [*KINDS, "python"])
+def test_an_empty_text_selects_the_fmus_own_file(kind: str, fmus: dict, tmp_path: Path) -> None:
+    """Hosts set each start value of modelDescription.xml, the empty text too."""
+    own, other = (f"distance,curvature,cant,gradient\n0,{c},0,0\n10,{c},0,0\n" for c in (CURVATURE, 2 * CURVATURE))
+    (tmp_path / "other.csv").write_text(other)
+    path = Path(shutil.copyfile(fmus["surveyor", kind], tmp_path / "own.fmu"))
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("resources/line.csv", own)
+    shown = []
+    for texts in ([], [""], [str(tmp_path / "other.csv")], [str(tmp_path / "other.csv"), ""]):
+        with FmuInstance(path) as one:
+            for text in texts:
+                one.set(line_file=text)
+            one.start()
+            shown.append(one["shown"] / CURVATURE)
+    assert shown == pytest.approx([1.0, 1.0, 2.0, 1.0])
 
 
 @pytest.mark.parametrize("what", ["surveyor", "coupler"])

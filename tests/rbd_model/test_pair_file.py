@@ -13,7 +13,8 @@ import pytest
 
 import bogie_braking as bb
 from fmu_src.kernel import Kernel, SimulationError
-from fmu_src.system import Model, model_of
+from fmu_src.records import OwnRecord
+from fmu_src.system import Model, System, Variable, model_of
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair
 from rbd_model.contact.pair_file import PAIR_FILE, read_pairs, write_pair
@@ -25,6 +26,7 @@ from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
 from rbd_model.wheelset.standing import lift_until_static
+from rbd_model.wheelset.wheel_on_record import FLANGES
 from readers.text import BadInputError
 from tests.quick_library import quick_library
 
@@ -264,6 +266,19 @@ def test_a_state_belongs_to_the_profiles_of_its_run(files: dict[str, Path]) -> N
     other = Kernel(library, initial_speed=30.0, profile_file=str(files["unequal"]))
     with pytest.raises(SimulationError, match="one with another contact table"):
         other.restore(state)
+
+
+def test_a_patch_that_a_table_does_not_have_is_none_of_its_others(files: dict[str, Path]) -> None:
+    """Its record is 0, and parts with it are not called. A single side is that of both wheels."""
+    system, own = System("Reader", "reads records"), OwnRecord(pair_record, european_pair())
+    system.derivative(system.state("x", "1", 0.0, 1.0), ca.SX(0.0))
+    paths = {"first": [(0, 0), (FLANGES, 0)], "missing": [(0, 0), (FLANGES, MOST_PATCHES - 2)], "right": [(0, 1)]}
+    for name, path in paths.items():
+        record = system.of_record(PAIR_FILE, own, path)
+        system.output(Variable(name, "output", "1", "A record is there"), record > 0.0)
+    kernel = Kernel(quick_library(model_of(system, 1e-6)), profile_file=str(files["synthetic"]))
+    kernel.initialise()
+    assert [kernel[name] for name in paths] == [1.0, 0.0, 1.0]
 
 
 def test_contact_without_a_table_refuses_a_file_and_other_levels_warn(files: dict[str, Path]) -> None:
