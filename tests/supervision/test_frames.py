@@ -1,4 +1,4 @@
-"""Curves against the test frames of ERA, the table of the conversion model, and another program, where they are."""
+"""Curves against the test frames of ERA and the table of the conversion model, where they are."""
 
 from __future__ import annotations
 
@@ -111,42 +111,3 @@ def test_build_up_times_of_long_freight_trains_join_those_of_short_ones(position
     assert build_up_time(position, 900.1, emergency) == pytest.approx(
         build_up_time(position, 900.0, emergency), abs=0.5
     )
-
-
-@there
-def test_distances_of_another_program_are_longer_by_its_steps_and_its_time_on_the_curve() -> None:
-    """OSRD steps by 2 s, and takes the distance of the build-up at the speed of EBD, not of the train."""
-    given = {row["parameter"]: row for row in rows_of("etcs_cases_osrd_inputs.csv")}
-
-    def steps(name: str) -> Steps:
-        ends, values = (
-            [float(one) for one in given[name][column].split(";") if one] for column in ("boundaries_m_s", "values")
-        )
-        return Steps(np.array(ends), np.array(values))
-
-    train = SupervisedTrain(
-        400.0,
-        steps("gamma_emergency"),
-        steps("gamma_service"),
-        2.5,
-        2.0,
-        Kdry_rst=steps("k_dry"),
-        Kwet_rst=steps("k_wet"),
-        T_traction_cut_off=1.0,
-        traction_command=True,
-        service_command=True,
-        A_brake_normal_service=steps("gamma_normal_service"),
-    )
-    country, fixed = NationalValues(guidance=True), FixedValues(T_indication_more=4.0)
-
-    def before(limit: str, speed: float, **others: object) -> float:
-        set_up = {"national": country, "fixed": fixed, "A_est": 0.4} | others
-        return -float(getattr(supervise(train, 0.0, speed * KMH, **set_up), limit)[0])  # type: ignore[arg-type]
-
-    # Without its steps: 6919.9 m of guidance; I at the speeds of two targets: 667.43 m for 675.63, 544.87 for 551.98.
-    assert before("GUI", 288.0) == pytest.approx(6919.9, abs=0.05)
-    for speed, place in ((141.9984, 667.43), (111.9996, 544.87)):
-        assert before("I", speed, kind="LOA", target_speed=speed * KMH) == pytest.approx(place, abs=0.01)
-    other = {float(row["speed_kmh"]): float(row["value"]) for row in rows_of("etcs_cases_osrd.csv")}
-    assert 4.0 < other[111.9996] - before("I", 111.9996) < 9.0
-    assert other[159.4114755] == pytest.approx(before("I", 159.4114755, beyond=100.0), abs=0.05)
