@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from products.supervision import BrakeUnits, Gradients, Steps, SupervisedTrain
+from brake_controller.shoe_friction import CONSTANT
+from products.supervision import BrakedVehicles, BrakeUnits, Gradients, Steps, SupervisedTrain
 from products.supervision.of_run import BrakeOfRun, brake_of_run
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist
@@ -21,6 +22,8 @@ from readers.text import BadInputError
 LONGEST, ROW, DRAWN, LOOK, RESTS = 900.0, 0.05, 0.5, 5.0, 1e-3
 #: First margin of the speed at which a run begins, what each further run adds [m/s], and the number of runs.
 MARGIN, MORE, RUNS = 5.0, 1.0, 6
+#: Kinds of braked vehicles up to which each is a group of its own.
+MOST_KINDS = 40
 #: Driver's valve of each brake.
 COMMANDS = {"emergency": ("emergency", 0.0), "service": ("service", 1.0)}
 
@@ -200,6 +203,34 @@ def brake_units(consist: Consist, speed: float, failure: float, spread: float) -
     forces = [round(brake_force(one, speed), 3) for one in consist.vehicles]
     groups = Counter(force for force in forces if force > 0.0)
     return [BrakeUnits(count, force, failure, spread) for force, count in groups.items()]
+
+
+def braked_vehicles(consist: Consist, speed: float) -> list[BrakedVehicles]:
+    """Return the vehicles of a train for `factors_of`, equal ones in one group.
+
+    Parameters
+    ----------
+    consist : Consist
+        The train.
+    speed : float
+        Speed at which forces of different vehicles are compared [m/s].
+
+    Returns
+    -------
+    list of BrakedVehicles
+        Mean forces [N] and masses [kg] of groups. In trains of more than MOST_KINDS kinds, forces within 2 % are one.
+        Vehicles of constant friction are treated as those with discs, which is on the safe side.
+    """
+    kinds = [(brake_force(one, speed), one.mass, one.brake.friction_law == CONSTANT) for one in consist.vehicles]
+    if len(set(kinds)) > MOST_KINDS:
+        keys: list[Any] = [(round(np.log(force) / 0.02) if force > 0.0 else None, discs) for force, _, discs in kinds]
+    else:
+        keys = kinds
+    groups: dict[Any, list[tuple[float, float, bool]]] = {}
+    for key, one in zip(keys, kinds, strict=True):
+        groups.setdefault(key, []).append(one)
+    means = [(len(those), *np.mean(those, axis=0)) for those in groups.values()]
+    return [BrakedVehicles(count, float(force), float(mass), bool(discs)) for count, force, mass, discs in means]
 
 
 def with_factors(train: SupervisedTrain, dry: float, wet: float) -> SupervisedTrain:

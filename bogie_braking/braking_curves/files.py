@@ -8,6 +8,7 @@ from pathlib import Path
 from bogie_braking.braking_curves.compute import Found
 from bogie_braking.braking_curves.words import LIMITS
 from readers.storage import write_whole, writing
+from scenarios.reporting.causes_picture import figure_of_causes
 from scenarios.reporting.supervision_picture import figure_of_supervision
 
 
@@ -25,3 +26,16 @@ def write(chosen: argparse.Namespace, found: Found) -> tuple[Path, Path]:
     lines = [head, *(",".join(f"{value:.3f}" for value in row) for row in rows)]
     write_whole(table, ("\n".join(lines) + "\n").encode(), "name another folder with --out")
     return picture, table
+
+
+def write_causes(chosen: argparse.Namespace, found: Found) -> Path | None:
+    """Write the figure of the causes that lower Kdry_rst; return its path, or None without tolerances."""
+    safety = found.data.safety
+    if safety is None:
+        return None
+    picture = chosen.out / f"etcs-{chosen.file.stem}-causes.png"
+    figure = figure_of_causes(safety.causes, float(safety.factors[safety.level]), safety.level)
+    with writing(chosen.out):
+        chosen.out.mkdir(parents=True, exist_ok=True)
+        figure.savefig(picture, dpi=130)
+    return picture

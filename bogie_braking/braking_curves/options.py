@@ -72,6 +72,8 @@ def _add_factors(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--spread", type=share("--spread"), metavar="SHARE", default=0.0, help=text)
     text = "standard deviation that all vehicles share, of friction for example, as 3%% (default: 0)"
     parser.add_argument("--common", type=share("--common"), metavar="SHARE", default=0.0, help=text)
+    text = "Kdry_rst and T_brake_emergency by the table [tolerances] of a TOML file"
+    parser.add_argument("--tolerances", type=Path, metavar="FILE", help=text)
     text = "confidence level of Kdry_rst, 0 to 9 (default: 9, a weaker brake once in 1e9)"
     parser.add_argument("--level", type=whole("--level", 0, 9), metavar="LEVEL", default=9, help=text)
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bogie_braking.braking_curves.safety import Safety, safety_of
 from bogie_braking.supervised import FromRuns, brake_units, supervised_train, with_factors
 from products.supervision import SupervisedTrain, dry_factors, rounded_down
 from products.train.consist import Consist
@@ -27,13 +28,16 @@ class TrainData:
     runs : FromRuns or None
         Stops that gave the numbers; None if the brake percentage gave them.
     factors : ndarray or None
-        Kdry_rst of the levels 0 to 9 by failures and spreads, if any are given.
+        Kdry_rst of the levels 0 to 9 by failures and spreads, rounded down, if any are given.
+    safety : Safety or None
+        The same by a file of tolerances, with its causes.
     """
 
     train: SupervisedTrain
     consist: Consist
     runs: FromRuns | None = None
     factors: np.ndarray | None = None
+    safety: Safety | None = None
 
 
 def train_data(chosen: argparse.Namespace, largest: float) -> TrainData:
@@ -56,7 +60,8 @@ def train_data(chosen: argparse.Namespace, largest: float) -> TrainData:
     except ValueError as error:
         raise BadInputError(str(error)) from error
     if chosen.position is not None:
-        if (chosen.dry, chosen.wet, chosen.failure, chosen.spread, chosen.common) != (1.0, 1.0, 0.0, 0.0, 0.0):
+        given = (chosen.dry, chosen.wet, chosen.failure, chosen.spread, chosen.common, chosen.tolerances)
+        if given != (1.0, 1.0, 0.0, 0.0, 0.0, None):
             raise BadInputError("Factors act on decelerations, not on percentages. Leave them out with --position.")
         percentage = min(consist.percentage, 250.0)
         train = SupervisedTrain.of_percentage(
@@ -64,9 +69,30 @@ def train_data(chosen: argparse.Namespace, largest: float) -> TrainData:
         )
         return TrainData(train, consist)
     runs = supervised_train(consist, largest, service_command=chosen.service)
-    factors = _factors(chosen, consist, largest)
+    safety = _safety(chosen, consist, largest, float(runs.train.T_brake_emergency))
+    factors = _factors(chosen, consist, largest) if safety is None else rounded_down(safety.factors)
+    train = runs.train
+    if safety is not None:
+        train = replace(train, T_brake_emergency=float(safety.build_up[chosen.level]))
+    if factors is not None and not factors[chosen.level]:
+        raise BadInputError(
+            f"At level {chosen.level} no brake force is left: Kdry_rst is 0 with these failures and spreads. "
+            "Give a lower --level or smaller numbers."
+        )
     dry = chosen.dry if factors is None else factors[chosen.level]
-    return TrainData(with_factors(runs.train, dry, chosen.wet), consist, runs, factors)
+    return TrainData(with_factors(train, dry, chosen.wet), consist, runs, factors, safety)
+
+
+def _safety(chosen: argparse.Namespace, consist: Consist, largest: float, build_up: float) -> Safety | None:
+    """Return factors by the file of tolerances, if there is one."""
+    if chosen.tolerances is None:
+        return None
+    if (chosen.dry, chosen.failure, chosen.spread, chosen.common) != (1.0, 0.0, 0.0, 0.0):
+        raise BadInputError(
+            "--tolerances states what --dry, --failure, --spread and --common state too. Leave these out; "
+            "the file has lost, spread and common for them."
+        )
+    return safety_of(chosen.tolerances, consist, largest / 2.0, build_up, chosen.level)
 
 
 def _factors(chosen: argparse.Namespace, consist: Consist, largest: float) -> np.ndarray | None:
@@ -78,10 +104,4 @@ def _factors(chosen: argparse.Namespace, consist: Consist, largest: float) -> np
             "--dry states Kdry_rst, which follows from --failure, --spread and --common. Leave one out."
         )
     units = brake_units(consist, largest / 2.0, chosen.failure, chosen.spread)
-    factors = rounded_down(dry_factors(units, chosen.common))
-    if not factors[chosen.level]:
-        raise BadInputError(
-            f"At level {chosen.level} no brake force is left: Kdry_rst is 0 with these failures and spreads. "
-            "Give a lower --level or smaller numbers."
-        )
-    return factors
+    return rounded_down(dry_factors(units, chosen.common))

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from bogie_braking.braking_curves.compute import Found
+from bogie_braking.braking_curves.safety import document_of, lines_of
 from products.supervision import Steps
 
 #: Limits in the order in which they are met.
@@ -26,6 +27,7 @@ def document(found: Found) -> dict[str, Any]:
             "brake_percentage": data.consist.percentage,
             "Kdry_rst": None if data.factors is None else data.factors.tolist(),
         },
+        "safety": None if data.safety is None else document_of(data.safety),
         "V_est_kmh": (3.6 * few.V_est).tolist(),
         "limits_m": {name: getattr(few, name).tolist() for name in LIMITS},
         "own_stops_m": [stop.ends for stop in found.stops],
@@ -49,6 +51,8 @@ def text(chosen: argparse.Namespace, found: Found) -> list[str]:
     if data.factors is not None:
         each = " ".join(f"{factor:.2f}" for factor in data.factors)
         lines.append(f"Kdry_rst of levels 0 to 9, rounded down: {each}; in use: level {chosen.level}")
+    if data.safety is not None:
+        lines += lines_of(data.safety)
     names = [*LIMITS, *(["own stop"] if found.stops else [])]
     lines += [
         "",

@@ -6,6 +6,8 @@
   bogie-braking etcs train.toml --target 2000 --dry 0.85 --wet 0.9   with the factors of its confidence level
   bogie-braking etcs train.toml --target 2000 --failure 0.1% --spread 5% --common 3% --level 9
                                                                      and with Kdry_rst of these failures and spreads
+  bogie-braking etcs train.toml --target 2000 --tolerances brake.toml
+                                                                     and with named ones, and which of them decides
   bogie-braking etcs train.toml --target 2000 --position "passenger P"
                                                                      by its brake percentage, not its decelerations
   bogie-braking etcs train.toml --target 2000 --json | jq .train     for a program
@@ -37,16 +39,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace) -> int:
     """Compute, draw and print; return the exit status."""
     from bogie_braking.braking_curves.compute import check, compute
-    from bogie_braking.braking_curves.files import write
+    from bogie_braking.braking_curves.files import write, write_causes
     from bogie_braking.braking_curves.words import document, text
 
     check_folder(chosen.out)
     check(chosen)
     found = compute(chosen)
     picture, table = write(chosen, found)
+    causes = write_causes(chosen, found)
     if chosen.json:
-        print(json.dumps(document(found) | {"picture": str(picture), "table": str(table)}, indent=2))
+        files = {"picture": str(picture), "table": str(table)} | ({} if causes is None else {"causes": str(causes)})
+        print(json.dumps(document(found) | files, indent=2))
     elif not chosen.quiet:
         print("\n".join(text(chosen, found)))
-        print(f"\npicture: {picture}\ntable:   {table}")
+        print(f"\npicture: {picture}\ntable:   {table}" + ("" if causes is None else f"\ncauses:  {causes}"))
     return HOLDS if all(stop.ends <= found.ends for stop in found.stops) else DOES_NOT_HOLD

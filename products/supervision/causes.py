@@ -14,13 +14,15 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import binom
 
-from products.supervision.convolution import SHARES, Law, Numbers, losses_of, product_of, quantiles_of, sum_of
+from products.supervision.convolution import SHARES, Law, Numbers, add_losses, product_of, quantiles_of, sum_of
 from products.supervision.safety import WEAKER
 from products.supervision.tolerances import Tolerances
 from readers.text import BadInputError, shown
 
 #: Largest numbers of equal vehicles, and of groups; largest force and mass of a vehicle.
 MOST_VEHICLES, MOST_GROUPS, LARGEST = 2_000, 500, 1e12
+#: Groups for which one failure is computed.
+SHOWN = 3
 
 
 @dataclass(frozen=True)
@@ -133,7 +135,7 @@ def causes_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, level:
 
 
 def one_failure(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, level: int = 9) -> list[OneFailure]:
-    """Return Kdry_rst at a confidence level if the brake of one vehicle does not act for certain, by groups.
+    """Return Kdry_rst at a confidence level if the brake of one vehicle does not act for certain.
 
     Parameters
     ----------
@@ -143,7 +145,8 @@ def one_failure(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, leve
     Returns
     -------
     list of OneFailure
-        One for each group with brakes, over the nominal force of the whole train.
+        One for each group with brakes, the largest force first, at most SHOWN; over the nominal force of the whole
+        train.
 
     Raises
     ------
@@ -152,13 +155,14 @@ def one_failure(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, leve
     """
     weaker, found = _weaker(level), []
     nominal = _nominal(vehicles)
-    for number, one in enumerate(vehicles):
-        if one.force:
-            rest = [*vehicles[:number], *([replace(one, count=one.count - 1)] if one.count > 1 else [])]
-            rest += [*vehicles[number + 1 :], replace(one, count=1, force=0.0)]
-            left = 1.0 - one.force / nominal
-            factor = left * float(_factors(rest, tolerances, weaker)[0]) if left > 1e-12 else 0.0
-            found.append(OneFailure(number, one.force / nominal, factor))
+    order = sorted(range(len(vehicles)), key=lambda number: -vehicles[number].force)
+    for number in [one for one in order if vehicles[one].force][:SHOWN]:
+        one = vehicles[number]
+        rest = [*vehicles[:number], *([replace(one, count=one.count - 1)] if one.count > 1 else [])]
+        rest += [*vehicles[number + 1 :], replace(one, count=1, force=0.0)]
+        left = 1.0 - one.force / nominal
+        factor = left * float(_factors(rest, tolerances, weaker)[0]) if left > 1e-12 else 0.0
+        found.append(OneFailure(number, one.force / nominal, factor))
     return found
 
 
@@ -219,11 +223,11 @@ def _factors(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, weaker:
 
 
 def _of_vehicle(law: Law, share: float, t: Tolerances) -> Numbers:
-    """Return the masses of what a vehicle lacks of its share of the nominal force of the train."""
+    """Return the masses of the train's share that a vehicle misses."""
     acts = 1.0 - t.isolated * (1.0 - t.noticed)
     braking = acts * binom.pmf(np.arange(t.units + 1), t.units, 1.0 - t.lost)
     braking[0] += 1.0 - acts
     found = np.zeros(SHARES)
     for number in np.flatnonzero(braking):
-        found += braking[number] * losses_of(law, share, number / t.units)
+        add_losses(found, law, share, number / t.units, braking[number])
     return found

@@ -1,8 +1,7 @@
 """Distributions of sums and products of independent positive numbers, by convolution on grids.
 
-A product is a sum of logarithms: its parts are convolved on a grid of logarithms. What vehicles lack of their nominal
-forces is convolved on a grid of shares. Rounding of the transforms is 1e-15 of a probability, a millionth of the rarest
-level.
+A product is a sum of logarithms: its parts are convolved on a grid of logarithms. Forces that vehicles miss are
+convolved on a grid of shares. Rounding of the transforms is 1e-15 of a probability, a millionth of the rarest level.
 """
 
 from __future__ import annotations
@@ -13,13 +12,14 @@ from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import irfft, rfft
 
 Numbers = NDArray[np.float64]
 #: Grid of logarithms: number of points and distance between them; parts below e^-3 or above e^3 are moved there, so
 #: that five parts do not reach its ends.
 POINTS, LOGARITHM, FARTHEST = 2**17, 2.0**-12, 3.0
-#: Grid of what a train lacks of its nominal force, from -2 to 2: number of points and distance between them. Vehicles
-#: count with at most three times their nominal force.
+#: Grid of missing shares of a train's nominal force, from -2 to 2: number of points and distance between them.
+#: Vehicles count with at most three times their nominal force.
 SHARES, STEP, STRONGEST = 2**17, 2.0**-15, 3.0
 #: Masses below this are rounding errors of the transforms.
 NOISE = 1e-16
@@ -51,8 +51,8 @@ def product_of(over: Sequence[float], under: Sequence[float] = ()) -> Law:
     parts = [(one, 1.0) for one in over if one] + [(one, -1.0) for one in under if one]
     if not parts:
         return Law(np.ones(1), np.ones(1))
-    masses = reduce(np.multiply, (np.fft.rfft(_logarithm(*one)) for one in parts))
-    found = np.fft.irfft(masses, POINTS)
+    masses = reduce(np.multiply, (rfft(_logarithm(*one)) for one in parts))
+    found = irfft(masses, POINTS)
     seen = found > NOISE
     place = np.fft.fftfreq(POINTS, 1.0 / POINTS)[seen]
     order = np.argsort(place)
@@ -69,37 +69,35 @@ def _logarithm(spread: float, sign: float) -> Numbers:
     return found
 
 
-def losses_of(law: Law, share: float, braking: float = 1.0) -> Numbers:
-    """Return the masses of the share that a vehicle lacks, on the grid of losses.
+def add_losses(masses: Numbers, law: Law, share: float, braking: float, weight: float) -> None:
+    """Add the masses of the share that a vehicle misses to the grid of missing shares.
 
-    A vehicle with its nominal force lacks nothing and is a point of the grid, so that many of them add no error.
+    A vehicle with its nominal force misses nothing and is a point of the grid, so that many of them add no error.
 
     Parameters
     ----------
+    masses : ndarray
+        Masses in the order of the transform, shape (SHARES,). Those added have the mean and the variance of the law.
+        Beside a single value they may be below 0 by up to an eighth of it.
     law : Law
-        Force of the vehicle over its nominal one; values beyond STRONGEST are moved there.
+        Force of the vehicle over its nominal one. Values beyond STRONGEST are moved there.
     share : float
         Nominal force of the vehicle over that of the train.
-    braking : float
-        Share of the vehicle that brakes.
-
-    Returns
-    -------
-    ndarray
-        Masses with the same mean and variance, in the order of the transform, shape (SHARES,). Those beside a single
-        value may be below 0 by up to an eighth of it.
+    braking, weight : float
+        Share of the vehicle that brakes, and its probability.
     """
     place = share * (1.0 - braking * np.minimum(law.values, STRONGEST)) / STEP
     nearest = np.rint(place).astype(int)
-    off = place - nearest
-    found = np.zeros(SHARES)
+    off, first = place - nearest, int(nearest.min()) - 1
+    size = int(nearest.max()) - first + 2
+    found = np.zeros(size)
     for move, part in ((-1, off * (off - 1.0) / 2.0), (0, 1.0 - off**2), (1, off * (off + 1.0) / 2.0)):
-        found += np.bincount((nearest + move) % SHARES, law.masses * part, SHARES)
-    return found
+        found += np.bincount(nearest - first + move, law.masses * part, size)
+    masses[np.arange(first, first + size) % SHARES] += weight * found
 
 
 def sum_of(groups: Sequence[tuple[int, Numbers]]) -> Numbers:
-    """Return the masses of what a train lacks.
+    """Return the masses of the share that a train misses.
 
     Parameters
     ----------
@@ -111,8 +109,8 @@ def sum_of(groups: Sequence[tuple[int, Numbers]]) -> Numbers:
     ndarray
         Masses, shape (SHARES,).
     """
-    total = reduce(np.multiply, (np.fft.rfft(masses) ** count for count, masses in groups))
-    return np.fft.irfft(total, SHARES)
+    total = reduce(np.multiply, (rfft(masses) ** count if count > 1 else rfft(masses) for count, masses in groups))
+    return irfft(total, SHARES)
 
 
 def quantiles_of(losses: Numbers, common: Law, weaker: Numbers) -> Numbers:
@@ -121,7 +119,7 @@ def quantiles_of(losses: Numbers, common: Law, weaker: Numbers) -> Numbers:
     Parameters
     ----------
     losses : ndarray
-        Masses of what the train lacks, shape (SHARES,). Each is spread evenly over its step.
+        Masses of the share that the train misses, shape (SHARES,). Each is spread evenly over its step.
     common : Law
         Factor on the rest.
     weaker : ndarray

@@ -33,12 +33,12 @@ ENTRIES = {
     "mass_common": Entry("%", MOST_SPREAD, "mass of the train"),
     "isolated": Entry("%", MOST_FAILURES, "distributors isolated before the trip"),
     "noticed": Entry("%", 1.0, "isolated distributors that the brake test notices"),
-    "lost": Entry("%", MOST_FAILURES, "units that do not brake at the demand"),
+    "lost": Entry("%", MOST_FAILURES, "units lost at the demand"),
     "units": Entry("1", 16, "units of a vehicle", 1),
     "delay": Entry("s", MOST_DELAY, "build-up time of a vehicle"),
     "delay_common": Entry("s", MOST_DELAY, "build-up time of the train"),
 }
-#: Entries that are no cause of a weaker brake by themselves.
+#: Entries that do not weaken the brake by themselves.
 NO_CAUSES = ("noticed", "units", "delay", "delay_common")
 
 

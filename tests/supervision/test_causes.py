@@ -100,7 +100,7 @@ def test_failures_decide_short_trains_and_shared_friction_long_ones() -> None:
 
 
 def test_one_failure_costs_the_share_of_the_vehicle_if_nothing_else_varies() -> None:
-    small, large = one_failure(TRAIN, Tolerances(), 9)
+    large, small = one_failure(TRAIN, Tolerances(), 9)
     assert (small.share, large.share) == pytest.approx((20.0 / NOMINAL, 70.0 / NOMINAL))
     assert (small.factor, large.factor) == pytest.approx((1.0 - small.share, 1.0 - large.share), abs=OF_GRID)
     assert one_failure([BrakedVehicles(1, 5.0)], EVERY)[0].factor == 0.0

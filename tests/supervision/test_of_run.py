@@ -83,9 +83,15 @@ def test_gradients_between_rows_are_the_lower_ones() -> None:
 def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     consist = tmp_path / "train.toml"
     consist.write_text(COACHES)
+    brake = tmp_path / "brake.toml"
+    brake.write_text('[tolerances]\nfriction_common = "4 %"\nlost = "0.1 %"\ndelay = "0.2 s"\nunits = 2\n')
     words = ["etcs", str(consist), "--target", "2km", "--speed", "140", "--out", str(tmp_path / "out")]
-    assert main([*words, "--json"]) == 0
+    assert main([*words, "--tolerances", str(brake), "--level", "5", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
+    assert {one["name"] for one in found["safety"]["causes"]} == {"friction_common", "lost"}
+    assert found["train"]["Kdry_rst"][5] <= found["safety"]["Kdry_rst"][5] < 1.0
+    assert found["train"]["T_brake_emergency_s"] == found["safety"]["T_brake_emergency_s"][5]
+    assert Path(found["causes"]).is_file()
     assert all(place < 2000.0 for place in found["own_stops_m"])
     assert Path(found["picture"]).is_file()
     assert Path(found["table"]).read_text().count("\n") == 161
@@ -112,6 +118,9 @@ def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> Non
         (["--failure", "0.001"], "must have its unit, %; got 0.001"),
         (["--failure", "30%", "--level", "9"], "no brake force is left"),
         (["--dry", "8"], "--dry must be"),
+        (["--tolerances", "none.toml", "--spread", "5%"], "Leave these out"),
+        (["--tolerances", "none.toml", "--position", "passenger P"], "Leave them out with --position"),
+        (["--tolerances", "none.toml"], "The file none.toml does not exist"),
     ],
 )
 def test_contradictions_are_refused(
