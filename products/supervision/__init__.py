@@ -17,6 +17,7 @@ from products.supervision.causes import (
 from products.supervision.conversion import BRAKE_POSITIONS, brake_of_percentage
 from products.supervision.curves import Curves, supervise
 from products.supervision.gradients import Gradients
+from products.supervision.packets import Move, RoundedNational, RoundedTrain, rounded_national, rounded_train
 from products.supervision.release import release_speed
 from products.supervision.safety import BrakeUnits, dry_factors, rounded_down
 from products.supervision.steps import Steps
@@ -34,8 +35,11 @@ __all__ = [
     "Curves",
     "FixedValues",
     "Gradients",
+    "Move",
     "NationalValues",
     "OneFailure",
+    "RoundedNational",
+    "RoundedTrain",
     "Steps",
     "SupervisedTrain",
     "Tolerances",
@@ -48,5 +52,7 @@ __all__ = [
     "one_failure",
     "release_speed",
     "rounded_down",
+    "rounded_national",
+    "rounded_train",
     "supervise",
 ]

@@ -113,7 +113,7 @@ def supervise(
     A_est : float or ndarray
         Estimated acceleration [m/s2].
     V_ura : ndarray or float or None
-        Error of the speed [m/s]; None: `speed_inaccuracy`, 0: inhibited by the country.
+        Error of the speed [m/s]; None: `speed_inaccuracy`, or 0 if the country inhibits it (`exact_speed`).
     slippery : bool
         True for reduced adhesion.
     pipe_fall : float or ndarray
@@ -145,6 +145,8 @@ def supervise(
     else:
         emergency = braking_arcs(foot, target + fixed.dV_ebi(target), train.safe_brake(national, slippery), slopes)
     T_be, T_bs = (time[..., None] for time in map(np.asarray, train.build_up_times(national, target)))
+    if V_ura is None and national.exact_speed:
+        V_ura = 0.0
     error = speed_inaccuracy(speeds) if V_ura is None else np.asarray(V_ura, dtype=float)
     accelerates = np.asarray(A_est, dtype=float)[..., None]
     T_bs1, T_bs2 = service_times(T_bs, train, np.asarray(pipe_fall, dtype=float)[..., None])

@@ -49,7 +49,8 @@ def release_speed(train: SupervisedTrain, beyond: float, trip: float = 0.0, plac
     if not 0.0 <= trip <= beyond:
         raise BadInputError(f"trip must be 0 to {beyond:g} m, the distance of the SvL; got {trip:g} m.")
     speeds = np.arange(0.0, FASTEST + RESOLUTION, RESOLUTION)
-    measured = others.pop("V_ura", None)
+    national = others.get("national")
+    measured = others.pop("V_ura", 0.0 if national is not None and national.exact_speed else None)
     error = np.maximum(predicted_error(measured, speeds), 0.0 if measured is None else np.max(measured))
     found = supervise(train, place, speeds, kind="EOA", beyond=beyond, V_ura=error, **others).EBI
     safe = np.nonzero(np.ravel(found) >= place + trip)[0]

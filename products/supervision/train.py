@@ -68,6 +68,8 @@ class SupervisedTrain:
     maximum_speed : float or ndarray or None
         Largest speed of the train [m/s]: faster steps do not count for the largest deceleration, 3.13.6.2.1.8.2; None:
         all steps count.
+    percentage : float or ndarray or None
+        Brake percentage [%] from which `of_percentage` computed the rest; None: by decelerations.
 
     Raises
     ------
@@ -94,6 +96,7 @@ class SupervisedTrain:
     service_feedback: bool = False
     freight: bool = False
     maximum_speed: float | np.ndarray | None = None
+    percentage: float | np.ndarray | None = None
 
     def __post_init__(self) -> None:
         for name, (least, most, unit) in LIMITS.items():
@@ -164,7 +167,7 @@ class SupervisedTrain:
                 f"3.13.3.2); got {shown(maximum_speed)} m/s. Give decelerations by speed instead."
             )
         data = (length, brake.emergency, brake.service, brake.emergency_time, brake.service_time)
-        return cls(*data, position=position, maximum_speed=maximum_speed, **others)
+        return cls(*data, position=position, maximum_speed=maximum_speed, percentage=percentage, **others)
 
     def safe_brake(self, national: NationalValues, slippery: bool = False) -> Steps:
         """Return A_brake_safe, the deceleration that the emergency brake reaches for certain, 3.13.6.2.

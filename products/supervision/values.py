@@ -89,7 +89,9 @@ class NationalValues:
         Largest deceleration under reduced adhesion of passenger trains with and without brakes that need none, and of
         other trains [m/s2].
     guidance : bool
-        True if the guidance curve is permitted.
+        True if the guidance curve is permitted (Q_NVGUIPERM).
+    exact_speed : bool
+        True if the error of the speed is not compensated (Q_NVINHSMICPERM).
 
     Raises
     ------
@@ -107,6 +109,7 @@ class NationalValues:
     Kt_int: float = 1.1
     reduced_adhesion: tuple[float, float, float] = (1.0, 0.7, 0.7)
     guidance: bool = False
+    exact_speed: bool = False
 
     def __post_init__(self) -> None:
         names = ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int", "reduced_adhesion")
@@ -116,6 +119,8 @@ class NationalValues:
             known["Kv_int_b"] = self.Kv_int_b.values
         for name, value in known.items():
             check_factors(name, value, 0.0, RANGES[name], "Correct it.")
+        if self.M_NVEBCL not in range(10):
+            raise BadInputError(f"M_NVEBCL must be a whole number from 0 to 9; got {shown(self.M_NVEBCL)}. Correct it.")
         if self.A_NVP12 > self.A_NVP23:
             raise BadInputError(f"A_NVP12 must be at most A_NVP23, {self.A_NVP23:g} m/s2; got {self.A_NVP12:g} m/s2.")
 
