@@ -6,5 +6,23 @@
 >>> limits.P  # places of the front at which the permitted speed is 10, 20 and 30 m/s [m]
 """
 
+from products.etcs_files.national import read_national as read_national
+from products.etcs_files.osrd import osrd_document as osrd_document
+from products.etcs_files.osrd import read_osrd_train as read_osrd_train
+from products.etcs_files.train_file import EtcsTrain as EtcsTrain
+from products.etcs_files.train_file import read_train as read_train
+from products.etcs_files.train_file import train_document as train_document
+from products.etcs_files.train_file import write_train as write_train
 from products.supervision import *  # noqa: F403
-from products.supervision import __all__ as __all__
+from products.supervision import __all__ as _of_supervision
+
+__all__ = [
+    *_of_supervision,
+    "EtcsTrain",
+    "osrd_document",
+    "read_national",
+    "read_osrd_train",
+    "read_train",
+    "train_document",
+    "write_train",
+]

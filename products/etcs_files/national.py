@@ -25,7 +25,7 @@ NUMBERS = {
     "A_NVP23": ("A_NVP23", "m/s2"),
 }
 #: Permissions by the field of `NationalValues`.
-SWITCHES = {"Q_NVGUIPERM": "guidance", "Q_NVINHSMICPERM": "exact_speed"}
+SWITCHES = {"Q_NVGUIPERM": "guidance", "Q_NVINHSMICPERM": "exact_speed", "Q_NVSBFBPERM": "feedback"}
 #: Factors: field of `NationalValues`, list of the starts of their intervals, its unit and largest value.
 INTERVALS = {
     "M_NVKVINT": ("Kv_int", "V_NVKVINT", "km/h", 600.0),
@@ -36,9 +36,7 @@ STARTS = ("V_NVKVINT", "L_NVKRINT")
 ADHESION = ("A_NVMAXREDADH1", "A_NVMAXREDADH2", "A_NVMAXREDADH3")
 #: Largest number of intervals: the first, and N_ITER of 5 bits.
 MOST_INTERVALS = 32
-#: A variable of the packet that the curves do not have, and the reason.
-FEEDBACK = "Q_NVSBFBPERM"
-NAMES = (*NUMBERS, *SWITCHES, FEEDBACK, *INTERVALS, *STARTS, *ADHESION)
+NAMES = (*NUMBERS, *SWITCHES, *INTERVALS, *STARTS, *ADHESION)
 
 
 def read_national(path: Path) -> NationalValues:
@@ -70,10 +68,6 @@ def read_national(path: Path) -> NationalValues:
         of: _number(read[name], name, unit, str(path)) for name, (of, unit) in NUMBERS.items() if name in read
     }
     found |= {of: _switch(read[name], name, str(path)) for name, of in SWITCHES.items() if name in read}
-    if _switch(read.get(FEEDBACK, False), FEEDBACK, str(path)):
-        raise FileError(
-            f"{path}: {FEEDBACK} must be false, as feedback of the service brake is not modelled; got true."
-        )
     for name, (of, starts, unit, most) in INTERVALS.items():
         if name in read:
             found[of] = _intervals(read, name, (starts, unit, most), str(path))

@@ -117,7 +117,8 @@ def supervise(
     slippery : bool
         True for reduced adhesion.
     pipe_fall : float or ndarray
-        Fall of the brake pipe's pressure [Pa] for a train with `service_feedback`, see `feedback.service_times`.
+        Fall of the brake pipe's pressure [Pa] for a train with `service_feedback` in a country that permits it, see
+        `feedback.service_times`.
 
     Returns
     -------
@@ -149,7 +150,7 @@ def supervise(
         V_ura = 0.0
     error = speed_inaccuracy(speeds) if V_ura is None else np.asarray(V_ura, dtype=float)
     accelerates = np.asarray(A_est, dtype=float)[..., None]
-    T_bs1, T_bs2 = service_times(T_bs, train, np.asarray(pipe_fall, dtype=float)[..., None])
+    T_bs1, T_bs2 = service_times(T_bs, train, np.asarray(pipe_fall, dtype=float)[..., None], national.feedback)
     to_brake = _ToBrake.of(train, emergency, T_be, T_bs2 + fixed.T_warning)
     EBI = to_brake.begins(speeds, target[..., None], error, accelerates)
     SBI2, SBD, SBI1 = EBI - speeds * T_bs2, None, None
@@ -166,7 +167,7 @@ def supervise(
             start = (still - at_target * (T_bs2 + fixed.T_driver))[..., 0]
         GUI = _guidance(train, start, target, gradients or Gradients.level()).place_at(speeds)
         P = np.minimum(P, GUI)
-    share = 0.0 if train.service_feedback else 0.8  # 3.13.9.3.6
+    share = 0.0 if train.service_feedback and national.feedback else 0.8  # 3.13.9.3.6
     T_indication = np.maximum(share * T_bs, fixed.T_indication_least) + fixed.T_indication_more
     EBD = emergency.place_at(speeds)
     return Curves(speeds, EBD, EBI, SBI2, SBI - speeds * fixed.T_warning, P, P - speeds * T_indication, SBD, SBI1, GUI)

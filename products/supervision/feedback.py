@@ -12,7 +12,9 @@ BEGINS, LOCKS, FULL = 30e3, 60e3, 150e3
 LOCKED_1, LOCKED_2 = 0.0, 2.0
 
 
-def service_times(T_bs: np.ndarray, train: SupervisedTrain, pipe_fall: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def service_times(
+    T_bs: np.ndarray, train: SupervisedTrain, pipe_fall: np.ndarray, permitted: bool
+) -> tuple[np.ndarray, np.ndarray]:
     """Return T_bs1 and T_bs2: times from both service brake interventions to SBD and to EBI.
 
     Parameters
@@ -24,6 +26,8 @@ def service_times(T_bs: np.ndarray, train: SupervisedTrain, pipe_fall: np.ndarra
     pipe_fall : ndarray
         Fall of the brake pipe's pressure since the driver began to brake [Pa]. The caller keeps 60 kPa once it was
         reached. The times are then locked until the target is passed.
+    permitted : bool
+        True if the country permits the feedback.
 
     Returns
     -------
@@ -32,7 +36,7 @@ def service_times(T_bs: np.ndarray, train: SupervisedTrain, pipe_fall: np.ndarra
     """
     if not train.service_command:
         return np.zeros_like(T_bs), np.zeros_like(T_bs)
-    if not train.service_feedback:
+    if not (train.service_feedback and permitted):
         return T_bs, T_bs
     reduced = np.where(pipe_fall < BEGINS, T_bs, T_bs * (FULL - pipe_fall) / FULL)
     first = np.where(pipe_fall < LOCKS, reduced, LOCKED_1)

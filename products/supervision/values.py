@@ -92,6 +92,8 @@ class NationalValues:
         True if the guidance curve is permitted (Q_NVGUIPERM).
     exact_speed : bool
         True if the error of the speed is not compensated (Q_NVINHSMICPERM).
+    feedback : bool
+        True if feedback of the service brake is permitted (Q_NVSBFBPERM).
 
     Raises
     ------
@@ -110,6 +112,7 @@ class NationalValues:
     reduced_adhesion: tuple[float, float, float] = (1.0, 0.7, 0.7)
     guidance: bool = False
     exact_speed: bool = False
+    feedback: bool = False
 
     def __post_init__(self) -> None:
         names = ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int", "reduced_adhesion")

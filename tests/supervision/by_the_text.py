@@ -146,7 +146,7 @@ class Case:
         T_bs, train, fall = self.times()[1], self.train, self.pipe_fall / 1e3
         if not train.service_command:
             return 0.0, 0.0
-        if not train.service_feedback:
+        if not (train.service_feedback and self.country.feedback):
             return T_bs, T_bs
         if fall >= 60.0:
             return 0.0, 2.0
@@ -193,6 +193,6 @@ class Case:
                 start -= self.target * (self.fixed.T_driver + T_bs2)
             found["GUI"] = self.curve(self.normal, (start, self.target), V) if start > -inf else -inf
             found["P"] = min(found["P"], found["GUI"])
-        T_indication = 5.0 if self.train.service_feedback else max(0.8 * self.times()[2], 5.0)
+        T_indication = 5.0 if self.train.service_feedback and self.country.feedback else max(0.8 * self.times()[2], 5.0)
         found["I"] = found["P"] - V * (T_indication + self.fixed.T_indication_more)
         return found

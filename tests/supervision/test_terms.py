@@ -67,6 +67,7 @@ def case(rng: np.random.Generator) -> Case:
         Kt_int=float(rng.uniform(1.0, 1.3)),
         reduced_adhesion=(1.0, 0.7, 0.6),
         guidance=bool(rng.random() < 0.7),
+        feedback=bool(count % 4),
     )
     return Case(
         train(rng),
