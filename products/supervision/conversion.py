@@ -58,8 +58,8 @@ def limit_speed(percentage: np.ndarray | float, resolution: float = 0.0) -> np.n
     percentage : ndarray or float
         Brake percentage [%].
     resolution : float
-        The speed is rounded up to a multiple of it [m/s]; 0: not at all, as SUBSET-026 states. The workbook of ERA
-        behaves as if it were 0.1 km/h.
+        The speed is rounded up to a multiple of it [m/s]; 0: not at all, as SUBSET-026 states. Curves in the workbook
+        of ERA have steps of 0.1 km/h, each with the deceleration at its lowest speed, which has this effect.
 
     Returns
     -------

@@ -15,11 +15,11 @@ from products.supervision.conversion import KMH, basic_decelerations, build_up_t
 
 OF_OTHERS = Path(os.environ.get("CURVES_OF_OTHERS", "nowhere"))
 there = pytest.mark.skipif(not OF_OTHERS.is_dir(), reason="CURVES_OF_OTHERS names no folder of their values")
-#: Places in the frames have two decimals; on gradients they differ by more (docs/etcs.md) [m].
-LEVEL, ON_GRADIENTS, TOLERATED = 0.01, 0.1, 0.25
+#: Places in the frames have two decimals; on gradients they differ by the workbook's steps [m].
+LEVEL, ON_GRADIENTS, OF_STEPS, TOLERATED = 0.01, 0.1, 0.015, 0.25
 POSITIONS = {"FreightTrainInG": "freight G", "FreightTrainInP": "freight P", "PassengerTrainInP": "passenger P"}
 LIMITS = ("EBD", "EBI", "SBI2", "W", "P", "I")
-#: The workbook of ERA rounds the first limit speed up to this [m/s].
+#: Steps of the curves in the workbook of ERA, to which it so rounds up the first limit speed [m/s].
 ROUNDED_UP = 0.1 * KMH
 
 
@@ -45,16 +45,21 @@ def train_and_country(given: dict[str, str]) -> tuple[SupervisedTrain, NationalV
         times = number["T_brake_emergency_s"], number["T_brake_service_s"]
         return SupervisedTrain(length, brake, brake, *times, **others), NationalValues()
     position = POSITIONS[given["brake_position"]]
-    train = SupervisedTrain.of_percentage(number["lambda_pct"], position, length, resolution=ROUNDED_UP, **others)
+    rounded = number.get("resolution", ROUNDED_UP)
+    train = SupervisedTrain.of_percentage(number["lambda_pct"], position, length, resolution=rounded, **others)
     factors = [Steps.constant(number[name]) for name in ("Kv_int", "Kr_int")]
     return train, NationalValues(Kv_int=factors[0], Kr_int=factors[1], Kt_int=number["Kt_int"])
+
+
+def line_of(given: dict[str, str]) -> Gradients:
+    pairs = [pair.split(":") for pair in given["gradient_start_m:permille"].split(";")]
+    return Gradients(*np.array(pairs, dtype=float).T)
 
 
 def worst(case: str, given: dict[str, str], **others: object) -> float:
     """Return the largest difference of a place of a frame [m]."""
     train, country = train_and_country(given)
-    line = np.array([[float(one) for one in pair.split(":")] for pair in given["gradient_start_m:permille"].split(";")])
-    set_up = {"kind": "MRSP", "gradients": Gradients(*line.T), "national": country, "V_ura": 0.0} | others
+    set_up = {"kind": "MRSP", "gradients": line_of(given), "national": country, "V_ura": 0.0} | others
     places: dict[str, list[tuple[float, float]]] = defaultdict(list)
     for row in rows_of("etcs_cases.csv"):
         if row["case"] == case and row["curve"] in LIMITS and "clamped" not in row["note"]:
@@ -74,6 +79,26 @@ def test_curves_are_those_of_the_frames(case: str) -> None:
     given = frames()[case]
     level = given["gradient_start_m:permille"] == "0.0:0.0"
     assert worst(case, given) < (LEVEL if level else ON_GRADIENTS)
+
+
+@there
+@pytest.mark.parametrize("case", ["Gamma PasInP", "Lambda PasInP SBInterface", "Lambda FrInG 100%"])
+def test_differences_on_gradients_are_the_steps_of_the_workbook(case: str) -> None:
+    """Its curves have steps of 0.1 km/h, each with the deceleration at its lowest speed and last place."""
+    given = frames()[case]
+    train, country = train_and_country(given | {"resolution": "0"})
+    edges, permille = line_of(given).lowest_under(train.length)
+    safe, slopes = train.safe_brake(country), gradients.acceleration_by(permille, None)
+    speeds = np.arange(75, 1901) * ROUNDED_UP
+    brakes = safe.at(speeds + 1e-9)
+    before = [0.0]
+    for n, half_square in enumerate((np.diff(speeds**2) / 2.0).tolist()):
+        part = int((edges < 7000.0 - before[-1]).sum())
+        before.append(before[-1] + half_square / float(brakes[n] + slopes[part]))
+    rows = [row for row in rows_of("etcs_cases.csv") if row["case"] == case and row["curve"] == "EBD"]
+    for row in rows[2:]:  # from 10 km/h on
+        n = round(10.0 * float(row["speed_kmh"])) - 75
+        assert before[n] == pytest.approx(float(row["value"]), abs=OF_STEPS)
 
 
 @there
