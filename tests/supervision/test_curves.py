@@ -197,6 +197,24 @@ def test_the_release_speed_is_the_fastest_that_stops_before_the_supervised_locat
     """v^2 / 2 + 3 v = 100 m at 11.457 m/s, 41.2 km/h."""
     assert release_speed(PLAIN, 100.0, V_ura=0.0) == pytest.approx(41.0 * KMH)
     assert release_speed(PLAIN, 0.0, V_ura=0.0) == 0.0
+    # A small error measured now does not reduce the predicted one, 2.2 km/h; 1.8 m/s is 6.5 km/h.
+    assert release_speed(PLAIN, 100.0, V_ura=0.01) == release_speed(PLAIN, 100.0) == pytest.approx(39.0 * KMH)
+    assert release_speed(PLAIN, 100.0, V_ura=1.8) == pytest.approx(34.0 * KMH)
+
+
+def test_the_release_speed_is_that_of_the_gradient_at_its_place() -> None:
+    """On 40 permille down the brake of 1 m/s2 has 0.615 m/s2 left: v^2 / 1.231 + 3 v = 100 m at 9.40 m/s."""
+    falls = Gradients([0.0, 3000.0], [0.0, -40.0])
+    assert release_speed(PLAIN, 100.0, trip=0.0, V_ura=0.0, gradients=falls) == pytest.approx(41.0 * KMH)
+    assert release_speed(PLAIN, 100.0, place=4000.0, V_ura=0.0, gradients=falls) == pytest.approx(33.0 * KMH)
+
+
+def test_steps_above_the_largest_speed_of_the_train_do_not_choose_its_factors() -> None:
+    """At 95 % the deceleration is 0.7885 m/s2 to 118 km/h, then 0.811 m/s2, A.3.7.5."""
+    country = NationalValues(A_NVP12=0.79, A_NVP23=0.8, Kv_int_b=Steps.constant(0.9), Kr_int=Steps.constant(1.0))
+    for largest, factor in ((110.0, 0.7), (140.0, 0.9)):
+        train = SupervisedTrain.of_percentage(95.0, "passenger P", 300.0, maximum_speed=largest * KMH)
+        assert train.safe_brake(country).at(20.0) == pytest.approx(factor * 0.7885)
 
 
 @pytest.mark.parametrize(
