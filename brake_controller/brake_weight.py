@@ -65,7 +65,7 @@ class Case(Enum):
 
     EMERGENCY_PASSENGER_P = BuildUp(False, (2.30, 0.0, 0.17), None, 400.0, 1.42)
     EMERGENCY_FREIGHT_P = BuildUp(False, (2.30, 0.0, 0.17), _LONG_EMERGENCY, 400.0, 2.99)
-    EMERGENCY_FREIGHT_G = BuildUp(False, (12.00, 0.0, 0.05), _LONG_EMERGENCY, 400.0, 9.30)
+    EMERGENCY_FREIGHT_G = BuildUp(False, (12.00, 0.0, 0.05), _LONG_EMERGENCY, 0.0, 9.30)
     SERVICE_PASSENGER_P = BuildUp(True, (3.00, 1.50, 0.10), None, 0.0, 1.06)
     SERVICE_FREIGHT_P = BuildUp(True, (3.00, 2.77, 0.0), _LONG_SERVICE, 0.0, 2.07)
     SERVICE_FREIGHT_G = BuildUp(True, (3.00, 2.77, 0.0), _LONG_SERVICE, 400.0, 5.70)

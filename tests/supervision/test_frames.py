@@ -10,8 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from brake_controller import brake_weight
+from brake_controller.brake_weight import Case, deceleration_steps
 from products.supervision import FixedValues, Gradients, NationalValues, Steps, SupervisedTrain, gradients, supervise
-from products.supervision.conversion import KMH, basic_decelerations, build_up_time, limit_speed
+from products.supervision.conversion import (
+    BRAKE_POSITIONS,
+    KMH,
+    SERVICE_MOST,
+    basic_decelerations,
+    build_up_time,
+    deceleration_of,
+    limit_speed,
+)
 
 OF_OTHERS = Path(os.environ.get("CURVES_OF_OTHERS", "nowhere"))
 there = pytest.mark.skipif(not OF_OTHERS.is_dir(), reason="CURVES_OF_OTHERS names no folder of their values")
@@ -127,6 +137,19 @@ def test_decelerations_are_those_of_the_conversion_table() -> None:
     assert np.abs(basic_decelerations(shares) - table).max() < 1e-8
     speeds = np.array([float(row["V_lim_kmh_rounded"]) for row in rows])
     assert np.abs(limit_speed(shares) / KMH - speeds).max() <= 0.5 + 1e-9
+
+
+@pytest.mark.parametrize("position", BRAKE_POSITIONS)
+@pytest.mark.parametrize("emergency", [True, False])
+def test_both_conversion_models_of_the_project_agree(position: str, emergency: bool) -> None:
+    """Decelerations and times of supervision are those of braking distances, at each speed, percentage and length."""
+    case = Case[f"{'EMERGENCY' if emergency else 'SERVICE'}_{position.upper().replace(' ', '_')}"]
+    for share in (30.0, 62.0, 95.0, 135.0, 157.0, 250.0):
+        steps = deceleration_of(share if emergency else min(share, SERVICE_MOST))
+        for one in deceleration_steps(case, share):
+            assert steps.at([one.least + 1e-6, min(one.most, 60.0)]) == pytest.approx(one.deceleration, rel=1e-12)
+    for length in (50.0, 399.0, 500.0, BRAKE_POSITIONS[position]):
+        assert build_up_time(position, length, emergency) == pytest.approx(brake_weight.build_up_time(case, length))
 
 
 @pytest.mark.parametrize("position", ["freight P", "freight G"])

@@ -172,10 +172,11 @@ def test_the_build_up_time_steps_up_a_little_behind_900_m(name: str, jump: float
     assert build_up_time(case, 900.0 + 1e-9) - build_up_time(case, 900.0) == pytest.approx(jump, abs=1e-6)
 
 
-def test_short_trains_in_emergency_and_in_g_count_as_400_m() -> None:
+def test_short_trains_count_as_400_m_in_emergency_in_p_and_in_service_in_g() -> None:
+    """A.3.8.1, A.3.8.2 and A.3.9.3; the other paragraphs have the length of the train."""
     for case in Case:
         shortest = build_up_time(case, 0.0)
-        held = case.name.startswith("EMERGENCY") or case.name.endswith("G")
+        held = case.name.startswith("EMERGENCY") != case.name.endswith("G")
         assert (shortest == build_up_time(case, 400.0)) is held
     assert build_up_time(Case.SERVICE_PASSENGER_P, 0.0) == 3.0
 
