@@ -18,6 +18,8 @@
                                          Coupler.fmu, one coupler between two vehicles
   python build_fmu.py sensor --wheelsets 4
                                          WheelSpeedSensor4.fmu: measured wheel speeds from rotations, for a controller
+  python build_fmu.py curves --line line.csv
+                                         BrakingCurves.fmu: supervision by ETCS, with the gradients of a line
   python build_fmu.py --describe         no FMUs: the table of variables as Markdown
 
 Exit status: 0 all FMUs are valid; 1 one is not valid; 2 bad input; 3 one was not built; 130 interrupted with Ctrl-C.
@@ -31,6 +33,7 @@ from pathlib import Path
 from brake_controller.protection_fmu import BOGIE, MOST_WHEELSETS
 from fmu_src.compile import CompilerError
 from fmu_src.model_description import variable_table
+from products.braking_curves.fmu import build_curves
 from products.building import KINDS, NATIVE, build_all, build_controller
 from products.parameter_sets import write_sets
 from products.promised_variables import build_note
@@ -49,7 +52,9 @@ PROGRAM = "python build_fmu.py"
 #: Options of one FMU alone: its name, and their defaults.
 OWN_OPTIONS = {"--coupler": ("coupler", "screw"), "--brake-model": ("train", "whole"), "--cells": ("train", 2.0)}
 #: Names of FMUs and systems.
-NAMES = (*FMUS, "train", "coupler", "sensor", "ssp", "all")
+NAMES = (*FMUS, "train", "coupler", "sensor", "curves", "ssp", "all")
+#: FMUs that are not of equations: native, without a table of variables; those that take a line.
+NOT_OF_EQUATIONS, ON_LINES = ("train", "coupler", "sensor", "curves"), ("train", "curves")
 #: Exit status.
 DONE, NOT_VALID, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -99,7 +104,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = f"of the vehicle with the controller or the sensors, 1 to {MOST_WHEELSETS} (default: {BOGIE})"
     add("--wheelsets", type=wheelsets, default=BOGIE, metavar="COUNT", help=text)
     add("--consist", type=Path, metavar="FILE", help="of the train, CSV or TOML (default: a locomotive and 20 wagons)")
-    add("--line", type=Path, metavar="FILE", help="that the train runs on, CSV (default: straight and level)")
+    add("--line", type=Path, metavar="FILE", help="of the train or the curves, CSV (default: straight and level)")
     text = f"of the coupler's FMU: {', '.join(COUPLERS)}, or FILE.toml:NAME of a consist (default: screw)"
     add("--coupler", default="screw", metavar="COUPLER", help=text)
     add("--brake-model", default="whole", choices=[*BRAKE_MODELS], help="of the train (default: whole)")
@@ -111,21 +116,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def kinds_of(chosen: argparse.Namespace) -> list[str]:
     """Return the kinds of FMUs to build. Raises BadInputError for options that do not go together."""
-    native_only = chosen.platforms == "all" or chosen.model in ("train", "coupler", "sensor")
+    native_only = chosen.platforms == "all" or chosen.model in NOT_OF_EQUATIONS
     able = ["native"] if chosen.model == "ssp" else [*NATIVE] if native_only else [*KINDS]
     if chosen.kind not in ("all", *able):
         of = "--platforms all" if chosen.platforms == "all" and chosen.model != "ssp" else chosen.model
         raise BadInputError(f"--kind must be all or one of {', '.join(able)} for {of}; got {chosen.kind}.")
-    if chosen.model != "train" and (chosen.consist or chosen.line):
-        given = "--consist" if chosen.consist else "--line"
-        raise BadInputError(f"{given} belongs to the train; got {chosen.model}. Write: train {given} FILE.")
+    if chosen.model != "train" and chosen.consist:
+        raise BadInputError(f"--consist belongs to the train; got {chosen.model}. Write: train --consist FILE.")
+    if chosen.model not in ON_LINES and chosen.line:
+        raise BadInputError(
+            f"--line belongs to {' and '.join(ON_LINES)}; got {chosen.model}. Write: {ON_LINES[0]} --line FILE."
+        )
     for option, (model, default) in OWN_OPTIONS.items():
         value = getattr(chosen, option.removeprefix("--").replace("-", "_"))
         if chosen.model != model and value != default:
             raise BadInputError(
                 f"{option} belongs to the {model}; got {chosen.model}. Write: {model} {option} {value}."
             )
-    if chosen.describe and chosen.model in ("train", "coupler", "sensor", "ssp"):
+    if chosen.describe and chosen.model in (*NOT_OF_EQUATIONS, "ssp"):
         raise BadInputError(f"--describe must be with an FMU of {', '.join(FMUS)}; got {chosen.model}.")
     if chosen.controller:
         check_controller(chosen)
@@ -150,6 +158,8 @@ def built(chosen: argparse.Namespace, kinds: Sequence[str]) -> bool:
         return bool(build_coupler(chosen.out, kinds, chosen.coupler, every))
     if chosen.model == "sensor":
         return bool(build_sensor(chosen.out, kinds, chosen.wheelsets, every))
+    if chosen.model == "curves":
+        return bool(build_curves(chosen.out, kinds, chosen.line, every))
     if chosen.model == "train":
         settings = Settings(brake_model=chosen.brake_model, cells=chosen.cells)
         return bool(build_train(chosen.out, kinds, chosen.consist, chosen.line, settings, every))

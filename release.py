@@ -27,6 +27,7 @@ from fmu_src.arrays_fmu import binary_of_arrays
 from fmu_src.codegen import generate
 from fmu_src.compile import CompilerError
 from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
+from products.braking_curves.fmu import build_curves, curves_in_c
 from products.building import NATIVE, build_all, extras, license_text
 from products.parameter_sets import write_sets
 from products.prebuilt import PAGE, write_contents
@@ -74,7 +75,7 @@ def fill(folder: Path, platform: str) -> None:
         kernel.parent.mkdir(exist_ok=True)
         kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
     (folder / "train").mkdir(exist_ok=True)
-    for own in (train_in_c(), coupler_in_c(), *map(sensor_in_c, SENSORS)):
+    for own in (train_in_c(), coupler_in_c(), curves_in_c(), *map(sensor_in_c, SENSORS)):
         (folder / "train" / f"{own.name}{suffix}").write_bytes(binary_of_arrays(own, targets))
     rig = folder / f"{SHIPPED}{suffix}"
     rig.parent.mkdir(exist_ok=True)
@@ -116,6 +117,8 @@ def write_fmus(out: Path) -> None:
             raise CompilerError("An FMU of trains is not valid; nothing was packed")
         if any(build_sensor(folder, NATIVE, wheelsets, all_platforms=True) for wheelsets in SENSORS):
             raise CompilerError("An FMU of sensors is not valid; nothing was packed")
+        if build_curves(folder, NATIVE, all_platforms=True):
+            raise CompilerError("The FMU of braking curves is not valid; nothing was packed")
         made = [path for path in folder.rglob("*") if path.suffix in (".fmu", ".ssp", ".ssv")]
         files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
     write_archive(out / f"bogie_braking-{__version__}-fmus.zip", files | {"LICENSE": license_text()})

@@ -6,6 +6,7 @@
 >>> limits.P  # places of the front at which the permitted speed is 10, 20 and 30 m/s [m]
 """
 
+from products.braking_curves.train_data import fmu_parameters as fmu_parameters
 from products.etcs_files.national import read_national as read_national
 from products.etcs_files.osrd import osrd_document as osrd_document
 from products.etcs_files.osrd import read_osrd_train as read_osrd_train
@@ -19,6 +20,7 @@ from products.supervision import __all__ as _of_supervision
 __all__ = [
     *_of_supervision,
     "EtcsTrain",
+    "fmu_parameters",
     "osrd_document",
     "read_national",
     "read_osrd_train",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from brake_controller.shoe_friction import CONSTANT
-from products.supervision import BrakedVehicles, BrakeUnits, Gradients, Steps, SupervisedTrain
+from products.supervision import BrakedVehicles, BrakeUnits, Steps, SupervisedTrain
 from products.supervision.of_run import BrakeOfRun, brake_of_run
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist
@@ -158,27 +158,6 @@ def _own_stop(consist: Consist, speed: float, place: float, line: Line | None) -
         if float(np.abs(train.speed).max()) < RESTS:
             return OwnStop(*np.array(rows).T)
     return OwnStop(*np.array([*rows, (np.inf, rows[-1][1])]).T)
-
-
-def gradients_of(line: Line) -> Gradients:
-    """Return the gradients of a line as ETCS has them: between two rows the lower one of both [permille].
-
-    Parameters
-    ----------
-    line : Line
-        The line.
-
-    Returns
-    -------
-    Gradients
-        Steps with their starts.
-    """
-    places = np.asarray(line.rows["distance"], dtype=float)
-    values = 1e3 * np.asarray(line.rows.get("gradient", np.zeros(places.size)), dtype=float)
-    lower = np.minimum(values[:-1], values[1:]) if values.size > 1 else values
-    starts = places[: lower.size]
-    changes = np.append(True, np.diff(lower) != 0.0)
-    return Gradients(starts[changes], lower[changes])
 
 
 def brake_units(consist: Consist, speed: float, failure: float, spread: float) -> list[BrakeUnits]:

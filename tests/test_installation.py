@@ -315,6 +315,7 @@ def test_archive_holds_the_fmus_for_all_platforms_sets_and_systems(
             inside = {name.split("/")[1] for name in fmu.namelist() if name.startswith("binaries/")}
     fmus = {f"{kind}/{name}.fmu" for kind in ("native", "fmi3") for name in ("BogieDynamics", "BrakeCylinder")}
     fmus |= {f"{kind}/WheelSpeedSensor{n}.fmu" for kind in ("native", "fmi3") for n in ("", "4")}
+    fmus |= {f"{kind}/BrakingCurves.fmu" for kind in ("native", "fmi3")}
     assert names >= {"LICENSE", "BogieBraking.ssp", "parameters/bogie-qr30.ssv", *fmus}
     assert inside == set(PLATFORMS)
 

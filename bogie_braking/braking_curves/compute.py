@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from bogie_braking.braking_curves.train_data import TrainData, train_data
-from bogie_braking.supervised import OwnStop, gradients_of, own_stops
+from bogie_braking.supervised import OwnStop, own_stops
+from products.braking_curves.gradients_of_line import gradients_of
 from products.supervision import BASELINES, Curves, FixedValues, Gradients, supervise
 from rbd_model.track.line import Line
 from rbd_model.track.line_files import line_from_file

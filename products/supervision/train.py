@@ -190,7 +190,7 @@ class SupervisedTrain:
             safe = self.A_brake_emergency.with_others(lambda *factors: np.prod(factors, axis=0), self.Kdry_rst, wet)
         else:
             by_length = national.Kr_int.at(np.asarray(self.length, dtype=float)[..., None])
-            by_speed = self._speed_factor(national)
+            by_speed = self.speed_factor(national)
             safe = self.A_brake_emergency.with_others(lambda brake, factor: brake * factor * by_length, by_speed)
         if not slippery:
             return safe
@@ -198,8 +198,19 @@ class SupervisedTrain:
         most = national.reduced_adhesion[(0 if self.without_adhesion else 1) if passenger else 2]
         return safe.with_others(lambda brake: np.minimum(brake, most))
 
-    def _speed_factor(self, national: NationalValues) -> Steps:
-        """Return Kv_int, for passenger trains between both sets by the largest deceleration, 3.13.6.2.1.7."""
+    def speed_factor(self, national: NationalValues) -> Steps:
+        """Return Kv_int, for passenger trains between both sets by the largest deceleration, 3.13.6.2.1.7.
+
+        Parameters
+        ----------
+        national : NationalValues
+            Values of the country.
+
+        Returns
+        -------
+        Steps
+            Factor of the emergency brake by speed.
+        """
         low, high = national.Kv_int, national.Kv_int_b
         if high is None or not str(self.position).startswith("passenger"):
             return low

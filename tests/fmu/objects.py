@@ -15,6 +15,7 @@ from fmu_src.codegen import generate
 from fmu_src.compile import FLAGS, FOREIGN_FLAGS, compiler, objects_of
 from fmu_src.step_fmu_in_c import step_in_c
 from fmu_src.system import Model, System, Variable, model_of_choices
+from products.braking_curves.fmu import curves_in_c
 from products.protection.sensor_fmu import sensor_in_c
 from products.train.consist import block_train
 from products.train.coupler_fmu import coupler_in_c
@@ -99,6 +100,11 @@ def _lines(folder: Path) -> list[str]:
 
 def _coupler(folder: Path) -> list[str]:
     np.array(screw_coupler().constants(), "<f8").tofile(folder / "coupler.bin")
+    return []
+
+
+def _gradients(folder: Path) -> list[str]:
+    np.array([3.0, 0.0, 400.0, 900.0, 5.0, -8.0, 2.0], "<f8").tofile(folder / "gradients.bin")
     return []
 
 
@@ -196,6 +202,13 @@ OBJECTS = {
         lambda _: all_sources(sensor_in_c()),
         _nothing,
         "rotation_1=-50:50 rotation_2=-50:50 period=1e-3:1e-2",
+    ),
+    "curves": Behind(
+        lambda _: all_sources(curves_in_c()),
+        _gradients,
+        "V_est=-1:60 A_est=-1:1 distance_to_target=-50:1500 distance=0:1000 V_MRSP=0:60 V_release=0:5 "
+        "beyond=0:100 length=20:700 T_brake_emergency=0:5 T_traction_cut_off=0:5 service_command=0:1 baseline=3:4",
+        reads_files=True,
     ),
     "controller": Behind(_controller, _nothing, "wheel_speed_1=-4:20 wheel_speed_2=-4:20 period=1e-3:1e-2", ends=True),
 }

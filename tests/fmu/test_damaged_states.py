@@ -18,6 +18,7 @@ from brake_controller.protection_fmu import wheel_slide_in_c
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library, SimulationError
 from fmu_src.step_fmu_in_c import build_step_fmu_in_c
+from products.braking_curves.fmu import build_curves_fmu
 from products.protection.sensor_fmu import build_sensor_fmu
 from products.registry import DIFFERENT
 from products.train.consist import block_train
@@ -34,7 +35,7 @@ DAMAGES = 1000
 FACES = {"native": 2, "fmi3": 3}
 #: All released FMUs, and one around a controller in C.
 SHIPPED = [
-    *((name, kind) for name in (*DIFFERENT, "train", "coupler", "sensor", "controller") for kind in FACES),
+    *((name, kind) for name in (*DIFFERENT, "train", "coupler", "sensor", "curves", "controller") for kind in FACES),
 ]
 
 
@@ -55,6 +56,8 @@ def built(name: str, kind: str, fmus: dict, folder: Path) -> Path:
         build_coupler_fmu(screw_coupler(), path, FACES[kind])
     elif name == "sensor":
         build_sensor_fmu(path, version=FACES[kind])
+    elif name == "curves":
+        build_curves_fmu(path, FACES[kind])
     else:
         build_step_fmu_in_c(wheel_slide_in_c(controller(folder)), path, version=FACES[kind])
     return path

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
-from bogie_braking.supervised import gradients_of, own_stops, supervised_train
+from bogie_braking.supervised import own_stops, supervised_train
+from products.braking_curves.gradients_of_line import gradients_of
 from products.supervision import supervise
 from products.supervision.of_run import brake_of_run
 from products.train.consist_file import consist_of

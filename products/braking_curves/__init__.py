@@ -1,0 +1,1 @@
+"""BrakingCurves.fmu: the curves of products/supervision in C, for simulators."""

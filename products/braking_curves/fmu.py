@@ -1,0 +1,118 @@
+"""BrakingCurves.fmu: supervision of a train by ETCS, from speed and distance to limits and commands; FMI 2 and 3."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from fmu_src.arrays_fmu import ArraysInC, Lengths, build_arrays_fmu
+from fmu_src.c_literals import c_number
+from products.braking_curves.gradients_of_line import gradients_of
+from products.braking_curves.variables import AT_ANY_DISTANCE, FARTHEST, STANDSTILL, every
+from products.building import announce, license_text
+from products.supervision.gradients import STEEPEST, Gradients
+from products.train.fmu import binaries_of
+from rbd_model.track.line_files import line_from_file
+
+FOLDER = Path(__file__).parent
+NAME = "BrakingCurves"
+#: Largest number of gradients of a line.
+MOST_GRADIENTS = 100_000
+STEP, STOP = 0.1, 100.0
+
+
+@lru_cache
+def curves_in_c() -> ArraysInC:
+    """Return the C object of the curves, with its variables."""
+    own = {
+        name: (FOLDER / name).read_text(encoding="utf-8")
+        for name in ("curves_fmu.c", "braking_arcs.c", "braking_arcs.h")
+    }
+    own["curves_arrays.h"] = _header()
+    about = "Supervision of a train towards a target by ETCS: limits of SUBSET-026, 3.13, and commands of the brakes"
+    return ArraysInC(NAME, about, tuple(entry.variable for entry in every()), own, starts_alone=False)
+
+
+def _header() -> str:
+    entries = every()
+    names = ", ".join(entry.variable.name.upper() for entry in entries)
+    places = np.cumsum([0, *(len(entry.starts) for entry in entries)]).tolist()
+    starts = ", ".join(c_number(start) for entry in entries for start in entry.starts)
+    constants = {
+        "MOST_GRADIENTS": MOST_GRADIENTS,
+        "STEEPEST": STEEPEST,
+        "FARTHEST_PLACE": FARTHEST,
+        "STANDSTILL": STANDSTILL,
+        "AT_ANY_DISTANCE": AT_ANY_DISTANCE,
+    }
+    return "\n".join(
+        [
+            "/* Numbers of the variables, and where the elements of each begin. */",
+            f"enum {{ {names}, ARRAYS_MOST, VALUES = {places[-1]} }};",
+            f"static const int FIRST_OF[] = {{{', '.join(map(str, places))}}};",
+            f"static const double STARTS[] = {{{starts}}};",
+            *(f"#define {name} {value!r}" for name, value in constants.items()),
+            "",
+        ]
+    )
+
+
+def build_curves_fmu(
+    path: Path, version: int = 3, gradients: Gradients | None = None, *, all_platforms: bool = False
+) -> None:
+    """Write the FMU, for FMI 2 or 3.
+
+    Parameters
+    ----------
+    path : Path
+        The FMU.
+    version : int
+        2 or 3, of FMI.
+    gradients : Gradients or None
+        Of its line; None: the input `gradient` holds at all places.
+    all_platforms : bool
+        True: binaries of all platforms, compiled with zig.
+
+    Raises
+    ------
+    CompilerError
+        If the compiler is missing or fails.
+    """
+    given, entries = curves_in_c(), every()
+    lengths = [len(entry.starts) for entry in entries]
+    of = Lengths(lengths, [entry.starts for entry in entries], STEP, STOP)
+    rows = [] if gradients is None else [*gradients.starts, *gradients.permille]
+    numbers = np.array([len(rows) // 2, *rows], "<f8")
+    files = {"documentation/licenses/license.txt": license_text(), "resources/gradients.bin": numbers.tobytes()}
+    build_arrays_fmu(given, of, path, version, binaries_of(given, version, all_platforms), files)
+
+
+def build_curves(out: Path, kinds: Sequence[str], line: Path | None = None, all_platforms: bool = False) -> list[str]:
+    """Write OUT/KIND/BrakingCurves.fmu; return the problems found by fmpy.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the FMUs.
+    kinds : sequence of str
+        "native" for FMI 2.0, "fmi3" for 3.0.
+    line : Path or None
+        File of the line, whose gradients the FMU has.
+    all_platforms : bool
+        True: binaries of all platforms.
+
+    Raises
+    ------
+    OSError, ValueError, CompilerError
+        If a file cannot be read or written, is not a line, or the compiler is missing or fails.
+    """
+    problems, gradients = [], gradients_of(line_from_file(line)) if line else None
+    for kind in kinds:
+        begin, path = time.perf_counter(), out / kind / f"{NAME}.fmu"
+        build_curves_fmu(path, 2 if kind == "native" else 3, gradients, all_platforms=all_platforms)
+        problems += announce(path, time.perf_counter() - begin)
+    return problems

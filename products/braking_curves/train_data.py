@@ -1,0 +1,123 @@
+"""Parameters of BrakingCurves.fmu from the train data and national values of products/supervision."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from products.braking_curves.variables import UNUSED
+from products.supervision import BASELINES, FixedValues, NationalValues, Steps, SupervisedTrain
+from products.supervision.conversion import MOVING_TARGET
+from products.supervision.train import MOST_STEPS
+from readers.text import BadInputError, shown
+
+#: Baselines by the time that they add to the indication [s].
+_BASELINES = {BASELINES["3.3.0"]: 3, BASELINES["4.0.0"]: 4}
+
+
+def fmu_parameters(
+    train: SupervisedTrain,
+    national: NationalValues | None = None,
+    fixed: FixedValues | None = None,
+    *,
+    version: int = 2,
+) -> dict[str, float | list[float]]:
+    """Return the parameters of BrakingCurves.fmu for one train.
+
+    Parameters
+    ----------
+    train : SupervisedTrain
+        One train.
+    national, fixed : NationalValues, FixedValues or None
+        Values of the country and of the baseline; None: the defaults.
+    version : int
+        2: an entry for each element of an array, such as `Kdry_rst[1]`. 3: an entry for each array.
+
+    Returns
+    -------
+    dict of str to float or list
+        Values by the names of the FMU, in SI units.
+
+    Raises
+    ------
+    BadInputError
+        If the FMU has no parameter for a value.
+    """
+    national, fixed = national or NationalValues(), fixed or FixedValues()
+    _check(train, national, fixed)
+    found = _numbers(train, national) | {"baseline": float(_BASELINES[fixed.T_indication_more])}
+    for name, one in _steps(train, national).items():
+        found |= _filled(name, one)
+    return found if version == 3 else _elements(found)
+
+
+def _numbers(train: SupervisedTrain, national: NationalValues) -> dict[str, float | list[float]]:
+    """Return all parameters but the steps and the baseline."""
+    emergency_time, service_time = (float(time) for time in train.build_up_times(national, 0.0))
+    passenger = not train.freight if train.position is None else train.position.startswith("passenger")
+    return {
+        "length": _one("length", train.length),
+        "T_brake_emergency": emergency_time,
+        "T_brake_service": service_time,
+        "moving_target_factor": MOVING_TARGET.get(str(train.position), 1.0),
+        "T_traction_cut_off": _one("T_traction_cut_off", train.T_traction_cut_off),
+        "traction_command": float(train.traction_command),
+        "service_command": float(train.service_command),
+        "M_rotating_nom": -1.0 if train.rotating is None else _one("rotating", train.rotating),
+        "M_NVAVADH": national.M_NVAVADH,
+        "Q_NVINHSMICPERM": float(national.exact_speed),
+        "A_NVMAXREDADH": national.reduced_adhesion[(0 if train.without_adhesion else 1) if passenger else 2],
+    }
+
+
+def _steps(train: SupervisedTrain, national: NationalValues) -> dict[str, Steps]:
+    """Return the step functions by name; the brake of a percentage has factors of speed and of length."""
+    brakes = {"A_brake_emergency": train.A_brake_emergency, "A_brake_service": train.A_brake_service}
+    if train.position is None:
+        return brakes | {"Kdry_rst": train.Kdry_rst, "Kwet_rst": train.Kwet_rst}
+    by_length = float(national.Kr_int.at(_one("length", train.length))[0])
+    by_speed = train.speed_factor(national)
+    factor = Steps(by_speed.boundaries, by_speed.values * by_length)
+    return brakes | {"Kdry_rst": factor, "Kwet_rst": Steps.constant(1.0)}
+
+
+def _check(train: SupervisedTrain, national: NationalValues, fixed: FixedValues) -> None:
+    """Raise BadInputError for values that the FMU does not have."""
+    if national.guidance and train.A_brake_normal_service is not None:
+        raise BadInputError("BrakingCurves has no guidance curve; got guidance=True. Set guidance to False.")
+    if train.service_feedback:
+        raise BadInputError("BrakingCurves has no feedback of the service brake. Set service_feedback to False.")
+    same = FixedValues(T_indication_more=fixed.T_indication_more)
+    if fixed != same or fixed.T_indication_more not in _BASELINES:
+        raise BadInputError(
+            f"BrakingCurves has the fixed values of baselines {' and '.join(BASELINES)}; got {fixed}. Take one of both."
+        )
+
+
+def _one(name: str, value: float | np.ndarray) -> float:
+    if np.size(value) != 1:
+        raise BadInputError(
+            f"{name} must be that of one train; got {np.size(value)} values. Give an FMU to each train."
+        )
+    return float(np.ravel(value)[0])
+
+
+def _filled(name: str, steps: Steps) -> dict[str, float | list[float]]:
+    """Return values and boundaries of a step function, with unused ones at its end."""
+    holds = np.diff(steps.boundaries, prepend=-1.0, append=np.inf) > 0.0  # equal boundaries enclose no speed
+    if steps.values.ndim != 1 or holds.sum() > MOST_STEPS:
+        raise BadInputError(
+            f"{name} must have at most {MOST_STEPS} steps, of one train; got {shown(steps.values.tolist())}. "
+            "Unite some of them, with the lower value."
+        )
+    values, boundaries = steps.values[holds].tolist(), steps.boundaries[holds[:-1]].tolist()
+    more = MOST_STEPS - len(values)
+    return {name: values + values[-1:] * more, f"{name}_speed": boundaries + [UNUSED] * more}
+
+
+def _elements(found: dict[str, float | list[float]]) -> dict[str, float | list[float]]:
+    """Return an entry for each element of an array, with the names of FMI 2.0."""
+    single: dict[str, float | list[float]] = {}
+    for name, value in found.items():
+        each = {f"{name}[{n}]": one for n, one in enumerate(value, 1)} if isinstance(value, list) else {name: value}
+        single |= each
+    return single
