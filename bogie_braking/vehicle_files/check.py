@@ -15,7 +15,7 @@ from products.vehicle_file import BRAKED_FMU, DataSheet
 from rbd_model.linear import Mode, critical_speed, oscillations
 from rbd_model.track.friction import RailCondition, dry, low, very_low, wet
 from rbd_model.vehicle.parameters import VehicleParameters
-from scenarios.bench.drive import RIGID, prepare, system_of
+from scenarios.bench.drive import RIGID, prepare, settled, system_of
 
 #: Speeds of the stops [km/h], and rails.
 SPEEDS = (40.0, 80.0, 120.0, 160.0)
@@ -25,8 +25,9 @@ LONGEST = 600.0
 KILOMETRES_PER_HOUR = 3.6
 #: Speeds between which the critical speed is searched, their distance [m/s]; friction of the rails.
 SLOWEST, FASTEST, STEP, FRICTION = 10.0, 120.0, 10.0, 0.4
-#: Time in which wheels come to roll freely and contacts to their loads, before the equations are linearised [s].
-SETTLED = 1.0
+#: Motion of which the growth is measured: lateral displacement at the start [m], largest ratio of sizes, length,
+#: recording interval and averaging time [s].
+SMALL, LARGEST_RATIO, LENGTH, INTERVAL, AVERAGED = 1e-6, 100.0, 32.0, 0.01, 2.0
 #: Speed at which modes are computed [m/s], and damping above which a mode is not listed.
 MODES_AT, OVERDAMPED = 10.0, 0.9
 MOTIONS = ("shift", "lateral", "bounce", "roll", "pitch", "yaw")
@@ -106,20 +107,57 @@ def stopping_distance(sheet: DataSheet, speed: float, rail: RailCondition) -> fl
 
 def modes_of(sheet: DataSheet, speed: float) -> list[Mode]:
     """Return the oscillations of the vehicle rolling freely on straight track at a speed [m/s], the slowest first."""
-    name = "vehicle" if sheet.axles == 4 else "bogie"
-    friction = {f"friction_{number}": FRICTION for number in range(1, sheet.axles + 1)}
-    values = RIGID | sheet.parameters.values() | friction
-    kernel = prepare(name, tolerance=1e-8, initial_speed=speed, **values)
-    kernel.advance(SETTLED)
+    name = _name_in_space(sheet)
+    kernel = settled(name, tolerance=1e-8, initial_speed=speed, **_values_in_space(sheet))
     found = oscillations(system_of(name, **RIGID), np.array(kernel.linearise().jacobian))
     return sorted(found, key=lambda mode: mode.frequency)
+
+
+def _name_in_space(sheet: DataSheet) -> str:
+    return "vehicle" if sheet.axles == 4 else "bogie"
+
+
+def _values_in_space(sheet: DataSheet) -> dict[str, float]:
+    """Return the values of a sheet at level 3 on rails with FRICTION."""
+    friction = {f"friction_{number}": FRICTION for number in range(1, sheet.axles + 1)}
+    return RIGID | sheet.parameters.values() | friction
+
+
+def growth_of(sheet: DataSheet, speed: float, resistance: float = 0.0) -> float:
+    """Return the growth of a small motion of the wheelsets across the track in a run at a speed [1/s]; section 4.4.
+
+    It is not an eigenvalue: without rolling resistance Polach's law has no slope at zero creepage (`settled`), and a
+    small resistance determines the slope only for motions with smaller creepages than its own.
+
+    Parameters
+    ----------
+    sheet : DataSheet
+        The vehicle, with 2 or 4 axles.
+    speed : float
+        The speed, which is held [m/s].
+    resistance : float
+        Rolling resistance of each wheelset [N.m].
+    """
+    values = _values_in_space(sheet) | {"rolling_resistance_torque": resistance, "constant_speed": 1.0}
+    name, names = _name_in_space(sheet), [f"lateral_{number}" for number in range(1, sheet.axles + 1)]
+    kernel = prepare(name, tolerance=1e-9, initial_speed=speed, initial_lateral=SMALL, **values)
+    seen = kernel.record(LENGTH, INTERVAL, names)
+    rows = round(AVERAGED / INTERVAL)
+    square = sum((np.array(seen[name]) ** 2 for name in names), np.zeros(len(seen["time"])))
+    sizes = 0.5 * np.log([square[row : row + rows].mean() for row in range(0, square.size - rows + 1, rows)])
+    if sizes.size < 4:  # the run ended: the vehicle left the treads
+        return float(np.log(LARGEST_RATIO) / AVERAGED)
+    far = np.flatnonzero(np.abs(sizes[2:] - sizes[1]) > np.log(LARGEST_RATIO))
+    if far.size:  # round-off or the flanges limit the motion afterwards
+        return float((sizes[2 + far[0]] - sizes[1]) / ((1 + far[0]) * AVERAGED))
+    return float((sizes[-2:].mean() - sizes[-4:-2].mean()) / (2 * AVERAGED))
 
 
 def critical_speed_of(sheet: DataSheet) -> float:
     """Return the lowest speed above which a motion grows [m/s]; infinite if none does up to FASTEST; section 4.4."""
 
     def growth(speed: float) -> float:
-        return max(mode.growth for mode in modes_of(sheet, speed))
+        return growth_of(sheet, speed)
 
     before = SLOWEST
     if growth(before) > 0.0:

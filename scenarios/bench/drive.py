@@ -26,6 +26,9 @@ History = Sequence[tuple[float, float]]
 RIGID = {"level": 3.0, "contact_model": 1.0}
 #: A wheelset that locks below this speed [m/s] has stopped with the bogie.
 AT_REST = 0.05
+#: Rolling resistance of each wheelset for a linearisation, that of section 8.3 [N.m], and time in which wheels come to
+#: roll freely and contacts to their loads [s].
+DRAG, SETTLED = 65.0, 1.0
 #: Ratio of the padded length of a spectrum to that of the recording.
 PADDING = 8
 
@@ -43,6 +46,18 @@ def _library(name: str, place: int | None) -> Library:
 def prepare(name: str, **values: float | str) -> Kernel:
     """Return a kernel with parameters and initial inputs; it contains only the system that they choose."""
     return Kernel(library(name, **values), **values)
+
+
+def settled(name: str, **values: float) -> Kernel:
+    """Return the same after the wheels roll freely on settled contacts, for its linearisation.
+
+    Polach's law has no unique slope at zero creepage: its stiffness is a mean of c11 and c22 in the direction of the
+    creepage, (3.92). Each wheelset has a rolling resistance of at least DRAG: otherwise round-off gives the direction.
+    """
+    torque = max(values.get("rolling_resistance_torque", 0.0), DRAG)
+    kernel = prepare(name, **values | {"rolling_resistance_torque": torque})
+    kernel.advance(SETTLED)
+    return kernel
 
 
 def prepare_on_line(name: str, line: Line, **values: float) -> Kernel:

@@ -11,7 +11,7 @@ from fmu_src.cosimulation.recording import Recording
 from fmu_src.kernel import Kernel
 from products.coach import AS_PUBLISHED, COACH, NUMBERS
 from rbd_model.linear import Mode, critical_speed, oscillations, reduced_jacobian
-from scenarios.bench.drive import RIGID, prepare, system_of
+from scenarios.bench.drive import DRAG, RIGID, SETTLED, prepare, system_of
 from scenarios.reporting.plots import LEADING, THESIS, TRAILING, plt, titled
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, measured, near
@@ -21,14 +21,10 @@ from scenarios.scenario import Options, Scenario
 SPEEDS = np.arange(5.0, 111.0, 3.0)
 #: Least part of its energy across the track of a mode that moves body or wheelsets laterally.
 ACROSS = 0.5
-#: Time from the start until creepages have settled [s].
-SETTLED = 1.0
 #: Disturbance, small against the flange clearance, so that the motion is linear [m]. The run that shows its growth, and
 #: its samples, begin when the vehicle has passed the wave [s].
 DISTURBANCE, BEGIN, LENGTH, INTERVAL = 1e-5, 6.0, 8.0, 0.05
 TOLERANCE = 1e-9
-#: Rolling resistance of each wheelset [N.m], that of section 8.3: without any creep the creep law has no unique slope.
-DRAG = 65.0
 #: Relative tolerance of the speed of two methods on the same equations.
 BAND = 2e-3
 
