@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,18 @@ import numpy as np
 from bogie_braking.braking_curves.train_data import TrainData, train_data
 from bogie_braking.supervised import OwnStop, own_stops
 from products.braking_curves.gradients_of_line import gradients_of
-from products.supervision import BASELINES, Curves, FixedValues, Gradients, supervise
+from products.etcs_files.national import read_national
+from products.supervision import (
+    BASELINES,
+    Curves,
+    FixedValues,
+    Gradients,
+    Move,
+    NationalValues,
+    rounded_national,
+    rounded_train,
+    supervise,
+)
 from rbd_model.track.line import Line
 from rbd_model.track.line_files import line_from_file
 from readers.text import BadInputError
@@ -22,14 +33,37 @@ IN_TABLE, IN_CURVES = 8, 160
 
 @dataclass(frozen=True)
 class Found:
-    """Train data, limits over few and many speeds, own stops, the place that no train may pass [m], gradients."""
+    """Results of the command.
+
+    Parameters
+    ----------
+    data : TrainData
+        The train.
+    country : NationalValues
+        National values, with the confidence level in use.
+    kind : str
+        Kind of the target.
+    few, many : Curves
+        Limits over speeds of the table and of the curves.
+    stops : list of OwnStop
+        Own stops from EBI at the speeds of the table.
+    ends : float
+        Place that no train may pass [m].
+    gradients : Gradients
+        Of the line.
+    moves : tuple of Move
+        What rounding changed, if it was asked for.
+    """
 
     data: TrainData
+    country: NationalValues
+    kind: str
     few: Curves
     many: Curves
     stops: list[OwnStop]
     ends: float
     gradients: Gradients
+    moves: tuple[Move, ...] = ()
 
 
 def compute(chosen: argparse.Namespace) -> Found:
@@ -45,34 +79,69 @@ def compute(chosen: argparse.Namespace) -> Found:
     BadInputError
         If a file cannot be read, options contradict each other, or the train cannot brake.
     """
-    largest, target = chosen.speed / 3.6, chosen.target_speed / 3.6
-    line = _line(chosen)
-    data = train_data(chosen, largest)
+    kind, line, country = _kind(chosen), _line(chosen), _country(chosen)
+    data, largest = train_data(chosen, country.M_NVEBCL)
+    _check_speeds(chosen, 3.6 * largest)
+    target = chosen.target_speed / 3.6
+    data, country, moves = _rounded(data, country) if chosen.rounded else (data, country, ())
     set_up: dict[str, Any] = {
-        "kind": "LOA" if target else "EOA",
+        "kind": kind,
         "target_speed": target,
-        "beyond": 0.0 if target else chosen.beyond,
+        "beyond": chosen.beyond,
         "gradients": Gradients.level() if line is None else gradients_of(line),
         "fixed": FixedValues(T_indication_more=BASELINES[chosen.baseline]),
+        "national": country,
+        "slippery": chosen.slippery,
     }
     few = target + (largest - target) * np.arange(1, IN_TABLE + 1) / IN_TABLE
     many = target + (largest - target) * np.arange(1, IN_CURVES + 1) / IN_CURVES
     limits = supervise(data.train, chosen.target, few, **set_up)
     if not np.all(np.isfinite(limits.EBI)):
         raise BadInputError("The train cannot brake on the gradients before the target. Give a better brake or line.")
-    stops = [] if target else own_stops(data.consist, few, limits.EBI, line)
+    stops = [] if kind != "EOA" or data.consist is None else own_stops(data.consist, few, limits.EBI, line)
     curves = supervise(data.train, chosen.target, many, **set_up)
-    return Found(data, limits, curves, stops, chosen.target + set_up["beyond"], set_up["gradients"])
+    ends = chosen.target + chosen.beyond
+    return Found(data, country, kind, limits, curves, stops, ends, set_up["gradients"], moves)
 
 
-def check(chosen: argparse.Namespace) -> None:
-    """Refuse a target that is not slower than the train, and a supervised location behind a moving target."""
-    if chosen.target_speed >= chosen.speed:
+def _check_speeds(chosen: argparse.Namespace, largest: float) -> None:
+    if chosen.target_speed >= largest:
         raise BadInputError(
-            f"--target-speed must be below --speed, {chosen.speed:g} km/h; got {chosen.target_speed:g} km/h."
+            f"--target-speed must be below --speed, {largest:g} km/h; got {chosen.target_speed:g} km/h. Correct one."
         )
-    if chosen.target_speed and chosen.beyond:
-        raise BadInputError("--beyond is the distance behind a stop; leave it out with --target-speed.")
+
+
+def _kind(chosen: argparse.Namespace) -> str:
+    """Return the kind of target, if speeds and distances belong to it."""
+    if chosen.speed is not None:
+        _check_speeds(chosen, chosen.speed)
+    kind: str = chosen.kind or ("LOA" if chosen.target_speed else "EOA")
+    if kind == "EOA" and chosen.target_speed:
+        raise BadInputError(
+            f"--target-speed must be 0 with --kind EOA, an end of authority; got {chosen.target_speed:g} km/h. Give "
+            "LOA or MRSP."
+        )
+    if kind != "EOA" and chosen.beyond:
+        raise BadInputError(
+            f"--beyond is the distance behind a stop; leave it out with --target-speed or --kind {kind}."
+        )
+    return kind
+
+
+def _country(chosen: argparse.Namespace) -> NationalValues:
+    """Return the national values, with the confidence level of the command line."""
+    try:
+        country = NationalValues() if chosen.national is None else read_national(chosen.national)
+    except ValueError as error:
+        raise BadInputError(str(error)) from error
+    return country if chosen.level is None else replace(country, M_NVEBCL=chosen.level)
+
+
+def _rounded(data: TrainData, country: NationalValues) -> tuple[TrainData, NationalValues, tuple[Move, ...]]:
+    """Return train and country as their packets hold them, and what moved."""
+    train, values = rounded_train(data.train, data.dry_by_level), rounded_national(country)
+    moves = tuple(move for move in (*train.moves, *values.moves) if move.most > 1e-9)
+    return replace(data, train=train.train, dry_by_level=train.dry_by_level), values.national, moves
 
 
 def _line(chosen: argparse.Namespace) -> Line | None:

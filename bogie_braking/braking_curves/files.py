@@ -1,4 +1,4 @@
-"""Files of the command `etcs`: picture and table."""
+"""Files of the command `etcs`: picture, table, train data, causes, page."""
 
 from __future__ import annotations
 
@@ -6,36 +6,76 @@ import argparse
 from pathlib import Path
 
 from bogie_braking.braking_curves.compute import Found
-from bogie_braking.braking_curves.words import LIMITS
+from bogie_braking.braking_curves.words import limits_of
+from products.etcs_files.osrd import osrd_document
+from products.etcs_files.train_file import write_train
+from readers.command_line import check_folder
+from readers.documents import document_text
 from readers.storage import write_whole, writing
+from readers.text import BadInputError
 from scenarios.reporting.causes_picture import figure_of_causes
 from scenarios.reporting.supervision_picture import figure_of_supervision
 
 
-def write(chosen: argparse.Namespace, found: Found) -> tuple[Path, Path]:
-    """Write picture and table; return their paths."""
-    picture, table = (chosen.out / f"etcs-{chosen.file.stem}{end}" for end in (".png", ".csv"))
-    many = found.many
-    stops = [(stop.places, stop.speeds) for stop in found.stops]
-    figure = figure_of_supervision(many, found.ends, found.gradients, stops)
+def check_files(chosen: argparse.Namespace) -> None:
+    """Refuse files that cannot be written, before the work for them starts."""
+    check_folder(chosen.out)
+    for option, end in (("page", ".html"), ("osrd", ".json")):
+        path: Path | None = getattr(chosen, option)
+        if path is None:
+            continue
+        if path.suffix.lower() != end:
+            raise BadInputError(f"--{option} must end in {end}; got {path}. Rename it.")
+        if path.resolve() == chosen.file.resolve():
+            raise BadInputError(f"--{option} must be another file than FILE; got {path} twice. Name another.")
+        check_folder(path.parent, f"--{option}")
+
+
+def write(chosen: argparse.Namespace, found: Found) -> dict[str, Path]:
+    """Write all files; return their paths by what they show."""
     with writing(chosen.out):
         chosen.out.mkdir(parents=True, exist_ok=True)
-        figure.savefig(picture, dpi=130)
-    head = ",".join(["V_est [km/h]", *(f"{name} [m]" for name in LIMITS)])
-    rows = zip(3.6 * many.V_est, *(getattr(many, name) for name in LIMITS), strict=True)
+    paths = {"picture": _picture(chosen, found), "table": _table(chosen, found)}
+    if found.data.safety is not None:
+        paths["causes"] = _causes(chosen, found)
+    paths["train_data"] = _path(chosen, ".json")
+    write_train(paths["train_data"], found.data.train, found.data.dry_by_level, chosen.file.name)
+    if chosen.osrd is not None:
+        write_whole(chosen.osrd, document_text(osrd_document(found.data.train)).encode())
+        paths["osrd"] = chosen.osrd
+    return paths
+
+
+def _path(chosen: argparse.Namespace, end: str) -> Path:
+    out: Path = chosen.out
+    return out / f"etcs-{chosen.file.stem}{end}"
+
+
+def _picture(chosen: argparse.Namespace, found: Found) -> Path:
+    stops = [(stop.places, stop.speeds) for stop in found.stops]
+    figure = figure_of_supervision(found.many, found.ends, found.gradients, stops)
+    path = _path(chosen, ".png")
+    with writing(chosen.out):
+        figure.savefig(path, dpi=130)
+    return path
+
+
+def _table(chosen: argparse.Namespace, found: Found) -> Path:
+    names, many = limits_of(found), found.many
+    head = ",".join(["V_est [km/h]", *(f"{name} [m]" for name in names)])
+    rows = zip(3.6 * many.V_est, *(getattr(many, name) for name in names), strict=True)
     lines = [head, *(",".join(f"{value:.3f}" for value in row) for row in rows)]
-    write_whole(table, ("\n".join(lines) + "\n").encode(), "name another folder with --out")
-    return picture, table
+    path = _path(chosen, ".csv")
+    write_whole(path, ("\n".join(lines) + "\n").encode(), "name another folder with --out")
+    return path
 
 
-def write_causes(chosen: argparse.Namespace, found: Found) -> Path | None:
-    """Write the figure of the causes that lower Kdry_rst; return its path, or None without tolerances."""
+def _causes(chosen: argparse.Namespace, found: Found) -> Path:
+    """Write the figure of the causes that lower Kdry_rst."""
     safety = found.data.safety
-    if safety is None:
-        return None
-    picture = chosen.out / f"etcs-{chosen.file.stem}-causes.png"
+    assert safety is not None
+    path = _path(chosen, "-causes.png")
     figure = figure_of_causes(safety.causes, float(safety.factors[safety.level]), safety.level)
     with writing(chosen.out):
-        chosen.out.mkdir(parents=True, exist_ok=True)
-        figure.savefig(picture, dpi=130)
-    return picture
+        figure.savefig(path, dpi=130)
+    return path

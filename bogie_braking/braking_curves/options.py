@@ -9,9 +9,8 @@ from pathlib import Path
 from bogie_braking.commands.shared import add_out, add_speech
 from readers.command_line import quantity, whole
 
-#: Largest speed by default [m/s].
-LARGEST = 120.0 / 3.6
 BASELINES, POSITIONS = ("3.3.0", "4.0.0"), ("passenger P", "freight P", "freight G")
+KINDS = ("EOA", "LOA", "MRSP")
 
 
 def share(name: str) -> Callable[[str], float]:
@@ -29,12 +28,14 @@ def share(name: str) -> Callable[[str], float]:
 
 def add_all(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument("file", type=Path, metavar="FILE", help="a consist, or a file that consist import reads")
+    parser.add_argument(
+        "file", type=Path, metavar="FILE", help="a consist, a file that consist import reads, or train data"
+    )
     _add_target(parser)
     _add_train(parser)
     _add_factors(parser)
     _add_country(parser)
-    add_out(parser)
+    _add_files(parser)
     add_speech(parser, "train data, limits and stops", "no table, only the exit status")
 
 
@@ -44,11 +45,15 @@ def _add_target(parser: argparse.ArgumentParser) -> None:
         "--target", type=place, required=True, metavar="PLACE", help="place of the target, as 2000 or 2km"
     )
     speed = quantity("--speed", "km/h", 5.0, 400.0)
-    text = "largest speed of the train, as 140 or 38.9m/s (default: 120 km/h)"
-    parser.add_argument("--speed", type=speed, metavar="SPEED", default=3.6 * LARGEST, help=text)
+    text = "largest speed of the train, as 140 or 38.9m/s (default: V_MAXTRAIN of train data, else 120 km/h)"
+    parser.add_argument("--speed", type=speed, metavar="SPEED", help=text)
     speed = quantity("--target-speed", "km/h", 0.0, 400.0)
     text = "speed at the target (default: 0, an end of authority)"
     parser.add_argument("--target-speed", type=speed, metavar="SPEED", default=0.0, help=text)
+    text = (
+        "kind of target: end of authority, limit of authority, lower permitted speed (default: EOA, or LOA if it moves)"
+    )
+    parser.add_argument("--kind", choices=KINDS, help=text)
     beyond = quantity("--beyond", "m", 0.0, 1e4)
     text = "distance of the supervised location behind the end of authority (default: 0)"
     parser.add_argument("--beyond", type=beyond, metavar="LENGTH", default=0.0, help=text)
@@ -74,9 +79,21 @@ def _add_factors(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--common", type=share("--common"), metavar="SHARE", default=0.0, help=text)
     text = "Kdry_rst and T_brake_emergency by the table [tolerances] of a TOML file"
     parser.add_argument("--tolerances", type=Path, metavar="FILE", help=text)
-    text = "confidence level of Kdry_rst, 0 to 9 (default: 9, a weaker brake once in 1e9)"
-    parser.add_argument("--level", type=whole("--level", 0, 9), metavar="LEVEL", default=9, help=text)
+    text = "confidence level of Kdry_rst, M_NVEBCL (default: that of the country, 9, a weaker brake once in 1e9)"
+    parser.add_argument("--level", type=whole("--level", 0, 9), metavar="LEVEL", help=text)
 
 
 def _add_country(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--baseline", choices=BASELINES, default=BASELINES[0], help="default: %(default)s")
+    text = "national values by the names of packet 3, a TOML file (default: those of SUBSET-026, A.3.2)"
+    parser.add_argument("--national", type=Path, metavar="FILE", help=text)
+    parser.add_argument("--slippery", action="store_true", help="limit the deceleration to that of reduced adhesion")
+    text = "round train data and national values as their packets hold them, to the safe side"
+    parser.add_argument("--rounded", action="store_true", help=text)
+
+
+def _add_files(parser: argparse.ArgumentParser) -> None:
+    add_out(parser)
+    parser.add_argument("--page", type=Path, metavar="FILE", help="also write a page (.html) that needs no other file")
+    text = "also write the ETCS brake as OSRD has it, length and etcs_brake_params (.json)"
+    parser.add_argument("--osrd", type=Path, metavar="FILE", help=text)

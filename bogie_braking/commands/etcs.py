@@ -10,11 +10,15 @@
                                                                      and with named ones, and which of them decides
   bogie-braking etcs train.toml --target 2000 --position "passenger P"
                                                                      by its brake percentage, not its decelerations
+  bogie-braking etcs train.toml --target 2000 --national country.toml --level 7 --rounded
+                                                                     in a country, as packets hold the numbers
+  bogie-braking etcs train.json --target 2000                        train data, or an OSRD rolling stock: curves alone
   bogie-braking etcs train.toml --target 2000 --json | jq .train     for a program
 
 A train is a consist (TOML, CSV) or a file of another program (bogie-braking consist import). It stops twice on level
 track, in emergency and in full service braking; these stops give deceleration by speed and build-up time. Its own stops
-then begin where the emergency brake intervenes (EBI).
+then begin where the emergency brake intervenes (EBI). Train data that this command writes (JSON), and an OSRD rolling
+stock with etcs_brake_params, are read too. They have no vehicles, and so no own stops.
 
 Exit status: 0 all own stops end before the target; 1 one does not; 2 bad input; 3 the simulation failed.
 """
@@ -27,7 +31,6 @@ import json
 from bogie_braking.braking_curves.options import add_all
 from bogie_braking.commands.shared import describe
 from bogie_braking.exit_status import DOES_NOT_HOLD, HOLDS
-from readers.command_line import check_folder
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,19 +41,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> int:
     """Compute, draw and print; return the exit status."""
-    from bogie_braking.braking_curves.compute import check, compute
-    from bogie_braking.braking_curves.files import write, write_causes
+    from bogie_braking.braking_curves.compute import compute
+    from bogie_braking.braking_curves.files import check_files, write
     from bogie_braking.braking_curves.words import document, text
 
-    check_folder(chosen.out)
-    check(chosen)
+    check_files(chosen)
     found = compute(chosen)
-    picture, table = write(chosen, found)
-    causes = write_causes(chosen, found)
+    paths = write(chosen, found)
     if chosen.json:
-        files = {"picture": str(picture), "table": str(table)} | ({} if causes is None else {"causes": str(causes)})
-        print(json.dumps(document(found) | files, indent=2))
+        print(json.dumps(document(chosen, found) | {name: str(path) for name, path in paths.items()}, indent=2))
     elif not chosen.quiet:
-        print("\n".join(text(chosen, found)))
-        print(f"\npicture: {picture}\ntable:   {table}" + ("" if causes is None else f"\ncauses:  {causes}"))
+        print("\n".join(text(chosen, found)), end="\n\n")
+        for name, path in paths.items():
+            print(f"{name.replace('_', ' ') + ':':<11} {path}")
     return HOLDS if all(stop.ends <= found.ends for stop in found.stops) else DOES_NOT_HOLD

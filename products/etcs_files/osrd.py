@@ -9,9 +9,9 @@ import numpy as np
 
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain
-from readers.documents import number_in, read_document
+from readers.documents import LARGEST, document, number_in
 from readers.formats.osrd_brake import BEFORE, brake_params_of
-from readers.text import BadInputError, FileError
+from readers.text import BadInputError, FileError, text_of
 
 #: Step functions: attribute of `SupervisedTrain` by the name of OSRD.
 CURVES = {
@@ -46,7 +46,7 @@ def read_osrd_train(path: Path) -> SupervisedTrain:
     FileError
         If the file has no ETCS brake, or its numbers are outside their limits.
     """
-    found = osrd_train_of(read_document(path), str(path))
+    found = osrd_train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))
     if found is None:
         raise FileError(f"{path} must be an OSRD rolling stock with {BEFORE}; got none.")
     return found

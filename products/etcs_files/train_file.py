@@ -13,9 +13,9 @@ from fmu_src.suggestion import suggestion
 from products.supervision.conversion import BRAKE_POSITIONS
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain
-from readers.documents import document_text, is_number, read_document
+from readers.documents import LARGEST, document, document_text, is_number
 from readers.storage import write_whole
-from readers.text import BadInputError, FileError, shown
+from readers.text import BadInputError, FileError, shown, text_of
 from readers.units import factor
 
 #: Name and version of the format, and number of confidence levels.
@@ -160,7 +160,7 @@ def read_train(path: Path) -> EtcsTrain:
     FileError
         If the file is no such document, a name is unknown, or a number is missing or outside its limits.
     """
-    return train_of(read_document(path), str(path))
+    return train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))
 
 
 def train_of(read: Any, source: str) -> EtcsTrain:
@@ -274,7 +274,7 @@ def _levels(given: Any, source: str) -> tuple[Steps, ...]:
         raise FileError(f"{source}: Kdry_rst must be one step function or a list of {LEVELS}; got {len(given)}.")
     found = tuple(_steps_in(one, "1", f"{source}: Kdry_rst of level {n}") for n, one in enumerate(given))
     for n, one in enumerate(found):
-        if not np.all((one.values > 0.0) & (one.values <= 1.55)):
+        if not np.all((one.values >= 0.0) & (one.values <= 1.55)):
             got = shown(one.values.tolist())
-            raise FileError(f"{source}: Kdry_rst of level {n} must be above 0 and at most 1.55; got {got}.")
+            raise FileError(f"{source}: Kdry_rst of level {n} must be 0 to 1.55; got {got}. Correct it.")
     return found

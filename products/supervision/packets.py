@@ -171,10 +171,11 @@ def _down(values: np.ndarray, resolution: float, most: float, unit: str, name: s
     """Return values rounded down. Raises BadInputError if they have no place."""
     found = np.round(np.floor(values / resolution + NOISE) * resolution, 6)
     end = "" if unit == "1" else f" {unit}"
-    if found.max() > most or found.min() <= 0.0:
+    least = 0.0 if "level" in name else resolution  # no brake at a level bars that level, not the train
+    if found.max() > most or found.min() < least:
         wrong = values.max() if found.max() > most else values.min()
         raise BadInputError(
-            f"{name} must be {resolution:g} to {most:g}{end} in its variable; got {wrong:g}{end}. Correct it."
+            f"{name} must be {least:g} to {most:g}{end} in its variable; got {wrong:g}{end}. Correct it."
         )
     return found
 

@@ -10,12 +10,16 @@ import numpy as np
 import pytest
 
 from bogie_braking.__main__ import main
+from bogie_braking.braking_curves.compute import compute
+from bogie_braking.braking_curves.options import add_all
 from bogie_braking.supervised import own_stops, supervised_train
 from products.braking_curves.gradients_of_line import gradients_of
-from products.supervision import supervise
+from products.etcs_files.train_file import write_train
+from products.supervision import Curves, FixedValues, NationalValues, Steps, SupervisedTrain, rounded_train, supervise
 from products.supervision.of_run import brake_of_run
 from products.train.consist_file import consist_of
 from rbd_model.track.line import Line
+from readers.command_line import CommandLine
 from readers.text import BadInputError
 
 #: Step of the rows of a run [s]. A row is a mean over it, so a deceleration lags by half of it.
@@ -96,6 +100,49 @@ def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: 
     assert all(place < 2000.0 for place in found["own_stops_m"])
     assert Path(found["picture"]).is_file()
     assert Path(found["table"]).read_text().count("\n") == 161
+    assert main(["etcs", found["train_data"], *words[2:], "--json"]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again["limits_m"] == found["limits_m"]
+    assert again["own_stops_m"] == []
+
+
+def curves(*words: str) -> Curves:
+    """Return the limits that the command computes."""
+    parser = CommandLine()
+    add_all(parser)
+    return compute(parser.parse_args(list(words))).few
+
+
+def test_each_option_has_its_effect(tmp_path: Path) -> None:
+    """At more than its default: against the functions, with the same numbers."""
+    levels = [Steps.constant(1.0 - 0.04 * n) for n in range(10)]
+    fast, one = np.arange(1, 9) * 15.0 / 3.6, Steps.constant(1.0)
+    data = {"service_command": True, "A_brake_normal_service": Steps.constant(0.5)}
+    train = SupervisedTrain(203.4, one, Steps.constant(0.8), 2.41, 2.43, **data)  # type: ignore[arg-type]
+    path, country = tmp_path / "train.json", tmp_path / "country.toml"
+    write_train(path, train, levels)
+    country.write_text("M_NVEBCL = 2\nA_NVMAXREDADH2 = 0.55\nQ_NVGUIPERM = true\nQ_NVINHSMICPERM = true\n")
+    land = NationalValues(M_NVEBCL=2, reduced_adhesion=(1.0, 0.55, 0.7), guidance=True, exact_speed=True)
+    four = FixedValues(T_indication_more=4.0)
+    at = {n: replace(train, Kdry_rst=levels[n]) for n in (2, 6, 9)}
+    slower = 10.0 + (120.0 / 3.6 - 10.0) * np.arange(1, 9) / 8.0
+    moving = {"target_speed": 10.0}
+    for words, expected in (
+        ((), supervise(at[9], 2000.0, fast)),
+        (("--level", "6"), supervise(at[6], 2000.0, fast)),
+        (("--national", str(country)), supervise(at[2], 2000.0, fast, national=land)),
+        (("--national", str(country), "--level", "6"), supervise(at[6], 2000.0, fast, national=land)),
+        (("--baseline", "4.0.0"), supervise(at[9], 2000.0, fast, fixed=four)),
+        (("--slippery",), supervise(at[9], 2000.0, fast, slippery=True)),
+        (("--slippery", "--national", str(country)), supervise(at[2], 2000.0, fast, national=land, slippery=True)),
+        (("--kind", "MRSP"), supervise(at[9], 2000.0, fast, kind="MRSP")),
+        (("--kind", "MRSP", "--target-speed", "36"), supervise(at[9], 2000.0, slower, kind="MRSP", **moving)),  # type: ignore[arg-type]
+        (("--target-speed", "36"), supervise(at[9], 2000.0, slower, kind="LOA", **moving)),  # type: ignore[arg-type]
+        (("--rounded",), supervise(rounded_train(at[9]).train, 2000.0, fast)),
+    ):
+        found = curves(str(path), "--target", "2000", *words)
+        for name in ("EBD", "EBI", "SBD", "SBI1", "SBI2", "W", "P", "I", "GUI"):
+            assert getattr(found, name) == pytest.approx(getattr(expected, name), abs=1e-6), (words, name)
 
 
 def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> None:
@@ -119,6 +166,12 @@ def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> Non
         (["--failure", "0.001"], "must have its unit, %; got 0.001"),
         (["--failure", "30%", "--level", "9"], "no brake force is left"),
         (["--dry", "8"], "--dry must be"),
+        (["--level", "3"], "--level chooses among factors"),
+        (["--kind", "EOA", "--target-speed", "50"], "--target-speed must be 0 with --kind EOA"),
+        (["--kind", "LAO"], "--kind must be one of EOA, LOA, MRSP; got LAO. Did you mean LOA?"),
+        (["--national", "nowhere.toml"], "nowhere.toml does not exist"),
+        (["--page", "page.txt"], "--page must end in .html"),
+        (["--osrd", "train.toml"], "--osrd must end in .json"),
         (["--tolerances", "none.toml", "--spread", "5%"], "Leave these out"),
         (["--tolerances", "none.toml", "--position", "passenger P"], "Leave them out with --position"),
         (["--tolerances", "none.toml"], "The file none.toml does not exist"),
