@@ -7,6 +7,7 @@ from pathlib import Path
 
 from bogie_braking.braking_curves.compute import Found
 from bogie_braking.braking_curves.words import limits_of
+from bogie_braking.commands.shared import look_for_plotly
 from products.etcs_files.osrd import osrd_document
 from products.etcs_files.train_file import write_train
 from readers.command_line import check_folder
@@ -20,6 +21,8 @@ from scenarios.reporting.supervision_picture import figure_of_supervision
 def check_files(chosen: argparse.Namespace) -> None:
     """Refuse files that cannot be written, before the work for them starts."""
     check_folder(chosen.out)
+    if chosen.page is not None:
+        look_for_plotly()
     for option, end in (("page", ".html"), ("osrd", ".json")):
         path: Path | None = getattr(chosen, option)
         if path is None:
@@ -43,6 +46,11 @@ def write(chosen: argparse.Namespace, found: Found) -> dict[str, Path]:
     if chosen.osrd is not None:
         write_whole(chosen.osrd, document_text(osrd_document(found.data.train)).encode())
         paths["osrd"] = chosen.osrd
+    if chosen.page is not None:
+        from bogie_braking.braking_curves.page import write_page  # with Plotly, an optional dependency
+
+        write_page(chosen, found)
+        paths["page"] = chosen.page
     return paths
 
 

@@ -108,12 +108,16 @@ def _lines_of_steps(name: str, steps: Steps) -> list[str]:
     return [f"{name} [m/s2]: {steps_words(steps)}"]
 
 
-def steps_words(steps: Steps) -> str:
-    """Return the steps of a function of speed in words."""
-    ends, values = [*(3.6 * steps.boundaries).tolist(), float("inf")], steps.values.tolist()
+def steps_words(steps: Steps, unit: str = "km/h", scale: float = 3.6) -> str:
+    """Return the steps of a function in words; scale: from the boundaries to their unit."""
+    changes = np.diff(steps.values) != 0.0
+    if not changes.any():
+        return f"{steps.values[0]:.3f}"
+    ends = [*(scale * steps.boundaries[changes]).tolist(), float("inf")]
+    values = steps.values[np.append(changes, True)].tolist()
     begins = [0.0, *ends]
     parts = [
-        f"{value:.3f} " + (f"to {end:.0f} km/h" if end < 1e9 else "above")
+        f"{value:.3f} " + (f"to {end:.0f} {unit}" if end < 1e9 else "above")
         for begin, end, value in zip(begins, ends, values, strict=False)
         if end > begin
     ]

@@ -13,6 +13,7 @@
   bogie-braking etcs train.toml --target 2000 --national country.toml --level 7 --rounded
                                                                      in a country, as packets hold the numbers
   bogie-braking etcs train.json --target 2000                        train data, or an OSRD rolling stock: curves alone
+  bogie-braking etcs train.toml --target 2000 --page out.html        all curves over the line, train data, settings
   bogie-braking etcs train.toml --target 2000 --json | jq .train     for a program
 
 A train is a consist (TOML, CSV) or a file of another program (bogie-braking consist import). It stops twice on level

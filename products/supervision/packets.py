@@ -183,7 +183,7 @@ def _down(values: np.ndarray, resolution: float, most: float, unit: str, name: s
 def _up(name: str, value: object, resolution: float, most: float, unit: str) -> float:
     """Return a number rounded up. Raises BadInputError if it has no place."""
     number = float(np.asarray(value, dtype=float))
-    found = float(np.round(np.ceil(number / resolution - NOISE) * resolution, 6))
+    found = float(np.round(np.ceil(number / resolution - NOISE) * resolution, 6)) + 0.0  # no -0.0
     if found > most:
         raise BadInputError(f"{name} must be at most {most:g} {unit} in its variable; got {number:g}. Correct it.")
     return found
@@ -333,7 +333,7 @@ def _between_sets(national: NationalValues, kv: Sequence[Steps]) -> tuple[float,
             f"{given[0]:g} and {given[1]:g} m/s2. Give others."
         )
     found = np.round((np.ceil(steps - NOISE) if up else np.floor(steps + NOISE)) * REDUCED[0], 6)
-    return float(found[0]), float(found[1])
+    return float(found[0]) + 0.0, float(found[1]) + 0.0
 
 
 def _change(one: Steps, other: Steps) -> float:

@@ -54,10 +54,10 @@ def figure_of_supervision(
     below.axhline(0.0, color="#aaaaaa", linewidth=0.6)
     below.set_title("gradient [‰]")
     below.set_xlabel("distance along the line [m]")
-    return titled(figure, _title(ends, stops))
+    return titled(figure, message_of_stops(ends, stops))
 
 
-def _title(ends: float, stops: Sequence[tuple[np.ndarray, np.ndarray]]) -> str:
+def message_of_stops(ends: float, stops: Sequence[tuple[np.ndarray, np.ndarray]]) -> str:
     """Return the message of the figure."""
     if not stops:
         return "Limits that ETCS supervises before the target"

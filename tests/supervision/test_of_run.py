@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plotly.offline import get_plotlyjs
 
 from bogie_braking.__main__ import main
 from bogie_braking.braking_curves.compute import compute
@@ -100,10 +101,17 @@ def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: 
     assert all(place < 2000.0 for place in found["own_stops_m"])
     assert Path(found["picture"]).is_file()
     assert Path(found["table"]).read_text().count("\n") == 161
-    assert main(["etcs", found["train_data"], *words[2:], "--json"]) == 0
+    page = tmp_path / "page.html"
+    assert main(["etcs", found["train_data"], *words[2:], "--json", "--page", str(page)]) == 0
     again = json.loads(capsys.readouterr().out)
     assert again["limits_m"] == found["limits_m"]
     assert again["own_stops_m"] == []
+    text = page.read_text(encoding="utf-8")
+    own = text.replace(get_plotlyjs(), "")
+    assert "src=" not in own
+    assert "http" not in own.split("</head>")[1]
+    for part in ("Distance before the target", "A_brake_emergency", "Kdry_rst in use", "M_NVEBCL", '"name":"EBD"'):
+        assert part in own
 
 
 def curves(*words: str) -> Curves:
