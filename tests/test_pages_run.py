@@ -24,6 +24,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 
+from bogie_braking.__main__ import main
 from products.sources import HOUSE
 
 ROOT = Path(__file__).parents[1]
@@ -45,6 +46,8 @@ SHORT = {
     "python build_fmu.py ssp": "python build_fmu.py brake",
     "python -m bogie_braking run wheelset-constant-speed --html": "python -m bogie_braking run critical-speed --html",
     "python -m bogie_braking live": "python -m bogie_braking live --help",
+    # It reads the whole cache; tests/scenarios/test_command_line.py has an empty one.
+    "python -m bogie_braking doctor": "python -m bogie_braking doctor --help",
     "python -m bogie_braking pace spatial --step 1ms --seconds 10": "python -m bogie_braking pace --help",
     "python study.py": "python -m py_compile study.py",
     # One phase of the teeth instead of three gives the output that the page shows.
@@ -130,13 +133,32 @@ def apply(change: str, before: str) -> None:
     target.write_text(text, encoding="utf-8")
 
 
-def shown_by_commands(commands: str, instead: Mapping[str, str]) -> str:
-    """Return the output of the commands of a block; each must succeed. instead: replacements of some commands."""
+def shown_in_this_process(arguments: list[str]) -> str:
+    """Return the output of the command line, without the start of a process; it must succeed."""
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(io.StringIO()) as shown:
+        patch.setenv("COLUMNS", "200")
+        try:
+            status = main(arguments)
+        except SystemExit as ends:  # of --help
+            status = int(ends.code or 0)
+    assert status == 0, f"{arguments}\n{shown.getvalue()}"
+    return shown.getvalue()
+
+
+def shown_by_commands(commands: str, instead: Mapping[str, str], changed: bool = False) -> str:
+    """Return the output of the commands of a block; each must succeed.
+
+    instead: replacements of some commands. changed: the page changes the packages, so that every command needs a
+    process of its own.
+    """
     shown = ""
     for line in commands.splitlines():
         command = line.split("#")[0].strip()
         program, *arguments = shlex.split(instead.get(command, command))
         assert program in PROGRAMS, command
+        if arguments[:2] == ["-m", "bogie_braking"] and not changed:
+            shown += shown_in_this_process(arguments[2:])
+            continue
         called = [sys.executable if program == "python" else program, *arguments]
         environment = os.environ | {"PYTHONPATH": str(Path.cwd()), "COLUMNS": "200"}
         done = subprocess.run(called, env=environment, capture_output=True, text=True, check=False)
@@ -172,7 +194,7 @@ def run_page(page: str, instead: Mapping[str, str]) -> None:
         if kind == "python":
             shown = shown_by_python(text, names)
         elif kind == "sh":
-            shown = shown_by_commands(text, instead)
+            shown = shown_by_commands(text, instead, "```diff" in page)
         elif kind == "diff":
             apply(text, page[: block.start()])
         elif kind in ("c", "toml"):

@@ -103,8 +103,15 @@ def freight(position: str = "P") -> UicDistributor:
 
 def flow_of_a_metre(pressure: float, behind: float) -> float:
     """Return the mass flow [kg/s] through a choke of 1 m, both pressures absolute (ISO 6358-1)."""
+    return float(_flow_function()(pressure, behind))
+
+
+@lru_cache
+def _flow_function() -> ca.Function:
+    """Return `flow_of_a_metre` as a function of both pressures."""
+    before, after = ca.SX.sym("before"), ca.SX.sym("after")
     area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
-    return float(ca.evalf(elliptic_flow(area, ca.SX(pressure), ca.SX(WALL), ca.SX(behind))))
+    return ca.Function("flow", [before, after], [elliptic_flow(area, before, ca.SX(WALL), after)])
 
 
 def filling_choke(p: UicDistributor, time: float) -> float:
@@ -142,14 +149,6 @@ def reached_pressure(p: UicDistributor) -> float:
     """
     whole = p.auxiliary_volume + p.cylinder_volume
     return ((CHARGED + AMBIENT) * p.auxiliary_volume + AMBIENT * p.cylinder_volume) / whole - AMBIENT
-
-
-@lru_cache
-def _flow_function() -> ca.Function:
-    """Return `flow_of_a_metre` as a function of both pressures."""
-    before, after = ca.SX.sym("before"), ca.SX.sym("after")
-    area = effective_area(ca.SX(1.0), ca.SX(DISCHARGE))
-    return ca.Function("flow", [before, after], [elliptic_flow(area, before, ca.SX(WALL), after)])
 
 
 @lru_cache(maxsize=1024)

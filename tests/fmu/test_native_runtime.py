@@ -38,28 +38,22 @@ def compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return files
 
 
-def test_equations_are_compiled_once_for_the_fmu_and_for_studies(compiled: list[str]) -> None:
+def test_what_two_want_is_compiled_once_for_the_fmu_and_for_studies(compiled: list[str]) -> None:
     """Both libraries contain the same objects.
 
     All models share the objects of the runtime. Models with other numbers, here another tolerance, share the objects of
-    the equations.
+    the equations. Two threads represent two processes that begin together: one waits for the result of the other.
     """
     sources = generate(model_of(decay(), 1e-9))
-    made = [compiling.library_of(sources, fmu=fmu) for fmu in (True, False)]
-    assert made[0] != made[1]
+    with ThreadPoolExecutor(2) as both:
+        first, second = both.map(compiling.library_of, [sources, sources])
+    assert first == second
+    assert len(compiled) == len(set(compiled)) > 0
+    assert compiling.library_of(sources, fmu=True) != first
     assert compiled.count(f"equations_{decay().name}.c") == 1
     compiled.clear()
     compiling.library_of(generate(model_of(decay(), 1e-8)))
     assert compiled == ["model.c"]
-
-
-def test_what_two_want_at_once_is_compiled_once(compiled: list[str]) -> None:
-    """Two threads represent two processes that begin together: one waits for the result of the other."""
-    sources = generate(model_of(decay(), 1e-9))
-    with ThreadPoolExecutor(2) as both:
-        made = list(both.map(compiling.library_of, [sources, sources]))
-    assert made[0] == made[1]
-    assert len(compiled) == len(set(compiled)) > 0
 
 
 def test_machine_without_a_c_compiler_builds_with_zig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -202,10 +203,11 @@ def test_bash_completes(typed: str, offered: str, tmp_path: Path, capsys: pytest
     assert sorted(done.stdout.split()) == offered.split(), done.stderr
 
 
-def test_a_reader_who_goes_is_no_failure() -> None:
+def test_a_reader_who_goes_is_no_failure(tmp_path: Path) -> None:
+    empty = os.environ | {"BOGIE_BRAKING_CACHE": str(tmp_path)}
     for command in ("list", "doctor"):
         call = [sys.executable, "-m", "bogie_braking", command]
-        with subprocess.Popen(call, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        with subprocess.Popen(call, cwd=ROOT, env=empty, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
             assert running.stdout
             running.stdout.close()
             assert running.stderr
@@ -239,6 +241,13 @@ def said(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
     return {line[9:].split(":")[0]: line[:8].strip() for line in lines}
 
 
+@pytest.fixture
+def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Doctor reads every file of the cache; that of the tests has thousands."""
+    monkeypatch.setattr(compiling, "CACHE", tmp_path / "cache")
+
+
+@pytest.mark.usefixtures("empty_cache")
 def test_all_that_is_needed_is_there(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["doctor"]) == 0
     verdicts = said(capsys)
@@ -285,6 +294,7 @@ def test_without_compiler_or_cache_doctor_tells(
     assert (verdicts["C compiler"], verdicts["cache"]) == ("MISSING", "MISSING")
 
 
+@pytest.mark.usefixtures("empty_cache")
 def test_with_prebuilt_fmus_a_compiler_is_spared(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

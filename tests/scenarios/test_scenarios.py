@@ -18,6 +18,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from bogie_braking.__main__ import main
+from scenarios.bench.asymmetric_shoes import CASES, run_all
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.brakes import anti_skid
 from scenarios.catalogue import SCENARIOS
@@ -26,7 +27,7 @@ from scenarios.comparisons.peers import ensembles
 from scenarios.contact import contact_model, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import flexible_track
-from scenarios.measuring import environment_throughput, protected_throughput, throughput, train_pace
+from scenarios.measuring import creep_cost, environment_throughput, protected_throughput, throughput, timing, train_pace
 from scenarios.measuring import scenes as six_scenes
 from scenarios.numerics import oracle, speed, stability_atlas
 from scenarios.reporting import report
@@ -67,8 +68,8 @@ def summary(out: Path, name: str) -> dict:
 
 @pytest.fixture
 def short_oracle(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The oracle takes a minute; a tenth of each case shows that it runs."""
-    short = [replace(scene, duration=0.1 * scene.duration) for scene in oracle.SCENES]
+    """The oracle takes a minute; a tenth of the wheelset and a twentieth of the bogies show that it runs."""
+    short = [replace(scene, duration=0.1 / scene.wheelsets * scene.duration) for scene in oracle.SCENES]
     monkeypatch.setattr(oracle, "SCENES", short)
 
 
@@ -108,7 +109,11 @@ def short_anti_skid(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     """Speed and throughput are measured once and briefly, stability at fewer speeds, frictions and loads."""
+    monkeypatch.setattr(timing.least, "__defaults__", (1,))
     monkeypatch.setattr(speed, "REPEATS", 1)
+    monkeypatch.setattr(speed, "run_all", lambda: run_all(CASES[:1]))
+    for name, value in {"REPEATS": 1, "CALLS": 1000}.items():
+        monkeypatch.setattr(creep_cost, name, value)
     monkeypatch.setattr(speed, "HOST_STEPS", 500)
     monkeypatch.setattr(speed, "CALLS", 1000)
     monkeypatch.setattr(environment_throughput, "REPEATS", 1)

@@ -181,7 +181,7 @@ def test_weak_brake_lets_a_standing_wheelset_go() -> None:
     """A locked wheelset turns again if its brake is reduced below the torque of the rail."""
     mechanism = Mechanism(as_printed(tables_4_1_and_4_2()), thesis_pair(), 1)
     strong, weak = Inputs(brake_torque=(25e3,)), Inputs(brake_torque=(100.0,))
-    *_, state = run(mechanism, rolling(mechanism, 3.0), 0.11, 2.5e-4, lambda time: strong if time < 0.08 else weak)
+    *_, state = run(mechanism, rolling(mechanism, 3.0), 0.11, 5e-4, lambda time: strong if time < 0.08 else weak)
     assert state.direction[0] == 1
     assert spin(mechanism, state, 0) > 1.0
 
