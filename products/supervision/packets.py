@@ -2,7 +2,8 @@
 
 Train data as SUBSET-027, 4.2.4.2 records them (message TRAIN DATA), national values as packet 3 has them (SUBSET-026,
 7.5.1). No limit curve of the rounded numbers lies nearer to the target, from the speed of the foot of EBD on. Below it,
-at a moving target, curves continue behind the target, where a weaker brake lies further.
+at a moving target, curves continue behind the target, where a weaker brake lies further. The guidance curve of a moving
+target begins there, and may move towards it.
 """
 
 from __future__ import annotations

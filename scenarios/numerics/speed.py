@@ -22,6 +22,7 @@ from scenarios.bench.asymmetric_shoes import run_all
 from scenarios.measuring import fmi_overhead, throughput
 from scenarios.measuring.environment_throughput import environment_rows
 from scenarios.measuring.protected_throughput import protected_rows
+from scenarios.measuring.supervision_throughput import supervision_rows
 from scenarios.measuring.timing import LEVELS, REPEATS, least
 from scenarios.measuring.train_pace import train_rows
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, plt, titled
@@ -186,7 +187,7 @@ def run(options: Options) -> Report:
     rows = rows_of_steps(timings)
     rows += vehicle_rows()
     rows += throughput.batch_rows() + throughput.control_rows() + protected_rows() + environment_rows()
-    rows += train_rows()
+    rows += train_rows() + supervision_rows()
     rows += beginning_rows()
     rows += fmi_overhead.rows(library)
     begin = time.perf_counter()

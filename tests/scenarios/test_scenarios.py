@@ -27,7 +27,15 @@ from scenarios.comparisons.peers import ensembles
 from scenarios.contact import contact_model, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import flexible_track
-from scenarios.measuring import creep_cost, environment_throughput, protected_throughput, throughput, timing, train_pace
+from scenarios.measuring import (
+    creep_cost,
+    environment_throughput,
+    protected_throughput,
+    supervision_throughput,
+    throughput,
+    timing,
+    train_pace,
+)
 from scenarios.measuring import scenes as six_scenes
 from scenarios.numerics import oracle, speed, stability_atlas
 from scenarios.reporting import report
@@ -119,6 +127,8 @@ def short_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(environment_throughput, "REPEATS", 1)
     few_turns = {name: (rows, 100, wanted) for name, (rows, _, wanted) in environment_throughput.MEASURED.items()}
     monkeypatch.setattr(environment_throughput, "MEASURED", few_turns)
+    monkeypatch.setattr(supervision_throughput, "REPEATS", 1)
+    monkeypatch.setattr(supervision_throughput, "TRAINS", 500)
     few_stops = {name: (4, wanted) for name, (_, wanted) in protected_throughput.COUNTED.items()}
     monkeypatch.setattr(protected_throughput, "COUNTED", few_stops)
     few = {level: (system, number, 64, *wanted) for level, (system, number, _, *wanted) in throughput.STOPS.items()}
