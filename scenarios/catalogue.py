@@ -3,7 +3,15 @@
 from importlib.util import find_spec
 
 from fmu_src.suggestion import suggestion
-from scenarios.brakes import anti_skid, brake_timing, controller_prototype, demo, sanding, uneven_brakes
+from scenarios.brakes import (
+    anti_skid,
+    brake_timing,
+    controller_prototype,
+    demo,
+    etcs_low_adhesion,
+    sanding,
+    uneven_brakes,
+)
 from scenarios.contact import contact_manchester, contact_model, creep_laws, flange_climb
 from scenarios.coupling import coupling_step
 from scenarios.lines import curve_braking, curve_steering, flexible_track, gradient, line_from_file, transition
@@ -57,6 +65,7 @@ SCENARIOS: list[Scenario] = [
     lock_boundary.SCENARIO,
     brake_timing.SCENARIO,
     sanding.SCENARIO,
+    etcs_low_adhesion.SCENARIO,
     traction_braking.SCENARIO,
     heavy_braking.SCENARIO,
     contact_geometry.SCENARIO,
