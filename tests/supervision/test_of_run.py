@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tomllib
 from plotly.offline import get_plotlyjs
 
 from bogie_braking.__main__ import main
@@ -192,3 +193,12 @@ def test_contradictions_are_refused(
     consist.write_text(COACHES)
     assert main(["etcs", str(consist), "--target", "2000", "--out", str(tmp_path), *words]) == 2
     assert says in capsys.readouterr().err
+
+
+def test_the_public_train_of_the_page_stops_in_its_published_distances() -> None:
+    """Exact integrals of the forces in the worked example of EN 14531-1: 508.57 m and 1214.88 m."""
+    page = (Path(__file__).parents[2] / "docs/etcs.md").read_text(encoding="utf-8")
+    [text] = [part.split("```")[0] for part in page.split("```toml\n")[1:] if part.startswith("# twelve-axles.toml")]
+    consist = consist_of(tomllib.loads(text)["vehicle"])
+    stops = own_stops(consist, np.array([100.0, 160.0]) / 3.6, np.zeros(2), None)
+    assert [one.ends for one in stops] == pytest.approx([508.57, 1214.88], abs=0.1)
