@@ -55,7 +55,7 @@ class Population:
     """Points that climb together, shape (particles, inputs), and their outputs, shape (particles,).
 
     probability: estimate for exceeding the level; at the end of the climb, for exceeding the limit. step: size of its
-    moves. accepted: share of accepted moves at each level.
+    moves. least: probability at which the climb ends. accepted: share of accepted moves at each level.
     """
 
     random: np.random.Generator
@@ -65,6 +65,7 @@ class Population:
     probability: float = 1.0
     climbs: bool = True
     step: float = FIRST_STEP
+    least: float = LEAST
     accepted: list[float] = field(default_factory=list)
     generations: list[Generation] = field(default_factory=list)
 
@@ -77,7 +78,7 @@ class Population:
         level = float(np.sort(self.outputs)[self.outputs.size // 2 - 1])
         dead = self.outputs <= level
         lives = 1.0 - np.count_nonzero(dead) / dead.size
-        if level >= limit or lives == 0.0 or self.probability * lives < LEAST:
+        if level >= limit or lives == 0.0 or self.probability * lives < self.least:
             self.climbs = False
             self.probability *= float(np.mean(self.outputs > limit))
             return np.zeros(0, np.intp)
@@ -119,16 +120,17 @@ class Population:
 
 
 def climb(
-    evaluate: Evaluate, inputs: int, limit: float, particles: int, moves: int, seed: int
+    evaluate: Evaluate, inputs: int, limit: float, particles: int, moves: int, seed: int, least: float = LEAST
 ) -> tuple[list[Population], int]:
     """Return populations that have climbed to the limit, and the number of evaluated points.
 
-    particles: of each population. moves: of each copy at each level. The seed determines all random numbers.
+    particles: of each population. moves: of each copy at each level. least: probability at which the climb ends. The
+    seed determines all random numbers.
     """
     streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(POPULATIONS)]
     points = [stream.standard_normal((particles, inputs)) for stream in streams]
     outputs = np.split(evaluate(np.concatenate(points)), POPULATIONS)
-    everyone = [Population(*one) for one in zip(streams, points, outputs, strict=True)]
+    everyone = [Population(*one, least=least) for one in zip(streams, points, outputs, strict=True)]
     count = particles * POPULATIONS
     with counting(text="levels", unit="level") as bar:
         while copies := [(one, rows) for one in everyone if one.climbs and (rows := one.split(limit)).size]:
