@@ -199,7 +199,7 @@ def run_page(page: str, instead: Mapping[str, str]) -> None:
         elif kind == "diff":
             apply(text, page[: block.start()])
         elif kind in ("c", "toml"):
-            file = re.match(r"(?:/\* |# )([\w/]+\.\w+)", text)
+            file = re.match(r"(?:/\* |# )([\w/-]+\.\w+)", text)
             assert file, f"Say in its first line which file this is: {text}"
             Path(file[1]).write_text(text, encoding="utf-8")
         elif kind == "text":
