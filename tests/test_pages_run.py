@@ -52,14 +52,14 @@ SHORT = {
     "python study.py": "python -m py_compile study.py",
     # One phase of the teeth instead of three gives the output that the page shows.
     "python -m bogie_braking controllers compare --programme starts": (
-        "python -m bogie_braking controllers compare --programme starts --phases 1"
+        "python -m bogie_braking controllers compare --programme starts --draws 1"
     ),
     "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)' --rails low": (
         "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)'"
-        " --rails dry --phases 1"
+        " --rails dry --draws 1"
     ),
     "python -m bogie_braking controllers compare many.py:LetAllGo let_go.py:LetGo --rails wet,low": (
-        "python -m bogie_braking controllers compare many.py:LetAllGo let_go.py:LetGo --rails dry --phases 1"
+        "python -m bogie_braking controllers compare many.py:LetAllGo let_go.py:LetGo --rails dry --draws 1"
     ),
     "python -m bogie_braking controllers compare let_go.c let_go.py:LetGo --vehicle coach --programme my.toml": (
         "python -m bogie_braking controllers compare --help"

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.sensors import GATE, LOWEST_FREQUENCY, TIMER, edge_errors
 from brake_controller.wheel_slide import (
     APPLY,
@@ -50,7 +51,7 @@ from products.protection import rig_in_c
 from products.protection.compiled_machine import machine_library, machine_model
 from products.protection.controller_kinds import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
-from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
+from products.protection.rails import ABOVE, BAND, JERK_TIME, LOCK_ABOVE
 from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset
 from products.protection.runs import SENSOR_FAILURES, Run, Stop
 from products.protection.settings import BRAKE_START, GAS, LONGEST, STANDING, Settings
@@ -81,10 +82,14 @@ def commands_of(answer: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.boo
 
 @dataclass(frozen=True)
 class Beginning:
-    """Start values of a run for the rig in C: its last speed [m/s], and the faults of each wheelset."""
+    """Start values of a run for the rig in C: its last speed [m/s], the faults of each wheelset, errors of its teeth.
+
+    errors: shape (wheelsets, pulses), as shares of the pitch; None without errors.
+    """
 
     end_speed: float
     wheelsets: ctypes.Array[Wheelset]
+    errors: NDArray[np.float64] | None
 
 
 class Rig:
@@ -235,12 +240,22 @@ class Rig:
     def beginning(self, run: Run) -> Beginning:
         """Return the start values of a run for the rig in C. Raises ValueError for a fault of an unknown wheelset."""
         end = (self.settings.speed if run.speed is None else run.speed) if self.driven else STANDING
-        return Beginning(end, self._faults(run))
+        return Beginning(end, self._faults(run), self._errors(run))
+
+    def _errors(self, run: Run) -> NDArray[np.float64] | None:
+        """Return the errors of the teeth of a run, other ones for each of its seeds and wheelsets."""
+        s = self.settings
+        if not s.jitter:
+            return None
+        seeds = [run.teeth * MOST_WHEELSETS + number for number in self.machine.numbers]
+        return np.array([edge_errors(s.pulses, s.jitter, seed) for seed in seeds])
 
     def _faults(self, run: Run) -> ctypes.Array[Wheelset]:
-        each = (Wheelset * len(self.machine.numbers))(
-            *(Wheelset(1.0, 0.0, 0.0, run.phase, 0, 0) for _ in self.machine.numbers)
-        )
+        count = len(self.machine.numbers)
+        phases = run.phases or (0.0,) * count
+        if len(phases) != count:
+            raise ValueError(f"phases must be one for each of {count} wheelsets; got {len(phases)}.")
+        each = (Wheelset * count)(*(Wheelset(1.0, 0.0, 0.0, phase, 0, 0) for phase in phases))
         for one in run.faults:
             if one.wheelset not in self.machine.numbers:
                 raise ValueError(f"The wheelset of a fault must be from 1 to {len(each)}; got {one.wheelset}.")
@@ -298,6 +313,7 @@ class Loop:
             1.0 if rig.driven else machine.full_pressure,
             LONGEST,
             LOCK_ABOVE,
+            JERK_TIME,
             BAND,
             ABOVE,
             int(rig.by_flow),
@@ -319,8 +335,6 @@ class Loop:
         self.silences = 0
         self.watch = Watch(PATIENCE, GUARD)
         self.ends = np.zeros(self.count)
-        errors = [edge_errors(s.pulses, s.jitter, number) for number in machine.numbers]
-        self.errors = np.array(errors) if s.jitter else None
 
     def __enter__(self) -> Loop:
         return self
@@ -335,8 +349,8 @@ class Loop:
         if not rows:
             return
         form = self.rig.form
-        errors = None if self.errors is None else self.errors.ctypes.data
         for row, one in rows.items():
+            errors = None if one.errors is None else one.errors.ctypes.data
             self.call.rig_begin(self.own, row, one.end_speed, errors, ctypes.addressof(one.wheelsets))
             self.ends[row] = one.end_speed
             self.messages.pop(row, None)
@@ -486,6 +500,7 @@ class Loop:
             int(one["commands"]),
             message,
             row not in self.not_judged,
+            jerk=float(one["jerk"]),
         )
 
     def _failure(self, one: Any) -> str:

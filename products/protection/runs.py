@@ -48,8 +48,9 @@ class Fault:
 class Run:
     """One stop: inputs and parameters of the vehicle; speed [m/s] and brake_ratio, by default those of the settings.
 
-    equipment: some of EQUIPMENT. With traction a run is a start: it ends when the vehicle reaches `speed`. phase:
-    initial angle of the wheels of all sensors as a share of a tooth, 0 to below 1.
+    equipment: some of EQUIPMENT. With traction a run is a start: it ends when the vehicle reaches `speed`. phases:
+    initial angle of each wheelset's sensor as a share of a tooth, 0 to below 1; empty: all 0. teeth: seed of the errors
+    of the teeth, whose size the settings have.
     """
 
     values: Mapping[str, float]
@@ -57,11 +58,13 @@ class Run:
     brake_ratio: float | None = None
     faults: tuple[Fault, ...] = ()
     equipment: tuple[str, ...] = ()
-    phase: float = 0.0
+    phases: tuple[float, ...] = ()
+    teeth: int = 0
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.phase < 1.0:
-            raise ValueError(f"phase must be from 0 to below 1 tooth; got {self.phase}.")
+        for phase in self.phases:
+            if not 0.0 <= phase < 1.0:
+                raise ValueError(f"phases must be from 0 to below 1 tooth; got {phase}.")
         object.__setattr__(self, "equipment", in_order(self.equipment))
         if self.speed is not None and self.speed > FASTEST:
             message = f"speed of a run must be at most {FASTEST:g} m/s; got {self.speed:g} m/s."
@@ -105,6 +108,8 @@ class Stop:
         False if the controller gave no answer for long and is therefore not evaluated.
     history : History or None
         The history, if recorded.
+    jerk : float
+        Largest jerk of the filtered deceleration above 3 m/s [m/s3]; `JERK_TIME` of rails.py is the filter's.
     """
 
     distance: float | None
@@ -120,6 +125,7 @@ class Stop:
     message: str
     judged: bool = True
     history: History | None = field(default=None, compare=False, repr=False)
+    jerk: float = 0.0
 
     @property
     def words(self) -> str:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -64,7 +65,7 @@ class PeakAdhesion:
         model = machine_model(self.machine)
         self.states = list(model.systems[0].states)
         self.place = np.array(self.kernel.linearise().state)
-        self.sanded_from = 0.0
+        self.sanded_from, self._peak = 0.0, 0
         self.values = {one.name: one.start for one in model.variables} | dict(rail)
 
     def at(self, distance: float, speed: float, slip: float) -> float:
@@ -86,6 +87,26 @@ class PeakAdhesion:
         """Return the largest deceleration [m/s2], and the slip ratio at which it is reached."""
         found = [self.at(distance, speed, slip) for slip in self.SLIPS]
         return max(found), float(self.SLIPS[int(np.argmax(found))])
+
+    def best_near(self, distance: float, speed: float) -> float:
+        """Return the largest deceleration [m/s2], climbing along the slips from the best slip of the last call.
+
+        The creep force rises to one peak and falls behind it, so neighbours suffice.
+        """
+        found: dict[int, float] = {}
+
+        def at(place: int) -> float:
+            if place not in found:
+                found[place] = self.at(distance, speed, float(self.SLIPS[place]))
+            return found[place]
+
+        place, last = self._peak, len(self.SLIPS) - 1
+        while place < last and at(place + 1) > at(place):
+            place += 1
+        while place > 0 and at(place - 1) > at(place):
+            place -= 1
+        self._peak = place
+        return at(place)
 
     def stopping_distance(self, speed: float, brake_ratio: float = 1.0) -> float:
         """Return the distance [m] of a stop with the best slip, or with the brake's deceleration where that is lower.
@@ -118,7 +139,7 @@ class PeakAdhesion:
 
         def slope(time: float, state: np.ndarray) -> list[float]:
             speed = max(state[1], STANDING)
-            most = self.best(state[0], speed)[0]
+            most = self.best_near(state[0], speed)
             return [state[1], sign * min(self.asked(time, speed, start, brake_ratio), most) - self.held_back]
 
         def there(time: float, state: np.ndarray) -> float:
@@ -187,8 +208,11 @@ class PeakAdhesion:
         warmer = motion / (len(machine.numbers) * v["disc_mass"] * v["disc_heat_capacity"])
         rubbing = speed * v["friction_radius"] / machine.parameters.wheel_radius
         temperature = v["initial_disc_temperature"] + warmer
-        return float(
-            ca.evalf(
-                pad_friction({name: ca.SX(value) for name, value in v.items()}, *map(ca.SX, (rubbing, temperature)))
-            )
-        )
+        return float(self.pads(rubbing, temperature))
+
+    @cached_property
+    def pads(self) -> ca.Function:
+        """Friction of the pads from their sliding speed [m/s] and the temperature of the disc."""
+        speed, temperature = ca.SX.sym("speed"), ca.SX.sym("temperature")
+        values = {name: ca.SX(value) for name, value in self.values.items()}
+        return ca.Function("pads", [speed, temperature], [pad_friction(values, speed, temperature)])

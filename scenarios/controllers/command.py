@@ -18,13 +18,15 @@ loop; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from brake_controller.slide_protection import RIG
 from products.machine import MACHINES, TRACTION
+from products.protection.controller_kinds import InC
+from products.protection.own_process import Apart
 from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme
 from products.protection.rails import RAILS
 from products.protection.settings import (
@@ -36,15 +38,16 @@ from products.protection.settings import (
     SHORTEST_PERIOD,
     Settings,
 )
+from products.protection.spread import LARGEST_SPREAD, Spread
 from products.registry import ALIASES, fmu_named
 from readers.command_line import quantity, whole
 from readers.storage import write_whole
 from scenarios.controllers import answering, loop, replay, verdict
-from scenarios.controllers.controller_loader import controllers_of
+from scenarios.controllers.controller_loader import Given, controllers_of
 from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
-from scenarios.controllers.scoring import PHASES, Scored, compare, ideal_distance, runs_of
-from scenarios.controllers.table import document, lines, write_document
+from scenarios.controllers.scoring import FEW, LOOKS, Plan, Scored, compare, ideal_distance, runs_of
+from scenarios.controllers.table import document, drawn, lines, write_document
 from scenarios.reporting.plots import plt
 from scenarios.scenario import BadInputError
 
@@ -71,14 +74,15 @@ All controllers make the same stops with the same brake, sensors and rails; cyli
 reservoir. Without a controller the wheels may lock. The ideal has the best slip at every instant. Measures are in the
 manner of EN 15595, without any claim of conformity.
 
-Each case is run three times. The controllers are then called at other places between two pulses of the sensors. A
-distance is the mean of those stops; controllers whose difference is within that spread are called equal.
+Each case is drawn 8 times or more: other phases and errors of the sensors' teeth, and friction and load that differ by
+some per cent, the same for all controllers. A distance is the mean, with its 95 % interval. Draws are added until the
+controllers are told apart, to at most --draws. Controllers that the draws do not tell apart are called so.
 
 Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed or has no verdict; 2 bad input; 3 the
 simulation failed; 130 interrupted with Ctrl-C.
 """
-#: Largest number of stops of a case: two phases then differ by a hundredth of a tooth.
-MOST_PHASES = 100
+#: Largest number of draws of a case.
+MOST_DRAWS = 10_000
 
 
 def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.ArgumentParser], None]) -> None:
@@ -122,13 +126,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--rails", default="", metavar="NAMES", help=text)
     text = "a TOML file with cases; full: the programme that comes along; starts: the one for driven wheels"
     group.add_argument("--programme", metavar="FILE", help=text)
-    text = (
-        f"stops of each case, each sampled at other instants between two teeth, 1 to {MOST_PHASES} (default: {PHASES})"
-    )
-    phases = whole("--phases", 1, MOST_PHASES)
-    parser.add_argument("--phases", type=phases, default=PHASES, metavar="N", help=text)
     parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")
-    add_settings(parser)
+    add_draws(parser)
+    add_settings(parser, Spread().jitter)
+
+
+def add_draws(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the draws."""
+    text = f"most draws of a case, 1 to {MOST_DRAWS} (default: {LOOKS[-1]}; {FEW} with a controller in Python)"
+    parser.add_argument("--draws", type=whole("--draws", 1, MOST_DRAWS), metavar="N", help=text)
+    text = "seed of the draws, from 0 (default: 1)"
+    parser.add_argument("--seed", type=whole("--seed", 0, 2**31 - 1), default=1, metavar="N", help=text)
+    for name in ("friction", "load"):
+        usual = getattr(Spread(), name)
+        text = f"half width of the spread of {name}, 0 to {LARGEST_SPREAD:g} (default: {usual:g})"
+        one = quantity(f"--{name}-spread", least=0.0, most=LARGEST_SPREAD)
+        parser.add_argument(f"--{name}-spread", type=one, default=usual, metavar="SHARE", help=text)
+
+
+def plan_of(chosen: argparse.Namespace, controllers: Mapping[str, Given]) -> tuple[Plan, str]:
+    """Return the requested draws, and the controller because of which they are few."""
+    slow = next((name for name, one in controllers.items() if not (one is None or isinstance(one, InC | Apart))), "")
+    spread = Spread(chosen.friction_spread, chosen.load_spread, chosen.jitter)
+    if chosen.draws:
+        return Plan(spread, chosen.seed, chosen.draws), ""
+    return Plan(spread, chosen.seed, FEW if slow else LOOKS[-1]), slow
 
 
 def add_case(parser: argparse.ArgumentParser) -> None:
@@ -140,8 +162,8 @@ def add_case(parser: argparse.ArgumentParser) -> None:
     add_settings(parser)
 
 
-def add_settings(parser: argparse.ArgumentParser) -> None:
-    """Add the options of all stops."""
+def add_settings(parser: argparse.ArgumentParser, jitter: float = 0.0) -> None:
+    """Add the options of all stops; jitter: its default."""
     text = (
         f"{' or '.join(MACHINES)}; {' and '.join(f'{own} = {name}' for own, name in ALIASES.items())} (default: bogie)"
     )
@@ -158,9 +180,10 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
     text = f"of each speed sensor in a revolution, 1 to {MOST_PULSES} (default: {Settings.pulses})"
     pulses = whole("--pulses", 1, MOST_PULSES)
     parser.add_argument("--pulses", type=pulses, default=Settings.pulses, metavar="COUNT", help=text)
-    text = f"standard deviation of the pulses' places, as a share of the pitch, 0 to {MOST_JITTER:g} (default: 0)"
-    jitter = quantity("--jitter", least=0.0, most=MOST_JITTER)
-    parser.add_argument("--jitter", type=jitter, default=0.0, metavar="SHARE", help=text)
+    words = f"0 to {MOST_JITTER:g} (default: {jitter:g})"
+    text = f"standard deviation of the pulses' places, as a share of the pitch, {words}"
+    one = quantity("--jitter", least=0.0, most=MOST_JITTER)
+    parser.add_argument("--jitter", type=one, default=jitter, metavar="SHARE", help=text)
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
 
 
@@ -208,10 +231,12 @@ def run(chosen: argparse.Namespace) -> bool:
     machine = MACHINES[chosen.vehicle]()
     cases = cases_of(chosen)
     controllers = controllers_of(chosen.controller, len(machine.numbers), TRACTION in cases[0].equipment)
-    scores = compare(machine, controllers, cases, settings, chosen.level, chosen.html, chosen.phases)
+    plan, slow = plan_of(chosen, controllers)
+    scores = compare(machine, controllers, cases, settings, plan, chosen.level, chosen.html, verdict.decided)
+    draws = drawn(scores, plan, slow)
     folder = chosen.out / "controllers"
     found = verdict.verdicts(scores)
-    about = document(chosen.vehicle, settings, scores) | {"verdict": verdict.document(found)}
+    about = document(chosen.vehicle, settings, scores, plan) | {"verdict": verdict.document(found)}
     for name in ("compare.png", "compare.html"):  # of an earlier comparison
         (folder / name).unlink(missing_ok=True)
     text = write_document(folder / "compare.json", about)
@@ -219,11 +244,11 @@ def run(chosen: argparse.Namespace) -> bool:
     figure.savefig(folder / "compare.png")
     plt.close(figure)
     if chosen.html:
-        write_whole(folder / "compare.html", page(chosen.vehicle, machine, settings, scores).encode())
+        write_whole(folder / "compare.html", page(chosen.vehicle, machine, settings, scores, draws).encode())
     if chosen.json:
         print(text, end="")
     elif not chosen.quiet:
-        table = [*verdict.lines(found), "", *lines(chosen.vehicle, settings, scores)]
+        table = [*verdict.lines(found), "", *lines(chosen.vehicle, settings, scores, draws)]
         places = [f"Page: {folder / 'compare.html'}"] if chosen.html else []
         print("\n".join([*table, "", f"Picture: {folder / 'compare.png'}", *places]))
     return all(score.stop.distance is not None for score in scores)

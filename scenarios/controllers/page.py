@@ -30,16 +30,16 @@ TIME, DISTANCE, SPEED, EFFORT = 1e-3, 0.1, 0.01, 1e3
 LARGEST = 2**15 - 1
 
 
-def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Scored]) -> str:
-    """Return the text of the page, from scores with their histories."""
+def page(vehicle: str, machine: Machine, settings: Settings, scores: Sequence[Scored], draws: str) -> str:
+    """Return the text of the page, from scores with their histories; draws: as `table.drawn` returns it."""
     found = verdict.verdicts(scores)
-    by_case = [[table.cells(one) for one in group] for _, group in groupby(scores, lambda one: one.case)]
+    by_case = [list(group) for _, group in groupby(table.rows_of(scores), lambda row: row[0])]
     return filled(
         "comparison.html.jinja",
         title="Wheel-slide controllers side by side",
         headline=" ".join(verdict.messages(found)),
         verdict=(heads(verdict.heads(found), verdict.UNITS), [[verdict.cells(one)] for one in found]),
-        about=table.about(vehicle, settings, scores),
+        about=f"{table.about(vehicle, settings, scores)}; {draws}",
         first=first_case(scores),
         scores=(heads(table.HEADS, table.UNITS), by_case),
         messages=table.messages(scores),
@@ -93,7 +93,7 @@ def data(machine: Machine, scores: Sequence[Scored]) -> dict[str, object]:
                 "case": one.case,
                 "controller": one.controller,
                 "ideal": one.ideal,
-                "distance": (one.stops or [one.stop])[0].distance,  # of the drawn phase
+                "distance": (one.stops or [one.stop])[0].distance,  # of the draw that is shown
                 "judged": one.stop.judged,
                 "message": one.stop.message,
                 "samples": history.time.size,

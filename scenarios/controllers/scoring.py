@@ -5,8 +5,11 @@ from __future__ import annotations
 import contextlib
 import math
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
 
 from fmu_src.suggestion import suggestion
 from products.machine import Machine, filling_by_flow
@@ -17,8 +20,10 @@ from products.protection.programme import Case
 from products.protection.rig import START_SPEED
 from products.protection.runs import Run, Stop
 from products.protection.settings import GAS, Settings
+from products.protection.spread import Draw, Spread, draws_of
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.controller_loader import Given
+from scenarios.controllers.estimate import Estimate, Sample, sample_of
 from scenarios.reporting.progress import counting
 from scenarios.scenario import BadInputError
 
@@ -28,17 +33,37 @@ from scenarios.scenario import BadInputError
 WORN, CONTACT = 55e-3 / 7850.0, 12e-3
 #: Arguments of a case that replace settings of the rig, by names.
 OF_THE_RIG = {"initial_speed": "give speed", "force_per_pressure": "give brake_ratio"}
-#: Stops of each case. One stop on a low rail changes by 0.5 % with the phase of the samples between the teeth.
-PHASES = 3
+#: Numbers of draws of a case at which a comparison looks whether it can end, and the most of an unhurried controller.
+LOOKS = (8, 16, 32, 64)
+#: Largest number of draws of a case by default if a controller is a Python class or a function of arrays.
+FEW = 16
 #: Pressure of the free air in which litres are given [Pa].
 FREE_AIR = 101325.0
 
 
 @dataclass(frozen=True)
-class Scored:
-    """A controller in a case: its stops over the phases as one, with the ideal and its own on the dry rail [m].
+class Plan:
+    """How stops are drawn.
 
-    radius: of the wheels [m]; driven: it is a start. stops: one for each phase; empty: `stop` is the only one.
+    spread: what varies; seed: other seeds give independent draws; most: largest number of draws of a case.
+    """
+
+    spread: Spread = field(default_factory=Spread)
+    seed: int = 1
+    most: int = LOOKS[-1]
+
+    @property
+    def looks(self) -> tuple[int, ...]:
+        """Return the numbers of draws at which a comparison looks whether it can end."""
+        return (*(count for count in LOOKS if count < self.most), self.most)
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A controller in a case: its stops over the draws as one, with the ideal and its own on the dry rail [m].
+
+    radius: of the wheels [m]; driven: it is a start. stops: one for each draw; empty: `stop` is the only one. draws: of
+    the stops; empty: nothing was drawn.
     """
 
     case: str
@@ -49,19 +74,25 @@ class Scored:
     dry: float | None
     driven: bool = False
     stops: tuple[Stop, ...] = ()
+    draws: tuple[Draw, ...] = ()
+
+    @cached_property
+    def distances(self) -> Sample | None:
+        """Return the distances [m], each without the effect of its friction and load; None if one is missing."""
+        found = [one.distance for one in self.stops or [self.stop] if one.distance is not None]
+        if len(found) < max(1, len(self.stops)):
+            return None
+        return sample_of(found, [(one.friction - 1.0, one.load - 1.0) for one in self.draws] or np.zeros(len(found)))
+
+    @cached_property
+    def distance(self) -> Estimate | None:
+        """Return the mean distance with its interval [m]; None if one is missing."""
+        return None if self.distances is None else self.distances.estimate()
 
     @property
-    def spread(self) -> float | None:
-        """Return the difference of the longest and the shortest stop [m]; None without a distance, and of one phase."""
-        distances = [one.distance for one in self.stops if one.distance is not None]
-        return None if self.stop.distance is None or len(distances) < 2 else max(distances) - min(distances)
-
-    @property
-    def ratios(self) -> tuple[float, ...]:
-        """Return the distance over the ideal in each phase [1]; empty without a distance or an ideal."""
-        if self.over(self.ideal) is None or self.ideal is None:
-            return ()
-        return tuple(one.distance / self.ideal for one in self.stops or [self.stop] if one.distance is not None)
+    def ratios(self) -> Sample | None:
+        """Return the distances over the ideal [1]; None without distances or an ideal."""
+        return None if self.distances is None or self.ideal is None else self.distances.over(self.ideal)
 
     @property
     def history(self) -> History | None:
@@ -69,8 +100,8 @@ class Scored:
         return self.stop.history
 
     def over(self, other: float | None) -> float | None:
-        """Return the distance over another; None if one of them is missing."""
-        return self.stop.over(other)
+        """Return the mean distance over another [m]; None if one of them is missing."""
+        return None if self.distance is None or other is None else self.distance.mean / other
 
     @property
     def tread_energy(self) -> float:
@@ -106,7 +137,7 @@ def sliding_cases(scores: Sequence[Scored]) -> list[str]:
 
 
 def together(stops: Sequence[Stop]) -> Stop:
-    """Return the stops of one case, one for each phase, as one.
+    """Return the stops of one case, one for each draw, as one.
 
     Distances, times, shares, air and energy are means; locks and skids the longest, the reservoir's pressure the
     lowest. The distance is None if one is missing, and `judged` is False if one is.
@@ -120,7 +151,7 @@ def together(stops: Sequence[Stop]) -> Stop:
 
     distances = [one.distance for one in stops if one.distance is not None]
     reservoirs = [one.lowest_reservoir for one in stops if one.lowest_reservoir is not None]
-    messages = [f"{one.message} (phase {number} of {len(stops)})" for number, one in enumerate(stops, 1) if one.message]
+    messages = [f"{one.message} (draw {number} of {len(stops)})" for number, one in enumerate(stops, 1) if one.message]
     return replace(
         first,
         distance=sum(distances) / len(stops) if len(distances) == len(stops) else None,
@@ -134,6 +165,8 @@ def together(stops: Sequence[Stop]) -> Stop:
         lowest_reservoir=min(reservoirs) if reservoirs else None,
         message=messages[0] if messages else "",
         judged=all(one.judged for one in stops),
+        commands=round(mean("commands")),
+        jerk=max(one.jerk for one in stops),
     )
 
 
@@ -142,9 +175,10 @@ def compare(
     controllers: Mapping[str, Given],
     cases: Sequence[Case],
     settings: Settings,
+    plan: Plan,
     level: int = 2,
     recorded: bool = False,
-    phases: int = PHASES,
+    enough: Callable[[Sequence[Scored]], bool] = lambda scores: False,
 ) -> list[Scored]:
     """Return the scores of every controller in every case, case by case.
 
@@ -154,36 +188,68 @@ def compare(
     controllers : mapping of str to Given
     cases : sequence of Case
     settings : Settings
+    plan : Plan
+        Draws of the stops, the same for all controllers. Its spread replaces the jitter of the settings.
     level : int
         2 planar, as the ideal always is; 3 in three dimensions.
     recorded : bool
-        Record histories.
-    phases : int
-        Stops of each case. Their first samples are at equal shares of the time from one tooth to the next; the distance
-        is
-        their mean.
+        Record the history of the first draw.
+    enough : callable
+        Called with the scores after each look of the plan but the last; True ends the comparison.
     """
-    runs = runs_of(machine, cases, level)
-    stops: dict[str, list[tuple[Stop, ...]]] = {}
-    every = EVERY if recorded else 0.0
+    runs, settings = runs_of(machine, cases, level), replace(settings, jitter=plan.spread.jitter)
+    orders = {name: Order(machine, one, settings, level=level) for name, one in controllers.items()}
+    stops: dict[str, list[list[Stop]]] = {name: [[] for _ in cases] for name in controllers}
+    names, numbers = [case.name for case in cases], range(0)
     with counting(total=len(controllers) + len(runs), text="controllers and ideals", unit="") as bar:
-        for name, controller in controllers.items():
-            order = Order(machine, controller, settings, level=level, every=every)
-            found = stops_of(order, name, [replace(run, phase=at / phases) for run in runs for at in range(phases)])
-            stops[name] = [tuple(found[begin : begin + phases]) for begin in range(0, len(found), phases)]
-            bar.update()
-        ideal = []
+        ideals = []
         for run in runs:
-            ideal.append(ideal_distance(machine, run, settings))
+            ideals.append(ideal_distance(machine, run, settings))
             bar.update()
-    names = [case.name for case in cases]
-    dry = {name: together(own[names.index("dry")]).distance if "dry" in names else None for name, own in stops.items()}
-    radius = machine.parameters.wheel_radius
-    return [
-        Scored(case.name, name, together(own), radius, best, dry[name] if case.speed is None else None, run.driven, own)
-        for case, run, best, *of_each in zip(cases, runs, ideal, *stops.values(), strict=True)
-        for name, own in zip(stops, of_each, strict=True)
-    ]
+        for count in plan.looks:
+            numbers = range(numbers.stop, count)
+            first = recorded and not numbers.start
+            drawn = [draws_of(name, numbers, len(machine.numbers), plan.spread, plan.seed) for name in names]
+            for name, order in orders.items():
+                for own, more in zip(stops[name], drawn_stops(order, name, runs, drawn, first), strict=True):
+                    own += more
+                bar.update(int(numbers.start == 0))
+            scores = scored(machine, cases, runs, ideals, stops, plan)
+            if count == plan.most or enough(scores):
+                break
+    return scores
+
+
+def drawn_stops(
+    order: Order, name: str, runs: Sequence[Run], drawn: Sequence[Sequence[Draw]], recorded: bool = False
+) -> list[list[Stop]]:
+    """Return the stops of each run for its draws; recorded: the first stop of each with its history."""
+    wanted = [draw.applied(run, order.machine) for run, own in zip(runs, drawn, strict=True) for draw in own]
+    found = stops_of(order, name, wanted)
+    each = len(drawn[0])
+    if recorded and each:
+        found[::each] = stops_of(replace(order, every=EVERY), name, wanted[::each])
+    return [found[begin : begin + each] for begin in range(0, len(found), each)]
+
+
+def scored(
+    machine: Machine,
+    cases: Sequence[Case],
+    runs: Sequence[Run],
+    ideals: Sequence[float | None],
+    stops: Mapping[str, Sequence[Sequence[Stop]]],
+    plan: Plan,
+) -> list[Scored]:
+    """Return the scores of these stops, by controllers and cases."""
+    radius, found = machine.parameters.wheel_radius, []
+    for place, (case, run, ideal) in enumerate(zip(cases, runs, ideals, strict=True)):
+        for name, of_each in stops.items():
+            own = tuple(of_each[place])
+            draws = tuple(draws_of(case.name, range(len(own)), len(machine.numbers), plan.spread, plan.seed))
+            found.append(Scored(case.name, name, together(own), radius, ideal, None, run.driven, own, draws))
+    dry = {one.controller: one.distance.mean for one in found if one.case == "dry" and one.distance}
+    alike = {case.name for case in cases if case.speed is None}
+    return [replace(one, dry=dry.get(one.controller)) if one.case in alike else one for one in found]
 
 
 def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run]:

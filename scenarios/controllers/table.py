@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -11,21 +12,23 @@ from products.protection.rig import START_SPEED
 from products.protection.settings import Settings
 from readers.documents import document_text, finite
 from readers.storage import write_whole
-from scenarios.controllers.scoring import Scored
+from scenarios.controllers.estimate import LEVEL, Estimate, less
+from scenarios.controllers.scoring import Plan, Scored
 from scenarios.controllers.words import words_of
 
 HEADS = (
-    *("case", "controller", "distance", "spread", "over ideal", "over dry", "longest lock", "in the band"),
+    *("case", "controller", "distance", "95 %", "longer by", "over ideal", "over dry", "longest lock", "in the band"),
     *("sliding", "flat", "air", "reservoir"),
 )
-UNITS = ("", "", "m", "m", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
+UNITS = ("", "", "m", "m", "%", "1", "1", "s", "1", "kJ", "mm", "l", "kPa")
 
 
-def lines(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> Iterator[str]:
-    """Yield the lines of the table, and the messages."""
+def lines(vehicle: str, settings: Settings, scores: Sequence[Scored], draws: str = "") -> Iterator[str]:
+    """Yield the lines of the table, and the messages; draws: as `drawn` returns it."""
     yield about(vehicle, settings, scores)
+    yield from [draws] if draws else []
     yield ""
-    rows = [HEADS, UNITS, *(cells(one) for one in scores)]
+    rows = [HEADS, UNITS, *rows_of(scores)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEADS))]
     for number, row in enumerate(rows):
         if number > 1 and row[0] != rows[number - 1][0]:
@@ -49,9 +52,51 @@ def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
         way, lock = f"from {START_SPEED:g} to {settings.speed:g} m/s", "lock: wheels turn at more than twice the speed"
     else:
         way, lock = f"from {settings.speed:g} m/s", f"lock counted above {LOCK_ABOVE:g} m/s"
-    phases = max(len(one.stops) for one in scores)
-    stops = f"; {phases} phases a case" if phases > 1 else ""
-    return f"{vehicle}: {torque} {way} unless the case says otherwise, {sensors}; {lock}{stops}"
+    return f"{vehicle}: {torque} {way} unless the case says otherwise, {sensors}; {lock}"
+
+
+def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
+    """Return how many stops of each case were drawn, and from what.
+
+    few: the controller because of which the number is limited to FEW.
+    """
+    count, spread = max(len(one.stops) for one in scores), plan.spread
+    varied = (
+        f"friction ±{100 * spread.friction:g} %, load ±{100 * spread.load:g} %, teeth {spread.jitter:g} of the pitch"
+    )
+    limit = f", the limit{f' because {few} is written in Python' if few else ''}" if count == plan.most else ""
+    return f"{count} draws a case{limit}: phases of the sensors, {varied} (all assumed); seed {plan.seed}"
+
+
+def shortest(scores: Sequence[Scored]) -> dict[str, Scored]:
+    """Return the score with the shortest mean distance in each case."""
+    found: dict[str, Scored] = {}
+    for one in scores:
+        least = found.get(one.case)
+        if one.distance and (least is None or not least.distance or one.distance.mean < least.distance.mean):
+            found[one.case] = one
+    return found
+
+
+def rows_of(scores: Sequence[Scored]) -> list[tuple[str, ...]]:
+    """Return the rows of the table, each with its difference to the shortest distance in its case."""
+    least = shortest(scores)
+    level = 1.0 - (1.0 - LEVEL) / max(len(scores) - len(least), 1)  # Bonferroni: all differences of the table
+    return [cells(one, least.get(one.case), level) for one in scores]
+
+
+def longer_by(one: Scored, least: Scored | None, level: float) -> str:
+    """Return the paired difference to the shortest distance [%], or that both cannot be told apart."""
+    if least is None or one.distances is None or least.distances is None or least.distance is None:
+        return "-"
+    if one is least:
+        return "shortest"
+    found = less(one.distances, least.distances).estimate(level).over(least.distance.mean)
+    if found.mean == 0.0 and not found.half > 0.0:
+        return "equal"
+    if not found.differs and found.count > 1:
+        return "not apart"
+    return f"{100 * found.mean:.1f}"
 
 
 def messages(scores: Sequence[Scored]) -> list[str]:
@@ -59,8 +104,11 @@ def messages(scores: Sequence[Scored]) -> list[str]:
     return [f"{one.controller}, {one.case}: {one.stop.message}" for one in scores if one.stop.message]
 
 
-def cells(one: Scored) -> tuple[str, ...]:
-    """Return a row of the table; of a stop without a verdict only that."""
+def cells(one: Scored, least: Scored | None = None, level: float = LEVEL) -> tuple[str, ...]:
+    """Return a row of the table; of a stop without a verdict only that.
+
+    least: the score with the shortest distance in the case; level: probability of the interval of the difference.
+    """
 
     def number(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
@@ -68,24 +116,35 @@ def cells(one: Scored) -> tuple[str, ...]:
     stop = one.stop
     if not stop.judged:
         return one.case, one.controller, "not judged", *["-"] * (len(HEADS) - 3)
-    distance = words_of(one.driven).none if stop.distance is None else f"{stop.distance:.1f}"
+    known = one.distance
+    distance = words_of(one.driven).none if known is None else f"{known.mean:.1f}"
+    width = "-" if known is None else half(known, 1.0, ".1f")
     ratios = number(one.over(one.ideal), ".3f"), number(one.over(one.dry), ".3f")
     band = "-" if stop.distance is None else f"{stop.share_in_band:.2f}"
     rest = f"{stop.longest_lock:.2f}", band, f"{one.tread_energy / 1e3:.0f}"
     air = f"{1e3 * one.flat:.0f}", f"{one.air:.0f}", f"{(stop.lowest_reservoir or 0.0) / 1e3:.0f}"
-    return one.case, one.controller, distance, number(one.spread, ".1f"), *ratios, *rest, *air
+    return one.case, one.controller, distance, width, longer_by(one, least, level), *ratios, *rest, *air
 
 
-def document(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> dict[str, object]:
+def half(one: Estimate, unit: float, form: str) -> str:
+    """Return half of the interval in a unit, as ±0.3; - with one draw."""
+    return f"±{format(one.half / unit, form)}" if math.isfinite(one.half) else "-"
+
+
+def document(vehicle: str, settings: Settings, scores: Sequence[Scored], plan: Plan | None = None) -> dict[str, object]:
     """Return the results for programs; SI units, air in litres."""
     runs = [
         {"case": one.case, "controller": one.controller, **asdict(replace(one.stop, history=None))}
-        | {"distances": [of.distance for of in one.stops or [one.stop]], "spread": one.spread}
+        | {
+            "distances": [of.distance for of in one.stops or [one.stop]],
+            "estimate": one.distance and asdict(one.distance),
+        }
         | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "litres": one.air}
         | {"tread_energy": one.tread_energy, "flat": one.flat}
         for one in scores
     ]
-    return {"vehicle": vehicle, "settings": asdict(settings), "runs": runs}
+    draws = {"plan": asdict(plan)} if plan else {}
+    return {"vehicle": vehicle, "settings": asdict(settings), **draws, "runs": runs}
 
 
 def write_document(path: Path, about: Mapping[str, object]) -> str:

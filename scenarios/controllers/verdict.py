@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
-from statistics import fmean as mean
-from statistics import median
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
 
 from products.protection.rails import LONGEST_LOCK
 from scenarios.controllers.controller_loader import ALWAYS
-from scenarios.controllers.scoring import Scored, sliding_cases
+from scenarios.controllers.estimate import LEVEL, Estimate, Sample, across, less
+from scenarios.controllers.harm import Harm, harm_of
+from scenarios.controllers.scoring import LOOKS, Scored, sliding_cases
+from scenarios.controllers.table import half
 from scenarios.controllers.words import STOPS, Words, words_of
 
 HEADS = (
@@ -20,60 +23,56 @@ HEADS = (
     "{none}",
     "locks",
     "median over ideal",
-    "spread",
+    "95 %",
     "worst",
     "in the case",
+    "harm",
     "longest lock",
     "mean air",
 )
-UNITS = ("", "1", "1", "1", "1", "1", "1", "", "s", "l")
+UNITS = ("", "1", "1", "1", "1", "1", "1", "", "", "s", "l")
 #: Columns of words; the others are numbers.
-WORDS = ("controller", "in the case")
+WORDS = ("controller", "in the case", "harm")
 WIDTH = 120
 #: Ratios that differ by less are alike [1]: 0.5 % is the difference between the rig and coupled FMUs.
 ALIKE = 0.005
-
-
-@dataclass(frozen=True)
-class Ratio:
-    """A distance over the ideal [1]: mean, smallest and largest over the phases of sampling."""
-
-    mean: float
-    least: float
-    most: float
-
-    @property
-    def spread(self) -> float:
-        """Return the largest less the smallest."""
-        return self.most - self.least
-
-    def is_like(self, other: Ratio) -> bool:
-        """Return whether both differ by less than the scatter of the sampling phase, or of the rig."""
-        return abs(self.mean - other.mean) <= max(ALIKE, (self.spread + other.spread) / 2)
+#: Criteria of distance by which two controllers are compared: the median and the worst case.
+CRITERIA = 2
 
 
 @dataclass(frozen=True)
 class Verdict:
     """Results of a controller in all evaluated cases; its distances in those in which a wheel slides.
 
-    stopped: cases with a stop in every phase; failed: cases without; not_judged: cases without a verdict; sliding:
-    cases with a sliding wheel; locked: those with a lock of more than LONGEST_LOCK; median, worst: distance over the
-    ideal of its stops, None without an ideal; worst_case: the first failed case, or that of the worst; longest_lock
-    [s]; air [l], the mean.
+    stopped: cases with a stop in every draw; failed: cases without; not_judged: cases without a verdict; sliding: cases
+    with a sliding wheel; locked: those with a lock of more than LONGEST_LOCK; medians, largest: in each draw the median
+    of the distances over the ideal, and the one of the worst case; None without an ideal; worst_case: the first failed
+    case, or the worst; harm: where no wheel slides; longest_lock [s]; air [l], the mean.
     """
 
     controller: str
     stopped: int
     failed: int
     locked: int
-    median: Ratio | None
-    worst: Ratio | None
+    medians: Sample | None
+    largest: Sample | None
     worst_case: str
+    harm: Harm | None
     longest_lock: float
     air: float
     words: Words = STOPS
     not_judged: int = 0
     sliding: int = 0
+
+    @property
+    def median(self) -> Estimate | None:
+        """Return the median of the distances over the ideal [1]."""
+        return None if self.medians is None else self.medians.estimate()
+
+    @property
+    def worst(self) -> Estimate | None:
+        """Return the distance over the ideal in the worst case [1]."""
+        return None if self.largest is None else self.largest.estimate()
 
     @property
     def cases(self) -> int:
@@ -94,50 +93,93 @@ class Verdict:
         return self.counts, median, worst
 
 
+def level_of(controllers: int) -> float:
+    """Return the probability of one interval of a difference, so that all of a comparison hold with LEVEL.
+
+    Bonferroni: each controller is compared with the best by the criteria of distance, at each look.
+    """
+    return 1.0 - (1.0 - LEVEL) / (CRITERIA * max(controllers - 1, 1) * len(LOOKS))
+
+
+def differs(one: Sample, least: Sample, level: float) -> bool:
+    """Return whether two controllers are told apart: by their draws, and by more than ALIKE."""
+    difference = less(one, least).estimate(level)
+    return abs(difference.mean) > ALIKE and (difference.differs or difference.count < 2)
+
+
+def settled(one: Sample, least: Sample, level: float) -> bool:
+    """Return whether more draws change nothing: the interval of the difference lies on one side of ALIKE."""
+    difference = less(one, least).estimate(level)
+    return difference.half < abs(abs(difference.mean) - ALIKE)
+
+
 def leaders(found: Sequence[Verdict]) -> list[Verdict]:
-    """Return the best controllers: those with the best counts whose median, and then worst, is like the smallest."""
-    best = [one for one in found if one.counts == min(other.counts for other in found)]
-    for name in ("median", "worst"):
-        ratios = [ratio for one in best if (ratio := getattr(one, name)) is not None]
-        if ratios:
-            least = min(ratios, key=lambda ratio: ratio.mean)
-            best = [one for one in best if (ratio := getattr(one, name)) is not None and least.is_like(ratio)]
+    """Return the best controllers.
+
+    They have the best counts. Then those remain that are not told apart from the one with the smallest median, and then
+    from the one with the smallest worst.
+    """
+    best, level = [one for one in found if one.counts == min(other.counts for other in found)], level_of(len(found))
+    for name in ("medians", "largest"):
+        samples = [(one, sample) for one in best if (sample := getattr(one, name)) is not None]
+        if samples:
+            least = min((sample for _, sample in samples), key=lambda sample: float(sample.values.mean()))
+            best = [one for one, sample in samples if not differs(sample, least, level)]
     return best
+
+
+def decided(scores: Sequence[Scored]) -> bool:
+    """Return whether further draws would not change which controllers are told apart from the best."""
+    found = verdicts(scores)
+    best, level = [one for one in found if one.counts == min(other.counts for other in found)], level_of(len(found))
+    for name in ("medians", "largest"):
+        samples = [sample for one in best if (sample := getattr(one, name)) is not None]
+        least = min(samples, key=lambda sample: float(sample.values.mean()), default=None)
+        if least is not None and not all(settled(one, least, level) for one in samples if one is not least):
+            return False
+    return True
 
 
 def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
     """Return one verdict for each controller, in their order."""
     names = dict.fromkeys(one.controller for one in scores)
     sliding = sliding_cases(scores)
-    return [verdict(name, [one for one in scores if one.controller == name], sliding) for name in names]
+    without = {one.case: one for one in scores if one.controller == "none" and one.case not in sliding}
+    return [verdict(name, [one for one in scores if one.controller == name], sliding, without) for name in names]
 
 
-def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str]) -> Verdict:
-    """Return the verdict on the scores `own` of one controller; sliding: the cases that count in the median."""
+def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str], without: Mapping[str, Scored]) -> Verdict:
+    """Return the verdict on the scores of one controller.
+
+    Parameters
+    ----------
+    name : str
+    own : sequence of Scored
+    sliding : sequence of str
+        The cases that count in the median.
+    without : mapping of str to Scored
+        Scores without a controller in the other cases.
+    """
     judged = [one for one in own if one.stop.judged]
-    every = {one.case: ratios for one in judged if (ratios := one.ratios)}
-    each = list(zip(*(ratios for case, ratios in every.items() if case in sliding), strict=True))
+    every = {one.case: ratios for one in judged if (ratios := one.ratios) is not None}
+    counted = [ratios for case, ratios in every.items() if case in sliding]
     failed = [one.case for one in judged if one.stop.distance is None]
-    worst = max(every, key=lambda case: mean(every[case])) if every else ""
+    worst = max(every, key=lambda case: float(every[case].values.mean())) if every else ""
     return Verdict(
         name,
         len(judged) - len(failed),
         len(failed),
         sum(one.stop.longest_lock > LONGEST_LOCK for one in judged),
-        ratio([median(of_phase) for of_phase in each]),
-        ratio(every.get(worst, ())),
+        across(counted, lambda values: np.median(values, axis=0)) if counted else None,
+        every.get(worst),
         failed[0] if failed else worst,
+        harm_of(judged, without),
         max((one.stop.longest_lock for one in judged), default=math.nan),
         sum(one.air for one in judged) / len(judged) if judged else math.nan,
         words_of(own[0].driven),
         len(own) - len(judged),
         len(sliding),
     )
-
-
-def ratio(phases: Sequence[float]) -> Ratio | None:
-    """Return the ratio of a value in each phase; None without phases."""
-    return Ratio(mean(phases), min(phases), max(phases)) if phases else None
 
 
 def messages(found: Sequence[Verdict]) -> list[str]:
@@ -157,6 +199,8 @@ def messages(found: Sequence[Verdict]) -> list[str]:
     )
     where = "in every case" if best[0].stopped == cases else f"in {best[0].stopped} of {cases} cases"
     said = [f"{who}: {f'it {words.does}' if len(best) == 1 else f'they {words.do}'} {where}{_median(best[0], cases)}."]
+    if 1 < len(best) < len(found):
+        said = [f"{said[0]} They cannot be told apart."]
     worst = [_worst(one) for one in order if one.controller != "none" and one.stopped + one.failed]
     alike = len(best) == len(found) or cases == 1
     return [*said, *rest] if alike else [*said, f"Where each is worst: {'; '.join(worst)}.", *rest]
@@ -203,22 +247,37 @@ def cells(one: Verdict) -> tuple[str, ...]:
     """Return a row of the table."""
     if not one.stopped + one.failed:
         return one.controller, *["-"] * (len(HEADS) - 1)
-    median, worst = ("-" if ratio is None else f"{ratio.mean:.2f}" for ratio in (one.median, one.worst))
-    ratios = median, "-" if one.median is None else f"{one.median.spread:.3f}", worst
-    rest = f"{one.longest_lock:.2f}", f"{one.air:.0f}"
+    median, worst = ("-" if ratio is None else f"{ratio.mean:.3f}" for ratio in (one.median, one.worst))
+    ratios = median, "-" if one.median is None else half(one.median, 1.0, ".3f"), worst
+    rest = "-" if one.harm is None else one.harm.words, f"{one.longest_lock:.2f}", f"{one.air:.0f}"
     return one.controller, f"{one.stopped}", f"{one.failed}", f"{one.locked}", *ratios, one.worst_case or "-", *rest
 
 
 def document(found: Sequence[Verdict]) -> dict[str, object]:
     """Return the results for programs; missing verdicts are null."""
+    level = level_of(len(found))
 
     def row(one: Verdict) -> dict[str, object]:
-        means = {name: ratio and ratio.mean for name in ("median", "worst") for ratio in [getattr(one, name)]}
-        spreads = {f"{name}_spread": ratio and ratio.spread for name in means for ratio in [getattr(one, name)]}
-        plain = {name: None if value != value else value for name, value in asdict(one).items() if name != "words"}
-        return plain | means | spreads
+        names = ("controller", "stopped", "failed", "locked", "not_judged", "sliding", "longest_lock", "air")
+        plain = {name: None if (value := getattr(one, name)) != value else value for name in names}
+        ratios = {name: interval(getattr(one, name)) for name in ("median", "worst")}
+        harm = None if one.harm is None else vars(one.harm)
+        return plain | ratios | {"worst_case": one.worst_case, "harm": harm}
 
-    return {"messages": messages(found), "controllers": [row(one) for one in found]}
+    apart = [
+        {"controllers": [one.controller, other.controller], "level": level}
+        | {name: interval(less(a, b).estimate(level)), "told_apart": differs(a, b, level)}
+        for number, one in enumerate(found)
+        for other in found[number + 1 :]
+        for name, of in (("median", "medians"), ("worst", "largest"))
+        if (a := getattr(one, of)) is not None and (b := getattr(other, of)) is not None
+    ]
+    return {"messages": messages(found), "controllers": [row(one) for one in found], "differences": apart}
+
+
+def interval(one: Estimate | None) -> dict[str, object] | None:
+    """Return an estimate for programs: mean, half of its interval, number of draws."""
+    return None if one is None else {"mean": one.mean, "half": one.half if one.count > 1 else None, "draws": one.count}
 
 
 def best_given(found: Sequence[Verdict]) -> Verdict:

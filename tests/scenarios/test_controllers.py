@@ -19,6 +19,8 @@ PAGE = (ROOT / "docs" / "controller.md").read_text(encoding="utf-8")
 LETS_GO = re.search(r"^low +LetGo +([0-9.]+)", PAGE, re.MULTILINE)
 
 
+#: One stop of each case with the friction and load of the case.
+ONE = ["--draws", "1", "--friction-spread", "0", "--load-spread", "0"]
 LITERAL = "Gains must be numbers or texts, as in gains.py:Gains(0.3, limit=2); got"
 GAINS = """
 from __future__ import annotations
@@ -62,16 +64,16 @@ def test_the_controllers_of_the_page_make_the_same_stop(folder: Path, capsys: py
     given, earlier = ["let_go.py:LetGo", "let_go.c"], folder / "results/controllers/compare.html"
     earlier.parent.mkdir(parents=True, exist_ok=True)
     earlier.write_text("of another comparison")
-    assert main(["controllers", "compare", "--rails", "low", "--json", *given]) == 0
+    assert main(["controllers", "compare", "--rails", "low", "--draws", "8", "--json", *given]) == 0
     assert not earlier.exists()
     runs = {run["controller"]: run for run in json.loads(capsys.readouterr().out)["runs"]}
     assert runs["LetGo"]["distance"] == runs["let_go"]["distance"]
     assert LETS_GO is not None
-    assert f"{runs['LetGo']['distance']:.1f}" == LETS_GO[1]
-    assert len(set(runs["LetGo"]["distances"])) == 3
+    assert f"{runs['LetGo']['estimate']['mean']:.1f}" == LETS_GO[1]
+    assert len(set(runs["LetGo"]["distances"])) == 8
     assert runs["LetGo"]["distances"] == runs["let_go"]["distances"]
-    assert 0.5 < runs["LetGo"]["spread"] < 0.02 * runs["LetGo"]["distance"]
-    assert runs["none"]["spread"] == 0.0  # no sensor is involved
+    assert 0.5 < runs["LetGo"]["estimate"]["half"] < 0.02 * runs["LetGo"]["distance"]
+    assert runs["none"]["estimate"]["half"] < 0.5  # no sensor is involved
     assert runs["protection"]["over_ideal"] < runs["LetGo"]["over_ideal"] < runs["none"]["over_ideal"]
     assert json.loads((folder / "results/controllers/compare.json").read_text())["vehicle"] == "bogie"
     assert (folder / "results/controllers/compare.png").exists()
@@ -86,7 +88,7 @@ def test_a_class_of_arrays_makes_the_stops_of_the_class(folder: Path, capsys: py
                 "compare",
                 "--rails",
                 "low",
-                "--phases",
+                "--draws",
                 "2",
                 "--json",
                 "let_go.py:LetGo",
@@ -101,7 +103,7 @@ def test_a_class_of_arrays_makes_the_stops_of_the_class(folder: Path, capsys: py
 
 
 def test_a_controller_that_fails_does_not_end_the_comparison(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["controllers", "compare", "--rails", "dry,wet", "--phases", "1", "bad.py:Bad"]) == 1
+    assert main(["controllers", "compare", "--rails", "dry,wet", *ONE, "bad.py:Bad"]) == 1
     shown = capsys.readouterr().out
     assert len(re.findall(r"^(dry|wet) .* no stop ", shown, re.MULTILINE)) == 2
     assert "Bad, dry: The controller Bad failed at 0 s (ZeroDivisionError: division by zero, bad.py, line 3)" in shown
@@ -112,7 +114,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     given = ["let_go.py:LetGo", "gains.py:Gains(share=0.8)", "gains.py:Gains(0.9, mode='c')"]
-    assert main(["controllers", "compare", "--rails", "low", "--phases", "1", "--json", *given]) == 0
+    assert main(["controllers", "compare", "--rails", "low", "--draws", "1", "--json", *given]) == 0
     found = {run["controller"]: run["distance"] for run in json.loads(capsys.readouterr().out)["runs"]}
     assert list(found)[2:] == ["LetGo", "Gains(share=0.8)", "Gains(0.9, mode='c')"]
     assert found["Gains(share=0.8)"] == found["LetGo"] != found["Gains(0.9, mode='c')"]
@@ -131,11 +133,13 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
             "--speed must be above 0 and at most 100 m/s; got 25knots. Give a number in m/s, km/h,",
         ),
         (["gains.py:Gains"], "Gains of gains.py cannot be made without arguments (TypeError: "),
-        (["nothing.c", "--rails", "dry", "--phases", "1"], "nothing is no controller ("),
+        (["nothing.c", "--rails", "dry", "--draws", "1"], "nothing is no controller ("),
         (["wrong.c"], "wrong.c does not compile. The C compiler ("),
         (["let_go.c", "--programme", "third.toml"], "The case a has a fault of wheelset 3; there are 2 here."),
         (["let_go.py:LetGo", "--pulses", "0"], "--pulses must be an integer from 1 to 10000; got 0."),
-        (["let_go.py:LetGo", "--phases", "0"], "--phases must be an integer from 1 to 100; got 0."),
+        (["let_go.c", "--draws", "1000000000"], "--draws must be an integer from 1 to 10000; got 1000000000."),
+        (["let_go.c", "--load-spread", "-1"], "--load-spread must be from 0 to 0.5; got -1."),
+        (["let_go.py:LetGo", "--draws", "0"], "--draws must be an integer from 1 to 10000; got 0."),
         (["let_go.py:LetGo", "--jitter", "nan"], "--jitter must be from 0 to 0.5; got nan."),
         (["let_go.py:LetGo", "--rails", "low,low"], "Each of --rails must be given once; got low 2 times."),
         (
@@ -164,9 +168,9 @@ def test_what_cannot_be_is_refused_in_a_sentence(
 
 def test_a_library_that_is_no_controller_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "libtext.so").write_text("no library")
-    assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "libtext.so"]) == 2
+    assert main(["controllers", "compare", "--rails", "dry", "--draws", "1", "libtext.so"]) == 2
     assert "libtext is no controller" in capsys.readouterr().err
-    assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "nothing.c"]) == 2
+    assert main(["controllers", "compare", "--rails", "dry", "--draws", "1", "nothing.c"]) == 2
     assert "nothing is no controller (it has no function wheel_slide_size); " in capsys.readouterr().err
 
 
@@ -179,7 +183,7 @@ def test_files_to_begin_with_are_printed(action: str, path: Path, capsys: pytest
 def test_a_programme_of_ones_own_is_run(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case = '[[case]]\nname = "slow, one sensor lost"\nrail = "wet"\nspeed = "36km/h"\n'
     (folder / "my.toml").write_text(case + 'fault = [{ wheelset = 2, sensor = "zero", sensor_from = 2.0 }]\n')
-    assert main(["controllers", "compare", "--programme", "my.toml", "--phases", "1", "let_go.c"]) == 0
+    assert main(["controllers", "compare", "--programme", "my.toml", "--draws", "1", "let_go.c"]) == 0
     shown = capsys.readouterr().out
     distances = dict(re.findall(r"^slow, one sensor lost +(\w+) +([0-9.]+)", shown, re.MULTILINE))
     assert distances.keys() == {"none", "protection", "let_go"}
@@ -198,7 +202,7 @@ def test_starts_are_compared_with_a_protection_of_their_own(
 ) -> None:
     case = '[[case]]\nname = "low"\nrail = "low"\nspeed = "20km/h"\nbrake_ratio = 2.0\nequipment = ["traction"]\n'
     (folder / "my.toml").write_text(case)
-    assert main(["controllers", "compare", "--programme", "my.toml", "--phases", "1", "--html"]) == 0
+    assert main(["controllers", "compare", "--programme", "my.toml", "--draws", "1", "--html"]) == 0
     shown = capsys.readouterr().out
     assert shown.startswith("protection is best: it arrives in every case, after 1.")
     assert "controller  arrives  no arrival" in shown
@@ -209,7 +213,7 @@ def test_starts_are_compared_with_a_protection_of_their_own(
     assert "below it the torque of its motor" in page
     monkeypatch.setattr("products.protection.rig.LONGEST", 20.0)  # instead of 300 s
     (folder / "slow.toml").write_text(case.replace("low", "very_low").replace("20km/h", "300km/h"))
-    assert main(["controllers", "compare", "--programme", "slow.toml", "--phases", "1"]) == 1
+    assert main(["controllers", "compare", "--programme", "slow.toml", "--draws", "1"]) == 1
     assert re.search(
         r"none, very_low: It did not come to 83\.3333 m/s: \d+\.\d m/s after 20 s\.", capsys.readouterr().out
     )
@@ -243,7 +247,7 @@ def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path, capsys: pytest
     (folder / "own.py").write_text(
         "class Own:\n    def start(self):\n        pass\n\n    def step(self, time, speeds):\n        return [0, 0]\n"
     )
-    assert main(["controllers", "compare", "--rails", "dry", "--phases", "1", "own.py:Own", "let_go.c", "--json"]) == 0
+    assert main(["controllers", "compare", "--rails", "dry", "--draws", "1", "own.py:Own", "let_go.c", "--json"]) == 0
     assert main(["controllers", "compare", "--rails", "dry", "--brake-ratio", "6"]) == 2
     assert "--brake-ratio must be above 0 and at most 5; got 6." in capsys.readouterr().err
     assert main(["controllers", "compare", "--rails", "dry", "--jitter", "2"]) == 2
@@ -253,7 +257,7 @@ def test_a_class_with_a_start_of_its_own_is_a_class(folder: Path, capsys: pytest
 def test_two_forms_of_one_name_are_told_apart_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert build_fmu.main(["--controller", "let_go.c", "--out", "."]) == 0
     assert (
-        main(["controllers", "compare", "--rails", "dry", "--phases", "1", "let_go.c", "native/let_go.fmu", "--json"])
+        main(["controllers", "compare", "--rails", "dry", "--draws", "1", "let_go.c", "native/let_go.fmu", "--json"])
         == 0
     )
     text = capsys.readouterr().out

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from products.protection.runs import Stop
 from scenarios.controllers.picture import draw, message
 from scenarios.controllers.scoring import CONTACT, WORN, Scored, together
-from scenarios.controllers.table import cells
+from scenarios.controllers.table import cells, rows_of
 from scenarios.controllers.verdict import document, lines, messages, verdicts
 from scenarios.reporting.plots import plt
 
@@ -89,42 +89,61 @@ def test_a_controller_that_fails_where_alone_wheels_slide_is_said_to_fail() -> N
     assert message([*rolls, scored("low", "Mine", None)]) == "Mine stops in 1 of 2 cases"
 
 
-def in_phases(case: str, controller: str, *ratios: float) -> Scored:
+def drawn(case: str, controller: str, *ratios: float) -> Scored:
     stops = [replace(STOP, distance=100.0 * ratio) for ratio in ratios]
     return Scored(case, controller, together(stops), 0.46, 100.0, None, stops=tuple(stops))
 
 
-def test_controllers_whose_difference_is_within_their_spread_are_equal() -> None:
-    """PD is 1 % shorter on average than PI, whose spread over the phases is 1.5 % or 0.2 %. With 0.2 % PD is best."""
-    pd = [in_phases(case, "PD", 1.20, 1.21, 1.19) for case in ("a", "b", "c")]
-    for spread, said in ((0.015, "All controllers are alike: they stop"), (0.002, "PD is best: it stops")):
-        pi = [in_phases(case, "PI", 1.212, 1.212 - spread / 2, 1.212 + spread / 2) for case in ("a", "b", "c")]
-        found = verdicts([*pd, *(in_phases(one.case, "PI", *one.ratios) for one in pi)])
+def test_controllers_whose_difference_is_within_its_interval_cannot_be_told_apart() -> None:
+    """PD is 1 % shorter on average than PI; their draws differ by 0.02 or 0.001. Common scatter does not count."""
+    scatter = (0.01, -0.01, 0.0, 0.005)
+    pd = [drawn(case, "PD", *(1.20 + one for one in scatter)) for case in ("a", "b", "c")]
+    for own, said in ((0.02, "All controllers are alike: they stop"), (0.001, "PD is best: it stops")):
+        more = (own, -own, own / 2, -own / 2)
+        ratios = [1.212 + one + other for one, other in zip(scatter, more, strict=True)]
+        found = verdicts([*pd, *(drawn(one.case, "PI", *ratios) for one in pd)])
         assert messages(found)[0].startswith(said)
         assert found[0].median is not None
-        assert found[0].median.mean == pytest.approx(1.20)
-        assert found[0].median.spread == pytest.approx(0.02)
-    [document_of_one, _] = document(found)["controllers"]  # type: ignore[misc]
-    assert document_of_one["median_spread"] == pytest.approx(0.02)  # type: ignore[index]
+        assert found[0].median.mean == pytest.approx(1.20125)
+        told = document(found)["differences"][0]  # type: ignore[index]
+        assert told["median"]["mean"] == pytest.approx(-0.012)
+        assert told["told_apart"] == said.startswith("PD")
 
 
 def test_a_spread_that_moves_the_cases_against_each_other_is_not_that_of_the_median() -> None:
-    """Controllers are ranked by their median, so the spread is that of the median over the phases."""
-    [found] = verdicts([in_phases("a", "PI", 1.0, 1.2), in_phases("b", "PI", 1.1, 1.1), in_phases("c", "PI", 1.2, 1.0)])
+    """Controllers are ranked by their median, so the interval is that of the median over the draws."""
+    [found] = verdicts([drawn("a", "PI", 1.0, 1.2), drawn("b", "PI", 1.1, 1.1), drawn("c", "PI", 1.2, 1.0)])
     assert found.median is not None
-    assert (found.median.mean, found.median.spread) == pytest.approx((1.1, 0.0))
+    assert (found.median.mean, found.median.half) == pytest.approx((1.1, 0.0))
 
 
-def test_stops_of_all_phases_are_one_in_the_table() -> None:
-    phases = [replace(STOP, distance=d, longest_lock=lock) for d, lock in ((100.0, 0.5), (104.0, 0.1), (99.0, 0.2))]
-    one = together(phases)
+def test_stops_of_all_draws_are_one_in_the_table() -> None:
+    draws = [replace(STOP, distance=d, longest_lock=lock) for d, lock in ((100.0, 0.5), (104.0, 0.1), (99.0, 0.2))]
+    one = together(draws)
     assert (one.distance, one.longest_lock, one.air) == (101.0, 0.5, pytest.approx(0.1))
-    scored = Scored("a", "PI", one, 0.46, 100.0, None, stops=tuple(phases))
-    assert scored.spread == pytest.approx(5.0)
-    assert cells(scored)[2:5] == ("101.0", "5.0", "1.010")
-    broken = together([phases[0], replace(STOP, distance=None, message="It did not stop."), phases[2]])
-    assert (broken.distance, broken.message) == (None, "It did not stop. (phase 2 of 3)")
-    assert together(phases[:1]) is phases[0]
+    scored = Scored("a", "PI", one, 0.46, 100.0, None, stops=tuple(draws))
+    half = 4.302653 * math.sqrt(7.0 / 3)  # of Student's t with 2 degrees of freedom, variance 7
+    assert scored.distance
+    assert scored.distance.half == pytest.approx(half)
+    assert cells(scored)[2:6] == ("101.0", f"±{half:.1f}", "-", "1.010")
+    other = replace(scored, controller="PD", stops=tuple(replace(of, distance=of.distance + 2.02) for of in draws))
+    assert [row[4] for row in rows_of([scored, other])] == ["shortest", "2.0"]
+    broken = together([draws[0], replace(STOP, distance=None, message="It did not stop."), draws[2]])
+    assert (broken.distance, broken.message) == (None, "It did not stop. (draw 2 of 3)")
+    assert together(draws[:1]) is draws[0]
+
+
+def test_harm_is_told_where_no_wheel_slides() -> None:
+    """One controller moves no valve, one moves some, one takes 2 % longer."""
+    rolls = replace(STOP, longest_lock=0.0, commands=0)
+    kinds = {"none": (1.0, 0), "Still": (1.0, 0), "Busy": (1.0, 5), "Timid": (1.02, 5)}
+    dry = [
+        replace(scored("dry", name, ratio), stop=replace(rolls, distance=100.0 * ratio, commands=moved))
+        for name, (ratio, moved) in kinds.items()
+    ]
+    found = verdicts([*dry, *(scored("low", name, 2.0) for name in kinds)])
+    assert [one.harm and one.harm.words for one in found] == ["none", "none", "valves move", "+2.0 % (dry)"]
+    assert verdicts(scores("none", "PD"))[1].harm is None
 
 
 def test_what_is_not_judged_is_no_score_and_is_told() -> None:
@@ -158,7 +177,8 @@ def test_controllers_that_are_alike_are_told_so() -> None:
     assert messages(verdicts(scores(*RATIOS, cases=1))) == [alike]
     [said, _] = messages(verdicts(scores("none", "protection", "PD", cases=3)))
     assert (
-        said == "protection and PD are best: they stop in every case, after 1.10 of the ideal distance in the median."
+        said == "protection and PD are best: they stop in every case, after 1.10 of the ideal distance in the median. "
+        "They cannot be told apart."
     )
     nothing = [scored("a", name, None) for name in ("none", "PI")]
     assert messages(verdicts(nothing)) == ["No controller stops in any case."]
@@ -167,8 +187,8 @@ def test_controllers_that_are_alike_are_told_so() -> None:
 def test_the_table_has_a_row_for_each_controller() -> None:
     table = list(lines(verdicts(scores(*RATIOS))))
     rows = {row.split()[0]: row.split() for row in table[-len(RATIOS) :]}
-    assert rows["none"] == ["none", "4", "0", "4", "1.85", "0.000", "2.00", "case", "1", "0.50", "83"]
-    assert rows["PI"] == ["PI", "3", "1", "4", "1.10", "0.000", "1.30", "case", "3", "0.50", "83"]
+    assert rows["none"] == ["none", "4", "0", "4", "1.850", "-", "2.000", "case", "1", "-", "0.50", "83"]
+    assert rows["PI"] == ["PI", "3", "1", "4", "1.100", "-", "1.300", "case", "3", "-", "0.50", "83"]
     assert max(map(len, table)) <= 120
 
 
