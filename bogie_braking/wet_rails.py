@@ -207,7 +207,8 @@ def _plain(outputs: Numbers, level: int) -> Numbers:
 def _run(wheelsets: int, friction: float, falls: float, cleaned: float, phase: float) -> Run:
     """Return a stop on a drawn rail; the rails that fall do so by the law of the low rail."""
     condition = replace(low(), friction=friction, law=low().law if falls < FALLING else constant_friction())
-    return Run(condition.values(wheelsets) | {"cleaned_friction": cleaned}, phase=min(phase, 0.999))
+    phases = (min(phase, 0.999),) * wheelsets
+    return Run(condition.values(wheelsets) | {"cleaned_friction": cleaned}, phases=phases)
 
 
 def _way(rig: Rig, distance: float) -> float:
