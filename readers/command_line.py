@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from readers.renamed import present_name
-from readers.storage import PARTIAL
+from readers.storage import PARTIAL, writing
 from readers.text import BadInputError, shown
 from readers.units import different_units, factor, likely_unit
 
@@ -215,3 +215,9 @@ def check_folder(folder: Path, option: str = "--out") -> None:
         reason = "it takes no new folder" if error.errno == errno.ENOENT else error.strerror
         said = f"{option} must be a folder that can be written; got {folder} ({place}: {reason}). {remedy}"
         raise BadInputError(said) from None
+
+
+def make_folder_of(out: Path) -> None:
+    """Make the folder of a file that `--out` names. Raises StorageError."""
+    with writing(out, "choose another folder with --out"):
+        out.parent.mkdir(parents=True, exist_ok=True)

@@ -294,3 +294,11 @@ def unknown_keys(keys: Sequence[str]) -> list[str]:
     names = list(dict.fromkeys(keys))
     more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
     return [f"keys of the header that are unknown and have no effect: {', '.join(names[:LISTED])}{more}"] * bool(names)
+
+
+def other_kind(source: str, wanted: str, found: str, why: str) -> TableError:
+    """Return the error for a profile of the other kind, as of a wheel that is given as a rail."""
+    return TableError(
+        f"{source} must be the profile of a {wanted}; it is that of a {found}: {why}. Exchange wheel and rail, or "
+        "correct the file."
+    )

@@ -13,7 +13,7 @@ from pathlib import Path
 from readers.columns import TableError
 from readers.contours import FEWEST_POINTS as FEWEST_POINTS
 from readers.contours import LARGEST_BREADTH as LARGEST_BREADTH
-from readers.contours import Contour, check_one_contour
+from readers.contours import Contour, check_one_contour, other_kind
 from readers.formats import columns, miniprof, simpack, slices
 from readers.outliers import outliers
 from readers.text import rows_of, text_of
@@ -74,6 +74,8 @@ def contour_of(
         As `read_contour`.
     """
     rows = list(rows_of(text, source))
+    if kind and ending not in ("", kind) and not simpack.is_simpack(rows):
+        raise other_kind(source, kind, ending, f"its name ends in {Path(source).suffix}")
     if slices.is_slices(rows):
         path, note = slices.slice_of(rows, source, part)
         found = read_contour(path, kind or ending, drop_outliers)

@@ -315,7 +315,7 @@ def test_a_file_that_is_not_toml_ends_the_command_with_one_sentence(
 
 
 def test_parameters_are_not_written_over_the_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "mine.toml"
+    path = tmp_path / "a missing folder" / "mine.toml"
     assert main(["vehicle", "export", "coach", "--out", str(path)]) == 0
     before = path.read_bytes()
     assert main(["vehicle", "parameters", str(path), "--out", str(path)]) == 2

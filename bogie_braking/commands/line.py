@@ -9,7 +9,7 @@ from typing import Any
 
 from bogie_braking.commands.shared import add_out, add_speech, describe
 from bogie_braking.exit_status import HOLDS
-from readers.command_line import check_folder, check_out, quantity
+from readers.command_line import check_folder, check_out, make_folder_of, quantity
 from readers.storage import write_whole, writing
 from readers.text import BadInputError, FileError
 
@@ -94,6 +94,7 @@ def _import(chosen: argparse.Namespace, line: Any) -> int:
     from scenarios.reporting.line_check_picture import figure_of_points
 
     rows = line.lines_of([name for name in NAMES if name in line.rows])
+    make_folder_of(chosen.out)
     write_whole(chosen.out, ("\n".join(rows) + "\n").encode(), "name another file with --out")
     check, place, account = _drawn(line, SPEED, chosen.out.with_suffix(".png"))
     pictures = [place]

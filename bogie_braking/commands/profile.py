@@ -18,7 +18,7 @@ from rbd_model.contact.measured_pair import fault_at, gauge_of
 from rbd_model.contact.pair_file import write_pair
 from rbd_model.contact.pair_table import LARGEST_SHIFT
 from rbd_model.contact.patches import parts_of, positions_of
-from readers.command_line import check_out
+from readers.command_line import check_folder, check_out, make_folder_of
 from readers.storage import write_whole
 from readers.text import BadInputError
 from scenarios.bench.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
@@ -54,6 +54,7 @@ def run(chosen: argparse.Namespace) -> int:
     """Write the contact table and the picture of a pair, and print the findings."""
     given = [one for one in (chosen.wheel, chosen.rail, chosen.right_wheel, chosen.right_rail) if one is not None]
     check_out(chosen.out, *given, *(Path(str(one).rsplit("#", 1)[0]) for one in given), picture=True)
+    check_folder(chosen.out.parent)
     sides = sides_given(chosen)
     found = running_of(sides, FILE_SHIFTS, FILE_AMPLITUDES)
     patches = patches_by_side(sides)
@@ -149,6 +150,7 @@ def save_picture(found: Running, patches: Limits, path: Path) -> None:
     data = BytesIO()
     figure = draw_pair(found, patches, message(found, patches))
     figure.savefig(data, format="png", dpi=110)
+    make_folder_of(path)
     write_whole(path, data.getvalue())
 
 

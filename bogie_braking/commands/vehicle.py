@@ -22,7 +22,7 @@ from pathlib import Path
 from bogie_braking.commands.shared import describe
 from bogie_braking.exit_status import HOLDS
 from fmu_src.suggestion import suggestion
-from readers.command_line import check_folder, check_out, whole
+from readers.command_line import check_folder, check_out, make_folder_of, whole
 from readers.storage import write_whole
 from readers.text import BadInputError, shown
 
@@ -86,6 +86,7 @@ def write_fmu_of(chosen: argparse.Namespace) -> None:
         raise BadInputError(f"--out must end with .fmu; got {path}.")
     check_folder(path.parent)
     level = chosen.level or (None if sheet.fmu else 2)
+    make_folder_of(path)
     print(f"{write_fmu(sheet, path, level=level)}  {sheet.name}, {sheet.mass / 1e3:.2f} t, {fmu_words(sheet.fmu)}")
     if sheet.brake and sheet.fmu != "braked-vehicle":
         torque = sheet.brake.full_torque
@@ -115,6 +116,7 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     values: dict[str, float | str] = {**sheet.values}
     if sheet.profile_files:
         values[PAIR_FILE.variable.name] = joined(sheet.profile_files)
+    make_folder_of(path)
     write_whole(path, parameter_file(sheet.name, text, values, variables_of(sheet.fmu)))
     print(f"{path}  for the FMU {sheet.fmu}")
     if sheet.profile_files:
@@ -132,6 +134,7 @@ def export(chosen: argparse.Namespace) -> None:
         raise BadInputError(f"The vehicle must be one of {', '.join(names)}; got {shown(chosen.name)}, {near}")
     path = chosen.out or Path(f"{chosen.name}.toml")
     check_folder(path.parent)
+    make_folder_of(path)
     print(export_vehicle(chosen.name, path))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from readers.contours import CELLS, Contour, Rows, refusal
+from readers.contours import CELLS, Contour, Rows, other_kind, refusal
 from readers.formats.miniprof import MARKS, Header, contour_of, is_taken_out
 from readers.tables import BLANKS, cells_of, separator_of_numbers
 from readers.text import REMARKS, lines_of, quoted
@@ -56,6 +56,8 @@ def read(rows: Rows, text: str, source: str, kind: str) -> Contour:
         header.count = len(body), header.count[1]
     if before and body and before[-1][0] not in keys and _is_head(before[-1][1], body[0][1]):
         body = [before[-1], *body]
+    if kind and header.kind not in ("", kind):
+        raise other_kind(source, kind, header.kind, "its header has the type of this instrument")
     return contour_of(header, body, kind or header.kind)
 
 

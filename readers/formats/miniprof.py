@@ -17,6 +17,7 @@ from readers.contours import (
     Contour,
     Rows,
     check_without_effect,
+    other_kind,
     read_points,
     refusal,
     unit_of,
@@ -156,6 +157,8 @@ def read_mpt(rows: Rows, source: str, kind: str, part: int | None, key_and_value
         raise TableError(f"{source} must have profile {part}; it has {', '.join(map(str, numbers))}. Give one of them.")
     header = headers[part]
     found = kind or header.kind
+    if header.kind not in ("", found):
+        raise other_kind(source, found, header.kind, f"profile {part} has the type of this instrument")
     contour = contour_of(header, bodies[part], found)
     note = (f"profile {part} of {len(numbers)} was read",) if len(numbers) > 1 else ()
     return Contour(source, contour.points, contour.places, note + contour.notes, contour.facts, found)

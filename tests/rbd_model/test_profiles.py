@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -424,6 +425,24 @@ def test_wheel_from_a_file_is_the_wheel_whichever_way_its_axes_point(
     path.write_text(f"ProgramName=MiniProf\nXYPoints={y.size}\n\n" + "\n".join(rows) + "\n")
     tread = np.linspace(-0.010, 0.045, 100)
     assert np.abs(read_profile(path, "wheel").height(tread) - wheel.height(tread)).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "head", "why"),
+    [
+        ("own.whl", "", "its name ends in .whl"),
+        ("own.txt", "MPTypeNo=101\n", "its header has the type of this instrument"),
+        ("own.mpt", "[Profile1Info]\nMPTypeNo=101\n[Profile1Points]\n", None),
+    ],
+)
+def test_a_wheel_that_is_given_as_a_rail_is_refused(tmp_path: Path, name: str, head: str, why: str | None) -> None:
+    y = np.arange(-0.045, 0.050, 0.2e-3)
+    rows = [f"{1e3 * a:.5f}  {1e3 * b:.6f}" for a, b in zip(y, wheel_cone_120().height(y), strict=True)]
+    path = tmp_path / name
+    path.write_text(("ProgramName=MiniProf\n" if why else "") + head + "\n".join(rows) + "\n")
+    refused = "must have one rail" if why is None else f"that of a wheel: {re.escape(why)}"
+    with pytest.raises(ValueError, match=refused):
+        read_profile(path, "rail")
 
 
 @pytest.mark.parametrize("z_sign", [1, -1])
