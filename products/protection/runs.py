@@ -108,8 +108,6 @@ class Stop:
         False if the controller gave no answer for long and is therefore not evaluated.
     history : History or None
         The history, if recorded.
-    jerk : float
-        Largest jerk of the filtered deceleration above 3 m/s [m/s3]; `JERK_TIME` of rails.py is the filter's.
     """
 
     distance: float | None
@@ -125,7 +123,6 @@ class Stop:
     message: str
     judged: bool = True
     history: History | None = field(default=None, compare=False, repr=False)
-    jerk: float = 0.0
 
     @property
     def words(self) -> str:
