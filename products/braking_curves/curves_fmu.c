@@ -32,6 +32,7 @@ struct arrays_object {
     int starts; /* number of gradients of the line; 0: the input `gradient` */
     double *start, *rise; /* places where they begin [m], and gradients [permille] */
     double *edge, *slope; /* `line_slopes` of this train */
+    int *rising; /* numbers of gradients under the train, in the order of their values: a queue */
     line_slopes line;
     speed_steps safe, service; /* A_brake_safe and A_brake_service */
     braking_curve emergency_curve, service_curve;
@@ -68,6 +69,8 @@ static bool make_line(arrays_object *self, const double *numbers) {
     self->slope = self->edge + edges;
     if (starts) memcpy(block, numbers + 1, 2 * starts * sizeof(double));
     self->line = (line_slopes){(int)edges, self->edge, self->slope};
+    self->rising = (int *)calloc(starts + 1, sizeof(int));
+    if (!self->rising) return false;
     const size_t room = (size_t)curve_room((int)edges);
     self->emergency_curve.arc = (braking_arc *)calloc(2 * room, sizeof(braking_arc));
     if (!self->emergency_curve.arc) return false;
@@ -96,6 +99,7 @@ arrays_object *arrays_create(const char *folder, char problem[MESSAGE_SIZE]) {
 void arrays_free(arrays_object *self) {
     if (!self) return;
     free(self->start);
+    free(self->rising);
     free(self->emergency_curve.arc);
     free(self);
 }
@@ -129,21 +133,26 @@ static void find_edges(arrays_object *self, double length) {
                             : starts[leaves++] + length;
 }
 
-/* The lowest gradient under the train between its edges, 3.13.4.2. */
+/* The lowest gradient under the train between its edges, 3.13.4.2. Each gradient enters and leaves the queue once. */
 static void find_slopes(arrays_object *self) {
     const double length = given(self, LENGTH);
+    int *queue = self->rising, head = 0, tail = 1; /* the first gradient is in it */
     find_edges(self, length);
     const int edges = self->line.edges;
+    queue[0] = 0;
     for (int n = 0, first = 0, last = 0; n <= edges && self->starts; ++n) {
         const double front = !edges       ? 0.0
                              : n == 0     ? self->edge[0] - 1.0
                              : n == edges ? self->edge[n - 1] + 1.0
                                           : (self->edge[n - 1] + self->edge[n]) / 2.0;
-        while (last + 1 < self->starts && front > self->start[last + 1]) ++last;
+        while (last + 1 < self->starts && front > self->start[last + 1]) {
+            ++last;
+            while (tail > head && self->rise[queue[tail - 1]] >= self->rise[last]) --tail;
+            queue[tail++] = last;
+        }
         while (first < last && self->start[first + 1] <= front - length) ++first;
-        double lowest = self->rise[first];
-        for (int k = first + 1; k <= last; ++k) lowest = fmin(lowest, self->rise[k]);
-        self->slope[n] = slope_of(self, lowest);
+        while (queue[head] < first) ++head;
+        self->slope[n] = slope_of(self, self->rise[queue[head]]);
     }
 }
 
