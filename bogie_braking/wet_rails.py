@@ -136,10 +136,10 @@ def wet_factors(
     vehicle : str
         "bogie" or "vehicle" (the coach), with the built-in protection.
     rails : str or WetRails
-        One of WET_RAILS, or a distribution of one's own.
+        One of WET_RAILS, or your own distribution.
     level : int
-        Deepest confidence level, 0 to 9. Up to 3, plain draws suffice; deeper levels climb by splitting, 600 stops for
-        each halving of the probability.
+        Deepest confidence level, 0 to 9. Up to 3, plain draws suffice. Deeper levels climb by splitting, with 600 stops
+        for each halving of the probability.
     speed : float
         Initial speed [m/s].
     draws : int

@@ -777,9 +777,9 @@ class System(Chain):
         own : OwnRecord
             The root record of an instance without a file.
         path : sequence of tuple
-            Places of lists and of the records in them, from the root. If a file does not have the record, it is 0.
+            Places of lists and of the records in them, from the root. A record that a file does not have is 0.
         number : str
-            Name of the number; empty: the record, for `piecewise.look_up_in` and calls of each record of a list.
+            Name of the number. Empty: the record, for `piecewise.look_up_in` and calls of each record of a list.
         root : int
             Place of the root record among those of the files.
         """

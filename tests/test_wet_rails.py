@@ -52,7 +52,7 @@ def test_a_quantile_by_splitting_holds_the_closed_form_and_nothing_is_extrapolat
 
 
 def test_wet_factors_are_bounded_by_adhesion() -> None:
-    """From 1 on rails that hold all of the brake, to mu g over the deceleration on a dry rail, 1.48 m/s2."""
+    """Factors are at most 1, and at least mu g over the deceleration on a dry rail, 1.48 m/s2."""
     mixed = etcs.WetRails(loguniform(0.08, 0.30), "assumed")
     found = etcs.wet_factors("bogie", mixed, level=2, draws=120, speed=20.0)
     assert np.all(found.lower[:2] <= found.factors[:2])

@@ -20,7 +20,7 @@ typedef struct {
     const double *edge, *slope;
 } line_slopes;
 
-/* From a place [m] and the square of a speed [m2/s2] to higher speeds, with a deceleration [m/s2]. */
+/* An arc begins at a place [m] and the square of a speed [m2/s2]; it goes to higher speeds with a deceleration [m/s2]. */
 typedef struct {
     double place, square, rate;
 } braking_arc;

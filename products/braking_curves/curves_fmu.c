@@ -22,7 +22,7 @@
 enum { EOA = 1 };
 enum { SERVICE_LATCH, EMERGENCY_LATCH, WARNING_LATCH, LATCHES };
 
-/* What a run changes. */
+/* Values that a run changes. */
 typedef struct {
     double value[VALUES], latch[LATCHES];
 } run_values;
@@ -44,7 +44,7 @@ static void put(arrays_object *self, int array, double value) { self->now.value[
 
 /* ---- the line ---- */
 
-/* Return the reason why numbers of a file are no gradients; NULL if they are. */
+/* Return the wrong part of a file of gradients; NULL if all is right. */
 static const char *gradients_wrong(const double *numbers, size_t count) {
     const double starts = numbers[0];
     if (!(starts >= 0.0 && starts <= MOST_GRADIENTS && starts == floor(starts))) return "their number";

@@ -71,9 +71,9 @@ def build_curves_fmu(
     path : Path
         The FMU.
     version : int
-        2 or 3, of FMI.
+        Version of FMI, 2 or 3.
     gradients : Gradients or None
-        Of its line; None: the input `gradient` holds at all places.
+        Gradients of its line. None: the input `gradient` holds at all places.
     all_platforms : bool
         True: binaries of all platforms, compiled with zig.
 
@@ -99,9 +99,9 @@ def build_curves(out: Path, kinds: Sequence[str], line: Path | None = None, all_
     out : Path
         Folder of the FMUs.
     kinds : sequence of str
-        "native" for FMI 2.0, "fmi3" for 3.0.
+        "native" is FMI 2.0, "fmi3" is FMI 3.0.
     line : Path or None
-        File of the line, whose gradients the FMU has.
+        File of the line with the gradients.
     all_platforms : bool
         True: binaries of all platforms.
 

@@ -50,7 +50,7 @@ class Run:
 
     equipment: some of EQUIPMENT. With traction a run is a start: it ends when the vehicle reaches `speed`. phases:
     initial angle of each wheelset's sensor as a share of a tooth, 0 to below 1; empty: all 0. teeth: seed of the errors
-    of the teeth, whose size the settings have.
+    of the teeth. Their size is the jitter of the settings.
     """
 
     values: Mapping[str, float]

@@ -21,12 +21,12 @@ LARGEST_SPREAD = 0.5
 
 @dataclass(frozen=True)
 class Spread:
-    """What varies between the stops of a case; all numbers are assumed.
+    """Spreads between the stops of a case; all numbers are assumed.
 
     Parameters
     ----------
     friction, load : float
-        Half widths of the uniform spreads of the rail's friction and of the body's mass, relative [1].
+        Half widths of the uniform spreads of the rail's friction and of the body's mass, as shares [1].
     jitter : float
         Standard deviation of the teeth's places, as a share of the pitch [1].
 

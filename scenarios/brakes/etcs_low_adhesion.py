@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -44,8 +44,8 @@ LENGTH, CUT_OFF = 26.4, 1.0
 PROTECTED_STEP, STEP, INTERVAL, LONGEST, AT_REST = 5e-3, 1e-2, 0.05, 150.0, 0.01
 #: Acceleration of a driver who does not brake [m/s2].
 ACCELERATION = 0.3
-#: Tolerances [m] of the place of a stop on a dry rail: half of the rise to 95 % stands for the build-up of the brake;
-#: and of a difference of two places of EBI: a step of time at 39 m/s.
+#: Tolerances [m]. The first is that of a stop on a dry rail, where half of the rise to 95 % stands for the build-up of
+#: the brake. The second is that of a difference of two places of EBI: a step of time at 39 m/s.
 OF_BUILD_UP, OF_STEP = 4.0, 0.5
 PLANAR, BY_FLOW = 2, 2
 LOW, PROTECTED, REDUCED = "low, unprotected", "low, protected", "low, protected, reduced adhesion in the curves"
@@ -88,7 +88,7 @@ class Stop:
 
     @property
     def deceleration(self) -> float | None:
-        """Return the mean deceleration over the way from the command to rest [m/s2]."""
+        """Return the mean deceleration over the distance from the command to rest [m/s2]."""
         if self.overrun is None:
             return None
         way = self.overrun - float(self.series["behind"][self.begins])
@@ -151,6 +151,11 @@ class Driver:
     target: float
     commanded: float | None = None
 
+    @cached_property
+    def torque(self) -> float:
+        """Return the torque of each wheelset for the acceleration [N.m]."""
+        return self.acceleration / coach().deceleration(1.0)
+
     def drive(self, vehicle: FmuInstance, curves: FmuInstance, time: float) -> None:
         """Set traction, and the inputs of the curves, before a step."""
         speed, distance, rate = vehicle.get(["speed", "distance", "acceleration"])
@@ -161,8 +166,7 @@ class Driver:
         if curves["emergency_brake"] and self.commanded is None:
             self.commanded = time
         pulls = self.commanded is None or time < self.commanded + CUT_OFF
-        torque = self.acceleration / coach().deceleration(1.0) if pulls else 0.0
-        vehicle.set(**{f"traction_torque_{number}": torque for number in NUMBERS})
+        vehicle.set(**{f"traction_torque_{number}": self.torque if pulls else 0.0 for number in NUMBERS})
 
 
 def _until_rest(coupling: Coupling, vehicle: FmuInstance, curves: FmuInstance, driver: Driver, step: float) -> Stop:
@@ -203,7 +207,7 @@ def rows_of(found: Mapping[str, Stop], train: SupervisedTrain) -> list[Row]:
     rows = first + [row for row in others if row.quantity not in judged]
     for name, one in found.items():
         rows.append(measured(f"{name}: emergency brake before the end of authority", "m", places[name], "EBI"))
-        rows.append(measured(f"{name}: mean deceleration", "m/s2", one.deceleration, "over the way to rest"))
+        rows.append(measured(f"{name}: mean deceleration", "m/s2", one.deceleration, "over the distance to rest"))
     return rows
 
 

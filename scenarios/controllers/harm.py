@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from scenarios.controllers.estimate import less
 from scenarios.controllers.scoring import Scored
 
-#: Longer distances up to this are no harm [1].
+#: Largest growth of a distance that is not counted as harm [1].
 NO_HARM = 0.001
 
 
@@ -16,8 +16,8 @@ NO_HARM = 0.001
 class Harm:
     """Harm in the cases in which no wheel slides.
 
-    cases: their number; longer: the largest mean distance over that without a controller, less 1 [1]; half: half of its
-    interval; case: that case; moved: number of cases in which a valve moved.
+    cases: their number. longer: largest growth of the mean distance by the controller [1]. half: half of its interval.
+    case: the case of this growth. moved: number of cases in which a valve moved.
     """
 
     cases: int

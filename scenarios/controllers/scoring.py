@@ -33,7 +33,7 @@ from scenarios.scenario import BadInputError
 WORN, CONTACT = 55e-3 / 7850.0, 12e-3
 #: Arguments of a case that replace settings of the rig, by names.
 OF_THE_RIG = {"initial_speed": "give speed", "force_per_pressure": "give brake_ratio"}
-#: Numbers of draws of a case at which a comparison looks whether it can end, and the most of an unhurried controller.
+#: Numbers of draws of a case at which a comparison may end; the last is the limit of a controller in C.
 LOOKS = (8, 16, 32, 64)
 #: Largest number of draws of a case by default if a controller is a Python class or a function of arrays.
 FEW = 16
@@ -43,9 +43,9 @@ FREE_AIR = 101325.0
 
 @dataclass(frozen=True)
 class Plan:
-    """How stops are drawn.
+    """Plan of the draws.
 
-    spread: what varies; seed: other seeds give independent draws; most: largest number of draws of a case.
+    spread: spreads between stops. seed: other seeds give independent draws. most: largest number of draws of a case.
     """
 
     spread: Spread = field(default_factory=Spread)
@@ -54,8 +54,10 @@ class Plan:
 
     @property
     def looks(self) -> tuple[int, ...]:
-        """Return the numbers of draws at which a comparison looks whether it can end."""
-        return (*(count for count in LOOKS if count < self.most), self.most)
+        """Return the numbers of draws at which a comparison may end: LOOKS, or as many with a larger growth."""
+        growth = max(LOOKS[1] / LOOKS[0], (self.most / LOOKS[0]) ** (1.0 / (len(LOOKS) - 1)))
+        counts = (round(LOOKS[0] * growth**number) for number in range(len(LOOKS) - 1))
+        return (*(count for count in counts if count < self.most), self.most)
 
 
 @dataclass(frozen=True)
@@ -126,13 +128,17 @@ class Scored:
         return 1e3 * self.stop.air * GAS / FREE_AIR
 
 
-def sliding_cases(scores: Sequence[Scored]) -> list[str]:
+def slid_cases(scores: Sequence[Scored]) -> set[str]:
     """Return the cases in which a wheel slides: under one controller at least, or without one, a wheelset locks.
 
-    Driven, a wheelset spins. All cases if there is no such case.
+    Driven, a wheelset spins.
     """
-    cases = list(dict.fromkeys(one.case for one in scores))
-    slid = {one.case for one in scores if one.stop.judged and one.stop.longest_lock > 0.0}
+    return {one.case for one in scores if one.stop.judged and one.stop.longest_lock > 0.0}
+
+
+def sliding_cases(scores: Sequence[Scored]) -> list[str]:
+    """Return the cases that count in the median: those in which a wheel slides; all cases if no wheel slides."""
+    cases, slid = list(dict.fromkeys(one.case for one in scores)), slid_cases(scores)
     return [case for case in cases if case in slid] or cases
 
 
@@ -190,11 +196,11 @@ def compare(
     plan : Plan
         Draws of the stops, the same for all controllers. Its spread replaces the jitter of the settings.
     level : int
-        2 planar, as the ideal always is; 3 in three dimensions.
+        2: planar, as the ideal always is. 3: in three dimensions.
     recorded : bool
-        Record the history of the first draw.
+        True: record the history of the first draw.
     enough : callable
-        Called with the scores after each look of the plan but the last; True ends the comparison.
+        Called with the scores at each number of draws of the plan except the last. True ends the comparison.
     """
     runs, settings = runs_of(machine, cases, level), replace(settings, jitter=plan.spread.jitter)
     orders = {name: Order(machine, one, settings, level=level) for name, one in controllers.items()}

@@ -13,7 +13,7 @@ from products.protection.settings import Settings
 from readers.documents import document_text, finite
 from readers.storage import write_whole
 from scenarios.controllers.estimate import LEVEL, Estimate, less
-from scenarios.controllers.scoring import Plan, Scored
+from scenarios.controllers.scoring import LOOKS, Plan, Scored
 from scenarios.controllers.words import words_of
 
 HEADS = (
@@ -56,7 +56,7 @@ def about(vehicle: str, settings: Settings, scores: Sequence[Scored]) -> str:
 
 
 def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
-    """Return how many stops of each case were drawn, and from what.
+    """Return the number of draws of each case, and their spreads.
 
     few: the controller because of which the number is limited to FEW.
     """
@@ -65,7 +65,8 @@ def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
         f"friction ±{100 * spread.friction:g} %, load ±{100 * spread.load:g} %, teeth {spread.jitter:g} of the pitch"
     )
     limit = f", the limit{f' because {few} is written in Python' if few else ''}" if count == plan.most else ""
-    return f"{count} draws a case{limit}: phases of the sensors, {varied} (all assumed); seed {plan.seed}"
+    draws = f"{count} draws a case{limit}" if count > 1 else "1 draw a case, too few for an interval"
+    return f"{draws}: phases of the sensors, {varied} (all assumed); seed {plan.seed}"
 
 
 def shortest(scores: Sequence[Scored]) -> dict[str, Scored]:
@@ -81,7 +82,8 @@ def shortest(scores: Sequence[Scored]) -> dict[str, Scored]:
 def rows_of(scores: Sequence[Scored]) -> list[tuple[str, ...]]:
     """Return the rows of the table, each with its difference to the shortest distance in its case."""
     least = shortest(scores)
-    level = 1.0 - (1.0 - LEVEL) / max(len(scores) - len(least), 1)  # Bonferroni: all differences of the table
+    count = max(len(scores) - len(least), 1) * len(LOOKS)  # Bonferroni: all differences, each time they are found
+    level = 1.0 - (1.0 - LEVEL) / count
     return [cells(one, least.get(one.case), level) for one in scores]
 
 
@@ -92,7 +94,7 @@ def longer_by(one: Scored, least: Scored | None, level: float) -> str:
     if one is least:
         return "shortest"
     found = less(one.distances, least.distances).estimate(level).over(least.distance.mean)
-    if found.mean == 0.0 and not found.half > 0.0:
+    if found.mean == 0.0 and (found.count == 1 or found.half == 0.0):
         return "equal"
     if not found.differs and found.count > 1:
         return "not apart"
@@ -135,10 +137,8 @@ def document(vehicle: str, settings: Settings, scores: Sequence[Scored], plan: P
     """Return the results for programs; SI units, air in litres."""
     runs = [
         {"case": one.case, "controller": one.controller, **asdict(replace(one.stop, history=None))}
-        | {
-            "distances": [of.distance for of in one.stops or [one.stop]],
-            "estimate": one.distance and asdict(one.distance),
-        }
+        | {"distance": one.distance and one.distance.mean, "estimate": one.distance and asdict(one.distance)}
+        | {"distances": [of.distance for of in one.stops or [one.stop]]}
         | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "litres": one.air}
         | {"tread_energy": one.tread_energy, "flat": one.flat}
         for one in scores

@@ -13,7 +13,7 @@ from products.protection.rails import LONGEST_LOCK
 from scenarios.controllers.controller_loader import ALWAYS
 from scenarios.controllers.estimate import LEVEL, Estimate, Sample, across, less
 from scenarios.controllers.harm import Harm, harm_of
-from scenarios.controllers.scoring import LOOKS, Scored, sliding_cases
+from scenarios.controllers.scoring import LOOKS, Scored, slid_cases, sliding_cases
 from scenarios.controllers.table import half
 from scenarios.controllers.words import STOPS, Words, words_of
 
@@ -44,10 +44,10 @@ CRITERIA = 2
 class Verdict:
     """Results of a controller in all evaluated cases; its distances in those in which a wheel slides.
 
-    stopped: cases with a stop in every draw; failed: cases without; not_judged: cases without a verdict; sliding: cases
-    with a sliding wheel; locked: those with a lock of more than LONGEST_LOCK; medians, largest: in each draw the median
-    of the distances over the ideal, and the one of the worst case; None without an ideal; worst_case: the first failed
-    case, or the worst; harm: where no wheel slides; longest_lock [s]; air [l], the mean.
+    stopped: cases with a stop in every draw. failed: other cases. not_judged: cases without a verdict. sliding: cases
+    with a sliding wheel. locked: cases with a lock of more than LONGEST_LOCK. medians: median of the distances over the
+    ideal in each draw. largest: those of the worst case. Both are None without an ideal. worst_case: the first failed
+    case, or the worst. harm: where no wheel slides. longest_lock [s]. air: mean [l].
     """
 
     controller: str
@@ -96,13 +96,13 @@ class Verdict:
 def level_of(controllers: int) -> float:
     """Return the probability of one interval of a difference, so that all of a comparison hold with LEVEL.
 
-    Bonferroni: each controller is compared with the best by the criteria of distance, at each look.
+    Bonferroni: each controller is compared with the best by the criteria of distance, at most len(LOOKS) times.
     """
     return 1.0 - (1.0 - LEVEL) / (CRITERIA * max(controllers - 1, 1) * len(LOOKS))
 
 
 def differs(one: Sample, least: Sample, level: float) -> bool:
-    """Return whether two controllers are told apart: by their draws, and by more than ALIKE."""
+    """Return whether two controllers are told apart: by more than ALIKE and, with two draws or more, by their draws."""
     difference = less(one, least).estimate(level)
     return abs(difference.mean) > ALIKE and (difference.differs or difference.count < 2)
 
@@ -143,8 +143,8 @@ def decided(scores: Sequence[Scored]) -> bool:
 def verdicts(scores: Sequence[Scored]) -> list[Verdict]:
     """Return one verdict for each controller, in their order."""
     names = dict.fromkeys(one.controller for one in scores)
-    sliding = sliding_cases(scores)
-    without = {one.case: one for one in scores if one.controller == "none" and one.case not in sliding}
+    sliding, slid = sliding_cases(scores), slid_cases(scores)
+    without = {one.case: one for one in scores if one.controller == "none" and one.case not in slid}
     return [verdict(name, [one for one in scores if one.controller == name], sliding, without) for name in names]
 
 
@@ -158,7 +158,7 @@ def verdict(name: str, own: Sequence[Scored], sliding: Sequence[str], without: M
     sliding : sequence of str
         The cases that count in the median.
     without : mapping of str to Scored
-        Scores without a controller in the other cases.
+        Scores without a controller in the cases in which no wheel slides.
     """
     judged = [one for one in own if one.stop.judged]
     every = {one.case: ratios for one in judged if (ratios := one.ratios) is not None}
@@ -266,7 +266,7 @@ def document(found: Sequence[Verdict]) -> dict[str, object]:
 
     apart = [
         {"controllers": [one.controller, other.controller], "level": level}
-        | {name: interval(less(a, b).estimate(level)), "told_apart": differs(a, b, level)}
+        | {name: interval(less(a, b).estimate(level)), "told_apart": a.values.size > 1 and differs(a, b, level)}
         for number, one in enumerate(found)
         for other in found[number + 1 :]
         for name, of in (("median", "medians"), ("worst", "largest"))

@@ -17,6 +17,7 @@ from products.protection.programme import read_programme
 from products.protection.rig import Rig
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
+from products.protection.spread import Spread, draws_of
 from scenarios.controllers.page import MOST_SAMPLES, thinned
 from tests.axe import violations
 from tests.browser import Browser, Page, browser
@@ -94,10 +95,12 @@ def test_the_page_is_small_and_fits_its_window(page: Page, folder: Path) -> None
 
 
 def test_the_page_has_the_numbers_of_the_rig(page: Page, folder: Path) -> None:
-    """The built-in protection: speeds within 1 cm/s, distances within 1 dm, linear between two samples."""
+    """The first draw with the built-in protection: speeds within 1 cm/s, distances within 1 dm, linear in between."""
     choose(page, 0)
-    run = read_programme(folder / "my.toml")[0].run(bogie())
-    [stop] = Rig(bogie(), SlideProtection, Settings(), by_flow=True).runs([run], every=EVERY)
+    case, spread = read_programme(folder / "my.toml")[0], Spread()
+    [draw] = draws_of(case.name, range(1), 2, spread, 1)
+    rig = Rig(bogie(), SlideProtection, Settings(jitter=spread.jitter), by_flow=True)
+    [stop] = rig.runs([draw.applied(case.run(bogie()), bogie())], every=EVERY)
     history = stop.history
     assert history
     assert page.evaluate("player.tracks[1].stop.end") == pytest.approx(stop.time, abs=1e-3)

@@ -14,6 +14,7 @@ from products.protection.rig_in_c import slide_protection
 from products.protection.settings import Settings
 from products.protection.spread import Spread, draws_of
 from scenarios.controllers.estimate import Sample, less, sample_of
+from scenarios.controllers.scoring import LOOKS, Plan
 from scenarios.controllers.verdict import differs, level_of
 
 SEEDS, BOUNDS = 200, (180, 198)
@@ -58,6 +59,12 @@ def test_two_controllers_are_told_apart_if_and_only_if_they_differ() -> None:
     """A difference of 1 % is found; equal controllers with scatter of their own are told apart in at most 5 %."""
     assert sum(apart(seed, 1.01) for seed in range(SEEDS)) >= 0.95 * SEEDS
     assert sum(apart(seed, 1.0) for seed in range(SEEDS)) <= 0.05 * SEEDS
+
+
+def test_a_comparison_may_end_at_most_as_often_as_its_intervals_allow() -> None:
+    looks = {most: Plan(most=most).looks for most in (1, 8, 16, 64, 65, 1000, 10_000)}
+    assert [looks[most] for most in (1, 8, 16, 64, 1000)] == [(1,), (8,), (8, 16), LOOKS, (8, 40, 200, 1000)]
+    assert all(len(one) <= len(LOOKS) and one[-1] == most for most, one in looks.items())
 
 
 def test_draws_are_the_same_for_all_controllers_and_in_longer_ranges() -> None:

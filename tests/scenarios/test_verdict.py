@@ -98,6 +98,7 @@ def test_controllers_whose_difference_is_within_its_interval_cannot_be_told_apar
     """PD is 1 % shorter on average than PI; their draws differ by 0.02 or 0.001. Common scatter does not count."""
     scatter = (0.01, -0.01, 0.0, 0.005)
     pd = [drawn(case, "PD", *(1.20 + one for one in scatter)) for case in ("a", "b", "c")]
+    assert document(verdicts(scores("PI", "PD")))["differences"][0]["told_apart"] is False  # type: ignore[index]
     for own, said in ((0.02, "All controllers are alike: they stop"), (0.001, "PD is best: it stops")):
         more = (own, -own, own / 2, -own / 2)
         ratios = [1.212 + one + other for one, other in zip(scatter, more, strict=True)]
@@ -128,6 +129,8 @@ def test_stops_of_all_draws_are_one_in_the_table() -> None:
     assert cells(scored)[2:6] == ("101.0", f"±{half:.1f}", "-", "1.010")
     other = replace(scored, controller="PD", stops=tuple(replace(of, distance=of.distance + 2.02) for of in draws))
     assert [row[4] for row in rows_of([scored, other])] == ["shortest", "2.0"]
+    once = [replace(scored, controller=name, stop=draws[0], stops=()) for name in ("PI", "PD")]
+    assert [row[4] for row in rows_of(once)] == ["shortest", "equal"]
     broken = together([draws[0], replace(STOP, distance=None, message="It did not stop."), draws[2]])
     assert (broken.distance, broken.message) == (None, "It did not stop. (draw 2 of 3)")
     assert together(draws[:1]) is draws[0]
@@ -143,6 +146,7 @@ def test_harm_is_told_where_no_wheel_slides() -> None:
     ]
     found = verdicts([*dry, *(scored("low", name, 2.0) for name in kinds)])
     assert [one.harm and one.harm.words for one in found] == ["none", "none", "valves move", "+2.0 % (dry)"]
+    assert [one.harm and one.harm.words for one in verdicts(dry)] == ["none", "none", "valves move", "+2.0 % (dry)"]
     assert verdicts(scores("none", "PD"))[1].harm is None
 
 
