@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from bogie_braking.__main__ import main
 from scenarios.bench.asymmetric_shoes import CASES, run_all
 from scenarios.bench.torque_history import read_torque_history
-from scenarios.brakes import anti_skid
+from scenarios.brakes import anti_skid, etcs_low_adhesion
 from scenarios.catalogue import SCENARIOS
 from scenarios.comparisons import speed_accuracy, train_methods
 from scenarios.comparisons.peers import ensembles
@@ -170,6 +170,12 @@ def short_thesis_step(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def short_etcs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stops from 60 km/h; those from 140 km/h take twice the time."""
+    monkeypatch.setattr(etcs_low_adhesion, "SPEED", 60.0 / 3.6)
+
+
+@pytest.fixture
 def short_laws(monkeypatch: pytest.MonkeyPatch) -> None:
     """Only laws that compile in a second; tests/rbd_model/test_creep_laws.py tests the others in the same way."""
     chosen = ("Kalker, linear", "Shen, Hedrick, Elkins", "Polach", "FASTSIM 5 x 5")
@@ -260,6 +266,7 @@ MOTION = re.compile(r'<script id="data" type="application/json">(.*?)</script>')
     "short_measurements",
     "short_vehicles",
     "short_thesis_step",
+    "short_etcs",
     "short_laws",
     "short_flange",
     "short_track",
