@@ -84,13 +84,19 @@ class Gradients:
         front = np.concatenate([places[..., :1] - 1.0, inside, places[..., -1:] + 1.0], axis=-1)
         if not edges.size:
             front = np.zeros((*places.shape[:-1], 1))
-        lowest = np.full(front.shape, np.inf)
-        for n, gradient in enumerate(self.permille):
-            first = edges[n - 1] if n else -np.inf
-            last = edges[n] if n < edges.size else np.inf
-            under = (front > first) & (front - lengths < last)
-            lowest = np.where(under, np.minimum(lowest, gradient), lowest)
-        return places, lowest
+        last, first = np.searchsorted(edges, front), np.searchsorted(edges, front - lengths, side="right")
+        return places, _lowest(self.permille, first, last)
+
+
+def _lowest(values: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """Return the lowest of the values from `first` to `last`: the lower one of two runs of 2**n values."""
+    runs = [values]
+    while 2 ** len(runs) <= values.size:
+        ahead = 2 ** (len(runs) - 1)
+        runs.append(np.append(np.minimum(runs[-1][:-ahead], runs[-1][ahead:]), runs[-1][-ahead:]))
+    size = np.frexp(last - first + 1)[1] - 1
+    table = np.stack(runs)
+    return np.minimum(table[size, first], table[size, last + 1 - 2**size])
 
 
 def acceleration_by(permille: np.ndarray, rotating: np.ndarray | float | None) -> np.ndarray:
