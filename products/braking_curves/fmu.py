@@ -17,6 +17,7 @@ from products.building import announce, license_text
 from products.supervision.gradients import STEEPEST, Gradients
 from products.train.fmu import binaries_of
 from rbd_model.track.line_files import line_from_file
+from readers.text import BadInputError
 
 FOLDER = Path(__file__).parent
 NAME = "BrakingCurves"
@@ -79,9 +80,12 @@ def build_curves_fmu(
 
     Raises
     ------
+    BadInputError
+        If there are too many gradients, or one begins too far away.
     CompilerError
         If the compiler is missing or fails.
     """
+    _check(gradients)
     given, entries = curves_in_c(), every()
     lengths = [len(entry.starts) for entry in entries]
     of = Lengths(lengths, [entry.starts for entry in entries], STEP, STOP)
@@ -89,6 +93,22 @@ def build_curves_fmu(
     numbers = np.array([len(rows) // 2, *rows], "<f8")
     files = {"documentation/licenses/license.txt": license_text(), "resources/gradients.bin": numbers.tobytes()}
     build_arrays_fmu(given, of, path, version, binaries_of(given, version, all_platforms), files)
+
+
+def _check(gradients: Gradients | None) -> None:
+    if gradients is None:
+        return
+    if gradients.starts.size > MOST_GRADIENTS:
+        raise BadInputError(
+            f"A line of {NAME}.fmu must have at most {MOST_GRADIENTS} gradients; got {gradients.starts.size}. "
+            "Give a part of the line."
+        )
+    far = float(gradients.starts[np.argmax(np.abs(gradients.starts))])
+    if abs(far) > FARTHEST:
+        raise BadInputError(
+            f"Places of {NAME}.fmu must be from {-FARTHEST:g} to {FARTHEST:g} m; got a gradient at {far:g} m. "
+            "Give a part of the line."
+        )
 
 
 def build_curves(out: Path, kinds: Sequence[str], line: Path | None = None, all_platforms: bool = False) -> list[str]:

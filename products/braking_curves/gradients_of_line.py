@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from products.supervision import Gradients
+from products.supervision.gradients import STEEPEST, Gradients
 from rbd_model.track.line import Line
+from readers.text import BadInputError
 
 
 def gradients_of(line: Line) -> Gradients:
@@ -20,9 +21,18 @@ def gradients_of(line: Line) -> Gradients:
     -------
     Gradients
         Steps with their starts.
+
+    Raises
+    ------
+    BadInputError
+        If a gradient is steeper than 255 permille.
     """
     places = np.asarray(line.rows["distance"], dtype=float)
     values = 1e3 * np.asarray(line.rows.get("gradient", np.zeros(places.size)), dtype=float)
+    if np.max(np.abs(values)) > STEEPEST:
+        row, most = int(np.argmax(np.abs(values))), STEEPEST / 1e3
+        got = f"{values[row] / 1e3:g} at {places[row]:g} m"
+        raise BadInputError(f"Gradients must be from -{most:g} to {most:g}; got {got}. Give rise over length.")
     lower = np.minimum(values[:-1], values[1:]) if values.size > 1 else values
     starts = places[: lower.size]
     changes = np.append(True, np.diff(lower) != 0.0)

@@ -231,6 +231,18 @@ def test_train_data_that_the_fmu_does_not_have_are_refused() -> None:
         fmu_parameters(PLAIN, fixed=FixedValues(T_driver=3.0))
 
 
+def test_a_line_that_the_fmu_would_not_read_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    many = Gradients(np.arange(100_001.0), np.arange(100_001) % 2)
+    with pytest.raises(BadInputError, match="at most 100000 gradients; got 100001"):
+        build_curves_fmu(tmp_path / "many.fmu", 2, many)
+    line = tmp_path / "line.csv"
+    far, steep = "0,0,0,0\n2e6,0,0,0.01\n3e6,0,0,0.01", "0,0,0,0.5\n9,0,0,0"
+    for rows, words in ((far, "got a gradient at 2e+06 m"), (steep, "got 0.5 at 0 m")):
+        line.write_text(f"distance,curvature,cant,gradient\n{rows}\n")
+        assert build_fmu.main(["curves", "--line", str(line), "--kind", "native", "--out", str(tmp_path)]) == 2
+        assert words in capsys.readouterr().err
+
+
 def test_the_command_line_builds_it_on_a_line(tmp_path: Path) -> None:
     line = tmp_path / "line.csv"
     line.write_text("distance,curvature,cant,gradient\n0,0,0,0.005\n1000,0,0,0.005\n1001,0,0,-0.01\n2000,0,0,-0.01\n")
