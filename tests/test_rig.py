@@ -213,14 +213,14 @@ ROLLS, REFILLS = 1e-3, 2e-2
 def test_where_all_wheels_roll_a_run_is_the_ideal_one(equipment: tuple[str, ...], machine: Machine) -> None:
     rail = RAILS[0].values(len(machine.numbers)) | ({"sand_rate_1": 0.05} if "sanders" in equipment else {})
     band = REFILLS if "dynamic brake" in equipment else ROLLS
-    speed, brake_ratio = (25.0, 1.0) if len(machine.numbers) == 2 else (12.0, 0.6)
-    run = Run(rail, speed, brake_ratio, equipment=equipment)
-    [found] = Rig(machine, None, Settings(), by_flow=True).runs([run])
-    ideal = ideal_distance(machine, run, Settings())
-    assert ideal is not None
-    assert found.distance == pytest.approx(ideal, rel=band)
-    assert found.distance is not None
-    assert found.distance > (1 - ROLLS) * ideal
+    for speed, brake_ratio in ((25.0, 1.0), (12.0, 0.6)):
+        run = Run(rail, speed, brake_ratio, equipment=equipment)
+        [found] = Rig(machine, None, Settings(), by_flow=True).runs([run])
+        ideal = ideal_distance(machine, run, Settings())
+        assert ideal is not None
+        assert found.distance == pytest.approx(ideal, rel=band)
+        assert found.distance is not None
+        assert found.distance > (1 - ROLLS) * ideal
 
 
 @pytest.mark.parametrize("machine", [bogie(), coach()], ids=["bogie", "coach"])

@@ -31,7 +31,7 @@ ACCELERATION_BAND, FORCE_BAND = 1e-9, 1e-9
 #: Acceleration scale below which rounding errors dominate [m/s2, rad/s2]. The error is 6e-11 rad/s2: 2e-16 of a speed
 #: of 7 m/s as slip, times a creep stiffness of 1e7 N.s/m, times 0.425 m, over 112 kg.m2.
 CALM = 0.1
-STATES = {1: 30, 2: 30, 4: 20}
+STATES = {1: 60, 2: 60, 4: 50}
 
 
 def random_scene(wheelsets: int, seed: int) -> tuple[dict[str, float], float]:
@@ -100,12 +100,12 @@ def test_accelerations_and_normal_forces_are_those_of_chapter_3(wheelsets: int) 
 
 
 def test_random_states_contain_what_they_are_meant_to() -> None:
-    for every, least in (([*snapshots(1), *snapshots(2)], 60), (snapshots(4), 20)):
+    for every, least in (([*snapshots(1), *snapshots(2)], 100), (snapshots(4), 50)):
         assert len(every) >= least
         flanges = [s for s in every if offset(s) > s.machine.parameters.flange_clearance]
-        assert len(flanges) >= 5
-        assert sum(any(s.locked) for s in every) >= 3
-        assert sum(s.scene["yaw_torque_rotates"] > 0.5 for s in every) >= least / 3
+        assert len(flanges) >= 10
+        assert sum(any(s.locked) for s in every) >= 5
+        assert sum(s.scene["yaw_torque_rotates"] > 0.5 for s in every) >= 30
         assert max(abs(s.value["roll_1"]) for s in every) > 1e-3
         assert max(abs(s.value["yaw_1"]) for s in every) > 5e-3
 
@@ -146,7 +146,7 @@ def without(term: str, snapshot: Snapshot, patch: pytest.MonkeyPatch) -> Mechani
 @pytest.mark.parametrize("wheelsets", [1, 2])
 def test_a_missing_term_is_found(term: str, wheelsets: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without any of the terms the comparison above fails: in most states, or (flange) in those with flange contact."""
-    found = snapshots(wheelsets)[:12]
+    found = snapshots(wheelsets)[:30]
     worst = [max(differences(s, without(term, s, monkeypatch))) for s in found]
     assert max(worst) > 1e3 * ACCELERATION_BAND
     if term != "flange":
