@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -205,21 +206,21 @@ def compare(
     runs, settings = runs_of(machine, cases, level), replace(settings, jitter=plan.spread.jitter)
     orders = {name: Order(machine, one, settings, level=level) for name, one in controllers.items()}
     stops: dict[str, list[list[Stop]]] = {name: [[] for _ in cases] for name in controllers}
-    names, numbers = [case.name for case in cases], range(0)
+    draws: list[list[Draw]] = [[] for _ in cases]
     with counting(total=len(controllers) + len(runs), text="controllers and ideals", unit="") as bar:
         ideals = []
         for run in runs:
             ideals.append(ideal_distance(machine, run, settings))
             bar.update()
-        for count in plan.looks:
-            numbers = range(numbers.stop, count)
-            first = recorded and not numbers.start
-            drawn = [draws_of(name, numbers, len(machine.numbers), plan.spread, plan.seed) for name in names]
+        for before, count in pairwise((0, *plan.looks)):
+            numbers, first = range(before, count), recorded and before == 0
+            drawn = [draws_of(case.name, numbers, len(machine.numbers), plan.spread, plan.seed) for case in cases]
+            draws = [[*old, *new] for old, new in zip(draws, drawn, strict=True)]
             for name, order in orders.items():
                 for own, more in zip(stops[name], drawn_stops(order, name, runs, drawn, first), strict=True):
                     own += more
-                bar.update(int(numbers.start == 0))
-            scores = scored(machine, cases, runs, ideals, stops, plan)
+                bar.update(int(before == 0))
+            scores = scored(machine, cases, runs, ideals, stops, draws)
             if count == plan.most or enough(scores):
                 break
     return scores
@@ -243,15 +244,14 @@ def scored(
     runs: Sequence[Run],
     ideals: Sequence[float | None],
     stops: Mapping[str, Sequence[Sequence[Stop]]],
-    plan: Plan,
+    draws: Sequence[Sequence[Draw]],
 ) -> list[Scored]:
-    """Return the scores of these stops, by controllers and cases."""
+    """Return the scores of these stops, by controllers and cases; draws: by cases."""
     radius, found = machine.parameters.wheel_radius, []
     for place, (case, run, ideal) in enumerate(zip(cases, runs, ideals, strict=True)):
         for name, of_each in stops.items():
-            own = tuple(of_each[place])
-            draws = tuple(draws_of(case.name, range(len(own)), len(machine.numbers), plan.spread, plan.seed))
-            found.append(Scored(case.name, name, together(own), radius, ideal, None, run.driven, own, draws))
+            own, drawn = tuple(of_each[place]), tuple(draws[place])
+            found.append(Scored(case.name, name, together(own), radius, ideal, None, run.driven, own, drawn))
     dry = {one.controller: one.distance.mean for one in found if one.case == "dry" and one.distance}
     alike = {case.name for case in cases if case.speed is None}
     return [replace(one, dry=dry.get(one.controller)) if one.case in alike else one for one in found]
