@@ -194,21 +194,26 @@ def messages(found: Sequence[Verdict]) -> list[str]:
     if not any(one.stopped for one in found):
         return rest if silent else [f"No controller {words.does} in any case."]
     names = " and ".join(one.controller for one in best)
-    who = (
-        "All controllers are alike" if len(best) == len(found) else f"{names} {'is' if len(best) == 1 else 'are'} best"
-    )
+    who = f"{names} {'is' if len(best) == 1 else 'are'} best"
+    if 1 < len(best) == len(found):
+        who = "No controller is best"
     where = "in every case" if best[0].stopped == cases else f"in {best[0].stopped} of {cases} cases"
-    said = [f"{who}: {f'it {words.does}' if len(best) == 1 else f'they {words.do}'} {where}{_median(best[0], cases)}."]
-    if 1 < len(best) < len(found):
+    said = [f"{who}: {f'it {words.does}' if len(best) == 1 else f'they {words.do}'} {where}{_median(best, cases)}."]
+    if len(best) > 1:
         said = [f"{said[0]} They cannot be told apart."]
     worst = [_worst(one) for one in order if one.controller != "none" and one.stopped + one.failed]
     alike = len(best) == len(found) or cases == 1
     return [*said, *rest] if alike else [*said, f"Where each is worst: {'; '.join(worst)}.", *rest]
 
 
-def _median(one: Verdict, cases: int) -> str:
-    ratio = "" if one.median is None else f", after {one.median.mean:.2f} of the ideal distance"
-    if not ratio or cases == 1:
+def _median(best: Sequence[Verdict], cases: int) -> str:
+    """Return the medians of the best controllers, from the smallest to the largest, in words."""
+    one, means = best[0], [of.median.mean for of in best if of.median is not None]
+    if not means:
+        return ""
+    ends = dict.fromkeys(f"{mean:.2f}" for mean in (min(means), max(means)))
+    ratio = f", after {' to '.join(ends)} of the ideal distance"
+    if cases == 1:
         return ratio
     if one.sliding == 1:
         return f"{ratio} where wheels slide"

@@ -69,7 +69,7 @@ def test_distances_count_where_a_wheel_slides() -> None:
     assert first.endswith("after 1.12 of the ideal distance in the median of the 4 where wheels slide.")
     given = [*rolls[::4], *rolls[3::4], *scores("none", "PD")]
     assert message(given) == "PD stops within 1.2 of ideal in 4 of 4 sliding cases"
-    assert messages(verdicts(rolls))[0].startswith("All controllers are alike: they stop in every case, after 1.00")
+    assert messages(verdicts(rolls))[0].startswith("No controller is best: they stop in every case, after 1.00 of")
 
 
 def test_the_worst_case_is_one_of_all_cases() -> None:
@@ -99,7 +99,10 @@ def test_controllers_whose_difference_is_within_its_interval_cannot_be_told_apar
     scatter = (0.01, -0.01, 0.0, 0.005)
     pd = [drawn(case, "PD", *(1.20 + one for one in scatter)) for case in ("a", "b", "c")]
     assert document(verdicts(scores("PI", "PD")))["differences"][0]["told_apart"] is False  # type: ignore[index]
-    for own, said in ((0.02, "All controllers are alike: they stop"), (0.001, "PD is best: it stops")):
+    for own, said in (
+        (0.02, "No controller is best: they stop in every case, after 1.20 to 1.21 of"),
+        (0.001, "PD is best: it stops"),
+    ):
         more = (own, -own, own / 2, -own / 2)
         ratios = [1.212 + one + other for one, other in zip(scatter, more, strict=True)]
         found = verdicts([*pd, *(drawn(one.case, "PI", *ratios) for one in pd)])
@@ -177,7 +180,9 @@ def test_wheels_that_lock_count_before_the_distance() -> None:
 
 
 def test_controllers_that_are_alike_are_told_so() -> None:
-    alike = "All controllers are alike: they stop in every case, after 1.00 of the ideal distance."
+    alike = (
+        "No controller is best: they stop in every case, after 1.00 of the ideal distance. They cannot be told apart."
+    )
     assert messages(verdicts(scores(*RATIOS, cases=1))) == [alike]
     [said, _] = messages(verdicts(scores("none", "protection", "PD", cases=3)))
     assert (
