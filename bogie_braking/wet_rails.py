@@ -12,7 +12,7 @@ from scipy.stats import loguniform, norm, uniform
 from bogie_braking.batches import threads_or_none
 from bogie_braking.checks import at_most, known
 from bogie_braking.quantiles import drawn_quantile, split_quantile
-from bogie_braking.rare_events import Distribution, distributions_of, values_of, whole
+from bogie_braking.rare_events import MOST_MOVES, Distribution, distributions_of, values_of, whole
 from bogie_braking.splitting import POPULATIONS, Numbers, climb
 from products.machine import MACHINES
 from products.protection.draws import CLEANED, FALLING, FRICTIONS
@@ -53,6 +53,8 @@ WET_RAILS = {
 }
 #: Number of plain draws, and its limit; level up to which they suffice, and up to which the first particles do.
 DRAWS, MOST_DRAWS, PLAIN, SHALLOW = 4_000, 1_000_000, 3, 1
+#: Most particles of a population, whose stops run at once.
+MOST_PARTICLES = 10_000
 #: Friction below which a stop is not simulated and has no deceleration.
 LEAST_FRICTION = 0.005
 #: Deepest level of the standard; the climb ends below the probability of a level by this factor.
@@ -165,7 +167,8 @@ def wet_factors(
     """
     _check(level, speed, step)
     draws = at_most("draws", whole("draws", draws, 100), MOST_DRAWS)
-    particles, moves = whole("particles", particles, 10), whole("moves", moves, 1)
+    particles = at_most("particles", whole("particles", particles, 10), MOST_PARTICLES)
+    moves, seed = at_most("moves", whole("moves", moves, 1), MOST_MOVES), whole("the seed", seed, 0)
     if isinstance(rails, str):
         rails = WET_RAILS[known(rails, WET_RAILS, "law of wet rails")]
     inputs = distributions_of(
@@ -185,7 +188,7 @@ def wet_factors(
         found, method = _plain(stops(points), level), f"{draws} plain draws"
     else:
         least = WEAKER[level] / BELOW
-        populations, _ = climb(stops, len(inputs), np.inf, particles, moves, whole("the seed", seed, 0), least)
+        populations, _ = climb(stops, len(inputs), np.inf, particles, moves, seed, least)
         first = np.concatenate([one.generations[0].outputs for one in populations])
         found = _plain(first, SHALLOW)
         for deep in range(SHALLOW + 1, level + 1):

@@ -52,7 +52,7 @@ class Found:
     gradients : Gradients
         Of the line.
     moves : tuple of Move
-        What rounding changed, if it was asked for.
+        What rounding changed, with `--rounded`.
     """
 
     data: TrainData

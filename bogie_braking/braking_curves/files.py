@@ -35,7 +35,7 @@ def check_files(chosen: argparse.Namespace) -> None:
 
 
 def write(chosen: argparse.Namespace, found: Found) -> dict[str, Path]:
-    """Write all files; return their paths by what they show."""
+    """Write all files; return their paths by the names of their contents."""
     with writing(chosen.out):
         chosen.out.mkdir(parents=True, exist_ok=True)
     paths = {"picture": _picture(chosen, found), "table": _table(chosen, found)}

@@ -12,6 +12,7 @@ from bogie_braking.supervised import FromRuns, brake_units, supervised_train, wi
 from products.etcs_files.any_train import etcs_train_in
 from products.etcs_files.train_file import EtcsTrain
 from products.supervision import Steps, SupervisedTrain, dry_factors, rounded_down
+from products.supervision.conversion import MOST as LARGEST_PERCENTAGE
 from products.train.consist import Consist
 from products.train.foreign import consist_from
 from readers.text import BadInputError
@@ -110,7 +111,7 @@ def _of_consist(chosen: argparse.Namespace, consist: Consist | None, largest: fl
         given = (chosen.dry, chosen.wet, chosen.failure, chosen.spread, chosen.common, chosen.tolerances)
         if given != (1.0, 1.0, 0.0, 0.0, 0.0, None):
             raise BadInputError("Factors act on decelerations, not on percentages. Leave them out with --position.")
-        percentage = min(consist.percentage, 250.0)
+        percentage = min(consist.percentage, LARGEST_PERCENTAGE)
         train = SupervisedTrain.of_percentage(
             percentage, chosen.position, consist.length, service_command=chosen.service, maximum_speed=largest
         )

@@ -81,6 +81,8 @@ def _lines_of_train(chosen: argparse.Namespace, found: Found) -> list[str]:
         lines.append(f"Kdry_rst of levels 0 to 9, rounded down: {each}; in use: level {found.country.M_NVEBCL}")
     if data.safety is not None:
         lines += lines_of(data.safety)
+        if not data.dry_by_level:
+            lines.append("Train data have Kdry_rst of this level alone: T_brake_emergency depends on the level.")
     if found.moves:
         moved = ", ".join(f"{move.name} by {move.most:.2g} {move.unit}".replace(" 1,", ",") for move in found.moves)
         lines.append(f"Rounded to the safe side, at most: {moved.removesuffix(' 1')}")
@@ -93,10 +95,13 @@ def train_words(found: Found) -> str:
     if consist is None:
         kind = f"brake percentage {float(train.percentage):.0f} %" if train.percentage is not None else "decelerations"
         return f"{found.data.source}, {float(np.asarray(train.length)):.1f} m, {kind}"
-    return (
+    words = (
         f"{len(consist.vehicles)} vehicles, {1e-3 * consist.mass:.1f} t, {consist.length:.1f} m, "
         f"brake percentage {consist.percentage:.0f} %"
     )
+    if train.percentage is not None and float(train.percentage) < consist.percentage:
+        return f"{words}; train data have at most {float(train.percentage):.0f} %"
+    return words
 
 
 def name_of_end(chosen: argparse.Namespace, found: Found) -> str:

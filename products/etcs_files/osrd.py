@@ -38,8 +38,8 @@ def read_osrd_train(path: Path) -> SupervisedTrain:
     Returns
     -------
     SupervisedTrain
-        The train. As in OSRD, the on-board unit commands the service brake and cuts off traction, and the rotating mass
-        is not known.
+        The train. The on-board unit commands the service brake and cuts off traction, as in OSRD. The rotating mass is
+        not known.
 
     Raises
     ------

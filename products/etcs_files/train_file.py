@@ -47,7 +47,7 @@ SWITCHES = {
     "Q_SPECADDBRAKEINDADH": "without_adhesion",
 }
 PERCENTAGE, POSITION = "M_BRAKE_PERCENTAGE", "M_BRAKE_POSITION"
-#: What a train by decelerations must state, and what a brake percentage states in its place.
+#: Names that a train by decelerations must have, and names that exclude a brake percentage.
 NEEDED = ("A_brake_emergency", "A_brake_service", "T_brake_emergency", "T_brake_service")
 OF_DECELERATIONS = (*NEEDED, "Kdry_rst", "Kwet_rst")
 NAMES = ("format", "version", "name", POSITION, PERCENTAGE, *NUMBERS, *STEPS, *SWITCHES)
@@ -203,7 +203,7 @@ def _made(read: dict[str, Any], found: dict[str, Any], source: str) -> Supervise
         percentage = _number_in(read[PERCENTAGE], "%", f"{source}: {PERCENTAGE}")
         return SupervisedTrain.of_percentage(percentage, position, found.pop("length"), **found)
     if missing := [name for name in NEEDED if name not in read]:
-        raise BadInputError(f"the file must have {', '.join(missing)}, or {PERCENTAGE} in place of all; got neither.")
+        raise BadInputError(f"the file must have {', '.join(missing)}, or {PERCENTAGE} instead of all; got neither.")
     return SupervisedTrain(**found, freight=position.startswith("freight"))
 
 

@@ -134,11 +134,7 @@ def supervise(
     speeds = np.atleast_1d(np.asarray(V_est, dtype=float))
     numbers = {"V_est": speeds, "place": place, "A_est": A_est, "pipe_fall": pipe_fall}
     _check(kind, target_speed, beyond, **numbers, V_ura=0.0 if V_ura is None else V_ura)
-    if train.position is not None and speeds.max(initial=0.0) > FASTEST_CONVERTED:
-        raise BadInputError(
-            f"V_est must be at most {FASTEST_CONVERTED / KMH:g} km/h for a train by its brake percentage (SUBSET-026, "
-            f"3.13.3.2); got {speeds.max() / KMH:.1f} km/h. Give decelerations by speed instead."
-        )
+    _check_converted(train, speeds)
     target, foot = np.asarray(target_speed, dtype=float), np.asarray(place, dtype=float)
     slopes = _slopes(train, gradients or Gradients.level())
     if kind == "EOA":
@@ -161,7 +157,7 @@ def supervise(
     P, GUI = SBI - speeds * fixed.T_driver, None
     if national.guidance and train.A_brake_normal_service is not None:
         start = foot
-        if kind != "EOA":
+        if kind != "EOA":  # P at the target speed, 3.13.9.3.5.9
             at_target = target[..., None]
             still = to_brake.begins(at_target, at_target, predicted_error(V_ura, at_target), 0.0)
             start = (still - at_target * (T_bs2 + fixed.T_driver))[..., 0]
@@ -190,6 +186,15 @@ def predicted_error(V_ura: np.ndarray | float | None, speed: np.ndarray | float)
     """
     inhibited = V_ura is not None and not np.any(V_ura)
     return np.zeros_like(speed, dtype=float) if inhibited else speed_inaccuracy(speed)
+
+
+def _check_converted(train: SupervisedTrain, speeds: np.ndarray) -> None:
+    """Refuse speeds at which the conversion model does not hold."""
+    if train.position is not None and speeds.max(initial=0.0) > FASTEST_CONVERTED:
+        raise BadInputError(
+            f"V_est must be at most {FASTEST_CONVERTED / KMH:g} km/h for a train by its brake percentage (SUBSET-026, "
+            f"3.13.3.2); got {speeds.max() / KMH:.1f} km/h. Give decelerations by speed instead."
+        )
 
 
 def _check(kind: str, target_speed: object, beyond: object, **others: object) -> None:

@@ -28,7 +28,7 @@ MOST_ROTATING, SAFE_ROTATING = 15.0, (2.0, 15.0)
 #: Packet 3: factors by speed [1], accelerations [m/s2], speeds [m/s] and lengths [m] at which factors may change.
 KV, REDUCED, KV_SPEEDS = (0.02, 2.54), (0.05, 3.15), np.arange(0.0, 601.0, 5.0) * KMH
 KR_LENGTHS = np.array([0.0, 25.0, 50.0, 75.0, 100.0, 150.0, *(100.0 * n for n in range(2, 28))])
-#: Share of a resolution that counts as rounding of binary numbers.
+#: Share of a resolution below which a difference is rounding of binary numbers.
 NOISE = 1e-6
 
 
@@ -81,8 +81,9 @@ def rounded_train(train: SupervisedTrain, dry_by_level: Sequence[Steps] = ()) ->
     Returns
     -------
     RoundedTrain
-        Decelerations and factors rounded down to 0.01 m/s2 and 0.05, and the lowest of each km/h between boundaries
-        that are no whole km/h; times rounded up to 0.05 s and 0.01 s, length to 1 m, brake percentage down to 1 %.
+        Decelerations and factors are rounded down to 0.01 m/s2 and 0.05. Boundaries that are not multiples of 1 km/h
+        take the lower value of their km/h. Times are rounded up to 0.05 s and 0.01 s, the length to 1 m. The brake
+        percentage is rounded down to 1 %.
 
     Raises
     ------
@@ -104,7 +105,7 @@ def rounded_train(train: SupervisedTrain, dry_by_level: Sequence[Steps] = ()) ->
     T_bs = _up("T_brake_service", train.T_brake_service, *BUILD_UP, "s")
     later = 0.0
     if train.traction_command and train.service_command:
-        # Traction is cut off T_bs2 before the emergency brake: a longer T_bs2 must not count as earlier.
+        # Traction is cut off T_bs2 before the emergency brake: a longer T_bs2 must not make this time earlier.
         later = T_bs - float(train.T_brake_service)
     rounded = replace(
         train,
@@ -201,7 +202,7 @@ def _rotating(share: object) -> float | None:
     if least <= number <= most:
         return None
     raise BadInputError(
-        f"M_rotating_nom must be a whole number from 0 to 15 %, or lie from {least:g} to {most:g} %, where 'unknown' "
+        f"M_rotating_nom must be an integer from 0 to 15 %, or lie from {least:g} to {most:g} %, where 'unknown' "
         f"is safe; got {number:g} %. Correct it."
     )
 

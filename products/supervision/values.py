@@ -123,7 +123,7 @@ class NationalValues:
         for name, value in known.items():
             check_factors(name, value, 0.0, RANGES[name], "Correct it.")
         if self.M_NVEBCL not in range(10):
-            raise BadInputError(f"M_NVEBCL must be a whole number from 0 to 9; got {shown(self.M_NVEBCL)}. Correct it.")
+            raise BadInputError(f"M_NVEBCL must be an integer from 0 to 9; got {shown(self.M_NVEBCL)}. Correct it.")
         if self.A_NVP12 > self.A_NVP23:
             raise BadInputError(f"A_NVP12 must be at most A_NVP23, {self.A_NVP23:g} m/s2; got {self.A_NVP12:g} m/s2.")
 
@@ -140,7 +140,7 @@ def check_factors(name: str, values: ArrayLike, least: float, most: float, remed
     least, most : float
         The range.
     remedy : str
-        Last sentence of the message.
+        End of the message.
 
     Raises
     ------

@@ -37,7 +37,7 @@ def brake_params_of(read: Any, source: str) -> tuple[dict[str, Curve], dict[str,
     curves : dict
         Boundaries [m/s] and values of each step function, by its name.
     times : dict
-        Times [s] by their names. None in place of both if the rolling stock has no such parameters.
+        Times [s] by their names. None instead of both if the rolling stock has no such parameters.
 
     Raises
     ------

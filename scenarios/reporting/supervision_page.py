@@ -57,7 +57,7 @@ def page_of_supervision(
     Parameters
     ----------
     title : str
-        Its title.
+        Title of the page.
     limits : Curves
         Limits of one target.
     ends : float

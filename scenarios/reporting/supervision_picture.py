@@ -24,7 +24,7 @@ LIMITS = (
 def figure_of_supervision(
     limits: Curves, ends: float, gradients: Gradients, stops: Sequence[tuple[np.ndarray, np.ndarray]]
 ) -> Figure:
-    """Return the limits over the line, the gradient, and own stops.
+    """Return the limits over the line and own stops, above the gradient of a line that is not level.
 
     Parameters
     ----------
@@ -37,7 +37,9 @@ def figure_of_supervision(
     stops : sequence of tuple
         Places of the front [m] and its speeds [m/s] in the train's own stops.
     """
-    figure, (axes, below) = plt.subplots(2, 1, figsize=(9.0, 6.5), height_ratios=(4.0, 1.0), sharex=True)
+    rows = (4.0, 1.0) if np.any(gradients.permille) else (5.0,)
+    figure, drawn = plt.subplots(len(rows), 1, figsize=(9.0, 6.5), height_ratios=rows, sharex=True, squeeze=False)
+    axes, last = drawn[0, 0], drawn[-1, 0]
     for name, colour, width in LIMITS:
         axes.plot(getattr(limits, name), 3.6 * limits.V_est, color=colour, linewidth=width, label=name)
     for number, (places, speeds) in enumerate(stops):
@@ -49,11 +51,12 @@ def figure_of_supervision(
     legend_above(axes, 7)
     left, right = float(np.min(limits.I)), ends + 0.03 * (ends - float(np.min(limits.I)))
     axes.set_xlim(left, right)
-    starts = np.concatenate([[min(left, gradients.starts[0])], gradients.starts[1:], [right]])
-    below.stairs(gradients.permille, starts, baseline=None, color=BOGIE)
-    below.axhline(0.0, color="#aaaaaa", linewidth=0.6)
-    below.set_title("gradient [‰]")
-    below.set_xlabel("distance along the line [m]")
+    if last is not axes:
+        starts = np.concatenate([[min(left, gradients.starts[0])], gradients.starts[1:], [right]])
+        last.stairs(gradients.permille, starts, baseline=None, color=BOGIE)
+        last.axhline(0.0, color="#aaaaaa", linewidth=0.6)
+        last.set_title("gradient [‰]")
+    last.set_xlabel("distance along the line [m]")
     return titled(figure, message_of_stops(ends, stops))
 
 

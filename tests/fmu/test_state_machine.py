@@ -21,9 +21,6 @@ FACES = {
 }
 RUNS = [(name, face) for name, one in OBJECTS.items() for face in FACES if one.exchange or "exchange" not in face]
 SHORT, LONG = 20_000, 200_000
-#: The generated C is a hundred times as long as that of the others, and takes a minute to compile under sanitizers.
-LARGE = "bogie in space"
-OF_THE_SUITE = [pytest.param(*one, marks=pytest.mark.long) if LARGE in one else one for one in RUNS]
 #: Least shares of all calls; about half of the random calls are allowed.
 LEAST_SHARE = {"allowed": 0.4, "forbidden": 0.25, "insane": 0.08}
 
@@ -71,7 +68,7 @@ def play(command: list[str], name: str, face: str, seed: int, calls: int) -> Non
     assert found["steps"] > calls / 100 or "exchange" in face
 
 
-@pytest.mark.parametrize(("name", "face"), OF_THE_SUITE)
+@pytest.mark.parametrize(("name", "face"), RUNS)
 def test_allowed_calls_succeed_and_all_others_are_refused(command_of: Callable, name: str, face: str) -> None:
     """The tables of the standards define the allowed calls. A refused call leaves the state; a value that was set is
     read.

@@ -153,7 +153,7 @@ def test_a_file_has_all_national_values(tmp_path: Path) -> None:
     ("line", "says"),
     [
         ("M_NVEBLC = 3", "M_NVEBLC is not a national value of the curves; did you mean M_NVEBCL"),
-        ("M_NVEBCL = 2.5", "M_NVEBCL must be a whole number from 0 to 9; got 2.5"),
+        ("M_NVEBCL = 2.5", "M_NVEBCL must be an integer from 0 to 9; got 2.5"),
         ("M_NVKVINT = [0.7, 0.8]", "one factor for each start of V_NVKVINT, 1 to 32; got 2 factors and 1 starts"),
         ("V_NVKVINT = [0, 10]", "V_NVKVINT must have a list of factors"),
         ("V_NVKVINT = [5, 10]\nM_NVKVINT = [1, 1]", "must ascend from 0 to at most 600 km/h"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -193,6 +194,19 @@ def test_contradictions_are_refused(
     consist.write_text(COACHES)
     assert main(["etcs", str(consist), "--target", "2000", "--out", str(tmp_path), *words]) == 2
     assert says in capsys.readouterr().err
+
+
+def test_a_percentage_above_the_largest_of_train_data_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    consist = tmp_path / "strong.toml"
+    coaches = '[[vehicle]]\nkind = "coach"\ncount = 8\nmass = 20\nbrake_force = 90\n'
+    consist.write_text('[[vehicle]]\nkind = "locomotive"\n\n' + coaches)
+    command = ["etcs", str(consist), "--target", "2000", "--out", str(tmp_path), "--position", "passenger P"]
+    assert main(command) == 0
+    found = re.search(r"brake percentage (\d+) %; train data have at most 250 %", capsys.readouterr().out)
+    assert found is not None
+    assert int(found[1]) > 250
 
 
 def test_the_public_train_of_the_page_stops_in_its_published_distances() -> None:

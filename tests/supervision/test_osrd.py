@@ -90,7 +90,7 @@ def test_its_distances_follow_from_its_habits(osrd: Osrd, given: dict[str, Steps
 
 
 def test_by_the_standard_distances_from_the_emergency_brake_are_shorter(train: SupervisedTrain) -> None:
-    """Those from the service brake are equal but for its steps; guidance to a limit begins before it, 3.13.9.3.5.9."""
+    """Those from the service brake differ by its steps alone. Guidance to a limit begins before it, 3.13.9.3.5.9."""
     for case, found in {
         LOCATION_112: limits(train, MIDDLE),
         LOCATION_142: limits(train, FAST),
@@ -102,7 +102,7 @@ def test_by_the_standard_distances_from_the_emergency_brake_are_shorter(train: S
     guidance = limits(train, FASTEST).GUI
     assert guidance is not None
     assert float(guidance[0]) == pytest.approx(-6919.9, abs=0.05)
-    # From 288 to 142 km/h guidance counts. OSRD ends it at the limit itself, the standard before it.
+    # From 288 to 142 km/h guidance is the first limit. OSRD ends it at the limit itself, the standard before it.
     fast = limits(train, FASTEST, kind="LOA", target_speed=FAST * KMH)
     assert float(fast.I[0]) == pytest.approx(-6604.54, abs=0.01)
 

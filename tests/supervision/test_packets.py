@@ -148,8 +148,8 @@ def test_rounding_twice_changes_nothing_and_each_number_is_a_multiple() -> None:
     [
         ({"A_brake_emergency": Steps.constant(2.6)}, "A_brake_emergency must be 0.01 to 2.55 m/s2"),
         ({"Kwet_rst": Steps.constant(0.04)}, "Kwet_rst must be 0.05 to 1.55"),
-        ({"rotating": 1.5}, "must be a whole number from 0 to 15 %"),
-        ({"rotating": 16.0}, "must be a whole number from 0 to 15 %"),
+        ({"rotating": 1.5}, "must be an integer from 0 to 15 %"),
+        ({"rotating": 16.0}, "must be an integer from 0 to 15 %"),
         ({"A_brake_service": Steps([170.0], [0.8, 0.7])}, "last boundary at 166.667 or below; got 170"),
         ({"Kdry_rst": Steps(np.arange(1.0, 9.0), np.linspace(0.9, 0.5, 9))}, "share at most 7 sections of speed"),
     ],
