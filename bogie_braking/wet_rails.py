@@ -55,8 +55,8 @@ WET_RAILS = {
 DRAWS, MOST_DRAWS, PLAIN, SHALLOW = 4_000, 1_000_000, 3, 1
 #: Most particles of a population, whose stops run at once.
 MOST_PARTICLES = 10_000
-#: Friction below which a stop is not simulated and has no deceleration.
-LEAST_FRICTION = 0.005
+#: Friction below which a stop is not simulated and has no deceleration, and the largest.
+LEAST_FRICTION, MOST_FRICTION = 0.005, 2.0
 #: Deepest level of the standard; the climb ends below the probability of a level by this factor.
 DEEPEST, BELOW = 9, 4.0
 #: Limits of the initial speed [m/s], and of the integration step [s].
@@ -104,6 +104,9 @@ class _Stops:
         """Return minus the share of the dry deceleration, shape (points,)."""
         drawn = values_of(self.inputs, points)
         wheelsets = len(self.rig.machine.numbers)
+        highest = float(drawn["friction"].max())
+        if highest > MOST_FRICTION:
+            raise BadInputError(f"Friction of wet rails must be at most {MOST_FRICTION:g}; got a draw of {highest:g}.")
         stops = np.flatnonzero(drawn["friction"] >= LEAST_FRICTION)
         runs = [_run(wheelsets, *(float(drawn[name][row]) for name in drawn)) for row in stops]
         found = np.zeros(len(points))
@@ -169,8 +172,7 @@ def wet_factors(
     draws = at_most("draws", whole("draws", draws, 100), MOST_DRAWS)
     particles = at_most("particles", whole("particles", particles, 10), MOST_PARTICLES)
     moves, seed = at_most("moves", whole("moves", moves, 1), MOST_MOVES), whole("the seed", seed, 0)
-    if isinstance(rails, str):
-        rails = WET_RAILS[known(rails, WET_RAILS, "law of wet rails")]
+    rails = _rails_of(rails)
     inputs = distributions_of(
         {
             "friction": rails.friction,
@@ -235,6 +237,14 @@ def _messages(stops: _Stops, rails: WetRails, method: str, lower: Sequence[float
     if stops.without:
         found.append(f"{stops.without} stops have no deceleration: they did not end, or friction was below 0.005.")
     return found
+
+
+def _rails_of(rails: str | WetRails) -> WetRails:
+    if isinstance(rails, WetRails):
+        return rails
+    if isinstance(rails, str):
+        return WET_RAILS[known(rails, WET_RAILS, "law of wet rails")]
+    raise BadInputError(f"rails must be {', '.join(WET_RAILS)} or WetRails; got {shown(rails)}.")
 
 
 def _check(level: int, speed: float, step: float) -> None:

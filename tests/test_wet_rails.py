@@ -76,6 +76,9 @@ def test_wet_factors_are_bounded_by_adhesion() -> None:
         ({"particles": 1}, "Particles must be"),
         ({"rails": etcs.WetRails(0.2, "x")}, "friction must have a distribution"),  # type: ignore[arg-type]
         ({"rails": etcs.WetRails(norm(0.1, -1.0), "x")}, "must have a median"),
+        ({"rails": etcs.WetRails(norm(3.0, 0.1), "x"), "draws": 100}, "must be at most 2; got a draw of 3"),
+        ({"rails": None}, "rails must be low to wet, training, normal or WetRails"),
+        ({"seed": -1}, "The seed must be a whole number of at least 0; got -1"),
     ],
 )
 def test_wet_rails_that_cannot_be_drawn_are_refused(more: dict[str, Any], says: str) -> None:
