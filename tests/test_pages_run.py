@@ -50,10 +50,6 @@ SHORT = {
     "python -m bogie_braking doctor": "python -m bogie_braking doctor --help",
     "python -m bogie_braking pace spatial --step 1ms --seconds 10": "python -m bogie_braking pace --help",
     "python study.py": "python -m py_compile study.py",
-    # One phase of the teeth instead of three gives the output that the page shows.
-    "python -m bogie_braking controllers compare --programme starts": (
-        "python -m bogie_braking controllers compare --programme starts --draws 1"
-    ),
     "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)' --rails low": (
         "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)'"
         " --rails dry --draws 1"

@@ -189,7 +189,7 @@ def predicted_error(V_ura: np.ndarray | float | None, speed: np.ndarray | float)
 
 
 def _check_converted(train: SupervisedTrain, speeds: np.ndarray) -> None:
-    """Refuse speeds at which the conversion model does not hold."""
+    """Refuse speeds outside the range of the conversion model."""
     if train.position is not None and speeds.max(initial=0.0) > FASTEST_CONVERTED:
         raise BadInputError(
             f"V_est must be at most {FASTEST_CONVERTED / KMH:g} km/h for a train by its brake percentage (SUBSET-026, "

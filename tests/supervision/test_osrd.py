@@ -102,7 +102,7 @@ def test_by_the_standard_distances_from_the_emergency_brake_are_shorter(train: S
     guidance = limits(train, FASTEST).GUI
     assert guidance is not None
     assert float(guidance[0]) == pytest.approx(-6919.9, abs=0.05)
-    # From 288 to 142 km/h guidance is the first limit. OSRD ends it at the limit itself, the standard before it.
+    # Guidance is the first limit from 288 to 142 km/h. OSRD ends it at the limit itself, the standard before it.
     fast = limits(train, FASTEST, kind="LOA", target_speed=FAST * KMH)
     assert float(fast.I[0]) == pytest.approx(-6604.54, abs=0.01)
 
