@@ -82,8 +82,8 @@ def shortest(scores: Sequence[Scored]) -> dict[str, Scored]:
 def rows_of(scores: Sequence[Scored]) -> list[tuple[str, ...]]:
     """Return the rows of the table, each with its difference to the shortest distance in its case."""
     least = shortest(scores)
-    count = max(len(scores) - len(least), 1) * len(LOOKS)  # Bonferroni: all differences, each time they are found
-    level = 1.0 - (1.0 - LEVEL) / count
+    pairs = len({one.case for one in scores}) * math.comb(len({one.controller for one in scores}), 2)
+    level = 1.0 - (1.0 - LEVEL) / (max(pairs, 1) * len(LOOKS))  # Bonferroni, as in `level_of`
     return [cells(one, least.get(one.case), level) for one in scores]
 
 

@@ -96,9 +96,10 @@ class Verdict:
 def level_of(controllers: int) -> float:
     """Return the probability of one interval of a difference, so that all of a comparison hold with LEVEL.
 
-    Bonferroni: each controller is compared with the best by the criteria of distance, at most len(LOOKS) times.
+    Bonferroni: each pair of controllers is compared by the criteria of distance, at most len(LOOKS) times. All pairs
+    count because the draws decide which controller is the best.
     """
-    return 1.0 - (1.0 - LEVEL) / (CRITERIA * max(controllers - 1, 1) * len(LOOKS))
+    return 1.0 - (1.0 - LEVEL) / (CRITERIA * max(math.comb(controllers, 2), 1) * len(LOOKS))
 
 
 def differs(one: Sample, least: Sample, level: float) -> bool:

@@ -61,6 +61,19 @@ def test_two_controllers_are_told_apart_if_and_only_if_they_differ() -> None:
     assert sum(apart(seed, 1.0) for seed in range(SEEDS)) <= 0.05 * SEEDS
 
 
+def test_the_best_of_many_equal_controllers_is_told_apart_in_at_most_5_percent() -> None:
+    """The draws decide which of twelve controllers seems best, so all pairs count."""
+    told = 0
+    for seed in range(SEEDS):
+        ratios = 1.0 + 0.03 * np.random.default_rng(seed).standard_normal((12, LOOKS[-1]))
+        for count in LOOKS:
+            least, *others = sorted((Sample(own[:count]) for own in ratios), key=lambda one: float(one.values.mean()))
+            if any(differs(one, least, level_of(12)) for one in others):
+                told += 1
+                break
+    assert told <= 0.05 * SEEDS
+
+
 def test_a_comparison_may_end_at_most_as_often_as_its_intervals_allow() -> None:
     looks = {most: Plan(most=most).looks for most in (1, 8, 16, 64, 65, 1000, 10_000)}
     assert [looks[most] for most in (1, 8, 16, 64, 1000)] == [(1,), (8,), (8, 16), LOOKS, (8, 40, 200, 1000)]
