@@ -60,13 +60,14 @@ class Draw:
         """Return the run with this draw."""
         body = f"{machine.counted}_mass"
         mass = run.values.get(body, machine.parameters.values()[body])
-        frictions = {
-            name: value * self.friction
-            for name, value in run.values.items()
-            if name.removeprefix("friction_").isdecimal()
-        }
+        frictions = {name: value * self.friction for name, value in run.values.items() if is_friction(name)}
         values = {**run.values, **frictions, body: mass * self.load}
         return replace(run, values=values, phases=self.phases, teeth=self.teeth)
+
+
+def is_friction(name: str) -> bool:
+    """Return whether a variable is the friction of the rail under a wheelset."""
+    return name.removeprefix("friction_").isdecimal()
 
 
 def draws_of(case: str, numbers: range, wheelsets: int, spread: Spread, seed: int) -> list[Draw]:

@@ -21,7 +21,7 @@ from products.protection.programme import Case
 from products.protection.rig import START_SPEED
 from products.protection.runs import Run, Stop
 from products.protection.settings import GAS, Settings
-from products.protection.spread import Draw, Spread, draws_of
+from products.protection.spread import Draw, Spread, draws_of, is_friction
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.controller_loader import Given
 from scenarios.controllers.estimate import Estimate, Sample, sample_of
@@ -203,7 +203,7 @@ def compare(
     enough : callable
         Called with the scores at each number of draws of the plan except the last. True ends the comparison.
     """
-    runs, settings = runs_of(machine, cases, level), replace(settings, jitter=plan.spread.jitter)
+    runs, settings = runs_of(machine, cases, level, plan.spread.friction), replace(settings, jitter=plan.spread.jitter)
     orders = {name: Order(machine, one, settings, level=level) for name, one in controllers.items()}
     stops: dict[str, list[list[Stop]]] = {name: [[] for _ in cases] for name in controllers}
     draws: list[list[Draw]] = [[] for _ in cases]
@@ -257,8 +257,8 @@ def scored(
     return [replace(one, dry=dry.get(one.controller)) if one.case in alike else one for one in found]
 
 
-def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run]:
-    """Return the stop of a vehicle in each case.
+def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2, spread: float = 0.0) -> list[Run]:
+    """Return the stop of a vehicle in each case; spread: of the friction, which stays within its limits.
 
     Raises
     ------
@@ -282,8 +282,9 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2) -> list[Run
             if of.causality not in ("input", "parameter") or name in OF_THE_RIG:
                 instead = OF_THE_RIG.get(name, "what it gives is no input")
                 raise BadInputError(f"The case {case.name} may not set {name}: {instead}.")
-            if not (of.minimum <= value <= of.maximum and math.isfinite(value)):
-                words = f"{name} of the case {case.name} must be a finite value from {of.minimum:g} to {of.maximum:g}"
+            most = of.maximum / (1.0 + spread) if is_friction(name) else of.maximum
+            if not (of.minimum <= value <= most and math.isfinite(value)):
+                words = f"{name} of the case {case.name} must be a finite value from {of.minimum:g} to {most:g}"
                 unit = "" if of.unit == "1" else f" {of.unit}"
                 raise BadInputError(f"{words}{unit}; got {value:g}.")
     return runs

@@ -231,6 +231,10 @@ def test_starts_are_compared_with_a_protection_of_their_own(
             'values = { sand_rate_1 = -1.0 }\nequipment = ["sanders"]',
             "sand_rate_1 of the case b must be a finite value from 0 to 1 kg/s; got -1.",
         ),
+        (
+            "values = { friction_1 = 1.99 }",
+            "friction_1 of the case b must be a finite value from 0 to 1.94175; got",
+        ),
         ("values = { gradient = nan }", "my.toml must have finite numbers; got nan."),
         ("values = { sand_rate_1 = 0.03 }", "The case b sets sand_rate_1; give it equipment = ['sanders'] too."),
     ],
