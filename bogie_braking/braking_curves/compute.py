@@ -19,6 +19,7 @@ from products.supervision import (
     Gradients,
     Move,
     NationalValues,
+    release_speed,
     rounded_national,
     rounded_train,
     supervise,
@@ -53,6 +54,8 @@ class Found:
         Of the line.
     moves : tuple of Move
         What rounding changed, with `--rounded`.
+    release_speed : float or None
+        Release speed that the on-board unit calculates [m/s]; None without a supervised location behind the target.
     """
 
     data: TrainData
@@ -64,6 +67,7 @@ class Found:
     ends: float
     gradients: Gradients
     moves: tuple[Move, ...] = ()
+    release_speed: float | None = None
 
 
 def compute(chosen: argparse.Namespace) -> Found:
@@ -101,7 +105,11 @@ def compute(chosen: argparse.Namespace) -> Found:
     stops = [] if kind != "EOA" or data.consist is None else own_stops(data.consist, few, limits.EBI, line)
     curves = supervise(data.train, chosen.target, many, **set_up)
     ends = chosen.target + chosen.beyond
-    return Found(data, country, kind, limits, curves, stops, ends, set_up["gradients"], moves)
+    release = None
+    if chosen.beyond:
+        others = {name: set_up[name] for name in ("gradients", "fixed", "national", "slippery")}
+        release = release_speed(data.train, chosen.beyond, place=chosen.target, **others)
+    return Found(data, country, kind, limits, curves, stops, ends, set_up["gradients"], moves, release)
 
 
 def _check_speeds(chosen: argparse.Namespace, largest: float) -> None:

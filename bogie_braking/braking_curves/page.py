@@ -76,6 +76,7 @@ def _settings(chosen: argparse.Namespace, found: Found) -> Table:
     rows = [
         ("target", f"{found.kind} at {chosen.target:g} m, {chosen.target_speed:g} km/h"),
         ("supervised location", f"{chosen.beyond:g} m behind the target"),
+        *([] if found.release_speed is None else [("release speed", f"{3.6 * found.release_speed:.0f} km/h")]),
         ("line", "level" if chosen.line is None else chosen.line.name),
         ("reduced adhesion", yes[chosen.slippery]),
         ("baseline", chosen.baseline),

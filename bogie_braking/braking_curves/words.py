@@ -41,6 +41,7 @@ def document(chosen: argparse.Namespace, found: Found) -> dict[str, Any]:
         "limits_m": {name: getattr(few, name).tolist() for name in limits_of(found)},
         "own_stops_m": [stop.ends for stop in found.stops],
         "ends_m": found.ends,
+        "release_speed_kmh": None if found.release_speed is None else round(3.6 * found.release_speed),
     }
 
 
@@ -62,6 +63,8 @@ def text(chosen: argparse.Namespace, found: Found) -> list[str]:
     for n, speed in enumerate(few.V_est):
         places = [found.stops[n].ends if name == "own stop" else float(getattr(few, name)[n]) for name in names]
         lines.append(f"{3.6 * speed:12.1f}" + "".join(f"{found.ends - place:10.1f}" for place in places))
+    if found.release_speed is not None:
+        lines += ["", f"Release speed {3.6 * found.release_speed:.0f} km/h"]
     return lines
 
 

@@ -249,7 +249,14 @@ def draw(found: Mapping[str, Stop]) -> Figure:
         axis.plot(series["behind"][begins], series["speed"][begins] / KMH, "o", color=colour)
     axis.axvline(0.0, color=BOGIE, linewidth=0.8)
     axis.set(xlim=(-1500.0, None), ylim=(0.0, 215.0), yticks=range(0, 141, 20))
-    axis.legend(loc="upper right", fontsize="medium", title="stops; dots: emergency brake at EBI")
+    axis.legend(
+        loc="upper right",
+        fontsize="medium",
+        frameon=True,
+        framealpha=1.0,
+        edgecolor="white",
+        title="stops; dots: emergency brake at EBI",
+    )
     return figure
 
 

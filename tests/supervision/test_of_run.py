@@ -13,12 +13,20 @@ import tomllib
 from plotly.offline import get_plotlyjs
 
 from bogie_braking.__main__ import main
-from bogie_braking.braking_curves.compute import compute
+from bogie_braking.braking_curves.compute import Found, compute
 from bogie_braking.braking_curves.options import add_all
 from bogie_braking.supervised import own_stops, supervised_train
 from products.braking_curves.gradients_of_line import gradients_of
 from products.etcs_files.train_file import write_train
-from products.supervision import Curves, FixedValues, NationalValues, Steps, SupervisedTrain, rounded_train, supervise
+from products.supervision import (
+    FixedValues,
+    NationalValues,
+    Steps,
+    SupervisedTrain,
+    release_speed,
+    rounded_train,
+    supervise,
+)
 from products.supervision.of_run import brake_of_run
 from products.train.consist_file import consist_of
 from rbd_model.track.line import Line
@@ -116,11 +124,11 @@ def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: 
         assert part in own
 
 
-def curves(*words: str) -> Curves:
-    """Return the limits that the command computes."""
+def computed(*words: str) -> Found:
+    """Return what the command computes."""
     parser = CommandLine()
     add_all(parser)
-    return compute(parser.parse_args(list(words))).few
+    return compute(parser.parse_args(list(words)))
 
 
 def test_each_option_has_its_effect(tmp_path: Path) -> None:
@@ -150,9 +158,14 @@ def test_each_option_has_its_effect(tmp_path: Path) -> None:
         (("--target-speed", "36"), supervise(at[9], 2000.0, slower, kind="LOA", **moving)),  # type: ignore[arg-type]
         (("--rounded",), supervise(rounded_train(at[9]).train, 2000.0, fast)),
     ):
-        found = curves(str(path), "--target", "2000", *words)
+        found = computed(str(path), "--target", "2000", *words).few
         for name in ("EBD", "EBI", "SBD", "SBI1", "SBI2", "W", "P", "I", "GUI"):
             assert getattr(found, name) == pytest.approx(getattr(expected, name), abs=1e-6), (words, name)
+    chosen = ("--beyond", "150", "--slippery", "--national", str(country))
+    released = computed(str(path), "--target", "2000", *chosen).release_speed
+    assert released == release_speed(at[2], 150.0, place=2000.0, national=land, slippery=True)
+    assert released != release_speed(at[2], 150.0, place=2000.0, national=land)
+    assert computed(str(path), "--target", "2000").release_speed is None
 
 
 def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> None:
