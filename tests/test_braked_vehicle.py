@@ -95,6 +95,29 @@ def test_it_runs_on_a_line(brake: int) -> None:
     assert slowing["level"] - slowing["down"] == pytest.approx(slope / rotating, rel=0.02)
 
 
+@pytest.mark.parametrize("level", [1, 2])
+def test_locked_wheels_stop_where_a_map_of_friction_has_taken_their_energy(level: int) -> None:
+    """v^2 / 2 = g mu0 times the integral of the factor over the travel of the axles; frames rock at level 2."""
+    ends, factors, mu = np.array([-30.0, 60.0, 110.0, 400.0, 3000.0]), np.array([1.0, 0.3, 2.0, 0.8]), 0.08
+    line = bb.line_of([bb.straight(3030.0)], -30.0)
+    line = line.with_friction(np.repeat(ends, 2)[1:-1], np.repeat(factors, 2))
+    wheels = {f"friction_{n}": mu for n in coach().numbers}
+    brakes = {f"pressure_demand_{n}": coach().full_pressure for n in coach().numbers} | {"force_per_pressure": 0.5}
+    names = ["distance", "speed", *(f"locked_{n}" for n in coach().numbers)]
+    stop = bb.run(
+        "braked-vehicle", 60.0, line, names, 0.01, level=level, initial_speed=20.0, tolerance=1e-8, **wheels, **brakes
+    )
+    begin = np.argmax(np.all([stop[f"locked_{n}"] for n in coach().numbers], axis=0)) + 200
+    vehicle, taken = coach().vehicle, []
+    assert stop["speed"][-1] < 1e-9
+    for wheelset in vehicle.wheelsets:
+        along = vehicle.number(wheelset.along) + np.array([stop["distance"][begin], stop["distance"][-1]])
+        within = np.clip(along[:, None] - ends[:-1], 0.0, np.diff(ends))  # of each piece [m]
+        taken.append(float(np.diff(within @ factors)[0]))
+    expected = stop["speed"][begin] ** 2 / 2
+    assert 9.81 * mu * np.mean(taken) == pytest.approx(expected, rel={1: 1e-4, 2: 0.01}[level])
+
+
 def test_demands_in_bar_are_noticed() -> None:
     demands = {f"pressure_demand_{n}": 3.8 for n in coach().numbers}
     stop = bb.run("braked-vehicle", 1.0, None, ["speed"], 1.0, **demands)

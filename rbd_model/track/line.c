@@ -104,14 +104,15 @@ static void integrate_row(const table_file *self, int row) {
     }
 }
 
-/* True if gradient or curvature has a corner at a row: a step that passes over it meets another force. */
+/* True if gradient, curvature or friction has a corner at a row: a step that passes over it meets another force. */
 static bool is_corner(const table_file *self, int row) {
-    static const int which[] = {COLUMN_GRADIENT, COLUMN_CURVATURE};
+    static const int which[] = {COLUMN_GRADIENT, COLUMN_CURVATURE, COLUMN_LEFT_FRICTION, COLUMN_RIGHT_FRICTION};
     const double *at = self->column[COLUMN_DISTANCE];
     if (row == 0 || row == self->rows - 1) return true;
     const double before = at[row] - at[row - 1], behind = at[row + 1] - at[row];
-    for (int i = 0; i < 2; ++i) {
+    for (size_t i = 0; i < sizeof which / sizeof *which; ++i) {
         const double *value = self->column[which[i]];
+        if (!value) continue; /* a column that the file leaves out is constant */
         const double bend = (value[row + 1] - value[row]) / behind - (value[row] - value[row - 1]) / before;
         if (fabs(bend) * fmin(before, behind) > LEAST_CORNER) return true;
     }
@@ -165,6 +166,14 @@ static void friction(const table_file *self, int column, const table_part *part,
     if (self->column[column]) table_straight(self, column, part, c);
 }
 
+/* The mean of both rails, for levels whose wheelsets have one contact. */
+static void mean_friction(const table_file *self, const table_part *part, double *c) {
+    double left[MOST_TERMS] = {0.0}, right[MOST_TERMS] = {0.0};
+    friction(self, COLUMN_LEFT_FRICTION, part, left);
+    friction(self, COLUMN_RIGHT_FRICTION, part, right);
+    for (int i = 0; i < MOST_TERMS; ++i) c[i] = (left[i] + right[i]) / 2.0;
+}
+
 static void piece_between(const table_file *self, int piece, const table_part *part, double *c) {
     double *const *column = self->column;
     const int row = part->row;
@@ -194,6 +203,7 @@ static void piece_between(const table_file *self, int piece, const table_part *p
     case PIECE_HALF_STRETCH: c[0] = column[COLUMN_HALF_STRETCH][row]; break;
     case PIECE_LEFT_FRICTION: friction(self, COLUMN_LEFT_FRICTION, part, c); break;
     case PIECE_RIGHT_FRICTION: friction(self, COLUMN_RIGHT_FRICTION, part, c); break;
+    case PIECE_FRICTION: mean_friction(self, part, c); break;
     default: { /* the length between two rounded corners is at least that of a corner */
         const double width = column[COLUMN_DISTANCE][row + 1] - column[COLUMN_DISTANCE][row];
         c[0] = RESOLVING_ROWS * fmax(part->to - part->from, fmin(width, ROUNDING));

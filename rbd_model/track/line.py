@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike
 
 from rbd_model.track.line_rows import checked_rows
 from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING
@@ -33,7 +34,9 @@ MOST_ROWS, MOST_PRODUCTS = 1_000_000, 1e10
 QUIET, GROWTH = 15.0, 35.0
 #: Columns whose corners are rounded by cubics, because their integrals are looked up too. Friction keeps its corners.
 #: All other columns have two continuous derivatives.
+#: JUMP [m]: length over which a jump of friction is spread.
 INTEGRATED, FRICTIONS = ("curvature", "gradient"), ("left_friction", "right_friction")
+JUMP = 0.01
 #: Corrections of the straight line over a reach of 1, for a slope and for a bend of 1 at a row. They end where the line
 #: is met again. A cubic has no bend, a quintic has one.
 _AWAY, _LEFT = Polynomial([0.0, 1.0]), Polynomial([1.0, -1.0])
@@ -266,6 +269,41 @@ class Line:
         beyond = (at < s[0]) | (at > s[-1])
         return np.where(beyond & ((order > 0) | (name == "curvature")), 0.0, found)
 
+    def with_friction(self, distance: ArrayLike, left: ArrayLike, right: ArrayLike | None = None) -> Line:
+        """Return the line with factors on the friction of its rails; before and behind the places they are constant.
+
+        Parameters
+        ----------
+        distance : array_like, shape (n,)
+            Places in ascending order [m]. Factors are linear between them. Two equal places are a jump, which is spread
+            over JUMP behind them.
+        left, right : array_like, shape (n,)
+            Factors on the friction of each rail at the places [1]; right: by default as left.
+
+        Returns
+        -------
+        Line
+            The line with rows at these places too.
+
+        Raises
+        ------
+        ValueError
+            If the places are not in order or not on the line, or if a factor is not finite or outside its limits.
+        """
+        at, factors = _map_of(distance, left, left if right is None else right)
+        own = self.rows["distance"]
+        if not (own[0] <= at[0] and at[-1] <= own[-1]):
+            raise ValueError(
+                f"Places of friction must be on the line, from {own[0]:.12g} to {own[-1]:.12g} m; got {at[0]:.12g} to "
+                f"{at[-1]:.12g} m. Lengthen the line, or leave places out."
+            )
+        behind = np.searchsorted(own, at)
+        gaps = np.minimum(np.abs(at - own[behind - 1]), np.abs(own[np.minimum(behind, own.size - 1)] - at))
+        rows = np.sort([*own, *at[gaps >= LINE.least_growth]])
+        columns = {"distance": rows, **{name: np.zeros_like(rows) for name in ("curvature", "cant", "gradient")}}
+        columns |= {name: np.interp(rows, own, values) for name, values in self.rows.items() if name != "distance"}
+        return Line(columns | {name: np.interp(rows, at, one) for name, one in zip(FRICTIONS, factors, strict=True)})
+
     def breaks(self) -> np.ndarray:
         """Return the places between which every column is one polynomial: rows, and where rounding ends.
 
@@ -334,6 +372,24 @@ class Line:
                 swapped.pop(name, None)
                 swapped[name] = sign * rows.get(f"{other}_{rest}", np.zeros_like(rows["distance"]))
         return Line({name: swapped[name] for name in NAMES if name in swapped})
+
+
+def _map_of(distance: ArrayLike, *factors: ArrayLike) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Return places with jumps spread over JUMP, and the factors there. Raises ValueError."""
+    at, *values = (np.atleast_1d(np.asarray(one, float)) for one in (distance, *factors))
+    if at.ndim != 1 or any(one.shape != at.shape for one in values) or not np.isfinite([at, *values]).all():
+        raise ValueError(
+            f"Friction along a line must have finite places and as many finite factors; got {at.size} places and "
+            f"{' and '.join(str(one.size) for one in values)} factors. Correct them."
+        )
+    at = at + JUMP * np.r_[False, np.diff(at) == 0.0]
+    short = np.flatnonzero(~(np.diff(at) >= LINE.least_growth))
+    if short.size:
+        raise ValueError(
+            f"Places of friction must ascend, with at most two equal ones; got {at[short[0] + 1]:.12g} m after "
+            f"{at[short[0]]:.12g} m. Sort them."
+        )
+    return at, values
 
 
 def rounded(distance: np.ndarray, values: np.ndarray, bending: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

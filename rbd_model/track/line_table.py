@@ -21,7 +21,8 @@ ROUNDING = 1.0
 #: radius times the sixth power of the turn over 46080: 0.3 um where a curve of 50 m has rows every 12.5 m. Number of
 #: rows in the shortest feature of a line that steps resolve.
 LARGEST_TURN, RESOLVING_ROWS = 0.25, 8.0
-#: Least change of gradient [1] or curvature [1/m] relative to a straight line that makes a row a corner: 1e-6 m/s2.
+#: Least change of gradient [1], curvature [1/m] or factor on friction [1] relative to a straight line that makes a row
+#: a corner: 1e-6 m/s2.
 LEAST_CORNER = 1e-7
 #: Largest share of the distance to a corner in one step, because no step lets a speed grow by more than half
 #: (`follow_creep`).
@@ -59,7 +60,8 @@ PIECES = (
     Piece("right", "m", 5),
     Piece("left_friction", "1", 1),  # factor
     Piece("right_friction", "1", 1),
-    Piece("corner_before", "m", 0),  # place of the corner of gradient or curvature behind, and of that ahead
+    Piece("friction", "1", 1),  # the mean of both
+    Piece("corner_before", "m", 0),  # place of the corner of gradient, curvature or friction behind, and of that ahead
     Piece("corner_behind", "m", 0),
     Piece("half_stretch", "m", 0),  # half of the shortest way between two corners: here, before and behind
     Piece("shortest", "m", 0),  # length of the shortest thing that steps resolve
@@ -99,8 +101,18 @@ def along_line(system: System, name: str, distance: ca.SX, order: int = 0) -> li
     return system.from_file(LINE, name, distance, order)
 
 
+def mean_friction(system: System, distance: ca.SX) -> ca.SX:
+    """Return the factor of a line on the friction of an axle [1] at a distance [m]: the mean of both rails.
+
+    The force of two equally loaded wheels that slide is exactly that of this mean; Coulomb's law, end of (3.97).
+    """
+    return along_line(system, "friction", distance)[0]
+
+
 def follow_line(system: System, distance: ca.SX, places: Sequence[ca.SX]) -> None:
-    """Limit steps so that none passes a corner of gradient or curvature, or more than half of the distance between two.
+    """Limit steps so that none passes a corner of gradient, curvature or friction.
+
+    No step is longer than half of the distance between two corners.
 
     A step under a constant force may have any length, and none of its stages would meet a hill of some metres
     (section 2.3.1: gravity pulls along the gradient).
@@ -112,7 +124,7 @@ def follow_line(system: System, distance: ca.SX, places: Sequence[ca.SX]) -> Non
     distance : SX
         The state that carries all places along [m].
     places : sequence of SX
-        Where gradient or curvature act [m].
+        Where gradient, curvature or friction act [m].
     """
     ways = []
     for place in places:

@@ -12,6 +12,7 @@ from rbd_model.contact.creep.of_steel import law_of_ratio
 from rbd_model.contact.creep.polach import saturated
 from rbd_model.contact.creep_of_wheel import creep_of_wheel
 from rbd_model.contact.hertz import ellipse_shape
+from rbd_model.track.line_table import mean_friction
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.vehicle.description import Wheelset
 from rbd_model.wheelset.rotation import Hold, RollingWheelset, add_rotation, add_rotation_states, rail_friction
@@ -117,6 +118,8 @@ def creep_on_level_rail(
     rotated, omega = add_rotation_states(assembly, number)
     sliding = forward - assembly.radius(data) * omega
     friction = rail_friction(assembly, number, distance)
+    if assembly.on_line:
+        friction = friction * mean_friction(assembly.system, distance)
     contact = centred_contact(assembly, data)
     if assembly.vehicle.creep_law == DEFAULT_LAW:
         force = creep_force_of_wheelset(assembly, friction, contact, load, sliding, forward)

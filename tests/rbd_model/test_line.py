@@ -80,6 +80,9 @@ LEANING_BAND = 0.06
 #: Tolerance for locked wheels on rails of unequal friction. Flanges guide them, and their normal forces add to those of
 #: the treads.
 SLIDING_BAND = 0.03
+#: Tolerances for a stop on locked wheels over a map of friction, by level. The first one is for the energy: the frame
+#: rocks on its springs. The second one is for the friction under each wheelset: in 3D a cone of 1 : 20 leans, 1.25e-3.
+MAPPED_BANDS = {"point": (1e-6, 1e-7), "planar": (0.02, 1e-7), "patched": (0.02, 2e-3)}
 
 
 def on_line(system: System) -> Library:
@@ -517,6 +520,62 @@ def test_locked_wheels_slide_as_the_friction_of_each_rail_says(written, patched:
     couple = friction * (right - left) / 2 * weight * spacing
     held = (kernel["guiding_force_1"] - kernel["guiding_force_2"]) * p.wheel_base / 2
     assert held == pytest.approx(couple, rel=2 * SLIDING_BAND)
+
+
+@pytest.mark.parametrize("level", MAPPED_BANDS)
+def test_locked_wheels_stop_where_friction_along_the_line_has_taken_their_energy(level, written, request) -> None:  # type: ignore[no-untyped-def]
+    """v^2 / 2 = g mu0 times the integral of the factor over the travel of the axles. No step passes over 1 m of sand."""
+    library, mu, factors = request.getfixturevalue(level), 0.1, np.array([1.0, 0.25, 2.0, 0.6, 3.0, 0.6])
+    begins = np.array([-50.0, 40.0, 80.0, 95.0, 250.0, 251.0])
+    rows = np.sort([*begins, *(begins[1:] - 0.01), 900.0])
+    of_row = factors[np.searchsorted(begins, rows, "right") - 1]
+    skew = 0.0 if level == "patched" else 0.2  # in 3D, unequal rails turn the bogie
+    columns = {"left_friction": (1 - skew) * of_row, "right_friction": (1 + skew) * of_row}
+    line = Line({"distance": rows} | {name: np.zeros(rows.size) for name in NAMES[1:4]} | columns)
+    kernel = Kernel(library, line_file=written(line), initial_speed=20.0)
+    kernel.set(brake_torque_1=60e3, brake_torque_2=60e3, friction_1=mu, friction_2=mu)
+    kernel.advance(0.5)
+    begin, speed = kernel["distance"], kernel["speed"]
+    names = ["distance", "speed", "creep_force_1", "axle_load_1", "creep_force_2", "axle_load_2"]
+    seen = {name: np.array(column) for name, column in kernel.record(45.0, 0.1, names).items()}
+    way_band, friction_band = MAPPED_BANDS[level]
+    half = two_axle_bogie().parameters.wheel_base / 2
+    whole = np.r_[0.0, np.cumsum(np.diff(rows) * (of_row[1:] + of_row[:-1]) / 2)]
+
+    def gained(at: float) -> float:
+        """Return the integral of the factor over the travel of an axle [m]."""
+        first, last = np.interp([begin + at, kernel["distance"] + at], rows, whole)
+        return float(last - first)
+
+    assert kernel["speed"] == 0.0
+    assert GRAVITY * mu * (gained(half) + gained(-half)) / 2 == pytest.approx(speed**2 / 2, rel=way_band)
+    slides = seen["speed"] > 1.0
+    for number, at in ((1, half), (2, -half)):
+        found = -seen[f"creep_force_{number}"] / seen[f"axle_load_{number}"]
+        expected = mu * np.interp(seen["distance"] + at, rows, of_row)
+        assert found[slides] == pytest.approx(expected[slides], rel=friction_band)
+
+
+def test_a_map_of_friction_keeps_the_line_and_refuses_what_is_no_map() -> None:
+    """Equal places are a jump within 10 mm; all other columns keep their values at the rows."""
+    own = curving()
+    mapped = own.with_friction([40.0, 40.0, 90.0], [1.0, 0.2, 0.7], right=[1.0, 0.4, 0.7])
+    places = np.array([-10.0, 39.0, 40.0, 40.01, 65.005, 90.0, 150.0])
+    assert mapped.value("left_friction", places) == pytest.approx([1, 1, 1, 0.2, 0.45, 0.7, 0.7], abs=1e-12)
+    assert mapped.value("right_friction", places)[3:5] == pytest.approx([0.4, 0.55], abs=1e-12)
+    rows = own.rows["distance"]
+    for name in NAMES[1:4]:
+        assert np.interp(rows, mapped.rows["distance"], mapped.rows[name]) == pytest.approx(own.rows[name], abs=1e-15)
+    for places, factors, words in (
+        ([40.0, 30.0], [1.0, 0.2], "got 30 m after 40 m. Sort them"),
+        ([40.0, 40.0, 40.0], [1.0, 0.2, 0.3], "at most two equal ones"),
+        ([-11.0, 30.0], [1.0, 0.2], "from -10 to .* got -11 to 30 m"),
+        ([30.0], [1.0, 0.2], "got 1 places and 2 and 2 factors"),
+        ([30.0], [float("nan")], "finite factors"),
+        ([30.0], [-0.1], "left_friction must be from 0 to 10; got -0.1"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            own.with_friction(places, factors)
 
 
 @pytest.mark.parametrize("level", ["point", "planar", "patched"])
