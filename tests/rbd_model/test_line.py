@@ -524,7 +524,7 @@ def test_locked_wheels_slide_as_the_friction_of_each_rail_says(written, patched:
 
 @pytest.mark.parametrize("level", MAPPED_BANDS)
 def test_locked_wheels_stop_where_friction_along_the_line_has_taken_their_energy(level, written, request) -> None:  # type: ignore[no-untyped-def]
-    """v^2 / 2 = g mu0 times the integral of the factor over the travel of the axles. No step passes over 1 m of sand."""
+    """v^2 / 2 = g mu0 times the integral of the factor over the travel of the axles. No step skips 1 m of sand."""
     library, mu, factors = request.getfixturevalue(level), 0.1, np.array([1.0, 0.25, 2.0, 0.6, 3.0, 0.6])
     begins = np.array([-50.0, 40.0, 80.0, 95.0, 250.0, 251.0])
     rows = np.sort([*begins, *(begins[1:] - 0.01), 900.0])
