@@ -30,6 +30,7 @@ from products.protection.rig_in_c import slide_protection
 from products.protection.runs import Fault, Run, Stop
 from products.protection.settings import BRAKE_START, STANDING, Settings
 from products.protection.slide_protection import SlideProtection
+from rbd_model.track.line import line_of, straight
 from scenarios.bench.coupled_machine import CoupledMachine
 from scenarios.bench.peak_adhesion import PeakAdhesion
 from scenarios.controllers.scoring import ideal_distance
@@ -616,6 +617,42 @@ def test_the_ideal_knows_what_else_holds_a_machine_back(values: dict[str, float]
     for stop, speed in zip(stops, (25.0, 10.0), strict=True):
         assert stop == pytest.approx(ideal.stopping_distance(speed), rel=4 * FILLING)
     assert stops[0] - 2.5 * stops[1] == pytest.approx((25.0**2 - 250.0) / (2 * a), rel=2e-2)
+
+
+def test_runs_on_lines_with_maps_of_friction_and_without_are_each_their_own() -> None:
+    """Half of twice the friction is the same rail; down a gradient g i adds up; leaves lengthen stop and ideal."""
+    machine, flat = bogie(), line_of([straight(1020.0)], -20.0)
+    slope, places = line_of([straight(1020.0, -0.01)], -20.0), [60.0, 60.0, 160.0, 160.0]
+    leaves = flat.with_friction(places, [1.0, 0.25, 0.25, 1.0])
+    twice = LOW.values() | {f"friction_{n}": 0.16 for n in machine.numbers}
+    runs = [
+        *(Run(twice, line=flat.with_friction([0.0], [0.5])), Run(LOW.values()), Run(LOW.values(), line=leaves)),
+        *(Run(LOW.values(), line=slope), Run(LOW.values() | {"gradient": -0.01})),
+    ]
+    settings, form = Settings(), slide_protection()
+    stops = [stop.distance or 0.0 for stop in Rig(machine, form, settings, by_flow=True).runs(runs)]
+    ideals = [ideal_distance(machine, one, settings) or 0.0 for one in runs]
+    for found, band in ((stops, 5e-3), (ideals, 1e-3)):
+        assert found[0] == pytest.approx(found[1], rel=band)
+        assert found[3] == pytest.approx(found[4], rel=band)
+        assert found[2] > 1.1 * found[1]
+    assert all(stop >= 0.98 * ideal for stop, ideal in zip(stops, ideals, strict=True))
+
+
+def test_a_case_names_its_line_beside_its_programme(tmp_path: Path) -> None:
+    leaves = line_of([straight(1000.0)]).with_friction([60.0, 90.0], [1.0, 0.25])
+    leaves.write(tmp_path / "leaves.csv")
+    text = '[[case]]\nname = "leaves"\nrail = "wet"\nline = {}\n'
+    (tmp_path / "my.toml").write_text(text.format('"leaves.csv"'))
+    [case] = read_programme(tmp_path / "my.toml")
+    assert case.run(bogie()).line == leaves
+    for line, words in (
+        ('"missing.csv"', "case 1 .leaves.: .*missing.csv"),
+        ("3", "line must be the path of a line file"),
+    ):
+        (tmp_path / "my.toml").write_text(text.format(line))
+        with pytest.raises(ValueError, match=words):
+            read_programme(tmp_path / "my.toml")
 
 
 @pytest.mark.parametrize("brake_ratio", [0.5, 1.0, 1.5])

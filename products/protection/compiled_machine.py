@@ -14,31 +14,32 @@ from products.build_notes import noted_path
 from products.machine import Machine, composed
 from rbd_model.levels.models import DEFAULT_TOLERANCE, places_of, system_at
 
-#: Numbers of the systems by level: planar; 3D with elastic contacts.
-PLACES = {2: places_of(level=2, on_line=False)[0], 3: places_of(level=3, depth=2, on_line=False)[0]}
+#: Levels of the test rig: planar; 3D with elastic contacts.
+LEVELS = (2, 3)
 
 
 @lru_cache
-def machine_model(machine: Machine, level: int = 2) -> Model:
+def machine_model(machine: Machine, level: int = 2, on_line: bool = False) -> Model:
     """Return the vehicle at a level of detail, one system. Raises ValueError if the level is not 2 or 3."""
-    if level not in PLACES:
+    if level not in LEVELS:
         raise ValueError(f"level must be 2 (planar) or 3 (3D) on the test rig; got {level}.")
-    return model_of(composed(machine, system_at(machine.vehicle, PLACES[level])), DEFAULT_TOLERANCE)
+    [place] = places_of(level, 2, on_line)
+    return model_of(composed(machine, system_at(machine.vehicle, place)), DEFAULT_TOLERANCE)
 
 
 @lru_cache
-def machine_library(machine: Machine, level: int = 2) -> BatchLibrary:
+def machine_library(machine: Machine, level: int = 2, on_line: bool = False) -> BatchLibrary:
     """Return its compiled equations in vector lanes."""
-    model = machine_model(machine, level)
-    return BatchLibrary(model, model.systems[0], kept=partial(_kept, machine, level))
+    model = machine_model(machine, level, on_line)
+    return BatchLibrary(model, model.systems[0], kept=partial(_kept, machine, level, on_line))
 
 
 @lru_cache
-def machine_kernel(machine: Machine) -> Library:
+def machine_kernel(machine: Machine, on_line: bool = False) -> Library:
     """Return its compiled planar equations, for one vehicle."""
-    return Library(_kept(machine, 2, "kernel", lambda: build_library(machine_model(machine))))
+    return Library(_kept(machine, 2, on_line, "kernel", lambda: build_library(machine_model(machine, 2, on_line))))
 
 
-def _kept(machine: Machine, level: int, what: str, make: Callable[[], Path]) -> Path:
+def _kept(machine: Machine, level: int, on_line: bool, what: str, make: Callable[[], Path]) -> Path:
     """Return a file of this vehicle; its equations are written again only if the sources change."""
-    return noted_path(f"{what} of the {machine} at level {level}", make)
+    return noted_path(f"{what} of the {machine} at level {level}{' on a line' if on_line else ''}", make)

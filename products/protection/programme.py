@@ -14,6 +14,7 @@ from products.protection.rails import RAILS
 from products.protection.runs import Fault, Run
 from products.protection.settings import FASTEST, MOST_BRAKE_RATIO
 from rbd_model.track.friction import CONDITIONS
+from rbd_model.track.line import Line, read_line
 from readers.text import quoted, shown
 from readers.toml_files import toml_of
 
@@ -22,7 +23,7 @@ PROGRAMMES = {"full": Path(__file__).with_name("programme.toml"), "starts": Path
 OWN = PROGRAMMES["full"]
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
 SPEED = re.compile(r"(\d{1,9}(?:\.\d{0,9})?|\.\d{1,9}) ?(m/s|km/h|)", re.ASCII)
-KNOWN = ("name", "rail", "friction", "speed", "brake_ratio", "load", "values", "fault", "equipment")
+KNOWN = ("name", "rail", "friction", "speed", "brake_ratio", "load", "values", "fault", "equipment", "line")
 #: Limits of the ratio of a body's loaded mass to its own mass [1].
 LOADS = (0.2, 5.0)
 
@@ -31,7 +32,7 @@ LOADS = (0.2, 5.0)
 class Case:
     """A stop of a test suite by its name; rail: name of its condition; load: mass of the body over its own.
 
-    equipment: as in `Run`; with traction it is a start, to `speed`.
+    equipment, line: as in `Run`; with traction it is a start, to `speed`.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Case:
     values: tuple[tuple[str, float], ...] = ()
     faults: tuple[Fault, ...] = ()
     equipment: tuple[str, ...] = ()
+    line: Line | None = None
 
     def run(self, machine: Machine) -> Run:
         """Return the stop of a vehicle. Raises ValueError for a fault of an unknown wheelset."""
@@ -62,6 +64,7 @@ class Case:
             self.brake_ratio,
             self.faults,
             self.equipment,
+            line=self.line,
         )
 
 
@@ -99,7 +102,7 @@ def read_programme(path: Path) -> list[Case]:
     cases = []
     for number, table in enumerate(read["case"], 1):
         try:
-            cases.append(_case(table))
+            cases.append(_case(table, path.parent))
         except (ValueError, TypeError) as error:
             name = table.get("name", "without a name") if isinstance(table, dict) else "no table"
             raise ValueError(f"{path}, case {number} ({shown(name)}): {error}") from None
@@ -113,7 +116,7 @@ def read_programme(path: Path) -> list[Case]:
     return cases
 
 
-def _case(table: Mapping[str, Any]) -> Case:
+def _case(table: Mapping[str, Any], folder: Path) -> Case:
     if not isinstance(table, dict):
         raise ValueError(f"a case must be names with values; got {shown(table)}. Write each stop as [[case]].")
     for name in table:
@@ -148,7 +151,16 @@ def _case(table: Mapping[str, Any]) -> Case:
         raise ValueError(f"give equipment a list of names, some of {', '.join(EQUIPMENT)}.")
     if SANDERS in equipment and not any(name.startswith("sand_rate_") and value for name, value in values):
         raise ValueError("sanders without sand have no effect; set sand_rate_1 or another [kg/s] in values.")
-    return Case(table["name"], table["rail"], friction, speed, brake_ratio, load, values, faults, in_order(equipment))
+    line = _line(table["line"], folder) if "line" in table else None
+    equipped = in_order(equipment)
+    return Case(table["name"], table["rail"], friction, speed, brake_ratio, load, values, faults, equipped, line)
+
+
+def _line(name: object, folder: Path) -> Line:
+    """Return the line in a file that a case names, relative to the folder of its case file."""
+    if not isinstance(name, str) or not name:
+        raise ValueError(f"line must be the path of a line file (docs/line.md); got {shown(name)}.")
+    return read_line(folder / name)
 
 
 def _number(name: str, value: object) -> float:

@@ -9,7 +9,10 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic
 from types import TracebackType
 from typing import Any
@@ -55,6 +58,7 @@ from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
 from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset
 from products.protection.runs import SENSOR_FAILURES, Run, Stop
 from products.protection.settings import BRAKE_START, GAS, LONGEST, STANDING, Settings
+from rbd_model.track.line import Line
 
 #: Sampling instants between two checks for ended runs; an ended run advances at most this many further.
 GLANCE = 100
@@ -114,6 +118,8 @@ class Rig:
     equipment : iterable of str
         Additional equipment of the vehicle, as in `Run`. A vehicle with traction has no cylinders, and starts instead
         of stopping.
+    line : Line, optional
+        Line of all runs of this rig. `runs` takes that of each run.
     """
 
     def __init__(
@@ -127,14 +133,15 @@ class Rig:
         step: float = 0.0,
         threads: int | None = None,
         equipment: Iterable[str] = (),
+        line: Line | None = None,
     ) -> None:
-        self.form, self.settings, self.equipment = form, settings, in_order(equipment)
+        self.form, self.settings, self.equipment, self.line = form, settings, in_order(equipment), line
         self.driven = TRACTION in self.equipment
         self._asked: dict[str, Any] = {"by_flow": by_flow, "level": level, "step": step, "threads": threads}
         self.by_flow, self._level, self._step, self._threads = by_flow and not self.driven, level, step, threads
         self.machine = replace(machine, by_flow=self.by_flow, equipment=self.equipment)
         self._call = rig_in_c.functions()
-        self.model = machine_model(self.machine, level)
+        self.model = machine_model(self.machine, level, line is not None)
         n, demand = machine.numbers, "traction_demand" if self.driven else "pressure_demand"
         self._inputs = [f"{name}_{number}" for name in (demand, "valve") for number in n]
         effort = "traction_torque" if self.driven else "cylinder_pressure"
@@ -147,7 +154,7 @@ class Rig:
         return self.runs([Run(rail) for rail in rails])
 
     def runs(self, runs: Sequence[Run], goes_on: Callable[[], None] = lambda: None, every: float = 0.0) -> list[Stop]:
-        """Run the stops, each with its own equipment in addition to that of the rig; return them in their order.
+        """Run the stops, each with its own equipment in addition to that of the rig, and on its own line.
 
         Parameters
         ----------
@@ -158,27 +165,36 @@ class Rig:
         every : float
             Approximate recording interval of the history of a stop [s]; 0: no history.
 
+        Returns
+        -------
+        list of Stop
+            The stops in the order of the runs.
+
         Raises
         ------
         ValueError
             If the vehicle does not have a value or a wheelset of a run.
         """
-        kinds = [in_order({*self.equipment, *run.equipment}) for run in runs]
+        kinds = [self._kind(run) for run in runs]
         stops: list[Stop | None] = [None] * len(runs)
         for kind in dict.fromkeys(kinds):
-            rig = self if kind == self.equipment else self._with(kind)
+            rig = self if kind == (self.equipment, self.line) else self._with(*kind)
             places = [place for place, own in enumerate(kinds) if own == kind]
             found = rig._alike([runs[place] for place in places], goes_on, every)
             for place, stop in zip(places, found, strict=True):
                 stops[place] = stop
         return [one for one in stops if one is not None]
 
-    def _with(self, equipment: Iterable[str]) -> Rig:
-        """Return the same rig with other equipment."""
-        return Rig(self.machine, self.form, self.settings, equipment=equipment, **self._asked)
+    def _kind(self, run: Run) -> tuple[tuple[str, ...], Line | None]:
+        """Return the equipment and the line of a run."""
+        return in_order({*self.equipment, *run.equipment}), run.line or self.line
+
+    def _with(self, equipment: Iterable[str], line: Line | None) -> Rig:
+        """Return the same rig with other equipment, or on another line."""
+        return Rig(self.machine, self.form, self.settings, equipment=equipment, line=line, **self._asked)
 
     def _alike(self, runs: Sequence[Run], goes_on: Callable[[], None], every: float) -> list[Stop]:
-        """Return a stop for each run with the rig's own equipment."""
+        """Return a stop for each run with the rig's own equipment and line."""
         samples = max(1, round(every / self.settings.period)) if every else 0
         found: list[Stop | None] = [None] * len(runs)
         count = min(len(runs), at_once(self.form))
@@ -205,13 +221,19 @@ class Rig:
 
     def prepare(self, runs: Sequence[Run]) -> None:
         """Compile, or load, the equations of these runs."""
-        for kind in {in_order({*self.equipment, *run.equipment}) for run in runs}:
-            machine_library(self._with(kind).machine, self._level)
+        for equipment, on_line in {(kind, line is not None) for kind, line in map(self._kind, runs)}:
+            machine_library(self._with(equipment, None).machine, self._level, on_line)
 
     def instances(self, count: int, start: Mapping[str, Any]) -> Instances:
         """Return `count` instances with these initial values, one number for all or one for each."""
-        library = machine_library(self.machine, self._level)
-        return Instances(library, count, self._inputs, self._outputs, threads=self._threads, **start)
+        library = machine_library(self.machine, self._level, self.line is not None)
+        with ExitStack() as kept:  # an instance that begins again reads the line again
+            path = None
+            if self.line is not None:
+                path = str(self.line.write(Path(kept.enter_context(TemporaryDirectory())) / "line.csv"))
+            made = Instances(library, count, self._inputs, self._outputs, threads=self._threads, path=path, **start)
+            made.at_close = kept.pop_all().close
+        return made
 
     def _turns(
         self,

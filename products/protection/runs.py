@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from products.machine import TRACTION, in_order
 from products.protection.history import History
 from products.protection.settings import FASTEST, LONGEST
+from rbd_model.track.line import Line
 from readers.units import likely_unit
 
 #: Failures of a sensor, with the numbers in rig.h.
@@ -50,7 +51,7 @@ class Run:
 
     equipment: some of EQUIPMENT. With traction a run is a start: it ends when the vehicle reaches `speed`. phases:
     initial angle of each wheelset's sensor as a share of a tooth, 0 to below 1; empty: all 0. teeth: seed of the errors
-    of the teeth. Their size is the jitter of the settings.
+    of the teeth. Their size is the jitter of the settings. line: by default straight, level track.
     """
 
     values: Mapping[str, float]
@@ -60,6 +61,7 @@ class Run:
     equipment: tuple[str, ...] = ()
     phases: tuple[float, ...] = ()
     teeth: int = 0
+    line: Line | None = None
 
     def __post_init__(self) -> None:
         for phase in self.phases:

@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import casadi as ca
 import numpy as np
@@ -17,6 +19,7 @@ from products.protection.rails import ABOVE
 from products.protection.runs import Stop
 from products.protection.settings import BRAKE_START, LONGEST, STANDING
 from rbd_model.levels.resistance import curve_share
+from rbd_model.track.line import Line
 
 
 def load_of(machine: Machine, values: Mapping[str, float]) -> float:
@@ -41,7 +44,7 @@ class PeakAdhesion:
 
     rail: inputs and parameters of the vehicle with its cylinders, and equipment, as in `Run`.
     filling: share of the full pressure as a function of the time since the
-    demand [s]; by default from the air flow model.
+    demand [s]; by default from the air flow model. line: with its gradient, curvature and friction.
     """
 
     #: Tested slip ratios, and number of evaluated instants of a stop.
@@ -53,20 +56,30 @@ class PeakAdhesion:
         rail: Mapping[str, float],
         filling: Callable[[float], float] | None = None,
         equipment: tuple[str, ...] = (),
+        line: Line | None = None,
     ) -> None:
         self.filling, self.equipment = filling or filling_by_flow(machine.full_pressure), equipment
         self.load = load_of(machine, rail)
         self.mass = machine.mass + self.load
-        self.held_back = machine.parameters.gravity * held_back(rail)
+        self.line, self.rail = line, rail
         self.driven = TRACTION in equipment
         self.machine = replace(machine, by_flow=not self.driven, equipment=equipment)
-        self.kernel = Kernel(machine_kernel(self.machine), initial_speed=25.0, **rail)
+        on_line = line is not None
+        self.kernel = Kernel(machine_kernel(self.machine, on_line), initial_speed=25.0, **rail)
+        if line is not None:
+            with TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
+                self.kernel.set(line_file=str(line.write(Path(folder) / "line.csv")))
         self.kernel.initialise()
-        model = machine_model(self.machine)
+        model = machine_model(self.machine, on_line=on_line)
         self.states = list(model.systems[0].states)
         self.place = np.array(self.kernel.linearise().state)
         self.sanded_from, self._peak = 0.0, 0
         self.values = {one.name: one.start for one in model.variables} | dict(rail)
+
+    def held_back(self, distance: float) -> float:
+        """Return the deceleration by gradient and curve at a place [m/s2]."""
+        there = {} if self.line is None else {n: float(self.line.value(n, distance)) for n in ("gradient", "curvature")}
+        return self.machine.parameters.gravity * held_back({**self.rail, **there})
 
     def at(self, distance: float, speed: float, slip: float) -> float:
         """Return the deceleration [m/s2] with all wheelsets at a slip ratio and loads at rest; driven, the
@@ -140,7 +153,7 @@ class PeakAdhesion:
         def slope(time: float, state: np.ndarray) -> list[float]:
             speed = max(state[1], STANDING)
             most = self.best_near(state[0], speed)
-            return [state[1], sign * min(self.asked(time, speed, start, brake_ratio), most) - self.held_back]
+            return [state[1], sign * min(self.asked(time, speed, start, brake_ratio), most) - self.held_back(state[0])]
 
         def there(time: float, state: np.ndarray) -> float:
             return float(state[1]) - end

@@ -271,7 +271,9 @@ def runs_of(machine: Machine, cases: Sequence[Case], level: int = 2, spread: flo
         raise BadInputError(str(error)) from None
     for case, run in zip(cases, runs, strict=True):
         equipped = replace(machine, by_flow=not run.driven, equipment=run.equipment)
-        known = {variable.name: variable for variable in machine_model(equipped, level).variables}
+        known = {
+            variable.name: variable for variable in machine_model(equipped, level, case.line is not None).variables
+        }
         for name, value in run.values.items():
             if name not in known and name.startswith("sand"):
                 raise BadInputError(f"The case {case.name} sets {name}; give it equipment = ['sanders'] too.")
@@ -315,7 +317,7 @@ def ideal_distance(machine: Machine, run: Run, settings: Settings) -> float | No
     brake_ratio = settings.brake_ratio if run.brake_ratio is None else run.brake_ratio
     filling = filling_by_flow(machine.full_pressure, settings.application_time)
     try:
-        peak = PeakAdhesion(machine, run.values, filling, run.equipment)
+        peak = PeakAdhesion(machine, run.values, filling, run.equipment, run.line)
         if run.driven:
             return peak.starting_distance(START_SPEED, run.speed or settings.speed, brake_ratio)
         return peak.stopping_distance(run.speed or settings.speed, brake_ratio)
