@@ -391,7 +391,8 @@ def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
 
 def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
     cases = {case.name: case for case in read_programme(OWN)}
-    assert len(cases) == 32
+    assert len(cases) == 40
+    assert all(case.group and case.source for case in cases.values())
     assert cases["low, 200 km/h"].speed == pytest.approx(200 / 3.6)
     assert cases["low, valve 1 sticks at 6 s"].faults == (Fault(1, valve_from=6.0),)
     assert cases["dry"].run(coach()).values["friction_4"] == 0.55
@@ -445,7 +446,7 @@ def test_the_programme_that_comes_along_reads_as_it_is_written() -> None:
             "must have finite numbers; got nan.",
         ),
         ('[[case]]\nname = "a"\nrail = "dry"\nfault = [3]\n', "give fault a list, [{ wheelset = 1, sensor = ... }]."),
-        (2 * '[[case]]\nname = "a"\nrail = "dry"\n', "2 cases are called a; give each its own name."),
+        (2 * '[[case]]\nname = "a"\nrail = "dry"\n', "2 of [[case]] are called a; give each its own name."),
     ],
 )
 def test_programmes_that_cannot_be_are_refused_in_a_sentence(text: str, sentence: str, tmp_path: Path) -> None:

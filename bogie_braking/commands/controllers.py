@@ -10,7 +10,7 @@ from readers.command_line import check_folder
 from scenarios.controllers import command
 
 #: Actions that write into the folder of --out.
-WRITING = {"compare", "replay", "loop"}
+WRITING = {"compare", "report", "replay", "loop"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> int:
-    """Run an action; return DOES_NOT_HOLD if a controller did not stop everywhere, or missed a period."""
+    """Run an action; return DOES_NOT_HOLD if a controller did not stop, was not accepted, or missed a period."""
     if chosen.action in WRITING:
         check_folder(chosen.out)
     with bars(chosen):

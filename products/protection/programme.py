@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from fmu_src.suggestion import suggestion
 from products.machine import EQUIPMENT, SANDERS, TRACTION, Machine, in_order
@@ -23,16 +23,42 @@ PROGRAMMES = {"full": Path(__file__).with_name("programme.toml"), "starts": Path
 OWN = PROGRAMMES["full"]
 SPEEDS = {"m/s": 1.0, "km/h": 1 / 3.6, "": 1.0}
 SPEED = re.compile(r"(\d{1,9}(?:\.\d{0,9})?|\.\d{1,9}) ?(m/s|km/h|)", re.ASCII)
-KNOWN = ("name", "rail", "friction", "speed", "brake_ratio", "load", "values", "fault", "equipment", "line")
+KNOWN = (
+    "name",
+    "group",
+    "source",
+    "rail",
+    "friction",
+    "speed",
+    "brake_ratio",
+    "load",
+    "values",
+    "fault",
+    "equipment",
+    "line",
+)
 #: Limits of the ratio of a body's loaded mass to its own mass [1].
 LOADS = (0.2, 5.0)
+
+
+class HasName(Protocol):
+    """An object with a name."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+
+Named = TypeVar("Named", bound=HasName)
 
 
 @dataclass(frozen=True)
 class Case:
     """A stop of a test suite by its name; rail: name of its condition; load: mass of the body over its own.
 
-    equipment, line: as in `Run`; with traction it is a start, to `speed`.
+    equipment, line: as in `Run`; with traction it is a start, to `speed`. group: what it tests, for criteria. source:
+    of its numbers. line_file: path of the line.
     """
 
     name: str
@@ -45,6 +71,9 @@ class Case:
     faults: tuple[Fault, ...] = ()
     equipment: tuple[str, ...] = ()
     line: Line | None = None
+    group: str = ""
+    source: str = "assumed"
+    line_file: Path | None = None
 
     def run(self, machine: Machine) -> Run:
         """Return the stop of a vehicle. Raises ValueError for a fault of an unknown wheelset."""
@@ -93,49 +122,98 @@ def read_programme(path: Path) -> list[Case]:
     OSError
         If the file cannot be read.
     """
-    read = toml_of(path)
-    if not isinstance(read.get("case"), list) or not read["case"]:
-        raise ValueError(f"{path} has no [[case]]; give it one for each stop.")
-    for name in read:
-        if name != "case":
-            raise ValueError(f"{path}: there is no [{shown(name)}]; call each stop [[case]].")
-    cases = []
-    for number, table in enumerate(read["case"], 1):
-        try:
-            cases.append(_case(table, path.parent))
-        except (ValueError, TypeError) as error:
-            name = table.get("name", "without a name") if isinstance(table, dict) else "no table"
-            raise ValueError(f"{path}, case {number} ({shown(name)}): {error}") from None
-    names = [case.name for case in cases]
+    cases = named_tables(path, "case", "stop", KNOWN, lambda table: _case(table, path.parent))
     driven = [case.name for case in cases if TRACTION in case.equipment]
     if driven and len(driven) < len(cases):
         raise ValueError(f"{path} mixes starts such as {driven[0]} with stops; give each a file of its own.")
-    for name in names:
-        if names.count(name) > 1:
-            raise ValueError(f"{path}: {names.count(name)} cases are called {shown(name)}; give each its own name.")
     return cases
 
 
-def _case(table: Mapping[str, Any], folder: Path) -> Case:
+def named_tables(
+    path: Path, word: str, what: str, known: Sequence[str], read_one: Callable[[Mapping[str, Any]], Named]
+) -> list[Named]:
+    """Return what the tables [[word]] of a file describe, each with its own name.
+
+    Parameters
+    ----------
+    path : Path
+    word : str
+        Name of the tables, as "case".
+    what : str
+        What a table describes, for messages.
+    known : sequence of str
+        Names that a table may have.
+    read_one : callable
+        Returns what a table describes, from names with values. Raises ValueError, TypeError.
+
+    Raises
+    ------
+    ValueError
+        If the file is invalid; the message names the file and the table.
+    OSError
+        If the file cannot be read.
+    """
+    read = toml_of(path)
+    if not isinstance(read.get(word), list) or not read[word]:
+        raise ValueError(f"{path} has no [[{word}]]; give it one for each {what}.")
+    for name in read:
+        if name != word:
+            raise ValueError(f"{path}: there is no [{shown(name)}]; call each {what} [[{word}]].")
+    found = []
+    for number, table in enumerate(read[word], 1):
+        try:
+            _check_names(table, word, what, known)
+            found.append(read_one(table))
+        except (ValueError, TypeError) as error:
+            name = table.get("name", "without a name") if isinstance(table, dict) else "no table"
+            raise ValueError(f"{path}, {word} {number} ({shown(name)}): {error}") from None
+    names = [one.name for one in found]
+    for name in names:
+        if names.count(name) > 1:
+            words = f"{names.count(name)} of [[{word}]] are called {shown(name)}"
+            raise ValueError(f"{path}: {words}; give each its own name.")
+    return found
+
+
+def _check_names(table: object, word: str, what: str, known: Sequence[str]) -> None:
     if not isinstance(table, dict):
-        raise ValueError(f"a case must be names with values; got {shown(table)}. Write each stop as [[case]].")
+        raise ValueError(f"a {word} must be names with values; got {shown(table)}. Write each {what} as [[{word}]].")
     for name in table:
-        if name not in KNOWN:
-            near = suggestion(str(name), KNOWN, f"give some of {', '.join(KNOWN)}.")
+        if name not in known:
+            near = suggestion(str(name), known, f"give some of {', '.join(known)}.")
             raise ValueError(f"there is no {shown(name)}; {near}")
-    if not isinstance(table.get("name"), str):
+    if not isinstance(table.get("name"), str) or not table["name"].strip():
         raise ValueError("give a name, as in name = 'wet, 120 km/h'.")
+
+
+def words_in(table: Mapping[str, Any], name: str, default: str) -> str:
+    """Return a text of a table. Raises ValueError if it is not a text, or empty."""
+    found = table.get(name, default)
+    if not isinstance(found, str) or (name in table and not found.strip()):
+        raise ValueError(f"{name} must be a text in quotes; got {shown(found) if found else 'nothing'}.")
+    return found
+
+
+def number_of(name: str, value: object) -> float:
+    """Return a number of a table. Raises ValueError if it is not one."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        got = quoted(value) if isinstance(value, str) else shown(value)
+        raise ValueError(f"{shown(name)} must be a number; got {got}.")
+    return float(value)
+
+
+def _case(table: Mapping[str, Any], folder: Path) -> Case:
     rail = table.get("rail")
     if not isinstance(rail, str) or rail not in CONDITIONS:
         raise ValueError(f"rail must be one of {', '.join(CONDITIONS)}; got {shown(rail or 'nothing')}.")
     brake_ratio, friction = (
-        _number(name, table[name]) if name in table else None for name in ("brake_ratio", "friction")
+        number_of(name, table[name]) if name in table else None for name in ("brake_ratio", "friction")
     )
     if brake_ratio is not None and not 0.0 < brake_ratio <= MOST_BRAKE_RATIO:
         raise ValueError(f"brake_ratio must be above 0 and at most {MOST_BRAKE_RATIO:g}; got {brake_ratio:g}.")
     if friction is not None and not 0.0 < friction <= 1.0:
         raise ValueError(f"friction must be above 0 and at most 1; got {friction:g}.")
-    load = _number("load", table.get("load", 1.0))
+    load = number_of("load", table.get("load", 1.0))
     if not LOADS[0] <= load <= LOADS[1]:
         raise ValueError(f"load must be {LOADS[0]:g} to {LOADS[1]:g} times the mass of the body; got {load:g}.")
     if not isinstance(table.get("fault", []), list):
@@ -143,7 +221,7 @@ def _case(table: Mapping[str, Any], folder: Path) -> Case:
     given = table.get("values", {})
     if not isinstance(given, dict):
         raise ValueError("give values names, as in values = { gradient = -0.02 }.")
-    values = tuple((name, _number(name, value)) for name, value in given.items())
+    values = tuple((name, number_of(name, value)) for name, value in given.items())
     speed = speed_of(table["speed"]) if "speed" in table else None
     faults = tuple(_fault(one) for one in table.get("fault", []))
     equipment = table.get("equipment", [])
@@ -151,23 +229,29 @@ def _case(table: Mapping[str, Any], folder: Path) -> Case:
         raise ValueError(f"give equipment a list of names, some of {', '.join(EQUIPMENT)}.")
     if SANDERS in equipment and not any(name.startswith("sand_rate_") and value for name, value in values):
         raise ValueError("sanders without sand have no effect; set sand_rate_1 or another [kg/s] in values.")
-    line = _line(table["line"], folder) if "line" in table else None
-    equipped = in_order(equipment)
-    return Case(table["name"], table["rail"], friction, speed, brake_ratio, load, values, faults, equipped, line)
+    line_file = _line_file(table["line"], folder) if "line" in table else None
+    return Case(
+        table["name"],
+        table["rail"],
+        friction,
+        speed,
+        brake_ratio,
+        load,
+        values,
+        faults,
+        in_order(equipment),
+        None if line_file is None else read_line(line_file),
+        words_in(table, "group", ""),
+        words_in(table, "source", "assumed"),
+        line_file,
+    )
 
 
-def _line(name: object, folder: Path) -> Line:
-    """Return the line in a file that a case names, relative to the folder of its case file."""
+def _line_file(name: object, folder: Path) -> Path:
+    """Return the path of a line that a case names, relative to the folder of its case file."""
     if not isinstance(name, str) or not name:
         raise ValueError(f"line must be the path of a line file (docs/line.md); got {shown(name)}.")
-    return read_line(folder / name)
-
-
-def _number(name: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        got = quoted(value) if isinstance(value, str) else shown(value)
-        raise ValueError(f"{shown(name)} must be a number; got {got}.")
-    return float(value)
+    return folder / name
 
 
 def _fault(table: Mapping[str, Any]) -> Fault:
@@ -181,7 +265,7 @@ def _fault(table: Mapping[str, Any]) -> Fault:
         raise ValueError("a fault needs the number of its wheelset.")
     for name, value in table.items():
         if name != "sensor":
-            _number(name, value)
+            number_of(name, value)
         elif not isinstance(value, str):
             raise ValueError(f"sensor must be a word; got {shown(value)}.")
     return Fault(**table)

@@ -1,52 +1,43 @@
 """Compare wheel-slide controllers on the test rig, replay logs, and run the rig behind a socket.
 
   bogie-braking controllers compare mine.py:PI           scores, a plot and a page of stops with your controller
+  bogie-braking controllers report mine.c                accepted or rejected, by which criterion in which case
   bogie-braking controllers replay log.csv mine.py:PI    its commands in a recorded run
   bogie-braking controllers loop --rail low              the rig behind a UDP socket, paced by the clock
   bogie-braking controllers answer mine.py:PI            a client of such a rig, also on another machine
   bogie-braking controllers client c > udp_client.c      the client of a controller in C; also: python
   bogie-braking controllers header > wheel_slide.h       the header of a controller in C
   bogie-braking controllers programme > my.toml          a case file, a start for your own
+  bogie-braking controllers criteria > limits.toml       criteria of acceptance, a start for your own
 
-'compare --help', 'replay --help' and 'loop --help' say more. A class has the method step(time, wheel_speeds) -> valves:
-[s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
+'compare --help', 'report --help', 'replay --help' and 'loop --help' say more. A class has the method
+step(time, wheel_speeds) -> valves: [s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
 
-Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, has no verdict, or missed a period in the
-loop; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
+Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, has no verdict, missed a period in the
+loop, or was not accepted by a report; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
-from dataclasses import fields
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from brake_controller.slide_protection import RIG
 from products.machine import MACHINES, TRACTION
-from products.protection.controller_kinds import InC
-from products.protection.own_process import Apart
-from products.protection.programme import OWN, PROGRAMMES, Case, four_rails, read_programme
+from products.protection.criteria import CRITERIA
+from products.protection.programme import OWN
 from products.protection.rails import RAILS
-from products.protection.settings import (
-    FASTEST,
-    LONGEST_PERIOD,
-    MOST_BRAKE_RATIO,
-    MOST_JITTER,
-    MOST_PULSES,
-    SHORTEST_PERIOD,
-    Settings,
-)
-from products.protection.spread import LARGEST_SPREAD, Spread
-from products.registry import ALIASES, fmu_named
-from readers.command_line import quantity, whole
+from products.protection.spread import Spread
+from readers.command_line import whole
 from readers.storage import write_whole
-from scenarios.controllers import answering, loop, replay, verdict
-from scenarios.controllers.controller_loader import Given, controllers_of
+from scenarios.controllers import answering, loop, replay, report, verdict
+from scenarios.controllers.controller_loader import controllers_of
+from scenarios.controllers.options import add_case, add_draws, add_settings, cases_of, plan_of, settings_of
 from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
-from scenarios.controllers.scoring import FEW, LOOKS, Plan, Scored, compare, ideal_distance, runs_of
+from scenarios.controllers.scoring import Scored, compare, ideal_distance, runs_of
 from scenarios.controllers.table import document, drawn, lines, write_document
 from scenarios.reporting.plots import plt
 from scenarios.scenario import BadInputError
@@ -61,7 +52,7 @@ COMPARE = """Score wheel-slide controllers on the test rig: a table, a plot, a J
   bogie-braking controllers compare 'mine.py:PI(kp=0.3)' 'mine.py:PI(kp=0.5)'
                                                                   a class with two choices of its gains
   bogie-braking controllers compare mine.py:PI --rails low,wet    on these rails alone
-  bogie-braking controllers compare mine.py:PI --programme full   32 cases: 60 to 200 km/h, sensors and valves that fail
+  bogie-braking controllers compare mine.py:PI --programme full   40 cases: 60 to 200 km/h, sensors and valves that fail
   bogie-braking controllers compare mine.py:Spin --programme starts
                                                                   driven wheels that must not spin
   bogie-braking controllers compare mine.py:PI --programme my.toml
@@ -81,8 +72,6 @@ controllers are told apart, to at most --draws. Controllers that the draws do no
 Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed or has no verdict; 2 bad input; 3 the
 simulation failed; 130 interrupted with Ctrl-C.
 """
-#: Largest number of draws of a case.
-MOST_DRAWS = 10_000
 
 
 def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.ArgumentParser], None]) -> None:
@@ -95,6 +84,9 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
     compare = actions.add_parser("compare", help="score controllers on the same rails", **form(COMPARE))
     add_arguments(compare)
     speech(compare)
+    reported = actions.add_parser("report", help="accept or reject a controller", **form(report.__doc__))
+    report.add_arguments(reported)
+    speech(reported)
     replayed = actions.add_parser(
         "replay", help="give a controller the wheel speeds of a recorded run", **form(replay.__doc__)
     )
@@ -112,6 +104,7 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
     client.add_argument("language", choices=list(answering.CLIENTS))
     actions.add_parser("header", help="print wheel_slide.h, which a controller in C includes")
     actions.add_parser("programme", help="print the programme that comes along, to begin one of your own with")
+    actions.add_parser("criteria", help="print the built-in criteria, a start for your own")
     parser.set_defaults(quiet=False, json=False, out=Path("results"))
 
 
@@ -131,91 +124,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings(parser, Spread().jitter)
 
 
-def add_draws(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the draws."""
-    text = f"most draws of a case, 1 to {MOST_DRAWS} (default: {LOOKS[-1]}; {FEW} with a controller in Python)"
-    parser.add_argument("--draws", type=whole("--draws", 1, MOST_DRAWS), metavar="N", help=text)
-    text = "seed of the draws, from 0 (default: 1)"
-    parser.add_argument("--seed", type=whole("--seed", 0, 2**31 - 1), default=1, metavar="N", help=text)
-    for name in ("friction", "load"):
-        usual = getattr(Spread(), name)
-        text = f"half width of the spread of {name}, 0 to {LARGEST_SPREAD:g} (default: {usual:g})"
-        one = quantity(f"--{name}-spread", least=0.0, most=LARGEST_SPREAD)
-        parser.add_argument(f"--{name}-spread", type=one, default=usual, metavar="SHARE", help=text)
-
-
-def plan_of(chosen: argparse.Namespace, controllers: Mapping[str, Given]) -> tuple[Plan, str]:
-    """Return the requested draws, and the controller because of which they are few."""
-    slow = next((name for name, one in controllers.items() if not (one is None or isinstance(one, InC | Apart))), "")
-    spread = Spread(chosen.friction_spread, chosen.load_spread, chosen.jitter)
-    if chosen.draws:
-        return Plan(spread, chosen.seed, chosen.draws), ""
-    return Plan(spread, chosen.seed, FEW if slow else LOOKS[-1]), slow
-
-
-def add_case(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a single stop."""
-    text = f"one of {','.join(rail.name for rail in RAILS)}, or a case of the programme (default: low)"
-    parser.add_argument("--rail", default="low", metavar="NAME", help=text)
-    parser.add_argument("--programme", metavar="FILE", help="a TOML file with cases, full or starts")
-    parser.set_defaults(rails="")
-    add_settings(parser)
-
-
-def add_settings(parser: argparse.ArgumentParser, jitter: float = 0.0) -> None:
-    """Add the options of all stops; jitter: its default."""
-    text = (
-        f"{' or '.join(MACHINES)}; {' and '.join(f'{own} = {name}' for own, name in ALIASES.items())} (default: bogie)"
-    )
-    parser.add_argument("--vehicle", type=fmu_named, choices=[*MACHINES, *ALIASES], default="bogie", help=text)
-    speed = quantity("--speed", "m/s", 0.0, FASTEST, above=True)
-    text = "at the start, as 25 or 90km/h (default: 25 m/s)"
-    parser.add_argument("--speed", type=speed, default=25.0, metavar="SPEED", help=text)
-    brake_ratio = quantity("--brake-ratio", least=0.0, most=MOST_BRAKE_RATIO, above=True)
-    text = "torque over that of the full brake (default: 1)"
-    parser.add_argument("--brake-ratio", type=brake_ratio, default=1.0, metavar="RATIO", help=text)
-    period = quantity("--period", "s", SHORTEST_PERIOD, LONGEST_PERIOD)
-    text = "of the controllers, as 5ms or 0.005 (default: 5ms)"
-    parser.add_argument("--period", type=period, default=5e-3, metavar="TIME", help=text)
-    text = f"of each speed sensor in a revolution, 1 to {MOST_PULSES} (default: {Settings.pulses})"
-    pulses = whole("--pulses", 1, MOST_PULSES)
-    parser.add_argument("--pulses", type=pulses, default=Settings.pulses, metavar="COUNT", help=text)
-    words = f"0 to {MOST_JITTER:g} (default: {jitter:g})"
-    text = f"standard deviation of the pulses' places, as a share of the pitch, {words}"
-    one = quantity("--jitter", least=0.0, most=MOST_JITTER)
-    parser.add_argument("--jitter", type=one, default=jitter, metavar="SHARE", help=text)
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
-
-
-def cases_of(chosen: argparse.Namespace) -> list[Case]:
-    """Return the requested cases.
-
-    Raises
-    ------
-    BadInputError
-        If a rail or the case file is unknown, or if a rail is named twice.
-    """
-    if chosen.programme:
-        path = PROGRAMMES.get(chosen.programme) or Path(chosen.programme)
-        try:
-            return read_programme(path)
-        except OSError:
-            raise BadInputError(f"There is no file {path}; give a programme, or {' or '.join(PROGRAMMES)}.") from None
-        except ValueError as error:
-            raise BadInputError(str(error)) from None
-    known = {case.name: case for case in four_rails()}
-    names = [name.strip() for name in chosen.rails.split(",") if name.strip()] or list(known)
-    for name in names:
-        if name not in known:
-            raise BadInputError(f"There is no rail {name}; give some of {', '.join(known)}.")
-        if names.count(name) > 1:
-            raise BadInputError(f"Each of --rails must be given once; got {name} {names.count(name)} times.")
-    return [known[name] for name in names]
-
-
 def run(chosen: argparse.Namespace) -> bool:
     """Compare and report, or print a file; return whether all stopped. Raises BadInputError, CompilerError."""
-    printed = {"header": RIG / "wheel_slide.h", "programme": OWN}
+    printed = {"header": RIG / "wheel_slide.h", "programme": OWN, "criteria": CRITERIA}
     if chosen.action == "client":
         printed["client"] = RIG / answering.CLIENTS[chosen.language]
     if chosen.action in printed:
@@ -223,6 +134,8 @@ def run(chosen: argparse.Namespace) -> bool:
         return True
     if chosen.action == "answer":
         return answering.run(chosen)
+    if chosen.action == "report":
+        return report.run(chosen)
     if chosen.action == "replay":
         return replay.run(chosen)
     if chosen.action == "loop":
@@ -278,12 +191,3 @@ def run_loop(chosen: argparse.Namespace) -> bool:
     elif not chosen.quiet:
         print("\n".join([*lines(chosen.vehicle, settings, [score]), "", *loop.messages(found)]))
     return found.holds
-
-
-def settings_of(chosen: argparse.Namespace) -> Settings:
-    """Return the settings that the command line requests. Raises BadInputError."""
-    given = {one.name: getattr(chosen, one.name) for one in fields(Settings) if hasattr(chosen, one.name)}
-    try:
-        return Settings(**given)
-    except ValueError as error:
-        raise BadInputError(str(error)) from None

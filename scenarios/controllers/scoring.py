@@ -82,10 +82,18 @@ class Scored:
     @cached_property
     def distances(self) -> Sample | None:
         """Return the distances [m], each without the effect of its friction and load; None if one is missing."""
-        found = [one.distance for one in self.stops or [self.stop] if one.distance is not None]
-        if len(found) < max(1, len(self.stops)):
-            return None
-        return sample_of(found, [(one.friction - 1.0, one.load - 1.0) for one in self.draws] or np.zeros(len(found)))
+        found = [one.distance for one in self.each if one.distance is not None]
+        return self.sample(found) if len(found) == len(self.each) else None
+
+    @property
+    def each(self) -> tuple[Stop, ...]:
+        """Return the stop of each draw."""
+        return self.stops or (self.stop,)
+
+    def sample(self, values: Sequence[float]) -> Sample:
+        """Return a quantity of each draw, without the effect of its friction and load."""
+        factors = [(one.friction - 1.0, one.load - 1.0) for one in self.draws]
+        return sample_of(values, factors or np.zeros(len(values)))
 
     @cached_property
     def distance(self) -> Estimate | None:
@@ -126,7 +134,12 @@ class Scored:
     @property
     def air(self) -> float:
         """Return the air of all cylinders, at atmospheric pressure [l]."""
-        return 1e3 * self.stop.air * GAS / FREE_AIR
+        return litres(self.stop)
+
+
+def litres(stop: Stop) -> float:
+    """Return the air of all cylinders in a stop, at atmospheric pressure [l]."""
+    return 1e3 * stop.air * GAS / FREE_AIR
 
 
 def slid_cases(scores: Sequence[Scored]) -> set[str]:

@@ -60,12 +60,17 @@ def drawn(scores: Sequence[Scored], plan: Plan, few: str = "") -> str:
 
     few: the controller because of which the number is limited to FEW.
     """
-    count, spread = max(len(one.stops) for one in scores), plan.spread
+    counts, spread = [len(one.stops) for one in scores], plan.spread
+    count, least = max(counts), min(counts)
     varied = (
         f"friction ±{100 * spread.friction:g} %, load ±{100 * spread.load:g} %, teeth {spread.jitter:g} of the pitch"
     )
     limit = f", the limit{f' because {few} is written in Python' if few else ''}" if count == plan.most else ""
-    draws = f"{count} draws a case{limit}" if count > 1 else "1 draw a case, too few for an interval"
+    draws = (
+        f"{count if count == least else f'{least} to {count}'} draws a case{limit}"
+        if count > 1
+        else "1 draw a case, too few for an interval"
+    )
     return f"{draws}: phases of the sensors, {varied} (all assumed); seed {plan.seed}"
 
 
@@ -135,16 +140,20 @@ def half(one: Estimate, unit: float, form: str) -> str:
 
 def document(vehicle: str, settings: Settings, scores: Sequence[Scored], plan: Plan | None = None) -> dict[str, object]:
     """Return the results for programs; SI units, air in litres."""
-    runs = [
+    draws = {"plan": asdict(plan)} if plan else {}
+    return {"vehicle": vehicle, "settings": asdict(settings), **draws, "runs": runs_document(scores)}
+
+
+def runs_document(scores: Sequence[Scored]) -> list[dict[str, object]]:
+    """Return the stops for programs; SI units, air in litres."""
+    return [
         {"case": one.case, "controller": one.controller, **asdict(replace(one.stop, history=None))}
         | {"distance": one.distance and one.distance.mean, "estimate": one.distance and asdict(one.distance)}
-        | {"distances": [of.distance for of in one.stops or [one.stop]]}
+        | {"distances": [of.distance for of in one.each]}
         | {"over_ideal": one.over(one.ideal), "over_dry": one.over(one.dry), "ideal": one.ideal, "litres": one.air}
         | {"tread_energy": one.tread_energy, "flat": one.flat}
         for one in scores
     ]
-    draws = {"plan": asdict(plan)} if plan else {}
-    return {"vehicle": vehicle, "settings": asdict(settings), **draws, "runs": runs}
 
 
 def write_document(path: Path, about: Mapping[str, object]) -> str:

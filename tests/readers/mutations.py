@@ -80,3 +80,8 @@ PROGRAMMES = (
     '[[case]]\nname = "fault"\nrail = "wet"\nfriction = 0.12\nvalues = { gradient = -0.02 }\n'
     'fault = [{ wheelset = 1, sensor = "zero", sensor_from = 2 }]\nequipment = ["discs"]\n',
 )
+CRITERIA = (
+    '[[criterion]]\nname = "distance"\nmeasure = "over_ideal"\nmost = 1.25\nunit = "1"\ngroups = ["low", "dry"]\n'
+    'source = "assumed"\n[[criterion]]\nname = "reservoir"\nmeasure = "reservoir"\nleast = 150\nunit = "kPa"\n'
+    'cases = ["low, 160 km/h"]\nsource = "from memory"\n',
+)

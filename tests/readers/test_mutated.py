@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from products.protection.criteria import read_criteria
 from products.protection.programme import read_programme
 from products.train.consist_file import read_consist
 from rbd_model.contact.creep.tabulated import CreepTable, axes, read_creep_table, write_table
@@ -20,6 +21,7 @@ from scenarios.controllers.replay import read_log
 from tests.readers.mutations import (
     CONSISTS,
     CONSISTS_IN_TOML,
+    CRITERIA,
     LINES,
     LOGS,
     PROGRAMMES,
@@ -37,6 +39,7 @@ KINDS: dict[str, tuple[str, Sequence[str], Callable[[Path], Any]]] = {
     "log": ("log.csv", LOGS, read_log),
     "torque": ("torque.csv", TORQUES, read_torque_history),
     "programme": ("programme.toml", PROGRAMMES, read_programme),
+    "criteria": ("criteria.toml", CRITERIA, read_criteria),
 }
 
 

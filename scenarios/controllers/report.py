@@ -1,0 +1,180 @@
+"""Accept or reject a wheel-slide controller: cases and criteria in the manner of EN 15595 and UIC 541-05.
+
+  bogie-braking controllers report mine.c                        40 cases of the programme, with the built-in criteria
+  bogie-braking controllers report mine.py:PI --vehicle coach    a Python class, on the coach
+  bogie-braking controllers report                               the built-in protection
+  bogie-braking controllers report mine.c --programme my.toml --criteria limits.toml
+                                                                 your own (controllers programme, controllers criteria)
+  bogie-braking controllers report --check results/controllers/report.json
+                                                                 make a report again, and compare
+
+It writes results/controllers/report.json: verdict, findings and stops, with SHA-256 digests of controller, cases and
+criteria. A distance, a share or an air is the mean over draws: a criterion passes or fails if its interval lies on one
+side of the limit. Cases for which it does not are drawn more often, to at most --draws. Locks, flats, pressures and
+commands are those of the worst draw.
+
+No claim of conformity: the standards could not be read, and all stops are simulated.
+
+Exit status: 0 accepted, or the report was reproduced; 1 rejected, not decided, or not reproduced; 2 bad input; 3 the
+simulation failed; 130 interrupted with Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from products.machine import MACHINES, TRACTION
+from products.protection.criteria import CRITERIA, Criterion, check_scopes, read_criteria
+from products.protection.programme import PROGRAMMES, Case
+from products.protection.rig_in_c import slide_protection
+from products.protection.spread import Spread
+from readers.command_line import CommandLine, whole
+from scenarios.controllers.acceptance import ACCEPTED, findings
+from scenarios.controllers.controller_loader import IN_PYTHON, Given, controller_of
+from scenarios.controllers.options import add_draws, add_settings, cases_of, plan_of, settings_of
+from scenarios.controllers.report_document import (
+    check_message,
+    differences,
+    input_differences,
+    inputs_of,
+    read_report,
+    report_document,
+)
+from scenarios.controllers.report_stops import stops_for_report
+from scenarios.controllers.report_text import lines, undecided_note
+from scenarios.controllers.scoring import Plan
+from scenarios.controllers.table import about, drawn, write_document
+from scenarios.scenario import BadInputError
+
+#: Name of the built-in protection.
+BUILT_IN = "protection"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    text = "as in 'controllers compare'; without one, the protection that comes along"
+    parser.add_argument("controller", nargs="?", help=text)
+    text = "a TOML file with cases (default: full, the programme that comes along)"
+    parser.add_argument("--programme", metavar="FILE", help=text)
+    text = "a TOML file with criteria (default: those that come along)"
+    parser.add_argument("--criteria", metavar="FILE", help=text)
+    level, text = whole("--level", 2, 3), "2 in the plane (default), 3 in space"
+    parser.add_argument("--level", type=level, default=2, metavar="LEVEL", help=text)
+    text = "make this report again with its own options, and compare; only files may be given in addition"
+    parser.add_argument("--check", type=Path, metavar="REPORT", help=text)
+    add_draws(parser)
+    add_settings(parser, Spread().jitter)
+
+
+def run(chosen: argparse.Namespace) -> bool:
+    """Report on a controller; return whether it is accepted, or with --check whether the report was reproduced.
+
+    Raises
+    ------
+    BadInputError
+        If the controller, a file or an option is invalid.
+    """
+    if chosen.check:
+        return check(chosen)
+    document, shown = made(chosen)
+    text = write_document(chosen.out / "controllers" / "report.json", document)
+    if chosen.json:
+        print(text, end="")
+    elif not chosen.quiet:
+        print("\n".join([*shown, "", f"Report: {chosen.out / 'controllers' / 'report.json'}"]))
+    return bool(document["verdict"] == ACCEPTED)
+
+
+def check(chosen: argparse.Namespace) -> bool:
+    """Make a report again, and print whether it is reproduced; a controller whose digest is another is not run."""
+    report = read_report(chosen.check)
+    parser = CommandLine(add_help=False)
+    add_arguments(parser)
+    again = parser.parse_args(report["arguments"])
+    for name in ("controller", "programme", "criteria"):
+        setattr(again, name, getattr(chosen, name) or getattr(again, name))
+    again.programme, again.rails = again.programme or "full", ""
+    found = input_differences(report, inputs_of(files_of(again, cases_of(again))))
+    if not found:
+        document, _ = made(again)
+        found = differences(report, document)
+    print(check_message(chosen.check, found, len(report["findings"])))
+    return not found
+
+
+def made(chosen: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
+    """Return the document of a report, and its lines for the terminal."""
+    machine, settings = MACHINES[chosen.vehicle](), settings_of(chosen)
+    chosen.programme, chosen.rails = chosen.programme or "full", ""
+    cases = cases_of(chosen)
+    if TRACTION in cases[0].equipment:
+        raise BadInputError("A report must be about stops; got starts. Give --programme cases without traction.")
+    criteria = criteria_of(chosen.criteria, cases)
+    name, controller = given_controller(chosen.controller, len(machine.numbers))
+    plan, slow = plan_of(chosen, {name: controller})
+    inputs = inputs_of(files_of(chosen, cases))
+    tested = stops_for_report(machine, name, controller, cases, criteria, settings, plan, chosen.level, False)
+    found = findings(tested, criteria, len(plan.looks))
+    document = report_document(name, arguments_of(chosen, plan), inputs, tested, criteria, found)
+    scores = [one.score for one in tested]
+    shown = [*lines(name, found, criteria), "", about(chosen.vehicle, settings, scores), drawn(scores, plan, slow)]
+    return document, [*shown, *filter(None, [undecided_note(found, plan.most)])]
+
+
+def criteria_of(path: str | None, cases: Sequence[Case]) -> list[Criterion]:
+    """Return the criteria of a file, or the built-in ones. Raises BadInputError."""
+    try:
+        criteria = read_criteria(Path(path) if path else CRITERIA)
+        check_scopes(criteria, cases)
+    except OSError:
+        raise BadInputError(f"There is no file {path}; give --criteria a TOML file.") from None
+    except ValueError as error:
+        raise BadInputError(str(error)) from None
+    return criteria
+
+
+def given_controller(given: str | None, wheelsets: int) -> tuple[str, Given]:
+    """Return the name of a controller and its form. Raises BadInputError."""
+    return controller_of(given, wheelsets) if given else (BUILT_IN, slide_protection())
+
+
+def files_of(chosen: argparse.Namespace, cases: Sequence[Case]) -> dict[str, Path]:
+    """Return the files of a report: controller, variables of an FMU if a table names them, cases, lines, criteria.
+
+    The built-in protection is part of the sources.
+    """
+    files = {f"line of {case.name}": case.line_file for case in cases if case.line_file}
+    if chosen.controller:
+        in_python = IN_PYTHON.fullmatch(chosen.controller)
+        files["controller"] = Path(in_python["file"] if in_python else chosen.controller)
+        names = files["controller"].with_suffix(".toml")
+        if files["controller"].suffix == ".fmu" and names.is_file():
+            files["variables"] = names
+    return files | {
+        "programme": PROGRAMMES.get(chosen.programme or "full", Path(chosen.programme or "full")),
+        "criteria": Path(chosen.criteria) if chosen.criteria else CRITERIA,
+    }
+
+
+def arguments_of(chosen: argparse.Namespace, plan: Plan) -> list[str]:
+    """Return the arguments with which the command makes the same report."""
+    given = {
+        "programme": chosen.programme,
+        "criteria": chosen.criteria,
+        "level": chosen.level,
+        "vehicle": chosen.vehicle,
+        "speed": f"{chosen.speed!r} m/s",
+        "brake-ratio": chosen.brake_ratio,
+        "period": f"{chosen.period!r} s",
+        "pulses": chosen.pulses,
+        "jitter": chosen.jitter,
+        "draws": plan.most,
+        "seed": plan.seed,
+        "friction-spread": plan.spread.friction,
+        "load-spread": plan.spread.load,
+    }
+    options = [f"--{name}={value}" for name, value in given.items() if value is not None]
+    return [chosen.controller, *options] if chosen.controller else options
