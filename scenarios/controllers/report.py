@@ -5,6 +5,7 @@
   bogie-braking controllers report                               the built-in protection
   bogie-braking controllers report mine.c --programme my.toml --criteria limits.toml
                                                                  your own (controllers programme, controllers criteria)
+  bogie-braking controllers report mine.c --html                 and results/controllers/report.html, animated
   bogie-braking controllers report --check results/controllers/report.json
                                                                  make a report again, and compare
 
@@ -32,6 +33,7 @@ from products.protection.programme import PROGRAMMES, Case
 from products.protection.rig_in_c import slide_protection
 from products.protection.spread import Spread
 from readers.command_line import CommandLine, whole
+from readers.storage import write_whole
 from scenarios.controllers.acceptance import ACCEPTED, findings
 from scenarios.controllers.controller_loader import IN_PYTHON, Given, controller_of
 from scenarios.controllers.options import add_draws, add_settings, cases_of, plan_of, settings_of
@@ -43,6 +45,7 @@ from scenarios.controllers.report_document import (
     read_report,
     report_document,
 )
+from scenarios.controllers.report_page import report_page
 from scenarios.controllers.report_stops import stops_for_report
 from scenarios.controllers.report_text import lines, undecided_note
 from scenarios.controllers.scoring import Plan
@@ -63,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--criteria", metavar="FILE", help=text)
     level, text = whole("--level", 2, 3), "2 in the plane (default), 3 in space"
     parser.add_argument("--level", type=level, default=2, metavar="LEVEL", help=text)
+    parser.add_argument("--html", action="store_true", help="also write a page that plays the first draw of each case")
     text = "make this report again with its own options, and compare; only files may be given in addition"
     parser.add_argument("--check", type=Path, metavar="REPORT", help=text)
     add_draws(parser)
@@ -79,12 +83,17 @@ def run(chosen: argparse.Namespace) -> bool:
     """
     if chosen.check:
         return check(chosen)
-    document, shown = made(chosen)
-    text = write_document(chosen.out / "controllers" / "report.json", document)
+    document, shown, page = made(chosen)
+    folder = chosen.out / "controllers"
+    (folder / "report.html").unlink(missing_ok=True)  # of an earlier report
+    text = write_document(folder / "report.json", document)
+    if page:
+        write_whole(folder / "report.html", page.encode())
     if chosen.json:
         print(text, end="")
     elif not chosen.quiet:
-        print("\n".join([*shown, "", f"Report: {chosen.out / 'controllers' / 'report.json'}"]))
+        places = [f"Page: {folder / 'report.html'}"] if page else []
+        print("\n".join([*shown, "", f"Report: {folder / 'report.json'}", *places]))
     return bool(document["verdict"] == ACCEPTED)
 
 
@@ -99,14 +108,14 @@ def check(chosen: argparse.Namespace) -> bool:
     again.programme, again.rails = again.programme or "full", ""
     found = input_differences(report, inputs_of(files_of(again, cases_of(again))))
     if not found:
-        document, _ = made(again)
+        document, _, _ = made(again)
         found = differences(report, document)
     print(check_message(chosen.check, found, len(report["findings"])))
     return not found
 
 
-def made(chosen: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
-    """Return the document of a report, and its lines for the terminal."""
+def made(chosen: argparse.Namespace) -> tuple[dict[str, Any], list[str], str]:
+    """Return the document of a report, its lines for the terminal, and its page, empty if not requested."""
     machine, settings = MACHINES[chosen.vehicle](), settings_of(chosen)
     chosen.programme, chosen.rails = chosen.programme or "full", ""
     cases = cases_of(chosen)
@@ -116,12 +125,14 @@ def made(chosen: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
     name, controller = given_controller(chosen.controller, len(machine.numbers))
     plan, slow = plan_of(chosen, {name: controller})
     inputs = inputs_of(files_of(chosen, cases))
-    tested = stops_for_report(machine, name, controller, cases, criteria, settings, plan, chosen.level, False)
+    tested = stops_for_report(machine, name, controller, cases, criteria, settings, plan, chosen.level, chosen.html)
     found = findings(tested, criteria, len(plan.looks))
     document = report_document(name, arguments_of(chosen, plan), inputs, tested, criteria, found)
     scores = [one.score for one in tested]
-    shown = [*lines(name, found, criteria), "", about(chosen.vehicle, settings, scores), drawn(scores, plan, slow)]
-    return document, [*shown, *filter(None, [undecided_note(found, plan.most)])]
+    conditions = [about(chosen.vehicle, settings, scores), drawn(scores, plan, slow)]
+    shown = [*lines(name, found, criteria), "", *conditions, *filter(None, [undecided_note(found, plan.most)])]
+    page = report_page(machine, "; ".join(conditions), document, tested, criteria, found) if chosen.html else ""
+    return document, shown, page
 
 
 def criteria_of(path: str | None, cases: Sequence[Case]) -> list[Criterion]:
