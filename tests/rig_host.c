@@ -35,7 +35,7 @@ static void show(double time, int row, double *outputs) {
 
 /* inside: the controller is in C; own: use the built-in wheel-slide protection. */
 static int run(bool inside, bool own) {
-    rig_settings settings = {WHEELSETS, 0.46, 5e-3, 1.0, 380e3, 300.0, 0.3, 0.3, 3.0, 1, 0, {300, 0.03, 1e-6, 5.0}};
+    rig_settings settings = {WHEELSETS, 0.46, 5e-3, 1.0, 380e3, 300.0, 0.3, 0.25, 0.3, 3.0, 1, 0, {300, 0.03, 1e-6, 5.0}};
     rig_controller controller = {start, step, sizeof(int)};
     if (own) controller = (rig_controller){wheel_slide_start, wheel_slide_step, wheel_slide_size(WHEELSETS)};
     double time[ROWS], speed[ROWS * WHEELSETS], error[WHEELSETS * 300], *outputs = malloc(ROWS * WIDTH * sizeof(double));

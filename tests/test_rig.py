@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.optimize import brentq
+from scipy.signal import lsim
 
 from brake_controller.protection_fmu import MOST_WHEELSETS
 from brake_controller.slide_protection import RIG, slide_sources
@@ -24,7 +25,7 @@ from products.protection import controller_kinds as forms_module
 from products.protection.controller_kinds import Arrays, Form, compiled
 from products.protection.encoder import Encoder
 from products.protection.programme import OWN, Case, read_programme
-from products.protection.rails import RAILS
+from products.protection.rails import ABOVE, JERK_TIME, RAILS
 from products.protection.rig import Rig
 from products.protection.rig_in_c import slide_protection
 from products.protection.runs import Fault, Run, Stop
@@ -45,6 +46,8 @@ COUPLED = 2e-3
 CLOSED_FORM = 1e-4
 #: Difference between the ideal stop (filling from a table of 200 points) and our integration; measured 3.5e-5.
 IDEAL = 1e-4
+#: Difference between a largest jerk and that of another discretisation.
+JERK = 0.02
 LOW, RADIUS = RAILS[2], 0.425
 
 
@@ -384,6 +387,17 @@ def test_faults_that_cannot_be_are_refused(fault: dict[str, Any], sentence: str)
 def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
     with pytest.raises(ValueError, match=re.escape("The wheelset of a fault must be from 1 to 2; got 3.")):
         Rig(bogie(), None, Settings()).runs([Run(LOW.values(), faults=(Fault(3, radius=1.1),))])
+
+
+def test_the_jerk_is_that_of_the_filtered_deceleration() -> None:
+    """The derivative of the acceleration behind two lags, s / (JERK_TIME s + 1)^2, simulated by SciPy."""
+    period = Settings().period
+    [stop] = Rig(coach(), LetGo, Settings(), by_flow=True).runs([Run(LOW.values(4), speed=15.0)], every=period)
+    course = stop.course
+    slope = np.gradient(course.speed, course.time)
+    _, jerk, _ = lsim(([1.0, 0.0], [JERK_TIME**2, 2.0 * JERK_TIME, 1.0]), slope, course.time)
+    assert stop.jerk == pytest.approx(np.abs(jerk[course.speed > ABOVE]).max(), rel=JERK)
+    assert stop.jerk > 0.4
 
 
 # ---- programmes ------------------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ enum { GUARD = 1024, GUARD_VALVES = 64, GUARDED = 0x5a };
 /* One run: its sensors are `wheelsets` long, its controller's memory `size`. */
 typedef struct {
     long long int samples;
-    double end_speed;
+    double end_speed, speed, lagged, smooth; /* the last speed [m/s], the acceleration behind one lag and two [m/s2] */
     bool asks; /* whether a controller at the desk is to answer what was seen */
     encoder *sensor;
     rig_wheelset *wheelset;
@@ -107,6 +107,7 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
     const size_t n = (size_t)s->wheelsets, pulses = (size_t)s->encoder.pulses;
     one->samples = 0;
     one->end_speed = end_speed;
+    one->speed = one->lagged = one->smooth = 0.0;
     one->asks = false;
     memcpy(one->wheelset, wheelset, n * sizeof *wheelset);
     if (error) memcpy(one->error, error, n * pulses * sizeof(double));
@@ -154,6 +155,16 @@ static void note(rig *self, long long int row, double time, const double *output
     }
 }
 
+/* Filters the acceleration since the last sample by two lags of jerk_time, and scores the jerk of the filtered one. */
+static void feel(const rig_settings *s, rig_run *one, rig_score *score, double speed) {
+    const double slope = one->samples ? (speed - one->speed) / s->period : 0.0;
+    one->lagged += (slope - one->lagged) * s->period / (s->jerk_time + s->period);
+    const double jerk = (one->lagged - one->smooth) / (s->jerk_time + s->period);
+    one->smooth += jerk * s->period;
+    one->speed = speed;
+    if (speed > s->check_above) score->jerk = fmax(score->jerk, fabs(jerk));
+}
+
 /* Adds a sample to the score of a run. */
 static void judge(rig *self, long long int row, double time, const double *outputs) {
     const rig_settings *s = &self->settings;
@@ -179,6 +190,7 @@ static void judge(rig *self, long long int row, double time, const double *outpu
         score->taken = air[0];
         score->reservoir = fmin(score->reservoir, air[1]);
     }
+    feel(s, one, score, speed);
     if (time > s->brake_start && speed > s->check_above) {
         score->checked += 1.0;
         score->band += good;

@@ -24,6 +24,7 @@ typedef struct {
     double demand;            /* pressure of the full brake [Pa], or share of the largest traction [1] */
     double longest;           /* a run ends at this time */
     double lock_above;        /* speed above which a lock is scored */
+    double jerk_time;         /* time constant of both lags on the acceleration, from whose output the jerk is taken */
     double band, check_above;  /* slip up to which a wheel is scored as protected, and speed above which this is checked */
     int reservoir, driven;    /* 1 if a vehicle outputs its reservoir, else 0; 1 if motors drive it, 0 if it has brakes */
     encoder_settings encoder;
@@ -62,6 +63,7 @@ typedef struct {
                                         * time of rotation at more than twice the speed, and 0 */
     double band, checked;      /* samples above the speed, and those of them with all slips in the band */
     double filled;            /* rises of all cylinders' pressures [Pa], or of all motors' torques [N.m] */
+    double jerk;              /* largest of the filtered acceleration of the vehicle above check_above [m/s3] */
     double taken, reservoir;  /* air from the reservoir [kg], and the lowest pressure in it [Pa]; without one 0 */
     double sliding[RIG_MOST]; /* energy of sliding between wheels and rails, by wheelset [J] */
     double commands;          /* samples with a command other than to apply, summed over the valves */

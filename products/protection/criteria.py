@@ -29,6 +29,7 @@ EXTREMES = {
     "flat": ("mm", "length of the flat after the longest skid of a locked wheel"),
     "reservoir": ("kPa", "lowest pressure in the reservoir"),
     "commands": ("1", "number of commands to hold or vent"),
+    "jerk": ("m/s3", "largest jerk of the deceleration above 3 m/s, filtered by two lags of 0.25 s"),
 }
 MEASURES = MEANS | EXTREMES
 

@@ -54,7 +54,7 @@ from products.protection import rig_in_c
 from products.protection.compiled_machine import machine_library, machine_model
 from products.protection.controller_kinds import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
-from products.protection.rails import ABOVE, BAND, LOCK_ABOVE
+from products.protection.rails import ABOVE, BAND, JERK_TIME, LOCK_ABOVE
 from products.protection.rig_in_c import BEYOND, DONE, LOST, RUNS, SCORE, TOO_LONG, Wheelset
 from products.protection.runs import SENSOR_FAILURES, Run, Stop
 from products.protection.settings import BRAKE_START, GAS, LONGEST, STANDING, Settings
@@ -335,6 +335,7 @@ class Loop:
             1.0 if rig.driven else machine.full_pressure,
             LONGEST,
             LOCK_ABOVE,
+            JERK_TIME,
             BAND,
             ABOVE,
             int(rig.by_flow),
@@ -521,6 +522,7 @@ class Loop:
             int(one["commands"]),
             message,
             row not in self.not_judged,
+            jerk=float(one["jerk"]),
         )
 
     def _failure(self, one: Any) -> str:

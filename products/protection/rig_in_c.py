@@ -33,7 +33,7 @@ class Settings(ctypes.Structure):
     _fields_ = (
         ("wheelsets", ctypes.c_int),
         *((name, ctypes.c_double) for name in ("radius", "period", "brake_start", "demand", "longest")),
-        *((name, ctypes.c_double) for name in ("lock_above", "band", "check_above")),
+        *((name, ctypes.c_double) for name in ("lock_above", "jerk_time", "band", "check_above")),
         *((name, ctypes.c_int) for name in ("reservoir", "driven")),
         ("encoder", SensorSettings),
     )
@@ -67,7 +67,7 @@ class Desk(ctypes.Structure):
 SCORE = np.dtype(
     [
         *((name, float) for name in ("distance", "speed", "time", "longest_lock", "longest_skid")),
-        *((name, float) for name in ("band", "checked", "filled", "taken", "reservoir")),
+        *((name, float) for name in ("band", "checked", "filled", "jerk", "taken", "reservoir")),
         ("sliding", float, MOST_WHEELSETS),
         *((name, float) for name in ("commands", "failed_at")),
         *((name, np.int32) for name in ("state", "answer", "valve")),

@@ -110,6 +110,8 @@ class Stop:
         False if the controller gave no answer for long and is therefore not evaluated.
     history : History or None
         The history, if recorded.
+    jerk : float
+        Largest jerk of the deceleration above 3 m/s, behind two lags of JERK_TIME of rails.py [m/s3].
     """
 
     distance: float | None
@@ -125,6 +127,7 @@ class Stop:
     message: str
     judged: bool = True
     history: History | None = field(default=None, compare=False, repr=False)
+    jerk: float = 0.0
 
     @property
     def words(self) -> str:

@@ -114,6 +114,7 @@ def extreme(measure: str, one: CaseResult) -> float:
     of: Mapping[str, float] = {
         "longest_lock": score.stop.longest_lock,
         "flat": 1e3 * score.flat,
+        "jerk": score.stop.jerk,
         "reservoir": (score.stop.lowest_reservoir or 0.0) / 1e3,
     }
     return of[measure]

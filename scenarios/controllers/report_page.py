@@ -15,7 +15,7 @@ from scenarios.controllers.report_text import NO_CLAIM
 from scenarios.web.frame import filled
 
 #: Heads of the table of all cases, and whether their columns are numbers or texts; those of `table.cells` between.
-BEFORE, AFTER = ("case", "group", "verdict"), ("commands", "source of the numbers")
+BEFORE, AFTER = ("case", "group", "verdict"), ("jerk [m/s3]", "commands", "source of the numbers")
 #: Columns of `table.cells` that a report of one controller lacks.
 WITHOUT = ("case", "controller", "longer by")
 
@@ -90,10 +90,13 @@ def cases_table(tested: Sequence[CaseResult], found: Sequence[Finding]) -> tuple
     rows = []
     for one in tested:
         cells = table.cells(one.score)
-        commands = f"{extreme('commands', one):.0f}" if one.score.stop.judged else "-"
+        known = one.score.stop.judged
+        worst = [
+            f"{extreme(name, one):{form}}" if known else "-" for name, form in (("jerk", ".2f"), ("commands", ".0f"))
+        ]
         first = one.case.name, one.case.group or "-", verdict_on(one.case.name, found)
-        rows.append((*first, *(cells[place] for place in kept), commands, one.case.source))
-    return heads((*BEFORE, *middle, *AFTER), (*middle, "commands")), grouped(rows)
+        rows.append((*first, *(cells[place] for place in kept), *worst, one.case.source))
+    return heads((*BEFORE, *middle, *AFTER), (*middle, *AFTER[:2])), grouped(rows)
 
 
 def verdict_on(case: str, found: Sequence[Finding]) -> str:

@@ -186,6 +186,7 @@ def together(stops: Sequence[Stop]) -> Stop:
         message=messages[0] if messages else "",
         judged=all(one.judged for one in stops),
         commands=round(mean("commands")),
+        jerk=max(one.jerk for one in stops),
     )
 
 

@@ -50,6 +50,7 @@ LIMITS: dict[str, tuple[str, float, Mapping[str, Any], Mapping[str, Any]]] = {
     "flat": ("most", 40.0, {"longest_skid": 56.4}, {"longest_skid": 56.6}),
     "reservoir": ("least", 150.0, {"lowest_reservoir": 150e3}, {"lowest_reservoir": 149.9e3}),
     "commands": ("most", 0.0, {"commands": 0}, {"commands": 1}),
+    "jerk": ("most", 2.0, {"jerk": 2.0}, {"jerk": 2.01}),
 }
 VENTS = """#include "wheel_slide.h"
 size_t wheel_slide_size(int wheelsets) { (void)wheelsets; return sizeof(int); }
