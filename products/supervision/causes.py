@@ -2,7 +2,7 @@
 
 Deceleration over its nominal value is the sum of all forces over the mass. The force of a vehicle is friction x
 cylinder force x efficiency x radius of its discs / radius of its wheels. Each factor is normal with mean 1 and
-independent of all others. Sums and products are convolved, without draws.
+independent of all others. Sums and products are convolved, without draws. Failures alone are summed exactly.
 """
 
 from __future__ import annotations
@@ -14,7 +14,17 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import binom
 
-from products.supervision.convolution import SHARES, Law, Numbers, add_losses, product_of, quantiles_of, sum_of
+from products.supervision.convolution import (
+    SHARES,
+    Law,
+    Numbers,
+    add_losses,
+    failures_of,
+    product_of,
+    quantiles_of,
+    quantiles_of_failures,
+    sum_of,
+)
 from products.supervision.safety import WEAKER
 from products.supervision.tolerances import Tolerances
 from readers.text import BadInputError, shown
@@ -215,19 +225,36 @@ def _factors(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, weaker:
     t, nominal = tolerances, _nominal(vehicles)
     own = (t.friction, t.cylinder_force, t.efficiency, t.spread)
     laws = {discs: product_of(own, [t.wheel_diameter] if discs else []) for discs in {one.discs for one in vehicles}}
-    forces = [(one.count, _of_vehicle(laws[one.discs], one.force / nominal, t)) for one in vehicles if one.force]
     masses, counts = np.array([one.mass for one in vehicles]), np.array([one.count for one in vehicles])
     of_train = t.mass * np.sqrt(counts @ masses**2) / (counts @ masses)
     common = product_of([t.friction_common, t.common], [of_train, t.mass_common])
+    braked = [one for one in vehicles if one.force]
+    if common.values.size == 1 and all(laws[one.discs].values.size == 1 for one in braked):
+        alone = failures_of([(one.count, _failures(one.force / nominal, t)) for one in braked])
+        if alone is not None:
+            return quantiles_of_failures(alone, weaker)
+    forces = [(one.count, _of_vehicle(laws[one.discs], one.force / nominal, t)) for one in braked]
     return quantiles_of(sum_of(forces), common, weaker)
+
+
+def _braking(t: Tolerances) -> Numbers:
+    """Return the probabilities that none, one, ... and all units of a vehicle brake."""
+    acts = 1.0 - t.isolated * (1.0 - t.noticed)
+    braking: Numbers = acts * binom.pmf(np.arange(t.units + 1), t.units, 1.0 - t.lost)
+    braking[0] += 1.0 - acts
+    return braking
+
+
+def _failures(share: float, t: Tolerances) -> Law:
+    """Return the law of the train's share that a vehicle misses by failures alone."""
+    braking = _braking(t)[::-1]
+    likely = np.flatnonzero(braking)
+    return Law(share * likely / t.units, braking[likely])
 
 
 def _of_vehicle(law: Law, share: float, t: Tolerances) -> Numbers:
     """Return the masses of the train's share that a vehicle misses."""
-    acts = 1.0 - t.isolated * (1.0 - t.noticed)
-    braking = acts * binom.pmf(np.arange(t.units + 1), t.units, 1.0 - t.lost)
-    braking[0] += 1.0 - acts
-    found = np.zeros(SHARES)
+    braking, found = _braking(t), np.zeros(SHARES)
     for number in np.flatnonzero(braking):
         add_losses(found, law, share, number / t.units, braking[number])
     return found

@@ -2,6 +2,7 @@
 
 A product is a sum of logarithms: its parts are convolved on a grid of logarithms. Forces that vehicles miss are
 convolved on a grid of shares. Rounding of the transforms is 1e-15 of a probability, a millionth of the rarest level.
+Failures alone are summed without a grid, so that a force that is reached for certain stays exact.
 """
 
 from __future__ import annotations
@@ -25,6 +26,10 @@ SHARES, STEP, STRONGEST = 2**17, 2.0**-15, 3.0
 NOISE = 1e-16
 #: Bisections of a share from 0 to 2; the last one is 1e-7 wide. Smallest share that counts.
 BISECTIONS, LEAST = 24, 1e-3
+#: Relative error of probabilities on grids and of their sums; a level is reached within it.
+ROUNDING = 1e-6
+#: Largest number of sums of losses without a grid; sums less likely than NEGLIGIBLE are treated as a train without force.
+MOST_SUMS, NEGLIGIBLE = 100_000, 1e-18
 
 
 @dataclass(frozen=True)
@@ -113,6 +118,64 @@ def sum_of(groups: Sequence[tuple[int, Numbers]]) -> Numbers:
     return irfft(total, SHARES)
 
 
+def failures_of(groups: Sequence[tuple[int, Law]]) -> Law | None:
+    """Return the law of the share that a train misses by failures alone, without a grid.
+
+    Parameters
+    ----------
+    groups : sequence of (int, Law)
+        Count of equal vehicles, and the law of the share that each misses.
+
+    Returns
+    -------
+    Law or None
+        Shares, ascending; None if there are more than MOST_SUMS.
+    """
+    total: Law | None = Law(np.zeros(1), np.ones(1))
+    for count, one in groups:
+        while count and total is not None:
+            total = _both(total, one) if count % 2 else total
+            count //= 2
+            doubled = _both(one, one) if count else one
+            if doubled is None:
+                return None
+            one = doubled
+    return total
+
+
+def _both(one: Law, other: Law) -> Law | None:
+    """Return the law of a sum of two shares; None if it has too many values."""
+    if one.values.size * other.values.size > MOST_SUMS:
+        return None
+    sums: Numbers = np.add.outer(one.values, other.values).ravel().round(12)
+    values, places = np.unique(sums, return_inverse=True)
+    masses: Numbers = np.bincount(places.ravel(), np.outer(one.masses, other.masses).ravel()).astype(np.float64)
+    likely = masses > NEGLIGIBLE
+    return Law(values[likely], masses[likely])
+
+
+def quantiles_of_failures(losses: Law, weaker: Numbers) -> Numbers:
+    """Return the shares of the nominal force that are not reached with given probabilities, by failures alone.
+
+    Parameters
+    ----------
+    losses : Law
+        Share that the train misses, ascending.
+    weaker : ndarray
+        Probabilities, shape (levels,).
+
+    Returns
+    -------
+    ndarray
+        Shares, shape (levels,); 0 if no force is more likely than that.
+    """
+    rest = max(1.0 - float(losses.masses.sum()), 0.0)
+    reached = rest + np.cumsum(losses.masses[::-1])  # probability of this loss or a larger one
+    number = np.searchsorted(reached, weaker * (1.0 + ROUNDING), side="right")
+    shares = np.append(1.0 - losses.values[::-1], 1.0)[number]
+    return np.where(shares > LEAST, shares, 0.0)
+
+
 def quantiles_of(losses: Numbers, common: Law, weaker: Numbers) -> Numbers:
     """Return the shares of the nominal force that are not reached with given probabilities.
 
@@ -142,6 +205,6 @@ def quantiles_of(losses: Numbers, common: Law, weaker: Numbers) -> Numbers:
         low, high = 0.0, 2.0
         for _ in range(BISECTIONS):
             middle = (low + high) / 2.0
-            low, high = (middle, high) if probability(middle) <= one else (low, middle)
+            low, high = (middle, high) if probability(middle) <= one * (1.0 + ROUNDING) else (low, middle)
         found.append(low if low > LEAST else 0.0)
     return np.array(found)

@@ -13,6 +13,7 @@ from itertools import product
 from math import prod
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import ndtr
 from scipy.stats import binom
@@ -155,12 +156,12 @@ def dry_factors(units: Sequence[BrakeUnits], common: float = 0.0) -> np.ndarray:
     return np.array([found.share_at(weaker) for weaker in WEAKER])
 
 
-def rounded_down(factors: np.ndarray) -> np.ndarray:
+def rounded_down(factors: ArrayLike) -> np.ndarray:
     """Return factors in the resolution of train data, on the safe side.
 
     Parameters
     ----------
-    factors : ndarray
+    factors : array_like
         Factors.
 
     Returns
@@ -168,7 +169,7 @@ def rounded_down(factors: np.ndarray) -> np.ndarray:
     ndarray
         Multiples of 0.05.
     """
-    return np.floor(factors / RESOLUTION + 1e-9) * RESOLUTION
+    return np.asarray(np.floor(np.asarray(factors, dtype=float) / RESOLUTION + 1e-9) * RESOLUTION)
 
 
 def _force_of(units: Sequence[BrakeUnits], common: float) -> _Force:

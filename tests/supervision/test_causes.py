@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.special import ndtr, ndtri
-from scipy.stats import norm
+from scipy.stats import binom, norm
 
+from products.supervision import convolution
 from products.supervision.causes import BrakedVehicles, build_up_of, causes_of, factors_of, one_failure
-from products.supervision.safety import WEAKER, BrakeUnits, dry_factors
+from products.supervision.safety import WEAKER, BrakeUnits, dry_factors, rounded_down
 from products.supervision.tolerances import ENTRIES, Tolerances
 from readers.text import BadInputError
 
@@ -41,6 +42,31 @@ def test_one_spread_and_one_failure_agree_with_the_closed_form(common: float) ->
         given = Tolerances(lost=one.failure, spread=one.spread, common=common)
         found = factors_of([BrakedVehicles(one.count, one.force)], given)
         assert found == pytest.approx(dry_factors([one], common), abs=OF_GRID)
+
+
+@pytest.mark.parametrize("given", [{}, {"isolated": 2e-3, "noticed": 1.0}, {"delay": 1e-3}])
+def test_causes_that_do_not_weaken_the_brake_leave_exactly_one(given: dict[str, float]) -> None:
+    assert factors_of(TRAIN, Tolerances(**given)).tolist() == [1.0] * 10
+
+
+def test_failures_alone_have_the_binomial_quantile_and_symmetric_spreads_the_median_one() -> None:
+    """10 vehicles: each failure takes 0.1, which rounding down must not make 0.15."""
+    vehicles = [BrakedVehicles(6, 5.0), BrakedVehicles(4, 5.0, discs=False), BrakedVehicles(3, 0.0)]
+    failed = [min(k for k in range(11) if binom.sf(k, 10, 2e-3) <= weaker) for weaker in WEAKER]
+    found = factors_of(vehicles, Tolerances(isolated=2e-3))
+    assert found == pytest.approx(1.0 - 0.1 * np.array(failed), abs=1e-12)
+    assert rounded_down(found) == pytest.approx(found)
+    halves = factors_of([BrakedVehicles(5, 1.0)], Tolerances(lost=2e-3, units=2))
+    assert halves == pytest.approx(1.0 - 0.1 * np.array(failed), abs=1e-12)
+    assert factors_of([BrakedVehicles(1, 5.0)], Tolerances(lost=1e-3))[2:4].tolist() == [1.0, 1.0]
+    assert factors_of(TRAIN, Tolerances(friction_common=0.05))[0] == 1.0
+
+
+def test_many_different_vehicles_lose_by_the_grid_what_they_lose_exactly(monkeypatch: pytest.MonkeyPatch) -> None:
+    vehicles = [BrakedVehicles(2, 10.0 + 3.7 * n) for n in range(4)]
+    exact = factors_of(vehicles, Tolerances(lost=3e-3))
+    monkeypatch.setattr(convolution, "MOST_SUMS", 10)
+    assert factors_of(vehicles, Tolerances(lost=3e-3)) == pytest.approx(exact, abs=OF_GRID)
 
 
 def _of_nodes(*spreads: float) -> tuple[np.ndarray, np.ndarray]:

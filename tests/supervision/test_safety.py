@@ -54,7 +54,7 @@ def test_factors_fall_with_confidence_and_are_rounded_to_the_safe_side() -> None
     found = dry_factors([BrakeUnits(10, 1.0, 5e-3, 0.05)], 0.02)
     assert np.all(np.diff(found) < 0.0)
     assert np.all(rounded_down(found) <= found)
-    assert rounded_down(np.array([0.85, 0.8999])) == pytest.approx([0.85, 0.85])
+    assert rounded_down([0.85, 0.8999]) == pytest.approx([0.85, 0.85])
 
 
 @pytest.mark.parametrize(
