@@ -55,10 +55,12 @@ def layout_of(
                 f"{place}: the column {shown(column.name)} must be there once; it is there twice. Remove one."
             )
         found[tidy(column.name)] = Place(at, column, unit_factor(column, unit, place))
-    for key, column in known.items():
-        if column.required and key not in found:
-            there = ", ".join(one.column.name for one in found.values()) or "none"
-            raise TableError(f"{place}: the column {column.name} is missing; there are {quoted(there, 200)}. Add it.")
+    missing = [column.name for key, column in known.items() if column.required and key not in found]
+    if missing:
+        there = ", ".join(one.column.name for one in found.values()) or "none"
+        lacks = f"column {missing[0]} is" if len(missing) == 1 else f"columns {', '.join(missing)} are"
+        add = "it" if len(missing) == 1 else "them"
+        raise TableError(f"{place}: the {lacks} missing; there are {quoted(there, 200)}. Add {add}.")
     return list(found.values())
 
 

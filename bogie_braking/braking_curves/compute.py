@@ -23,6 +23,7 @@ from products.supervision import (
     rounded_national,
     rounded_train,
     supervise,
+    without_effect,
 )
 from rbd_model.track.line import Line
 from rbd_model.track.line_files import line_from_file
@@ -56,6 +57,10 @@ class Found:
         What rounding changed, with `--rounded`.
     release_speed : float or None
         Release speed that the on-board unit calculates [m/s]; None without a supervised location behind the target.
+    without_effect : list of str
+        National values that change no limit of the train, with the reasons.
+    covered : tuple of float or None
+        Places where the rows of the line begin and end [m]; None: level.
     """
 
     data: TrainData
@@ -68,6 +73,8 @@ class Found:
     gradients: Gradients
     moves: tuple[Move, ...] = ()
     release_speed: float | None = None
+    without_effect: tuple[str, ...] = ()
+    covered: tuple[float, float] | None = None
 
 
 def compute(chosen: argparse.Namespace) -> Found:
@@ -109,7 +116,9 @@ def compute(chosen: argparse.Namespace) -> Found:
     if chosen.beyond:
         others = {name: set_up[name] for name in ("gradients", "fixed", "national", "slippery")}
         release = release_speed(data.train, chosen.beyond, place=chosen.target, **others)
-    return Found(data, country, kind, limits, curves, stops, ends, set_up["gradients"], moves, release)
+    silent = tuple(without_effect(data.train, country, chosen.slippery))
+    covered = None if line is None else (float(line.rows["distance"][0]), float(line.rows["distance"][-1]))
+    return Found(data, country, kind, limits, curves, stops, ends, set_up["gradients"], moves, release, silent, covered)
 
 
 def _check_speeds(chosen: argparse.Namespace, largest: float) -> None:

@@ -82,7 +82,7 @@ def train_data(chosen: argparse.Namespace, level: int) -> tuple[TrainData, float
             )
         largest = largest if chosen.speed is not None else float(np.asarray(most))
     found = _of_file(chosen, read, level) if consist is None and read else _of_consist(chosen, consist, largest, level)
-    if chosen.level is not None and found.factors is None and not found.dry_by_level:
+    if chosen.level is not None and found.factors is None and found.train.level is None:
         raise BadInputError(
             "--level chooses among factors of --failure, --spread, --common, --tolerances, or of train data by level; "
             "got none of them. Leave it out."
@@ -131,7 +131,8 @@ def _of_consist(chosen: argparse.Namespace, consist: Consist | None, largest: fl
     by_level = () if factors is None else tuple(Steps.constant(float(one)) for one in factors)
     if safety is not None and np.ptp(safety.build_up):
         by_level = ()  # T_brake_emergency belongs to the level in use
-    return TrainData(with_factors(train, dry, chosen.wet), consist, runs, factors, safety, by_level)
+    train = replace(with_factors(train, dry, chosen.wet), level=None if factors is None else level)
+    return TrainData(train, consist, runs, factors, safety, by_level)
 
 
 def _safety(chosen: argparse.Namespace, consist: Consist, largest: float, build_up: float, level: int) -> Safety | None:

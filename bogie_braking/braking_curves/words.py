@@ -10,6 +10,7 @@ import numpy as np
 from bogie_braking.braking_curves.compute import Found
 from bogie_braking.braking_curves.safety import document_of, lines_of
 from products.supervision import Steps
+from scenarios.reporting.supervision_picture import message_of_stops
 
 #: Limits in the order in which they are met.
 LIMITS = ("I", "P", "W", "SBI", "EBI", "EBD")
@@ -30,17 +31,22 @@ def document(chosen: argparse.Namespace, found: Found) -> dict[str, Any]:
             "T_brake_emergency_s": float(train.T_brake_emergency),
             "T_brake_service_s": float(train.T_brake_service),
             "brake_percentage": None if data.consist is None else data.consist.percentage,
-            "Kdry_rst": None if data.factors is None else data.factors.tolist(),
+            "Kdry_rst": _levels_of(found),
+            "Kdry_rst_in_use": None if train.position is not None else _steps(train.Kdry_rst, "values"),
+            "Kwet_rst_in_use": None if train.position is not None else _steps(train.Kwet_rst, "values"),
+            "level": train.level,
         },
         "safety": None if data.safety is None else document_of(data.safety),
         "target": {"kind": found.kind, "place_m": chosen.target, "speed_kmh": chosen.target_speed},
         "baseline": chosen.baseline,
         "M_NVEBCL": found.country.M_NVEBCL,
+        "without_effect": list(found.without_effect),
         "rounding": {move.name: {"most": move.most, "unit": move.unit} for move in found.moves},
         "V_est_kmh": (3.6 * few.V_est).tolist(),
         "limits_m": {name: getattr(few, name).tolist() for name in limits_of(found)},
         "own_stops_m": [stop.ends for stop in found.stops],
         "ends_m": found.ends,
+        "line_m": None if found.covered is None else list(found.covered),
         "release_speed_kmh": None if found.release_speed is None else round(3.6 * found.release_speed),
     }
 
@@ -56,6 +62,7 @@ def text(chosen: argparse.Namespace, found: Found) -> list[str]:
     names = [*LIMITS, *(["GUI"] if few.GUI is not None else []), *(["own stop"] if found.stops else [])]
     lines = [
         *_lines_of_train(chosen, found),
+        *lines_of_target(chosen, found),
         "",
         f"Distance before {name_of_end(chosen, found)}, {found.ends:g} m [m]",
         "V_est [km/h]" + "".join(f"{name:>10}" for name in names),
@@ -63,6 +70,9 @@ def text(chosen: argparse.Namespace, found: Found) -> list[str]:
     for n, speed in enumerate(few.V_est):
         places = [found.stops[n].ends if name == "own stop" else float(getattr(few, name)[n]) for name in names]
         lines.append(f"{3.6 * speed:12.1f}" + "".join(f"{found.ends - place:10.1f}" for place in places))
+    if found.stops:
+        stops = [(stop.places, stop.speeds) for stop in found.stops]
+        lines += ["", f"{message_of_stops(found.ends, stops)}."]
     if found.release_speed is not None:
         lines += ["", f"Release speed {3.6 * found.release_speed:.0f} km/h"]
     return lines
@@ -79,9 +89,7 @@ def _lines_of_train(chosen: argparse.Namespace, found: Found) -> list[str]:
     ]
     if runs is not None:
         lines.append(f"Steps add {100 * runs.emergency.loss:.1f} % to the braking distance of the run.")
-    if data.factors is not None:
-        each = " ".join(f"{factor:.2f}" for factor in data.factors)
-        lines.append(f"Kdry_rst of levels 0 to 9, rounded down: {each}; in use: level {found.country.M_NVEBCL}")
+    lines += _lines_of_factors(found)
     if data.safety is not None:
         lines += lines_of(data.safety)
         if not data.dry_by_level:
@@ -89,6 +97,55 @@ def _lines_of_train(chosen: argparse.Namespace, found: Found) -> list[str]:
     if found.moves:
         moved = ", ".join(f"{move.name} by {move.most:.2g} {move.unit}".replace(" 1,", ",") for move in found.moves)
         lines.append(f"Rounded to the safe side, at most: {moved.removesuffix(' 1')}")
+    return lines
+
+
+def _levels_of(found: Found) -> list[float] | None:
+    """Return Kdry_rst of the levels 0 to 9, if they are known and the same at each speed."""
+    data = found.data
+    if data.factors is not None:
+        levels: list[float] = data.factors.tolist()
+        return levels
+    if not data.dry_by_level or any(np.ptp(one.values) for one in data.dry_by_level):
+        return None
+    return [float(one.values[0]) for one in data.dry_by_level]
+
+
+def _lines_of_factors(found: Found) -> list[str]:
+    """Return the factors of all levels and those in use; none for a brake percentage, or if all are 1."""
+    train, levels, lines = found.data.train, _levels_of(found), []
+    if train.position is not None:
+        return []
+    if levels is not None:
+        kind = ", rounded down" if found.data.factors is not None else ""
+        each = " ".join(f"{factor:.2f}" for factor in levels)
+        lines.append(f"Kdry_rst of levels 0 to 9{kind}: {each}; in use: level {train.level}")
+    if levels is None and (train.level is not None or np.any(train.Kdry_rst.values != 1.0)):
+        of = "" if train.level is None else f" of level {train.level}"
+        lines.append(f"Kdry_rst in use{of}: {steps_words(train.Kdry_rst)}")
+    if np.any(train.Kwet_rst.values != 1.0):
+        lines.append(f"Kwet_rst in use: {steps_words(train.Kwet_rst)}")
+    return lines
+
+
+def lines_of_target(chosen: argparse.Namespace, found: Found) -> list[str]:
+    """Return what the target, the line and the country leave out."""
+    lines = []
+    if found.kind != "EOA":
+        kind = {"LOA": "a limit of authority", "MRSP": "a lower permitted speed"}[found.kind]
+        lines.append(
+            f"The target is {kind} of {chosen.target_speed:g} km/h ({found.kind}); own stops need an end of authority."
+        )
+    if found.without_effect:
+        lines.append(f"Without effect on this train: {', '.join(found.without_effect)}.")
+    if found.covered is not None:
+        first, last = found.covered
+        begin = float(np.min(found.many.I))
+        if first > begin or last < found.ends:
+            lines.append(
+                f"The line has rows from {first:g} to {last:g} m; the limits need it from {begin:.0f} to "
+                f"{found.ends:g} m. Its first and last gradients hold before and behind it."
+            )
     return lines
 
 
@@ -132,8 +189,8 @@ def steps_words(steps: Steps, unit: str = "km/h", scale: float = 3.6) -> str:
     return ", ".join(parts)
 
 
-def _steps(steps: Steps) -> dict[str, list[float]]:
+def _steps(steps: Steps, name: str = "m_s2") -> dict[str, list[float]]:
     return {
         "boundaries_kmh": [round(3.6 * one, 3) for one in steps.boundaries.tolist()],
-        "m_s2": [round(one, 4) for one in steps.values.tolist()],
+        name: [round(one, 4) for one in steps.values.tolist()],
     }

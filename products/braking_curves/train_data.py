@@ -40,10 +40,11 @@ def fmu_parameters(
     Raises
     ------
     BadInputError
-        If the FMU has no parameter for a value.
+        If the FMU has no parameter for a value, or Kdry_rst is that of another confidence level.
     """
     national, fixed = national or NationalValues(), fixed or FixedValues()
     _check(train, national, fixed)
+    train.check_level(national.M_NVEBCL)
     found = _numbers(train, national) | {"baseline": float(_BASELINES[fixed.T_indication_more])}
     for name, one in _steps(train, national).items():
         found |= _filled(name, one)
@@ -53,7 +54,6 @@ def fmu_parameters(
 def _numbers(train: SupervisedTrain, national: NationalValues) -> dict[str, float | list[float]]:
     """Return all parameters but the steps and the baseline."""
     emergency_time, service_time = (float(time) for time in train.build_up_times(national, 0.0))
-    passenger = not train.freight if train.position is None else train.position.startswith("passenger")
     return {
         "length": _one("length", train.length),
         "T_brake_emergency": emergency_time,
@@ -65,7 +65,7 @@ def _numbers(train: SupervisedTrain, national: NationalValues) -> dict[str, floa
         "M_rotating_nom": -1.0 if train.rotating is None else _one("rotating", train.rotating),
         "M_NVAVADH": national.M_NVAVADH,
         "Q_NVINHSMICPERM": float(national.exact_speed),
-        "A_NVMAXREDADH": national.reduced_adhesion[(0 if train.without_adhesion else 1) if passenger else 2],
+        "A_NVMAXREDADH": national.reduced_adhesion[train.adhesion_number],
     }
 
 

@@ -27,12 +27,12 @@ CURVES = {
 WARNED = 2.0
 
 
-def read_osrd_train(path: Path) -> SupervisedTrain:
+def read_osrd_train(path: str | Path) -> SupervisedTrain:
     """Return the ETCS train data of an OSRD rolling stock.
 
     Parameters
     ----------
-    path : Path
+    path : str or Path
         A rolling stock (JSON) with `etcs_brake_params`.
 
     Returns
@@ -46,7 +46,7 @@ def read_osrd_train(path: Path) -> SupervisedTrain:
     FileError
         If the file has no ETCS brake, or its numbers are outside their limits.
     """
-    found = osrd_train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))
+    found = osrd_train_of(document(text_of(Path(path), LARGEST).encode(), str(path)), str(path))
     if found is None:
         raise FileError(f"{path} must be an OSRD rolling stock with {BEFORE}; got none.")
     return found

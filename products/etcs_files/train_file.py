@@ -13,6 +13,7 @@ from fmu_src.suggestion import suggestion
 from products.supervision.conversion import BRAKE_POSITIONS
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain
+from products.supervision.values import checked_level
 from readers.documents import LARGEST, document, document_text, is_number
 from readers.storage import write_whole
 from readers.text import BadInputError, FileError, shown, text_of
@@ -28,6 +29,7 @@ NUMBERS = {
     "T_brake_service": ("T_brake_service", "s"),
     "T_traction_cut_off": ("T_traction_cut_off", "s"),
     "M_rotating_nom": ("rotating", "%"),
+    "M_NVEBCL": ("level", "1"),
 }
 #: Step functions of speed, with the unit of their values.
 STEPS = {
@@ -49,7 +51,7 @@ SWITCHES = {
 PERCENTAGE, POSITION = "M_BRAKE_PERCENTAGE", "M_BRAKE_POSITION"
 #: Names that a train by decelerations must have, and names that exclude a brake percentage.
 NEEDED = ("A_brake_emergency", "A_brake_service", "T_brake_emergency", "T_brake_service")
-OF_DECELERATIONS = (*NEEDED, "Kdry_rst", "Kwet_rst")
+OF_DECELERATIONS = (*NEEDED, "Kdry_rst", "Kwet_rst", "M_NVEBCL")
 NAMES = ("format", "version", "name", POSITION, PERCENTAGE, *NUMBERS, *STEPS, *SWITCHES)
 
 
@@ -60,7 +62,7 @@ class EtcsTrain:
     Parameters
     ----------
     train : SupervisedTrain
-        The train.
+        The train, with Kdry_rst of level 9 if the file states it by level.
     dry_by_level : tuple of Steps
         Kdry_rst of the confidence levels 0 to 9; empty if the file states one Kdry_rst.
     name : str
@@ -72,8 +74,28 @@ class EtcsTrain:
     name: str = ""
 
     def at_level(self, level: int) -> SupervisedTrain:
-        """Return the train with Kdry_rst of a confidence level (M_NVEBCL), if the file states them by level."""
-        return replace(self.train, Kdry_rst=self.dry_by_level[level]) if self.dry_by_level else self.train
+        """Return the train at a confidence level (M_NVEBCL).
+
+        Parameters
+        ----------
+        level : int
+            The level, 0 to 9.
+
+        Returns
+        -------
+        SupervisedTrain
+            With Kdry_rst of the level, if the file states it by level.
+
+        Raises
+        ------
+        BadInputError
+            If the file states one Kdry_rst, of another level.
+        """
+        number = checked_level("The confidence level", level)
+        if self.dry_by_level:
+            return replace(self.train, Kdry_rst=self.dry_by_level[number], level=number)
+        self.train.check_level(number)
+        return self.train
 
 
 def train_document(train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), name: str = "") -> dict[str, Any]:
@@ -117,15 +139,16 @@ def train_document(train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), n
             found[name_] = _steps(steps, unit)
     if dry_by_level:
         found["Kdry_rst"] = [_steps(one, "1") for one in dry_by_level]
+        found.pop("M_NVEBCL", None)
     return found | {name_: getattr(train, attribute) for name_, attribute in SWITCHES.items()}
 
 
-def write_train(path: Path, train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), name: str = "") -> None:
+def write_train(path: str | Path, train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), name: str = "") -> None:
     """Write train data as JSON; `read_train` gives the same train.
 
     Parameters
     ----------
-    path : Path
+    path : str or Path
         The file.
     train, dry_by_level, name
         See `train_document`.
@@ -137,18 +160,19 @@ def write_train(path: Path, train: SupervisedTrain, dry_by_level: Sequence[Steps
     StorageError
         If the file cannot be written.
     """
-    write_whole(path, document_text(train_document(train, dry_by_level, name)).encode())
+    write_whole(Path(path), document_text(train_document(train, dry_by_level, name)).encode())
 
 
-def read_train(path: Path) -> EtcsTrain:
+def read_train(path: str | Path) -> EtcsTrain:
     """Return the train in a file of train data.
 
     Parameters
     ----------
-    path : Path
+    path : str or Path
         A JSON file of `write_train`, or written by hand: each number is `{"value": 2.4, "unit": "s"}`, a step function
         `{"boundaries": {"value": [100, 160], "unit": "km/h"}, "values": {"value": [1.1, 1.0, 0.9], "unit": "m/s2"}}`.
-        Kdry_rst is one step function, or a list of ten for the confidence levels 0 to 9.
+        Kdry_rst is one step function, or a list of ten for the confidence levels 0 to 9. M_NVEBCL is the level of the
+        one, if it is known.
 
     Returns
     -------
@@ -160,7 +184,7 @@ def read_train(path: Path) -> EtcsTrain:
     FileError
         If the file is no such document, a name is unknown, or a number is missing or outside its limits.
     """
-    return train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))
+    return train_of(document(text_of(Path(path), LARGEST).encode(), str(path)), str(path))
 
 
 def train_of(read: Any, source: str) -> EtcsTrain:
@@ -182,7 +206,9 @@ def train_of(read: Any, source: str) -> EtcsTrain:
             raise FileError(f"{source}: {name} must be true or false; got {shown(read[name])}.")
         found[of] = read.get(name, False)
     if dry_by_level:
-        found["Kdry_rst"] = dry_by_level[-1]
+        if "level" in found:
+            raise FileError(f"{source}: M_NVEBCL must be left out beside Kdry_rst of all levels; got both.")
+        found |= {"Kdry_rst": dry_by_level[-1], "level": LEVELS - 1}
     try:
         train = _made(read, found, source)
     except BadInputError as error:

@@ -16,6 +16,7 @@ from products.supervision.causes import (
 )
 from products.supervision.conversion import BRAKE_POSITIONS, brake_of_percentage
 from products.supervision.curves import Curves, supervise
+from products.supervision.effects import without_effect
 from products.supervision.gradients import Gradients
 from products.supervision.packets import Move, RoundedNational, RoundedTrain, rounded_national, rounded_train
 from products.supervision.release import release_speed
@@ -55,4 +56,5 @@ __all__ = [
     "rounded_national",
     "rounded_train",
     "supervise",
+    "without_effect",
 ]

@@ -9,7 +9,7 @@ import numpy as np
 
 from products.supervision.conversion import FASTEST, KMH, MOVING_TARGET, brake_of_percentage
 from products.supervision.steps import Steps
-from products.supervision.values import NationalValues, check_factors
+from products.supervision.values import NationalValues, check_factors, checked_level
 from readers.text import BadInputError, shown
 
 #: Largest number of steps of a deceleration in train data, SUBSET-026, 3.13.2.2.3.1.2.
@@ -70,6 +70,9 @@ class SupervisedTrain:
         all steps count.
     percentage : float or ndarray or None
         Brake percentage [%] from which `of_percentage` computed the rest; None: by decelerations.
+    level : int or None
+        Confidence level (M_NVEBCL) to which Kdry_rst and T_brake_emergency belong, 0 to 9: a country with another one
+        is refused. None: not stated, they hold for each country.
 
     Raises
     ------
@@ -97,6 +100,7 @@ class SupervisedTrain:
     freight: bool = False
     maximum_speed: float | np.ndarray | None = None
     percentage: float | np.ndarray | None = None
+    level: int | None = None
 
     def __post_init__(self) -> None:
         for name, (least, most, unit) in LIMITS.items():
@@ -105,6 +109,8 @@ class SupervisedTrain:
                 raise BadInputError(f"{name} must be {least:g} to {most:g} {unit}; got {shown(value)}. Correct it.")
         for name, (least, most, remedy) in FACTORS.items():
             check_factors(name, getattr(self, name).values, least, most, remedy)
+        if self.level is not None:
+            object.__setattr__(self, "level", checked_level("level", self.level))
         if self.service_feedback and not self.service_command:
             raise BadInputError("service_feedback must be False without service_command: there is no brake to measure.")
         for name in ("A_brake_emergency", "A_brake_service", "A_brake_normal_service"):
@@ -169,6 +175,35 @@ class SupervisedTrain:
         data = (length, brake.emergency, brake.service, brake.emergency_time, brake.service_time)
         return cls(*data, position=position, maximum_speed=maximum_speed, percentage=percentage, **others)
 
+    @property
+    def is_passenger(self) -> bool:
+        """Return whether this is a passenger train."""
+        return not self.freight if self.position is None else self.position.startswith("passenger")
+
+    @property
+    def adhesion_number(self) -> int:
+        """Return the place of the train's limit among those of reduced adhesion, A_NVMAXREDADH1 to 3, from 0."""
+        return (0 if self.without_adhesion else 1) if self.is_passenger else 2
+
+    def check_level(self, level: int) -> None:
+        """Refuse a confidence level for which the train does not state its brake.
+
+        Parameters
+        ----------
+        level : int
+            M_NVEBCL of the country.
+
+        Raises
+        ------
+        BadInputError
+            If the train has another level. A train by its percentage has none.
+        """
+        if self.position is None and self.level not in (None, level):
+            raise BadInputError(
+                f"The train has Kdry_rst of confidence level {self.level} alone; got M_NVEBCL {level}. Give train data "
+                f"of level {level} (at_level of read_train), or M_NVEBCL {self.level} (--level {self.level})."
+            )
+
     def safe_brake(self, national: NationalValues, slippery: bool = False) -> Steps:
         """Return A_brake_safe, the deceleration that the emergency brake reaches for certain, 3.13.6.2.
 
@@ -183,7 +218,13 @@ class SupervisedTrain:
         -------
         Steps
             Deceleration on level track [m/s2].
+
+        Raises
+        ------
+        BadInputError
+            See `check_level`.
         """
+        self.check_level(national.M_NVEBCL)
         if self.position is None:
             share = national.M_NVAVADH
             wet = self.Kwet_rst.with_others(lambda wet: wet + share * (1.0 - wet))
@@ -194,8 +235,7 @@ class SupervisedTrain:
             safe = self.A_brake_emergency.with_others(lambda brake, factor: brake * factor * by_length, by_speed)
         if not slippery:
             return safe
-        passenger = not self.freight if self.position is None else self.position.startswith("passenger")
-        most = national.reduced_adhesion[(0 if self.without_adhesion else 1) if passenger else 2]
+        most = national.reduced_adhesion[self.adhesion_number]
         return safe.with_others(lambda brake: np.minimum(brake, most))
 
     def speed_factor(self, national: NationalValues) -> Steps:
@@ -212,7 +252,7 @@ class SupervisedTrain:
             Factor of the emergency brake by speed.
         """
         low, high = national.Kv_int, national.Kv_int_b
-        if high is None or not str(self.position).startswith("passenger"):
+        if high is None or not self.is_passenger:
             return low
         brake = self.A_brake_emergency
         begins = np.concatenate([np.zeros_like(brake.values[..., :1]), brake.boundaries], axis=-1)

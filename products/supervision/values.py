@@ -122,10 +122,29 @@ class NationalValues:
             known["Kv_int_b"] = self.Kv_int_b.values
         for name, value in known.items():
             check_factors(name, value, 0.0, RANGES[name], "Correct it.")
-        if self.M_NVEBCL not in range(10):
-            raise BadInputError(f"M_NVEBCL must be an integer from 0 to 9; got {shown(self.M_NVEBCL)}. Correct it.")
+        checked_level("M_NVEBCL", self.M_NVEBCL)
         if self.A_NVP12 > self.A_NVP23:
             raise BadInputError(f"A_NVP12 must be at most A_NVP23, {self.A_NVP23:g} m/s2; got {self.A_NVP12:g} m/s2.")
+
+
+def checked_level(name: str, value: object) -> int:
+    """Return a confidence level.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    value : object
+        An integer from 0 to 9.
+
+    Raises
+    ------
+    BadInputError
+        If it is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or value not in range(10):
+        raise BadInputError(f"{name} must be an integer from 0 to 9; got {shown(value)}. Correct it.")
+    return int(value)
 
 
 def check_factors(name: str, values: ArrayLike, least: float, most: float, remedy: str) -> None:

@@ -61,11 +61,12 @@ def figure_of_supervision(
 
 
 def message_of_stops(ends: float, stops: Sequence[tuple[np.ndarray, np.ndarray]]) -> str:
-    """Return the message of the figure."""
+    """Return the message of the figure, and of the command."""
     if not stops:
         return "Limits that ETCS supervises before the target"
     before = [ends - float(places[-1]) for places, _ in stops]
-    late = sum(one < 0.0 for one in before)
+    late = [one for one in before if one < 0.0]
     if late:
-        return f"{late} of {len(stops)} own stops from EBI end beyond the target"
+        most = "some without end" if np.isinf(min(late)) else f"{-min(late):.1f} m at most"
+        return f"{len(late)} of {len(stops)} own stops pass the target, {most}"
     return f"Own stops from EBI end at least {min(before):.1f} m before the target"

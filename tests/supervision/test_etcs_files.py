@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from bogie_braking import etcs
-from readers.text import FileError
+from readers.text import BadInputError, FileError
 from tests.supervision.random_trains import one_of, trains
 
 SPEEDS = np.linspace(1.0, 45.0, 12)
@@ -40,8 +40,9 @@ def train_of_all() -> etcs.SupervisedTrain:
     )
 
 
-def limits(train: etcs.SupervisedTrain) -> np.ndarray:
-    found = etcs.supervise(train, 2000.0, SPEEDS, national=NATIONAL, A_est=0.5)
+def limits(train: etcs.SupervisedTrain, level: int = 9) -> np.ndarray:
+    national = replace(NATIONAL, M_NVEBCL=level)
+    found = etcs.supervise(train, 2000.0, SPEEDS, national=national, A_est=0.5)
     return np.array([getattr(found, name) for name in ("EBD", "EBI", "SBI1", "SBI2", "P", "I")])
 
 
@@ -53,7 +54,7 @@ def test_a_written_train_is_read_back_bit_for_bit(tmp_path: Path) -> None:
         found = etcs.read_train(path)
         assert etcs.train_document(found.train, found.dry_by_level, found.name) == json.loads(path.read_text())
         expected = replace(train, Kdry_rst=by_level[3]) if by_level else train
-        assert np.array_equal(limits(found.at_level(3)), limits(expected))
+        assert np.array_equal(limits(found.at_level(3), 3), limits(expected))
     numbers = json.loads(path.read_text())
     assert numbers["L_TRAIN"] == {"value": 611.7, "unit": "m"}
     assert numbers["M_BRAKE_PERCENTAGE"] == {"value": 97.3, "unit": "%"}
@@ -69,6 +70,27 @@ def test_a_train_goes_to_osrd_and_back_in_both_places_of_its_versions(tmp_path: 
         for read in (stock, newer):
             path.write_text(json.dumps(read))
             assert limits(etcs.read_osrd_train(path)) == pytest.approx(limits(one), abs=1e-9)
+
+
+def test_a_factor_of_one_confidence_level_is_refused_at_another(tmp_path: Path) -> None:
+    path, six = tmp_path / "train.json", replace(train_of_all(), level=6)
+    etcs.write_train(path, six)
+    found = etcs.read_train(path)
+    assert np.array_equal(limits(found.train, 6), limits(six, 6))
+    by_level = etcs.EtcsTrain(six, tuple(etcs.Steps.constant(1.0 - 0.05 * n) for n in range(10)))
+    for refused in (
+        lambda: limits(found.train, 7),
+        lambda: found.at_level(7),
+        lambda: limits(by_level.at_level(9), 0),
+        lambda: etcs.fmu_parameters(six),
+    ):
+        with pytest.raises(BadInputError, match=r"Kdry_rst of confidence level [69] alone; got M_NVEBCL"):
+            refused()
+    with pytest.raises(BadInputError, match="level must be an integer from 0 to 9; got 10"):
+        by_level.at_level(10)
+    etcs.write_train(path, six, by_level.dry_by_level)
+    with pytest.raises(BadInputError, match="Kdry_rst of confidence level 9 alone; got M_NVEBCL 0"):
+        limits(etcs.read_train(path).train, 0)
 
 
 def changed(document: dict[str, Any], place: list[str], value: Any) -> dict[str, Any]:
@@ -92,6 +114,7 @@ def changed(document: dict[str, Any], place: list[str], value: Any) -> dict[str,
         (["M_BRAKE_PERCENTAGE"], {"value": 90, "unit": "%"}, "M_BRAKE_PERCENTAGE stands for A_brake_emergency"),
         (["M_BRAKE_POSITION"], "R", "M_BRAKE_POSITION must be one of passenger P"),
         (["Q_SERVICEBRAKEINTERFACE"], 1, "must be true or false; got 1"),
+        (["M_NVEBCL"], {"value": 6.5, "unit": "1"}, "level must be an integer from 0 to 9; got 6.5"),
         (["version"], 2, '"version": 1'),
     ],
 )

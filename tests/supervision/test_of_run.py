@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 from dataclasses import replace
@@ -15,7 +16,8 @@ from plotly.offline import get_plotlyjs
 from bogie_braking.__main__ import main
 from bogie_braking.braking_curves.compute import Found, compute
 from bogie_braking.braking_curves.options import add_all
-from bogie_braking.supervised import own_stops, supervised_train
+from bogie_braking.braking_curves.words import document, text
+from bogie_braking.supervised import OwnStop, own_stops, supervised_train
 from products.braking_curves.gradients_of_line import gradients_of
 from products.etcs_files.train_file import write_train
 from products.supervision import (
@@ -112,12 +114,14 @@ def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: 
     assert Path(found["picture"]).is_file()
     assert Path(found["table"]).read_text().count("\n") == 161
     page = tmp_path / "page.html"
-    assert main(["etcs", found["train_data"], *words[2:], "--json", "--page", str(page)]) == 0
+    read = ["etcs", found["train_data"], *words[2:]]
+    assert main([*read, "--quiet"]) == 2
+    assert "Kdry_rst of confidence level 5 alone; got M_NVEBCL 9" in capsys.readouterr().err
+    assert main([*read, "--level", "5", "--json", "--page", str(page)]) == 0
     again = json.loads(capsys.readouterr().out)
     assert again["limits_m"] == found["limits_m"]
     assert again["own_stops_m"] == []
-    text = page.read_text(encoding="utf-8")
-    own = text.replace(get_plotlyjs(), "")
+    own = page.read_text(encoding="utf-8").replace(get_plotlyjs(), "")
     assert "src=" not in own
     assert "http" not in own.split("</head>")[1]
     for part in ("Distance before the target", "A_brake_emergency", "Kdry_rst in use", "M_NVEBCL", '"name":"EBD"'):
@@ -126,9 +130,42 @@ def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: 
 
 def computed(*words: str) -> Found:
     """Return what the command computes."""
+    chosen = parsed(*words)
+    return compute(chosen)
+
+
+def parsed(*words: str) -> argparse.Namespace:
     parser = CommandLine()
     add_all(parser)
-    return compute(parser.parse_args(list(words)))
+    return parser.parse_args(list(words))
+
+
+def test_the_text_states_what_the_numbers_leave_out(tmp_path: Path) -> None:
+    """Factors in use, values without effect, a line that begins too late, and own stops that fail or are left out."""
+    path, country, line = tmp_path / "train.json", tmp_path / "country.toml", tmp_path / "line.csv"
+    levels = [Steps.constant(1.0 - 0.05 * n) for n in range(10)]
+    one = Steps.constant(1.0)
+    write_train(path, SupervisedTrain(203.4, one, one, 2.4, 2.4, Kwet_rst=Steps.constant(0.9)), levels)
+    country.write_text("M_NVEBCL = 6\nM_NVAVADH = 0.2\nM_NVKTINT = 1.2\nQ_NVGUIPERM = true\n")
+    line.write_text("distance,curvature,cant,gradient\n1500,0,0,0\n8000,0,0,0\n")
+    words = (str(path), "--target", "2000", "--national", str(country), "--line", str(line), "--target-speed", "40")
+    chosen = parsed(*words)
+    found = compute(chosen)
+    lines = text(chosen, found)
+    assert any(re.search("Kdry_rst of levels 0 to 9: 1.00 .* 0.55; in use: level 6", one) for one in lines)
+    assert "Kwet_rst in use: 0.900" in lines
+    silent = "M_NVKTINT (it corrects brake percentages), Q_NVGUIPERM (no A_brake_normal_service)"
+    assert f"Without effect on this train: {silent}." in lines
+    assert any(one.startswith("The line has rows from 1500 to 8000 m; the limits need it from ") for one in lines)
+    assert any("limit of authority of 40 km/h (LOA); own stops need an end of authority" in one for one in lines)
+    assert document(chosen, found)["train"]["Kdry_rst_in_use"]["values"] == [0.7]
+    line.write_text("distance,curvature,cant,gradient\n0,0,0,0\n8000,0,0,0\n")
+    assert not any(one.startswith("The line has rows") for one in text(chosen, compute(chosen)))
+    line.write_text("distance,gradient\n0,0\n8000,0\n")
+    with pytest.raises(BadInputError, match="the columns curvature, cant are missing"):
+        compute(chosen)
+    late = replace(found, stops=[OwnStop(np.array([1500.0, 2039.0]), np.array([30.0, 0.0]))] * 8)
+    assert "8 of 8 own stops pass the target, 39.0 m at most." in text(chosen, late)
 
 
 def test_each_option_has_its_effect(tmp_path: Path) -> None:

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from products.supervision import FixedValues, Gradients, NationalValues, Steps, SupervisedTrain, supervise
+from products.supervision import (
+    FixedValues,
+    Gradients,
+    NationalValues,
+    Steps,
+    SupervisedTrain,
+    supervise,
+    without_effect,
+)
 from products.supervision.conversion import BRAKE_POSITIONS
 from tests.supervision.by_the_text import Case
 
@@ -83,6 +93,38 @@ def case(rng: np.random.Generator) -> Case:
         bool(rng.random() < 0.3),
         float(rng.choice([0.0, 20e3, 45e3, 70e3])),
     )
+
+
+def test_values_without_effect_are_those_that_change_no_limit() -> None:
+    """Each value of a country alone, on trains of all kinds; the values that change a limit are never among them."""
+    rng, speeds, seen = np.random.default_rng(61), np.linspace(1.0, 50.0, 9), set()
+    changes = {
+        "M_NVAVADH": {"M_NVAVADH": 0.5},
+        "M_NVKVINT": {"Kv_int": Steps.constant(0.6)},
+        "M_NVKVINT_b": {"Kv_int_b": Steps.constant(0.95), "A_NVP23": 0.1},
+        "M_NVKRINT": {"Kr_int": Steps.constant(0.7)},
+        "M_NVKTINT": {"Kt_int": 1.3},
+        "A_NVMAXREDADH1": {"reduced_adhesion": (0.2, 0.7, 0.7)},
+        "A_NVMAXREDADH2": {"reduced_adhesion": (1.0, 0.2, 0.7)},
+        "A_NVMAXREDADH3": {"reduced_adhesion": (1.0, 0.7, 0.2)},
+        "Q_NVGUIPERM": {"guidance": True},
+        "Q_NVSBFBPERM": {"feedback": True},
+    }
+    for _ in range(40):
+        own = replace(train(rng), Kwet_rst=Steps.constant(float(rng.choice([1.0, 0.8]))))
+        own = replace(own, A_brake_normal_service=None) if rng.random() < 0.3 else own
+        slippery = bool(rng.random() < 0.5)
+        set_up = {"pipe_fall": 45e3, "slippery": slippery}
+        before = supervise(own, 0.0, speeds, **set_up)  # type: ignore[arg-type]
+        for name, change in changes.items():
+            country = NationalValues(**change)  # type: ignore[arg-type]
+            after = supervise(own, 0.0, speeds, national=country, **set_up)  # type: ignore[arg-type]
+            same = all(np.array_equal(getattr(before, one), getattr(after, one)) for one in ("EBI", "P", "I"))
+            silent = any(one.startswith(f"{name} ") for one in without_effect(own, country, slippery))
+            assert same or not silent, name
+            seen.add((name, same, silent))
+    for name in changes:
+        assert {(name, False, False), (name, True, True)} <= seen
 
 
 def test_every_limit_is_that_of_the_text() -> None:
