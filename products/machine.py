@@ -7,7 +7,7 @@ only the equations of the present equipment.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -58,13 +58,26 @@ def in_order(equipment: Iterable[str]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
+class OwnNumbers:
+    """Numbers of a vehicle file that replace those of a built-in vehicle.
+
+    title: name of the vehicle. parameters: masses, sizes, springs. resistance: running resistance by the names of its
+    parameters [SI].
+    """
+
+    title: str
+    parameters: BogieParameters
+    resistance: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True)
 class Machine:
     """A vehicle with a brake on each wheelset and additional equipment.
 
     name: one of VEHICLES. full_pressure [Pa], full_torque [N.m]: of the full brake of one wheelset. supply_pressure
     [Pa]: largest output of its regulator. by_flow: cylinders fill by flow of air from a reservoir, through magnet
-    valves with switching times; else by application and release time. equipment: some of EQUIPMENT. Raises ValueError
-    if equipment is unknown, or if it requires cylinders by flow of air.
+    valves with switching times; else by application and release time. equipment: some of EQUIPMENT. own: numbers of a
+    vehicle file. Raises ValueError if equipment is unknown, or if it requires cylinders by flow of air.
     """
 
     name: str
@@ -73,6 +86,7 @@ class Machine:
     supply_pressure: float
     by_flow: bool = False
     equipment: tuple[str, ...] = ()
+    own: OwnNumbers | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "equipment", in_order(self.equipment))
@@ -84,7 +98,18 @@ class Machine:
     @cached_property
     def vehicle(self) -> Vehicle:
         """The vehicle as data."""
-        return VEHICLES[self.name]()
+        found = VEHICLES[self.name]()
+        return replace(found, parameters=self.own.parameters) if self.own else found
+
+    @property
+    def built_in(self) -> Machine:
+        """The built-in vehicle with the same equations, which are compiled once for all vehicle files."""
+        return replace(MACHINES[self.name](), by_flow=self.by_flow, equipment=self.equipment)
+
+    @property
+    def title(self) -> str:
+        """Name of the vehicle in tables."""
+        return self.own.title if self.own else self.name
 
     @cached_property
     def numbers(self) -> tuple[int, ...]:
@@ -120,9 +145,12 @@ class Machine:
 
         load: additional mass [kg].
         """
-        p, count = self.parameters, len(self.numbers)
-        rolling = self.mass + load + count * p.wheelset_pitch_inertia / p.wheel_radius**2
-        return count * torque / p.wheel_radius / rolling
+        return len(self.numbers) * torque / self.parameters.wheel_radius / self.turning_mass(load)
+
+    def turning_mass(self, load: float = 0.0) -> float:
+        """Return the mass with that of the rotation of rolling wheelsets, and an additional load [kg]."""
+        p = self.parameters
+        return self.mass + load + len(self.numbers) * p.wheelset_pitch_inertia / p.wheel_radius**2
 
 
 def bogie() -> Machine:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -29,15 +29,30 @@ def machine_model(machine: Machine, level: int = 2, on_line: bool = False) -> Mo
 
 @lru_cache
 def machine_library(machine: Machine, level: int = 2, on_line: bool = False) -> BatchLibrary:
-    """Return its compiled equations in vector lanes."""
+    """Return its compiled equations in vector lanes, with the start values of the built-in vehicle."""
+    if machine.own:
+        return machine_library(machine.built_in, level, on_line)
     model = machine_model(machine, level, on_line)
     return BatchLibrary(model, model.systems[0], kept=partial(_kept, machine, level, on_line))
 
 
 @lru_cache
 def machine_kernel(machine: Machine, on_line: bool = False) -> Library:
-    """Return its compiled planar equations, for one vehicle."""
+    """Return its compiled planar equations, for one vehicle, with the start values of the built-in vehicle."""
+    if machine.own:
+        return machine_kernel(machine.built_in, on_line)
     return Library(_kept(machine, 2, on_line, "kernel", lambda: build_library(machine_model(machine, 2, on_line))))
+
+
+@lru_cache
+def own_values(machine: Machine, level: int = 2, on_line: bool = False) -> Mapping[str, float]:
+    """Return the start values that a vehicle file changes in the compiled equations [SI]; empty without one."""
+    if not machine.own:
+        return {}
+    built_in = {one.name: one.start for one in machine_model(machine.built_in, level, on_line).variables}
+    own = {one.name: one.start for one in machine_model(machine, level, on_line).variables}
+    changed = {name: value for name, value in own.items() if value != built_in[name]}
+    return changed | dict(machine.own.resistance)
 
 
 def _kept(machine: Machine, level: int, on_line: bool, what: str, make: Callable[[], Path]) -> Path:

@@ -51,7 +51,7 @@ from products.machine import (
     in_order,
 )
 from products.protection import rig_in_c
-from products.protection.compiled_machine import machine_library, machine_model
+from products.protection.compiled_machine import machine_library, machine_model, own_values
 from products.protection.controller_kinds import Arrays, Form, FunctionsInC, InC, ManyControllers, Outside, at_once
 from products.protection.history import Notebook
 from products.protection.rails import ABOVE, BAND, JERK_TIME, LOCK_ABOVE
@@ -292,10 +292,11 @@ class Rig:
         s = self.settings
         brake_ratio = s.brake_ratio if run.brake_ratio is None else run.brake_ratio
         first = {one.name: one.start for one in self.model.variables}
-        fixed = {"integration_method": 2, "integration_step": self._step} if self._step else {}
+        fixed = {"integration_method": 2.0, "integration_step": self._step} if self._step else {}
+        fixed |= own_values(self.machine, self._level, self.line is not None)
         if self.driven:
             motor = {name: brake_ratio * first[name] for name in ("motor_torque", "motor_power")}
-            return {"initial_speed": START_SPEED, **motor, **fixed, **run.values}
+            return {"initial_speed": START_SPEED, **fixed, **motor, **run.values}
         share = brake_ratio * FULL_PRESSURE / self.machine.full_pressure
         brake = {
             "supply_pressure": self.machine.supply_pressure,
@@ -309,7 +310,7 @@ class Rig:
         else:
             brake |= {"application_time": s.application_time, "release_time": RELEASE_TIME}
         speed = s.speed if run.speed is None else run.speed
-        return {"initial_speed": speed, **brake, **fixed, **run.values}
+        return {"initial_speed": speed, **fixed, **brake, **run.values}
 
 
 class Loop:

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from brake_controller.discs import MEAN_PAD_FRICTION, pad_friction
 from fmu_src.kernel import Kernel
 from products.machine import DISCS, SANDERS, TRACTION, Machine, filling_by_flow
-from products.protection.compiled_machine import machine_kernel, machine_model
+from products.protection.compiled_machine import machine_kernel, machine_model, own_values
 from products.protection.rails import ABOVE
 from products.protection.runs import Stop
 from products.protection.settings import BRAKE_START, LONGEST, STANDING
@@ -60,12 +60,13 @@ class PeakAdhesion:
     ) -> None:
         self.filling, self.equipment = filling or filling_by_flow(machine.full_pressure), equipment
         self.load = load_of(machine, rail)
-        self.mass = machine.mass + self.load
+        self.mass, self.turning_mass = machine.mass + self.load, machine.turning_mass(self.load)
         self.line, self.rail = line, rail
         self.driven = TRACTION in equipment
         self.machine = replace(machine, by_flow=not self.driven, equipment=equipment)
         on_line = line is not None
-        self.kernel = Kernel(machine_kernel(self.machine, on_line), initial_speed=25.0, **rail)
+        own = own_values(self.machine, on_line=on_line)
+        self.kernel = Kernel(machine_kernel(self.machine, on_line), initial_speed=25.0, **{**own, **rail})
         if line is not None:
             with TemporaryDirectory() as folder:  # a kernel reads a line once and keeps it
                 self.kernel.set(line_file=str(line.write(Path(folder) / "line.csv")))
@@ -74,12 +75,14 @@ class PeakAdhesion:
         self.states = list(model.systems[0].states)
         self.place = np.array(self.kernel.linearise().state)
         self.sanded_from, self._peak = 0.0, 0
-        self.values = {one.name: one.start for one in model.variables} | dict(rail)
+        self.values = {one.name: one.start for one in model.variables} | {**own, **rail}
 
-    def held_back(self, distance: float) -> float:
-        """Return the deceleration by gradient and curve at a place [m/s2]."""
+    def held_back(self, distance: float, speed: float) -> float:
+        """Return the deceleration by gradient, curve and running resistance (Davis) at a place and a speed [m/s2]."""
+        a, b, c = (self.values[f"davis_{name}"] for name in ("constant", "linear", "quadratic"))
         there = {} if self.line is None else {n: float(self.line.value(n, distance)) for n in ("gradient", "curvature")}
-        return self.machine.parameters.gravity * held_back({**self.rail, **there})
+        runs = (a + b * speed + c * speed**2) / self.mass
+        return self.machine.parameters.gravity * held_back({**self.rail, **there}) + runs
 
     def at(self, distance: float, speed: float, slip: float) -> float:
         """Return the deceleration [m/s2] with all wheelsets at a slip ratio and loads at rest; driven, the
@@ -153,7 +156,9 @@ class PeakAdhesion:
         def slope(time: float, state: np.ndarray) -> list[float]:
             speed = max(state[1], STANDING)
             most = self.best_near(state[0], speed)
-            return [state[1], sign * min(self.asked(time, speed, start, brake_ratio), most) - self.held_back(state[0])]
+            held = self.held_back(state[0], speed)
+            by_brake = sign * self.asked(time, speed, start, brake_ratio) - held * self.mass / self.turning_mass
+            return [state[1], min(by_brake, sign * most - held, key=lambda one: sign * one)]
 
         def there(time: float, state: np.ndarray) -> float:
             return float(state[1]) - end

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from brake_controller.slide_protection import RIG
-from products.machine import MACHINES, TRACTION
+from products.machine import TRACTION
 from products.protection.criteria import CRITERIA
 from products.protection.programme import OWN
 from products.protection.rails import RAILS
@@ -34,7 +34,7 @@ from readers.command_line import whole
 from readers.storage import write_whole
 from scenarios.controllers import answering, loop, replay, report, verdict
 from scenarios.controllers.controller_loader import controllers_of
-from scenarios.controllers.options import add_case, add_draws, add_settings, cases_of, plan_of, settings_of
+from scenarios.controllers.options import add_case, add_draws, add_settings, plan_of, rigged
 from scenarios.controllers.page import page
 from scenarios.controllers.picture import draw
 from scenarios.controllers.scoring import Scored, compare, ideal_distance, runs_of
@@ -140,16 +140,14 @@ def run(chosen: argparse.Namespace) -> bool:
         return replay.run(chosen)
     if chosen.action == "loop":
         return run_loop(chosen)
-    settings = settings_of(chosen)
-    machine = MACHINES[chosen.vehicle]()
-    cases = cases_of(chosen)
+    machine, settings, cases = rigged(chosen)
     controllers = controllers_of(chosen.controller, len(machine.numbers), TRACTION in cases[0].equipment)
     plan, slow = plan_of(chosen, controllers)
     scores = compare(machine, controllers, cases, settings, plan, chosen.level, chosen.html, verdict.decided)
     draws = drawn(scores, plan, slow)
     folder = chosen.out / "controllers"
     found = verdict.verdicts(scores)
-    about = document(chosen.vehicle, settings, scores, plan) | {"verdict": verdict.document(found)}
+    about = document(machine.title, settings, scores, plan) | {"verdict": verdict.document(found)}
     for name in ("compare.png", "compare.html"):  # of an earlier comparison
         (folder / name).unlink(missing_ok=True)
     text = write_document(folder / "compare.json", about)
@@ -157,11 +155,11 @@ def run(chosen: argparse.Namespace) -> bool:
     figure.savefig(folder / "compare.png")
     plt.close(figure)
     if chosen.html:
-        write_whole(folder / "compare.html", page(chosen.vehicle, machine, settings, scores, draws).encode())
+        write_whole(folder / "compare.html", page(machine.title, machine, settings, scores, draws).encode())
     if chosen.json:
         print(text, end="")
     elif not chosen.quiet:
-        table = [*verdict.lines(found), "", *lines(chosen.vehicle, settings, scores, draws)]
+        table = [*verdict.lines(found), "", *lines(machine.title, settings, scores, draws)]
         places = [f"Page: {folder / 'compare.html'}"] if chosen.html else []
         print("\n".join([*table, "", f"Picture: {folder / 'compare.png'}", *places]))
     return all(score.stop.distance is not None for score in scores)
@@ -175,8 +173,8 @@ def run_loop(chosen: argparse.Namespace) -> bool:
     BadInputError
         If the case is unknown, or the pace out of range.
     """
-    machine, settings = MACHINES[chosen.vehicle](), settings_of(chosen)
-    cases = {case.name: case for case in cases_of(chosen)}
+    machine, settings, known = rigged(chosen)
+    cases = {case.name: case for case in known}
     if chosen.rail not in cases:
         raise BadInputError(f"There is no case {chosen.rail}; give --rail one of {', '.join(cases)}.")
     [run] = runs_of(machine, [cases[chosen.rail]])
@@ -184,10 +182,10 @@ def run_loop(chosen: argparse.Namespace) -> bool:
         found = loop.run_in_loop(machine, run, settings, own, chosen.pace)
     ideal = ideal_distance(machine, run, settings)
     score = Scored(chosen.rail, "client", found.stop, machine.parameters.wheel_radius, ideal, None, run.driven)
-    about = document(chosen.vehicle, settings, [score]) | {"loop": loop.document(found)}
+    about = document(machine.title, settings, [score]) | {"loop": loop.document(found)}
     text = write_document(chosen.out / "controllers" / "loop.json", about)
     if chosen.json:
         print(text, end="")
     elif not chosen.quiet:
-        print("\n".join([*lines(chosen.vehicle, settings, [score]), "", *loop.messages(found)]))
+        print("\n".join([*lines(machine.title, settings, [score]), "", *loop.messages(found)]))
     return found.holds

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
-from products.machine import MACHINES
+from products.machine import MACHINES, Machine
 from products.protection.controller_kinds import InC
 from products.protection.own_process import Apart
 from products.protection.programme import PROGRAMMES, Case, four_rails, read_programme
@@ -22,8 +22,10 @@ from products.protection.settings import (
     Settings,
 )
 from products.protection.spread import LARGEST_SPREAD, Spread
+from products.protection.vehicle_of_file import ENDING, vehicle_of_file, with_own_brake
 from products.registry import ALIASES, fmu_named
 from readers.command_line import quantity, whole
+from readers.text import FileError, shown
 from scenarios.controllers.controller_loader import Given
 from scenarios.controllers.scoring import FEW, LOOKS, Plan
 from scenarios.scenario import BadInputError
@@ -65,10 +67,9 @@ def add_case(parser: argparse.ArgumentParser) -> None:
 
 def add_settings(parser: argparse.ArgumentParser, jitter: float = 0.0) -> None:
     """Add the options of all stops; jitter: its default."""
-    text = (
-        f"{' or '.join(MACHINES)}; {' and '.join(f'{own} = {name}' for own, name in ALIASES.items())} (default: bogie)"
-    )
-    parser.add_argument("--vehicle", type=fmu_named, choices=[*MACHINES, *ALIASES], default="bogie", help=text)
+    own = " and ".join(f"{own} = {name}" for own, name in ALIASES.items())
+    text = f"{', '.join(MACHINES)} ({own}), or a vehicle file, FILE.toml (default: bogie)"
+    parser.add_argument("--vehicle", type=vehicle_named, default="bogie", metavar="VEHICLE", help=text)
     speed = quantity("--speed", "m/s", 0.0, FASTEST, above=True)
     text = "at the start, as 25 or 90km/h (default: 25 m/s)"
     parser.add_argument("--speed", type=speed, default=25.0, metavar="SPEED", help=text)
@@ -86,6 +87,33 @@ def add_settings(parser: argparse.ArgumentParser, jitter: float = 0.0) -> None:
     one = quantity("--jitter", least=0.0, most=MOST_JITTER)
     parser.add_argument("--jitter", type=one, default=jitter, metavar="SHARE", help=text)
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder of the results (default: results)")
+
+
+def vehicle_named(text: str) -> str:
+    """Return the name of a built-in vehicle, or the path of a vehicle file. Raises argparse.ArgumentTypeError."""
+    name = fmu_named(text)
+    if name not in MACHINES and not text.endswith(ENDING):
+        known = ", ".join([*MACHINES, *ALIASES])
+        raise argparse.ArgumentTypeError(f"--vehicle must be one of {known}, or FILE{ENDING}; got {shown(text)}.")
+    return name
+
+
+def rigged(chosen: argparse.Namespace) -> tuple[Machine, Settings, list[Case]]:
+    """Return the requested vehicle, the settings of its stops, and its cases; a vehicle file has its own brake.
+
+    Raises
+    ------
+    BadInputError
+        If a file or an option is invalid.
+    """
+    settings, cases = settings_of(chosen), cases_of(chosen)
+    if chosen.vehicle in MACHINES:
+        return MACHINES[chosen.vehicle](), settings, cases
+    try:
+        machine, brake = vehicle_of_file(Path(chosen.vehicle))
+    except FileError as error:
+        raise BadInputError(str(error)) from None
+    return machine, replace(settings, application_time=brake.application_time), with_own_brake(cases, brake)
 
 
 def cases_of(chosen: argparse.Namespace) -> list[Case]:

@@ -2,6 +2,7 @@
 
   bogie-braking controllers report mine.c                        40 cases of the programme, with the built-in criteria
   bogie-braking controllers report mine.py:PI --vehicle coach    a Python class, on the coach
+  bogie-braking controllers report mine.c --vehicle regio.toml   on your vehicle, from its data sheet
   bogie-braking controllers report                               the built-in protection
   bogie-braking controllers report mine.c --programme my.toml --criteria limits.toml
                                                                  your own (controllers programme, controllers criteria)
@@ -36,7 +37,7 @@ from readers.command_line import CommandLine, whole
 from readers.storage import write_whole
 from scenarios.controllers.acceptance import ACCEPTED, findings
 from scenarios.controllers.controller_loader import IN_PYTHON, Given, controller_of
-from scenarios.controllers.options import add_draws, add_settings, cases_of, plan_of, settings_of
+from scenarios.controllers.options import add_draws, add_settings, cases_of, plan_of, rigged
 from scenarios.controllers.report_document import (
     check_message,
     differences,
@@ -105,6 +106,7 @@ def check(chosen: argparse.Namespace) -> bool:
     again = parser.parse_args(report["arguments"])
     for name in ("controller", "programme", "criteria"):
         setattr(again, name, getattr(chosen, name) or getattr(again, name))
+    again.vehicle = again.vehicle if chosen.vehicle in MACHINES else chosen.vehicle
     again.programme, again.rails = again.programme or "full", ""
     found = input_differences(report, inputs_of(files_of(again, cases_of(again))))
     if not found:
@@ -116,9 +118,8 @@ def check(chosen: argparse.Namespace) -> bool:
 
 def made(chosen: argparse.Namespace) -> tuple[dict[str, Any], list[str], str]:
     """Return the document of a report, its lines for the terminal, and its page, empty if not requested."""
-    machine, settings = MACHINES[chosen.vehicle](), settings_of(chosen)
     chosen.programme, chosen.rails = chosen.programme or "full", ""
-    cases = cases_of(chosen)
+    machine, settings, cases = rigged(chosen)
     if TRACTION in cases[0].equipment:
         raise BadInputError("A report must be about stops; got starts. Give --programme cases without traction.")
     criteria = criteria_of(chosen.criteria, cases)
@@ -129,7 +130,7 @@ def made(chosen: argparse.Namespace) -> tuple[dict[str, Any], list[str], str]:
     found = findings(tested, criteria, len(plan.looks))
     document = report_document(name, arguments_of(chosen, plan), inputs, tested, criteria, found)
     scores = [one.score for one in tested]
-    conditions = [about(chosen.vehicle, settings, scores), drawn(scores, plan, slow)]
+    conditions = [about(machine.title, settings, scores), drawn(scores, plan, slow)]
     shown = [*lines(name, found, criteria), "", *conditions, *filter(None, [undecided_note(found, plan.most)])]
     page = report_page(machine, "; ".join(conditions), document, tested, criteria, found) if chosen.html else ""
     return document, shown, page
@@ -153,9 +154,9 @@ def given_controller(given: str | None, wheelsets: int) -> tuple[str, Given]:
 
 
 def files_of(chosen: argparse.Namespace, cases: Sequence[Case]) -> dict[str, Path]:
-    """Return the files of a report: controller, variables of an FMU if a table names them, cases, lines, criteria.
+    """Return the files of a report: controller, vehicle, cases, lines, criteria; variables of an FMU.
 
-    The built-in protection is part of the sources.
+    Built-in protection and vehicles are part of the sources.
     """
     files = {f"line of {case.name}": case.line_file for case in cases if case.line_file}
     if chosen.controller:
@@ -164,6 +165,8 @@ def files_of(chosen: argparse.Namespace, cases: Sequence[Case]) -> dict[str, Pat
         names = files["controller"].with_suffix(".toml")
         if files["controller"].suffix == ".fmu" and names.is_file():
             files["variables"] = names
+    if chosen.vehicle not in MACHINES:
+        files["vehicle"] = Path(chosen.vehicle)
     return files | {
         "programme": PROGRAMMES.get(chosen.programme or "full", Path(chosen.programme or "full")),
         "criteria": Path(chosen.criteria) if chosen.criteria else CRITERIA,
