@@ -28,7 +28,7 @@ NOISE = 1e-16
 BISECTIONS, LEAST = 24, 1e-3
 #: Relative error of probabilities on grids and of their sums; a level is reached within it.
 ROUNDING = 1e-6
-#: Largest number of sums of losses without a grid; sums less likely than NEGLIGIBLE are treated as a train without force.
+#: Largest number of sums of losses without a grid; sums less likely than NEGLIGIBLE are treated as no force at all.
 MOST_SUMS, NEGLIGIBLE = 100_000, 1e-18
 
 
