@@ -74,9 +74,10 @@ def _number(path: str | Path, name: str, value: Any, entry: Entry) -> float | in
     sample = f'"{min(1.0, scale * entry.most):g}{unit}"' if unit else "4"
     if read is None:
         raise BadInputError(f"{got} Write {sample}, for example.")
-    bare = is_number(value) or not str(value).strip().endswith(("%", "s"))
-    if scale != 1.0 and bare and value not in (0, "0"):
-        raise BadInputError(f'{path}: {name} must have its unit; got {shown(value)}. Write "{read:g} %", or another.')
+    bare = is_number(value) or str(value).strip()[-1:] in "0123456789."
+    if unit and bare and value not in (0, "0"):
+        write = f'Write "{read:g}{unit}", or another.'
+        raise BadInputError(f"{path}: {name} must have its unit; got {shown(value)}. {write}")
     if not entry.least <= read / scale <= entry.most or (not unit and read != int(read)):
         raise BadInputError(f"{got} Correct it.")
     return int(read) if not unit else read / scale

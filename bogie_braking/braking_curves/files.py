@@ -36,8 +36,9 @@ def check_files(chosen: argparse.Namespace) -> None:
 
 def write(chosen: argparse.Namespace, found: Found) -> dict[str, Path]:
     """Write all files; return their paths by the names of their contents."""
-    with writing(chosen.out):
-        chosen.out.mkdir(parents=True, exist_ok=True)
+    for folder in (chosen.out, *(path.parent for path in (chosen.page, chosen.osrd) if path is not None)):
+        with writing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
     paths = {"picture": _picture(chosen, found), "table": _table(chosen, found)}
     if found.data.safety is not None:
         paths["causes"] = _causes(chosen, found)

@@ -84,8 +84,8 @@ def train_data(chosen: argparse.Namespace, level: int) -> tuple[TrainData, float
     found = _of_file(chosen, read, level) if consist is None and read else _of_consist(chosen, consist, largest, level)
     if chosen.level is not None and found.factors is None and found.train.level is None:
         raise BadInputError(
-            "--level chooses among factors of --failure, --spread, --common, --tolerances, or of train data by level; "
-            "got none of them. Leave it out."
+            "--level chooses among factors of --failure, --spread, --common above 0 %, --tolerances, or of train data "
+            "by level; got none of them. Leave it out."
         )
     return found, largest
 

@@ -36,4 +36,4 @@ def gradients_of(line: Line) -> Gradients:
     lower = np.minimum(values[:-1], values[1:]) if values.size > 1 else values
     starts = places[: lower.size]
     changes = np.append(True, np.diff(lower) != 0.0)
-    return Gradients(starts[changes], lower[changes])
+    return Gradients(starts[changes], lower[changes], "permille")

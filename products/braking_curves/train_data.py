@@ -7,7 +7,8 @@ import numpy as np
 from products.braking_curves.variables import UNUSED
 from products.supervision import BASELINES, FixedValues, NationalValues, Steps, SupervisedTrain
 from products.supervision.conversion import MOVING_TARGET
-from products.supervision.train import MOST_STEPS
+from products.supervision.curves import checked_values
+from products.supervision.train import MOST_STEPS, check_train
 from readers.text import BadInputError, shown
 
 #: Baselines by the time that they add to the indication [s].
@@ -42,7 +43,8 @@ def fmu_parameters(
     BadInputError
         If the FMU has no parameter for a value, or Kdry_rst is that of another confidence level.
     """
-    national, fixed = national or NationalValues(), fixed or FixedValues()
+    check_train(train)
+    national, fixed, _ = checked_values(national, fixed)
     _check(train, national, fixed)
     train.check_level(national.M_NVEBCL)
     found = _numbers(train, national) | {"baseline": float(_BASELINES[fixed.T_indication_more])}

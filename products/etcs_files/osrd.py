@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from products.supervision.steps import Steps
-from products.supervision.train import SupervisedTrain
+from products.supervision.train import SupervisedTrain, check_train
 from readers.documents import LARGEST, document, number_in
 from readers.formats.osrd_brake import BEFORE, brake_params_of
 from readers.text import BadInputError, FileError, text_of
@@ -103,6 +103,7 @@ def osrd_document(train: SupervisedTrain) -> dict[str, Any]:
     BadInputError
         If the train is given by its percentage, has no service brake command, or there are several.
     """
+    check_train(train)
     if train.position is not None:
         raise BadInputError("OSRD has decelerations, no brake percentages. Give a train by its decelerations.")
     if np.ndim(train.length) or train.A_brake_emergency.values.ndim > 1:

@@ -12,7 +12,7 @@ import numpy as np
 from fmu_src.suggestion import suggestion
 from products.supervision.conversion import BRAKE_POSITIONS
 from products.supervision.steps import Steps
-from products.supervision.train import SupervisedTrain
+from products.supervision.train import SupervisedTrain, check_train
 from products.supervision.values import checked_level
 from readers.documents import LARGEST, document, document_text, is_number
 from readers.storage import write_whole
@@ -120,6 +120,7 @@ def train_document(train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), n
     BadInputError
         If there are several trains, or a brake position without the percentage that belongs to it.
     """
+    check_train(train)
     if np.ndim(train.length) or train.A_brake_emergency.values.ndim > 1:
         raise BadInputError("A file of train data has one train; got several. Write one file for each.")
     by_percentage = train.percentage is not None

@@ -25,12 +25,15 @@ from products.supervision.convolution import (
     quantiles_of_failures,
     sum_of,
 )
+from products.supervision.given import of_type
 from products.supervision.safety import WEAKER
 from products.supervision.tolerances import Tolerances
 from readers.text import BadInputError, shown
 
 #: Largest numbers of equal vehicles, and of groups; largest force and mass of a vehicle.
 MOST_VEHICLES, MOST_GROUPS, LARGEST = 2_000, 500, 1e12
+#: Remedy for tolerances of another type.
+GIVE = "Give Tolerances(friction=0.05), or read_tolerances(path)."
 #: Groups for which one failure is computed.
 SHOWN = 3
 
@@ -136,6 +139,7 @@ def causes_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, level:
         If the level is not 0 to 9, or for the reasons given in `factors_of`.
     """
     weaker = _weaker(level)
+    of_type("tolerances", tolerances, Tolerances, GIVE)
     whole = float(_factors(vehicles, tolerances, weaker)[0])
     found = []
     for name in tolerances.causes:
@@ -222,7 +226,7 @@ def _nominal(vehicles: Sequence[BrakedVehicles]) -> float:
 
 def _factors(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, weaker: Numbers) -> Numbers:
     """Return the factors at probabilities of a weaker brake, shape (levels,)."""
-    t, nominal = tolerances, _nominal(vehicles)
+    t, nominal = of_type("tolerances", tolerances, Tolerances, GIVE), _nominal(vehicles)
     own = (t.friction, t.cylinder_force, t.efficiency, t.spread)
     laws = {discs: product_of(own, [t.wheel_diameter] if discs else []) for discs in {one.discs for one in vehicles}}
     masses, counts = np.array([one.mass for one in vehicles]), np.array([one.count for one in vehicles])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from products.supervision.given import numbers
 from products.supervision.steps import Steps
 from readers.text import BadInputError, shown
 
@@ -168,7 +169,7 @@ def brake_of_percentage(
     """
     if position not in BRAKE_POSITIONS:
         raise BadInputError(f"brake_position must be one of {', '.join(BRAKE_POSITIONS)}; got {shown(position)}.")
-    shares, lengths = np.asarray(percentage, dtype=float), np.asarray(length, dtype=float)
+    shares, lengths = numbers("percentage", percentage), numbers("length", length)
     if not np.all((shares >= LEAST) & (shares <= MOST)):
         raise BadInputError(
             f"The brake percentage must be {LEAST:g} to {MOST:g} % for the conversion model (SUBSET-026, A.3.7); got "
@@ -176,8 +177,9 @@ def brake_of_percentage(
         )
     if not np.all((lengths > 0.0) & (lengths <= BRAKE_POSITIONS[position])):
         raise BadInputError(
-            f"The train must be at most {BRAKE_POSITIONS[position]:g} m long for the conversion model in position "
-            f"{position} (SUBSET-026, A.3.7); got {shown(lengths.tolist())} m. Give decelerations by speed instead."
+            f"The train must be longer than 0 m and at most {BRAKE_POSITIONS[position]:g} m long for the conversion "
+            f"model in position {position} (SUBSET-026, A.3.7); got {shown(lengths.tolist())} m. Give decelerations by "
+            "speed for a longer one."
         )
     return ConvertedBrake(
         deceleration_of(shares, resolution),

@@ -10,14 +10,18 @@ import numpy as np
 from products.supervision.arcs import Arcs, Eased, braking_arcs
 from products.supervision.conversion import FASTEST, KMH
 from products.supervision.feedback import service_times
+from products.supervision.given import numbers, of_type
 from products.supervision.gradients import Gradients, acceleration_by
 from products.supervision.steps import Steps
-from products.supervision.train import SupervisedTrain
+from products.supervision.train import SupervisedTrain, check_train
 from products.supervision.values import FixedValues, NationalValues
 from readers.text import BadInputError, shown
 
 #: Kinds of targets: the end of authority, a limit of authority, a lower speed of the most restrictive speed profile.
 KINDS = ("EOA", "LOA", "MRSP")
+#: Remedies for national values and gradients of another type.
+GIVE_NATIONAL = "Give NationalValues(M_NVAVADH=0.2), or read_national(path)."
+GIVE_GRADIENTS = "Give Gradients(starts, permille)."
 #: Largest acceleration that counts while the brake builds up [m/s2], 3.13.9.3.2.9.
 BUILDING_UP = 0.4
 #: Largest estimated speed of a train by its brake percentage [m/s]: 200 km/h, and the margin of the emergency brake.
@@ -128,15 +132,20 @@ def supervise(
     Raises
     ------
     BadInputError
-        If a number is not finite, a speed is below 0, or the kind is unknown.
+        If an argument is of another type, a number is not finite, a speed is below 0, several speeds are all below
+        that of the target, the kind is unknown, or the train states another confidence level than the country.
     """
-    national, fixed = national or NationalValues(), fixed or FixedValues()
+    check_train(train)
+    national, fixed, gradients = checked_values(national, fixed, gradients)
+    if not isinstance(slippery, bool | np.bool_):
+        raise BadInputError(f"slippery must be True or False; got {shown(slippery)}.")
+    others = {"V_est": V_est, "place": place, "A_est": A_est, "pipe_fall": pipe_fall}
+    _check(kind, target_speed, beyond, **others, V_ura=0.0 if V_ura is None else V_ura)
     speeds = np.atleast_1d(np.asarray(V_est, dtype=float))
-    numbers = {"V_est": speeds, "place": place, "A_est": A_est, "pipe_fall": pipe_fall}
-    _check(kind, target_speed, beyond, **numbers, V_ura=0.0 if V_ura is None else V_ura)
     _check_converted(train, speeds)
+    _check_target(target_speed, speeds)
     target, foot = np.asarray(target_speed, dtype=float), np.asarray(place, dtype=float)
-    slopes = _slopes(train, gradients or Gradients.level())
+    slopes = _slopes(train, gradients)
     if kind == "EOA":
         emergency = braking_arcs(foot + beyond, 0.0, train.safe_brake(national, slippery), slopes)
     else:
@@ -161,7 +170,7 @@ def supervise(
             at_target = target[..., None]
             still = to_brake.begins(at_target, at_target, predicted_error(V_ura, at_target), 0.0)
             start = (still - at_target * (T_bs2 + fixed.T_driver))[..., 0]
-        GUI = _guidance(train, start, target, gradients or Gradients.level()).place_at(speeds)
+        GUI = _guidance(train, start, target, gradients).place_at(speeds)
         P = np.minimum(P, GUI)
     share = 0.0 if train.service_feedback and national.feedback else 0.8  # 3.13.9.3.6
     T_indication = np.maximum(share * T_bs, fixed.T_indication_least) + fixed.T_indication_more
@@ -197,14 +206,46 @@ def _check_converted(train: SupervisedTrain, speeds: np.ndarray) -> None:
         )
 
 
+def _check_target(target_speed: object, speeds: np.ndarray) -> None:
+    """Refuse a target that is faster than the train at each of several speeds. One speed is that of a moment."""
+    target, fastest = np.asarray(target_speed, dtype=float), speeds.max(initial=0.0)
+    if speeds.shape[-1] > 1 and np.any(target > fastest):
+        raise BadInputError(
+            f"target_speed must be at most the largest V_est, {fastest:g} m/s; got {target.max():g} m/s. Give "
+            "m/s: 40 / 3.6 for 40 km/h."
+        )
+
+
+def checked_values(
+    national: object, fixed: object = None, gradients: object = None
+) -> tuple[NationalValues, FixedValues, Gradients]:
+    """Return values of the country and of the baseline, and gradients, if they are of their types.
+
+    Parameters
+    ----------
+    national, fixed, gradients : object
+        As of `supervise`; None: the defaults, and a level line.
+
+    Raises
+    ------
+    BadInputError
+        If one is of another type.
+    """
+    return (
+        of_type("national", NationalValues() if national is None else national, NationalValues, GIVE_NATIONAL),
+        of_type("fixed", FixedValues() if fixed is None else fixed, FixedValues, "Give FixedValues(...)."),
+        of_type("gradients", Gradients.level() if gradients is None else gradients, Gradients, GIVE_GRADIENTS),
+    )
+
+
 def _check(kind: str, target_speed: object, beyond: object, **others: object) -> None:
     if kind not in KINDS:
         raise BadInputError(f"kind must be one of {', '.join(KINDS)}; got {shown(kind)}.")
     for name, value in {"target_speed": target_speed, "beyond": beyond, **others}.items():
-        numbers, signed = np.asarray(value, dtype=float), name in ("place", "A_est")
-        if not np.all(np.isfinite(numbers) & (signed | (numbers >= 0.0))):
+        array, signed = numbers(name, value), name in ("place", "A_est")
+        if not np.all(np.isfinite(array) & (signed | (array >= 0.0))):
             limit = "finite" if signed else "finite and at least 0"
-            raise BadInputError(f"{name} must be {limit}; got {shown(numbers.tolist())}. Correct it.")
+            raise BadInputError(f"{name} must be {limit}; got {shown(value)}. Correct it.")
     if kind == "EOA" and np.any(np.asarray(target_speed, dtype=float) > 0.0):
         raise BadInputError("target_speed must be 0 at an end of authority (EOA). Give kind='LOA' for a moving target.")
     if kind != "EOA" and np.any(np.asarray(beyond, dtype=float) != 0.0):

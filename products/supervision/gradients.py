@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 
 import numpy as np
 
+from products.supervision.given import numbers
 from readers.text import BadInputError, shown
 
 #: Acceleration of gravity [m/s2]. SUBSET-026 prints 9.8; the test frames of ERA have 9.81.
@@ -14,6 +15,8 @@ GRAVITY = 9.81
 ROTATING_UPHILL, ROTATING_DOWNHILL = 15.0, 2.0
 #: Steepest gradient of a line [permille].
 STEEPEST = 255.0
+#: Units of gradients: permille in one.
+UNITS = {"permille": 1.0, "1": 1000.0}
 
 
 @dataclass(frozen=True)
@@ -25,19 +28,27 @@ class Gradients:
     starts : ndarray
         Places [m], ascending, shape (n).
     permille : ndarray
-        Gradients [permille], positive uphill, shape (n).
+        Gradients [unit], positive uphill, shape (n); the attribute is in permille.
+    unit : str or None
+        "permille", or "1" for rise over length, as in line files. None: permille, and gradients that are all flat
+        enough for rise over length are refused.
 
     Raises
     ------
     BadInputError
-        If a number is not finite, places do not ascend, or a gradient is steeper than 255 permille.
+        If a number is not finite, places do not ascend, or a gradient is steeper than 255 permille; if the unit is
+        None and all gradients are below 0.255.
     """
 
     starts: np.ndarray
     permille: np.ndarray
+    unit: InitVar[str | None] = None
 
-    def __post_init__(self) -> None:
-        starts, permille = (np.atleast_1d(np.asarray(one, dtype=float)) for one in (self.starts, self.permille))
+    def __post_init__(self, unit: str | None) -> None:
+        if unit not in (None, *UNITS):
+            raise BadInputError(f'unit must be "permille" or "1"; got {shown(unit)}.')
+        starts, permille = (np.atleast_1d(numbers("Gradients", one)) for one in (self.starts, self.permille))
+        permille = permille * UNITS[unit or "permille"]
         if starts.shape != permille.shape or starts.ndim != 1:
             raise BadInputError(
                 f"Gradients must have one place each; got {starts.size} places and {permille.size} gradients."
@@ -48,6 +59,12 @@ class Gradients:
             raise BadInputError(
                 f"A gradient must be within -{STEEPEST:g} and {STEEPEST:g} permille; got {shown(permille.tolist())}. "
                 "Give permille, not percent or a ratio."
+            )
+        steepest = float(np.abs(permille).max(initial=0.0))
+        if unit is None and 0.0 < steepest < STEEPEST / 1000.0:
+            raise BadInputError(
+                f"Gradients must be in permille; got {shown(permille.tolist())}, all below {STEEPEST / 1000.0:g}. Give "
+                '-10 for a fall of 1 in 100, or unit="1" for rise over length, or unit="permille" if they are so small.'
             )
         object.__setattr__(self, "starts", starts)
         object.__setattr__(self, "permille", permille)

@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from products.supervision.conversion import KMH, MOVING_TARGET
+from products.supervision.given import of_type
 from products.supervision.steps import Steps
-from products.supervision.train import MOST_STEPS, SupervisedTrain
+from products.supervision.train import MOST_STEPS, SupervisedTrain, check_train
 from products.supervision.values import NationalValues
 from readers.text import BadInputError
 
@@ -90,6 +91,7 @@ def rounded_train(train: SupervisedTrain, dry_by_level: Sequence[Steps] = ()) ->
     BadInputError
         If a number has no place in its variable: too large, rounded to 0, or more than 7 sections of speed.
     """
+    check_train(train)
     if np.ndim(train.length) or train.A_brake_emergency.values.ndim > 1:
         raise BadInputError("Rounding takes one train; got several. Take them one by one.")
     length = _up("L_TRAIN", train.length, *LENGTH, "m")
@@ -290,6 +292,7 @@ def rounded_national(national: NationalValues) -> RoundedNational:
     BadInputError
         If a value rounds to 0, or neither set of Kv_int is the lower one and A_NVP12 or A_NVP23 does not fit.
     """
+    of_type("national", national, NationalValues, "Give NationalValues(M_NVAVADH=0.2), or read_national(path).")
     sets = [national.Kv_int] if national.Kv_int_b is None else [national.Kv_int, national.Kv_int_b]
     names = ["M_NVKVINT", "M_NVKVINT of set b"][: len(sets)]
     kv = _on_grid(sets, names, KV_SPEEDS, [(*KV, "1")] * len(sets))

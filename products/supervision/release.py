@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from products.supervision.conversion import KMH
-from products.supervision.curves import predicted_error, supervise
+from products.supervision.curves import checked_values, predicted_error, supervise
+from products.supervision.given import finite
 from products.supervision.train import SupervisedTrain
 from readers.text import BadInputError
 
@@ -46,11 +47,14 @@ def release_speed(train: SupervisedTrain, beyond: float, trip: float = 0.0, plac
     """
     if "A_est" in others:
         raise BadInputError("A_est must be left out of a release speed: the standard sets it to 0 (3.13.9.4.8.1).")
+    beyond, trip, place = finite("beyond", beyond), finite("trip", trip), finite("place", place)
+    if beyond < 0.0:
+        raise BadInputError(f"beyond must be at least 0 m, the distance of the SvL behind the EOA; got {beyond:g} m.")
     if not 0.0 <= trip <= beyond:
         raise BadInputError(f"trip must be 0 to {beyond:g} m, the distance of the SvL; got {trip:g} m.")
     speeds = np.arange(0.0, FASTEST + RESOLUTION, RESOLUTION)
-    national = others.get("national")
-    measured = others.pop("V_ura", 0.0 if national is not None and national.exact_speed else None)
+    national, *_ = checked_values(others.get("national"))
+    measured = others.pop("V_ura", 0.0 if national.exact_speed else None)
     error = np.maximum(predicted_error(measured, speeds), 0.0 if measured is None else np.max(measured))
     found = supervise(train, place, speeds, kind="EOA", beyond=beyond, V_ura=error, **others).EBI
     safe = np.nonzero(np.ravel(found) >= place + trip)[0]

@@ -18,7 +18,8 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 from scipy.stats import binom
 
-from readers.text import BadInputError
+from products.supervision.given import numbers
+from readers.text import BadInputError, shown
 
 #: Confidence levels (M_NVEBCL): the probability that the brake is weaker than stated, SUBSET-026, 7.5. Level 0 is a
 #: median.
@@ -70,8 +71,8 @@ class BrakeUnits:
             ("spread", 0.0, 0.5),
         ):
             value = getattr(self, name)
-            if not least <= value <= most:
-                raise BadInputError(f"{name} of brake units must be {least:g} to {most:g}; got {value:g}.")
+            if not isinstance(value, int | float | np.number) or not least <= value <= most:
+                raise BadInputError(f"{name} of brake units must be {least:g} to {most:g}; got {shown(value)}.")
 
 
 @dataclass(frozen=True)
@@ -169,7 +170,7 @@ def rounded_down(factors: ArrayLike) -> np.ndarray:
     ndarray
         Multiples of 0.05.
     """
-    return np.asarray(np.floor(np.asarray(factors, dtype=float) / RESOLUTION + 1e-9) * RESOLUTION)
+    return np.asarray(np.floor(numbers("factors", factors) / RESOLUTION + 1e-9) * RESOLUTION)
 
 
 def _force_of(units: Sequence[BrakeUnits], common: float) -> _Force:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from products.supervision.conversion import FASTEST, KMH, MOVING_TARGET, brake_of_percentage
+from products.supervision.given import check_boundaries, numbers, of_type, set_kinds
 from products.supervision.steps import Steps
 from products.supervision.values import NationalValues, check_factors, checked_level
 from readers.text import BadInputError, shown
@@ -24,6 +25,8 @@ LIMITS = {
     "rotating": (0.0, 30.0, "%"),
     "maximum_speed": (0.0, 600.0 * KMH, "m/s"),
 }
+#: Rotating mass below which a share of 1 was given instead of percent [%]: the largest share.
+A_SHARE = 0.3
 #: Limits of factors in train data: K of dry and wet rails by SUBSET-027; Kn, 0 to 10 m/s2 for a gradient of 1.
 FACTORS = {
     "Kdry_rst": (0.0, 1.55, "Give 0.85 for 85 %."),
@@ -103,12 +106,22 @@ class SupervisedTrain:
     level: int | None = None
 
     def __post_init__(self) -> None:
+        set_kinds(self)
         for name, (least, most, unit) in LIMITS.items():
             value = getattr(self, name)
-            if value is not None and not np.all((np.asarray(value) >= least) & (np.asarray(value) <= most)):
-                raise BadInputError(f"{name} must be {least:g} to {most:g} {unit}; got {shown(value)}. Correct it.")
+            if value is not None:
+                array = numbers(name, value)
+                if not np.all((array >= least) & (array <= most)):
+                    raise BadInputError(f"{name} must be {least:g} to {most:g} {unit}; got {shown(value)}. Correct it.")
+        rotating = numbers("rotating", 0.0 if self.rotating is None else self.rotating)
+        if np.any((rotating > 0.0) & (rotating < A_SHARE)):
+            raise BadInputError(
+                f"rotating must be 0, or {A_SHARE:g} to {LIMITS['rotating'][1]:g} % of the mass; got "
+                f"{shown(self.rotating)}. Give percent: 10 for 10 %."
+            )
         for name, (least, most, remedy) in FACTORS.items():
             check_factors(name, getattr(self, name).values, least, most, remedy)
+            check_boundaries(name, getattr(self, name))
         if self.level is not None:
             object.__setattr__(self, "level", checked_level("level", self.level))
         if self.service_feedback and not self.service_command:
@@ -117,6 +130,7 @@ class SupervisedTrain:
             steps = getattr(self, name)
             if steps is None:
                 continue
+            check_boundaries(name, steps)
             if not np.all((steps.values > 0.0) & (steps.values < 10.0)):
                 raise BadInputError(
                     f"{name} must be above 0 and below 10 m/s2; got {shown(steps.values.tolist())}. Give m/s2."
@@ -167,10 +181,10 @@ class SupervisedTrain:
             If a number is outside the range of the model.
         """
         brake = brake_of_percentage(percentage, position, length, resolution)
-        if maximum_speed is not None and not np.all(np.asarray(maximum_speed) <= FASTEST * (1.0 + 1e-9)):
+        if maximum_speed is not None and not np.all(numbers("maximum_speed", maximum_speed) <= FASTEST * (1.0 + 1e-9)):
             raise BadInputError(
-                f"maximum_speed must be at most {FASTEST / KMH:g} km/h for the conversion model (SUBSET-026, "
-                f"3.13.3.2); got {shown(maximum_speed)} m/s. Give decelerations by speed instead."
+                f"The largest speed must be at most {FASTEST / KMH:g} km/h for the conversion model (SUBSET-026, "
+                f"3.13.3.2); got {np.max(maximum_speed) / KMH:g} km/h. Give decelerations by speed instead."
             )
         data = (length, brake.emergency, brake.service, brake.emergency_time, brake.service_time)
         return cls(*data, position=position, maximum_speed=maximum_speed, percentage=percentage, **others)
@@ -284,6 +298,23 @@ class SupervisedTrain:
             return emergency, service
         factor = np.where(np.asarray(target_speed) > 0.0, MOVING_TARGET[self.position], 1.0)
         return emergency * factor * national.Kt_int, service * factor
+
+
+def check_train(train: object) -> None:
+    """Refuse what is not a train.
+
+    Parameters
+    ----------
+    train : object
+        Argument of a function.
+
+    Raises
+    ------
+    BadInputError
+        If it is not a SupervisedTrain.
+    """
+    remedy = "Of a file, take read_train(path).at_level(M_NVEBCL)."
+    of_type("train", train, SupervisedTrain, remedy)
 
 
 def choose_normal_service(service: Steps, choices: tuple[Steps, Steps, Steps], limits: tuple[float, float]) -> Steps:

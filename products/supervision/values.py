@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from products.supervision.conversion import KMH
+from products.supervision.given import check_boundaries, numbers, set_kinds
 from products.supervision.steps import Steps
 from readers.text import BadInputError, shown
 
@@ -115,10 +116,17 @@ class NationalValues:
     feedback: bool = False
 
     def __post_init__(self) -> None:
+        set_kinds(self)
+        check_boundaries("Kv_int", self.Kv_int)
         names = ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int", "reduced_adhesion")
         known = {name: getattr(self, name) for name in names}
+        if np.shape(self.reduced_adhesion) != (3,):
+            raise BadInputError(
+                f"reduced_adhesion must be three numbers, A_NVMAXREDADH1 to 3; got {shown(self.reduced_adhesion)}."
+            )
         known |= {"Kv_int": self.Kv_int.values, "Kr_int": self.Kr_int.values}
         if self.Kv_int_b is not None:
+            check_boundaries("Kv_int_b", self.Kv_int_b)
             known["Kv_int_b"] = self.Kv_int_b.values
         for name, value in known.items():
             check_factors(name, value, 0.0, RANGES[name], "Correct it.")
@@ -166,6 +174,6 @@ def check_factors(name: str, values: ArrayLike, least: float, most: float, remed
     BadInputError
         If a value is outside, or not a number.
     """
-    array = np.asarray(values, dtype=float)
+    array = numbers(name, values)
     if not np.all((array >= least) & (array <= most)):
         raise BadInputError(f"{name} must be {least:g} to {most:g}; got {shown(array.tolist())}. {remedy}")

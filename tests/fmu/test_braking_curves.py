@@ -98,7 +98,7 @@ def test_limits_are_those_of_the_curves_in_numpy(
             given = {
                 "kind": ("EOA", "LOA", "MRSP")[inputs["target_kind"] - 1],
                 "target_speed": inputs["V_target"],
-                "gradients": line or Gradients(np.zeros(1), np.array([1e3 * inputs.get("gradient", 0.0)])),
+                "gradients": line or Gradients(np.zeros(1), np.array([inputs.get("gradient", 0.0)]), "1"),
                 **{"beyond": inputs["beyond"], "A_est": inputs["A_est"], "national": national, "fixed": fixed},
                 **{
                     "slippery": inputs["reduced_adhesion"] == 1,

@@ -9,14 +9,22 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from products.braking_curves.train_data import fmu_parameters
+from products.etcs_files.osrd import osrd_document
+from products.etcs_files.train_file import EtcsTrain, train_document
 from products.supervision import (
+    BrakedVehicles,
     FixedValues,
     Gradients,
     NationalValues,
     Steps,
     SupervisedTrain,
     braking_arcs,
+    factors_of,
     release_speed,
+    rounded_down,
+    rounded_national,
+    rounded_train,
     supervise,
 )
 from readers.text import BadInputError
@@ -217,6 +225,17 @@ def test_steps_above_the_largest_speed_of_the_train_do_not_choose_its_factors() 
         assert train.safe_brake(country).at(20.0) == pytest.approx(factor * 0.7885)
 
 
+def test_a_number_is_a_step_for_all_speeds_and_rise_over_length_is_permille() -> None:
+    train = replace(PLAIN, A_brake_emergency=1.0, Kdry_rst=np.float64(0.85))  # type: ignore[arg-type]
+    slope = Gradients([0.0, 800.0], [0.0, -0.01], "1")
+    expected = replace(PLAIN, Kdry_rst=Steps.constant(0.85))
+    per_mille = Gradients([0.0, 800.0], [0.0, -10.0])
+    one, other = supervise(train, 2000.0, 30.0, gradients=slope), supervise(expected, 2000.0, 30.0, gradients=per_mille)
+    assert pytest.approx(other.EBI, abs=1e-9) == one.EBI
+    assert Gradients([0.0], [0.1], "permille").permille.tolist() == [0.1]
+    assert supervise(PLAIN, 0.0, 5.0, kind="LOA", target_speed=10.0).EBD.shape == (1,)
+
+
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
@@ -234,6 +253,37 @@ def test_steps_above_the_largest_speed_of_the_train_do_not_choose_its_factors() 
         (lambda: release_speed(PLAIN, 10.0, A_est=1.0), "A_est must be left out"),
         (lambda: Gradients([0.0], [300.0]), "Give permille"),
         (lambda: Gradients([5.0, 0.0], [0.0, 1.0]), "must ascend"),
+        (lambda: Gradients([0.0, 800.0], [0.0, -0.01]), "must be in permille; got .* all below 0.255"),
+        (lambda: Gradients([0.0], [0.3], "1"), "Give permille"),
+        (lambda: Gradients([0.0], [1.0], "percent"), 'unit must be "permille" or "1"; got percent'),
+        (lambda: replace(PLAIN, A_brake_emergency=Steps([60.0, 160.0], [1.0, 0.9, 0.8])), "got 160 m/s. Give m/s"),
+        (lambda: replace(PLAIN, Kdry_rst=Steps([160.0], [1.0, 0.9])), "Kdry_rst must have boundaries .* up to 140"),
+        (lambda: NationalValues(Kv_int=Steps([160.0], [1.0, 0.9])), "Kv_int must have boundaries .* up to 140"),
+        (lambda: replace(PLAIN, rotating=0.1), "rotating must be 0, or 0.3 to 30 %.* 10 for 10 %"),
+        (lambda: replace(PLAIN, length="200 m"), "length must be a number or numbers, without text; got 200 m"),
+        (lambda: replace(PLAIN, A_brake_service="0.8"), "A_brake_service must be of type Steps; got str"),
+        (lambda: replace(PLAIN, traction_command="no"), "traction_command must be True or False; got no"),
+        (lambda: NationalValues(guidance=2), "guidance must be True or False; got 2"),
+        (lambda: NationalValues(reduced_adhesion=0.7), "reduced_adhesion must be three numbers"),
+        (lambda: supervise(PLAIN, 0.0, [20.0, 30.0], kind="LOA", target_speed=40.0), "at most the largest V_est, 30"),
+        (lambda: supervise(PLAIN, "2km", 1.0), "place must be a number or numbers, without text; got 2km"),
+        (lambda: supervise(PLAIN, 0.0, 1.0, slippery="no"), "slippery must be True or False; got no"),
+        (lambda: supervise(PLAIN, 0.0, 1.0, gradients=[(0.0, 5.0)]), "gradients must be of type Gradients; got list"),
+        (lambda: supervise(PLAIN, 0.0, 1.0, national={}), "national must be of type NationalValues; got dict"),
+        (lambda: supervise(PLAIN, 0.0, 1.0, fixed=4.0), "fixed must be of type FixedValues; got float"),
+        (lambda: supervise(EtcsTrain(PLAIN), 0.0, 1.0), "train must be of type SupervisedTrain; got EtcsTrain"),
+        (lambda: train_document(EtcsTrain(PLAIN)), "train must be of type SupervisedTrain; got EtcsTrain"),
+        (lambda: osrd_document("train"), "train must be of type SupervisedTrain; got str"),
+        (lambda: fmu_parameters(EtcsTrain(PLAIN)), "train must be of type SupervisedTrain; got EtcsTrain"),
+        (lambda: rounded_train(EtcsTrain(PLAIN)), "train must be of type SupervisedTrain; got EtcsTrain"),
+        (lambda: rounded_national({}), "national must be of type NationalValues; got dict"),
+        (lambda: factors_of([BrakedVehicles(2, 5.0)], {}), "tolerances must be of type Tolerances; got dict"),
+        (lambda: rounded_down("0.85"), "factors must be a number or numbers, without text"),
+        (
+            lambda: SupervisedTrain.of_percentage(90.0, "passenger P", -5.0),
+            "longer than 0 m and .* got -5",
+        ),
+        (lambda: release_speed(PLAIN, np.nan), "beyond must be one finite number; got nan"),
         (lambda: replace(PLAIN, length=0.0), "length must be 1 to 4095 m"),
         (lambda: replace(PLAIN, A_brake_service=Steps.constant(-1.0)), "A_brake_service must be above 0"),
         (lambda: replace(PLAIN, A_brake_emergency=Steps(np.arange(1.0, 9.0), np.ones(9))), "at most 7 steps"),

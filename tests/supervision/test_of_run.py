@@ -113,7 +113,7 @@ def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: 
     assert all(place < 2000.0 for place in found["own_stops_m"])
     assert Path(found["picture"]).is_file()
     assert Path(found["table"]).read_text().count("\n") == 161
-    page = tmp_path / "page.html"
+    page = tmp_path / "new" / "page.html"
     read = ["etcs", found["train_data"], *words[2:]]
     assert main([*read, "--quiet"]) == 2
     assert "Kdry_rst of confidence level 5 alone; got M_NVEBCL 9" in capsys.readouterr().err
@@ -227,6 +227,8 @@ def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> Non
         (["--failure", "30%", "--level", "9"], "no brake force is left"),
         (["--dry", "8"], "--dry must be"),
         (["--level", "3"], "--level chooses among factors"),
+        (["--failure", "0%", "--level", "3"], "--common above 0 %"),
+        (["--position", "passenger P", "--speed", "300"], "at most 200 km/h for the conversion model"),
         (["--kind", "EOA", "--target-speed", "50"], "--target-speed must be 0 with --kind EOA"),
         (["--kind", "LAO"], "--kind must be one of EOA, LOA, MRSP; got LAO. Did you mean LOA?"),
         (["--national", "nowhere.toml"], "nowhere.toml does not exist"),

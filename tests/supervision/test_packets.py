@@ -122,6 +122,8 @@ def test_bounds_between_the_sets_of_a_country_move_towards_the_lower_set() -> No
         found = rounded_national(land)
         assert pytest.approx(bounds) == [found.national.A_NVP12, found.national.A_NVP23]
         assert {move.name: move.most for move in found.moves}["A_NVP12"] == pytest.approx(abs(bounds[0] - 0.52))
+    with pytest.raises(BadInputError, match="M_NVKRINT must have its last boundary at 2700 or below; got 3000"):
+        rounded_national(NationalValues(Kr_int=Steps([3000.0], [1.0, 0.9])))
     crossing = Steps(np.array([20.0]), np.array([0.6, 1.0]))
     with pytest.raises(BadInputError, match="A_NVP12 and A_NVP23 must be multiples"):
         rounded_national(NationalValues(Kv_int=low, Kv_int_b=crossing, A_NVP12=0.52, A_NVP23=0.98))
@@ -150,7 +152,7 @@ def test_rounding_twice_changes_nothing_and_each_number_is_a_multiple() -> None:
         ({"Kwet_rst": Steps.constant(0.04)}, "Kwet_rst must be 0.05 to 1.55"),
         ({"rotating": 1.5}, "must be an integer from 0 to 15 %"),
         ({"rotating": 16.0}, "must be an integer from 0 to 15 %"),
-        ({"A_brake_service": Steps([170.0], [0.8, 0.7])}, "last boundary at 166.667 or below; got 170"),
+        ({"A_brake_service": Steps([170.0], [0.8, 0.7])}, r"up to 140 m/s \(504 km/h\); got 170"),
         ({"Kdry_rst": Steps(np.arange(1.0, 9.0), np.linspace(0.9, 0.5, 9))}, "share at most 7 sections of speed"),
     ],
 )

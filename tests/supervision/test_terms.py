@@ -40,7 +40,7 @@ def train(rng: np.random.Generator) -> SupervisedTrain:
         "traction_command": bool(rng.random() < 0.5),
         "service_command": command,
         "service_feedback": command and bool(rng.random() < 0.4),
-        "rotating": rng.choice([None, float(rng.uniform(0.0, 15.0))]),
+        "rotating": rng.choice([None, float(rng.uniform(0.3, 15.0))]),
         "A_brake_normal_service": steps(rng, 0.2, 1.0),
         "Kn_plus": steps(rng, 0.0, 0.01),
         "Kn_minus": steps(rng, 0.0, 0.01),
@@ -81,7 +81,9 @@ def case(rng: np.random.Generator) -> Case:
     )
     return Case(
         train(rng),
-        Gradients(np.sort(rng.uniform(-9000.0, 500.0, count)), rng.uniform(-1.0, 1.0, count) * times_ten(rng, 8.0)),
+        Gradients(
+            np.sort(rng.uniform(-9000.0, 500.0, count)), rng.uniform(-1.0, 1.0, count) * times_ten(rng, 8.0), "permille"
+        ),
         country,
         FixedValues(T_warning=2.0, T_indication_more=float(rng.choice([0.0, 4.0]))),
         kind,

@@ -24,7 +24,7 @@ def test_every_entry_is_read_in_its_unit(tmp_path: Path) -> None:
     )
     for name, entry in ENTRIES.items():
         assert getattr(found, name) == pytest.approx({"%": 0.005, "s": 0.3, "1": 4}[entry.unit])
-    assert read(tmp_path, "[tolerances]\nfriction = 0\ndelay = 0.2\n") == Tolerances(delay=0.2)
+    assert read(tmp_path, "[tolerances]\nfriction = 0\ndelay = '0.2 s'\n") == Tolerances(delay=0.2)
 
 
 @pytest.mark.parametrize(
@@ -38,6 +38,7 @@ def test_every_entry_is_read_in_its_unit(tmp_path: Path) -> None:
         ('[tolerances]\nfriction = "-1 %"', "friction must be from 0 to 20 %; got -1 %"),
         ('[tolerances]\nfriction = "5 kN"', "friction must be from 0 to 20 %; got 5 kN"),
         ('[tolerances]\ndelay = "3 min"', "delay must be from 0 to 10 s; got 3 min"),
+        ("[tolerances]\ndelay = 0.3", 'delay must have its unit; got 0.3. Write "0.3 s"'),
         ('[tolerances]\nlost = "1 %"\nunits = 1.5', "units must be an integer from 1 to 16; got 1.5"),
         ('[tolerances]\nlost = "1 %"\nunits = 1000000000', "units must be an integer from 1 to 16"),
         ('[tolerances]\nfrictoin = "5 %"', "'frictoin' is not a tolerance. Did you mean friction"),
