@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
@@ -93,8 +94,10 @@ def vehicle_named(text: str) -> str:
     """Return the name of a built-in vehicle, or the path of a vehicle file. Raises argparse.ArgumentTypeError."""
     name = fmu_named(text)
     if name not in MACHINES and not text.endswith(ENDING):
-        known = ", ".join([*MACHINES, *ALIASES])
-        raise argparse.ArgumentTypeError(f"--vehicle must be one of {known}, or FILE{ENDING}; got {shown(text)}.")
+        known = [*MACHINES, *ALIASES]
+        words = f"--vehicle must be one of {', '.join(known)}, or FILE{ENDING}; got {shown(text)}."
+        near = difflib.get_close_matches(text, known, 1)
+        raise argparse.ArgumentTypeError(f"{words} Did you mean {near[0]}?" if near else words)
     return name
 
 
