@@ -291,12 +291,38 @@ static void find_commands(arrays_object *self, double speed, double to) {
 
 /* ---- runs ---- */
 
+enum { STEP_FUNCTIONS = 4 };
+static const int BOUNDARIES[STEP_FUNCTIONS] = {A_BRAKE_EMERGENCY_SPEED, A_BRAKE_SERVICE_SPEED, KDRY_RST_SPEED, KWET_RST_SPEED};
+
 static const char *boundaries_wrong(const arrays_object *self) {
-    const int all[] = {A_BRAKE_EMERGENCY_SPEED, A_BRAKE_SERVICE_SPEED, KDRY_RST_SPEED, KWET_RST_SPEED};
-    for (int k = 0; k < 4; ++k)
-        for (int n = FIRST_OF[all[k]] + 1; n < FIRST_OF[all[k] + 1]; ++n)
-            if (!(self->now.value[n] >= self->now.value[n - 1])) return ARRAYS_ABOUT[all[k]].name;
+    for (int k = 0; k < STEP_FUNCTIONS; ++k)
+        for (int n = FIRST_OF[BOUNDARIES[k]] + 1; n < FIRST_OF[BOUNDARIES[k] + 1]; ++n)
+            if (!(self->now.value[n] >= self->now.value[n - 1])) return ARRAYS_ABOUT[BOUNDARIES[k]].name;
     return NULL;
+}
+
+/* The first boundary that is used and above FASTEST_BOUNDARY [m/s], or 0; name: of its steps. */
+static double too_fast(const arrays_object *self, const char **name) {
+    for (int k = 0; k < STEP_FUNCTIONS; ++k)
+        for (int n = FIRST_OF[BOUNDARIES[k]]; n < FIRST_OF[BOUNDARIES[k] + 1]; ++n) {
+            *name = ARRAYS_ABOUT[BOUNDARIES[k]].name;
+            if (self->now.value[n] > FASTEST_BOUNDARY && self->now.value[n] < UNUSED_BOUNDARY) return self->now.value[n];
+        }
+    return 0.0;
+}
+
+/* Write why a parameter cannot be meant in its unit; false if all can. */
+static bool is_of_other_unit(const arrays_object *self, char problem[MESSAGE_SIZE]) {
+    const char *name = "";
+    const double fast = too_fast(self, &name), rotating = given(self, M_ROTATING_NOM);
+    if (fast > 0.0)
+        snprintf(problem, MESSAGE_SIZE, "%s must be at most %g m/s, or %g if it is not used; got %g. Give m/s, not km/h.", name,
+                 FASTEST_BOUNDARY, UNUSED_BOUNDARY, fast);
+    else if (rotating > 0.0 && rotating < SMALLEST_ROTATING)
+        snprintf(problem, MESSAGE_SIZE, "M_rotating_nom must be at most 0, or at least %g %%; got %g. Give 10 for 10 %%.",
+                 SMALLEST_ROTATING, rotating);
+    else return false;
+    return true;
 }
 
 /* Write why numbers do not go together; false if they do. */
@@ -316,7 +342,7 @@ static bool is_wrong(const arrays_object *self, char problem[MESSAGE_SIZE]) {
     else if (self->starts && given(self, GRADIENT) != 0.0)
         snprintf(problem, MESSAGE_SIZE, "gradient must be 0 in an FMU with a line, which has the gradients; got %g.",
                  given(self, GRADIENT));
-    else return false;
+    else return is_of_other_unit(self, problem);
     return true;
 }
 

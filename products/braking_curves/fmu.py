@@ -12,9 +12,11 @@ import numpy as np
 from fmu_src.arrays_fmu import ArraysInC, Lengths, build_arrays_fmu
 from fmu_src.c_literals import c_number
 from products.braking_curves.gradients_of_line import gradients_of
-from products.braking_curves.variables import AT_ANY_DISTANCE, FARTHEST, STANDSTILL, every
+from products.braking_curves.variables import AT_ANY_DISTANCE, FARTHEST, STANDSTILL, UNUSED, every
 from products.building import announce, license_text
+from products.supervision.given import FASTEST_BOUNDARY
 from products.supervision.gradients import STEEPEST, Gradients
+from products.supervision.train import A_SHARE
 from products.train.fmu import binaries_of
 from rbd_model.track.line_files import line_from_file
 from readers.text import BadInputError
@@ -49,6 +51,9 @@ def _header() -> str:
         "FARTHEST_PLACE": FARTHEST,
         "STANDSTILL": STANDSTILL,
         "AT_ANY_DISTANCE": AT_ANY_DISTANCE,
+        "UNUSED_BOUNDARY": UNUSED,
+        "FASTEST_BOUNDARY": FASTEST_BOUNDARY,
+        "SMALLEST_ROTATING": A_SHARE,
     }
     return "\n".join(
         [

@@ -204,6 +204,8 @@ def test_a_saved_state_has_the_commands_and_the_train(fmu: Callable[..., Path]) 
         ({"A_brake_service[3]": 0.0}, r"A_brake_service\[3\] must be from 0.001 to 9.99 m/s2; got 0"),
         ({"V_est": math.nan}, "V_est must be from -150 to 150 m/s; got nan"),
         ({"Kdry_rst_speed[2]": 10.0}, "Kdry_rst_speed must ascend"),
+        ({"Kdry_rst_speed[1]": 160.0}, "Kdry_rst_speed must be at most 140 m/s, or 200 if it is not used; got 160"),
+        ({"M_rotating_nom": 0.1}, "M_rotating_nom must be at most 0, or at least 0.3 %; got 0.1. Give 10 for 10 %"),
         ({"V_target": 5.0}, r"V_target must be 0 m/s at an end of authority \(EOA\); got 5"),
         ({"target_kind": 2, "beyond": 5.0}, "beyond must be 0 unless target_kind is 1"),
         ({"target_kind": 3, "V_release": 5.0}, "V_release must be 0 unless target_kind is 1"),
