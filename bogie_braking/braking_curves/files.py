@@ -56,8 +56,11 @@ def write(chosen: argparse.Namespace, found: Found) -> dict[str, Path]:
 
 
 def _path(chosen: argparse.Namespace, end: str) -> Path:
-    out: Path = chosen.out
-    return out / f"etcs-{chosen.file.stem}{end}"
+    """Return the path of a file by its ending; results of train data, etcs-x.json, do not replace the train's own."""
+    out, stem = chosen.out, chosen.file.stem
+    name = f"{stem}-again" if stem.startswith("etcs-") else f"etcs-{stem}"
+    found: Path = out / f"{name}{end}"
+    return found
 
 
 def _picture(chosen: argparse.Namespace, found: Found) -> Path:

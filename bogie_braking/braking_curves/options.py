@@ -48,10 +48,11 @@ def _add_target(parser: argparse.ArgumentParser) -> None:
     text = "largest speed of the train, as 140 or 38.9m/s (default: V_MAXTRAIN of train data, else 120 km/h)"
     parser.add_argument("--speed", type=speed, metavar="SPEED", help=text)
     speed = quantity("--target-speed", "km/h", 0.0, 400.0)
-    text = "speed at the target (default: 0, an end of authority)"
+    text = "speed at the target (default: 0, an end of authority); own stops need an end of authority"
     parser.add_argument("--target-speed", type=speed, metavar="SPEED", default=0.0, help=text)
     text = (
-        "kind of target: end of authority, limit of authority, lower permitted speed (default: EOA, or LOA if it moves)"
+        "kind of target: end of authority, limit of authority, lower permitted speed of --target-speed, 0 without it "
+        "(default: EOA, or LOA if it moves)"
     )
     parser.add_argument("--kind", choices=KINDS, help=text)
     beyond = quantity("--beyond", "m", 0.0, 1e4)

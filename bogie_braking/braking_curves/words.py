@@ -96,7 +96,9 @@ def _lines_of_train(chosen: argparse.Namespace, found: Found) -> list[str]:
             lines.append("Train data have Kdry_rst of this level alone: T_brake_emergency depends on the level.")
     if found.moves:
         moved = ", ".join(f"{move.name} by {move.most:.2g} {move.unit}".replace(" 1,", ",") for move in found.moves)
-        lines.append(f"Rounded to the safe side, at most: {moved.removesuffix(' 1')}")
+        lines.append(
+            f"Rounded to the safe side, at most: {moved.removesuffix(' 1')}. Between whole km/h the lower step counts."
+        )
     return lines
 
 

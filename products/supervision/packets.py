@@ -44,7 +44,8 @@ class Move:
     unit : str
         Its unit.
     most : float
-        Largest change among its values [unit]; 0 if all fitted.
+        Largest change among its values [unit]; 0 if all fitted. Between two places of its packet, a boundary has the
+        lower step; this does not count.
     """
 
     name: str
@@ -342,7 +343,10 @@ def _between_sets(national: NationalValues, kv: Sequence[Steps]) -> tuple[float,
 
 
 def _change(one: Steps, other: Steps) -> float:
-    """Return the largest difference of two step functions."""
+    """Return the largest change of the value of a step: the least one over its speeds, without moved boundaries."""
     change = one.with_others(lambda value, another: value - another, other)
-    wide = np.append(np.diff(change.boundaries, prepend=0.0) > NOISE, True)
-    return float(np.abs(change.values[wide]).max())
+    begins = np.append(0.0, change.boundaries)
+    wide = np.append(np.diff(begins) > NOISE, True)
+    steps = np.searchsorted(one.boundaries, begins + NOISE / 2.0)
+    moved = np.abs(change.values)
+    return max(float(moved[wide & (steps == n)].min()) for n in np.unique(steps[wide]))

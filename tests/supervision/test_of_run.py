@@ -118,6 +118,7 @@ def test_own_stops_from_the_limit_end_before_the_target(tmp_path: Path, capsys: 
     assert main([*read, "--quiet"]) == 2
     assert "Kdry_rst of confidence level 5 alone; got M_NVEBCL 9" in capsys.readouterr().err
     assert main([*read, "--level", "5", "--json", "--page", str(page)]) == 0
+    assert (tmp_path / "out" / "etcs-train-again.csv").is_file()
     again = json.loads(capsys.readouterr().out)
     assert again["limits_m"] == found["limits_m"]
     assert again["own_stops_m"] == []

@@ -115,6 +115,15 @@ def test_a_longer_build_up_of_the_service_brake_does_not_shorten_traction() -> N
             assert after.EBI[0] <= before.EBI[0] + DOUBLES
 
 
+def test_a_moved_boundary_is_no_change_of_a_value() -> None:
+    """Values move by 0.004 and 0.002 m/s2; a step within one km/h takes the value of its neighbour."""
+    steps = Steps(np.array([50.4, 60.0]) / 3.6, [1.104, 0.902, 0.9])
+    narrow = Steps(np.array([50.2, 50.4]) / 3.6, [0.8, 1.1, 0.9])
+    for one, most in ((steps, 0.004), (narrow, 0.3)):
+        moves = rounded_train(SupervisedTrain(**(GIVEN | {"A_brake_service": one}))).moves  # type: ignore[arg-type]
+        assert {move.name: move.most for move in moves}["A_brake_service"] == pytest.approx(most)
+
+
 def test_bounds_between_the_sets_of_a_country_move_towards_the_lower_set() -> None:
     low, high = Steps.constant(0.7), Steps.constant(0.9)
     for one, other, bounds in ((low, high, (0.55, 1.0)), (high, low, (0.5, 0.95))):
