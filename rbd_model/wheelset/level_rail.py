@@ -1,6 +1,7 @@
 """A wheelset that rolls, skids or is locked on a level rail, its wheels centred: common parts of levels 1 and 2."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -11,6 +12,7 @@ from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.creep.of_steel import law_of_ratio
 from rbd_model.contact.creep.polach import saturated
 from rbd_model.contact.creep_of_wheel import creep_of_wheel
+from rbd_model.contact.friction import Surface
 from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.track.line_table import mean_friction
 from rbd_model.vehicle.assembly import Assembly
@@ -46,13 +48,20 @@ def centred_contact(assembly: Assembly, wheelset: Wheelset) -> CentredContact:
     same = next(number for number, other in assembly.vehicle.numbered if other.mean_radius == radius)
     name = f"contact_stiffness_{same}"
     if name not in assembly.system.derived_symbols:
-        curvatures = p["wheel_profile_curvature"], p["rail_head_radius"]
-        nu = assembly.vehicle.poisson_ratio
-        shape = ellipse_shape(assembly.value(radius), *curvatures, p["shear_modulus"], nu)
-        slender = ca.fmax(shape.axis_ratio, 1 / shape.axis_ratio) > MOST_SLENDER
-        c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio, nu).c11)
-        assembly.system.derived(name, 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11)
+        assembly.system.derived(name, contact_stiffness(assembly.value(radius), p, assembly.vehicle.poisson_ratio))
     return CentredContact(assembly.system.derived_symbols[name])
+
+
+def contact_stiffness(radius: ca.SX, p: Mapping[str, ca.SX], poisson_ratio: float) -> ca.SX:
+    """Return the factor of `CentredContact` [N^(1/3)] of (3.94).
+
+    radius [m]: of the wheel; p: parameters of the vehicle.
+    """
+    curvatures = p["wheel_profile_curvature"], p["rail_head_radius"]
+    shape = ellipse_shape(radius, *curvatures, p["shear_modulus"], poisson_ratio)
+    slender = ca.fmax(shape.axis_ratio, 1 / shape.axis_ratio) > MOST_SLENDER
+    c11 = ca.if_else(slender, math.nan, kalker_coefficients(shape.axis_ratio, poisson_ratio).c11)
+    return 0.25 * ca.pi * p["shear_modulus"] * shape.longitudinal * shape.lateral * c11
 
 
 def centred_load(load: ca.SX) -> CentredLoad:
@@ -68,12 +77,25 @@ def creep_force_of_wheelset(
 
     sliding [m/s]: its sliding speed; friction: mu0.
     """
+    slowest = assembly.parameter["creepage_speed"]
+    return centred_creep_force(assembly.rail.surface, friction, contact, load, (sliding, forward, slowest))
+
+
+def centred_creep_force(
+    surface: Surface,
+    friction: ca.SX,
+    contact: CentredContact,
+    load: CentredLoad,
+    speeds: tuple[ca.SX, ca.SX, ca.SX],
+) -> ca.SX:
+    """Return the same for a surface; (3.94), (3.97). speeds [m/s]: sliding, forward, and v_eps of the creepage."""
+    sliding, forward, slowest = speeds
     # The corner of the absolute value has no effect: without sliding the force does not depend on friction.
-    friction = at_least(friction * assembly.rail.surface.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
+    friction = at_least(friction * surface.remaining(ca.fabs(sliding)), SMALLEST_FRICTION)
     # Eq. (3.94) with the creepage over sqrt(V^2 + v_eps^2). All divisors are in one, because they take most of the
     # time.
-    divisor = friction * load.growth * ca.sqrt(forward**2 + assembly.parameter["creepage_speed"] ** 2)
-    return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, assembly.rail.surface.reduction)
+    divisor = friction * load.growth * ca.sqrt(forward**2 + slowest**2)
+    return 2 * saturated(contact.stiffness * sliding / divisor, friction * load.wheel, surface.reduction)
 
 
 def creep_force_by_law(
