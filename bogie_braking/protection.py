@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from typing import Literal
 
-from bogie_braking.checks import known
+from bogie_braking.checks import known, line_or_none
 from brake_controller.wheel_slide import WheelSlideController
 from fmu_src.cosimulation.recording import Recording
 from products.machine import MACHINES
@@ -16,6 +16,7 @@ from products.protection.rig import Rig
 from products.protection.runs import Run, Stop
 from products.protection.settings import Settings
 from products.protection.slide_protection import SlideProtection
+from rbd_model.track.line import Line
 
 #: A class, or another function that returns a new controller.
 Controller = Callable[[], WheelSlideController] | Literal["protection"] | None
@@ -87,7 +88,9 @@ def protected_stops(
     return Recording(COLUMNS, rows, messages, {"stops": len(rows)})
 
 
-def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **settings: float) -> Recording:
+def protected_stop(
+    controller: Controller, rail: str, vehicle: str = "bogie", line: Line | None = None, **settings: float
+) -> Recording:
     """Run one stop of `protected_stops` on one rail, recorded every period of the controller.
 
     Parameters
@@ -98,14 +101,17 @@ def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **
         Name of the rail.
     vehicle : str
         "bogie" or "coach" (also "vehicle").
+    line : Line, optional
+        Line of the stop; its map of friction multiplies the friction of the rail.
     **settings : float
         As in `protected_stops`.
 
     Returns
     -------
     Recording
-        Columns over time: time [s]; speed of the vehicle [m/s]; braking_force of all wheelsets [N]; and for each
-        wheelset its true wheel_speed [m/s], pressure in its cylinder [Pa], command to its valve, and used adhesion.
+        Columns over time: time [s]; speed [m/s] and distance [m] of the vehicle; braking_force of all wheelsets [N];
+        and for each wheelset its true wheel_speed [m/s], pressure in its cylinder [Pa], command to its valve, and used
+        adhesion.
 
     Raises
     ------
@@ -116,13 +122,18 @@ def protected_stop(controller: Controller, rail: str, vehicle: str = "bogie", **
     ValueError
         If a setting is out of its limits.
     """
-    [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, recorded=True)
+    [(case, stop)] = _stops_of(controller, vehicle, [rail], settings, line_or_none(line), recorded=True)
     radius = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]().parameters.wheel_radius
     return stop.course.recording(radius, _sentence(case, stop), stop.commands)
 
 
 def _stops_of(
-    controller: Controller, vehicle: str, rails: Iterable[str], settings: Mapping[str, float], recorded: bool = False
+    controller: Controller,
+    vehicle: str,
+    rails: Iterable[str],
+    settings: Mapping[str, float],
+    line: Line | None = None,
+    recorded: bool = False,
 ) -> list[tuple[RailCase, Stop]]:
     """Return the rails with the stop on each, run on the test rig. Raises the errors of `protected_stops`."""
     if isinstance(rails, str):
@@ -130,7 +141,7 @@ def _stops_of(
     make, cases, chosen = maker_of(controller), {rail.name: rail for rail in RAILS}, settings_from(settings)
     on = [cases[known(name, cases, "rail")] for name in rails]
     machine = MACHINES[known(vehicle, MACHINES, "vehicle with brakes")]()
-    runs = [Run(case.values(len(machine.numbers))) for case in on]
+    runs = [Run(case.values(len(machine.numbers)), line=line) for case in on]
     rig = Rig(machine, make, chosen, by_flow=True)
     return list(zip(on, rig.runs(runs, every=chosen.period if recorded else 0.0), strict=True))
 

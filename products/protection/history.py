@@ -50,13 +50,13 @@ class History:
     def recording(self, radius: float, message: str = "", commands: float = 0) -> Recording:
         """Return inputs and outputs of the controller at each instant except the last, at which the vehicle stands.
 
-        radius: of the wheels [m]. Columns: time [s]; speed [m/s]; braking_force of all wheelsets [N]; and for each
-        wheelset wheel_speed [m/s], pressure [Pa], the command to its valve, and the used adhesion.
+        radius: of the wheels [m]. Columns: time [s]; speed [m/s] and distance [m]; braking_force of all wheelsets
+        [N]; and for each wheelset wheel_speed [m/s], pressure [Pa], the command to its valve, and the used adhesion.
         """
         asked = slice(0, -1)
         creep, load = self.creep_force[asked], self.axle_load[asked]
-        units = {"time": "s", "speed": "m/s", "braking_force": "N"}
-        columns = [self.time[asked], self.speed[asked], -creep.sum(axis=1)]
+        units = {"time": "s", "speed": "m/s", "distance": "m", "braking_force": "N"}
+        columns = [self.time[asked], self.speed[asked], self.distance[asked], -creep.sum(axis=1)]
         of_each: dict[tuple[str, str], NDArray[Any]] = {
             ("wheel_speed", "m/s"): radius * self.angular_velocity[asked],
             ("pressure", "Pa"): self.effort[asked],
