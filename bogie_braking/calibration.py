@@ -4,22 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
+
+from numpy.typing import ArrayLike
 
 from bogie_braking import fitting
+from bogie_braking.checks import shown
 from bogie_braking.fitting import Fit
+from bogie_braking.friction_fitting import FrictionField, fit_friction
 from bogie_braking.machines import Runnable
 from bogie_braking.measured_data import Options
 from bogie_braking.train_fitting import fit_train
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist
+from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
+from rbd_model.vehicle.description import Vehicle
 from readers.log_columns import ColumnMap
 
 #: Options of a train's fit, beside the line.
 OF_TRAINS = ("drive", "settings")
 
 
+@overload
 def fit(
     what: Runnable | Consist | Path | Sequence[Mapping[str, Any]] | int,
     measured: Recording | str | Path,
@@ -30,9 +37,40 @@ def fit(
     columns: ColumnMap | None = None,
     interval: float | None = None,
     longest_gap: float | None = None,
+    places: None = None,
     **values: Any,
 ) -> Fit:
-    """Fit parameters of a run to measured data by SciPy's least squares.
+    """Return fitted parameters of a run."""
+
+
+@overload
+def fit(
+    what: str | Vehicle | DataSheet,
+    measured: Recording | str | Path | Sequence[Recording | str | Path],
+    parameters: Mapping[str, float],
+    line: Line | None = None,
+    *,
+    columns: ColumnMap | None = None,
+    places: ArrayLike,
+    **values: Any,
+) -> FrictionField:
+    """Return a fitted field of friction."""
+
+
+def fit(
+    what: Any,
+    measured: Any,
+    parameters: Mapping[str, float],
+    line: Line | None = None,
+    until: float | None = None,
+    begin: float | None = None,
+    columns: ColumnMap | None = None,
+    interval: float | None = None,
+    longest_gap: float | None = None,
+    places: ArrayLike | None = None,
+    **values: Any,
+) -> Fit | FrictionField:
+    """Fit parameters of a run, or a field of friction, to measured data by SciPy's least squares.
 
     Standard errors hold to first order, also for errors that are correlated in time (`correlated.py`). The errors of an
     output are scaled by the range of its measured values.
@@ -41,11 +79,17 @@ def fit(
     the stop. Its run has time [s], speed [m/s] of the head and, if braking does not begin in the first row,
     pipe_pressure [Pa] of the head, which the driver's valve follows.
 
+    With `places`, friction over place is fitted to one or many logs of a vehicle whose wheels slide (docs/public.md).
+    `parameters` has the initial value of `friction`. It may have friction_ratio, friction_decay and cleaned_friction,
+    which all logs share. A log has time [s], speed [m/s] and distance [m] of the vehicle, and wheel_speed_1 [m/s] or
+    angular_velocity_1 [rad/s] of each wheelset. It may have pressure_1 [Pa] of the "bogie" or "vehicle", or
+    brake_torque_1 [N.m]. `values` are other numbers of the rail's law and of the vehicle.
+
     Parameters
     ----------
     what : str, Vehicle, System or Model; or a train: path of a file, Consist, list of rows, int
         Vehicle or brake, as in `run`; or consist, as in `train`.
-    measured : Recording, str or Path
+    measured : Recording, str or Path; or a sequence of these if `places` are given
         A table or the file of a log. Its columns are time [s] and variables in their units: outputs to fit, and inputs
         that drive the run. Rows without a value of an output (NaN) are not compared there.
     parameters : mapping of str to float
@@ -65,14 +109,16 @@ def fit(
         Rows are averaged over intervals of this length [s]. By default they are taken as they are.
     longest_gap : float, optional
         Longest gap that is bridged in an input [s]. By default ten median steps, and at least 2 s.
+    places : array_like or float, optional
+        Distances between which friction is linear [m], or their spacing.
     **values
         Other parameters and inputs, as in `run`. Of a train: `drive`, emergency (default) or service, the braking of
         stops and of a run without a pipe pressure; `settings`, by default those that `train` chooses.
 
     Returns
     -------
-    Fit
-        Fitted values, standard errors and deviations.
+    Fit or FrictionField
+        Fitted values, standard errors and deviations; with `places` the field and its intervals.
 
     Raises
     ------
@@ -86,6 +132,11 @@ def fit(
     """
     options = Options(until, begin, columns, interval, longest_gap)
     one: Any = what
+    if places is not None:
+        for name, value in vars(options).items():
+            if value is not None and name != "columns":
+                raise ValueError(f"The fit of a field of friction must be without {name}; got {shown(value)}.")
+        return fit_friction(one, measured, parameters, places, line, columns, values)
     if not is_train(one):
         return fitting.fit(one, measured, parameters, line, options, values)
     for name, value in {**vars(options), **values}.items():

@@ -1,0 +1,145 @@
+"""Logs of braked or driven vehicles on slippery rails, as arrays by rows and wheelsets, for a fit of the friction."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bogie_braking.checks import shown
+from fmu_src.cosimulation.measured import in_units_of, table_from
+from fmu_src.cosimulation.recording import Recording
+from readers.log_columns import ColumnMap
+
+Numbers = NDArray[np.float64]
+#: Columns of a log, and of each wheelset, with their units.
+OF_VEHICLE = {"time": "s", "speed": "m/s", "distance": "m"}
+OF_WHEELSET = {"wheel_speed": "m/s", "angular_velocity": "rad/s", "pressure": "Pa", "brake_torque": "N.m"}
+#: Columns of wheelsets by the names of the vehicles' variables.
+SAME_AS = {"cylinder_pressure": "pressure"}
+
+
+@dataclass(frozen=True)
+class FrictionLog:
+    """A log.
+
+    Attributes
+    ----------
+    name : str
+        Its name in messages.
+    time, speed, distance : array, shape (rows,)
+        [s], [m/s], [m]; distance: place of the vehicle on its line.
+    wheel_speed : array, shape (rows, wheelsets)
+        Circumferential speeds [m/s]; NaN: not measured.
+    torque : array, shape (rows, wheelsets)
+        Brake torques [N.m]; NaN: not measured.
+    """
+
+    name: str
+    time: Numbers
+    speed: Numbers
+    distance: Numbers
+    wheel_speed: Numbers
+    torque: Numbers
+
+
+def friction_logs(
+    measured: object, radii: Sequence[float], torque_per_pressure: float | None, columns: ColumnMap | None
+) -> list[FrictionLog]:
+    """Return logs; measured: one or several recordings or paths of files.
+
+    Parameters
+    ----------
+    measured : Recording, str, Path, or a sequence of these
+    radii : sequence of float
+        Wheel radius of each wheelset [m].
+    torque_per_pressure : float or None
+        Brake torque of a wheelset per pressure [N.m/Pa]; None: unknown, so that pressures are not used.
+    columns : mapping, str or Path, optional
+        As in `fit`.
+
+    Raises
+    ------
+    ValueError
+        If a column is missing, has another unit or is not usable.
+    TypeError
+        If something is not a log.
+    """
+    given = list(measured) if isinstance(measured, Sequence) and not isinstance(measured, str) else [measured]
+    if not given:
+        raise ValueError("The fit of a field of friction must have at least one log; got none.")
+    return [_log(f"log {n}", one, radii, torque_per_pressure, columns) for n, one in enumerate(given, 1)]
+
+
+def _log(
+    name: str, one: object, radii: Sequence[float], torque_per_pressure: float | None, columns: ColumnMap | None
+) -> FrictionLog:
+    table = _table(name, one, len(radii), columns)
+    of_vehicle = [_column(name, table, column, unit) for column, unit in OF_VEHICLE.items()]
+    kept = np.isfinite(of_vehicle).all(axis=0)
+    time, speed, distance = (values[kept] for values in of_vehicle)
+    if time.size < 2 or np.any(np.diff(time) <= 0.0):
+        raise ValueError(f"time of {name} must increase over at least two rows with speed and distance. Correct it.")
+    wheel_speed, torque = (np.full((time.size, len(radii)), np.nan) for _ in range(2))
+    for place, radius in enumerate(radii):
+        values = {
+            stem: _column(name, table, f"{stem}_{place + 1}", unit)[kept]
+            for stem, unit in OF_WHEELSET.items()
+            if f"{stem}_{place + 1}" in table.names
+        }
+        if "wheel_speed" in values or "angular_velocity" in values:
+            wheel_speed[:, place] = values.get("wheel_speed", radius * values.get("angular_velocity", np.nan))
+        if "brake_torque" in values:
+            torque[:, place] = values["brake_torque"]
+        elif "pressure" in values and torque_per_pressure is not None:
+            torque[:, place] = torque_per_pressure * values["pressure"]
+    if not np.isfinite(wheel_speed).any():
+        raise ValueError(
+            f"{name} must have wheel_speed_1 [m/s] or angular_velocity_1 [rad/s] and so on, up to {len(radii)}; "
+            f"got {', '.join(table.names)}. Name these columns."
+        )
+    return FrictionLog(name, time, speed, distance, wheel_speed, torque)
+
+
+def _table(name: str, one: object, wheelsets: int, columns: ColumnMap | None) -> Recording:
+    """Return a log with the names of our columns in their units."""
+    numbers = range(1, wheelsets + 1)
+    units = OF_VEHICLE | {f"{stem}_{n}": unit for stem, unit in OF_WHEELSET.items() for n in numbers}
+    units |= {f"{other}_{n}": OF_WHEELSET[stem] for other, stem in SAME_AS.items() for n in numbers}
+    if isinstance(one, Recording):
+        if columns is not None:
+            raise ValueError("columns must be None for a Recording, as its columns have names; give the path of a log.")
+        return _renamed(in_units_of(one, units))
+    if not isinstance(one, str | Path):
+        raise TypeError(f"A log must be a Recording or the path of a CSV file; got {shown(one)} as {name}.")
+    table = table_from(one, units, columns)
+    for message in table.messages:
+        print(message, file=sys.stderr)
+    return _renamed(table)
+
+
+def _renamed(table: Recording) -> Recording:
+    """Return a table whose columns of wheelsets have the names of OF_WHEELSET."""
+    names: Mapping[str, str] = {
+        name: re.sub("|".join(SAME_AS), lambda found: SAME_AS[found[0]], name, count=1) for name in table.names
+    }
+    if len(set(names.values())) < len(names):
+        return table
+    return Recording(
+        {names[name]: table.units[name] for name in table.names}, np.column_stack([table[name] for name in table.names])
+    )
+
+
+def _column(log: str, table: Recording, name: str, unit: str) -> Numbers:
+    """Return a column of a log. Raises ValueError if it is missing or has another unit."""
+    if name not in table.names:
+        hint = " It is the place of the vehicle on its line, the same for all logs." if name == "distance" else ""
+        raise ValueError(f"{log} must have the column {name} [{unit}]; got {', '.join(table.names)}.{hint}")
+    if table.units[name] != unit:
+        raise ValueError(f"{name} must be in {unit}; got {table.units[name]} in {log}. Correct the unit.")
+    return np.asarray(table[name], float)
