@@ -1,0 +1,67 @@
+"""Public laws of friction between wheel and rail as functions of numbers, each with its source (docs/adhesion.md).
+
+Vehicles have the fall over sliding, a map over place and a patch as equations (friction.py, line_table.py). Recovery
+and sand are systems of their own (recovery.py, sand.py). The law over speed has no equation in a vehicle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rbd_model.track.friction import RailCondition
+from rbd_model.track.recovery import RecoveryParameters
+
+Numbers = NDArray[np.float64]
+
+
+def curtius_kniffler(speed: ArrayLike) -> Numbers:
+    """Return the adhesion that locomotives can use at a speed V [km/h], 7.5 / (V + 44) + 0.161.
+
+    Curtius and Kniffler (1950), Elektrische Bahnen; the formula is that of the documentation of Open Rails, the paper
+    was not read.
+
+    Parameters
+    ----------
+    speed : array_like
+        Speed of the vehicle [m/s], at least 0.
+
+    Returns
+    -------
+    ndarray
+        Adhesion coefficient [1].
+
+    Raises
+    ------
+    ValueError
+        If a speed is below 0 or not a number.
+    """
+    return np.asarray(7.5 / (3.6 * _at_least_0("speed", speed, "m/s") + 44.0) + 0.161)
+
+
+def fallen_friction(rail: RailCondition, sliding: ArrayLike) -> Numbers:
+    """Return friction at a sliding speed [m/s], mu0 ((1 - A) exp(-B w) + A): Polach (2005), Wear 258, 992-1000.
+
+    Raises ValueError if a speed is below 0.
+    """
+    ratio, decay = rail.law.friction_ratio, rail.law.friction_decay
+    left = (1.0 - ratio) * np.exp(-decay * _at_least_0("sliding", sliding, "m/s")) + ratio
+    return np.asarray(rail.friction * left)
+
+
+def recovered_friction(rail: RecoveryParameters, energy: ArrayLike) -> Numbers:
+    """Return friction of a rail that sliding has cleaned with an energy per metre [J/m], as in `recovery.py`.
+
+    mu = (1 - l) mu_d + l mu_r, l = 1 - exp(-e / e_0), assumed. Meli, Ridolfi and Rindi (2014), Meccanica 49, 919-937,
+    describe such a recovery; their formula was not read. Raises ValueError if an energy is below 0.
+    """
+    cleaned = -np.expm1(-_at_least_0("energy", energy, "J/m") / rail.recovery_energy)
+    return np.asarray(rail.degraded_friction + (rail.recovered_friction - rail.degraded_friction) * cleaned)
+
+
+def _at_least_0(name: str, value: ArrayLike, unit: str) -> Numbers:
+    found = np.asarray(value, float)
+    wrong = found[~(found >= 0.0)]
+    if wrong.size:
+        raise ValueError(f"{name} must be at least 0 {unit}; got {wrong.flat[0]:g} {unit}. Give its size.")
+    return found
