@@ -14,19 +14,17 @@ FILES = ("slide_protection.c", "slide_protection.h", "wheel_slide.h")
 class SlideProtectionParameters:
     """Thresholds of `SlideProtection`; all finite and not below 0."""
 
-    #: Slip below which the brake is applied further, and above which it is vented; between them it is held [1].
+    #: Slip speed below which the brake is applied further, and above which it is vented; between them it is held [m/s].
+    #: Below 8 m/s both become smaller with the speed.
     lower_slip: float
     upper_slip: float
-    #: The upper slip in m/s at low speed, below which wheels are not distinguished.
-    least_slip: float
     #: Slip that is evidence of sliding [1], and the same in m/s at low speed.
     evident_slip: float
     least_evident_slip: float
-    #: Time by which a change of slip is anticipated, and time constants of the filters on speeds and slopes [s].
+    #: Time by which a change of slip is anticipated [s].
     lead_time: float
-    filter_time: float
-    slope_time: float
-    #: Time constant of the calmer speeds for evidence, the reference and gains of speed [s].
+    #: Durations of the lines through readings: for the slip, and for evidence, the reference and gains of speed [s].
+    fit_time: float
     calm_time: float
     #: Largest deceleration of rolling wheels on any rail [m/s2].
     largest_deceleration: float
@@ -50,20 +48,18 @@ class SlideProtectionParameters:
 def common_protection() -> SlideProtectionParameters:
     """Return assumed thresholds, chosen on half of the rails of scenarios/bench/rail_programme.py; see docs/fitted.md.
 
-    The slip is that of (2.10), with the reference speed as that of the car.
+    The slip is that of (2.10) times the speed, with the reference speed as that of the car.
     """
     return SlideProtectionParameters(
-        lower_slip=0.05,
-        upper_slip=0.10,
-        least_slip=0.3,
+        lower_slip=0.4,
+        upper_slip=0.8,
         evident_slip=0.08,
         least_evident_slip=0.6,
         lead_time=0.1,
-        filter_time=0.02,
-        slope_time=0.03,
-        calm_time=0.08,
+        fit_time=0.06,
+        calm_time=0.2,
         largest_deceleration=4.4,
-        synchronising_period=4.0,
+        synchronising_period=8.0,
         watchdog=5.0,
         slowest=0.3,
     )

@@ -30,20 +30,8 @@ from tests.rbd_model.test_adhesion import adhesion
 DRY, _, LOW, _ = (rail.values() for rail in RAILS)
 #: Braking force over the largest creep force: the brake fills to 1e-3, and slip ratios are tried 20 % apart.
 USED_BAND = 3e-3
-#: Ratios of distance to the ideal that exceed OVER_IDEAL, and their tolerance. Thresholds were chosen with timed
-#: filling of the cylinders. With flow of air, cylinders refill 2.6 times as slowly at first, so unnecessary venting
-#: costs more. Sensors: teeth, jitter, whether by flow of air. Rails, of the bogie by flow of air: name, initial speed
-#: [m/s].
-MISSED_BY_SENSORS = {(2000, 0.3, True): 1.325}
-MISSED_ON_RAILS = {
-    ("0.08 falling", 40.0): 1.260,
-    ("0.1 falling", 40.0): 1.262,
-    ("0.12 falling", 40.0): 1.280,
-    ("0.15", 25.0): 1.275,
-    ("0.15 falling", 15.0): 1.264,
-    ("0.15 falling", 40.0): 1.260,
-}
-MISSED_BAND = 5e-3
+#: Median and worst distance over the ideal on rails for reporting. docs/fitted.md: at most 1.067 and 1.155.
+MEDIAN, WORST = 1.08, 1.17
 
 
 def stopped(
@@ -122,16 +110,11 @@ SENSORS = [(80, 0.0), (100, 0.1), (200, 0.0), (2000, 0.3), (10000, 0.0)]
 @pytest.mark.parametrize(("teeth", "jitter"), SENSORS)
 @pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 def test_every_sensor_is_enough_on_a_low_rail(teeth: int, jitter: float, by_flow: bool) -> None:
-    """The known misses are compared with their stored values."""
     ideal = ideal_of(by_flow)
     stop = stopped(SlideProtection, LOW, Settings(pulses=teeth, jitter=jitter), by_flow=by_flow)
     assert stop.distance is not None
     assert stop.longest_lock <= LONGEST_LOCK
-    missed = MISSED_BY_SENSORS.get((teeth, jitter, by_flow))
-    if missed:
-        assert stop.distance / ideal == pytest.approx(missed, abs=MISSED_BAND)
-    else:
-        assert ideal < stop.distance < OVER_IDEAL * ideal
+    assert ideal < stop.distance < OVER_IDEAL * ideal
 
 
 #: The same on dry rail.
@@ -183,9 +166,7 @@ def test_an_ideal_that_never_stops_is_refused(monkeypatch: pytest.MonkeyPatch) -
 
 def test_some_rails_on_which_thresholds_were_not_chosen() -> None:
     found = scores(bogie(), for_reporting()[::3], common_protection(), Settings())
-    ratios = {(score.trial.rail.name, score.trial.speed): score.over_ideal or math.inf for score in found}
-    missed = {trial: ratio for trial, ratio in ratios.items() if ratio > OVER_IDEAL}
-    assert missed == pytest.approx({("0.15", 25.0): MISSED_ON_RAILS["0.15", 25.0]}, abs=MISSED_BAND)
+    assert max(score.over_ideal or math.inf for score in found) < WORST
     assert max(score.longest_lock for score in found) <= LONGEST_LOCK
 
 
@@ -193,11 +174,10 @@ def test_some_rails_on_which_thresholds_were_not_chosen() -> None:
 @pytest.mark.parametrize("make", [bogie, coach])
 @pytest.mark.parametrize("by_flow", [False, True], ids=["timed", "by flow"])
 def test_thresholds_hold_on_rails_on_which_they_were_not_chosen(make: Callable[[], Machine], by_flow: bool) -> None:
-    """The known misses are compared with their stored values."""
     found = scores(make(), for_reporting(), common_protection(), Settings(), by_flow)
-    ratios = {(score.trial.rail.name, score.trial.speed): score.over_ideal or math.inf for score in found}
-    missed = {trial: ratio for trial, ratio in ratios.items() if ratio > OVER_IDEAL}
-    assert missed == pytest.approx(MISSED_ON_RAILS if make is bogie and by_flow else {}, abs=MISSED_BAND)
+    ratios = [score.over_ideal or math.inf for score in found]
+    assert np.median(ratios) < MEDIAN
+    assert max(ratios) < WORST
     assert max(score.longest_lock for score in found) <= LONGEST_LOCK
 
 
@@ -208,8 +188,8 @@ def test_rails_for_choosing_and_reporting_share_none() -> None:
 
 
 def test_a_band_far_from_the_best_slip_costs_distance(ideal: float) -> None:
-    """The slip range matters: at half the speed, friction of the low rail has fallen by a third."""
-    wide = replace(common_protection(), lower_slip=0.45, upper_slip=0.55)
+    """The slip range matters: at 6 m/s friction of the low rail has fallen by 42 %."""
+    wide = replace(common_protection(), lower_slip=5.5, upper_slip=6.5)
     ratio = stopped(lambda: SlideProtection(wide), LOW).over(ideal)
     assert ratio is not None
     assert ratio > OVER_IDEAL
