@@ -9,20 +9,19 @@
  *                        vehicle, never below the fastest wheel
  *
  * Evidence begins with a wheel far below the reference, or with all below it. It ends when all wheels have been braked freely
- * for a while. Two tests on a wheel correct the reference and the deceleration meanwhile. A wheel that slides responds to its
- * brake: less torque on it than the adhesion takes speeds it up, more slows it down, both at once and much more than a wheel
- * that rolls, which has to move the vehicle.
- *   Vented, without response:  the wheel rolls, its speed is that of the vehicle.
- *   Filled, without response:  the wheel is below its best slip; its speed bounds that of the vehicle from both sides.
- * The response is compared with what the valves have done, since pressures are not measured (TYPICAL numbers below).
+ * for a while. Meanwhile two tests on each wheel correct reference and deceleration. A sliding wheel responds to its valve at
+ * once, because only its own inertia resists. A rolling wheel moves the vehicle, and hardly responds.
+ *   Vented, without response:  the wheel rolls. Its speed is that of the vehicle.
+ *   Filled, without response:  the wheel is below its best slip. Its speed bounds that of the vehicle from both sides.
+ * Pressures are not measured, so the response is compared with the action of the valves (TYPICAL numbers below).
  *
- * Command by slip: the slip to come is that of now, plus its rate times a lead time. Its rate includes what the valves have
- * done and sensors do not show yet. Above a band: vent. Below it: apply. In it: hold, but where a slip does not grow for a
- * while, the brake is applied for an instant, because behind the best slip it would grow.
+ * Command by slip: the slip to come is the present one plus its rate times a lead time. Its rate includes the action of the
+ * valves that sensors do not show yet. Above a band: vent. Below it: apply. In it: hold, but after a while in which a slip
+ * does not grow, the brake is applied for an instant: behind the best slip a slip grows.
  *
- * Wheels whose sensor shows a reading that no wheel can produce get a share of the pressure of their neighbour, by model.
- * Sizes of the wheels, relative to each other, are learned while all roll unbraked. Errors of the teeth are measured while
- * nothing slides, and lengthen the filters. A reading that is not finite is invalid: the sensor is rejected, and its
+ * If a sensor shows a reading that no wheel can produce, its wheelset gets a share of the pressure of its neighbour, by
+ * model. Sizes of the wheels, relative to each other, are learned while all roll unbraked. Errors of the teeth are measured
+ * while nothing slides, and lengthen the filters. A reading that is not finite is invalid: the sensor is rejected, and its
  * previous reading remains. */
 #include "slide_protection.h"
 
@@ -52,16 +51,17 @@ static const double SETTLING = 0.5, KEEPING = 1.0, SECOND_SYNCHRONISING = 1.5;
 /* Speed below which the band of slips becomes narrower, least share of it, and speed of the least share [m/s, 1, m/s]. */
 static const double FULL_BAND = 8.0, SLOW = 3.0;
 
-/* TYPICAL: acceleration of a sliding wheel that its brake gains in a second of venting, over the deceleration of the vehicle
- * (mass on a wheelset over its rotating mass, divided by the time in which a cylinder empties); largest and first
- * deceleration that it is used with [m/s2]. Lost acceleration in a second of filling [m/s3]. Time until sensors show it [s].
- * Pressure in shares of the full one: gained in a second of filling, lost share in a second of venting [1/s]. */
+/* TYPICAL numbers of vehicles and cylinders. VENTED: acceleration that a sliding wheel gains in a second of venting, over the
+ * deceleration of the vehicle [1/s]. It is the mass on a wheelset over its rotating mass, divided by the time in which a
+ * cylinder empties. VENTED_MOST, VENTED_FIRST: largest and first deceleration for it [m/s2]. FILLED: acceleration that it
+ * loses in a second of filling [m/s3]. LAG: time until sensors show it [s]. */
 static const double VENTED = 40.0, VENTED_MOST = 1.0, VENTED_FIRST = 0.3, FILLED = 13.0, LAG = 0.1;
+/* Share of the full pressure that a second of filling adds; share of its pressure that a second of venting takes [1/s]. */
 static const double FILLING = 0.57, EMPTYING = 3.0;
 /* Acceleration due to venting and due to filling without response after which a wheel does not slide [m/s2]. */
 static const double UNMOVED_VENTED = 2.0, UNMOVED_FILLED = 2.0;
-/* What counts as no response to filling: a change of acceleration of less than this, plus that of a vehicle that rolls, a
- * share of what a sliding wheel would lose, at most [m/s2, 1, m/s2]. A vent that ends the test: share of LAG. */
+/* A smaller change of acceleration is not taken for a response [m/s2]. To it is added the response of the vehicle: a share of that of a
+ * sliding wheel [1], up to a limit [m/s2]. VENT_SEEN: a share of LAG of venting ends the test of filling [1]. */
 static const double UNMOVED = 0.7, OF_VEHICLE = 0.1, OF_VEHICLE_MOST = 0.5, VENT_SEEN = 0.1;
 /* Faster than the vehicle by this, a wheel slides [m/s2]. */
 static const double FASTER = 2.0;
@@ -74,9 +74,9 @@ static const double RELEASED = 1.5;
 /* Steady slip: time, largest change of acceleration, and duration of the pulse that follows [s, m/s2, s]. */
 static const double STEADY = 0.4, STEADY_CHANGE = 0.4, PULSE = 0.04;
 
-/* Noise of a reading without effect [m/s]. Above it: growth of both times of filters and their largest growth [s], of the
- * acceleration that counts as a change [1/s], of the difference that is evidence [1]. Time in which it is measured [s], up to
- * this acceleration [m/s2]. */
+/* Noise of a reading without effect [m/s]. For noise above it: growth of the times of filters, and the largest of both [s];
+ * growth of a change of acceleration without response [1/s]; growth of the difference that is evidence [1]. Noise is measured
+ * over a time [s], below an acceleration [m/s2]. */
 static const double NOISELESS = 0.045, NOISE_TIME = 2.0, NOISE_FIT = 0.1, NOISE_CALM = 0.15;
 static const double NOISE_CHANGE = 8.0, NOISE_EVIDENT = 5.0, NOISE_MEASURED = 0.5, NOISE_BELOW = 1.5;
 /* Sizes of wheels: acceleration below which all roll unbraked [m/s2], least speed [m/s], time [s], largest correction [1]. */
@@ -96,8 +96,8 @@ static const double STAYING = 0.3, STAYS = 0.5;
 static const double BLIND = 1.0, BLIND_ABOVE = 3.0;
 /* Share of the speed, and time [s], for which a sensor must agree with the others to be accepted again. */
 static const double AGREES = 0.05, AGREEING = 2.0;
-/* A wheel without sensor: share of the pressure of its neighbour, its band, and time of venting at first, which ends a lock
- * that nothing showed [1, 1, s]. */
+/* A wheel without sensor: share of the pressure of its neighbour with its tolerance [1]. Time of venting at first [s]: it ends
+ * a lock that nothing showed. */
 static const double UNSEEN_SHARE = 0.7, UNSEEN_BAND = 0.03, UNSEEN_VENT = 0.4;
 
 enum { APPLY = WHEEL_SLIDE_APPLY, HOLD = WHEEL_SLIDE_HOLD, VENT = WHEEL_SLIDE_VENT, NOBODY = -1 };
@@ -116,7 +116,7 @@ typedef struct {
     int readings;
     /* Shares of the last LAG of venting and filling; pressure by model [1]. */
     double venting, filling, pressure;
-    /* Acceleration due to venting without response; due to filling, with what the wheel had as this began [m/s2, s, m/s]. */
+    /* Acceleration due to venting without response; due to filling, with time, speed and acceleration at its begin [m/s2, s, m/s]. */
     double unmoved_vented, least_acceleration, unmoved_filled, unmoved_at, unmoved_speed, unmoved_acceleration;
     /* Begin of a steady slip with the acceleration then; end of the pulse. */
     double steady_at, steady_acceleration, pulse_until;
@@ -377,7 +377,7 @@ static double gained_by_venting(const protection *self) {
     return VENTED * smaller(known, VENTED_MOST);
 }
 
-/* Begins the test of filling anew. */
+/* Begins the test of filling again. */
 static void watch_filling(const protection *self, wheel *one) {
     one->unmoved_filled = 0.0;
     one->unmoved_at = self->time;
