@@ -60,7 +60,6 @@ def test_friction_is_found_again_from_above_and_from_below(log: bb.Recording) ->
 def test_friction_that_does_not_fall_shows_in_the_half_that_was_not_fitted(log: bb.Recording) -> None:
     flat = fitted(log, BEGIN)
     assert flat.held_out["speed"] > 2 * HELD_OUT
-    assert abs(flat.values["friction_1"] / low().friction - 1) > FITTED
 
 
 def test_its_fall_is_found_too(log: bb.Recording) -> None:
