@@ -248,7 +248,6 @@ MISSES = {
     "creep-forces": {"largest distance from exact theory, with spin"},
     # The 99 % at random states of FASTSIM and FaStrip is missed too, but short_laws leaves it out.
     "creep-laws": {f"Polach: {kind}, largest distance" for kind in ("mixed", "spin-dominated", "saturated")},
-    "vehicle-anti-skid": {"low, cleaned: least rise of braking force over load from one wheelset to the next"},
     "vehicle-composed": {"coupled, held: error of distance at 2 ms"},  # with the steps of short_vehicles
     "wheelset-skid": {"friction 0.3: time from brake to lock"},
     "wheelset-torque": {"distance slipped while braking"},
