@@ -48,7 +48,7 @@ static const double SHORTEST_BETWEEN = 0.5, LEAST_DECELERATION = 0.1;
 /* Time for which a new sensor is only observed. Time between stored speeds while nothing slides. Time from the first true
  * speed of a slide to the second [s]. */
 static const double SETTLING = 0.5, KEEPING = 1.0, SECOND_SYNCHRONISING = 1.5;
-/* Speed below which the band of slips becomes narrower, least share of it, and speed of the least share [m/s, 1, m/s]. */
+/* Speed below which the band of slips becomes narrower, and speed from which it stays so [m/s]. */
 static const double FULL_BAND = 8.0, SLOW = 3.0;
 
 /* TYPICAL numbers of vehicles and cylinders. VENTED: acceleration that a sliding wheel gains in a second of venting, over the
@@ -60,8 +60,8 @@ static const double VENTED = 40.0, VENTED_MOST = 1.0, VENTED_FIRST = 0.3, FILLED
 static const double FILLING = 0.57, EMPTYING = 3.0;
 /* Acceleration due to venting and due to filling without response after which a wheel does not slide [m/s2]. */
 static const double UNMOVED_VENTED = 2.0, UNMOVED_FILLED = 2.0;
-/* A smaller change of acceleration is not taken for a response [m/s2]. To it is added the response of the vehicle: a share of that of a
- * sliding wheel [1], up to a limit [m/s2]. VENT_SEEN: a share of LAG of venting ends the test of filling [1]. */
+/* A smaller change of acceleration is not taken for a response [m/s2]. To it is added the response of the vehicle: a share of
+ * that of a sliding wheel [1], up to a limit [m/s2]. VENT_SEEN: a share of LAG of venting ends the test of filling [1]. */
 static const double UNMOVED = 0.7, OF_VEHICLE = 0.1, OF_VEHICLE_MOST = 0.5, VENT_SEEN = 0.1;
 /* Faster than the vehicle by this, a wheel slides [m/s2]. */
 static const double FASTER = 2.0;
@@ -107,7 +107,8 @@ enum { APPLY = WHEEL_SLIDE_APPLY, HOLD = WHEEL_SLIDE_HOLD, VENT = WHEEL_SLIDE_VE
 typedef struct {
     double reading, speed, acceleration, calm_speed, calm_acceleration, lowest, noise, size;
     double turns_since, vents_since, blocked_until;
-    /* Readings for the filters with their times, the newest at `newest`; the last ones, of which the middle is used. */
+    /* Readings for the filters with their times, the newest at `newest`; the last ones, of which the second
+     * largest is used. */
     double kept[KEPT], kept_at[KEPT], recent_kept[RECENT];
     int count, newest;
     /* The last readings; time of the last change of the reading, and the fastest other wheel then; time since which a rejected
@@ -116,7 +117,8 @@ typedef struct {
     int readings;
     /* Shares of the last LAG of venting and filling; pressure by model [1]. */
     double venting, filling, pressure;
-    /* Acceleration due to venting without response; due to filling, with time, speed and acceleration at its begin [m/s2, s, m/s]. */
+    /* Acceleration due to venting without response, and the least one meanwhile; acceleration due to filling, with time, speed
+     * and acceleration at its begin [m/s2, s, m/s]. */
     double unmoved_vented, least_acceleration, unmoved_filled, unmoved_at, unmoved_speed, unmoved_acceleration;
     /* Begin of a steady slip with the acceleration then; end of the pulse. */
     double steady_at, steady_acceleration, pulse_until;

@@ -11,7 +11,7 @@ LOCK_ABOVE = 0.3
 #: Time constant of each of two lags on the acceleration, from whose output the jerk is taken [s]: assumed.
 JERK_TIME = 0.25
 #: Requirements of a protection on a low rail: longest lock [s], share of the time in the slip band, and the stopping
-#: distance over that of the ideal. Assumed; only sensors of 10000 pulses met 1.15, real ones have 60 to 300.
+#: distance over that of the ideal. Assumed.
 LONGEST_LOCK, SHARE, OVER_IDEAL = 0.4, 0.8, 1.25
 
 

@@ -34,7 +34,7 @@ from tests.fmu.masters import MASTERS, parameters_of
 SPEED_BAND = 1e-6
 #: Relative difference between masters if a controller decides: FMPy passes it the first speeds one step later.
 CONTROLLED_BAND = 1e-3
-#: Largest slip of a protected wheel: twice the slip above which the protection vents (common_protection).
+#: Largest slip of a protected wheel [1], assumed: the protection vents above 0.8 m/s (common_protection).
 LARGEST_SLIP = 0.2
 
 
