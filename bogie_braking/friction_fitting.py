@@ -29,7 +29,8 @@ FIELD, BESIDE = "friction", ("friction_ratio", "friction_decay", "cleaned_fricti
 FRICTIONS, TORQUES = (1e-3, 2.0), (0.2, 5.0)
 #: Time over which used adhesion is taken [s], and fewest averages of a stretch that is used.
 OVER, FEWEST = 1.0, 3
-#: Largest number of knots. Deviation of a log over the usual one that is told. Relative distance from a limit.
+#: Largest number of knots. Deviation of a log over the usual one from which a message names it. Relative distance from
+#: a limit.
 MOST_PLACES, OUTLIER, AT_LIMIT = 2000, 3.0, 1e-3
 
 
@@ -42,8 +43,8 @@ class FrictionField:
     places : array, shape (n,)
         Distances along the line [m].
     values, lower, upper : array, shape (n,)
-        Friction without sliding, and its 95 % intervals [1]. Where the logs do not determine it, the value is NaN,
-        `lower` is the adhesion that was used nearby without sliding, or 0, and `upper` is infinite.
+        Friction without sliding, and its 95 % intervals [1]. Where the logs do not determine it, the value is NaN and
+        `upper` is infinite. `lower` is then the adhesion that was used nearby without sliding, or 0.
     logs : array, shape (n,)
         Number of logs with wheels that slid near each place.
     others : dict
@@ -197,7 +198,7 @@ def _field_of(
 ) -> FrictionField:
     """Return the result; weight: time in which wheelsets slid near each knot, shape (stretches, knots)."""
     count, there = problem.count, problem.determined.copy()
-    known_here = found.half[:count] < np.mean(found.x[:count])  # wider intervals say nothing
+    known_here = found.half[:count] < np.mean(found.x[:count])  # a wider interval determines no value
     there[there] = known_here
     values, lower, upper = np.full(at.size, np.nan), _used_near(problem.axles, logs, at), np.full(at.size, np.inf)
     values[there] = found.x[:count][known_here]

@@ -57,7 +57,7 @@ class Found:
         What rounding changed, with `--rounded`.
     release_speed : float or None
         Release speed that the on-board unit calculates [m/s]; None without a supervised location behind the target.
-    without_effect : list of str
+    without_effect : tuple of str
         National values that change no limit of the train, with the reasons.
     covered : tuple of float or None
         Places where the rows of the line begin and end [m]; None: level.

@@ -1,4 +1,4 @@
-"""Pictures of docs/adhesion.md: a law of friction each, and a fitted field.
+"""Figures of docs/adhesion.md: a law of friction each, and a fitted field.
 
 python docs/generate/adhesion.py
 """
@@ -21,7 +21,7 @@ from scenarios.reporting import plots
 
 #: Map of friction and speeds of the stops [m], [1], [m/s]; error of the logged speed [m/s].
 PLACES = np.arange(0.0, 401.0, 50.0)
-FRICTION, SPEEDS, ERROR = np.array([8, 8, 5, 10, 7, 6, 9, 8, 7]) / 100, (15.0, 18.0, 21.0), 0.03
+FRICTION, SPEEDS, ERROR = np.array([8, 8, 5, 10, 7, 6, 9, 8, 7]) / 100, (13.0, 15.0, 18.0), 0.03
 
 
 def over_sliding() -> Figure:
@@ -75,7 +75,7 @@ def over_place() -> Figure:
     line = bb.line_of([bb.straight(1200)], start=-20).with_friction(PLACES, FRICTION / low().friction)
     error, logs = np.random.default_rng(1), []
     for speed in SPEEDS:
-        stop = bb.protected_stop("protection", "low", line=line, speed=speed)
+        stop = bb.protected_stop(None, "low", line=line, speed=speed)
         stop["speed"][:] += error.normal(0.0, ERROR, stop["speed"].size)
         logs.append(stop)
     law = {name: value for name, value in low().law.values().items() if name != "friction_decay"}
@@ -90,7 +90,7 @@ def over_place() -> Figure:
 
 
 def main() -> int:
-    """Write the pictures."""
+    """Write the figures."""
     for draw in (over_sliding, over_speed, over_energy, over_sand, over_place):
         draw().savefig(DOCS / "pictures" / f"adhesion-{draw.__name__.replace('_', '-')}.png", dpi=110)
     return 0

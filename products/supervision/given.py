@@ -23,7 +23,7 @@ def numbers(name: str, value: object) -> np.ndarray:
     name : str
         Name of the argument.
     value : object
-        What was given.
+        The argument.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def finite(name: str, value: object) -> float:
     name : str
         Name of the argument.
     value : object
-        What was given.
+        The argument.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def of_type(name: str, value: object, kind: type[T], remedy: str) -> T:
     name : str
         Name of the argument.
     value : object
-        What was given.
+        The argument.
     kind : type
         Its type.
     remedy : str

@@ -1,6 +1,6 @@
 """Accept or reject a wheel-slide controller: cases and criteria in the manner of EN 15595 and UIC 541-05.
 
-  bogie-braking controllers report mine.c                        40 cases of the programme, with the built-in criteria
+  bogie-braking controllers report mine.c                        the 40 built-in cases and criteria
   bogie-braking controllers report mine.py:PI --vehicle coach    a Python class, on the coach
   bogie-braking controllers report mine.c --vehicle regio.toml   on your vehicle, from its data sheet
   bogie-braking controllers report                               the built-in protection
@@ -59,11 +59,11 @@ BUILT_IN = "protection"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    text = "as in 'controllers compare'; without one, the protection that comes along"
+    text = "as in 'controllers compare'; without one, the built-in protection"
     parser.add_argument("controller", nargs="?", help=text)
-    text = "a TOML file with cases (default: full, the programme that comes along)"
+    text = "a TOML file with cases (default: full, the built-in ones)"
     parser.add_argument("--programme", metavar="FILE", help=text)
-    text = "a TOML file with criteria (default: those that come along)"
+    text = "a TOML file with criteria (default: the built-in ones)"
     parser.add_argument("--criteria", metavar="FILE", help=text)
     level, text = whole("--level", 2, 3), "2 in the plane (default), 3 in space"
     parser.add_argument("--level", type=level, default=2, metavar="LEVEL", help=text)

@@ -14,7 +14,7 @@ from scenarios.controllers.page import data
 from scenarios.controllers.report_text import NO_CLAIM
 from scenarios.web.frame import filled
 
-#: Heads of the table of all cases, and whether their columns are numbers or texts; those of `table.cells` between.
+#: Heads of the table of all cases, and whether their columns are numbers or strings; those of `table.cells` between.
 BEFORE, AFTER = ("case", "group", "verdict"), ("jerk [m/s3]", "commands", "source of the numbers")
 #: Columns of `table.cells` that a report of one controller lacks.
 WITHOUT = ("case", "controller", "longer by")
