@@ -25,8 +25,8 @@ from rbd_model.vehicle.statics import statics
 from rbd_model.wheelset.level_rail import CentredContact, centred_creep_force, centred_load, contact_stiffness
 
 Numbers = NDArray[np.float64]
-#: Slip ratio from which a wheelset is treated as sliding, and speed from which rows are used [m/s]; assumed. With sensors
-#: of 100 teeth a slip of 3 % is certain; on slippery rails it is beyond the peak of adhesion.
+#: Slip ratio from which a wheelset is treated as sliding, and speed from which rows are used [m/s]; assumed. With
+#: sensors of 100 teeth a slip of 3 % is certain; on slippery rails it is beyond the peak of adhesion.
 SLIDES, LEAST_SPEED = 0.03, 3.0
 #: Longest time between two rows over which is integrated, over the median step.
 LONGEST_STEP = 5.0
