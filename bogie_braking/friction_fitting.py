@@ -43,20 +43,20 @@ class FrictionField:
     places : array, shape (n,)
         Distances along the line [m].
     values, lower, upper : array, shape (n,)
-        Friction without sliding, and its 95 % intervals [1]. Where the logs do not determine it, the value is NaN and
-        `upper` is infinite. `lower` is then the adhesion that was used nearby without sliding, or 0.
+        Friction without sliding, and its 95 % intervals [1]. A value is NaN, and `upper` is infinite, if the logs do
+        not determine it. `lower` is then the largest adhesion that rolling wheels used nearby, or 0.
     logs : array, shape (n,)
-        Number of logs with wheels that slid near each place.
+        Number of logs with sliding wheels near each place.
     others : dict
-        Other fitted parameters, and `torque_factor`, over the logged brake torques.
+        Other fitted parameters, and `torque_factor`: fitted over logged brake torques.
     standard_errors : dict
-        Of these.
+        Standard errors of `others`.
     scatter : float
-        Standard deviation of the friction between logs, over that of the field [1].
+        Standard deviation of the friction between logs, relative to the field [1].
     deviations : dict
-        Standard deviation of the logged speeds from the fitted ones, by log [m/s].
+        Standard deviation of the logged speeds of each log from the fitted ones [m/s].
     messages : list of str
-        What was used, and warnings.
+        Places and logs that were used, and warnings.
     """
 
     places: Numbers

@@ -31,9 +31,9 @@ class FrictionLog:
     Attributes
     ----------
     name : str
-        Its name in messages.
+        Name of the log in messages.
     time, speed, distance : array, shape (rows,)
-        [s], [m/s], [m]; distance: place of the vehicle on its line.
+        Time [s], speed of the vehicle [m/s], and its place on the line [m].
     wheel_speed : array, shape (rows, wheelsets)
         Circumferential speeds [m/s]; NaN: not measured.
     torque : array, shape (rows, wheelsets)
@@ -51,11 +51,12 @@ class FrictionLog:
 def friction_logs(
     measured: object, radii: Sequence[float], torque_per_pressure: float | None, columns: ColumnMap | None
 ) -> list[FrictionLog]:
-    """Return logs; measured: one or several recordings or paths of files.
+    """Return logs as arrays.
 
     Parameters
     ----------
     measured : Recording, str, Path, or a sequence of these
+        One log or several, as recordings or paths of files.
     radii : sequence of float
         Wheel radius of each wheelset [m].
     torque_per_pressure : float or None

@@ -155,10 +155,23 @@ def load_transfer(vehicle: str | Vehicle, wheelsets: int, values: tuple[tuple[st
 class Stretch:
     """Rows of a log over which the speed is integrated.
 
-    log: its number. sliding [m/s], shape (rows, wheelsets). slides: in each step, shape (steps, wheelsets). known
-    [m/s]: change of speed in each step by gravity, resistance and inertia of the wheelsets that roll; by_torque: that
-    by their brake torques. rolling: braking forces of rolling wheelsets [N], shape (rows, wheelsets). hats: weight of
-    each knot at each wheelset, shape (rows, wheelsets, knots).
+    Attributes
+    ----------
+    log : int
+        Number of the log.
+    time, speed : array, shape (rows,)
+        Time [s] and logged speed [m/s].
+    sliding : array, shape (rows, wheelsets)
+        Sliding speeds [m/s].
+    slides : array of bool, shape (steps, wheelsets)
+        Whether a wheelset slides in a step.
+    known, by_torque : array, shape (steps,)
+        Change of speed in a step [m/s]: by gravity, resistance and the inertia of rolling wheelsets, and by their
+        brake torques.
+    rolling : array, shape (rows, wheelsets)
+        Braking forces of rolling wheelsets [N].
+    hats : array, shape (rows, wheelsets, knots)
+        Weight of each knot at each wheelset.
     """
 
     log: int

@@ -1,7 +1,7 @@
 """Search for the field of friction that fits logged speeds best, and its intervals.
 
-v_j(t) = v_j0 + gain(t; mu (1 + d_j), ...) + e_j(t): the friction of log j is that of the field times 1 + d_j, where the
-d_j are normal with a common standard deviation, the scatter between logs. The errors e_j may be correlated in time
+The speed in log j is v_j(t) = v_j0 + gain(t; mu (1 + d_j), ...) + e_j(t). Its friction is the field times 1 + d_j. The
+d_j are normal, and their standard deviation is the scatter between logs. The errors e_j may be correlated in time
 (`correlated.py`). Such mixed models and the restricted likelihood of their variances: Searle, Casella and McCulloch
 (1992), Variance Components.
 """
@@ -40,8 +40,9 @@ SINGULAR, NAMED = 1e-10, 0.1
 class Search:
     """Logged speeds as functions of the parameters.
 
-    These are the knots that wheels slid near, `beside`, the factor on logged torques if there are any, and d_j of each
-    log. determined: knots that are parameters, as a mask. rail: other numbers of the rail.
+    The parameters are the friction at the knots with sliding wheels, `beside`, a factor on logged torques, and d_j of
+    each log. The factor is omitted without logged torques. determined: mask of the knots that are parameters. rail:
+    other numbers of the rail.
     """
 
     axles: Axles

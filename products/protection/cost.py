@@ -16,7 +16,7 @@ from products.protection.settings import BRAKE_START, LONGEST, Settings
 
 #: Cost of a measure at its limit: that of a distance at its own limit.
 AT_LIMIT = OVER_IDEAL - 1.0
-#: Limit of air, in fillings of all cylinders. Assumed; the built-in protection uses some 16 on the low rail from 25
+#: Limit of air, in fillings of all cylinders. Assumed; the built-in protection uses some 10 on the low rail from 25
 #: m/s.
 FILLINGS = 40.0
 #: Additional cost of a run without a stop, in stops in which all wheels roll. Assumed: without it a policy that creeps

@@ -132,19 +132,20 @@ def read_programme(path: Path) -> list[Case]:
 def named_tables(
     path: Path, word: str, what: str, known: Sequence[str], read_one: Callable[[Mapping[str, Any]], Named]
 ) -> list[Named]:
-    """Return what the tables [[word]] of a file describe, each with its own name.
+    """Return the objects that the tables [[word]] of a file describe; their names must differ.
 
     Parameters
     ----------
     path : Path
+        TOML file.
     word : str
         Name of the tables, as "case".
     what : str
-        What a table describes, for messages.
+        Noun for the object of a table, in messages.
     known : sequence of str
-        Names that a table may have.
+        Keys that a table may have.
     read_one : callable
-        Returns what a table describes, from names with values. Raises ValueError, TypeError.
+        Returns the object of a table. Raises ValueError, TypeError.
 
     Raises
     ------

@@ -40,10 +40,10 @@ class CaseResult:
 
 @dataclass(frozen=True)
 class Finding:
-    """A criterion in a case.
+    """Result of a criterion in a case.
 
-    value: in the unit of the criterion, None if there is no value. half: half of its interval; 0 for the worst of all
-    draws. reason: why a value is missing, or why the stop does not count.
+    value: in the unit of the criterion, or None. half: half of its interval, or 0 for the worst draw. reason: cause
+    of a missing value, or of a stop that does not count.
     """
 
     criterion: str

@@ -13,8 +13,8 @@
 'compare --help', 'report --help', 'replay --help' and 'loop --help' say more. A class has the method
 step(time, wheel_speeds) -> valves: [s], [m/s] -> 0 apply, 1 hold or 2 vent for each wheelset.
 
-Exit status: 0 all controllers stopped everywhere; 1 one did not stop, failed, has no verdict, missed a period in the
-loop, or was not accepted by a report; 2 bad input; 3 the simulation failed; 130 interrupted with Ctrl-C.
+Exit status: 0 if all controllers stopped everywhere. 1 if one did not stop, failed, has no verdict, missed a period in
+the loop, or was not accepted by a report. 2: bad input. 3: the simulation failed. 130: interrupted with Ctrl-C.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
     client = actions.add_parser("client", help="print a client of such a rig, which goes to another machine")
     client.add_argument("language", choices=list(answering.CLIENTS))
     actions.add_parser("header", help="print wheel_slide.h, which a controller in C includes")
-    actions.add_parser("programme", help="print the programme that comes along, to begin one of your own with")
+    actions.add_parser("programme", help="print the built-in test suite, a start for your own")
     actions.add_parser("criteria", help="print the built-in criteria, a start for your own")
     parser.set_defaults(quiet=False, json=False, out=Path("results"))
 
@@ -117,7 +117,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_mutually_exclusive_group()
     text = f"some of {','.join(rail.name for rail in RAILS)} (default: all)"
     group.add_argument("--rails", default="", metavar="NAMES", help=text)
-    text = "a TOML file with cases; full: the programme that comes along; starts: the one for driven wheels"
+    text = "a TOML file with cases; full: the built-in test suite; starts: the one for driven wheels"
     group.add_argument("--programme", metavar="FILE", help=text)
     parser.add_argument("--html", action="store_true", help="also write a page that plays all stops side by side")
     add_draws(parser)

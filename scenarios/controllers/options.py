@@ -132,7 +132,7 @@ def cases_of(chosen: argparse.Namespace) -> list[Case]:
         try:
             return read_programme(path)
         except OSError:
-            raise BadInputError(f"There is no file {path}; give a programme, or {' or '.join(PROGRAMMES)}.") from None
+            raise BadInputError(f"There is no file {path}; give a case file, or {' or '.join(PROGRAMMES)}.") from None
         except ValueError as error:
             raise BadInputError(str(error)) from None
     known = {case.name: case for case in four_rails()}

@@ -5,7 +5,7 @@
   bogie-braking controllers report mine.c --vehicle regio.toml   on your vehicle, from its data sheet
   bogie-braking controllers report                               the built-in protection
   bogie-braking controllers report mine.c --programme my.toml --criteria limits.toml
-                                                                 your own (controllers programme, controllers criteria)
+                                                                 your own cases and limits
   bogie-braking controllers report mine.c --html                 and results/controllers/report.html, animated
   bogie-braking controllers report --check results/controllers/report.json
                                                                  make a report again, and compare

@@ -46,19 +46,22 @@ def report_document(
     criteria: Sequence[Criterion],
     found: Sequence[Finding],
 ) -> dict[str, Any]:
-    """Return a report for programs.
+    """Return a report as a JSON object.
 
     Parameters
     ----------
     name : str
         Name of the controller.
     arguments : sequence of str
-        Those of the command that makes the report again.
+        Arguments of the command that makes the report again.
     inputs : mapping
         Files with their digests, as `inputs_of` returns them.
     tested : sequence of CaseResult
+        Stops of each case.
     criteria : sequence of Criterion
+        Criteria with their limits.
     found : sequence of Finding
+        Result of each criterion in each of its cases.
     """
     runs = runs_document([one.score for one in tested])
     cases = [

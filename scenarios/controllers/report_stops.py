@@ -48,14 +48,19 @@ def stops_for_report(
     Parameters
     ----------
     machine : Machine
+        Vehicle with its brakes.
     name : str
         Name of the controller.
     controller : Given
+        Controller that is tested.
     cases : sequence of Case
+        Stops to be made.
     criteria : sequence of Criterion
-        A case in which one of them cannot be decided is drawn at each number of draws of the plan.
+        A case is drawn more often while one of these criteria is undecided in it.
     settings : Settings
+        Settings of brake, sensors and controller.
     plan : Plan
+        Spreads and numbers of draws.
     level : int
         2: planar, as the ideal always is. 3: in three dimensions.
     recorded : bool
