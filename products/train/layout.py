@@ -166,6 +166,7 @@ _POINT = (
     Field("distance", "m", -1e9, 1e9, "a distance of the line", rises=True),
     Field("gradient", "1", -10.0, 10.0, "a gradient of the line"),
     Field("curvature", "1/m", -10.0, 10.0, "a curvature of the line"),
+    Field("friction", "1", 0.0, 10.0, "a factor of the line on friction"),
 )
 
 

@@ -13,7 +13,7 @@ from products.train.consist import Consist
 from products.train.effects import without_effect
 from products.train.layout import BRAKE_MODELS, UNBREAKABLE, Rows, laid
 from products.train.pipe import COURANT
-from rbd_model.track.line import Line
+from rbd_model.track.line import FRICTIONS, Line
 from rbd_model.train.coupler import fastest
 
 #: Step size relative to the longest stable step of the couplers.
@@ -125,7 +125,8 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         "coupler": [one.coupler.values() for one in vehicles[:-1]],
         "strength": {"strength": [min(one.coupler.strength, UNBREAKABLE) for one in vehicles[:-1]]},
         "valve": valves,
-        "point": {name: rows.get(name, level) for name in ("distance", "gradient", "curvature")},
+        "point": {name: rows.get(name, level) for name in ("distance", "gradient", "curvature")}
+        | {"friction": np.mean([rows.get(name, level + 1.0) for name in FRICTIONS], axis=0)},
     }
     for kind in known:
         own = [one.distributor.values() for one in vehicles if kind_of(one.distributor) is kind]

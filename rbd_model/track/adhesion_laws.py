@@ -49,14 +49,23 @@ def fallen_friction(rail: RailCondition, sliding: ArrayLike) -> Numbers:
     return np.asarray(rail.friction * left)
 
 
+def cleaned_share(rail: RecoveryParameters, energy: ArrayLike) -> Numbers:
+    """Return the share of a rail that sliding has cleaned with an energy per metre [J/m], 1 - exp(-e / e_0).
+
+    The form is assumed (`recovery.py`), the effect is described by Meli, Ridolfi and Rindi (2014). Energies of wheels
+    behind each other add. Raises ValueError if one is below 0.
+    """
+    return np.asarray(-np.expm1(-_at_least_0("energy", energy, "J/m") / rail.recovery_energy))
+
+
 def recovered_friction(rail: RecoveryParameters, energy: ArrayLike) -> Numbers:
     """Return friction of a rail that sliding has cleaned with an energy per metre [J/m], as in `recovery.py`.
 
     mu = (1 - l) mu_d + l mu_r, l = 1 - exp(-e / e_0), assumed. Meli, Ridolfi and Rindi (2014), Meccanica 49, 919-937,
     describe such a recovery; their formula was not read. Raises ValueError if an energy is below 0.
     """
-    cleaned = -np.expm1(-_at_least_0("energy", energy, "J/m") / rail.recovery_energy)
-    return np.asarray(rail.degraded_friction + (rail.recovered_friction - rail.degraded_friction) * cleaned)
+    gain = rail.recovered_friction - rail.degraded_friction
+    return np.asarray(rail.degraded_friction + gain * cleaned_share(rail, energy))
 
 
 def _at_least_0(name: str, value: ArrayLike, unit: str) -> Numbers:

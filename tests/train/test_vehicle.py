@@ -76,6 +76,61 @@ def test_a_locked_wheel_slides_with_the_friction_of_its_speed() -> None:
     assert time == pytest.approx(due[0], rel=CLOSED)
 
 
+#: A map of friction: places [m], factors of the left rail and of the right one.
+PLACES, LEFT, RIGHT = (0.0, 60.0, 65.0, 110.0), (1.0, 0.2, 0.2, 1.4), (1.0, 0.6, 0.6, 1.4)
+
+
+def locked(line: Line | None, friction: float, number: int = 1) -> Train:
+    """Return vehicles at SPEED, with the head at 0, whose brakes lock the wheels at any friction of a test."""
+    brake = replace(locomotive().brake, force_per_pressure=1.0, constant_friction=0.5)
+    one = replace(locomotive(), brake=brake, resistance=(0.0, 0.0, 0.0), friction_left=1.0)
+    train = Train(Consist((one,) * number), speed=SPEED, cylinder=380e3, pipe=350e3, line=line)
+    train.drive("service", 1.0)
+    train.inputs["friction"] = friction
+    return train
+
+
+@pytest.mark.parametrize("gradient", [0.0, 0.004])
+def test_locked_wheels_lose_on_a_map_what_the_mean_friction_below_the_vehicle_takes(gradient: float) -> None:
+    """v dv = -g (mu0 f + i) dx, f the mean of both rails over the length of the vehicle, by quadrature."""
+    friction, half = 0.1, locomotive().length / 2.0
+    train = locked(level(gradient).with_friction(PLACES, LEFT, RIGHT), friction)
+    train.advance(2.0)
+    assert train.wheel_speed[0] == 0.0
+    begin, fast = float(train.distance[0]), float(train.speed[0])
+    train.advance(7.0)
+    step = 0.01
+    fine = np.arange(-100.0, 300.0, step)
+    rails = np.interp(fine, PLACES, np.add(LEFT, RIGHT) / 2.0)
+    below = np.convolve(rails, np.full(round(2.0 * half / step), step / 2.0 / half), "same")
+    passed = (fine >= begin) & (fine <= train.distance[0])
+    assert train.distance[0] > PLACES[-1] - half > PLACES[1] > begin
+    taken = GRAVITY * (friction * below[passed].sum() * step + gradient * (train.distance[0] - begin))
+    assert (fast**2 - train.speed[0] ** 2) / 2.0 == pytest.approx(taken, rel=CLOSED)
+
+
+def test_each_vehicle_of_a_train_slides_at_its_own_place() -> None:
+    """Leaves below the second of three vehicles bound its rail force by mu0 f m g, and no other one."""
+    friction, leaves, length = 0.2, 0.1, locomotive().length
+    places = (-2.0 * length - 5.0, -2.0 * length - 5.0, -length + 5.0, -length + 5.0)
+    line = level().with_friction(places, (1.0, leaves, leaves, 1.0))
+    train = locked(line, friction, 3)
+    train.advance(0.01)
+    share = -train.rail_force / (friction * MASS * GRAVITY)
+    assert share[1] == pytest.approx(leaves, rel=CLOSED)
+    assert np.all(share[[0, 2]] > 0.7)
+
+
+def test_a_map_of_factors_1_changes_no_bit_and_beyond_its_ends_it_goes_on() -> None:
+    short = Line({"distance": np.array([-10.0, 10.0]), "gradient": np.zeros(2), "curvature": np.zeros(2)})
+    trains = [locked(line, 0.1) for line in (None, short, short.with_friction((-10.0, 10.0), (1.0, 1.0)))]
+    trains.append(locked(short.with_friction((-10.0, 10.0), (0.5, 0.5)), 0.2))
+    for one in trains:
+        one.advance(6.0)
+    assert len({(float(one.speed[0]), float(one.distance[0])) for one in trains[:3]}) == 1
+    assert float(trains[3].speed[0]) == pytest.approx(float(trains[0].speed[0]), rel=1e-9)
+
+
 def test_wheels_that_are_pulled_too_much_spin_up() -> None:
     """m dv/dt = mu m g and m_r dw/dt = P - mu m g."""
     pull, friction = 100e3, 0.05

@@ -1,4 +1,4 @@
-/* Gravity and curves on a train's vehicles. Single vehicles round the corners at the line's points over 1 m (docs/line.md);
+/* Gravity, curves and friction of the rails on a train's vehicles. Single vehicles round the corners at the line's points over 1 m (docs/line.md);
  * corners stay here. Rounding would change the mean gradient over a length L by the change of slope times 1 m2 / (12 L). */
 #include <math.h>
 
@@ -12,14 +12,23 @@ static long long int row_at(const train *self, double at, long long int guess) {
     return guess;
 }
 
-/* Height of the line [m], linear in the gradient's pieces between its points, with the gradients of its ends beyond them. */
-static double height_at(const train *self, double at, long long int row) {
-    const double *distance = self->line[POINT_DISTANCE], *gradient = self->line[POINT_GRADIENT], *height = self->height;
+/* Integral of a column from the first point on; the column is linear between points, and constant beyond the ends. */
+static double integral_at(const train *self, const double *column, const double *integral, double at, long long int row) {
+    const double *distance = self->line[POINT_DISTANCE];
     const double first = distance[0], last = distance[self->points - 1];
-    if (self->points < 2 || at <= first) return (at - first) * gradient[0];
-    if (at >= last) return height[self->points - 1] + (at - last) * gradient[self->points - 1];
+    if (self->points < 2 || at <= first) return (at - first) * column[0];
+    if (at >= last) return integral[self->points - 1] + (at - last) * column[self->points - 1];
     const double over = at - distance[row], share = over / (distance[row + 1] - distance[row]);
-    return height[row] + over * (gradient[row] + share * (gradient[row + 1] - gradient[row]) / 2.0);
+    return integral[row] + over * (column[row] + share * (column[row + 1] - column[row]) / 2.0);
+}
+
+/* Mean of a column over a vehicle. */
+static double mean_over(train *self, int column, const double *integral, long long int vehicle, double middle) {
+    const double *values = self->line[column], half = self->length[vehicle] / 2.0;
+    long long int row = row_at(self, middle + half, self->hint[vehicle]);
+    const double ahead = integral_at(self, values, integral, middle + half, row);
+    row = self->hint[vehicle] = row_at(self, middle - half, row);
+    return (ahead - integral_at(self, values, integral, middle - half, row)) / self->length[vehicle];
 }
 
 /* Curvature between its points [1/m]; beyond its ends a line is straight. */
@@ -35,19 +44,19 @@ static double roeckl(double curvature) {
     return radius >= 300.0 ? 0.65 / (radius - 55.0) : 0.5 / (fmax(radius, 60.0) - 30.0);
 }
 
-/* A vehicle's weight is distributed over its length: its force is that of its mean gradient. */
+/* A vehicle's weight is distributed over its length: gravity follows its mean gradient, and the limit of its rail force, friction
+ * times weight (Coulomb), the mean friction of the rails below it. */
 void line_act(train *self, double step) {
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves);
     double *slope = motion_acting(self->moves, ACTING_SLOPE), *curve = motion_acting(self->moves, ACTING_CURVE);
-    if (self->level) return; /* nothing has been written there */
+    double *friction = motion_acting(self->moves, ACTING_FRICTION);
+    if (self->level && self->even) return; /* nothing has been written there */
     for (long long int i = 0; i < self->vehicles; ++i) {
-        const double middle = place[i] + self->centre[i] + speed[i] * step / 2.0, half = self->length[i] / 2.0;
-        const double weight = self->mass[i] * GRAVITY;
-        long long int row = row_at(self, middle + half, self->hint[i]);
-        const double ahead = height_at(self, middle + half, row);
-        row = self->hint[i] = row_at(self, middle - half, row);
-        slope[i] = -weight * (ahead - height_at(self, middle - half, row)) / self->length[i];
-        const double bend = curvature_at(self, middle, row_at(self, middle, row));
+        const double middle = place[i] + self->centre[i] + speed[i] * step / 2.0, weight = self->mass[i] * GRAVITY;
+        if (!self->even) friction[i] = self->input[IN_FRICTION][i] * mean_over(self, POINT_FRICTION, self->grip, i, middle);
+        if (self->level) continue;
+        slope[i] = -weight * mean_over(self, POINT_GRADIENT, self->height, i, middle);
+        const double bend = curvature_at(self, middle, row_at(self, middle, self->hint[i]));
         curve[i] = bend == 0.0 ? 0.0 : weight * roeckl(bend);
     }
 }

@@ -47,15 +47,23 @@ static void put_electric(train *self, const double *electric) {
                         electric[ELECTRIC_DYNAMIC_FORCE * self->vehicles + i] > 0.0;
 }
 
-/* Height above the first point of the line, from the gradients between its points. */
-static void put_heights(train *self) {
-    const double *distance = self->line[POINT_DISTANCE], *gradient = self->line[POINT_GRADIENT];
-    double *height = self->height;
-    height[0] = 0.0;
-    self->level = 1;
-    for (long long int i = 0; i < self->points; ++i) self->level &= gradient[i] == 0.0 && self->line[POINT_CURVATURE][i] == 0.0;
+/* Integral of a column of the line from its first point on. */
+static void put_integral(const train *self, double *integral, const double *column) {
+    const double *distance = self->line[POINT_DISTANCE];
+    integral[0] = 0.0;
     for (long long int i = 1; i < self->points; ++i)
-        height[i] = height[i - 1] + (distance[i] - distance[i - 1]) * (gradient[i - 1] + gradient[i]) / 2.0;
+        integral[i] = integral[i - 1] + (distance[i] - distance[i - 1]) * (column[i - 1] + column[i]) / 2.0;
+}
+
+static void put_integrals(train *self) {
+    const double *gradient = self->line[POINT_GRADIENT], *friction = self->line[POINT_FRICTION];
+    self->level = self->even = 1;
+    for (long long int i = 0; i < self->points; ++i) {
+        self->level &= gradient[i] == 0.0 && self->line[POINT_CURVATURE][i] == 0.0;
+        self->even &= friction[i] == 1.0;
+    }
+    put_integral(self, self->height, gradient);
+    put_integral(self, self->grip, friction);
 }
 
 /* Allocates memory for all numbers outside pipe and motion; returns 0 if out of memory. */
@@ -64,7 +72,7 @@ static int take_memory(train *self) {
     long long int outputs = TRAIN_SUMS;
     for (int row = 0; row < TRAIN_INPUTS; ++row) self->inputs += layout_input(self->counts, row);
     for (int row = 0; row < OUT_SUMS; ++row) outputs += layout_output(self->counts, row);
-    const long long int given = 3 * n + VALVE_ROWS * self->valves + (POINT_ROWS + 1) * self->points;
+    const long long int given = 3 * n + VALVE_ROWS * self->valves + (POINT_ROWS + 2) * self->points;
     self->memory =
         (double *)calloc((size_t)(given + 2 * self->inputs + outputs + run + ROWS * self->stride + ROWS_SPARE), sizeof(double));
     self->cell = (long long int *)calloc((size_t)(3 * n), sizeof(long long int));
@@ -86,6 +94,7 @@ static int take_memory(train *self) {
     self->valve = take(&room, VALVE_ROWS * self->valves);
     for (int row = 0; row < POINT_ROWS; ++row) self->line[row] = take(&room, self->points);
     self->height = take(&room, self->points);
+    self->grip = take(&room, self->points);
     lay_inputs(self, take(&room, 2 * self->inputs));
     for (int row = 0; row <= OUT_SUMS; ++row) self->output[row] = take(&room, layout_output(self->counts, row));
     self->run = take(&room, run);
@@ -106,7 +115,7 @@ static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS]) {
     for (long long int v = 0; v < self->valves; ++v)
         for (int n = 0; n < VALVE_ROWS; ++n) self->valve[v * VALVE_ROWS + n] = at[GROUP_VALVE][n * self->valves + v];
     for (int row = 0; row < POINT_ROWS; ++row) put(self->line[row], at[GROUP_POINT], row, self->points);
-    put_heights(self);
+    put_integrals(self);
     for (long long int i = 0; i < self->vehicles; ++i) {
         self->cell[i] = (long long int)at[GROUP_PLACE][PLACE_CELL * self->vehicles + i];
         self->face[i] = (long long int)at[GROUP_PLACE][PLACE_FACE * self->vehicles + i];

@@ -14,7 +14,7 @@ enum { RUN_TIME, RUN_TOLD, RUN_STEP, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUM
 
 struct train {
     long long int counts[LAYOUT_OWNERS], vehicles, cells, valves, points, stride;
-    int lanes, brake_model, level; /* level: the line is level and straight */
+    int lanes, brake_model, level, even; /* the line is level and straight; its friction is that of the inputs */
     double head[HEAD_ROWS];
     pipe *air;
     motion *moves;
@@ -26,7 +26,7 @@ struct train {
     double *mass, *centre, *length;
     long long int *cell, *hint, *face; /* cell of each vehicle; row of the line; cell after its end, 0: none */
     double *valve; /* VALVE_ROWS of each valve */
-    double *line[POINT_ROWS], *height;
+    double *line[POINT_ROWS], *height, *grip; /* integrals of gradient and friction */
     double *input[TRAIN_INPUTS], *given_before; /* input: one block, as long as `inputs` */
     double *output[OUT_SUMS + 1];
     long long int inputs;
@@ -57,7 +57,7 @@ void valves_tell(train *self, double step);
 /* Largest share of the brakes that a driver's valve demanded a dead time ago, in the middle of a step. */
 double valves_demand(train *self, double step, double dead_time);
 double *valves_run(train *self, long long int valve);
-/* Gravity and curves on all vehicles (line.c), in the middle of a step. */
+/* Gravity, curves and friction of the rails on all vehicles (line.c), in the middle of a step. */
 void line_act(train *self, double step);
 
 #endif
