@@ -54,6 +54,35 @@ def test_jumps_are_found_at_their_places() -> None:
     assert second.value == pytest.approx(-0.003)
 
 
+def test_a_map_of_friction_is_checked_by_its_mean_over_the_line_and_its_slippery_stretches(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Factor 1, from 60 to 160 m 1/2 and 1/4 on the two rails, back to 1 at 260 m: mean 3/8; 0.15 is 3/4 at 220 m.
+
+    The integral over 1000 m is 1000 - 100 x 5/8 - 100 x 5/16, less the ramp of 10 mm at the jump.
+    """
+    monkeypatch.chdir(tmp_path)
+    line = bb.line_of([bb.straight(1000)], start=-30.0)
+    line.write(Path("plain.csv"))
+    line.with_friction([60, 60, 160, 260], [1, 0.5, 0.5, 1], [1, 0.25, 0.25, 1]).write(Path("leaves.csv"))
+    assert main(["line", "check", "leaves.csv", "--friction", "0.2", "--out", "out", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["adhesion"]
+    assert found["mean"] == pytest.approx(0.2 * (1.0 - 0.1 * 5 / 8 - 0.1 * 5 / 16), abs=1e-6)
+    assert (found["lowest"]["value"], found["highest"]["value"]) == pytest.approx((0.075, 0.2))
+    assert found["sides"]["value"] == pytest.approx(0.05)
+    assert found["stretches"] == [pytest.approx([60.0, 220.0], abs=0.01)]
+    assert main(["line", "check", "leaves.csv", "--friction", "0.2", "--out", "out"]) == 0
+    assert "friction below 0.15:      160.0 m: 60.0 to 220.0 m\n" in capsys.readouterr().out
+    assert main(["line", "check", "leaves.csv", "--out", "out"]) == 0
+    said = capsys.readouterr().out
+    assert "factor on friction:       0.375 at 60.0 m to 1.000 at -30.0 m, mean 0.906; the rails differ" in said
+    assert "below" not in said
+    assert main(["line", "check", "plain.csv", "--out", "out"]) == 0
+    assert "friction" not in capsys.readouterr().out
+    assert main(["line", "check", "plain.csv", "--friction", "0.2", "--out", "out"]) == 2
+    assert "plain.csv has neither left_friction nor right_friction. Leave it out" in capsys.readouterr().err
+
+
 def test_check_and_import_write_line_picture_and_numbers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

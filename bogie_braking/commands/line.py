@@ -34,6 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     speed = quantity("--speed", "m/s", 0.1, 200.0)
     text = "speed of the cant deficiency, as 120km/h or 33.3 in m/s (default: 100km/h)"
     check.add_argument("--speed", type=speed, metavar="SPEED", default=SPEED, help=text)
+    friction = quantity("--friction", "1", 0.0, 2.0, above=True)
+    text = "friction of the rail, which the line's factors multiply (default: the factors alone)"
+    check.add_argument("--friction", type=friction, metavar="MU", help=text)
     add_out(check, "folder of the picture")
     make = actions.add_parser("import", help="write the line of a file as a line file, and draw it")
     make.add_argument("file", type=Path, metavar="FILE", help=FILE)
@@ -76,11 +79,17 @@ def run(chosen: argparse.Namespace) -> int:
         )
     except FileError as error:
         raise BadInputError(str(error)) from None
+    if chosen.action == "check" and chosen.friction is not None and not line.has_friction:
+        raise BadInputError(
+            f"--friction must be given for a line with columns of friction alone; {chosen.file} has neither "
+            "left_friction nor right_friction. Leave it out, or add them."
+        )
     return _check(chosen, line) if chosen.action == "check" else _import(chosen, line)
 
 
 def _check(chosen: argparse.Namespace, line: Any) -> int:
-    check, place, account = _drawn(line, chosen.speed, chosen.out / f"{chosen.file.stem}.png")
+    place = chosen.out / f"{chosen.file.stem}.png"
+    check, place, account = _drawn(line, chosen.speed, place, chosen.friction)
     if chosen.json:
         print(json.dumps(document_of(check, chosen.speed) | {"picture": str(place)}, indent=2))
     elif not chosen.quiet:
@@ -110,14 +119,17 @@ def _import(chosen: argparse.Namespace, line: Any) -> int:
     return HOLDS
 
 
-def _drawn(line: Any, speed: float, place: Path) -> tuple[Any, Path, Any]:
-    """Return the check of a line at a speed [m/s], the path of its picture, and the account of its import."""
+def _drawn(line: Any, speed: float, place: Path, friction: float | None = None) -> tuple[Any, Path, Any]:
+    """Return the check of a line at a speed [m/s], the path of its picture, and the account of its import.
+
+    friction: that of the rail, which the line's factors multiply [1].
+    """
     from rbd_model.track.line_check import check_line
     from rbd_model.track.line_files import account_of
     from scenarios.reporting.line_check_picture import figure_of_check
 
-    check = check_line(line, speed)
-    return check, _save(figure_of_check(line, check, speed), place), account_of(line)
+    check = check_line(line, speed, friction)
+    return check, _save(figure_of_check(line, check, speed, friction), place), account_of(line)
 
 
 def _save(figure: Any, place: Path) -> Path:
@@ -149,7 +161,24 @@ def text_of(check: Any, speed: float) -> str:
         places = ", ".join(f"{scale * one.value:+.3g} {unit} at {one.place:.1f} m" for one in jumps[:3])
         more = f" and {len(jumps) - 3} more" if len(jumps) > 3 else ""
         numbers[f"jumps of {name}"] = f"{places}{more}" if jumps else "none"
+    if check.adhesion:
+        numbers |= _friction_text(check.adhesion)
     return "\n".join(f"{name + ':':<26}{text}" for name, text in numbers.items())
+
+
+def _friction_text(map_: Any) -> dict[str, str]:
+    """Return the lines of a map of friction."""
+    low, high, sides = map_.lowest, map_.highest, map_.sides
+    places = ", ".join(f"{begin:.1f} to {end:.1f} m" for begin, end in map_.stretches[:3])
+    more = f" and {len(map_.stretches) - 3} more" if len(map_.stretches) > 3 else ""
+    name = "factor on friction" if map_.below is None else "friction"
+    said = {
+        name: f"{low.value:.3f} at {low.place:.1f} m to {high.value:.3f} at {high.place:.1f} m, "
+        f"mean {map_.mean:.3f}; the rails differ by up to {abs(sides.value):.3f}",
+    }
+    if map_.below is not None:
+        said[f"friction below {map_.below:g}"] = f"{map_.slippery:.1f} m: {places}{more}" if places else "none"
+    return said
 
 
 def document_of(check: Any, speed: float) -> dict[str, Any]:

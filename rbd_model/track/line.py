@@ -269,6 +269,11 @@ class Line:
         beyond = (at < s[0]) | (at > s[-1])
         return np.where(beyond & ((order > 0) | (name == "curvature")), 0.0, found)
 
+    @property
+    def has_friction(self) -> bool:
+        """True if the line has a map of friction."""
+        return any(name in self.rows for name in FRICTIONS)
+
     def with_friction(self, distance: ArrayLike, left: ArrayLike, right: ArrayLike | None = None) -> Line:
         """Return the line with factors on the friction of its rails; before and behind the places they are constant.
 

@@ -8,13 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rbd_model.track.line import Line
+from rbd_model.track.line import FRICTIONS, Line
 from rbd_model.track.line_pieces import end_of
 from rbd_model.track.line_table import GAUGE, ROUNDING
 
 Numbers = NDArray[np.float64]
 #: Acceleration of free fall [m/s2], and length over which twist is measured [m] (EN 13848-1).
 GRAVITY, TWIST_BASE = 9.81, 3.0
+#: Friction below which a rail is slippery: the adhesion that brakes may use up to 250 km/h (TSI, secondary
+#: source).
+SLIPPERY = 0.15
 #: Changes over 2 ROUNDING that are jumps, assumed: a curve of 5000 m, 5 mm of cant, 2 per mille.
 JUMPS = {"curvature": 2e-4, "cant": 5e-3, "gradient": 2e-3}
 
@@ -25,6 +28,37 @@ class Extreme:
 
     value: float
     place: float
+
+
+@dataclass(frozen=True)
+class Adhesion:
+    """A map of friction along a line, or of the factors on it: mean of both rails.
+
+    Attributes
+    ----------
+    lowest, highest : Extreme
+        Smallest and largest value.
+    mean : float
+        Mean over the line.
+    sides : Extreme
+        Largest difference by size, left rail less right.
+    below : float or None
+        Limit of slippery stretches; None for factors.
+    stretches : list
+        First and last distance of each stretch below the limit [m].
+    """
+
+    lowest: Extreme
+    highest: Extreme
+    mean: float
+    sides: Extreme
+    below: float | None
+    stretches: list[tuple[float, float]]
+
+    @property
+    def slippery(self) -> float:
+        """Length below the limit [m]."""
+        return sum(end - begin for begin, end in self.stretches)
 
 
 @dataclass(frozen=True)
@@ -45,6 +79,8 @@ class Check:
         Largest change of cant and cross level over TWIST_BASE, a metre.
     jumps : dict
         For each quantity the places where it jumps [m], with the change.
+    adhesion : Adhesion or None
+        The map of friction; None if the line has no columns of friction.
     """
 
     begin: float
@@ -58,6 +94,7 @@ class Check:
     height: float
     twist: Extreme
     jumps: dict[str, list[Extreme]]
+    adhesion: Adhesion | None = None
 
 
 def deficiency_of(curvature: Numbers, cant: Numbers, speed: float) -> Numbers:
@@ -69,8 +106,11 @@ def deficiency_of(curvature: Numbers, cant: Numbers, speed: float) -> Numbers:
     return np.asarray(side * (GAUGE * speed**2 * curvature / GRAVITY - cant))
 
 
-def check_line(line: Line, speed: float) -> Check:
-    """Return the numbers of a line at a speed [m/s]; values are linear between rows, as in EN 13803."""
+def check_line(line: Line, speed: float, friction: float | None = None) -> Check:
+    """Return the numbers of a line at a speed [m/s]; values are linear between rows, as in EN 13803.
+
+    friction: that of the rail, which the factors of the line multiply [1]; None: unknown.
+    """
     rows = line.rows
     at, zeros = rows["distance"], np.zeros_like(rows["distance"])
     curvature, cant, gradient = (rows.get(name, zeros) for name in ("curvature", "cant", "gradient"))
@@ -87,7 +127,38 @@ def check_line(line: Line, speed: float) -> Check:
         end_of({"distance": at, "curvature": curvature, "gradient": gradient})["height"],
         _twist(line),
         {name: _jumps(at, rows.get(name, zeros), least) for name, least in JUMPS.items()},
+        adhesion_of(line, friction) if line.has_friction else None,
     )
+
+
+def adhesion_of(line: Line, friction: float | None) -> Adhesion:
+    """Return the map of friction of a line, whose factors multiply a friction [1], or of the factors alone.
+
+    The mean of both rails is that of `mean_friction` of line_table.py (Coulomb's law).
+    """
+    at = line.rows["distance"]
+    scale = 1.0 if friction is None else friction
+    left, right = (scale * line.rows.get(name, np.ones_like(at)) for name in FRICTIONS)
+    both = (left + right) / 2.0
+    return Adhesion(
+        Extreme(float(both.min()), float(at[np.argmin(both)])),
+        Extreme(float(both.max()), float(at[np.argmax(both)])),
+        float(np.trapezoid(both, at) / (at[-1] - at[0])) if at.size > 1 else float(both[0]),
+        _largest(left - right, at),
+        None if friction is None else SLIPPERY,
+        [] if friction is None else _stretches(at, both, SLIPPERY),
+    )
+
+
+def _stretches(at: Numbers, values: Numbers, limit: float) -> list[tuple[float, float]]:
+    """Return where values that are linear between places are below a limit."""
+    over = values - limit
+    crossed = np.flatnonzero(over[:-1] * over[1:] < 0.0)
+    ways = over[crossed] / (over[crossed] - over[crossed + 1])
+    places = np.union1d(at, at[crossed] + ways * np.diff(at)[crossed])
+    low = np.interp((places[1:] + places[:-1]) / 2.0, at, values) < limit
+    turns = np.flatnonzero(np.diff(np.concatenate([[False], low, [False]])))
+    return [(float(places[begin]), float(places[end])) for begin, end in turns.reshape(-1, 2)]
 
 
 def _largest(values: Numbers, at: Numbers) -> Extreme:

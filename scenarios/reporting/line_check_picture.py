@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rbd_model.track.line import Line
-from rbd_model.track.line_check import Check, deficiency_of
+from rbd_model.track.line import FRICTIONS, Line
+from rbd_model.track.line_check import Adhesion, Check, deficiency_of
 from rbd_model.track.line_points import LineFromPoints
 from scenarios.reporting.line_picture import draw_line, with_places_between
 from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled
@@ -15,10 +16,15 @@ from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, pl
 STRAIGHT = 1e-6
 
 
-def figure_of_check(line: Line, check: Check, speed: float) -> Figure:
-    """Return plan, curvature, cant, cant deficiency at a speed [m/s], and gradient with height."""
-    figure, axes = plt.subplots(5, 1, figsize=(9.0, 12.0), height_ratios=(2.0, 1.0, 1.0, 1.0, 1.0))
-    plan, curvature, cant, deficiency, gradient = axes
+def figure_of_check(line: Line, check: Check, speed: float, friction: float | None = None) -> Figure:
+    """Return plan, curvature, cant, cant deficiency at a speed [m/s], gradient with height, and friction if known.
+
+    friction: that of the rail, which the line's factors multiply [1]; None: unknown.
+    """
+    known = check.adhesion is not None
+    ratios = (2.0, *(1.0,) * (4 + known))
+    figure, axes = plt.subplots(5 + known, 1, figsize=(9.0, 12.0 + 2.0 * known), height_ratios=ratios)
+    plan, curvature, cant, deficiency, gradient = axes[:5]
     draw_line([plan, curvature, cant, gradient], line)
     dense = with_places_between(line).rows
     lacking = 1e3 * deficiency_of(dense["curvature"], dense["cant"], speed)
@@ -26,12 +32,32 @@ def figure_of_check(line: Line, check: Check, speed: float) -> Figure:
     deficiency.axhline(0.0, color=BOGIE, linewidth=0.6)
     deficiency.set_title(f"cant deficiency at {3.6 * speed:.4g} km/h, outwards [mm]")
     deficiency.set_xlim(dense["distance"][0], dense["distance"][-1])
-    gradient.set_xlabel("distance along the line [m]")
+    if check.adhesion is not None:
+        draw_friction(axes[-1], line, check.adhesion, friction or 1.0)
+    axes[-1].set_xlabel("distance along the line [m]")
     if abs(check.tightest.value) < STRAIGHT:
+        if check.adhesion is not None and check.gradient.value == 0.0:
+            what = "factor on friction" if check.adhesion.below is None else "friction"
+            return titled(figure, f"The lowest {what} is {check.adhesion.lowest.value:.2g}")
         steepest = 1e3 * abs(check.gradient.value)
         return titled(figure, f"The line is straight, its gradient reaches {steepest:.3g} per mille")
     reached = 1e3 * check.deficiency.value
     return titled(figure, f"At {3.6 * speed:.4g} km/h the cant deficiency reaches {reached:.0f} mm")
+
+
+def draw_friction(axis: Axes, line: Line, adhesion: Adhesion, friction: float) -> None:
+    """Draw friction of both rails along a line, and where their mean is slippery."""
+    at = line.rows["distance"]
+    for name, colour in zip(FRICTIONS, (LEADING, TRAILING), strict=True):
+        values = friction * line.rows.get(name, np.ones_like(at))
+        style = "-" if name == FRICTIONS[0] else "--"
+        axis.plot(at, values, style, color=colour, label=f"{name.split('_')[0]} rail")
+    for number, (begin, end) in enumerate(adhesion.stretches):
+        axis.axvspan(begin, end, color="#fdd0a2", label=None if number else f"mean below {adhesion.below:g}")
+    axis.set_ylim(0.0, 1.1 * max(friction * line.rows.get(name, np.ones(1)).max() for name in FRICTIONS))
+    axis.set_xlim(at[0], at[-1])
+    axis.set_title("factor on friction" if adhesion.below is None else "friction")
+    legend_above(axis, 3)
 
 
 def figure_of_points(line: LineFromPoints) -> Figure:
