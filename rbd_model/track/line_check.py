@@ -134,7 +134,7 @@ def check_line(line: Line, speed: float, friction: float | None = None) -> Check
 def adhesion_of(line: Line, friction: float | None) -> Adhesion:
     """Return the map of friction of a line, whose factors multiply a friction [1], or of the factors alone.
 
-    The mean of both rails is that of `mean_friction` of line_table.py (Coulomb's law).
+    The mean of both rails is that of `mean_friction` of line_table.py: Coulomb's law, end of (3.97).
     """
     at = line.rows["distance"]
     scale = 1.0 if friction is None else friction
