@@ -389,6 +389,20 @@ def test_faults_of_wheelsets_that_are_not_there_are_refused() -> None:
         Rig(bogie(), None, Settings()).runs([Run(LOW.values(), faults=(Fault(3, radius=1.1),))])
 
 
+class Venting:
+    """Vents the first wheelset for 3 s and for 2 s, the other one for 2 s, then holds it and vents it for 2.5 s."""
+
+    def step(self, time: float, wheel_speeds: Sequence[float]) -> list[int]:
+        """Return 2, vent, at these times."""
+        first = 2 if 1.0 <= time < 4.0 or 6.0 <= time < 8.0 else 0
+        return [first, 1 if 3.0 <= time < 3.1 else 2 if 1.0 <= time < 5.6 else 0]
+
+
+def test_the_longest_vent_is_that_of_one_valve_without_a_pause() -> None:
+    [stop] = Rig(bogie(), Venting, Settings()).stops([LOW.values()])
+    assert stop.longest_vent == pytest.approx(3.0)
+
+
 def test_the_jerk_is_that_of_the_filtered_deceleration() -> None:
     """The derivative of the acceleration behind two lags, s / (JERK_TIME s + 1)^2, simulated by SciPy."""
     period = Settings().period

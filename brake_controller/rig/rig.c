@@ -21,7 +21,7 @@ typedef struct {
     bool asks; /* whether a controller at the desk is to answer what was seen */
     encoder *sensor;
     rig_wheelset *wheelset;
-    double *error, *locked, *skid, *pressure, *seen;
+    double *error, *locked, *skid, *pressure, *vented, *seen; /* locked, vented: samples in a row */
     int *valve;
     void *memory;
 } rig_run;
@@ -60,10 +60,11 @@ rig *rig_create(long long int rows, const rig_settings *settings, const rig_cont
         one->locked = (double *)room(n, sizeof(double));
         one->skid = (double *)room(n, sizeof(double));
         one->pressure = (double *)room(n, sizeof(double));
+        one->vented = (double *)room(n, sizeof(double));
         one->valve = (int *)room(n, sizeof(int));
         one->memory = room(1, controller->size + GUARD);
         whole = one->sensor && one->wheelset && one->seen && one->error && one->locked && one->skid && one->pressure &&
-                one->valve && one->memory;
+                one->vented && one->valve && one->memory;
     }
     if (whole) return self;
     rig_free(self);
@@ -80,6 +81,7 @@ void rig_free(rig *self) {
         free(one->locked);
         free(one->skid);
         free(one->pressure);
+        free(one->vented);
         free(one->valve);
         free(one->memory);
     }
@@ -113,7 +115,7 @@ void rig_begin(rig *self, long long int row, double end_speed, const double *err
     if (error) memcpy(one->error, error, n * pulses * sizeof(double));
     for (size_t i = 0; i < n; ++i) {
         encoder_begin(&one->sensor[i], error ? one->error + i * pulses : NULL, wheelset[i].phase);
-        one->locked[i] = one->skid[i] = one->pressure[i] = one->seen[i] = 0.0;
+        one->locked[i] = one->skid[i] = one->pressure[i] = one->vented[i] = one->seen[i] = 0.0;
         one->valve[i] = WHEEL_SLIDE_APPLY;
     }
     if (self->notes.every) self->notes.count[row] = 0;
@@ -228,11 +230,14 @@ static bool sample(rig *self, long long int row, int status, const double *outpu
 static void set(rig *self, long long int row, double *inputs) {
     const rig_settings *s = &self->settings;
     rig_run *one = &self->run[row];
+    rig_score *score = &self->score[row];
     const bool demanded = (double)one->samples * s->period >= s->brake_start;
     for (int i = 0; i < s->wheelsets; ++i) {
         inputs[i] = demanded ? s->demand : 0.0;
         inputs[s->wheelsets + i] = one->valve[i];
-        self->score[row].commands += one->valve[i] != WHEEL_SLIDE_APPLY;
+        score->commands += one->valve[i] != WHEEL_SLIDE_APPLY;
+        one->vented[i] = one->valve[i] == WHEEL_SLIDE_VENT ? one->vented[i] + 1.0 : 0.0;
+        score->longest_vent = fmax(score->longest_vent, one->vented[i] * s->period);
     }
     ++one->samples;
 }

@@ -67,6 +67,7 @@ typedef struct {
     double taken, reservoir;  /* air from the reservoir [kg], and the lowest pressure in it [Pa]; without one 0 */
     double sliding[RIG_MOST]; /* energy of sliding between wheels and rails, by wheelset [J] */
     double commands;          /* samples with a command other than to apply, summed over the valves */
+    double longest_vent;      /* longest time for which a valve stays at vent [s] */
     double failed_at;         /* time at which its controller failed; NaN: it did not */
     int state, answer, valve; /* answer: command of the failed controller for this valve, from 0 */
 } rig_score;

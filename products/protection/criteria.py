@@ -26,6 +26,7 @@ MEANS = {
 #: Measures of which the limit applies to the worst of all draws.
 EXTREMES = {
     "longest_lock": ("s", "longest lock of a wheelset above 0.3 m/s"),
+    "longest_vent": ("s", "longest time for which a valve stayed at vent"),
     "flat": ("mm", "length of the flat after the longest skid of a locked wheel"),
     "reservoir": ("kPa", "lowest pressure in the reservoir"),
     "commands": ("1", "number of commands to hold or vent"),

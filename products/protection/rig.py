@@ -524,6 +524,7 @@ class Loop:
             message,
             row not in self.not_judged,
             jerk=float(one["jerk"]),
+            longest_vent=float(one["longest_vent"]),
         )
 
     def _failure(self, one: Any) -> str:

@@ -69,7 +69,7 @@ SCORE = np.dtype(
         *((name, float) for name in ("distance", "speed", "time", "longest_lock", "longest_skid")),
         *((name, float) for name in ("band", "checked", "filled", "jerk", "taken", "reservoir")),
         ("sliding", float, MOST_WHEELSETS),
-        *((name, float) for name in ("commands", "failed_at")),
+        *((name, float) for name in ("commands", "longest_vent", "failed_at")),
         *((name, np.int32) for name in ("state", "answer", "valve")),
     ],
     align=True,

@@ -112,6 +112,8 @@ class Stop:
         The history, if recorded.
     jerk : float
         Largest jerk of the deceleration above 3 m/s, behind two lags of JERK_TIME of rails.py [m/s3].
+    longest_vent : float
+        Longest time for which a valve stayed at vent [s].
     """
 
     distance: float | None
@@ -128,6 +130,7 @@ class Stop:
     judged: bool = True
     history: History | None = field(default=None, compare=False, repr=False)
     jerk: float = 0.0
+    longest_vent: float = 0.0
 
     @property
     def words(self) -> str:

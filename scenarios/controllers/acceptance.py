@@ -1,7 +1,7 @@
 """Acceptance of a controller: each criterion against each case that it is for, and a verdict on all.
 
 A mean over draws passes or fails if its interval lies on one side of the limit. Otherwise it cannot be decided. Locks,
-flats, pressures and commands are those of the worst draw.
+vents, flats, pressures and commands are those of the worst draw.
 """
 
 from __future__ import annotations
@@ -113,6 +113,7 @@ def extreme(measure: str, one: CaseResult) -> float:
         return float(max(stop.commands for stop in score.each))
     of: Mapping[str, float] = {
         "longest_lock": score.stop.longest_lock,
+        "longest_vent": score.stop.longest_vent,
         "flat": 1e3 * score.flat,
         "jerk": score.stop.jerk,
         "reservoir": (score.stop.lowest_reservoir or 0.0) / 1e3,

@@ -13,7 +13,7 @@
 It writes results/controllers/report.json: verdict, findings and stops, with SHA-256 digests of controller, cases and
 criteria. A distance, a share or an air is the mean over draws: a criterion passes or fails if its interval lies on one
 side of the limit. Cases for which it does not are drawn more often, to at most --draws. Locks, flats, pressures,
-commands and jerk are those of the worst draw.
+vents, commands and jerk are those of the worst draw.
 
 No claim of conformity: the standards could not be read, and all stops are simulated.
 

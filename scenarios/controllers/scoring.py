@@ -187,6 +187,7 @@ def together(stops: Sequence[Stop]) -> Stop:
         judged=all(one.judged for one in stops),
         commands=round(mean("commands")),
         jerk=max(one.jerk for one in stops),
+        longest_vent=max(one.longest_vent for one in stops),
     )
 
 

@@ -47,6 +47,7 @@ LIMITS: dict[str, tuple[str, float, Mapping[str, Any], Mapping[str, Any]]] = {
     "fillings": ("most", 30.0, {"air": 0.5999}, {"air": 0.6001}),
     "sliding": ("most", 100.0, {"sliding": (1e3, 2e5)}, {"sliding": (1e3, 2.002e5)}),
     "longest_lock": ("most", 0.4, {"longest_lock": 0.4}, {"longest_lock": 0.405}),
+    "longest_vent": ("most", 10.0, {"longest_vent": 10.0}, {"longest_vent": 10.005}),
     "flat": ("most", 40.0, {"longest_skid": 56.4}, {"longest_skid": 56.6}),
     "reservoir": ("least", 150.0, {"lowest_reservoir": 150e3}, {"lowest_reservoir": 149.9e3}),
     "commands": ("most", 0.0, {"commands": 0}, {"commands": 1}),
@@ -272,6 +273,26 @@ def test_broken_controllers_are_rejected_by_the_name_of_the_criterion(
     assert main([*given, "--draws", "1", "always.c"]) == 1
     shown = capsys.readouterr().out
     assert shown.startswith("rejected: always fails 1 of 2 criteria: stops: It did not stop: 10.0 m/s after 300 s (in")
+
+
+@pytest.mark.parametrize(("seconds", "status"), [("9.998", 0), ("10.003", 1)])
+def test_a_brake_that_is_kept_released_for_longer_than_the_watchdog_allows_rejects(
+    seconds: str, status: int, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Valves vent in 2000 periods of 5 ms, which are 10 s, or in one more; then the brake applies."""
+    vents = VENTS.replace("(void)time;", "").replace(
+        "COMMAND", f"time < {seconds} ? WHEEL_SLIDE_VENT : WHEEL_SLIDE_APPLY"
+    )
+    (folder / "late.c").write_text(vents)
+    watchdog = next(one for one in read_criteria(CRITERIA) if one.measure == "longest_vent")
+    table = CRITERION.replace('"distance"', f'"{watchdog.name}"').replace("over_ideal", watchdog.measure)
+    (folder / "limits.toml").write_text(
+        table.replace("1.25", f"{watchdog.limit:g}").replace('unit = "1"', 'unit = "s"')
+    )
+    given = ["controllers", "report", "--programme", "cases.toml", "--criteria", "limits.toml", "--draws", "1"]
+    assert main([*given, "late.c"]) == status
+    said = "rejected: late fails 1 of 2 criteria: watchdog 10.01 s, at most 10 s (in the case low)."
+    assert capsys.readouterr().out.startswith(said if status else "accepted: late passes all 2 criteria in 2 cases.")
 
 
 def test_a_report_is_reproduced_from_its_own_options(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
