@@ -7,7 +7,7 @@ from pathlib import Path
 #: Folder of the C code.
 RIG = Path(__file__).parent / "rig"
 #: The C code of the protection, without the header that is written from its thresholds.
-FILES = ("slide_protection.c", "slide_protection.h", "wheel_slide.h")
+FILES = ("slide_protection.c", "slide_numbers.h", "slide_protection.h", "wheel_slide.h")
 
 
 @dataclass(frozen=True)

@@ -19,86 +19,17 @@
  * valves that sensors do not show yet. Above a band: vent. Below it: apply. In it: hold, but after a while in which a slip
  * does not grow, the brake is applied for an instant: behind the best slip a slip grows.
  *
- * If a sensor shows a reading that no wheel can produce, its wheelset gets a share of the pressure of its neighbour, by
- * model. Sizes of the wheels, relative to each other, are learned while all roll unbraked. Errors of the teeth are measured
+ * If a sensor shows a reading that no wheel can produce, its wheelset gets the commands of its neighbour with a share of the
+ * fillings. Sizes of the wheels, relative to each other, are learned while all roll unbraked. Errors of the teeth are measured
  * while nothing slides, and lengthen the filters. A reading that is not finite is invalid: the sensor is rejected, and its
- * previous reading remains. */
+ * previous reading remains. If a valve sticks, its wheel may lock: then it does not show the speed of the vehicle. */
 #include "slide_protection.h"
+
+#include "slide_numbers.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
-
-/* Acceleration below which a released wheel may have caught up with the vehicle, and above which it speeds up [m/s2]. */
-static const double ROLLING = 0.3, SPEEDING = 0.6;
-/* Gain of speed by which a wheel is known to have slid [m/s], at most this share of its speed. */
-static const double GAIN = 0.25, GAIN_SHARE = 0.1;
-/* Share of the speed by which all wheels fall below the limit of any rail if they slide together. */
-static const double TOGETHER = 0.02;
-/* Evidence ends after this time of free braking, if no wheel has gained speed for the second time [s]. */
-static const double FREE = 1.5, QUIET = 2.0;
-/* Times of venting after which a wheel is treated as rolling, if it was seen to speed up and if not [s]. */
-static const double SHORTEST_RELEASE = 0.25, LONGEST_RELEASE = 0.8;
-/* Deceleration above which no vented wheel is treated as rolling [m/s2]. */
-static const double SLIDING = 2.0;
-/* Time of braking without a command after which the wheels may show that the vehicle slows faster than before [s]. */
-static const double FREELY_BRAKED = 0.3;
-/* Least time between two true speeds for a deceleration [s], and least valid deceleration [m/s2]. */
-static const double SHORTEST_BETWEEN = 0.5, LEAST_DECELERATION = 0.1;
-/* Time for which a new sensor is only observed. Time between stored speeds while nothing slides. Time from the first true
- * speed of a slide to the second [s]. */
-static const double SETTLING = 0.5, KEEPING = 1.0, SECOND_SYNCHRONISING = 1.5;
-/* Speed below which the band of slips becomes narrower, and speed from which it stays so [m/s]. */
-static const double FULL_BAND = 8.0, SLOW = 3.0;
-
-/* TYPICAL numbers of vehicles and cylinders. VENTED: acceleration that a sliding wheel gains in a second of venting, over the
- * deceleration of the vehicle [1/s]. It is the mass on a wheelset over its rotating mass, divided by the time in which a
- * cylinder empties. VENTED_MOST, VENTED_FIRST: largest and first deceleration for it [m/s2]. FILLED: acceleration that it
- * loses in a second of filling [m/s3]. LAG: time until sensors show it [s]. */
-static const double VENTED = 40.0, VENTED_MOST = 1.0, VENTED_FIRST = 0.3, FILLED = 13.0, LAG = 0.1;
-/* Share of the full pressure that a second of filling adds; share of its pressure that a second of venting takes [1/s]. */
-static const double FILLING = 0.57, EMPTYING = 3.0;
-/* Acceleration due to venting and due to filling without response after which a wheel does not slide [m/s2]. */
-static const double UNMOVED_VENTED = 2.0, UNMOVED_FILLED = 2.0;
-/* A smaller change of acceleration is not taken for a response [m/s2]. To it is added the response of the vehicle: a share of
- * that of a sliding wheel [1], up to a limit [m/s2]. VENT_SEEN: a share of LAG of venting ends the test of filling [1]. */
-static const double UNMOVED = 0.7, OF_VEHICLE = 0.1, OF_VEHICLE_MOST = 0.5, VENT_SEEN = 0.1;
-/* Faster than the vehicle by this, a wheel slides [m/s2]. */
-static const double FASTER = 2.0;
-/* Largest slip speed below the best slip [m/s], and largest mean error of a deceleration due to growing slip [m/s2]. */
-static const double CREEP = 0.4, CREEPING = 0.35;
-/* Difference to the reference up to which the tests believe a wheel: in m/s, and as a share of the reference. */
-static const double NEAR = 0.8, NEAR_SHARE = 0.02;
-/* Acceleration of a released wheel from which its pressure is held [m/s2]. */
-static const double RELEASED = 1.5;
-/* Steady slip: time, largest change of acceleration, and duration of the pulse that follows [s, m/s2, s]. */
-static const double STEADY = 0.4, STEADY_CHANGE = 0.4, PULSE = 0.04;
-
-/* Noise of a reading without effect [m/s]. For noise above it: growth of the times of filters, and the largest of both [s];
- * growth of a change of acceleration without response [1/s]; growth of the difference that is evidence [1]. Noise is measured
- * over a time [s], below an acceleration [m/s2]. */
-static const double NOISELESS = 0.045, NOISE_TIME = 2.0, NOISE_FIT = 0.1, NOISE_CALM = 0.15;
-static const double NOISE_CHANGE = 8.0, NOISE_EVIDENT = 5.0, NOISE_MEASURED = 0.5, NOISE_BELOW = 1.5;
-/* Sizes of wheels: acceleration below which all roll unbraked [m/s2], least speed [m/s], time [s], largest correction [1]. */
-static const double COASTING = 0.3, SIZE_ABOVE = 3.0, SIZE_TIME = 0.3, SIZE_MOST = 0.05;
-
-/* Limits for the rejection of a sensor. Change of the largest of the RECENT last readings between two samples [m/s], and
- * its increase for each second between them [m/s2]. The strongest brake stops a wheel at some 100 m/s2, and a late tooth
- * appears as low speed in only a few consecutive samples: filters use the second largest of RECENT readings. */
-enum { RECENT = 5 };
-static const double JUMP = 4.0, JUMPING = 150.0;
-/* Readings for the filters, and least time between two [s]: enough for the longest time of a filter. */
-enum { KEPT = 80 };
-static const double BETWEEN = 0.0045;
-/* Time for which a reading stays bit-identical [s], while others change by more than STAYS [m/s]. */
-static const double STAYING = 0.3, STAYS = 0.5;
-/* Time for which others have turned [s], and faster than this [m/s], while a sensor has shown 0. */
-static const double BLIND = 1.0, BLIND_ABOVE = 3.0;
-/* Share of the speed, and time [s], for which a sensor must agree with the others to be accepted again. */
-static const double AGREES = 0.05, AGREEING = 2.0;
-/* A wheel without sensor: share of the pressure of its neighbour with its tolerance [1]. Time of venting at first [s]: it ends
- * a lock that nothing showed. */
-static const double UNSEEN_SHARE = 0.7, UNSEEN_BAND = 0.03, UNSEEN_VENT = 0.4;
 
 enum { APPLY = WHEEL_SLIDE_APPLY, HOLD = WHEEL_SLIDE_HOLD, VENT = WHEEL_SLIDE_VENT, NOBODY = -1 };
 
@@ -112,23 +43,24 @@ typedef struct {
     double kept[KEPT], kept_at[KEPT], recent_kept[RECENT];
     int count, newest;
     /* The last readings; time of the last change of the reading, and the fastest other wheel then; time since which a rejected
-     * sensor agrees with the others; time of its rejection. */
-    double recent[RECENT], changed_at, others, agrees_since, lost_at;
+     * sensor agrees with the others. */
+    double recent[RECENT], changed_at, others, agrees_since;
     int readings;
-    /* Shares of the last LAG of venting and filling; pressure by model [1]. */
-    double venting, filling, pressure;
+    /* Shares of the last LAG of venting and filling; pressure by model, its mean while wheels slide [1]; last time at which it
+     * was not full. Without sensor: share of the neighbour's fillings, what is due of them [1]; end of venting. */
+    double venting, filling, pressure, mean, full_at, share, due, vented_until;
     /* Acceleration due to venting without response, and the least one meanwhile; acceleration due to filling, with time, speed
      * and acceleration at its begin [m/s2, s, m/s]. */
     double unmoved_vented, least_acceleration, unmoved_filled, unmoved_at, unmoved_speed, unmoved_acceleration;
     /* Begin of a steady slip with the acceleration then; end of the pulse. */
     double steady_at, steady_acceleration, pulse_until;
-    bool turns, vents, speeds_up, believed, agrees;
+    bool turns, vents, locked, refills, speeds_up, believed, agrees;
 } wheel;
 
 /* State of the vehicle; before: its deceleration before the last true speed. */
 typedef struct {
     slide_thresholds thresholds;
-    double time, reference, deceleration, before, evident_at, acted_at, gained_at;
+    double time, reference, deceleration, before, evident_at, acted_at, gained_at, bounded_at;
     double synchronised_at, synchronised_speed, kept_at, kept_speed;
     int wheelsets, synchronised, released;
     bool begun, evident, any_believed;
@@ -148,16 +80,15 @@ static double largest_of(const double *numbers, int count) {
 /* True if a wheel is used: its sensor is accepted, or all are rejected. */
 static bool is_seen(const protection *self, const wheel *one) { return one->believed || !self->any_believed; }
 
-/* The number of the fastest or of the slowest wheel that is used. */
+/* The number of the fastest or of the slowest wheel that is used, and not locked if there is one. */
 static int chosen(const protection *self, bool fastest) {
-    int found = NOBODY;
-    for (int i = 0; i < self->wheelsets; ++i) {
-        const double speed = self->wheels[i].calm_speed;
-        if (!is_seen(self, &self->wheels[i])) continue;
-        if (found == NOBODY || (fastest ? speed > self->wheels[found].calm_speed : speed < self->wheels[found].calm_speed))
-            found = i;
+    const wheel *found = NULL;
+    for (const wheel *one = self->wheels; one < self->wheels + self->wheelsets; ++one) {
+        if (!is_seen(self, one) || (one->locked && found)) continue;
+        if (!found || found->locked || (fastest ? one->calm_speed > found->calm_speed : one->calm_speed < found->calm_speed))
+            found = one;
     }
-    return found;
+    return (int)(found - self->wheels);
 }
 
 /* True if a sensor has shown a speed for longer than SETTLING. */
@@ -196,10 +127,23 @@ static bool jumps(wheel *one, double speed, double size) {
     return whole && fabs(largest_of(one->recent, RECENT) - before) > JUMP + JUMPING * size;
 }
 
+/* The neighbour of a wheelset, or another one, with a sensor. */
+static int neighbour_of(const protection *self, int number) {
+    const int beside = number ^ 1;
+    if (beside < self->wheelsets && self->wheels[beside].believed) return beside;
+    for (int i = 0; i < self->wheelsets; ++i)
+        if (self->wheels[i].believed) return i;
+    return NOBODY;
+}
+
 /* Rejects a sensor from now on. */
 static void lose(protection *self, wheel *one, double size) {
     one->believed = one->agrees = false;
-    one->lost_at = self->time;
+    const int beside = neighbour_of(self, (int)(one - self->wheels));
+    one->vented_until = self->time + LOST_VENT;
+    one->share = beside != NOBODY && self->evident && self->wheels[beside].mean > 0.0
+                     ? smaller(MOST_SHARE, larger(LEAST_SHARE, OF_NEIGHBOUR * one->mean / self->wheels[beside].mean))
+                     : UNKNOWN_SHARE;
     self->released = NOBODY;
     /* Evidence that came while the sensor failed was its own. */
     self->evident = self->evident && self->time - self->evident_at > (RECENT + 0.5) * size;
@@ -213,7 +157,7 @@ static void believe(protection *self, wheel *one, double speed, double size) {
     if (size == 0.0 || !fastest) return;
     const double others = fastest->calm_speed;
     if (!one->turns) {
-        one->believed = !is_blind(self, others);
+        one->believed = one->believed && !is_blind(self, others);
         return;
     }
     if (!one->believed) {
@@ -224,8 +168,13 @@ static void believe(protection *self, wheel *one, double speed, double size) {
         one->changed_at = self->time;
         one->others = others;
     }
-    const bool stays = self->time - one->changed_at > STAYING && fabs(others - one->others) > STAYS;
+    const bool stays =
+        self->time - one->changed_at > STAYING && fabs(others - one->others) > (self->evident ? STAYS_SLIDING : STAYS);
     if (jumps(one, speed, size) || stays) lose(self, one, size);
+    if (stays) {
+        one->vented_until = self->time + STUCK_VENT * others;
+        one->share = STUCK_SHARE;
+    }
 }
 
 /* The second largest of the last readings. */
@@ -367,6 +316,8 @@ static double known_deceleration(const protection *self, const wheel *fastest) {
 /* Records that a wheel has gained speed since the last true speed, or since its release. */
 static void find_gain(protection *self, wheel *one) {
     one->lowest = smaller(one->lowest, one->calm_speed);
+    if (one->calm_speed > LOCKED_BELOW * self->reference) one->locked = false;
+    else if (one->vents && !one->speeds_up && self->time - one->vents_since > LOCKED_FROM) one->locked = true;
     const double gain = smaller(GAIN, GAIN_SHARE * larger(one->calm_speed, SLOW));
     if (!(one->calm_acceleration > SPEEDING && one->calm_speed - one->lowest > gain)) return;
     one->speeds_up = true;
@@ -412,12 +363,15 @@ static bool is_near(const protection *self, const wheel *one) {
     return self->synchronised && one->calm_speed > self->reference - NEAR - NEAR_SHARE * self->reference;
 }
 
-/* True if a vented wheel rolls: it does not respond. Far from the reference it must be vented for a time. */
-static bool has_caught_up(const protection *self, const wheel *one) {
+/* True if a vented wheel rolls: it does not respond, and is not behind. Far from the reference it must be vented for a time. */
+static bool has_caught_up(const protection *self, const wheel *one, const wheel *fastest) {
+    const double vented = one->vents ? self->time - one->vents_since : 0.0;
+    const double unsized = vented > LONGEST_RELEASE ? SIZE_MOST * fastest->calm_speed : 0.0;
+    if (one->calm_speed < fastest->calm_speed - BEHIND - unsized) return false;
     if (is_near(self, one)) return one->unmoved_vented > UNMOVED_VENTED;
     const double longest = one->speeds_up ? SHORTEST_RELEASE : LONGEST_RELEASE;
     const bool rolls = one->calm_acceleration < ROLLING && one->calm_acceleration > -SLIDING;
-    return one->vents && rolls && self->time - one->vents_since > longest;
+    return one->vents && !one->locked && rolls && vented > longest;
 }
 
 /* Takes the true speed, and from two of them the deceleration of the vehicle. */
@@ -444,6 +398,7 @@ static void bound(protection *self, const wheel *one) {
     const double least = (lost - CREEP) / lasts - CREEPING, most = (lost + CREEP) / lasts;
     self->deceleration = possible(self, smaller(larger(self->deceleration, least), most));
     self->reference = smaller(self->reference, one->calm_speed + CREEP);
+    if (lasts > BOUNDED) self->bounded_at = self->time;
 }
 
 /* Wheels slide: the reference falls at the last deceleration of the vehicle, until a wheel rolls. */
@@ -455,7 +410,7 @@ static void slide(protection *self, double size, const wheel *fastest) {
         if (!is_seen(self, one)) continue;
         find_gain(self, one);
         test_response(self, one, size);
-        if (has_caught_up(self, one) && (!shows || one->calm_speed > shows->calm_speed)) shows = one;
+        if (has_caught_up(self, one, fastest) && (!shows || one->calm_speed > shows->calm_speed)) shows = one;
     }
     if (shows) synchronise(self, larger(shows->calm_speed, fastest->calm_speed));
     for (wheel *one = self->wheels; !shows && one < self->wheels + self->wheelsets; ++one)
@@ -473,7 +428,8 @@ static bool is_released(protection *self, int number) {
     const double due = self->synchronised == 0   ? 0.0
                        : self->synchronised == 1 ? SECOND_SYNCHRONISING
                                                  : self->thresholds.synchronising_period;
-    if (self->released == NOBODY && self->time - self->synchronised_at > due)
+    if (self->released != NOBODY && self->wheels[self->released].locked) self->released = NOBODY;
+    if (self->released == NOBODY && self->time - larger(self->synchronised_at, self->bounded_at) > due)
         self->released = chosen(self, self->synchronised > 0);
     return self->released == number;
 }
@@ -538,34 +494,40 @@ static int command_of(protection *self, int number) {
     return command;
 }
 
-/* The neighbour of a wheelset whose sensor is rejected, or another one with a sensor. */
-static int neighbour_of(const protection *self, int number) {
-    const int beside = number ^ 1;
-    if (beside < self->wheelsets && self->wheels[beside].believed) return beside;
-    for (int i = 0; i < self->wheelsets; ++i)
-        if (self->wheels[i].believed) return i;
-    return NOBODY;
-}
-
 /* The command for a wheelset without sensor. */
-static int unseen_command(protection *self, int number) {
+static int unseen_command(protection *self, int number, const int *valve) {
     wheel *one = &self->wheels[number];
     const int neighbour = neighbour_of(self, number);
-    if (!self->evident) one->lost_at = self->time;
-    if (!self->evident || neighbour == NOBODY) return APPLY;
-    if (self->time - one->lost_at < UNSEEN_VENT) return VENT;
-    const double above = one->pressure - UNSEEN_SHARE * self->wheels[neighbour].pressure;
-    return above > UNSEEN_BAND ? VENT : above < -UNSEEN_BAND ? APPLY : HOLD;
+    if (neighbour == NOBODY) return APPLY;
+    const wheel *beside = &self->wheels[neighbour];
+    if (!self->evident) {
+        one->vented_until = self->time + UNSEEN_VENT;
+        one->due = 0.0;
+        const bool behind = beside->pressure < 1.0 || self->time - beside->full_at < FULL_TIME;
+        return behind && one->pressure > FIRST_SHARE * beside->pressure ? HOLD : APPLY;
+    }
+    const bool vents = self->time < one->vented_until;
+    one->refills = vents || (one->refills && one->pressure < REFILLED * one->share * beside->pressure);
+    if (vents) return VENT;
+    if (one->refills) return APPLY;
+    if (valve[neighbour] != APPLY) return valve[neighbour];
+    one->due += one->share;
+    if (one->due < 1.0) return HOLD;
+    one->due -= 1.0;
+    return APPLY;
 }
 
 /* Follows what the valve does. */
-static void follow(wheel *one, int command, double size) {
+static void follow(const protection *self, wheel *one, int command, double size) {
     const double share = size / (size + LAG), change = command == APPLY  ? FILLING
                                                        : command == VENT ? -EMPTYING * one->pressure
                                                                          : 0.0;
     one->venting += share * ((command == VENT) - one->venting);
     one->filling += share * ((command == APPLY) - one->filling);
     one->pressure = larger(0.0, smaller(1.0, one->pressure + size * change));
+    if (self->evident) one->mean += size / (size + MEAN_TIME) * (one->pressure - one->mean);
+    else one->mean = one->pressure;
+    if (one->pressure < 1.0) one->full_at = self->time;
 }
 
 size_t wheel_slide_size(int wheelsets) { return sizeof(protection) + (size_t)wheelsets * sizeof(wheel); }
@@ -580,8 +542,16 @@ void wheel_slide_start(void *memory, int wheelsets, double period) {
     for (int i = 0; i < wheelsets; ++i) {
         self->wheels[i].believed = true;
         self->wheels[i].size = 1.0;
+        self->wheels[i].share = UNKNOWN_SHARE;
         self->wheels[i].blocked_until = self->wheels[i].changed_at = -INFINITY;
     }
+}
+
+/* True if no wheel that is used is braked. */
+static bool is_coasting(const protection *self) {
+    for (const wheel *one = self->wheels; one < self->wheels + self->wheelsets; ++one)
+        if (one->believed && fabs(one->calm_acceleration) > COASTING) return false;
+    return true;
 }
 
 /* Takes the readings of all sensors. */
@@ -597,6 +567,8 @@ static void take(protection *self, const double *wheel_speed, double size) {
         filter(self, one, one->size * wheel_speed[i], size);
     }
     if (!self->evident) measure_sizes(self, size);
+    if (!self->evident && is_coasting(self))
+        for (int i = 0; i < self->wheelsets; ++i) self->wheels[i].pressure = 0.0;
     self->any_believed = false;
     for (int i = 0; i < self->wheelsets; ++i) self->any_believed |= self->wheels[i].believed;
 }
@@ -612,8 +584,8 @@ void wheel_slide_step(void *memory, double time, const double *wheel_speed, int 
     for (int i = 0; i < self->wheelsets; ++i)
         if (self->wheels[i].believed) valve[i] = command_of(self, i);
     for (int i = 0; i < self->wheelsets; ++i) {
-        if (!self->wheels[i].believed) valve[i] = unseen_command(self, i);
-        follow(&self->wheels[i], valve[i], size);
+        if (!self->wheels[i].believed) valve[i] = unseen_command(self, i, valve);
+        follow(self, &self->wheels[i], valve[i], size);
     }
 }
 

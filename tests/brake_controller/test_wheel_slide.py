@@ -63,8 +63,10 @@ def test_slip_within_the_band_is_held() -> None:
         slip = 2.5 if 2.0 < time < 3.0 else middle if time > 2.0 else 0.0  # first large enough to be evidence [m/s]
         return [rolling, rolling - slip]
 
-    commands = [command for time, (_, command) in played(speeds, 6.0) if time > 4.5]
-    assert commands.count(HOLD) > 0.9 * len(commands)
+    # These wheels do not respond to their valves: later they are taken for wheels that roll.
+    commands = [command for time, (_, command) in played(speeds, 6.0) if 3.2 < time < 5.0]
+    assert commands.count(HOLD) > 0.85 * len(commands)
+    assert VENT not in commands
 
 
 def creep_force(slip: float) -> float:
@@ -300,8 +302,11 @@ def test_below_the_slowest_speed_the_brake_applies_whatever_the_wheels_do() -> N
 
 
 def test_a_sensor_that_never_showed_a_speed_leaves_its_wheel_braked() -> None:
+    """Its brake fills a little later than that of its neighbour, and completely."""
     commands = played(lambda time: [max(0.0, 20.0 - 0.8 * time), 0.0], 20.0)
-    assert all(command == [APPLY, APPLY] for _, command in commands)
+    assert all(first == APPLY and second != VENT for _, (first, second) in commands)
+    assert all(command == [APPLY, APPLY] for time, command in commands if time > 4.0)
+    assert 0.1 < sum(second == HOLD for _, (_, second) in commands) * PERIOD < 1.5
 
 
 # ---- all commands ----------------------------------------------------------------------------------------------------
@@ -309,7 +314,7 @@ def test_a_sensor_that_never_showed_a_speed_leaves_its_wheel_braked() -> None:
 
 #: Recorded hash of the commands on random histories. It detects a change of any command, but not a wrong one. An
 #: implementation of the protection in Python gave the same commands on ten thousand such histories.
-COMMANDS = "82eb71cb52e0dbfd"
+COMMANDS = "a1e3b8be2d07615b"
 #: Readings of failed sensors as functions of the true speed.
 SHOWN: dict[str, Callable[[float], float]] = {
     "zero": lambda speed: 0.0,
