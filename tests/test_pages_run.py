@@ -50,6 +50,10 @@ SHORT = {
     "python -m bogie_braking doctor": "python -m bogie_braking doctor --help",
     "python -m bogie_braking pace spatial --step 1ms --seconds 10": "python -m bogie_braking pace --help",
     "python study.py": "python -m py_compile study.py",
+    "python train.py": "python train.py 1 1",
+    "python -m bogie_braking controllers compare trained.py:Policy --rails dry,low": (
+        "python -m bogie_braking controllers compare trained.py:Policy --rails dry --draws 1"
+    ),
     "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)' --rails low": (
         "python -m bogie_braking controllers compare 'share.py:LetGo(share=0.7)' 'share.py:LetGo(share=0.9)'"
         " --rails dry --draws 1"
