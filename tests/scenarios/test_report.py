@@ -275,6 +275,44 @@ def test_broken_controllers_are_rejected_by_the_name_of_the_criterion(
     assert shown.startswith("rejected: always fails 1 of 2 criteria: stops: It did not stop: 10.0 m/s after 300 s (in")
 
 
+#: Broken controllers with their cases: one that releases the brake for 12 s and applies it for 12 s in turn, and one
+#: that empties and fills the cylinders every 0.6 s. The built-in criteria that each of them fails.
+SLOW = ("(int)(time / 12.0) % 2 ? WHEEL_SLIDE_APPLY : WHEEL_SLIDE_VENT", ("dry", "low"))
+FAST = ("(int)(time / 0.6) % 2 ? WHEEL_SLIDE_VENT : WHEEL_SLIDE_APPLY", ("low", "small reservoir"))
+DISTANCES = {"distance", "distance over dry", "distance in degraded mode", "no harm to the distance", "no valve moves"}
+FAILED = {
+    SLOW: {*DISTANCES, "lock", "lock in degraded mode", "watchdog", "slip", "flats", "jerk"},
+    FAST: {*DISTANCES, "air", "reservoir"},
+}
+SHORT_SUITE = {
+    "dry": 'rail = "dry"',
+    "low": 'rail = "low"',
+    "small reservoir": 'rail = "dry"\nspeed = "10km/h"\n'
+    "values = { initial_reservoir_pressure = 250e3, feed_orifice = 0.0 }",
+}
+
+
+@pytest.mark.parametrize("controller", FAILED, ids=["slow", "fast"])
+def test_stops_of_broken_controllers_fail_built_in_criteria_by_their_names(
+    controller: tuple[str, tuple[str, ...]], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, cases = controller
+    (folder / "broken.c").write_text(VENTS.replace("(void)time;", "").replace("COMMAND", command))
+    tables = [f'[[case]]\nname = "{name}"\nsource = "assumed"\n{SHORT_SUITE[name]}\n' for name in cases]
+    (folder / "cases.toml").write_text("\n".join(tables))
+    everywhere = re.sub(r"(?s)groups = \[.*?\]", "", CRITERIA.read_text(encoding="utf-8"))
+    (folder / "limits.toml").write_text(everywhere)
+    given = "controllers report broken.c --programme cases.toml --criteria limits.toml --draws 1 --json"
+    assert main(given.split()) == 1
+    found = json.loads(capsys.readouterr().out)["findings"]
+    assert {one["criterion"] for one in found if one["verdict"] == FAILS} == FAILED[controller]
+
+
+def test_every_built_in_criterion_is_failed_by_a_broken_controller() -> None:
+    """Besides STOPS, which a controller that always vents fails."""
+    assert set.union(*FAILED.values()) == {one.name for one in read_criteria(CRITERIA)}
+
+
 @pytest.mark.parametrize(("seconds", "status"), [("9.998", 0), ("10.003", 1)])
 def test_a_brake_that_is_kept_released_for_longer_than_the_watchdog_allows_rejects(
     seconds: str, status: int, folder: Path, capsys: pytest.CaptureFixture[str]
