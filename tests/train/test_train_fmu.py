@@ -205,6 +205,22 @@ def test_wheels_that_lock_are_told(version: int, fmus: dict[tuple[str, int], Pat
         assert max(host.array("slip")[::2]) < 0.1
 
 
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_on_a_map_of_friction_is_the_train_on_it(version: int, tmp_path: Path) -> None:
+    level = Line({"distance": np.array([-500.0, 500.0]), "gradient": np.zeros(2), "curvature": np.zeros(2)})
+    leaves = level.with_friction([-40.0, 0.0, 80.0, 300.0], [1.0, 0.2, 0.05, 1.0])
+    build_train_fmu(SHORT, tmp_path / "leaves.fmu", version, line=leaves)
+    host, own = started(tmp_path / "leaves.fmu"), Train(SHORT, speed=SPEED, line=leaves)
+    own.drive("emergency")
+    with host.slave:
+        host.put("driver_position", [4])
+        for _ in range(COUNT):
+            host.go()
+            own.advance(STEP)
+            assert host.outputs() == [getattr(own, name).tolist() for name in OF_EACH]
+        assert own.wheel_speed[0] < 0.5 * own.speed[0]
+
+
 def test_a_reset_train_runs_as_a_new_one(train: Host) -> None:
     train.put("coupling_closed", [0, 0])
     train.put("hose_state", [2, 1])
