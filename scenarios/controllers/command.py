@@ -110,7 +110,8 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    text = "FILE.py:CLASS, also with gains, 'FILE.py:CLASS(kp=0.3)'; a library; C that includes wheel_slide.h; an FMU"
+    text = "FILE.py:CLASS, also with gains, 'FILE.py:CLASS(kp=0.3)'; a library; C that includes wheel_slide.h; an FMU; "
+    text += "dump-valve"
     parser.add_argument("controller", nargs="*", help=text)
     level, text = whole("--level", 2, 3), "2 in the plane (default), 3 in space"
     parser.add_argument("--level", type=level, default=2, metavar="LEVEL", help=text)

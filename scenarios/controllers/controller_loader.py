@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from brake_controller.slide_protection import RIG
 from brake_controller.wheel_spin import SpinProtection
 from fmu_src.archive import ArchiveError
 from fmu_src.compile import CompilerError
@@ -28,6 +29,8 @@ from scenarios.scenario import BadInputError
 Given = Form | Apart
 #: Controllers of every comparison, before the given ones.
 ALWAYS = ("none", "protection")
+#: Protections from public descriptions, by name.
+PUBLIC = {"dump-valve": RIG / "dump_valve.c"}
 LIBRARIES = (".so", ".dll", ".dylib")
 KINDS = (*LIBRARIES, ".c", ".fmu")
 #: FILE.py:CLASS, with or without the gains of the class.
@@ -74,9 +77,10 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
         return with_gains(Path(in_python["file"]), in_python["name"], in_python["gains"])
     if in_python:
         return in_python["name"], form_of(class_in(Path(in_python["file"]), in_python["name"]))
-    path = Path(text)
+    path = PUBLIC.get(text, Path(text))
     if path.suffix not in KINDS:
-        raise BadInputError(f"A controller must be FILE.py:CLASS, a shared library, a C file or an FMU; got {text}.")
+        kinds = f"FILE.py:CLASS, a shared library, a C file, an FMU or {' or '.join(PUBLIC)}"
+        raise BadInputError(f"A controller must be {kinds}; got {text}.")
     if not path.is_file():
         raise BadInputError(f"There is no file {path}; give the path of a controller.")
     if path.suffix == ".fmu":
@@ -85,7 +89,7 @@ def controller_of(text: str, wheelsets: int) -> tuple[str, Given]:
         library = compiled(path).path if path.suffix == ".c" else path.resolve()
     except CompilerError as error:
         raise BadInputError(f"{path} does not compile. {error}") from None
-    return path.stem, Apart(partial(in_c, library))
+    return text if text in PUBLIC else path.stem, Apart(partial(in_c, library))
 
 
 def in_c(path: Path, wheelsets: int, period: float) -> Form:
