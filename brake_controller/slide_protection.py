@@ -8,6 +8,8 @@ from pathlib import Path
 RIG = Path(__file__).parent / "rig"
 #: The C code of the protection, without the header that is written from its thresholds.
 FILES = ("slide_protection.c", "slide_numbers.h", "slide_protection.h", "wheel_slide.h")
+#: The header of all controllers in C.
+OWN_HEADER = "wheel_slide.h"
 
 
 @dataclass(frozen=True)
@@ -78,3 +80,24 @@ def slide_sources(parameters: SlideProtectionParameters | None = None) -> dict[s
         "#endif\n"
     )
     return {name: (RIG / name).read_text(encoding="utf-8") for name in FILES} | {"slide_thresholds.h": header}
+
+
+def one_file() -> str:
+    """Return the C code of the protection as one file, which includes wheel_slide.h and the standard library only."""
+    sources = slide_sources()
+    standard: list[str] = []
+
+    def opened(name: str) -> str:
+        lines = []
+        for line in sources.pop(name, "").splitlines():
+            if line.startswith("#include <"):
+                standard.append(line)
+            elif line.startswith('#include "') and line != f'#include "{OWN_HEADER}"':
+                lines.append(opened(line.split('"')[1]))
+            elif line != f'#include "{OWN_HEADER}"':
+                lines.append(line)
+        return "\n".join(lines).strip("\n")
+
+    text = opened(FILES[0])
+    included = "\n".join([f'#include "{OWN_HEADER}"', "", *standard])
+    return f"{included}\n\n{text}\n"

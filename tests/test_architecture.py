@@ -256,7 +256,7 @@ PLUMBING = {
         "wheel_slide_in_python",
         "wheel_slide_protection",
     },
-    "brake_controller/slide_protection.py": {"slide_sources"},
+    "brake_controller/slide_protection.py": {"one_file", "slide_sources"},
     "brake_controller/wheel_slide.py": {"failure", "silence", "within"},
 }
 

@@ -64,7 +64,7 @@ typedef struct {
     double synchronised_at, synchronised_speed, kept_at, kept_speed;
     int wheelsets, synchronised, released;
     bool begun, evident, any_believed;
-    wheel wheels[];
+    wheel wheels[1]; /* the first of all; wheel_slide_size counts the others */
 } protection;
 
 static double larger(double one, double other) { return other > one ? other : one; }
@@ -530,12 +530,13 @@ static void follow(const protection *self, wheel *one, int command, double size)
     if (one->pressure < 1.0) one->full_at = self->time;
 }
 
-size_t wheel_slide_size(int wheelsets) { return sizeof(protection) + (size_t)wheelsets * sizeof(wheel); }
+size_t wheel_slide_size(int wheelsets) { return offsetof(protection, wheels) + (size_t)wheelsets * sizeof(wheel); }
 
 void wheel_slide_start(void *memory, int wheelsets, double period) {
-    protection *self = memory;
+    protection *self = (protection *)memory;
     (void)period;
-    self->thresholds = (slide_thresholds)SLIDE_COMMON;
+    const slide_thresholds common = SLIDE_COMMON;
+    self->thresholds = common;
     self->wheelsets = wheelsets;
     self->evident_at = self->acted_at = -INFINITY;
     self->released = NOBODY;
@@ -574,7 +575,7 @@ static void take(protection *self, const double *wheel_speed, double size) {
 }
 
 void wheel_slide_step(void *memory, double time, const double *wheel_speed, int *valve) {
-    protection *self = memory;
+    protection *self = (protection *)memory;
     const double size = self->begun ? time - self->time : 0.0;
     self->begun = true;
     self->time = time;

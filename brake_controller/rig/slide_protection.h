@@ -8,11 +8,19 @@
 #include "slide_thresholds.h"
 #include "wheel_slide.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Sets all thresholds, before the first step. */
 WHEEL_SLIDE_SHOWN void slide_set_thresholds(void *memory, const slide_thresholds *thresholds);
 /* Reference speed [m/s]. */
 WHEEL_SLIDE_SHOWN double slide_reference(const void *memory);
 /* Returns 1 if the sensor of a wheelset is accepted, else 0. */
 WHEEL_SLIDE_SHOWN int slide_believes(const void *memory, int wheelset);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -17,6 +17,10 @@
 #define WHEEL_SLIDE_SHOWN
 #endif
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Commands of a valve. */
 enum { WHEEL_SLIDE_APPLY = 0, WHEEL_SLIDE_HOLD = 1, WHEEL_SLIDE_VENT = 2 };
 
@@ -27,5 +31,9 @@ WHEEL_SLIDE_SHOWN void wheel_slide_start(void *memory, int wheelsets, double per
 /* Writes commands for the valves of all wheelsets from their sensors' circumferential speeds [m/s], at a time since the
  * start of the run [s]. */
 WHEEL_SLIDE_SHOWN void wheel_slide_step(void *memory, double time, const double *wheel_speed, int *valve);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

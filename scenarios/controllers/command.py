@@ -7,6 +7,7 @@
   bogie-braking controllers answer mine.py:PI            a client of such a rig, also on another machine
   bogie-braking controllers client c > udp_client.c      the client of a controller in C; also: python
   bogie-braking controllers header > wheel_slide.h       the header of a controller in C
+  bogie-braking controllers reference -o protection      the built-in protection in C, with stops that check a port
   bogie-braking controllers programme > my.toml          a case file, a start for your own
   bogie-braking controllers criteria > limits.toml       criteria of acceptance, a start for your own
 
@@ -32,7 +33,7 @@ from products.protection.rails import RAILS
 from products.protection.spread import Spread
 from readers.command_line import whole
 from readers.storage import write_whole
-from scenarios.controllers import answering, loop, replay, report, verdict
+from scenarios.controllers import answering, loop, reference, replay, report, verdict
 from scenarios.controllers.controller_loader import controllers_of
 from scenarios.controllers.options import add_case, add_draws, add_settings, plan_of, rigged
 from scenarios.controllers.page import page
@@ -103,6 +104,11 @@ def add_commands(parser: argparse.ArgumentParser, speech: Callable[[argparse.Arg
     client = actions.add_parser("client", help="print a client of such a rig, which goes to another machine")
     client.add_argument("language", choices=list(answering.CLIENTS))
     actions.add_parser("header", help="print wheel_slide.h, which a controller in C includes")
+    referenced = actions.add_parser(
+        "reference", help="write the built-in protection in C, or check a port of it", **form(reference.__doc__)
+    )
+    reference.add_arguments(referenced)
+    speech(referenced)
     actions.add_parser("programme", help="print the built-in test suite, a start for your own")
     actions.add_parser("criteria", help="print the built-in criteria, a start for your own")
     parser.set_defaults(quiet=False, json=False, out=Path("results"))
@@ -135,6 +141,8 @@ def run(chosen: argparse.Namespace) -> bool:
         return True
     if chosen.action == "answer":
         return answering.run(chosen)
+    if chosen.action == "reference":
+        return reference.run(chosen)
     if chosen.action == "report":
         return report.run(chosen)
     if chosen.action == "replay":
