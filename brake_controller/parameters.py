@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from brake_controller.experiment import APPLICATION_TIME, EXPERIMENT, FORCE_PER_PRESSURE, SHOES, SUPPLY_PRESSURE
 from brake_controller.rigging import force_per_pressure
-from brake_controller.shoe_friction import CONSTANT, KARWATZKI, LAWS
+from brake_controller.shoe_friction import CAST_IRON_P6, CONSTANT, LAWS
 from fmu_src.system import ParameterSet, choice, quantity
 
 #: Fall of law 4 with sliding speed [s/m]. Assumed.
@@ -91,7 +91,7 @@ def uic(
 
     pressure [Pa]; piston_area [m2], spring_force [N]: of the cylinder, the spring as the shoes touch.
 
-    Literature: rigging efficiency 0.95 (example of EN 14531), friction of cast iron (Karwatzki).
+    Literature: rigging efficiency 0.95 (example of EN 14531), friction of cast iron P6 (Karwatzki (1950)).
     Assumed: one piston for each bogie with a rigging ratio of 6, eight shoes, wheels of 920 mm.
     """
     return BrakeParameters(
@@ -105,7 +105,7 @@ def uic(
         touch_pressure=spring_force / piston_area,
         rigging_efficiency=0.95,
         wheel_radius=0.46,
-        friction_law=KARWATZKI,
+        friction_law=CAST_IRON_P6,
         constant_shoe_friction=0.25,
         falling_friction_constant=FALLING_FRICTION_CONSTANT,
     )

@@ -10,12 +10,12 @@ from fmu_src.piecewise import interpolation
 from fmu_src.system import System
 
 #: Numbers of the laws, parameter `friction_law`.
-CONSTANT, MEASURED_AGAINST_FORCE, KARWATZKI, COMPOSITE, FALLING, TABULATED = range(6)
+CONSTANT, MEASURED_AGAINST_FORCE, CAST_IRON_P6, COMPOSITE, FALLING, TABULATED = range(6)
 #: Descriptions of these laws.
 LAWS = {
     CONSTANT: "constant",
     MEASURED_AGAINST_FORCE: "measured against shoe force (chapter 7)",
-    KARWATZKI: "cast iron (Karwatzki)",
+    CAST_IRON_P6: "cast iron P6",
     COMPOSITE: "composite (type K)",
     FALLING: "falling with speed (section 2.5.2)",
     TABULATED: "a table over sliding speed that is compiled into the FMU (FrictionTable)",
@@ -59,11 +59,13 @@ def sliding_speed(angular_velocity: ca.SX, wheel_radius: ca.SX) -> ca.SX:
     return ca.sqrt((wheel_radius * angular_velocity) ** 2 + REST_SPEED**2) - REST_SPEED
 
 
-def karwatzki(force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
-    """Return friction of cast iron after Karwatzki; force in N, speed in m/s, the formula itself in kN and km/h.
+def cast_iron_p6(force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
+    """Return friction of cast iron P6; force in N, speed in m/s, the formula itself in kN and km/h.
 
-    mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), with the rounded constants of the train simulator
-    MaSzyna. The literature has 16 / g and 80 / g instead of 1.6 and 8, with a difference below 1 % up to 40 kN.
+    mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), Karwatzki (1950), with the rounded constants of the
+    train simulator MaSzyna, which calls it P10. The literature has 16 / g and 80 / g instead of 1.6 and 8, with a
+    difference below 1 % up to 40 kN. It is the law of P6 in a public train simulation (`vehicle_brake.py: FRICTIONS`);
+    that of phosphorous iron P10 there is 13 % above it at 10 kN, and 32 % at 20 kN.
     """
     force, fast = force_of_one_shoe / 1e3, KILOMETRES_PER_HOUR * speed
     return 0.60 * (1.6 * force + 100) / (8 * force + 100) * (fast + 100) / (5 * fast + 100)
@@ -86,7 +88,7 @@ def falling(friction_at_rest: ca.SX, constant: ca.SX, speed: ca.SX) -> ca.SX:
     return friction_at_rest * ca.exp(-constant * speed)
 
 
-#: Default table of law 5: Karwatzki at 20 kN, at 0, 10, 50 and 100 km/h.
+#: Default table of law 5: cast iron P6 at 20 kN, at 0, 10, 50 and 100 km/h.
 EXAMPLE_TABLE = FrictionTable([v / KILOMETRES_PER_HOUR for v in (0, 10, 50, 100)], [0.3046, 0.2234, 0.1305, 0.1015])
 
 
@@ -102,7 +104,7 @@ def shoe_friction(
     constant = p["constant_shoe_friction"]
     laws = {
         MEASURED_AGAINST_FORCE: measured,
-        KARWATZKI: karwatzki(force_of_one_shoe, speed),
+        CAST_IRON_P6: cast_iron_p6(force_of_one_shoe, speed),
         COMPOSITE: composite(speed),
         FALLING: falling(constant, p["falling_friction_constant"], speed),
         TABULATED: system.table("friction_over_speed", *interpolation(table.speeds, table.frictions), speed),

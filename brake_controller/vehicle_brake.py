@@ -12,20 +12,20 @@ import casadi as ca
 from brake_controller.air import AMBIENT
 from brake_controller.rigging import shoe_force
 from brake_controller.shoe_friction import (
+    CAST_IRON_P6,
     COMPOSITE,
     CONSTANT,
-    KARWATZKI,
     KILOMETRES_PER_HOUR,
     LAWS,
+    cast_iron_p6,
     composite,
-    karwatzki,
 )
 from fmu_src.chain import function_of
 from fmu_src.system import ParameterSet, choice, quantity
 
 #: Friction as two fractions, of shoe force and of speed, with constants of the vehicle (`fractions`).
 FRACTIONS = 6
-_LAWS = {law: LAWS[law] for law in (CONSTANT, KARWATZKI, COMPOSITE)}
+_LAWS = {law: LAWS[law] for law in (CONSTANT, CAST_IRON_P6, COMPOSITE)}
 
 
 def _of_law_6(unit: str, description: str, default: float, minimum: float = -math.inf) -> Any:
@@ -83,7 +83,7 @@ class Fractions:
 #: runs Open Rails trains in Rust). Cast iron P6 is Karwatzki's formula, and composite is 0.44 (K + 20) / (4 K + 20)
 #: (V + 150) / (2 V + 150), K in tf. The law of pads has a pole at 27.2 kN. Assumed: it is constant from 20 kN on.
 FRICTIONS: Mapping[str, Mapping[str, float]] = {
-    "cast-iron-p6": {"friction_law": float(KARWATZKI)},
+    "cast-iron-p6": {"friction_law": float(CAST_IRON_P6)},
     "cast-iron-p10": Fractions(0.05, 62.5, 31.25, 100.0, 20.0, 1e3).values(),
     "composite": Fractions(0.055, 200.0, 50.0, 150.0, 75.0, 1e3).values(),
     "pads": Fractions(0.385, -24.5, -27.2, 39.5, 33.0, 20.0).values(),
@@ -143,7 +143,7 @@ def brake_force(cylinder: ca.SX, wheel: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     over = ca.fmax(cylinder - AMBIENT, 0)
     pressed = shoe_force(over, p["force_per_pressure"], p["counter_force"], p["efficiency"])
     fast, one = ca.fabs(wheel), pressed / p["shoes"]
-    friction = ca.if_else(p["friction_law"] == KARWATZKI, karwatzki(one, fast), p["constant_friction"])
+    friction = ca.if_else(p["friction_law"] == CAST_IRON_P6, cast_iron_p6(one, fast), p["constant_friction"])
     friction = ca.if_else(p["friction_law"] == COMPOSITE, composite(fast), friction)
     friction = ca.if_else(p["friction_law"] == FRACTIONS, fractions(p, one, fast), friction)
     return friction * pressed

@@ -13,13 +13,14 @@ from scipy.optimize import brentq
 from brake_controller.brake_weight import FROM_120, force_of_percentage
 from brake_controller.discs import MEAN_PAD_FRICTION, DiscParameters, axle_discs
 from brake_controller.parameters import qr30
-from brake_controller.shoe_friction import COMPOSITE, CONSTANT, KARWATZKI
+from brake_controller.shoe_friction import CAST_IRON_P6, COMPOSITE, CONSTANT
 from products.braked_vehicle import TIMED, TIMED_DISCS
 from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, of_pads
 from products.vehicle_entries import Entry, choice_of, number_of
 
-#: Friction laws of shoes by their names in a file.
-FRICTION_LAWS = {"constant": CONSTANT, "cast-iron": KARWATZKI, "composite": COMPOSITE}
+#: Friction laws of shoes by their names in a file, which are those of consists; and by their older names.
+FRICTION_LAWS = {"constant": CONSTANT, "cast-iron-p6": CAST_IRON_P6, "composite-k": COMPOSITE}
+OLDER_LAWS = {"cast-iron": "cast-iron-p6", "composite": "composite-k"}
 #: Mean friction of shoes if the file gives none: that of the built-in coach.
 SHOE_FRICTION = 0.25
 #: Speed from which pads on cold discs have the stated friction on average over the distance [m/s].
@@ -36,7 +37,7 @@ BRAKE_ENTRIES: Mapping[str, Entry] = {
     "rigging_efficiency": Entry("1", 0.01, 1.0, "effective over calculated force"),
     "return_force": Entry("N", 0.0, 1e5, "of the return spring at each piston"),
     "friction": Entry("1", 0.01, 1.0, "mean friction of shoes or pads"),
-    "friction_law": Entry("1", 0, 0, "of shoes: constant, cast-iron, composite"),
+    "friction_law": Entry("1", 0, 0, "of shoes: constant, cast-iron-p6, composite-k"),
     "shoes": Entry("1", 1, 16, "shoes on each wheelset", whole=True),
     "friction_radius": Entry("m", 0.01, 1.0, "radius at which pads rub"),
     "full_pressure": Entry("Pa", 1e3, 1e6, "of the cylinders at full brake"),
@@ -141,7 +142,9 @@ def _statement(given: Mapping[str, float]) -> tuple[str, ...]:
 
 
 def _law(table: Mapping[str, Any], acts_on: str) -> int:
-    name = choice_of(FRICTION_LAWS, table.get("friction_law", "constant"), "[brake] friction_law", "Choose one.")
+    given = table.get("friction_law", "constant")
+    given = OLDER_LAWS.get(given, given) if isinstance(given, str) else given
+    name = choice_of(FRICTION_LAWS, given, "[brake] friction_law", "Choose one.")
     if name != "constant" and "friction" in table:
         raise ValueError(f"[brake] friction must be left out with friction_law {name}, which gives it; got both.")
     return FRICTION_LAWS[name]

@@ -37,6 +37,12 @@ CREEP = 3e-4
 SLOPE = 0.03
 
 
+@pytest.mark.parametrize(("older", "name", "law"), [("cast-iron", "cast-iron-p6", 2), ("composite", "composite-k", 3)])
+def test_older_names_of_friction_laws_are_read(older: str, name: str, law: int) -> None:
+    own = [sheet_of(SHEET | {"brake": BRAKE | {"friction_law": one}}).brake for one in (older, name)]
+    assert [one.values["friction_law"] for one in own if one] == [law, law]
+
+
 @pytest.mark.parametrize("name", LIKE)
 def test_a_built_in_vehicle_survives_the_way_through_a_file(name: str, tmp_path: Path) -> None:
     sheet = built_in_sheet(name)
@@ -266,7 +272,10 @@ REFUSED = [
     ({"brake": BRAKE | {"rigging_efficiency": 0.9}}, "[brake] rigging_efficiency has no effect here"),
     ({"brake": BRAKE | {"friction_radius": 0.3}}, "[brake] friction_radius has no effect here"),
     ({"brake": {"cylinder_diameter": "305 mm", "cylinders": 2}}, "[brake] rigging_ratio must be given"),
-    ({"brake": BRAKE | {"friction_law": "iron"}}, "[brake] friction_law must be one of constant, cast-iron, composite"),
+    (
+        {"brake": BRAKE | {"friction_law": "iron"}},
+        "[brake] friction_law must be one of constant, cast-iron-p6, composite-k",
+    ),
     ({"brake": BRAKE | {"friction_law": "composite", "friction": 0.2}}, "[brake] friction must be left out"),
     ({"brake": 7}, "brake must be a table; got 7"),
     ({"parameters": {"body_mass": "30 t"}}, "[parameters] body_mass must be left out beside tare"),

@@ -53,7 +53,7 @@ def friction_note() -> str:
 `falling_friction_constant`. `brake_controller/shoe_friction.py` has the formulas and their sources.
 
 Law {TABULATED} draws straight lines between the points of a table, and holds the first and the last value beyond them.
-The FMUs of this page have this table, which is an example, Karwatzki's formula at 20 kN:
+The FMUs of this page have this table, which is an example, cast iron P6 at 20 kN:
 
 | sliding speed | shoe friction |
 |---|---|

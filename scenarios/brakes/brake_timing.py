@@ -28,9 +28,9 @@ from brake_controller.ready_sets import (
     with_dump_valve,
 )
 from brake_controller.shoe_friction import (
+    CAST_IRON_P6,
     COMPOSITE,
     FALLING,
-    KARWATZKI,
     KILOMETRES_PER_HOUR,
     MEASURED_AGAINST_FORCE,
 )
@@ -56,7 +56,7 @@ FULLY_APPLIED, SAME_FORCE = 200.0, 0.01
 #: 7.4.1.
 PRINTED_FORCE = {130: (5.33, 18), 150: (6.15, 19), 180: (7.38, 15)}
 #: Laws of shoe friction in the plot, and sliding speeds [km/h].
-LAWS = {KARWATZKI: "cast iron, Karwatzki", COMPOSITE: "composite, type K", FALLING: "falling with speed (assumed)"}
+LAWS = {CAST_IRON_P6: "cast iron P6", COMPOSITE: "composite, type K", FALLING: "falling with speed (assumed)"}
 SPEEDS = np.linspace(0.0, 120.0, 121)
 
 

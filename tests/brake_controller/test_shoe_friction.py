@@ -10,16 +10,16 @@ import pytest
 from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from brake_controller.shoe_friction import (
+    CAST_IRON_P6,
     COMPOSITE,
     CONSTANT,
     EXAMPLE_TABLE,
     FALLING,
-    KARWATZKI,
     REST_SPEED,
     TABULATED,
     FrictionTable,
+    cast_iron_p6,
     composite,
-    karwatzki,
 )
 from fmu_src.compile import build_library
 from fmu_src.kernel import Kernel, Library
@@ -27,7 +27,7 @@ from fmu_src.kernel import Kernel, Library
 #: Rounding of the numbers below, which have four decimals.
 PRINTED = 5e-5
 #: Shoe force [kN], speed [km/h], friction: the formula with N in kN and V in km/h, calculated by hand.
-KARWATZKI_NUMBERS = [
+P6_NUMBERS = [
     *((5, 0, 0.4629), (5, 10, 0.3394), (5, 50, 0.1984), (5, 100, 0.1543)),
     *((20, 0, 0.3046), (20, 10, 0.2234), (20, 50, 0.1305), (20, 100, 0.1015)),
     *((40, 0, 0.2343), (40, 10, 0.1718), (40, 50, 0.1004), (40, 100, 0.0781)),
@@ -42,19 +42,19 @@ def friction_at(brake: Library, law: int, speed: float, **values: float) -> floa
     return kernel["shoe_friction"]
 
 
-@pytest.mark.parametrize(("force", "speed", "friction"), KARWATZKI_NUMBERS)
+@pytest.mark.parametrize(("force", "speed", "friction"), P6_NUMBERS)
 def test_cast_iron_gives_the_published_numbers(force: float, speed: float, friction: float) -> None:
-    assert float(karwatzki(1e3 * force, speed / 3.6)) == pytest.approx(friction, abs=PRINTED)
+    assert float(cast_iron_p6(1e3 * force, speed / 3.6)) == pytest.approx(friction, abs=PRINTED)
     # A speed in m/s or a force in N would give a very different value.
-    assert speed == 0 or float(karwatzki(1e3 * force, speed)) != pytest.approx(friction, abs=PRINTED)
-    assert float(karwatzki(force, speed / 3.6)) != pytest.approx(friction, abs=PRINTED)
+    assert speed == 0 or float(cast_iron_p6(1e3 * force, speed)) != pytest.approx(friction, abs=PRINTED)
+    assert float(cast_iron_p6(force, speed / 3.6)) != pytest.approx(friction, abs=PRINTED)
 
 
 def test_cast_iron_in_the_kernel_is_that_of_the_force_of_one_shoe(brake: Library) -> None:
     one_shoe = 180e3 * 0.082 * 0.85 / 2
     for speed in SPEEDS:
-        expected = float(karwatzki(one_shoe, max(speed - REST_SPEED, 0.0)))
-        assert friction_at(brake, KARWATZKI, speed) == pytest.approx(expected, rel=1e-4)
+        expected = float(cast_iron_p6(one_shoe, max(speed - REST_SPEED, 0.0)))
+        assert friction_at(brake, CAST_IRON_P6, speed) == pytest.approx(expected, rel=1e-4)
 
 
 def test_composite_falls_slightly_and_is_held_beyond_the_fit(brake: Library) -> None:
@@ -75,7 +75,7 @@ def test_falling_law_halves_at_the_speed_that_its_constant_says(brake: Library) 
     assert friction_at(brake, FALLING, 30.0, falling_friction_constant=0.0) == 0.25
 
 
-@pytest.mark.parametrize("law", [KARWATZKI, COMPOSITE, FALLING, TABULATED])
+@pytest.mark.parametrize("law", [CAST_IRON_P6, COMPOSITE, FALLING, TABULATED])
 def test_friction_falls_with_speed_alike_in_both_directions(brake: Library, law: int) -> None:
     found = [friction_at(brake, law, speed) for speed in SPEEDS]
     assert all(a >= b > 0.0 for a, b in pairwise(found))
@@ -83,7 +83,7 @@ def test_friction_falls_with_speed_alike_in_both_directions(brake: Library, law:
     assert [friction_at(brake, law, -speed) for speed in SPEEDS] == found
 
 
-@pytest.mark.parametrize("law", [KARWATZKI, COMPOSITE, FALLING, TABULATED])
+@pytest.mark.parametrize("law", [CAST_IRON_P6, COMPOSITE, FALLING, TABULATED])
 def test_friction_has_no_corner_at_rest(brake: Library, law: int) -> None:
     kernel = Kernel(brake, friction_law=law, pressure_demand=180e3)
     kernel.advance(20.0)
@@ -100,7 +100,7 @@ def test_constant_law_does_not_see_speed(brake: Library) -> None:
 
 
 def test_cast_iron_falls_with_force() -> None:
-    found = [float(karwatzki(1e3 * force, 10.0)) for force in range(0, 60, 5)]
+    found = [float(cast_iron_p6(1e3 * force, 10.0)) for force in range(0, 60, 5)]
     assert all(a > b > 0.0 for a, b in pairwise(found))
 
 
@@ -113,7 +113,7 @@ def test_table_of_the_user_is_met_at_its_points_and_held_outside() -> None:
 
 def test_table_of_the_fmu_is_cast_iron_at_20_kilonewtons() -> None:
     for speed, friction in zip(EXAMPLE_TABLE.speeds, EXAMPLE_TABLE.frictions, strict=True):
-        assert float(karwatzki(20e3, speed)) == pytest.approx(friction, abs=PRINTED)
+        assert float(cast_iron_p6(20e3, speed)) == pytest.approx(friction, abs=PRINTED)
 
 
 @pytest.mark.parametrize(

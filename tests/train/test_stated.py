@@ -58,11 +58,14 @@ PRINTED = {
 
 @pytest.mark.parametrize("law", LAWS)
 def test_each_law_of_friction_has_its_printed_values(law: str) -> None:
+    """Twelve points of the formula, three of them as printed; of two vehicles with other numbers of shoes."""
     radius = {"friction_radius": 1.0} if law == "pads" else {}
-    one = one_of(shoe_force=80.0, shoes=8, friction=law, **radius)
-    for speed, printed in zip((0.0, 60.0, 120.0), PRINTED[law], strict=True):
-        assert force(one, speed / 3.6) / 80e3 == pytest.approx(printed, abs=6e-4)
-        assert force(one, speed / 3.6) / 80e3 == pytest.approx(fraction(LAWS[law], 10.0, speed / 3.6), rel=1e-12)
+    for kilonewton, shoes in ((3.0, 16), (10.0, 8), (15.0, 16), (20.0, 8)):
+        one = one_of(shoe_force=shoes * kilonewton, shoes=shoes, friction=law, **radius)
+        for speed, printed in zip((0.0, 60.0, 120.0), PRINTED[law], strict=True):
+            friction = force(one, speed / 3.6) / (1e3 * shoes * kilonewton)
+            assert friction == pytest.approx(fraction(LAWS[law], kilonewton, speed / 3.6), rel=1e-12)
+            assert kilonewton != 10.0 or friction == pytest.approx(printed, abs=6e-4)
 
 
 def test_friction_of_pads_is_constant_from_20_kn_on() -> None:
