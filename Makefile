@@ -63,12 +63,13 @@ $(VENV)/test-installed: pyproject.toml | $(VENV)/bin/python
 	$(PIP) -e ".[test,masters,charts,sweep,docs]"
 	touch $@ $(VENV)/demo-installed $(VENV)/compiler-installed
 
-# Draws the pictures of docs/choosing.md anew, some ten minutes, and puts what they measured into the text.
+# Draws the pictures of docs/choosing.md and docs/controller.md anew, some 20 minutes, and puts what they measured into them.
 CHARTS := speed-accuracy throughput stability-atlas coupling-step levels levels-in-curves contact-model thesis-step \
 	train-brake-evidence
 charts: $(VENV)/charts-installed
 	for name in $(CHARTS); do $(RUN) -m bogie_braking run $$name || [ $$? = 1 ] || exit 1; done  # 1: a row does not hold
 	$(RUN) docs/generate/charts.py --collect
+	$(RUN) docs/generate/slide_bound.py --measure
 
 $(VENV)/charts-installed: pyproject.toml | $(VENV)/bin/python
 	$(PIP) -e ".[charts,pages$(COMPILER)]"
