@@ -34,7 +34,7 @@ BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 #: Python (`py`) that takes too long to build.
 UNTESTED = {"bash", "bat", "csv", "java", "julia", "log", "py", "rust", "xml"}
 #: All kinds of blocks; those run are Python, commands, changes, output and other files.
-KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "toml"}
+KINDS = UNTESTED | {"python", "sh", "diff", "text", "c", "toml", "pascal"}
 #: Programs that the commands of a block may call.
 PROGRAMS = {"python", "make", "cc", "c++", "./host"}
 #: Packages that a page needs but an installation may lack, and the extra that installs them.

@@ -1,5 +1,7 @@
 """The built-in protection as a C library: it compiles as C and C++, and its reference stops show an altered port."""
 
+import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -10,7 +12,9 @@ from brake_controller.slide_protection import one_file, slide_sources
 from products.protection.controller_kinds import InC, compiled
 from products.protection.reference_stops import STOPS, looks_of
 from scenarios.controllers import reference
+from tests.needed import needed
 
+ROOT = Path(__file__).parent.parent
 STRICT = ["-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror", "-O1", "-fPIC", "-shared", "-ffp-contract=off"]
 
 
@@ -94,3 +98,21 @@ def test_all_commands_occur_with_each_number_of_wheelsets() -> None:
         commands = {valve for look in looks_of(stop) for valve in look.valves}
         assert commands == ({0} if stop.name == "dry" else {0, 1, 2}), stop.name
     assert {stop.wheelsets for stop in STOPS} == {1, 2, 4}
+
+
+def test_a_port_to_rust_gives_all_commands(tmp_path: Path) -> None:
+    rustc = shutil.which("rustc") or pytest.skip("rustc is not installed")
+    library = tmp_path / "libport.so"
+    port = ROOT / "docs/ports/wheel_slide.rs"
+    subprocess.run([rustc, "-O", "--edition", "2021", "--crate-type", "cdylib", port, "-o", library], check=True)
+    assert differences(InC(library)) == {}
+
+
+def test_the_linter_finds_the_documented_deviations_only(folder: Path) -> None:
+    linter = needed("cppcheck", packages="cppcheck")
+    words = ["--addon=misra", "--std=c99", "--suppress=missingIncludeSystem", "wheel_slide.c"]
+    done = subprocess.run([linter, *words], cwd=folder, capture_output=True, text=True, check=True)
+    found = set(re.findall(r"misra-c2012-([0-9.]+)", done.stderr))
+    page = (ROOT / "docs/library.md").read_text()
+    rows = re.findall(r"^\| ((?:\d+\.\d+(?:, )?)+) \|", page, re.MULTILINE)
+    assert found == {rule for row in rows for rule in row.split(", ")}

@@ -52,6 +52,11 @@ class Look:
     valves: tuple[int, ...]
 
 
+#: Adhesion that changes every few seconds, between good and bad rails.
+PATCHES = (
+    *((0.0, 0.2, 1.0), (3.0, 0.03, 0.3), (6.0, 0.25, 1.0), (10.5, 0.05, 0.7), (13.0, 0.25, 1.0), (17.0, 0.01, 0.9)),
+    *((21.0, 0.25, 1.0), (25.0, 0.06, 0.2), (28.0, 0.12, 1.0), (30.0, 0.04, 0.5), (31.0, 0.1, 0.9), (33.0, 0.04, 0.3)),
+)
 #: Stops that reach the branches of the protection.
 STOPS = (
     ReferenceStop("dry", adhesion=((0.0, 0.3, 1.0),), lasts=8.0, period=0.02),
@@ -70,6 +75,8 @@ STOPS = (
     ReferenceStop("four wheelsets", wheelsets=4, period=0.02, faults=((2, "nan", 5.0, 99.0),)),
     ReferenceStop("fast looks", period=0.004, lasts=6.0),
     ReferenceStop("slow looks", period=0.04),
+    ReferenceStop("patches", speed=45.0, lasts=36.0, adhesion=PATCHES),
+    ReferenceStop("noisy patches", wheelsets=4, period=0.02, speed=40.0, lasts=36.0, adhesion=PATCHES, noise=0.002),
     ReferenceStop("teeth", noise=0.012),
     ReferenceStop("radius", radii=(1.03, 1.0, 1.0, 1.0), adhesion=((0.0, 0.3, 1.0), (5.0, 0.05, 0.5))),
 )
