@@ -69,6 +69,17 @@ ELECTRIC: dict[str, tuple[str, float, float]] = {
     "dynamic_fade": ("km/h", 0.0, 100.0),
     "dynamic_rise": ("s", 0.0, 30.0),
 }
+#: Columns of the heat of wheels; those of one wheel, except its number.
+HEAT: dict[str, tuple[str, float, float]] = {
+    "wheel_mass": ("kg", 1.0, 5000.0),
+    "wheels": ("1", 1, 96),
+    "heat_share": ("1", 0.0, 1.0),
+    "cooling": ("W/K", 0.0, 1000.0),
+    "cooling_speed": ("W.s/(K.m)", 0.0, 100.0),
+    "fade_from": ("degC", 20.0, 1500.0),
+    "fade_to": ("degC", 20.0, 1500.0),
+    "fade_left": ("1", 0.0, 1.0),
+}
 #: Columns of the coupler behind a vehicle, in place of numbers of the built-in one.
 COUPLING: dict[str, tuple[str, float, float]] = {
     "coupler_stiffness": ("MN/m", 0.1, 1000.0),
@@ -77,9 +88,9 @@ COUPLING: dict[str, tuple[str, float, float]] = {
     "coupler_damping": ("1", 0.0, 0.95),
     "coupler_strength": ("kN", 10.0, 10e3),
 }
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | COUPLING
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | HEAT | COUPLING
 #: Columns of integers.
-WHOLE = ("count", "shoes", "cylinders")
+WHOLE = ("count", "shoes", "cylinders", "wheels")
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
 WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
@@ -95,7 +106,7 @@ WORDS: dict[str, Collection[str]] = {
 TEXTS = ("name",)
 #: All names, in the order in which files are written.
 NAMES = (
-    *("kind", *TEXTS, *VEHICLE, "brake", *FORCE, "friction", *AIR, *ELECTRIC),
+    *("kind", *TEXTS, *VEHICLE, "brake", *FORCE, "friction", *AIR, *ELECTRIC, *HEAT),
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
     *COUPLING,
 )

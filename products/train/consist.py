@@ -24,6 +24,7 @@ from brake_controller.distributors.uic import freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.electric_brake import NO_ELECTRIC_BRAKE, ElectricBrake
 from brake_controller.vehicle_brake import VehicleBrake, braking
+from brake_controller.wheel_heat import NO_WHEEL_HEAT, WheelHeat
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY, MOTION
 
@@ -71,6 +72,7 @@ class TrainVehicle:
     leads: bool = False
     name: str = ""
     electric: ElectricBrake = NO_ELECTRIC_BRAKE
+    heat: WheelHeat = NO_WHEEL_HEAT
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""

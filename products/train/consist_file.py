@@ -18,6 +18,7 @@ from fmu_src.suggestion import suggestion
 from products.train.columns import (
     COUPLING,
     ELECTRIC,
+    HEAT,
     LONGEST_NAME,
     MOST,
     NAMES,
@@ -33,6 +34,7 @@ from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_w
 from products.train.coupler_tables import couplers_of
 from products.train.layout import MOST_VALVES
 from products.train.stated import brake_of, check_control, check_force, distributor_of, electric_of
+from products.train.stated_heat import check_heat, heat_of
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
 from readers.documents import is_number
 from readers.tables import read_table
@@ -61,6 +63,7 @@ WITHOUT_BRAKE = (
     "exhaust",
     "pipe_diameter",
     *ELECTRIC,
+    *HEAT,
     *COUPLING,
 )
 
@@ -219,12 +222,13 @@ def _vehicles(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> lis
     one = replace(_bare(values), coupler=_coupler(values, couplers))
     check_force(values)
     check_control(values)
+    check_heat(values)
     one = replace(one, distributor=distributor_of(values, one.distributor))
     if values.get("brake") == "none":
         one = replace(one, brake=braked_with(0.0))
     elif set(values) - set(WITHOUT_BRAKE):
         one = replace(one, brake=brake_of(values, one))
-    one = replace(one, electric=electric_of(values, one.distributor))
+    one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values))
     one = _with_valve(values, one)
     return [one] * int(values.get("count", 1))
 

@@ -19,6 +19,7 @@ from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import POSITIONS, VALVE
 from brake_controller.electric_brake import ElectricBrake
 from brake_controller.vehicle_brake import VehicleBrake
+from brake_controller.wheel_heat import WheelHeat
 from fmu_src.system import Field, ParameterSet
 from rbd_model.train.coupler import COUPLER
 from rbd_model.train.vehicle import MOTION
@@ -109,6 +110,8 @@ OUTPUTS = (
     _found("rail_force", "N", "What the rail gives to each vehicle's wheels, forwards above zero", "vehicles"),
     _found("coupler_force", "N", "Tension in the coupling behind each vehicle, compression below zero", "couplings"),
     _found("mean_coupler_force", "N", "Mean tension over the last step, which has its impulse", "couplings"),
+    _found("wheel_temperature", "K", "Temperature of each vehicle's wheels; 293.15 K if they have no mass", "vehicles"),
+    _found("brake_heat", "J", "Heat of each friction brake so far; 0 if no wheels have a mass", "vehicles"),
 )
 SUMS = (
     _found("time", "s", "Time of the run"),
@@ -192,6 +195,7 @@ def layout() -> tuple[Group, ...]:
         *(Group(name, name, own) for name, own in of_kinds),
         Group("brake", "vehicles", _of(VehicleBrake, 1e12)),
         Group("electric", "vehicles", _of(ElectricBrake, 1e12)),
+        Group("heat", "vehicles", _of(WheelHeat, 1e12)),
         Group("motion", "vehicles", MOTION),
         Group("frame", "vehicles", _FRAME),
         Group("coupler", "couplings", COUPLER),

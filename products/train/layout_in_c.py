@@ -9,6 +9,7 @@ from brake_controller.brake_pipe import VALVE as TAP
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
 from brake_controller.electric_brake import DEMANDED
+from brake_controller.wheel_heat import SURROUNDINGS, WORKED
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.system import Field
 from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, UNBREAKABLE, layout
@@ -32,7 +33,7 @@ def _owners() -> dict[str, str]:
 def layout_in_c() -> str:
     """Return train_layout.h: names of rows and arrays, their number, and constants shared with Python."""
     shared = {"GRAVITY": GRAVITY, "GAS_CONSTANT": GAS_CONSTANT, "AMBIENT": AMBIENT, "START_FRICTION": START_FRICTION}
-    shared |= {"UNBREAKABLE": UNBREAKABLE}
+    shared |= {"UNBREAKABLE": UNBREAKABLE, "SURROUNDINGS": SURROUNDINGS}
     counts = [f"    counts[OF_{name.upper()}] = {text};" for name, text in _owners().items()]
     return "\n".join(
         [
@@ -74,6 +75,7 @@ def _kinds_in_c() -> list[str]:
         _enum("start", STARTS, "STARTS"),
         _enum("command", COMMANDED, "COMMAND_ROWS"),
         _enum("electrically", DEMANDED, "ELECTRICALLY_ROWS"),
+        _enum("worked", WORKED, "WORKED_ROWS"),
         _enum("answer", ANSWERED, "ANSWER_ROWS"),
         _enum("kind", DISTRIBUTORS, "KINDS"),
         f"typedef struct {{\n    int states, given, cylinder, start[{most}];\n}} distributor_kind;",

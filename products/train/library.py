@@ -13,6 +13,7 @@ from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.electric_brake import blending
 from brake_controller.vehicle_brake import braking
+from brake_controller.wheel_heat import fading, heating
 from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
@@ -25,7 +26,7 @@ FOLDER = Path(folder.__file__ or "").parent
 FUNCTIONS = {
     "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, coupling_of_few, rolling, sliding),
-    "train": (braking, blending),
+    "train": (braking, blending, heating, fading),
 }
 
 

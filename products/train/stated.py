@@ -21,7 +21,7 @@ from brake_controller.distributors.uic import TIMES, UicDistributor, with_times
 from brake_controller.electric_brake import FADE, NO_LIMIT, RISE, ElectricBrake
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking, over_speed
-from products.train.columns import FORCE
+from products.train.columns import FORCE, HEAT
 from products.train.consist import (
     PERCENTAGE,
     SPEEDS,
@@ -52,7 +52,7 @@ _BY_PIPE, _TIMES = ("distributor", "position", "auxiliary", "cylinder"), ("full_
 WITHOUT_EFFECT = {
     "pneumatic": ("dead_time",),
     "ep-direct": _BY_PIPE,
-    "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, "friction", "weighing"),
+    "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, *HEAT, "friction", "weighing"),
 }
 #: Columns without effect on a control valve of the AAR type: its volumes set its pressures.
 WITHOUT_EFFECT_ON_AAR = ("position", "full_pressure")

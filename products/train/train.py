@@ -27,6 +27,8 @@ from readers.units import likely_unit
 LONGEST, MOST = 86400.0, 1e8
 #: Outputs that are recorded.
 RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
+#: Outputs that are recorded only of trains with wheels that warm up.
+OF_HEAT = ("wheel_temperature", "brake_heat")
 #: Places of outputs, and of the run's numbers.
 OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
 
@@ -112,6 +114,8 @@ class Train:
         self.inputs = Inputs({one.name: self._view(self._call.train_input, row) for row, one in enumerate(INPUTS)})
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
+        heats = any(one.heat.heat_capacity > 0.0 for one in consist.vehicles)
+        self._recorded = [one for one in RECORDED if heats or one.name not in OF_HEAT]
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
         count = ctypes.c_longlong()
@@ -175,7 +179,7 @@ class Train:
             raise ValueError(
                 f"The interval must be above 0 s, and the time at most {LONGEST:g} s; got {interval} s and {seconds} s."
             )
-        units = {"time": "s"} | {name: one.unit for one in RECORDED for name in self._names(one.name)}
+        units = {"time": "s"} | {name: one.unit for one in self._recorded for name in self._names(one.name)}
         if seconds / interval * len(units) > MOST:
             raise ValueError(
                 f"The interval must be longer; got {interval:g} s, more than {MOST:g} numbers in {seconds:g} s."
@@ -193,7 +197,7 @@ class Train:
         return [f"{output}[{n + 1}]" for n in range(len(self._outputs[output]))]
 
     def _row(self) -> NDArray[np.float64]:
-        return np.concatenate([[self.time], *(getattr(self, one.name) for one in RECORDED)])
+        return np.concatenate([[self.time], *(getattr(self, one.name) for one in self._recorded)])
 
     def __getattr__(self, name: str) -> Any:
         if name in OUTPUT:

@@ -11,11 +11,14 @@
 /* Brakes and line are constant during a step. It is as long as waves in the pipe allow, within these limits [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
 /* Rows of brakes: constants, three results of all lanes; electric constants, commands and results. */
-enum { BLENDED_ROWS = 3, ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS };
+enum { BLENDED_ROWS = 3, WARM_ROWS = 5, OF_HEAT = HEAT_ROWS + WORKED_ROWS + WARM_ROWS };
+enum { ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS + OF_HEAT };
 
-/* Length of a run's variables: behind those of the valves, the force of each vehicle's electric brake [N]. */
-static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves + self->vehicles; }
+/* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N], the temperature
+ * of its wheels [K] and the heat of its friction brake [J]. */
+static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves + 3 * self->vehicles; }
 static double *electric_run(train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves; }
+static double *heat_run(train *self) { return electric_run(self) + self->vehicles; }
 
 static double *take(double **from, long long int count) {
     double *place = *from;
@@ -45,6 +48,15 @@ static void put_electric(train *self, const double *electric) {
     for (long long int i = 0; i < self->vehicles; ++i)
         self->blends |= electric[ELECTRIC_BLENDED_PRESSURE * self->vehicles + i] > 0.0 ||
                         electric[ELECTRIC_DYNAMIC_FORCE * self->vehicles + i] > 0.0;
+}
+
+static void put_heat(train *self, const double *heat) {
+    for (int n = 0; n < HEAT_ROWS; ++n) {
+        rows_fill(self->heat + n * self->stride, self->stride, 1.0);
+        memcpy(self->heat + n * self->stride, heat + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    }
+    for (int n = 0; n < WORKED_ROWS + WARM_ROWS; ++n) rows_fill(self->worked + n * self->stride, self->stride, 1.0);
+    for (long long int i = 0; i < self->vehicles; ++i) self->heats |= heat[HEAT_HEAT_CAPACITY * self->vehicles + i] > 0.0;
 }
 
 /* Integral of a column of the line from its first point on. */
@@ -87,6 +99,9 @@ static int take_memory(train *self) {
     self->electric = take(&room, ELECTRIC_ROWS * self->stride);
     self->command = take(&room, ELECTRICALLY_ROWS * self->stride);
     self->blended = take(&room, BLENDED_ROWS * self->stride);
+    self->heat = take(&room, HEAT_ROWS * self->stride);
+    self->worked = take(&room, WORKED_ROWS * self->stride);
+    self->warm = take(&room, WARM_ROWS * self->stride);
     room -= ROWS_EDGE;
     self->mass = take(&room, n);
     self->centre = take(&room, n);
@@ -109,6 +124,7 @@ static void put(double *to, const double *group, int row, long long int count) {
 static void put_numbers(train *self, const double *const at[LAYOUT_GROUPS]) {
     put_brakes(self, at[GROUP_BRAKE]);
     put_electric(self, at[GROUP_ELECTRIC]);
+    put_heat(self, at[GROUP_HEAT]);
     put(self->mass, at[GROUP_MOTION], MOTION_MASS, self->vehicles);
     put(self->centre, at[GROUP_FRAME], FRAME_CENTRE, self->vehicles);
     put(self->length, at[GROUP_FRAME], FRAME_LENGTH, self->vehicles);
@@ -231,10 +247,48 @@ static void demand_brakes(train *self, double step) {
     pipe_demand(self->air, self->blended + self->stride);
 }
 
+/* Reduces brake forces by the fading of hot wheels. */
+static void fade_brakes(train *self) {
+    const double *left = self->warm + 2 * self->stride;
+    memcpy(self->warm, heat_run(self), (size_t)self->vehicles * sizeof(double));
+    IN_LANES(train_fade);
+    for (long long int i = 0; i < self->vehicles; ++i) self->held[i] *= left[i];
+}
+
+/* Positions and slip before a step, for `warm_wheels`. */
+static void note_motion(train *self) {
+    const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        self->worked[WORKED_SPEED * self->stride + i] = place[i];
+        self->worked[WORKED_WAY * self->stride + i] = wheel[i] - speed[i];
+    }
+}
+
+/* Warms wheels by a step of friction brakes. Rolling wheels go as far as their vehicle, which motion_go finds by the trapezoidal
+ * rule; to sliding ones the mean of their slip before and after the step is added. */
+static void warm_wheels(train *self, double step) {
+    const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        double *worked = self->worked + i;
+        const double way = place[i] - worked[WORKED_SPEED * self->stride], slip = worked[WORKED_WAY * self->stride];
+        worked[WORKED_FORCE * self->stride] = self->held[i] - (self->blends ? self->blended[i] : 0.0);
+        worked[WORKED_WAY * self->stride] = way + (slip + wheel[i] - speed[i]) * step / 2.0;
+        worked[WORKED_SPEED * self->stride] = way / step;
+        worked[WORKED_STEP * self->stride] = step;
+    }
+    for (int n = 0; n < 2; ++n)
+        memcpy(self->warm + n * self->stride, heat_run(self) + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    IN_LANES(train_heat);
+    for (int n = 0; n < 2; ++n)
+        memcpy(heat_run(self) + n * self->vehicles, self->warm + (3 + n) * self->stride,
+               (size_t)self->vehicles * sizeof(double));
+}
+
 /* Brake forces at pressures of cylinders and speeds of wheels. */
 static void find_brakes(train *self) {
     memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
     IN_LANES(train_brake);
+    if (self->heats) fade_brakes(self);
     for (long long int i = 0; i < self->vehicles && self->blends; ++i) self->held[i] += self->blended[i];
 }
 
@@ -253,6 +307,8 @@ static void find_outputs(train *self) {
         self->output[OUT_SPEED][i] = speed[i];
         self->output[OUT_WHEEL_SPEED][i] = wheel[i];
     }
+    memcpy(self->output[OUT_WHEEL_TEMPERATURE], heat_run(self), (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_BRAKE_HEAT], heat_run(self) + self->vehicles, (size_t)self->vehicles * sizeof(double));
     motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
     motion_mean(self->moves, self->output[OUT_MEAN_COUPLER_FORCE]);
     pipe_pressures(self->air, self->output[OUT_PIPE_PRESSURE], self->output[OUT_CYLINDER_PRESSURE]);
@@ -289,6 +345,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     }
     put_joints(self);
     fill(self->blended, self->vehicles, 0.0);
+    fill(heat_run(self), self->vehicles, SURROUNDINGS);
     self->steps[0] = self->steps[1] = 0;
     pipe_pressures(self->air, NULL, self->cylinder);
     find_brakes(self);
@@ -347,9 +404,11 @@ static int step_on(train *self, double step) {
     line_act(self, step);
     const double count = fmax(1.0, ceil(step / (self->head[HEAD_SHARE] * self->head[HEAD_BOUND])));
     if (!(count < 1e9)) return 0;
+    if (self->heats) note_motion(self);
     motion_go(self->moves, (long long int)count, step / count);
     self->steps[0] += taken;
     self->steps[1] += (long long int)count;
+    if (self->heats) warm_wheels(self, step);
     if (motion_broken(self->moves)) put_joints(self);
     return motion_sound(self->moves);
 }

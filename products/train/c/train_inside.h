@@ -22,6 +22,9 @@ struct train {
     double *brake, *cylinder, *wheel, *held; /* rows (rows.h): constants, variables they depend on, brake forces */
     /* rows of electric commands and brakes: constants, commands, and forces with demanded shares of the cylinders' pressure */
     double *electric, *command, *blended;
+    /* rows: constants of wheels; work of a step; temperature and heat before it, share of friction left, and both after it */
+    double *heat, *worked, *warm;
+    int heats; /* a vehicle has wheels that warm up */
     int blends; /* a vehicle has an electric command or an electric brake */
     double *mass, *centre, *length;
     long long int *cell, *hint, *face; /* cell of each vehicle; row of the line; cell after its end, 0: none */
@@ -44,7 +47,9 @@ long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
 
 #define TRAIN_LOOPS(lanes)                                                                                                     \
     void train_brake_##lanes(train *self);                                                                                     \
-    void train_blend_##lanes(train *self)
+    void train_blend_##lanes(train *self);                                                                                     \
+    void train_heat_##lanes(train *self);                                                                                      \
+    void train_fade_##lanes(train *self)
 TRAIN_LOOPS(1);
 TRAIN_LOOPS(2);
 TRAIN_LOOPS(4);

@@ -15,4 +15,17 @@ void LANES_NAME(train_blend)(train *self) {
     LANES_LEAVE;
 }
 
+void LANES_NAME(train_heat)(train *self) {
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_heating)(self->warm + i, self->warm + self->stride + i, self->worked + i, self->heat + i,
+                                  self->warm + 3 * self->stride + i, self->stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(train_fade)(train *self) {
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_fading)(self->warm + i, self->heat + i, self->warm + 2 * self->stride + i, self->stride);
+    LANES_LEAVE;
+}
+
 #include "lanes_end.h"
