@@ -43,8 +43,8 @@ static const double UNMOVED = 0.7, OF_VEHICLE = 0.1, OF_VEHICLE_MOST = 0.5, VENT
 /* Faster than the vehicle by this, a wheel slides [m/s2]. */
 static const double FASTER = 2.0;
 /* Largest slip speed below the best slip [m/s], and largest mean error of a deceleration due to growing slip [m/s2]. A wheel
- * below its best slip for longer than BOUNDED replaces a release [s]. */
-static const double CREEP = 0.4, CREEPING = 0.35, BOUNDED = 1.0;
+ * below its best slip for longer than BOUNDED postpones a release, at most by POSTPONED [s]. */
+static const double CREEP = 0.4, CREEPING = 0.35, BOUNDED = 1.5, POSTPONED = 5.0;
 /* Difference to the reference up to which the tests believe a wheel: in m/s, and as a share of the reference. */
 static const double NEAR = 0.8, NEAR_SHARE = 0.02;
 /* Acceleration of a released wheel from which its pressure is held [m/s2]. */

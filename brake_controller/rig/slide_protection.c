@@ -429,8 +429,8 @@ static bool is_released(protection *self, int number) {
                        : self->synchronised == 1 ? SECOND_SYNCHRONISING
                                                  : self->thresholds.synchronising_period;
     if (self->released != NOBODY && self->wheels[self->released].locked) self->released = NOBODY;
-    if (self->released == NOBODY && self->time - larger(self->synchronised_at, self->bounded_at) > due)
-        self->released = chosen(self, self->synchronised > 0);
+    const double since = larger(self->synchronised_at, smaller(self->bounded_at, self->synchronised_at + POSTPONED));
+    if (self->released == NOBODY && self->time - since > due) self->released = chosen(self, self->synchronised > 0);
     return self->released == number;
 }
 

@@ -56,7 +56,8 @@ const VENT_SEEN: f64 = 0.1;
 const FASTER: f64 = 2.0;
 const CREEP: f64 = 0.4;
 const CREEPING: f64 = 0.35;
-const BOUNDED: f64 = 1.0;
+const BOUNDED: f64 = 1.5;
+const POSTPONED: f64 = 5.0;
 const NEAR: f64 = 0.8;
 const NEAR_SHARE: f64 = 0.02;
 const RELEASED: f64 = 1.5;
@@ -657,7 +658,8 @@ impl Protection<'_> {
         if self.own.released.is_some_and(|one| self.wheels[one].locked) {
             self.own.released = None
         }
-        let since = self.own.time - larger(self.own.synchronised_at, self.own.bounded_at);
+        let most = self.own.synchronised_at + POSTPONED;
+        let since = self.own.time - larger(self.own.synchronised_at, smaller(self.own.bounded_at, most));
         if self.own.released.is_none() && since > due {
             self.own.released = Some(self.chosen(self.own.synchronised > 0));
         }

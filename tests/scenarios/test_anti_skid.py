@@ -181,6 +181,15 @@ def test_thresholds_hold_on_rails_on_which_they_were_not_chosen(make: Callable[[
     assert max(score.longest_lock for score in found) <= LONGEST_LOCK
 
 
+def test_a_wheel_below_its_best_slip_postpones_a_release_not_for_ever() -> None:
+    """On these rails a wheel that slides slowly is taken for one that rolls; otherwise they lock for 1 to 6 s."""
+    slow = {("0.1", 25.0), ("0.1", 40.0), ("0.12 falling", 25.0)}
+    trials = [trial for trial in programme() if (trial.rail.name, trial.speed) in slow]
+    assert len(trials) == len(slow)
+    found = scores(coach(), trials, common_protection(), Settings(), by_flow=True)
+    assert max(score.longest_lock for score in found) <= LONGEST_LOCK
+
+
 def test_rails_for_choosing_and_reporting_share_none() -> None:
     choosing, reporting = set(for_choosing()), set(for_reporting())
     assert not choosing & reporting
