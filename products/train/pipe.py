@@ -30,10 +30,10 @@ class Outside:
 
 
 class Air:
-    """The air in a pipe computed by the C library at `own`; volume: of its cells [m3]."""
+    """The air in a pipe computed by the C library at `own`; volume: of its cells [m3]; kinds: of its distributors."""
 
-    def __init__(self, library: ctypes.CDLL, own: int, volume: NDArray[np.float64]) -> None:
-        self._call, self.own, self.volume = library, own, volume
+    def __init__(self, library: ctypes.CDLL, own: int, volume: NDArray[np.float64], kinds: Sequence[int] = ()) -> None:
+        self._call, self.own, self.volume, self.kinds = library, own, volume, list(kinds)
 
     @property
     def state(self) -> NDArray[np.float64]:
@@ -77,6 +77,20 @@ class Air:
         """
         found = PassedInC()
         ctypes.pointer(found)[0] = self._call.pipe_has_passed(self.own).contents
+        return found
+
+    def vehicle_pressures(self, name: str) -> NDArray[np.float64]:
+        """Return absolute pressures of a state of the distributors [Pa], shape (vehicles,).
+
+        NaN without such a state.
+        """
+        found, kinds = np.full(len(self.kinds), np.nan), np.array(self.kinds)
+        for number, kind in enumerate(DISTRIBUTORS.values()):
+            names, own = [state for state, _ in kind.states], np.flatnonzero(kinds == number)
+            states = np.empty((len(names), own.size))
+            self._call.pipe_vehicle_states(self.own, number, states.ctypes.data)
+            if name in names:
+                found[own] = states[names.index(name)]
         return found
 
 
@@ -165,20 +179,6 @@ class Pipe(Air):
         if not self._call.pipe_vehicles(self.own, len(cells), own.ctypes.data, places.ctypes.data, rows, whole, pace):
             raise MemoryError(f"There is no memory for {len(cells)} vehicles; take fewer.")
         self._call.pipe_charge(self.own, pressure, AMBIENT, AMBIENT)
-
-    def vehicle_pressures(self, name: str) -> NDArray[np.float64]:
-        """Return absolute pressures of a state of the distributors [Pa], shape (vehicles,).
-
-        NaN without such a state.
-        """
-        found, kinds = np.full(len(self.kinds), np.nan), np.array(self.kinds)
-        for number, kind in enumerate(DISTRIBUTORS.values()):
-            names, own = [state for state, _ in kind.states], np.flatnonzero(kinds == number)
-            states = np.empty((len(names), own.size))
-            self._call.pipe_vehicle_states(self.own, number, states.ctypes.data)
-            if name in names:
-                found[own] = states[names.index(name)]
-        return found
 
     def open_to(self, end: int, outside: Outside) -> None:
         """Set the conditions outside an end, 0 or 1. Raises ValueError if the end does not exist."""

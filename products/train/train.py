@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brake_controller.air import AMBIENT
+from brake_controller.distributors import DISTRIBUTORS, kind_of
 from brake_controller.drivers_valve import POSITIONS
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist
@@ -260,8 +261,13 @@ class Train:
 
     @property
     def air(self) -> Air:
-        """The air of the pipe: its cells, and the mass and energy that have left since the start."""
-        return Air(self._call, self._call.train_air(self._own), self._volumes)
+        """The air of the pipe: its cells, and the mass and energy that have left since the start.
+
+        `vehicle_pressures("auxiliary")` has the reservoirs of the vehicles [Pa, absolute].
+        """
+        known = list(DISTRIBUTORS.values())
+        kinds = [known.index(kind_of(one.distributor)) for one in self.consist.vehicles]
+        return Air(self._call, self._call.train_air(self._own), self._volumes, kinds)
 
     @property
     def steps(self) -> tuple[int, int]:

@@ -47,6 +47,7 @@ from scenarios.trains import (
     train_brake_evidence,
     train_brake_models,
     train_braking,
+    train_descent,
     train_one_vehicle_in_detail,
     train_standing,
 )
@@ -213,6 +214,7 @@ def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
     last = dict(list(train_brake_evidence.MODELS.items())[-1:])
     monkeypatch.setattr(train_brake_evidence, "MODELS", last)
     monkeypatch.setattr(train_braking, "LENGTHS", (400.0, 750.0))
+    monkeypatch.setattr(train_descent, "GRADIENTS", (0.021, 0.039))
     monkeypatch.setattr(train_standing, "LEAKS", train_standing.LEAKS[1:])
     monkeypatch.setattr(braking_distance, "MANY", 20_000)
     for number, count in {"VEHICLES": 20, "HOSTED": 10, "FEW": 10, "MANY": 40, "WATCHED": 5.0}.items():
