@@ -65,7 +65,7 @@ def cast_iron_p6(force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
     mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), Karwatzki (1950), with the rounded constants of the
     train simulator MaSzyna, which calls it P10. The literature has 16 / g and 80 / g instead of 1.6 and 8, with a
     difference below 1 % up to 40 kN. It is the law of P6 in a public train simulation (`vehicle_brake.py: FRICTIONS`);
-    that of phosphorous iron P10 there is 13 % above it at 10 kN, and 32 % at 20 kN.
+    that of phosphorous iron P10 there is 14 % above it at 10 kN, and 32 % at 20 kN.
     """
     force, fast = force_of_one_shoe / 1e3, KILOMETRES_PER_HOUR * speed
     return 0.60 * (1.6 * force + 100) / (8 * force + 100) * (fast + 100) / (5 * fast + 100)

@@ -5,6 +5,7 @@ from importlib.util import find_spec
 from fmu_src.suggestion import suggestion
 from scenarios.brakes import (
     anti_skid,
+    block_friction,
     brake_timing,
     controller_prototype,
     demo,
@@ -65,6 +66,7 @@ SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,
     lock_boundary.SCENARIO,
     brake_timing.SCENARIO,
+    block_friction.SCENARIO,
     sanding.SCENARIO,
     etcs_low_adhesion.SCENARIO,
     traction_braking.SCENARIO,
