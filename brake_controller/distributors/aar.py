@@ -31,6 +31,11 @@ from fmu_src.system import quantity
 SLIDES, OPENS = 20.0, 10e3
 #: Cubic inch [m3].
 CUBIC_INCH = 16.387064e-6
+#: Pounds per square inch [Pa].
+PSI = 6894.757
+#: Gauge pressure that a retaining valve keeps in a cylinder [Pa], by its position (an Alaska Railroad manual, in
+#: excerpts: 10 and 20 psi). Its slow exhaust is not modelled.
+RETAINERS = {"direct": 0.0, "low": 10 * PSI, "high": 20 * PSI}
 #: States, absolute pressures [Pa]. `slide`, the place of the slide valve, is that of a pilot chamber: ambient pressure
 #: in release, twice that in service.
 STATES = (
@@ -61,6 +66,7 @@ class AarValve(DistributorParameters):
     emergency_choke: float = quantity("m", "Diameter of the choke from emergency reservoir to cylinder", 0.0)
     pipe_vent: float = quantity("m", "Diameter of the opening that vents the pipe in an emergency", 0.0)
     vent_choke: float = quantity("m", "Diameter of the choke that wheel-slide protection opens", 0.0)
+    retained_pressure: float = quantity("Pa", "Pressure that a retainer keeps in the released cylinder; 0: none", 0.0)
 
 
 def balance(p: AarValve, charged: float = CHARGED, emergency: bool = False) -> float:
@@ -102,6 +108,7 @@ def ready(position: str) -> AarValve:
         emergency_choke=2.5e-3,
         pipe_vent=20e-3,
         vent_choke=10e-3,
+        retained_pressure=0.0,
     )
 
 
@@ -144,7 +151,8 @@ def whole(moment: Moment) -> Answer:
     )
     released = _through(p["release_choke"], cylinder, WALL, AMBIENT)
     vents = p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2 * released
-    empties = (1 - p["held"]) * (1 - place) * released + vents
+    kept = ca.if_else(p["retained_pressure"] > 0, _share((over - p["retained_pressure"]) / RELAY), 1)
+    empties = (1 - p["held"]) * (1 - place) * kept * released + vents
     charges = [
         (1 - place) * _through(p["charging_choke"], line, pipe.temperature, one) for one in (auxiliary, reservoir)
     ]
@@ -173,7 +181,7 @@ def fastest_change(p: AarValve) -> float:
         (service + p.charging_choke**2 * steepest) / p.auxiliary_volume,
         (p.emergency_choke**2 + p.charging_choke**2) * steepest / p.reservoir_volume,
         (service + (p.emergency_choke**2 + p.quick_choke**2) * max(steepest, relay)) / p.cylinder_volume,
-        p.release_choke**2 * steepest / p.cylinder_volume,
+        p.release_choke**2 * max(steepest, relay) / p.cylinder_volume,
     )
     others = (3 * SLIDES, 1 / p.chamber_time, TIME_CONSTANTS_TO_95_PERCENT / p.bulb_time)
     return max(*others, *(specific * pace for pace in paces))
@@ -186,4 +194,5 @@ AAR = Distributor(
     ready=ready,
     whole=whole,
     pace=fastest_change,
+    without_effect=("position", "full_pressure"),
 )

@@ -85,6 +85,9 @@ class Distributor:
         Largest rate at which a state comes to rest [1/s], by parameters and for the empirical form; it determines
         steps.
 
+    without_effect : tuple of str
+        Columns of a consist that have no effect on it; a consist with one is refused.
+
     Raises
     ------
     ValueError
@@ -99,6 +102,7 @@ class Distributor:
     pace: Callable[[Any], float]
     empirical: Callable[[Moment], Answer] | None = None
     empirical_pace: float = 0.0
+    without_effect: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[a-z][a-z0-9_]*", self.name):

@@ -10,6 +10,7 @@ from collections.abc import Collection
 from typing import Any
 
 from brake_controller.distributors import BRAKES, pneumatic
+from brake_controller.distributors.aar import RETAINERS
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.consist import KINDS, LONGEST_VEHICLE
 from rbd_model.train.coupler import COUPLERS
@@ -96,6 +97,7 @@ WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
     "brake": tuple(BRAKES),
     "distributor": (),
+    "retainer": tuple(RETAINERS),
     "position": ("P", "G"),
     "friction": (*FRICTIONS, *FORCELESS),
     "coupler": tuple(COUPLERS),

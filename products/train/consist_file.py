@@ -51,6 +51,7 @@ WITHOUT_BRAKE = (
     "mass",
     "length",
     "distributor",
+    "retainer",
     "position",
     "coupler",
     "weighing",

@@ -14,7 +14,7 @@ import numpy as np
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS, kind_of
-from brake_controller.distributors.aar import AarValve
+from brake_controller.distributors.aar import RETAINERS, AarValve
 from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
@@ -233,7 +233,10 @@ def _distributor(one: TrainVehicle) -> Row:
     kind = kind_of(own)
     named: Row = {} if kind.name == "uic" else {"distributor": kind.name}
     if isinstance(own, AarValve):
-        return named
+        kept = {pressure: word for word, pressure in RETAINERS.items()}
+        return named | (
+            {"retainer": kept[own.retained_pressure]} if own.retained_pressure in kept.keys() - {0.0} else {}
+        )
     for position in ("P", "G"):
         if DISTRIBUTORS[kind.name].ready(position) == own:
             return named | {"position": position}

@@ -12,12 +12,12 @@ from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import FROM_100, force_of_percentage
-from brake_controller.distributors import ep_direct
-from brake_controller.distributors.aar import AAR
+from brake_controller.distributors import DISTRIBUTORS, ep_direct
+from brake_controller.distributors.aar import RETAINERS, AarValve
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import FILLING, RELEASE, EpDirect
 from brake_controller.distributors.piped import Piped
-from brake_controller.distributors.uic import TIMES, UicDistributor, with_times
+from brake_controller.distributors.uic import TIMES, UIC, UicDistributor, with_times
 from brake_controller.electric_brake import FADE, NO_LIMIT, RISE, ElectricBrake
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking, over_speed
@@ -48,14 +48,15 @@ CYLINDER = {"cylinders": 1.0, "rigging_efficiency": 0.83, "return_force": 1500.0
 #: Friction radius of pads over the wheel's radius. Assumed.
 PAD_RADIUS = 0.6
 #: Columns without effect by kind of brake.
-_BY_PIPE, _TIMES = ("distributor", "position", "auxiliary", "cylinder"), ("full_pressure", "fill_time", "release_time")
+_BY_PIPE, _TIMES = (
+    ("distributor", "position", "auxiliary", "cylinder", "retainer"),
+    ("full_pressure", "fill_time", "release_time"),
+)
 WITHOUT_EFFECT = {
     "pneumatic": ("dead_time",),
     "ep-direct": _BY_PIPE,
     "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, *HEAT, "friction", "weighing"),
 }
-#: Columns without effect on a control valve of the AAR type: its volumes set its pressures.
-WITHOUT_EFFECT_ON_AAR = ("position", "full_pressure")
 #: Columns of a UIC distributor's cylinder and reservoirs.
 OF_UIC = ("fill_time", "release_time", "auxiliary", "cylinder")
 
@@ -117,9 +118,10 @@ def check_control(values: Mapping[str, Any]) -> None:
             raise ValueError(f"{name} has no effect with brake = {brake}. Leave it out.")
     if brake == "pneumatic" and {"position", "fill_time", "release_time"} <= set(values):
         raise ValueError("position has no effect with fill_time and release_time. Leave one of them out.")
-    for name in WITHOUT_EFFECT_ON_AAR if values.get("distributor") == AAR.name else ():
+    kind = values.get("distributor", UIC.name)
+    for name in DISTRIBUTORS[kind].without_effect:
         if name in values:
-            raise ValueError(f"{name} has no effect with distributor = {AAR.name}. Leave it out.")
+            raise ValueError(f"{name} has no effect with distributor = {kind}. Leave it out.")
     for name in ("dynamic_power", "dynamic_fade", "dynamic_rise"):
         if name in values and "dynamic_force" not in values:
             raise ValueError(f"{name} must come with dynamic_force. Add it, or leave {name} out.")
@@ -163,6 +165,12 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
     own = [name for name in OF_UIC if name in values]
     if own and not isinstance(one, UicDistributor):
         raise ValueError(f"{own[0]} must be of the distributor uic; got {values['distributor']}. Leave {own[0]} out.")
+    if "retainer" in values:
+        if not isinstance(one, AarValve):
+            raise ValueError(
+                f"retainer must be of the distributor aar; got {values.get('distributor', UIC.name)}. Leave it out."
+            )
+        return replace(one, retained_pressure=RETAINERS[values["retainer"]])
     if "full_pressure" in values:
         one = replace(one, full_pressure=1e5 * values["full_pressure"])
     if not isinstance(one, UicDistributor) or not (own or "full_pressure" in values):

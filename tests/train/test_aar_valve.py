@@ -90,6 +90,19 @@ def test_a_small_rise_of_the_pipe_releases_it_wholly() -> None:
     assert one.cylinder_pressure.max() < 1e3
 
 
+@pytest.mark.parametrize(("retainer", "kept"), [("direct", 0.0), ("low", 10.0), ("high", 20.0)])
+def test_a_retainer_keeps_its_pressure_in_a_released_cylinder(retainer: str, kept: float, tmp_path: Path) -> None:
+    """An Alaska Railroad manual: 10 and 20 psi, here within the 5 kPa in which the valve shuts."""
+    rows = [{"kind": "locomotive"}, {"kind": "wagon", "distributor": "aar", "retainer": retainer}]
+    write_consist(consist_of(rows), tmp_path / "again.toml")
+    one = Train(read_consist(tmp_path / "again.toml"))
+    for position in ("service", "running"):
+        one.drive(position, 1.0)
+        one.advance(60.0)
+    assert one.cylinder_pressure[1] == pytest.approx(kept * PSI, abs=5e3)
+    assert one.cylinder_pressure[1] >= kept * PSI - 1.0
+
+
 def test_quick_service_carries_a_first_step_through_a_long_train() -> None:
     """The first step, 0.4 bar, brakes 60 cars at the speed of the wave; without quick service the end comes later."""
     quick, plain = (train(60, **changes) for changes in ({}, {"bulb_volume": 0.0, "quick_choke": 0.0}))
@@ -142,6 +155,8 @@ def test_a_consist_states_it_and_its_drivers_valve_and_is_written_again(tmp_path
         ({"position": "G"}, "position"),
         ({"full_pressure": 3}, "full_pressure"),
         ({"exhaust": 8}, "exh"),
+        ({"distributor": "uic", "retainer": "low"}, "retainer must be of the distributor aar; got uic"),
+        ({"retainer": "middle"}, "retainer must be one of direct, low, high"),
     ):
         with pytest.raises(ValueError, match=name):
             consist_of([rows[0], rows[1] | row])
@@ -158,3 +173,18 @@ def test_a_slower_equalising_reservoir_brakes_later() -> None:
         falls.append(500e3 - float(one.pipe_pressure[0]))
     assert falls[0] > 100e3
     assert falls[1] == pytest.approx(3.0 * 14e3, abs=10e3)
+
+
+def test_each_full_service_takes_the_balances_share_of_what_the_reservoir_has() -> None:
+    """Boyle: nothing recharges it, and n applications leave (V_A / (V_A + V_C))^n of its gauge pressure."""
+    valve = car(quick_choke=0.0, charging_choke=0.0, emergency_difference=1e7)
+    pipe, left = bench(valve, 0.0, 0.0)[0], CHARGED
+    for _ in range(3):
+        pipe.open_to(0, Outside(2e-4, AMBIENT))
+        pipe.advance(40.0)
+        left *= valve.auxiliary_volume / (valve.auxiliary_volume + valve.cylinder_volume)
+        assert pipe.vehicle_pressures("cylinder")[0] - AMBIENT == pytest.approx(left, rel=2 * BALANCE)
+        pipe.open_to(0, Outside(2e-4, CHARGED + AMBIENT))
+        pipe.advance(60.0)
+        assert pipe.vehicle_pressures("cylinder")[0] - AMBIENT < 100.0
+        assert pipe.vehicle_pressures("auxiliary")[0] - AMBIENT == pytest.approx(left, rel=2 * BALANCE)

@@ -94,6 +94,16 @@ def test_a_small_auxiliary_reservoir_does_not_reach_the_full_pressure() -> None:
     assert course[-1, [0, 2]] == pytest.approx([together, together], rel=0.02)
 
 
+def test_each_application_takes_a_cylinder_of_air_from_the_reservoir() -> None:
+    """Boyle: nothing recharges it, and n applications take n V_C / V_A of the cylinder's gauge pressure."""
+    pipe, left = train(auxiliary_choke=0.0), RUNNING
+    for _ in range(2):
+        course = fed(pipe, lambda _: 300e3, 15.0)
+        left -= course[-1, 0] * freight().cylinder_volume / freight().auxiliary_volume
+        assert course[-1, [0, 2]] == pytest.approx([FULL, left], rel=0.02)
+        assert fed(pipe, lambda _: RUNNING, 25.0)[-1, 2] == pytest.approx(left, rel=2e-3)
+
+
 # ---- in the train ----------------------------------------------------------------------------------------------------
 
 
