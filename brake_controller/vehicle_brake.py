@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import casadi as ca
@@ -25,10 +26,12 @@ from fmu_src.system import ParameterSet, choice, quantity
 
 #: Friction as two fractions, of shoe force and of speed, with constants of the vehicle (`fractions`).
 FRACTIONS = 6
+#: Friction over speed as a table of at most this many points, straight lines between them (`tabulated`).
+TABLE, MOST_POINTS = 7, 6
 _LAWS = {law: LAWS[law] for law in (CONSTANT, CAST_IRON_P6, COMPOSITE)}
 
 
-def _of_law_6(unit: str, description: str, default: float, minimum: float = -math.inf) -> Any:
+def _of_law(unit: str, description: str, default: float, minimum: float = -math.inf) -> Any:
     """Return a field like `quantity`, with a default for brakes of other laws."""
     limits = {"minimum": minimum, "maximum": math.inf}
     return field(default=default, metadata={"unit": unit, "description": description, "kind": "real"} | limits)
@@ -42,14 +45,27 @@ class VehicleBrake(ParameterSet):
     counter_force: float = quantity("N", "Force of springs at the shoes that draw them back", 0.0)
     efficiency: float = quantity("1", "Efficiency of the rigging", 0.0, 1.0)
     shoes: float = quantity("1", "Number of shoes", 1.0)
-    friction_law: float = choice("Shoe friction", _LAWS | {FRACTIONS: "two fractions"})
+    friction_law: float = choice("Shoe friction", _LAWS | {FRACTIONS: "two fractions", TABLE: "a table over speed"})
     constant_friction: float = quantity("1", "Friction with law 0; of discs, times their radius over the wheel's", 0.0)
-    friction_scale: float = _of_law_6("1", "Factor of the fractions, law 6", 0.0, 0.0)
-    friction_force_added: float = _of_law_6("N", "Shoe force that law 6 adds above the line", 1.0)
-    friction_force_divisor: float = _of_law_6("N", "Shoe force that law 6 adds below the line", 1.0)
-    friction_speed_added: float = _of_law_6("m/s", "Speed that law 6 adds above the line", 1.0, 0.0)
-    friction_speed_divisor: float = _of_law_6("m/s", "Speed that law 6 adds below the line", 1.0, 1e-3)
-    friction_force_limit: float = _of_law_6("N", "Shoe force above which law 6 is constant", 0.0, 0.0)
+    friction_scale: float = _of_law("1", "Factor of the fractions, law 6", 0.0, 0.0)
+    friction_force_added: float = _of_law("N", "Shoe force that law 6 adds above the line", 1.0)
+    friction_force_divisor: float = _of_law("N", "Shoe force that law 6 adds below the line", 1.0)
+    friction_speed_added: float = _of_law("m/s", "Speed that law 6 adds above the line", 1.0, 0.0)
+    friction_speed_divisor: float = _of_law("m/s", "Speed that law 6 adds below the line", 1.0, 1e-3)
+    friction_force_limit: float = _of_law("N", "Shoe force above which law 6 is constant", 0.0, 0.0)
+    table_friction: float = _of_law("1", "Friction of law 7 up to its first speed", 0.0, 0.0)
+    table_speed_1: float = _of_law("m/s", "Speed of point 1 of law 7", 0.0, 0.0)
+    table_speed_2: float = _of_law("m/s", "Speed of point 2 of law 7", 0.0, 0.0)
+    table_speed_3: float = _of_law("m/s", "Speed of point 3 of law 7", 0.0, 0.0)
+    table_speed_4: float = _of_law("m/s", "Speed of point 4 of law 7", 0.0, 0.0)
+    table_speed_5: float = _of_law("m/s", "Speed of point 5 of law 7", 0.0, 0.0)
+    table_speed_6: float = _of_law("m/s", "Speed of point 6 of law 7", 0.0, 0.0)
+    table_change_1: float = _of_law("s/m", "Change of slope at point 1 of law 7", 0.0)
+    table_change_2: float = _of_law("s/m", "Change of slope at point 2 of law 7", 0.0)
+    table_change_3: float = _of_law("s/m", "Change of slope at point 3 of law 7", 0.0)
+    table_change_4: float = _of_law("s/m", "Change of slope at point 4 of law 7", 0.0)
+    table_change_5: float = _of_law("s/m", "Change of slope at point 5 of law 7", 0.0)
+    table_change_6: float = _of_law("s/m", "Change of slope at point 6 of law 7", 0.0)
 
 
 @dataclass(frozen=True)
@@ -88,11 +104,13 @@ FRICTIONS: Mapping[str, Mapping[str, float]] = {
     "composite": Fractions(0.055, 200.0, 50.0, 150.0, 75.0, 1e3).values(),
     "pads": Fractions(0.385, -24.5, -27.2, 39.5, 33.0, 20.0).values(),
 }
-#: Laws that do not depend on shoe force: 0.3 - 0.00081 V, a constant, and `over_speed`, whose numbers a row states.
+#: Laws that do not depend on shoe force: 0.3 - 0.00081 V, a constant, `over_speed` and `over_points`, whose numbers a
+#: row states.
 FORCELESS: Mapping[str, Mapping[str, float]] = {
     "composite-k": {"friction_law": float(COMPOSITE)},
     "constant": {"friction_law": float(CONSTANT)},
     "speed": {"friction_law": float(FRACTIONS)},
+    "table": {"friction_law": float(TABLE)},
 }
 
 
@@ -117,6 +135,49 @@ def over_speed(standing: float, fast: float, half_speed: float) -> dict[str, flo
         "friction_speed_divisor": half_speed,
         "friction_force_limit": 0.0,
     }
+
+
+def over_points(speeds: Sequence[float], frictions: Sequence[float]) -> dict[str, float]:
+    """Return the parameters of a friction over speed by points, constant before the first and after the last.
+
+    Parameters
+    ----------
+    speeds, frictions : sequence of float
+        Two to MOST_POINTS speeds that rise [m/s], and frictions [1].
+    """
+    slopes = [0.0, *(b / a for a, b in zip(_steps(speeds), _steps(frictions), strict=True)), 0.0]
+    found = {"friction_law": float(TABLE), "table_friction": frictions[0]}
+    for number in range(1, MOST_POINTS + 1):
+        given = number <= len(speeds)
+        found[f"table_speed_{number}"] = speeds[number - 1] if given else 0.0
+        found[f"table_change_{number}"] = slopes[number] - slopes[number - 1] if given else 0.0
+    return found
+
+
+def points_of(p: Mapping[str, float]) -> tuple[list[float], list[float]]:
+    """Return the speeds [m/s] and frictions [1] of parameters by `over_points`."""
+    numbers = [n for n in range(1, MOST_POINTS + 1) if n == 1 or p[f"table_speed_{n}"] > 0.0]
+    speeds = [p[f"table_speed_{n}"] for n in numbers]
+    frictions, slope = [p["table_friction"]], 0.0
+    for number, step in zip(numbers, _steps(speeds), strict=False):
+        slope += p[f"table_change_{number}"]
+        frictions.append(frictions[-1] + slope * step)
+    return speeds, frictions
+
+
+def _steps(values: Sequence[float]) -> list[float]:
+    return [after - before for before, after in pairwise(values)]
+
+
+def tabulated(p: Mapping[str, ca.SX], speed: ca.SX) -> ca.SX:
+    """Return friction of law 7 over speed [m/s]: straight lines between points, as a sum of hinges.
+
+    Its numbers are the user's, for blocks without a public law, such as LL (EN 16452) or sintered ones.
+    """
+    friction = p["table_friction"]
+    for number in range(1, MOST_POINTS + 1):
+        friction += p[f"table_change_{number}"] * ca.fmax(speed - p[f"table_speed_{number}"], 0)
+    return friction
 
 
 def fractions(p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
@@ -146,6 +207,7 @@ def brake_force(cylinder: ca.SX, wheel: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     friction = ca.if_else(p["friction_law"] == CAST_IRON_P6, cast_iron_p6(one, fast), p["constant_friction"])
     friction = ca.if_else(p["friction_law"] == COMPOSITE, composite(fast), friction)
     friction = ca.if_else(p["friction_law"] == FRACTIONS, fractions(p, one, fast), friction)
+    friction = ca.if_else(p["friction_law"] == TABLE, tabulated(p, fast), friction)
     return friction * pressed
 
 

@@ -241,7 +241,7 @@ PLUMBING = {
     "brake_controller/distributors/__init__.py": {"kind_of", "pneumatic"},
     "brake_controller/distributors/ep_direct.py": {"ready", "settling"},
     "brake_controller/distributors/piped.py": {"pace", "ready", "whole"},
-    "brake_controller/vehicle_brake.py": {"named"},
+    "brake_controller/vehicle_brake.py": {"named", "over_points", "points_of"},
     "brake_controller/discs.py": {"axle_discs"},
     "brake_controller/motors.py": {"available", "dynamic_brake", "motor_of", "traction_motor"},
     "brake_controller/wheel_spin.py": {"common_spin_protection", "filtered"},

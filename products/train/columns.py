@@ -105,10 +105,10 @@ WORDS: dict[str, Collection[str]] = {
     "valve": ("head", "second", "none"),
 }
 #: Columns of free text.
-TEXTS = ("name",)
+TEXTS = ("name", "friction_table")
 #: All names, in the order in which files are written.
 NAMES = (
-    *("kind", *TEXTS, *VEHICLE, "brake", *FORCE, "friction", *AIR, *ELECTRIC, *HEAT),
+    *("kind", "name", *VEHICLE, "brake", *FORCE, "friction", "friction_table", *AIR, *ELECTRIC, *HEAT),
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
     *COUPLING,
 )

@@ -21,7 +21,7 @@ from brake_controller.distributors.uic import UicDistributor, filling_time, rele
 from brake_controller.drivers_valve import drivers_valve
 from brake_controller.electric_brake import NO_LIMIT, ElectricBrake
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
-from brake_controller.vehicle_brake import FORCELESS, FRACTIONS, FRICTIONS, VehicleBrake
+from brake_controller.vehicle_brake import FORCELESS, FRACTIONS, FRICTIONS, TABLE, VehicleBrake, points_of
 from products.train.columns import NAMES, NUMBERS, WHOLE
 from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of
@@ -254,6 +254,10 @@ def _friction(one: VehicleBrake) -> Row:
         half = KILOMETRES_PER_HOUR * one.friction_speed_divisor
         own = {"friction_value": standing, "friction_fast": one.friction_scale, "friction_speed": half}
         return {"friction": "speed"} | own
+    if one.friction_law == TABLE:
+        points = zip(*points_of(one.values()), strict=True)
+        text = " ".join(f"{KILOMETRES_PER_HOUR * speed:.12g}:{friction:.12g}" for speed, friction in points)
+        return {"friction": "table", "friction_table": text}
     scaled = one.friction_scale / FRICTIONS["pads"]["friction_scale"]
     for name, law in {**FRICTIONS, **FORCELESS}.items():
         pads = {"friction_scale": law["friction_scale"] * scaled} if name == "pads" else {}

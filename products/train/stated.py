@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,15 @@ from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import TIMES, UIC, UicDistributor, with_times
 from brake_controller.electric_brake import FADE, NO_LIMIT, RISE, ElectricBrake
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
-from brake_controller.vehicle_brake import FORCELESS, FRICTIONS, VehicleBrake, braking, over_speed
+from brake_controller.vehicle_brake import (
+    FORCELESS,
+    FRICTIONS,
+    MOST_POINTS,
+    VehicleBrake,
+    braking,
+    over_points,
+    over_speed,
+)
 from products.train.columns import FORCE, HEAT
 from products.train.consist import (
     PERCENTAGE,
@@ -32,6 +41,7 @@ from products.train.consist import (
     check_percentage,
     forces_of,
 )
+from readers.columns import number_of
 
 #: Statements of a brake's force: the column that begins each, and those that belong to it alone.
 STATEMENTS: dict[str, tuple[str, ...]] = {
@@ -94,6 +104,10 @@ def _check_friction(values: Mapping[str, Any], stated: list[str]) -> None:
             raise ValueError(f"{name} must come with friction = speed. Add it, or leave {name} out.")
         if name not in values and friction == "speed":
             raise ValueError(f"friction = speed must come with {name}. Add it.")
+    if "friction_table" in values and friction != "table":
+        raise ValueError("friction_table must come with friction = table. Add it, or leave friction_table out.")
+    if friction == "table":
+        _points(values)
     if "friction_value" in values and friction == "constant" and at_rims:
         raise ValueError(f"friction_value must be left out with {at_rims[0]}, a force at the rims. Leave it out.")
     if "friction_radius" in values and friction != "pads":
@@ -225,10 +239,27 @@ def friction_of(values: Mapping[str, Any]) -> dict[str, float]:
     if name == "speed":
         half = values["friction_speed"] / KILOMETRES_PER_HOUR
         return over_speed(values["friction_value"], values["friction_fast"], half) | {"constant_friction": 0.0}
+    if name == "table":
+        return over_points(*_points(values)) | {"constant_friction": 0.0}
     found = dict({**FRICTIONS, **FORCELESS}[name]) | {"constant_friction": values.get("friction_value", 0.0)}
     if name == "pads":
         found["friction_scale"] *= values.get("friction_radius", PAD_RADIUS)
     return found
+
+
+def _points(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
+    """Return the speeds [m/s] and frictions of a row's `friction_table`. Raises ValueError."""
+    text = values.get("friction_table", "")
+    pairs = [one.split(":") for one in text.split()]
+    numbers = [[number_of(part) for part in one] for one in pairs]
+    right = 2 <= len(pairs) <= MOST_POINTS and all(len(one) == 2 for one in pairs)
+    right = right and all(0.0 <= v <= 1000.0 and 0.001 <= mu <= 1.0 for v, mu in numbers)
+    if not right or any(a[0] >= b[0] for a, b in pairwise(numbers)):
+        raise ValueError(
+            f"friction_table must be 2 to {MOST_POINTS} pairs of a speed that rises, up to 1000 km/h, and a friction "
+            f"from 0.001 to 1; got {text!r}. Write it as 0:0.30 40:0.22 120:0.15."
+        )
+    return [v / KILOMETRES_PER_HOUR for v, _ in numbers], [mu for _, mu in numbers]
 
 
 def _by_cylinder(values: Mapping[str, Any], one: VehicleBrake) -> VehicleBrake:

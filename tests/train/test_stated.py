@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from scipy.integrate import quad
 
@@ -74,6 +75,15 @@ def test_friction_of_pads_is_constant_from_20_kn_on() -> None:
         [force(own[0], 10.0) / own[0].brake.force_per_pressure] * 3, rel=1e-12
     )
     assert force(own[0], 10.0) == pytest.approx(0.5 * 160e3 * fraction(LAWS["pads"], 20.0, 10.0), rel=1e-12)
+
+
+def test_a_table_of_friction_is_linear_between_its_points_and_constant_outside() -> None:
+    speeds, frictions = [5.0, 30.0, 70.0, 110.0], [0.31, 0.19, 0.21, 0.12]
+    text = " ".join(f"{v:g}:{mu:g}" for v, mu in zip(speeds, frictions, strict=True))
+    one = one_of(shoe_force=90.0, friction="table", friction_table=text)
+    for speed in (0.0, 4.0, 5.0, 12.0, 30.0, 41.0, 55.0, 70.0, 93.0, 110.0, 140.0, 300.0):
+        due = np.interp(speed, speeds, frictions)
+        assert force(one, speed / 3.6) == pytest.approx(90e3 * due, rel=1e-12)
 
 
 def test_a_brake_force_is_that_at_standstill_and_a_force_without_a_law_is_constant() -> None:
@@ -159,6 +169,8 @@ ROWS: list[dict[str, Any]] = [
     {"kind": "locomotive", "name": 'Lok "1", head', "mass": 88.4, "position": "G", "friction": "cast-iron-p10"},
     {"kind": "wagon", "count": 3, "load": 40.25, "lambda": 65.5, "leak": 2.0, "at": 0.25, "branch": 1.5},
     {"kind": "wagon", "brake_force": 61.7, "friction": "cast-iron-p6", "shoes": 16, "coupler": "draft-gear"},
+    {"kind": "wagon", "shoe_force": 140.0, "friction": "table", "friction_table": "0:0.3 35:0.2 60:0.22 120:0.15"},
+    {"kind": "wagon", "lambda": 80.0, "friction": "table", "friction_table": "10:0.3 90:0.2"},
     {"kind": "wagon", "name": "Eanos", "cylinder_diameter": 355.0, "rigging_ratio": 6.1, "return_force": 1400.0},
     {"kind": "coach", "deceleration": 1.05, "fill_time": 3.25, "release_time": 12.0, "full_pressure": 3.6},
     {"kind": "coach", "shoe_force": 210.0, "shoes": 8, "friction": "pads", "friction_radius": 0.61},
@@ -210,6 +222,12 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "weighed": ({"lambda": 65.0, "weighing": "lever"}, "weighing must be left out with lambda"),
     "falling mean": ({"deceleration": 1.0, "friction": "composite"}, "friction must be constant with deceleration"),
     "a value alone": ({"friction_value": 0.3}, "friction_value must come with friction = constant or speed."),
+    "no table": ({"friction": "table"}, "friction_table must be 2 to 6 pairs of a speed that rises"),
+    "a table alone": ({"friction_table": "0:0.3 9:0.2"}, "friction_table must come with friction = table."),
+    "one point": ({"friction": "table", "friction_table": "0:0.3"}, "got '0:0.3'. Write it as"),
+    "falling speeds": ({"friction": "table", "friction_table": "9:0.3 3:0.2"}, "a speed that rises"),
+    "no pairs": ({"friction": "table", "friction_table": "0.3 0.2"}, "got '0.3 0.2'. Write it as"),
+    "friction below 0": ({"friction": "table", "friction_table": "0:0.3 9:-0.2"}, "a friction from 0.001 to 1"),
     "not over speed": ({"friction": "speed", "friction_value": 0.4}, "friction = speed must come with friction_fast."),
     "no value": ({"friction": "constant"}, "friction = constant must come with friction_value."),
     "at the rims": (
