@@ -74,9 +74,9 @@ static const double STAYING = 0.3, STAYS = 0.5, STAYS_SLIDING = 0.15;
 static const double BLIND = 1.0, BLIND_ABOVE = 3.0;
 /* Share of the speed, and time [s], for which a sensor must agree with the others to be accepted again. */
 static const double AGREES = 0.05, AGREEING = 2.0;
-/* A wheel without an accepted sensor gets the commands of its neighbour, but only a share of its fillings: OF_NEIGHBOUR times
- * the mean pressure of the wheel over that of its neighbour by model, over MEAN_TIME [s], from LEAST_SHARE to MOST_SHARE; if
- * its sensor stayed constant STUCK_SHARE, and if it never worked UNKNOWN_SHARE [1]. */
+/* A wheel without an accepted sensor gets the commands of its neighbour, but only a share of its fillings [1]. The share is
+ * OF_NEIGHBOUR times the ratio of the mean pressures by model while its sensor worked, from LEAST_SHARE to MOST_SHARE. It is
+ * STUCK_SHARE if the sensor stayed constant, and UNKNOWN_SHARE if it never worked. Means are over MEAN_TIME [s]. */
 static const double OF_NEIGHBOUR = 0.95, LEAST_SHARE = 0.65, MOST_SHARE = 1.0, STUCK_SHARE = 0.85, UNKNOWN_SHARE = 0.7;
 static const double MEAN_TIME = 4.0;
 /* It may have locked unseen, and is vented first: after the rejection, for each m/s of the speed after a constant reading, and

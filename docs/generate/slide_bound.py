@@ -29,7 +29,7 @@ from scenarios.reporting import plots
 DATA, PICTURE, PAGE = DOCS / "data" / "slide-bound.json", DOCS / "pictures" / "slide-bound.png", DOCS / "controller.md"
 BEGIN, END = "<!-- slide bound -->\n", "<!-- end of slide bound -->\n"
 FRICTIONS, SPEEDS = (0.04, 0.06, 0.08, 0.10, 0.12, 0.15), (16.7, 25.0, 40.0, 55.6)
-#: Of the teeth, as a share of the pitch; its seed.
+#: Errors of the teeth, as a share of the pitch, and their seed.
 JITTER, SEED = 0.02, 3
 #: Names of the controllers, from the longest stops to the shortest.
 NAMES = ("locked", "none", "dump valve", "protection", "omniscient")
@@ -38,7 +38,7 @@ KINDS = (("bogie", True), ("bogie", False), ("vehicle", True), ("vehicle", False
 
 
 class LockedWheels(PeakAdhesion):
-    """All wheelsets stand as soon as the brake asks more than they then transmit."""
+    """All wheelsets stand as soon as the brake force exceeds what they then transmit."""
 
     SLIPS = np.array([1.0])
 

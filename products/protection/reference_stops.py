@@ -1,8 +1,8 @@
 """Reference stops: readings of sensors and the commands of the built-in protection, by which a port is checked.
 
-Wheels and vehicle are computed with IEEE additions, multiplications and divisions only, so that all machines produce
-the same bits. This model exercises branches and does not measure distances; the test rig (rig.py) does. Its numbers are
-assumed.
+Wheels and vehicle are computed with IEEE additions, multiplications and divisions only, so that the results of all
+machines are bit-identical. This model exercises branches and does not measure distances; the test rig (rig.py) does.
+Its numbers are assumed.
 """
 
 from __future__ import annotations

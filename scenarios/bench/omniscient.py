@@ -145,5 +145,5 @@ def _goes_on(score: NDArray[Any], each: int) -> bool:
 
 
 def shortest(stops: Sequence[Stop]) -> Stop:
-    """Return the shortest of the stops without a lock above LONGEST_LOCK; if there is none, the shortest."""
+    """Return the shortest of the stops without a lock above LONGEST_LOCK, or else the shortest."""
     return min(stops, key=lambda one: (one.longest_lock > LONGEST_LOCK, one.distance or np.inf))

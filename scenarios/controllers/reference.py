@@ -4,10 +4,10 @@
   bogie-braking controllers reference --check libmine.so  a port as a controller: a library, C, a class, an FMU
   bogie-braking controllers reference --check mine.csv    the table again, with the commands that a port computed
 
-reference.csv has a row for each look: stop, period, time [s], wheel speeds [m/s], commands (0 apply, 1 hold, 2 vent).
+reference.csv has a row for each sample: stop, period, time [s], wheel speeds [m/s], commands (0 apply, 1 hold, 2 vent).
 Cells of wheelsets that a stop does not have are empty. Each stop starts with a new controller. Numbers have as many
 digits as a double needs to be read back exactly; nan is a reading that is not a number. A port must give the same
-command at each look. This needs doubles without contraction of a * b + c (-ffp-contract=off).
+command at each sample. This needs doubles without contraction of a * b + c (-ffp-contract=off).
 
 An FMU has one number of wheelsets: it is checked by the stops of two.
 
@@ -113,10 +113,10 @@ def check_table(path: Path) -> str:
     due = list(csv.reader(io.StringIO(table())))
     for line, (own, other) in enumerate(zip(due, given, strict=False), 1):
         if line == 1 and own != other:
-            raise BadInputError(f"{path} must have the columns of {TABLE}; write the table anew and fill it in.")
+            raise BadInputError(f"{path} must have the columns of {TABLE}; write the table again and fill it in.")
         if len(own) != len(other) or not all(map(_same, own[:COMMANDS_AT], other[:COMMANDS_AT])):
             raise BadInputError(
-                f"{path}, line {line}: stop, times and speeds must be those of {TABLE} of this version; write it anew."
+                f"{path}, line {line}: stop, times and speeds must be those of {TABLE} of this version; write it again."
             )
         for place, (expected, found) in enumerate(zip(own[COMMANDS_AT:], other[COMMANDS_AT:], strict=True)):
             if found.strip() != expected:

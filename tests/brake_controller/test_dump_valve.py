@@ -45,12 +45,12 @@ def test_it_opens_above_one_difference_and_closes_below_another(coach):
 
 @pytest.mark.parametrize(("rate", "command"), [(4.9, VENT), (5.1, APPLY)])
 def test_it_closes_while_the_slow_wheel_speeds_up(coach, rate, command):
-    """From 5 m/s2 on, over 0.1 s."""
+    """It closes at 5 m/s2, measured over 0.1 s."""
     for i in range(40):
         found = coach.step(0.005 * i, [20.0, 10.0 + rate * 0.005 * i, 20.0, 20.0])
     assert found == [command, command, APPLY, APPLY]
 
 
 def test_the_command_line_has_it_by_name():
-    """As a controller of `controllers compare`."""
+    """`controllers compare dump-valve` finds it."""
     assert controller_of("dump-valve", 2)[0] == "dump-valve"
