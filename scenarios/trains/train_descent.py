@@ -24,6 +24,7 @@ from products.train.train import Train
 from rbd_model.track.line import Line
 from rbd_model.train.vehicle import GRAVITY
 from scenarios.bench.holding_driver import HoldingDriver
+from scenarios.bench.warm_rim import Rim
 from scenarios.reporting.plots import LEADING, TRAILING, charts
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, measured, near
@@ -44,6 +45,8 @@ FADE: dict[str, float] = {"fade_from": 250.0, "fade_to": 450.0, "fade_left": 0.3
 DYNAMIC, SHARE = {"dynamic_force": 150.0, "dynamic_power": 4000.0}, 0.12
 BRAKES = ("air alone", "air and dynamic brake")
 DRAWN = 0.039
+#: Time of heating before the heat reaches the back of the rim [s].
+SHORT = 20.0
 
 
 @dataclass(frozen=True)
@@ -135,6 +138,18 @@ def rows_of_drag(found: Mapping[float, Descent]) -> list[Row]:
     return rows
 
 
+def rows_of_rim() -> list[Row]:
+    """Return how much the tread is warmer than the mean of its rim, which a lump leaves out, against closed forms."""
+    rim, rows = Rim(), list[Row]()
+    forms = {TIME: (rim.excess(POWER), "q L / (3 k)"), SHORT: (rim.early_excess(POWER, SHORT), "half space")}
+    for time, (closed, source) in forms.items():
+        above = rim.conducted(POWER, time)[-1, 1]
+        name = f"drag case: tread above the mean of its rim after {time:.0f} s"
+        rows.append(measured(name, "K", above, source, near(closed, RISE_ERROR * closed), "rim of 50 mm assumed"))
+    rows.append(measured("time after which the tread follows the mean", "s", rim.settles, "L^2 rho c / k"))
+    return rows
+
+
 def rows_of_freight(found: Mapping[tuple[float, str], Descent]) -> list[Row]:
     """Return what each descent of the freight train came to, and the steepest gradient that it held."""
     rows = []
@@ -159,7 +174,7 @@ def run(options: Options) -> Report:
     drag = {cooling: drag_case(cooling) for cooling in COOLINGS}
     tries = [(gradient, brake) for gradient in GRADIENTS for brake in BRAKES]
     found = {one: freight(*one) for one in counting(tries, "descents", unit="descent")}
-    rows = rows_of_drag(drag) + rows_of_freight(found)
+    rows = rows_of_drag(drag) + rows_of_rim() + rows_of_freight(found)
     units = {"time": "s", "distance": "m", "speed": "m/s", "wheel_temperature": "K", "lowest_reservoir": "Pa"}
     series = Recording(units, found[DRAWN, BRAKES[0]].course)
     away = {brake: sum(found[g, brake].ran_away for g in GRADIENTS) for brake in BRAKES}
