@@ -20,7 +20,7 @@ _RATE = "a rate of a driver's valve"
 #: Data of a valve in C, pressures absolute and areas effective: the cell after it; areas; band, supply and its
 #: temperature, ambient pressure. Running pressure and overcharge; falls of the first step and of full service; rates of
 #: service, release, overcharge and emergency. Place from the head, measured backwards below 0. Delay after the first
-#: valve while its own position is 0, below 0 never.
+#: valve while its own position is 0, below 0 never. Whether a service keeps the pipe at the running pressure.
 VALVE = (
     Field("face", "1", 0.0, 0.0, "a driver's valve's place at the pipe", whole=True, counts="cells"),
     *(Field(name, "m2", 0.0, 1.0, _AREA) for name in ("feeding", "exhaust", "emergency")),
@@ -33,6 +33,7 @@ VALVE = (
     *(Field(name, "Pa/s", 0.0, 1e9, _RATE) for name in ("down", "up", "slowly", "quickly")),
     Field("place", "m", -1e7, 1e7, "the place of a driver's valve"),
     Field("delay", "s", -1e3, 1e3, "the delay of a driver's valve"),
+    Field("wired", "1", 0.0, 1.0, "whether service of a driver's valve is by wire alone", whole=True),
 )
 
 
@@ -56,8 +57,11 @@ class DriversValve(ParameterSet):
         "Pa/s", "How fast the pipe at the valve falls in an emergency, without flow of air", 0.0
     )
 
-    def numbers(self, face: int, place: float, delay: float) -> dict[str, float]:
-        """Return the numbers of VALVE; face: of the pipe; place: from the head [m]; delay: [s], or below 0."""
+    def numbers(self, face: int, place: float, delay: float, wired: bool = False) -> dict[str, float]:
+        """Return the numbers of VALVE; face: of the pipe; place: from the head [m]; delay: [s], or below 0.
+
+        wired: service does not lower the pipe.
+        """
         return {
             "face": face,
             "feeding": DISCHARGE * self.feeding_area,
@@ -77,6 +81,7 @@ class DriversValve(ParameterSet):
             "quickly": self.emergency_rate,
             "place": place,
             "delay": delay,
+            "wired": float(wired),
         }
 
 

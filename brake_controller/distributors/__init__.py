@@ -1,7 +1,10 @@
 """Distributors by the names that consists use, one file each: add a file with a `Distributor`, and a line here."""
 
+from collections.abc import Iterable
+
 from brake_controller.distributors.aar import AAR
 from brake_controller.distributors.distributor import Distributor
+from brake_controller.distributors.ecp import ECP
 from brake_controller.distributors.ep_direct import EP_DIRECT
 from brake_controller.distributors.piped import PIPED
 from brake_controller.distributors.uic import UIC
@@ -10,6 +13,7 @@ from brake_controller.distributors.uic import UIC
 DISTRIBUTORS: dict[str, Distributor] = {
     UIC.name: UIC,
     AAR.name: AAR,
+    ECP.name: ECP,
     EP_DIRECT.name: EP_DIRECT,
     PIPED.name: PIPED,
 }
@@ -20,6 +24,13 @@ BRAKES = {"pneumatic": "", "ep-direct": EP_DIRECT.name, "none": PIPED.name}
 def pneumatic() -> tuple[str, ...]:
     """Return the names of the distributors that the brake pipe controls."""
     return tuple(name for name in DISTRIBUTORS if name not in BRAKES.values())
+
+
+def keeps_pipe(kinds: Iterable[Distributor]) -> bool:
+    """Return whether service is by wire alone, and the pipe stays charged: it feeds some vehicles and controls none."""
+    own = {kind.name: kind.wired for kind in kinds}
+    fed = any(wired and name in pneumatic() for name, wired in own.items())
+    return fed and all(wired or name == PIPED.name for name, wired in own.items())
 
 
 def kind_of(parameters: object) -> Distributor:

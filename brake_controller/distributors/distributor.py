@@ -88,6 +88,9 @@ class Distributor:
     without_effect : tuple of str
         Columns of a consist that have no effect on it; a consist with one is refused.
 
+    wired : bool
+        Whether the command `demanded` controls it, with a dead time; its electric brake is blended.
+
     Raises
     ------
     ValueError
@@ -103,6 +106,7 @@ class Distributor:
     empirical: Callable[[Moment], Answer] | None = None
     empirical_pace: float = 0.0
     without_effect: tuple[str, ...] = ()
+    wired: bool = False
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[a-z][a-z0-9_]*", self.name):

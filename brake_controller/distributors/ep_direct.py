@@ -74,4 +74,5 @@ EP_DIRECT = Distributor(
     ready=ready,
     whole=whole,
     pace=settling,
+    wired=True,
 )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brake_controller.air import AMBIENT, WALL
-from brake_controller.distributors import DISTRIBUTORS, kind_of
+from brake_controller.distributors import DISTRIBUTORS, keeps_pipe, kind_of
 from products.train.consist import Consist
 from products.train.effects import without_effect
 from products.train.layout import BRAKE_MODELS, UNBREAKABLE, Rows, laid
@@ -105,7 +105,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
     bound = 2.0 / max(fastest([one.coupler for one in vehicles[:-1]], [one.mass for one in vehicles]), 1e-6)
     pace = max(kind_of(one).fastest(one, settings.brake_model) for one in {one.distributor for one in vehicles})
     valves = [
-        one.valve.numbers(_face(i, places, faces, len(lengths)), float(ends[i]), one.valve_delay)
+        one.valve.numbers(_face(i, places, faces, len(lengths)), float(ends[i]), one.valve_delay, keeps_pipe(kinds))
         for i, one in enumerate(vehicles)
         if one.valve is not None
     ]

@@ -13,10 +13,10 @@ from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import FROM_100, force_of_percentage
-from brake_controller.distributors import DISTRIBUTORS, ep_direct
+from brake_controller.distributors import DISTRIBUTORS, ep_direct, kind_of
 from brake_controller.distributors.aar import RETAINERS, AarValve
 from brake_controller.distributors.distributor import DistributorParameters
-from brake_controller.distributors.ep_direct import FILLING, RELEASE, EpDirect
+from brake_controller.distributors.ep_direct import FILLING, RELEASE
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import TIMES, UIC, UicDistributor, with_times
 from brake_controller.electric_brake import FADE, NO_LIMIT, RISE, ElectricBrake
@@ -63,7 +63,7 @@ _BY_PIPE, _TIMES = (
     ("full_pressure", "fill_time", "release_time"),
 )
 WITHOUT_EFFECT = {
-    "pneumatic": ("dead_time",),
+    "pneumatic": (),
     "ep-direct": _BY_PIPE,
     "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, *HEAT, "friction", "weighing"),
 }
@@ -133,7 +133,8 @@ def check_control(values: Mapping[str, Any]) -> None:
     if brake == "pneumatic" and {"position", "fill_time", "release_time"} <= set(values):
         raise ValueError("position has no effect with fill_time and release_time. Leave one of them out.")
     kind = values.get("distributor", UIC.name)
-    for name in DISTRIBUTORS[kind].without_effect:
+    unheard = () if brake != "pneumatic" or DISTRIBUTORS[kind].wired else ("dead_time",)
+    for name in (*DISTRIBUTORS[kind].without_effect, *unheard):
         if name in values:
             raise ValueError(f"{name} has no effect with distributor = {kind}. Leave it out.")
     for name in ("dynamic_power", "dynamic_fade", "dynamic_rise"):
@@ -143,7 +144,7 @@ def check_control(values: Mapping[str, Any]) -> None:
 
 def electric_of(values: Mapping[str, Any], one: DistributorParameters) -> ElectricBrake:
     """Return the electric command and brake of a row; one: its distributor."""
-    blended = one.full_pressure if isinstance(one, EpDirect) else 0.0
+    blended = one.full_pressure if kind_of(one).wired else 0.0
     power, fade = values.get("dynamic_power"), values.get("dynamic_fade")
     return ElectricBrake(
         blended_pressure=blended,

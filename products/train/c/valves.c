@@ -24,7 +24,7 @@ static double position_of(train *self, long long int valve, double *step) {
 /* Demanded pressure of a valve. */
 static double wanted(const double *given, double position, double step) {
     if (position == DRIVER_POSITION_OVERCHARGE) return given[VALVE_OVERCHARGE];
-    if (position == DRIVER_POSITION_SERVICE)
+    if (position == DRIVER_POSITION_SERVICE && given[VALVE_WIRED] == 0.0)
         return given[VALVE_RUNNING] - given[VALVE_FIRST] - step * (given[VALVE_FULL] - given[VALVE_FIRST]);
     return position == DRIVER_POSITION_EMERGENCY ? given[VALVE_AROUND] : given[VALVE_RUNNING];
 }

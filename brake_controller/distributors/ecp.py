@@ -1,0 +1,93 @@
+"""An electrically controlled pneumatic brake of North American freight cars: a command by wire, air from the pipe.
+
+The pipe only charges the reservoirs. Without current, and when the pipe falls as in an emergency or below a limit, both
+reservoirs fill the cylinder. Volumes and chokes are those of the AAR valve; values that a comment does not mark are
+assumed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from brake_controller.air import AMBIENT, DISCHARGE, GAS_CONSTANT, HEAT_CAPACITY, WALL, effective_area, elliptic_flow
+from brake_controller.distributors import aar
+from brake_controller.distributors.aar import OPENS, AarValve
+from brake_controller.distributors.distributor import Answer, Distributor, Moment
+from brake_controller.distributors.uic import RELAY
+from fmu_src.system import quantity
+
+#: Gauge pressure of the pipe below which the brake is fully applied [Pa]. Assumed.
+LOW = 300e3
+#: States, absolute pressures [Pa].
+STATES = (
+    *(("auxiliary", "charged"), ("reservoir", "charged"), ("chamber", "charged")),
+    ("cylinder", "cylinder"),
+)
+
+
+@dataclass(frozen=True)
+class EcpValve(AarValve):
+    """A valve by wire; of the AAR valve's parameters, those of slide valve, quick service and retainer have no effect.
+
+    `full_pressure` is that of a full service by wire.
+    """
+
+    low_pressure: float = quantity("Pa", "Pressure of the pipe below which the brake is fully applied", 0.0)
+
+
+def ready(position: str) -> EcpValve:
+    """Return the AAR valve of a freight car with a wire; positions make no difference."""
+    return EcpValve(**aar.ready(position).values(), low_pressure=LOW)
+
+
+def whole(moment: Moment) -> Answer:
+    """Return rates and flows: a relay follows the demanded share of the full pressure, V dp/dt = R T G (ISO 6358-1).
+
+    Emergency: the pipe falls faster than in service, or is low. Then both reservoirs balance with the cylinder, as in
+    the AAR valve.
+    """
+    p, pipe, specific = moment.given, moment.pipe, GAS_CONSTANT * WALL
+    auxiliary, reservoir, chamber, cylinder = moment.states.values()
+    line, over = pipe.pressure, cylinder - AMBIENT
+
+    def share(value: ca.SX) -> ca.SX:
+        return ca.fmax(ca.fmin(value, 1), 0)
+
+    def through(name: str, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
+        return elliptic_flow(effective_area(p[name], ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
+
+    quick = share((chamber - line - p["emergency_difference"]) / OPENS)
+    applied = ca.fmax(quick, share((p["low_pressure"] + AMBIENT - line) / OPENS))
+    wanted = p["demanded"] * p["full_pressure"]
+    fills = (1 - p["held"]) * ca.fmax(share((wanted - over) / RELAY), applied)
+    served = fills * through("service_choke", auxiliary, WALL, cylinder)
+    served -= (1 - p["held"]) * applied * through("service_choke", cylinder, WALL, auxiliary)
+    helped = fills * through("emergency_choke", reservoir, WALL, cylinder)
+    released = through("release_choke", cylinder, WALL, AMBIENT)
+    graduates = (1 - p["held"]) * (1 - applied) * share((over - wanted) / RELAY)
+    empties = (graduates + p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2) * released
+    charges = [through("charging_choke", line, pipe.temperature, one) for one in (auxiliary, reservoir)]
+    vented = quick * through("pipe_vent", line, pipe.temperature, AMBIENT)
+    follows = (1 - quick) * (line - chamber) / p["chamber_time"]
+    rates = {
+        "auxiliary": specific * (charges[0] - served) / p["auxiliary_volume"],
+        "reservoir": specific * (charges[1] - helped) / p["reservoir_volume"],
+        "chamber": follows - quick * (chamber - AMBIENT) / p["emergency_time"],
+        "cylinder": specific * (served + helped - empties) / p["cylinder_volume"],
+    }
+    taken = charges[0] + charges[1] + vented
+    return Answer(rates, taken, HEAT_CAPACITY * taken * pipe.temperature, served + helped)
+
+
+ECP = Distributor(
+    name="ecp",
+    parameters=EcpValve,
+    states=STATES,
+    ready=ready,
+    whole=whole,
+    pace=aar.fastest_change,
+    without_effect=("position", "full_pressure", "retainer"),
+    wired=True,
+)

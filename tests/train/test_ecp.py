@@ -1,0 +1,91 @@
+"""The ECP brake: one command to all cars, graduated release, reservoirs that charge, and emergency by the pipe."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from brake_controller.distributors.aar import ready
+from products.train.consist_file import consist_of, read_consist
+from products.train.consist_writer import write_consist
+from products.train.numbers import Settings
+from products.train.train import Train
+
+#: Boyle with 2500, 3500 and 1000 cubic inches at 5 bar: full service, and emergency [Pa].
+FULL, EMERGENCY = 500e3 * 2500 / 3500, 500e3 * 6000 / 7000
+#: Pressure that the wagon's return spring takes: 1500 N on a piston of 406 mm [Pa].
+SPRING = 1500.0 / (np.pi / 4 * 0.406**2)
+#: Difference in which a relay shuts [Pa].
+RELAY = 5e3
+
+
+def train(cars: int, kind: str = "ecp", **columns: object) -> Train:
+    rows = [{"kind": "locomotive", "brake": "none"}, {"kind": "wagon", "length": 15, "count": cars}]
+    return Train(consist_of([rows[0], rows[1] | {"distributor": kind} | columns]), settings=Settings(cells=1))
+
+
+def test_a_command_fills_all_cylinders_at_once_and_the_pipe_stays_charged() -> None:
+    """Head and end have one pressure at any time, after the dead time; the AAR valve's last car begins after a wave."""
+    wired, plain = train(80, dead_time=1.0), train(80, "aar")
+    for one in (wired, plain):
+        one.drive("service", 1.0)
+    wired.advance(0.9)
+    assert wired.cylinder_pressure.max() < 1.0
+    wired.advance(2.1)
+    plain.advance(3.0)
+    assert wired.cylinder_pressure[1] > 50e3
+    assert np.ptp(wired.cylinder_pressure[1:]) < 1e-3 * wired.cylinder_pressure[1]
+    assert plain.cylinder_pressure[-1] < 1e3 < 50e3 < plain.cylinder_pressure[1]
+    wired.advance(40.0)
+    assert wired.cylinder_pressure[1:] == pytest.approx(FULL, abs=RELAY)
+    assert wired.pipe_pressure.min() > 450e3
+
+
+def test_it_releases_by_steps_both_ways() -> None:
+    """First step 0.4 bar of 1.5 bar of the whole force, full service all of it: linear above the cylinder's spring."""
+    one = train(2)
+    for step in (0.6, 0.2, 0.8):
+        one.drive("service", step)
+        one.advance(40.0)
+        share = (0.4 + step * 1.1) / 1.5
+        assert one.cylinder_pressure[1:] == pytest.approx(SPRING + share * (FULL - SPRING), abs=RELAY / 2)
+    one.drive("running")
+    one.advance(40.0)
+    assert one.cylinder_pressure.max() < RELAY
+
+
+def test_a_parted_hose_applies_it_to_the_balance_and_it_stays_applied() -> None:
+    """Without a command, behind the hose: both reservoirs and the cylinder balance, 1.2 times full service (Boyle)."""
+    one = train(10)
+    one.inputs["hose_state"][5] = 2.0
+    for seconds in (60.0, 200.0):
+        one.advance(seconds)
+        assert one.cylinder_pressure[6:] == pytest.approx(EMERGENCY, rel=0.01)
+    one.drive("emergency")
+    one.advance(60.0)
+    assert one.cylinder_pressure[1:].min() > 0.8 * EMERGENCY  # reservoirs near the head have braked before
+
+
+def test_a_mixed_train_keeps_the_pipe_as_the_command_of_its_other_cars() -> None:
+    rows = [{"kind": "locomotive", "brake": "none"}, {"kind": "wagon", "distributor": "ecp"}]
+    one = Train(consist_of([*rows, {"kind": "wagon", "distributor": "aar"}]))
+    one.drive("service", 1.0)
+    one.advance(60.0)
+    assert one.pipe_pressure.max() < 360e3
+    assert one.cylinder_pressure[1:] == pytest.approx(FULL, rel=0.05)
+
+
+def test_a_consist_states_it_and_is_written_again(tmp_path: Path) -> None:
+    rows = [{"kind": "locomotive"}, {"kind": "wagon", "distributor": "ecp", "dead_time": 0.5}]
+    consist = consist_of(rows)
+    write_consist(consist, tmp_path / "again.toml")
+    again = read_consist(tmp_path / "again.toml").vehicles[1]
+    assert (again.distributor, again.electric) == (consist.vehicles[1].distributor, consist.vehicles[1].electric)
+    assert again.distributor.full_pressure == pytest.approx(ready("P").full_pressure)
+    for name, value in (("position", "G"), ("retainer", "low"), ("full_pressure", 3)):
+        with pytest.raises(ValueError, match=f"{name} has no effect with distributor = ecp"):
+            consist_of([rows[0], rows[1] | {name: value}])
+    with pytest.raises(ValueError, match="dead_time has no effect with distributor = aar"):
+        consist_of([rows[0], rows[1] | {"distributor": "aar"}])
