@@ -6,6 +6,7 @@ from brake_controller.distributors.aar import AAR
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.distributors.ecp import ECP
 from brake_controller.distributors.ep_direct import EP_DIRECT
+from brake_controller.distributors.ep_uic import EP_UIC
 from brake_controller.distributors.piped import PIPED
 from brake_controller.distributors.uic import UIC
 
@@ -14,6 +15,7 @@ DISTRIBUTORS: dict[str, Distributor] = {
     UIC.name: UIC,
     AAR.name: AAR,
     ECP.name: ECP,
+    EP_UIC.name: EP_UIC,
     EP_DIRECT.name: EP_DIRECT,
     PIPED.name: PIPED,
 }

@@ -18,8 +18,9 @@ from fmu_src.chain import function_of
 from fmu_src.system import ParameterSet, quantity
 
 #: Commands of wheel-slide protection, as shares: no air into or out of the cylinder; the cylinder open to the
-#: surroundings. Electric command: demanded share of the cylinder's full pressure.
-COMMANDED = ("held", "vented", "demanded")
+#: surroundings. Electric commands: demanded share of the cylinder's full pressure, which an electric brake reduces;
+#: share of full service that drivers order.
+COMMANDED = ("held", "vented", "demanded", "ordered")
 #: Initial pressures of a state: charged as the pipe, ambient, that of the cylinders [Pa].
 STARTS = ("charged", "around", "cylinder")
 #: The state that presses the brake.
@@ -91,6 +92,9 @@ class Distributor:
     wired : bool
         Whether the command `demanded` controls it, with a dead time; its electric brake is blended.
 
+    assisted : bool
+        Whether the command `ordered` acts on the pipe at this vehicle.
+
     Raises
     ------
     ValueError
@@ -107,6 +111,7 @@ class Distributor:
     empirical_pace: float = 0.0
     without_effect: tuple[str, ...] = ()
     wired: bool = False
+    assisted: bool = False
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[a-z][a-z0-9_]*", self.name):

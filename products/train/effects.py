@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from brake_controller.distributors import kind_of
 from brake_controller.distributors.uic import UicDistributor, freight
 from brake_controller.drivers_valve import drivers_valve
 from products.train.consist import Consist, TrainVehicle
@@ -33,6 +34,8 @@ def _unused(one: TrainVehicle, model: str, cells: float) -> str:
         return "coupler_strength"
     if model != "delay":
         return ""
+    if kind_of(own).assisted:
+        return "distributor"
     narrow = one.valve is not None and one.valve.exhaust_area != EXHAUST
     found = {
         "exhaust": narrow,

@@ -69,7 +69,9 @@ def _kinds_in_c() -> list[str]:
     for name, one in DISTRIBUTORS.items():
         starts = ", ".join(f"START_{start.upper()}" for _, start in one.states)
         cylinder = [state for state, _ in one.states].index(CYLINDER)
-        rows.append(f"{{{len(one.states)}, DISTRIBUTOR_{name.upper()}_ROWS, {cylinder}, {{{starts}}}}}")
+        rows.append(
+            f"{{{len(one.states)}, DISTRIBUTOR_{name.upper()}_ROWS, {cylinder}, {int(one.assisted)}, {{{starts}}}}}"
+        )
         forms += [f"form({len(forms) + n}, {name}_{brake_model})" for n, brake_model in enumerate(one.brake_models())]
     return [
         _enum("start", STARTS, "STARTS"),
@@ -78,7 +80,7 @@ def _kinds_in_c() -> list[str]:
         _enum("worked", WORKED, "WORKED_ROWS"),
         _enum("answer", ANSWERED, "ANSWER_ROWS"),
         _enum("kind", DISTRIBUTORS, "KINDS"),
-        f"typedef struct {{\n    int states, given, cylinder, start[{most}];\n}} distributor_kind;",
+        f"typedef struct {{\n    int states, given, cylinder, assisted, start[{most}];\n}} distributor_kind;",
         c_array("distributor_kind", "KIND", rows),
         f"#define DISTRIBUTOR_FORMS(form) {' '.join(forms)}",
     ]

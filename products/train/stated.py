@@ -133,7 +133,7 @@ def check_control(values: Mapping[str, Any]) -> None:
     if brake == "pneumatic" and {"position", "fill_time", "release_time"} <= set(values):
         raise ValueError("position has no effect with fill_time and release_time. Leave one of them out.")
     kind = values.get("distributor", UIC.name)
-    unheard = () if brake != "pneumatic" or DISTRIBUTORS[kind].wired else ("dead_time",)
+    unheard = () if brake != "pneumatic" or DISTRIBUTORS[kind].wired or DISTRIBUTORS[kind].assisted else ("dead_time",)
     for name in (*DISTRIBUTORS[kind].without_effect, *unheard):
         if name in values:
             raise ValueError(f"{name} has no effect with distributor = {kind}. Leave it out.")

@@ -100,9 +100,18 @@ void pipe_protect(pipe *self, const double *protection) {
     }
 }
 
-void pipe_demand(pipe *self, const double *share) {
+void pipe_demand(pipe *self, const double *share, const double *ordered) {
     EACH_KIND(self, one)
-    for (long long int i = 0; i < one->count; ++i) one->command[i + COMMAND_DEMANDED * one->stride] = share[one->vehicle[i]];
+    for (long long int i = 0; i < one->count; ++i) {
+        one->command[i + COMMAND_DEMANDED * one->stride] = share[one->vehicle[i]];
+        one->command[i + COMMAND_ORDERED * one->stride] = ordered[one->vehicle[i]];
+    }
+}
+
+int pipe_is_assisted(const pipe *self) {
+    EACH_CONST(self, one)
+    if (KIND[one->kind].assisted) return 1;
+    return 0;
 }
 
 void pipe_vehicle_states(const pipe *self, int kind, double *state) {

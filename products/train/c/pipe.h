@@ -40,8 +40,10 @@ PIPE_SHOWN int pipe_vehicles(pipe *self, long long int count, const long long in
 PIPE_SHOWN void pipe_charge(pipe *self, double charged, double around, double cylinder);
 /* Commands of the wheel-slide protection of each vehicle, PROTECTION_APPLY, ... */
 void pipe_protect(pipe *self, const double *protection);
-/* Electric command of each vehicle: demanded share of the full pressure of its cylinders. */
-void pipe_demand(pipe *self, const double *share);
+/* Electric commands of each vehicle: demanded share of the full pressure of its cylinders, ordered share of full service. */
+void pipe_demand(pipe *self, const double *share, const double *ordered);
+/* 1 if an electric command acts on the pipe at a vehicle. */
+int pipe_is_assisted(const pipe *self);
 /* With BRAKE_MODEL_DELAY: sets the pressure in a cell [Pa]. */
 void pipe_give(pipe *self, long long int cell, double pressure);
 /* Air at rest in all cells, of a density [kg/m3] and pressure [Pa]; resets the outflow. */

@@ -11,7 +11,7 @@
 /* Brakes and line are constant during a step. It is as long as waves in the pipe allow, within these limits [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
 /* Rows of brakes: constants, three results of all lanes; electric constants, commands and results. */
-enum { BLENDED_ROWS = 3, WARM_ROWS = 5, OF_HEAT = HEAT_ROWS + WORKED_ROWS + WARM_ROWS };
+enum { BLENDED_ROWS = 4, WARM_ROWS = 5, OF_HEAT = HEAT_ROWS + WORKED_ROWS + WARM_ROWS };
 enum { ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS + OF_HEAT };
 
 /* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N], the temperature
@@ -148,6 +148,7 @@ static int make_pipe(train *self, const double *const at[LAYOUT_GROUPS]) {
         kind[i] = (long long int)at[GROUP_PLACE][PLACE_DISTRIBUTOR * self->vehicles + i];
     const double *const *given = at + GROUP_FIRST_KIND; /* one group of each kind */
     made = made && pipe_vehicles(self->air, self->vehicles, kind, self->cell, given, self->brake_model, self->head[HEAD_PACE]);
+    if (made) self->blends |= pipe_is_assisted(self->air);
     free(air);
     free(kind);
     return made;
@@ -237,14 +238,15 @@ static void demand_brakes(train *self, double step) {
         const int released = self->input[IN_PROTECTION][i] == PROTECTION_RELEASE;
         const double dead_time = self->electric[i + ELECTRIC_DEAD_TIME * self->stride];
         double *command = self->command + i;
-        command[ELECTRICALLY_DEMANDED * self->stride] = released ? 0.0 : valves_demand(self, step, dead_time);
+        const double ordered = self->blended[i + 3 * self->stride] = valves_demand(self, step, dead_time);
+        command[ELECTRICALLY_DEMANDED * self->stride] = released ? 0.0 : ordered;
         command[ELECTRICALLY_DYNAMIC * self->stride] = released ? 0.0 : self->input[IN_DYNAMIC_BRAKE][i];
         command[ELECTRICALLY_BEFORE * self->stride] = released ? 0.0 : electric_run(self)[i];
         command[ELECTRICALLY_STEP * self->stride] = step;
     }
     IN_LANES(train_blend);
     memcpy(electric_run(self), self->blended + 2 * self->stride, (size_t)self->vehicles * sizeof(double));
-    pipe_demand(self->air, self->blended + self->stride);
+    pipe_demand(self->air, self->blended + self->stride, self->blended + 3 * self->stride);
 }
 
 /* Reduces brake forces by the fading of hot wheels. */
