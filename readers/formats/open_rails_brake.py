@@ -54,8 +54,8 @@ def brake_of(fields: Fields, notes: Notes) -> Row:
     pressure = most or reference
     found |= _force(fields, (most / reference) if most and reference else None, notes)
     if found["brake"] == "none":
-        return found
-    if pressure and len(found) > 1:
+        return {"brake": "none"}
+    if pressure and found.keys() - {"brake", "distributor"}:
         notes.taken("BrakeCylinderPressureForMaxBrakeBrakeForce -> full_pressure [bar]")
         found["full_pressure"] = rounded(pressure)
     return found | _times(fields, pressure or PRESSURE, notes) | _volumes(fields, found["brake"], notes)
@@ -67,7 +67,8 @@ def _system(system: str, fields: Fields, notes: Notes) -> Row:
         notes.assumed("BrakeSystemType: a vacuum brake is simulated as a compressed-air brake of equal force.")
     elif system in ("ep", "ecp", "sme"):
         if fields.word("ORTSEPBrakeControlsBrakePipe").startswith("1"):
-            notes.left("ORTSEPBrakeControlsBrakePipe: valves along the pipe have no column; the brake is pneumatic.")
+            notes.converted("ORTSEPBrakeControlsBrakePipe: valves at each vehicle's pipe -> distributor = ep_uic")
+            return {"brake": "pneumatic", "distributor": "ep_uic"}
         else:
             notes.taken(f"BrakeSystemType {system.upper()} -> brake = ep-direct")
             return {"brake": "ep-direct"}

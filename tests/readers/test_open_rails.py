@@ -139,6 +139,14 @@ def test_open_rails_friction_of_old_files_is_as_told() -> None:
         ("MaxBrakeForce ( 0 )", {"brake": "none"}),
         ('BrakeSystemType ( "Air_piped" ) MaxBrakeForce ( 50kN )', {"brake": "none"}),
         ('BrakeSystemType ( "EP" ) MaxBrakeForce ( 11240lbf )', {"brake": "ep-direct", "brake_force": 11.24 * POUND}),
+        (
+            'BrakeSystemType ( "EP" ) ORTSEPBrakeControlsBrakePipe ( 1 ) MaxBrakeForce ( 50kN )',
+            {"brake": "pneumatic", "distributor": "ep_uic", "brake_force": 50.0},
+        ),
+        (
+            'BrakeSystemType ( "EP" ) ORTSEPBrakeControlsBrakePipe ( 1 ) MaxBrakeForce ( 0 )',
+            {"brake": "none"},
+        ),
         ("ORTSMaxBrakeShoeForce ( 100kN )", {"shoe_force": 100.0, "friction": "cast-iron-p6"}),
         (
             "ORTSMaxBrakeShoeForce ( 100kN ) ORTSBrakeShoeFriction ( 0 0.4 100 0.2 )",
