@@ -8,6 +8,7 @@ from brake_controller.distributors.ecp import ECP
 from brake_controller.distributors.ep_direct import EP_DIRECT
 from brake_controller.distributors.ep_uic import EP_UIC
 from brake_controller.distributors.piped import PIPED
+from brake_controller.distributors.twin_pipe import TWIN_PIPE
 from brake_controller.distributors.uic import UIC
 
 #: All distributors in the C code of trains; a test may add to them.
@@ -16,6 +17,7 @@ DISTRIBUTORS: dict[str, Distributor] = {
     AAR.name: AAR,
     ECP.name: ECP,
     EP_UIC.name: EP_UIC,
+    TWIN_PIPE.name: TWIN_PIPE,
     EP_DIRECT.name: EP_DIRECT,
     PIPED.name: PIPED,
 }

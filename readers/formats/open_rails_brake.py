@@ -73,9 +73,8 @@ def _system(system: str, fields: Fields, notes: Notes) -> Row:
             notes.taken(f"BrakeSystemType {system.upper()} -> brake = ep-direct")
             return {"brake": "ep-direct"}
     elif system.startswith("air_twin_pipe"):
-        notes.left(
-            "BrakeSystemType Air_twin_pipe: a main pipe has no column; reservoirs are charged by the brake pipe."
-        )
+        notes.taken("BrakeSystemType Air_twin_pipe -> distributor = twin_pipe")
+        return {"brake": "pneumatic", "distributor": "twin_pipe"}
     elif system.startswith("air_single_pipe"):
         notes.taken("BrakeSystemType -> brake = pneumatic")
     else:

@@ -147,6 +147,10 @@ def test_open_rails_friction_of_old_files_is_as_told() -> None:
             'BrakeSystemType ( "EP" ) ORTSEPBrakeControlsBrakePipe ( 1 ) MaxBrakeForce ( 0 )',
             {"brake": "none"},
         ),
+        (
+            'BrakeSystemType ( "Air_twin_pipe" ) MaxBrakeForce ( 50kN )',
+            {"brake": "pneumatic", "distributor": "twin_pipe", "brake_force": 50.0},
+        ),
         ("ORTSMaxBrakeShoeForce ( 100kN )", {"shoe_force": 100.0, "friction": "cast-iron-p6"}),
         (
             "ORTSMaxBrakeShoeForce ( 100kN ) ORTSBrakeShoeFriction ( 0 0.4 100 0.2 )",

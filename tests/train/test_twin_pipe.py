@@ -1,0 +1,34 @@
+"""A twin pipe: reservoirs stay full over repeated applications, and the brake pipe only controls."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from brake_controller.distributors import twin_pipe, uic
+from brake_controller.distributors.uic import UicDistributor
+from products.train.pipe import Outside, Pipe
+
+AMBIENT, RUNNING, FULL = 101325.0, 500e3, 380e3
+
+
+def applied(one: UicDistributor, times: int) -> tuple[float, float, float]:
+    """Return gauge pressures of reservoir and cylinder [Pa] after applications, and the air from the pipe [kg]."""
+    pipe = Pipe(2, pressure=RUNNING + AMBIENT, length=7.5, diameter=0.03175)
+    pipe.connect([1], [one], RUNNING + AMBIENT)
+    for _ in range(times):
+        for pressure, seconds in ((RUNNING, 6.0), (330e3, 6.0)):
+            pipe.open_to(0, Outside(2e-4, pressure + AMBIENT))
+            pipe.advance(seconds)
+    left = [float(pipe.vehicle_pressures(name)[0]) - AMBIENT for name in ("auxiliary", "cylinder")]
+    return left[0], left[1], pipe.passed.vehicle_mass
+
+
+def test_its_reservoir_stays_full_where_that_of_one_pipe_falls() -> None:
+    """A choke of 1 mm charges slowly; the main pipe does so in braking, too. Air of the cylinder is not the pipe's."""
+    alone = applied(replace(uic.freight(), auxiliary_choke=1e-3), 6)
+    twin = applied(replace(twin_pipe.ready("P"), auxiliary_choke=1e-3), 6)
+    assert twin[0] > alone[0] + 15e3
+    assert twin[1] == pytest.approx(FULL, rel=0.02)
+    assert twin[2] < 0.5 * alone[2]
