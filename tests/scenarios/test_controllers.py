@@ -126,7 +126,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         (["bad.py:Good"], "bad.py has no class Good with a method step(time, wheel_speeds); give one that has."),
         (["none.py:Good"], "There is no file none.py; give FILE.py:CLASS."),
         (["libnone.so"], "There is no file libnone.so; give the path of a controller."),
-        (["LetGo"], "A controller must be FILE.py:CLASS, a shared library, a C file or an FMU; got LetGo."),
+        (["LetGo"], "A controller must be FILE.py:CLASS, a shared library, a C file, an FMU or dump-valve; got LetGo."),
         (["let_go.py:LetGo", "--rails", "slow"], "There is no rail slow; give some of dry, wet, low, changing."),
         (
             ["let_go.py:LetGo", "--speed", "25knots"],
@@ -152,7 +152,7 @@ def test_a_class_with_two_choices_of_its_gains_is_two_controllers(
         ),
         (
             ["gains.py:Gains(1"],
-            "A controller must be FILE.py:CLASS, a shared library, a C file or an FMU; got ",
+            "A controller must be FILE.py:CLASS, a shared library, a C file, an FMU or dump-valve; got ",
         ),
         (["gains.py:Gains(1, 2)"], "Gains of gains.py cannot be made with (1, 2) (TypeError: "),
         (["gains.py:Gains(share=1)"], "Gains of gains.py cannot be made with (share=1) (TypeError: "),
