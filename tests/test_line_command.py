@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 
 import bogie_braking as bb
 from bogie_braking.__main__ import main
@@ -104,6 +105,16 @@ def test_check_and_import_write_line_picture_and_numbers(
     said = capsys.readouterr().out
     assert "smallest radius:          400.0 m to the right" in said
     assert "jumps of curvature:       none" in said
+
+
+def test_figures_are_closed_once_they_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Matplotlib keeps every figure of pyplot until it is closed, and warns at the 21st."""
+    monkeypatch.chdir(tmp_path)
+    plt.close("all")
+    path = str(elements(tmp_path))
+    assert main(["line", "import", path, "--out", "made.csv"]) == 0
+    assert main(["line", "check", path, "--out", "out"]) == 0
+    assert plt.get_fignums() == []
 
 
 def test_mirror_exchanges_the_sides(tmp_path: Path) -> None:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
 from bogie_braking.braking_curves.compute import Found
 from bogie_braking.braking_curves.words import limits_of
 from bogie_braking.commands.shared import look_for_plotly
@@ -66,9 +69,13 @@ def _path(chosen: argparse.Namespace, end: str) -> Path:
 def _picture(chosen: argparse.Namespace, found: Found) -> Path:
     stops = [(stop.places, stop.speeds) for stop in found.stops]
     figure = figure_of_supervision(found.many, found.ends, found.gradients, stops)
-    path = _path(chosen, ".png")
-    with writing(chosen.out):
+    return _saved(figure, _path(chosen, ".png"))
+
+
+def _saved(figure: Figure, path: Path) -> Path:
+    with writing(path.parent):
         figure.savefig(path, dpi=130)
+    plt.close(figure)
     return path
 
 
@@ -86,8 +93,5 @@ def _causes(chosen: argparse.Namespace, found: Found) -> Path:
     """Write the figure of the causes that lower Kdry_rst."""
     safety = found.data.safety
     assert safety is not None
-    path = _path(chosen, "-causes.png")
     figure = figure_of_causes(safety.causes, float(safety.factors[safety.level]), safety.level)
-    with writing(chosen.out):
-        figure.savefig(path, dpi=130)
-    return path
+    return _saved(figure, _path(chosen, "-causes.png"))

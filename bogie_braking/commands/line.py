@@ -133,9 +133,12 @@ def _drawn(line: Any, speed: float, place: Path, friction: float | None = None) 
 
 
 def _save(figure: Any, place: Path) -> Path:
+    from matplotlib import pyplot as plt
+
     with writing(place.parent):
         place.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(place, dpi=130)
+    plt.close(figure)
     return place
 
 

@@ -147,9 +147,12 @@ def limits_of(side: Side) -> list[tuple[float, float]]:
 
 def save_picture(found: Running, patches: Limits, path: Path) -> None:
     """Save the picture of a pair, whose title is its message."""
+    from matplotlib import pyplot as plt
+
     data = BytesIO()
     figure = draw_pair(found, patches, message(found, patches))
     figure.savefig(data, format="png", dpi=110)
+    plt.close(figure)
     make_folder_of(path)
     write_whole(path, data.getvalue())
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 
 from bogie_braking.__main__ import main
 from bogie_braking.commands import profile
@@ -31,7 +32,9 @@ def test_profile_writes_table_and_picture_and_prints_what_it_found(
 ) -> None:
     out = tmp_path / "pair.csv"
     given = [WHEEL, RAIL, "--out", str(out), "--diameter", "918", "920", "--gauge", "1437"]
+    plt.close("all")
     assert main(["profile", *given, "--json"]) == 0
+    assert plt.get_fignums() == []
     found = json.loads(capsys.readouterr().out)
     assert found["gauge [mm]"] == pytest.approx(1437.0, abs=1e-3)
     assert found["patches, left and right"] == [5, 5]
