@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -25,6 +26,8 @@ FORMAT = 1
 MODULES = ("scenarios.controllers.report_stops", "scenarios.controllers.acceptance")
 #: Largest relative difference of two equal values [1]: round-off of another compiler.
 EQUAL = 1e-6
+#: Parts of a report that are compared; files and sources are compared by their digests, versions are not.
+COMPARED = ("format", "claim", "verdict", "message", "controller", "criteria", "findings", "cases")
 #: Most differences that a message names.
 MOST_NAMED = 5
 
@@ -131,7 +134,7 @@ def input_differences(report: Mapping[str, Any], inputs: Mapping[str, Mapping[st
 
 
 def differences(report: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
-    """Return the differences of the verdicts and of the findings of two reports in words."""
+    """Return the differences of two reports in words: verdict, findings, and all else but files and versions."""
     found = []
     if report["verdict"] != other["verdict"]:
         found.append(f"verdict: {report['verdict']} in the report, {other['verdict']} now")
@@ -142,7 +145,28 @@ def differences(report: Mapping[str, Any], other: Mapping[str, Any]) -> list[str
         if mine is None or one["verdict"] != mine["verdict"] or not same(one.get("value"), mine["value"]):
             now = "is not there now" if mine is None else f"{mine['verdict']} with {mine['value']} now"
             found.append(f"{place[0]}, {place[1]}: {one['verdict']} with {one.get('value')} in the report, {now}")
-    return found + [f"{name}, {case}: not in the report" for name, case in ours]
+    found += [f"{name}, {case}: not in the report" for name, case in ours]
+    return found or changed(compared(report), json.loads(json.dumps(compared(other))), "")
+
+
+def compared(report: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parts of a report that another must have, too."""
+    return {key: report.get(key) for key in COMPARED}
+
+
+def changed(one: object, other: object, place: str) -> list[str]:
+    """Return the places at which two JSON values differ, with both values."""
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return [
+            text
+            for key in dict.fromkeys([*one, *other])
+            for text in changed(one.get(key), other.get(key), f"{place}, {key}" if place else key)
+        ]
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        pairs = enumerate(zip(one, other, strict=True), 1)
+        return [text for number, (a, b) in pairs for text in changed(a, b, f"{place} {number}")]
+    equal = one == other or (not isinstance(one, bool) and not isinstance(other, bool) and same(one, other))
+    return [] if equal else [f"{place}: {shown(one)} in the report, {shown(other)} now"]
 
 
 def same(one: object, other: object) -> bool:
@@ -155,6 +179,6 @@ def same(one: object, other: object) -> bool:
 def check_message(path: Path, found: Sequence[str], count: int) -> str:
     """Return the result of a check; count: number of findings."""
     if not found:
-        return f"{path} is reproduced: files, sources, verdict and {count} findings are equal."
+        return f"{path} is reproduced: files, sources, verdict, {count} findings and all stops are equal."
     more = f"; and {len(found) - MOST_NAMED} more" if len(found) > MOST_NAMED else ""
     return f"{path} is not reproduced. {'; '.join(found[:MOST_NAMED])}{more}."

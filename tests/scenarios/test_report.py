@@ -347,10 +347,27 @@ def test_a_report_is_reproduced_from_its_own_options(folder: Path, capsys: pytes
     assert json.loads(path.read_text()) == made
     check = ["controllers", "report", "--check", str(path)]
     assert main(check) == 0
-    assert "report.json is reproduced: files, sources, verdict and 3 findings are equal." in capsys.readouterr().out
+    assert (
+        "report.json is reproduced: files, sources, verdict, 3 findings and all stops are equal."
+        in capsys.readouterr().out
+    )
     path.write_text(json.dumps(made | {"findings": [*made["findings"][:2], made["findings"][2] | {"value": 1.6}]}))
     assert main(check) == 1
     assert "is not reproduced. distance, low: fails with 1.6 in the report, fails with 1." in capsys.readouterr().out
+    for part in ("message", "controller", "claim"):
+        path.write_text(json.dumps(made | {part: "another"}))
+        assert main(check) == 1
+        assert f"is not reproduced. {part}: another in the report, " in capsys.readouterr().out
+    path.write_text(json.dumps(made | {"cases": []}))
+    assert main(check) == 1
+    limits = json.loads(json.dumps(made["criteria"]))
+    limits[0]["limit"] = 1000.0
+    path.write_text(json.dumps(made | {"criteria": limits}))
+    assert main(check) == 1
+    assert "criteria 1, limit: 1000.0 in the report, " in capsys.readouterr().out
+    path.write_text(json.dumps(made))
+    assert main([*check, "--vehicle", "coach", "--pulses", "10"]) == 2
+    assert "--check takes all options from the report; got --vehicle, --pulses." in capsys.readouterr().err
     (folder / "never.c").write_text("int other;\n")  # would not run
     assert main(check) == 1
     assert "is not reproduced. controller: never.c has another SHA-256." in capsys.readouterr().out
