@@ -381,12 +381,24 @@ class Line:
 
 def _map_of(distance: ArrayLike, *factors: ArrayLike) -> tuple[np.ndarray, list[np.ndarray]]:
     """Return places with jumps spread over JUMP, and the factors there. Raises ValueError."""
-    at, *values = (np.atleast_1d(np.asarray(one, float)) for one in (distance, *factors))
-    if at.ndim != 1 or any(one.shape != at.shape for one in values) or not np.isfinite([at, *values]).all():
+    try:
+        at, *values = (np.atleast_1d(np.asarray(one, float)) for one in (distance, *factors))
+    except (TypeError, ValueError):
+        raise ValueError("Places and factors of friction must be numbers; got others. Correct them.") from None
+    if at.ndim != 1 or at.size == 0 or any(one.shape != at.shape for one in values):
         raise ValueError(
-            f"Friction along a line must have finite places and as many finite factors; got {at.size} places and "
-            f"{' and '.join(str(one.size) for one in values)} factors. Correct them."
+            f"Friction along a line must have at least one place, and as many factors for each rail; got {at.size} "
+            f"places, and {' and '.join(str(one.size) for one in values)} factors. Correct them."
         )
+    [of] = (column for column in LINE.columns if column.name == FRICTIONS[0])
+    for name, one in zip(("Places", *("Factors",) * len(values)), (at, *values), strict=True):
+        low, high = (-np.inf, np.inf) if one is at else (of.minimum, of.maximum)
+        wrong = np.flatnonzero(~(np.isfinite(one) & (one >= low) & (one <= high)))
+        if wrong.size:
+            limits = "finite" if one is at else f"from {low:g} to {high:g}"
+            raise ValueError(
+                f"{name} of friction must be {limits}; got {one[wrong[0]]:g} as number {wrong[0] + 1}. Correct it."
+            )
     at = at + JUMP * np.r_[False, np.diff(at) == 0.0]
     short = np.flatnonzero(~(np.diff(at) >= LINE.least_growth))
     if short.size:

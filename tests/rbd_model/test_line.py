@@ -570,9 +570,12 @@ def test_a_map_of_friction_keeps_the_line_and_refuses_what_is_no_map() -> None:
         ([40.0, 30.0], [1.0, 0.2], "got 30 m after 40 m. Sort them"),
         ([40.0, 40.0, 40.0], [1.0, 0.2, 0.3], "at most two equal ones"),
         ([-11.0, 30.0], [1.0, 0.2], "from -10 to .* got -11 to 30 m"),
-        ([30.0], [1.0, 0.2], "got 1 places and 2 and 2 factors"),
-        ([30.0], [float("nan")], "finite factors"),
-        ([30.0], [-0.1], "left_friction must be from 0 to 10; got -0.1"),
+        ([30.0], [1.0, 0.2], "got 1 places, and 2 and 2 factors"),
+        ([30.0], [float("nan")], "Factors of friction must be from 0 to 10; got nan as number 1"),
+        ([30.0, 40.0], [1.0, -0.1], "Factors of friction must be from 0 to 10; got -0.1 as number 2"),
+        ([30.0, float("inf")], [1.0, 1.0], "Places of friction must be finite; got inf as number 2"),
+        ([], [], "at least one place"),
+        (["a"], [1.0], "must be numbers"),
     ):
         with pytest.raises(ValueError, match=words):
             own.with_friction(places, factors)
