@@ -98,3 +98,14 @@ def mass_flow(area: ca.SX, pressure: ca.SX, temperature: ca.SX, pressure_behind:
 def effective_area(diameter: ca.SX, discharge_coefficient: ca.SX) -> ca.SX:
     """Return C_d A of a round restriction [m2]: the area that isentropic flow would need; diameter in m."""
     return discharge_coefficient * math.pi / 4 * diameter**2
+
+
+def choke_flow(diameter: ca.SX, pressure: ca.SX, temperature: ca.SX | float, pressure_behind: ca.SX | float) -> ca.SX:
+    """Return the mass flow [kg/s] through a choke of a train's valves, as `elliptic_flow`; diameter in m."""
+    area = effective_area(diameter, ca.SX(DISCHARGE))
+    return elliptic_flow(area, pressure, ca.SX(temperature), ca.SX(pressure_behind))
+
+
+def share_of(value: ca.SX) -> ca.SX:
+    """Return a value limited to 0 and 1, such as the opening of a valve."""
+    return ca.fmax(ca.fmin(value, 1), 0)

@@ -20,7 +20,7 @@ _RATE = "a rate of a driver's valve"
 #: Data of a valve in C, pressures absolute and areas effective: the cell after it; areas; band, supply and its
 #: temperature, ambient pressure. Running pressure and overcharge; falls of the first step and of full service; rates of
 #: service, release, overcharge and emergency. Place from the head, measured backwards below 0. Delay after the first
-#: valve while its own position is 0, below 0 never. Whether a service keeps the pipe at the running pressure.
+#: valve while its own position is 0, below 0 never. The last is 1 if a service keeps the pipe at the running pressure.
 VALVE = (
     Field("face", "1", 0.0, 0.0, "a driver's valve's place at the pipe", whole=True, counts="cells"),
     *(Field(name, "m2", 0.0, 1.0, _AREA) for name in ("feeding", "exhaust", "emergency")),

@@ -120,7 +120,7 @@ def _import(chosen: argparse.Namespace, line: Any) -> int:
 
 
 def _drawn(line: Any, speed: float, place: Path, friction: float | None = None) -> tuple[Any, Path, Any]:
-    """Return the check of a line at a speed [m/s], the path of its picture, and the account of its import.
+    """Return the check of a line at a speed [m/s], the path of its figure, and the account of its import.
 
     friction: that of the rail, which the line's factors multiply [1].
     """

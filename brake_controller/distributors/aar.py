@@ -12,16 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.air import (
-    AMBIENT,
-    DISCHARGE,
-    GAS_CONSTANT,
-    HEAT_CAPACITY,
-    LAMINAR_DIFFERENCE,
-    WALL,
-    effective_area,
-    elliptic_flow,
-)
+from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, LAMINAR_DIFFERENCE, WALL, choke_flow, share_of
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
 from brake_controller.distributors.uic import CHARGED, RELAY, accelerating, flow_of_a_metre
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
@@ -112,18 +103,10 @@ def ready(position: str) -> AarValve:
     )
 
 
-def _share(value: ca.SX) -> ca.SX:
-    return ca.fmax(ca.fmin(value, 1), 0)
-
-
-def _through(choke: ca.SX, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
-    return elliptic_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
-
-
 def _sliding(p: Mapping[str, ca.SX], place: ca.SX, fallen: ca.SX) -> ca.SX:
     """Return the rate of the slide valve's place, 0 release to 1 service [1/s]: between both it stays where it is."""
-    to_service = _share(2 * fallen / p["sensitivity"] - 1)
-    to_release = _share(-2 * fallen / p["release_sensitivity"] - 1)
+    to_service = share_of(2 * fallen / p["sensitivity"] - 1)
+    to_release = share_of(-2 * fallen / p["release_sensitivity"] - 1)
     keeps = 4 * place * (1 - place) * (place - 0.5)
     return SLIDES * (to_service * (1 - place) - to_release * place + keeps)
 
@@ -133,31 +116,31 @@ def whole(moment: Moment) -> Answer:
     p, pipe, specific = moment.given, moment.pipe, GAS_CONSTANT * WALL
     auxiliary, reservoir, chamber, bulb, slide, cylinder = moment.states.values()
     line, over = pipe.pressure, cylinder - AMBIENT
-    place = _share(slide / AMBIENT - 1)
+    place = share_of(slide / AMBIENT - 1)
     fallen = auxiliary - line
-    emergency = _share((chamber - line - p["emergency_difference"]) / OPENS)
+    emergency = share_of((chamber - line - p["emergency_difference"]) / OPENS)
     applies = (1 - p["held"]) * place
     # Service: to the cylinder as far as the auxiliary reservoir is above the pipe; emergency joins all three volumes.
-    graduates = _share(fallen / RELAY)
+    graduates = share_of(fallen / RELAY)
     serves = applies * (
-        graduates * _through(p["service_choke"], auxiliary, WALL, cylinder)
-        - emergency * _through(p["service_choke"], cylinder, WALL, auxiliary)
+        graduates * choke_flow(p["service_choke"], auxiliary, WALL, cylinder)
+        - emergency * choke_flow(p["service_choke"], cylinder, WALL, auxiliary)
     )
-    helps = applies * emergency * _through(p["emergency_choke"], reservoir, WALL, cylinder)
+    helps = applies * emergency * choke_flow(p["emergency_choke"], reservoir, WALL, cylinder)
     quick = (
         applies
-        * _share((p["quick_limit"] - over) / RELAY)
-        * _through(p["quick_choke"], line, pipe.temperature, cylinder)
+        * share_of((p["quick_limit"] - over) / RELAY)
+        * choke_flow(p["quick_choke"], line, pipe.temperature, cylinder)
     )
-    released = _through(p["release_choke"], cylinder, WALL, AMBIENT)
+    released = choke_flow(p["release_choke"], cylinder, WALL, AMBIENT)
     vents = p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2 * released
-    kept = ca.if_else(p["retained_pressure"] > 0, _share((over - p["retained_pressure"]) / RELAY), 1)
+    kept = ca.if_else(p["retained_pressure"] > 0, share_of((over - p["retained_pressure"]) / RELAY), 1)
     empties = (1 - p["held"]) * (1 - place) * kept * released + vents
     charges = [
-        (1 - place) * _through(p["charging_choke"], line, pipe.temperature, one) for one in (auxiliary, reservoir)
+        (1 - place) * choke_flow(p["charging_choke"], line, pipe.temperature, one) for one in (auxiliary, reservoir)
     ]
     quickens, to_bulb = accelerating(p["bulb_volume"], p["bulb_time"], line, bulb, place)
-    vented = emergency * _through(p["pipe_vent"], line, pipe.temperature, AMBIENT)
+    vented = emergency * choke_flow(p["pipe_vent"], line, pipe.temperature, AMBIENT)
     follows = (1 - emergency) * (line - chamber) / p["chamber_time"]
     rates = {
         "auxiliary": specific * (charges[0] - serves) / p["auxiliary_volume"],

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.air import AMBIENT, DISCHARGE, GAS_CONSTANT, HEAT_CAPACITY, WALL, effective_area, elliptic_flow
+from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, WALL, choke_flow, share_of
 from brake_controller.distributors import aar
 from brake_controller.distributors.aar import OPENS, AarValve
 from brake_controller.distributors.distributor import Answer, Distributor, Moment
@@ -52,24 +52,18 @@ def whole(moment: Moment) -> Answer:
     auxiliary, reservoir, chamber, cylinder = moment.states.values()
     line, over = pipe.pressure, cylinder - AMBIENT
 
-    def share(value: ca.SX) -> ca.SX:
-        return ca.fmax(ca.fmin(value, 1), 0)
-
-    def through(name: str, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
-        return elliptic_flow(effective_area(p[name], ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
-
-    quick = share((chamber - line - p["emergency_difference"]) / OPENS)
-    applied = ca.fmax(quick, share((p["low_pressure"] + AMBIENT - line) / OPENS))
+    quick = share_of((chamber - line - p["emergency_difference"]) / OPENS)
+    applied = ca.fmax(quick, share_of((p["low_pressure"] + AMBIENT - line) / OPENS))
     wanted = p["demanded"] * p["full_pressure"]
-    fills = (1 - p["held"]) * ca.fmax(share((wanted - over) / RELAY), applied)
-    served = fills * through("service_choke", auxiliary, WALL, cylinder)
-    served -= (1 - p["held"]) * applied * through("service_choke", cylinder, WALL, auxiliary)
-    helped = fills * through("emergency_choke", reservoir, WALL, cylinder)
-    released = through("release_choke", cylinder, WALL, AMBIENT)
-    graduates = (1 - p["held"]) * (1 - applied) * share((over - wanted) / RELAY)
+    fills = (1 - p["held"]) * ca.fmax(share_of((wanted - over) / RELAY), applied)
+    served = fills * choke_flow(p["service_choke"], auxiliary, WALL, cylinder)
+    served -= (1 - p["held"]) * applied * choke_flow(p["service_choke"], cylinder, WALL, auxiliary)
+    helped = fills * choke_flow(p["emergency_choke"], reservoir, WALL, cylinder)
+    released = choke_flow(p["release_choke"], cylinder, WALL, AMBIENT)
+    graduates = (1 - p["held"]) * (1 - applied) * share_of((over - wanted) / RELAY)
     empties = (graduates + p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2) * released
-    charges = [through("charging_choke", line, pipe.temperature, one) for one in (auxiliary, reservoir)]
-    vented = quick * through("pipe_vent", line, pipe.temperature, AMBIENT)
+    charges = [choke_flow(p["charging_choke"], line, pipe.temperature, one) for one in (auxiliary, reservoir)]
+    vented = quick * choke_flow(p["pipe_vent"], line, pipe.temperature, AMBIENT)
     follows = (1 - quick) * (line - chamber) / p["chamber_time"]
     rates = {
         "auxiliary": specific * (charges[0] - served) / p["auxiliary_volume"],

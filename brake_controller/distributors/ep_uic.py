@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.air import AMBIENT, DISCHARGE, HEAT_CAPACITY, WALL, effective_area, elliptic_flow
+from brake_controller.air import AMBIENT, HEAT_CAPACITY, WALL, choke_flow, share_of
 from brake_controller.distributors import uic
 from brake_controller.distributors.distributor import Answer, Distributor, Moment
 from brake_controller.distributors.uic import UicDistributor, freight
@@ -43,18 +43,15 @@ def whole(moment: Moment) -> Answer:
     lacks = p["ordered"] * p["full_difference"] - fallen
 
     def opens(excess: ca.SX) -> ca.SX:
-        return ca.fmax(ca.fmin(excess / BAND - 1, 1), 0)
-
-    def through(name: str, before: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
-        return elliptic_flow(effective_area(p[name], ca.SX(DISCHARGE)), before, ca.SX(temperature), ca.SX(behind))
+        return share_of(excess / BAND - 1)
 
     feeds = opens(-lacks) * ca.if_else(fallen < FEEDS * p["full_difference"], 1, 0)
     vented = (
         opens(lacks)
         * ca.if_else(p["ordered"] > 0, 1, 0)
-        * through("ep_vent_choke", pipe.pressure, pipe.temperature, AMBIENT)
+        * choke_flow(p["ep_vent_choke"], pipe.pressure, pipe.temperature, AMBIENT)
     )
-    fed = feeds * through("ep_feed_choke", p["main_pressure"] + AMBIENT, WALL, pipe.pressure)
+    fed = feeds * choke_flow(p["ep_feed_choke"], p["main_pressure"] + AMBIENT, WALL, pipe.pressure)
     enthalpy = plain.enthalpy + HEAT_CAPACITY * (vented * pipe.temperature - fed * WALL)
     return Answer(plain.rates, plain.taken + vented - fed, enthalpy, plain.filling)
 

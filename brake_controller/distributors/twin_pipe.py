@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.air import AMBIENT, DISCHARGE, GAS_CONSTANT, HEAT_CAPACITY, WALL, effective_area, elliptic_flow
+from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, WALL, choke_flow
 from brake_controller.distributors import uic
 from brake_controller.distributors.distributor import Answer, Distributor, Moment
 from brake_controller.distributors.uic import CHARGED, UicDistributor, freight
@@ -32,9 +32,8 @@ def whole(moment: Moment) -> Answer:
     """Return the answer of the UIC 540 distributor with another source of its reservoir's air (ISO 6358-1)."""
     p, pipe, plain = moment.given, moment.pipe, uic.whole(moment)
     auxiliary = moment.states["auxiliary"]
-    choke = effective_area(p["auxiliary_choke"], ca.SX(DISCHARGE))
-    by_pipe = elliptic_flow(choke, pipe.pressure, pipe.temperature, auxiliary)
-    by_main = elliptic_flow(choke, p["main_pressure"] + AMBIENT, ca.SX(WALL), auxiliary)
+    by_pipe = choke_flow(p["auxiliary_choke"], pipe.pressure, pipe.temperature, auxiliary)
+    by_main = choke_flow(p["auxiliary_choke"], p["main_pressure"] + AMBIENT, WALL, auxiliary)
     charges = GAS_CONSTANT * WALL * (by_main - by_pipe) / p["auxiliary_volume"]
     taken = plain.taken - by_pipe
     enthalpy = HEAT_CAPACITY * taken * ca.if_else(taken > 0, pipe.temperature, WALL)

@@ -27,8 +27,10 @@ from brake_controller.air import (
     HEAT_CAPACITY,
     LAMINAR_DIFFERENCE,
     WALL,
+    choke_flow,
     effective_area,
     elliptic_flow,
+    share_of,
 )
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
@@ -216,10 +218,6 @@ def fastest_change(p: UicDistributor) -> float:
     return max(TIME_CONSTANTS_TO_95_PERCENT / p.accelerator_time, *(specific * pace for pace in paces))
 
 
-def _share(value: ca.SX) -> ca.SX:
-    return ca.fmax(ca.fmin(value, 1), 0)
-
-
 def accelerating(volume: ca.SX, time: ca.SX, line: ca.SX, chamber: ca.SX, brakes: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return the rate of the accelerator's pressure [Pa/s], and its air flow from the pipe [kg/s].
 
@@ -242,24 +240,21 @@ def whole(moment: Moment) -> Answer:
     control, accelerator, auxiliary, cylinder = moment.states.values()
     line, air_temperature = moment.pipe.pressure, moment.pipe.temperature
 
-    def through(choke: ca.SX, pressure: ca.SX, temperature: ca.SX | float, behind: ca.SX | float) -> ca.SX:
-        return elliptic_flow(effective_area(choke, ca.SX(DISCHARGE)), pressure, ca.SX(temperature), ca.SX(behind))
-
     fallen = control - line
     # Above half of the sensitivity the control chamber is gradually shut off.
-    brakes = _share(2 * fallen / p["sensitivity"] - 1)
-    to_control = through(p["control_choke"], line, air_temperature, control)
-    from_control = (1 - brakes) * through(p["control_choke"], control, WALL, line)
+    brakes = share_of(2 * fallen / p["sensitivity"] - 1)
+    to_control = choke_flow(p["control_choke"], line, air_temperature, control)
+    from_control = (1 - brakes) * choke_flow(p["control_choke"], control, WALL, line)
     specific = GAS_CONSTANT * WALL
     quickens, to_accelerator = accelerating(p["accelerator_volume"], p["accelerator_time"], line, accelerator, brakes)
-    to_auxiliary = through(p["auxiliary_choke"], line, air_temperature, auxiliary)
+    to_auxiliary = choke_flow(p["auxiliary_choke"], line, air_temperature, auxiliary)
     wanted = ca.fmin(p["full_pressure"] / p["full_difference"] * fallen, p["full_pressure"]) * brakes
     over = cylinder - AMBIENT
-    quick = _share((p["inshot"] - over) / RELAY) * through(p["inshot_choke"], auxiliary, WALL, cylinder)
-    fills = _share((wanted - over) / RELAY) * (through(p["filling_choke"], auxiliary, WALL, cylinder) + quick)
-    released = through(p["release_choke"], cylinder, WALL, AMBIENT)
+    quick = share_of((p["inshot"] - over) / RELAY) * choke_flow(p["inshot_choke"], auxiliary, WALL, cylinder)
+    fills = share_of((wanted - over) / RELAY) * (choke_flow(p["filling_choke"], auxiliary, WALL, cylinder) + quick)
+    released = choke_flow(p["release_choke"], cylinder, WALL, AMBIENT)
     vents = (p["vented"] * p["vent_choke"] ** 2 + p["cylinder_leak"] ** 2) / p["release_choke"] ** 2 * released
-    fills, empties = (1 - p["held"]) * fills, (1 - p["held"]) * _share((over - wanted) / RELAY) * released + vents
+    fills, empties = (1 - p["held"]) * fills, (1 - p["held"]) * share_of((over - wanted) / RELAY) * released + vents
     rates = {
         "control": specific * (to_control - from_control) / p["control_volume"],
         "accelerator": quickens,
@@ -285,7 +280,7 @@ def empirical(moment: Moment) -> Answer:
     p, line = moment.given, moment.pipe.pressure
     control, accelerator, auxiliary, cylinder = moment.states.values()
     fallen = control - line
-    brakes = _share(2 * fallen / p["sensitivity"] - 1)
+    brakes = share_of(2 * fallen / p["sensitivity"] - 1)
     choked = CHOKED_FLOW * DISCHARGE * math.pi / 4 * (GAS_CONSTANT * WALL) ** 0.5
 
     def passes(choke: ca.SX, volume: ca.SX, pressure: ca.SX, behind: ca.SX | float) -> ca.SX:

@@ -6,14 +6,14 @@
  * - After 7 s of continuous release it closes, and stays closed until the vehicle has stopped.
  *
  * The description gives no speeds and no rate: they are assumed. A difference is that to the fastest wheelset of the
- * vehicle. The valve is also disabled at low pressure in the brake pipe, which is no input here. A run ends where the vehicle
+ * vehicle. The valve is also disabled at low pressure in the brake pipe, which is not an input here. A run ends where the vehicle
  * stops, so a closed valve stays closed. */
 #include <stdbool.h>
 
 #include "wheel_slide.h"
 
-/* Difference that opens the valve, and the one that closes it [m/s]; acceleration that closes it [m/s2], over READINGS
- * steps; longest continuous release [s]. */
+/* Differences for opening and closing the valve [m/s], acceleration for closing it over READINGS steps [m/s2], and longest
+ * continuous release [s]. */
 static const double opens = 1.5, closes = 0.5, speeds_up = 5.0, longest = 7.0;
 
 /* A bogie has two wheelsets; a vehicle has at most 16. */

@@ -32,7 +32,9 @@ class Extreme:
 
 @dataclass(frozen=True)
 class Adhesion:
-    """A map of friction along a line, or of the factors on it: mean of both rails.
+    """A map of friction along a line, or of the factors on it.
+
+    Values are means of both rails.
 
     Attributes
     ----------

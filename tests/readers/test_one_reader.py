@@ -13,8 +13,8 @@ ROOT = Path(__file__).parents[2]
 READS = re.compile(
     r"csv\.(?:reader|DictReader)|loadtxt|genfromtxt|fromstring\(|read_csv|_?tomllib\.loads?|import tomli"
 )
-#: Files that call one of them: the readers, and the modules that read tables shipped with the project. reference.py
-#: compares a table of the project cell by cell: a reader that interprets numbers would accept a table with other ones.
+#: Files that call one of them: the readers, and modules for tables of the project itself. reference.py compares such a
+#: table cell by cell. A reader of numbers would accept other texts of the same number.
 READERS = {"readers/tables.py", "readers/toml_files.py"}
 OF_OWN_DATA = {
     *("products/promised_variables.py", "scenarios/contact/creep_laws.py", "scenarios/contact/contact_manchester.py"),
