@@ -101,7 +101,7 @@ def effective_area(diameter: ca.SX, discharge_coefficient: ca.SX) -> ca.SX:
 
 
 def choke_flow(diameter: ca.SX, pressure: ca.SX, temperature: ca.SX | float, pressure_behind: ca.SX | float) -> ca.SX:
-    """Return the mass flow [kg/s] through a choke of a train's valves, as `elliptic_flow`; diameter in m."""
+    """Return the mass flow [kg/s] through a choke of a train's valves (ISO 6358-1); diameter in m."""
     area = effective_area(diameter, ca.SX(DISCHARGE))
     return elliptic_flow(area, pressure, ca.SX(temperature), ca.SX(pressure_behind))
 

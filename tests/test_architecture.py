@@ -250,6 +250,7 @@ PLUMBING = {
     "brake_controller/magnet_valves.py": {"common_valves"},
     "brake_controller/rig/udp_client.py": {"answer", "answer_to", "is_end", "question"},
     "brake_controller/sensors.py": {"edge_errors"},
+    "brake_controller/air.py": {"share_of"},
     "brake_controller/protection_fmu.py": {
         "faces",
         "named",
