@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from fmu_src.suggestion import suggestion
+from products.supervision.arguments import path_of
 from products.supervision.tolerances import ENTRIES, Entry, Tolerances
 from readers.command_line import number_in
 from readers.documents import is_number
@@ -43,6 +44,7 @@ def read_tolerances(path: str | Path) -> Tolerances:
     BadInputError
         If the file cannot be read, or an entry is unknown, has no unit or is outside its limits.
     """
+    path = path_of(path)
     try:
         found = toml_of(path)
     except ValueError as error:

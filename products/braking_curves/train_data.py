@@ -43,6 +43,8 @@ def fmu_parameters(
     BadInputError
         If the FMU has no parameter for a value, or Kdry_rst is that of another confidence level.
     """
+    if not isinstance(version, int) or version not in (2, 3):
+        raise BadInputError(f"version must be 2 or 3, that of FMI; got {shown(version)}.")
     check_train(train)
     national, fixed, _ = checked_values(national, fixed)
     _check(train, national, fixed)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
+from products.supervision.arguments import path_of
 from products.supervision.steps import Steps
 from products.supervision.values import RANGES, NationalValues, check_factors
 from readers.command_line import number_in
@@ -60,6 +61,7 @@ def read_national(path: str | Path) -> NationalValues:
     FileError
         If the file cannot be read, a name is unknown, or a value is outside the limits of its variable.
     """
+    path = path_of(path)
     read = toml_of(path)
     for name in read:
         if name not in NAMES:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from products.supervision.arguments import path_of
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain, check_train
 from readers.documents import LARGEST, document, number_in
@@ -46,7 +47,8 @@ def read_osrd_train(path: str | Path) -> SupervisedTrain:
     FileError
         If the file has no ETCS brake, or its numbers are outside their limits.
     """
-    found = osrd_train_of(document(text_of(Path(path), LARGEST).encode(), str(path)), str(path))
+    path = path_of(path)
+    found = osrd_train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))
     if found is None:
         raise FileError(f"{path} must be an OSRD rolling stock with {BEFORE}; got none.")
     return found

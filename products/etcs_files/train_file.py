@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fmu_src.suggestion import suggestion
+from products.supervision.arguments import all_of_type, path_of
 from products.supervision.conversion import BRAKE_POSITIONS
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain, check_train
@@ -73,6 +74,10 @@ class EtcsTrain:
     dry_by_level: tuple[Steps, ...] = ()
     name: str = ""
 
+    def __post_init__(self) -> None:
+        check_train(self.train)
+        _check_others(self.dry_by_level, self.name)
+
     def at_level(self, level: int) -> SupervisedTrain:
         """Return the train at a confidence level (M_NVEBCL).
 
@@ -121,6 +126,7 @@ def train_document(train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), n
         If there are several trains, or a brake position without the percentage that belongs to it.
     """
     check_train(train)
+    _check_others(dry_by_level, name)
     if np.ndim(train.length) or train.A_brake_emergency.values.ndim > 1:
         raise BadInputError("A file of train data has one train; got several. Write one file for each.")
     by_percentage = train.percentage is not None
@@ -144,6 +150,15 @@ def train_document(train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), n
     return found | {name_: getattr(train, attribute) for name_, attribute in SWITCHES.items()}
 
 
+def _check_others(dry_by_level: Sequence[Steps], name: str) -> None:
+    """Refuse factors that are not those of ten levels, and a name that is not text."""
+    all_of_type("dry_by_level", dry_by_level, Steps, "Give Steps for each level, or ().")
+    if len(dry_by_level) not in (0, LEVELS):
+        raise BadInputError(f"dry_by_level must be {LEVELS} step functions, or (); got {len(dry_by_level)}.")
+    if not isinstance(name, str):
+        raise BadInputError(f"name must be text; got {type(name).__name__}.")
+
+
 def write_train(path: str | Path, train: SupervisedTrain, dry_by_level: Sequence[Steps] = (), name: str = "") -> None:
     """Write train data as JSON; `read_train` gives the same train.
 
@@ -161,7 +176,7 @@ def write_train(path: str | Path, train: SupervisedTrain, dry_by_level: Sequence
     StorageError
         If the file cannot be written.
     """
-    write_whole(Path(path), document_text(train_document(train, dry_by_level, name)).encode())
+    write_whole(path_of(path), document_text(train_document(train, dry_by_level, name)).encode())
 
 
 def read_train(path: str | Path) -> EtcsTrain:
@@ -185,7 +200,8 @@ def read_train(path: str | Path) -> EtcsTrain:
     FileError
         If the file is no such document, a name is unknown, or a number is missing or outside its limits.
     """
-    return train_of(document(text_of(Path(path), LARGEST).encode(), str(path)), str(path))
+    path = path_of(path)
+    return train_of(document(text_of(path, LARGEST).encode(), str(path)), str(path))
 
 
 def train_of(read: Any, source: str) -> EtcsTrain:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from products.supervision.steps import Steps, values_at
+from products.supervision.arguments import at_least, check_shapes, numbers, of_type
+from products.supervision.steps import Steps, is_empty, values_at
+from readers.text import BadInputError, shown
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Arcs:
         ndarray
             Places [m], shape (..., m); minus infinity for a speed from which the train cannot brake on these gradients.
         """
-        square = np.atleast_1d(np.asarray(speed, dtype=float)) ** 2
+        square = np.atleast_1d(at_least("speed", speed, 0.0, "m/s")) ** 2
         arc = (square[..., :, None] >= self.squares[..., None, :]).sum(axis=-1) - 1
         place, begins, brake = self._at(np.maximum(arc, 0))
         lost = square - begins
@@ -60,7 +62,7 @@ class Arcs:
         ndarray
             Speeds [m/s], shape (..., m); 0 behind the end of the curve.
         """
-        where = np.atleast_1d(np.asarray(place, dtype=float))
+        where = np.atleast_1d(at_least("place", place, -np.inf, "m"))
         arc = (where[..., :, None] <= self.places[..., None, :]).sum(axis=-1) - 1
         begins, square, brake = self._at(np.maximum(arc, 0))
         square = square + 2.0 * np.maximum(brake, 0.0) * (begins - where)
@@ -95,11 +97,23 @@ def braking_arcs(
     -------
     Arcs
         From rest on.
+
+    Raises
+    ------
+    BadInputError
+        If an argument is of another type or shape, a number is not finite, or a speed is below 0.
     """
-    edges, slopes = gradients
-    shape = np.broadcast_shapes(
-        np.shape(place), np.shape(speed), brake.values.shape[:-1], edges.shape[:-1], slopes.shape[:-1]
-    )
+    of_type("brake", brake, Steps, "Give Steps(boundaries, values).")
+    edges, slopes = _slopes_of(gradients)
+    for name, value in {"place": place, "speed": speed}.items():
+        array = numbers(name, value)
+        if not np.all(np.isfinite(array)) or (name == "speed" and np.any(array < 0.0)):
+            limit = "finite and at least 0" if name == "speed" else "finite"
+            raise BadInputError(f"{name} must be {limit}; got {shown(array.tolist())}. Correct it.")
+    if eased is not None:
+        of_type("eased", eased, Eased, "Give Eased(uphill, downhill, permille), or None.")
+    given = {"place": np.shape(place), "speed": np.shape(speed), "brake": brake.values.shape[:-1]}
+    shape = check_shapes(given | {"gradients": edges.shape[:-1], "their values": slopes.shape[:-1]})
     known = (brake.boundaries, brake.values, edges, slopes)
     boundaries, brakes, edges, slopes = (np.broadcast_to(one, (*shape, one.shape[-1])) for one in known)
     walk = _Walk(boundaries, brakes, edges, slopes, eased)
@@ -114,6 +128,24 @@ def braking_arcs(
         np.concatenate([squares[..., :-1], ahead[1]], axis=-1),
         np.concatenate([brakes_to_rest, ahead[2]], axis=-1),
     )
+
+
+def _slopes_of(gradients: object) -> tuple[np.ndarray, np.ndarray]:
+    """Return places and accelerations by gradients, if there is one acceleration more."""
+    remedy = "Give (places, accelerations), such as ([], [0.0]) on level track."
+    if not isinstance(gradients, tuple | list) or len(gradients) != 2:
+        raise BadInputError(f"gradients must be two arrays; got {shown(gradients)}. {remedy}")
+    given = gradients[0]  # empty on level track, also with leading axes of several trains
+    places = np.asarray(given, dtype=float) if is_empty(given) else np.atleast_1d(numbers("gradients", given))
+    slopes = np.atleast_1d(numbers("gradients", gradients[1]))
+    if slopes.shape[-1] != places.shape[-1] + 1 or not (np.all(np.isfinite(places)) and np.all(np.isfinite(slopes))):
+        raise BadInputError(
+            f"gradients must be finite, one acceleration more than places; got {places.shape[-1]} places and "
+            f"{shown(slopes.tolist())}. {remedy}"
+        )
+    if np.any(np.diff(places, axis=-1) < 0.0):
+        raise BadInputError(f"Places of gradients must ascend; got {shown(places.tolist())}. Sort them.")
+    return places, slopes
 
 
 @dataclass(frozen=True)

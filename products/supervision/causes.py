@@ -14,6 +14,7 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import binom
 
+from products.supervision.arguments import all_of_type, finite, of_type, switch
 from products.supervision.convolution import (
     SHARES,
     Law,
@@ -25,13 +26,14 @@ from products.supervision.convolution import (
     quantiles_of_failures,
     sum_of,
 )
-from products.supervision.given import of_type
 from products.supervision.safety import WEAKER
 from products.supervision.tolerances import Tolerances
 from readers.text import BadInputError, shown
 
 #: Largest numbers of equal vehicles, and of groups; largest force and mass of a vehicle.
 MOST_VEHICLES, MOST_GROUPS, LARGEST = 2_000, 500, 1e12
+#: Longest build-up time of train data [s].
+LONGEST = 60.0
 #: Remedy for tolerances of another type.
 GIVE = "Give Tolerances(friction=0.05), or read_tolerances(path)."
 #: Groups for which one failure is computed.
@@ -73,6 +75,7 @@ class BrakedVehicles:
                 raise BadInputError(
                     f"{name} of braked vehicles must be {kind}{least:g} to {most:g}; got {shown(value)}."
                 )
+        switch("discs", self.discs)
 
 
 @dataclass(frozen=True)
@@ -168,6 +171,7 @@ def one_failure(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, leve
         As `causes_of`.
     """
     weaker, found = _weaker(level), []
+    of_type("tolerances", tolerances, Tolerances, GIVE)
     nominal = _nominal(vehicles)
     order = sorted(range(len(vehicles)), key=lambda number: -vehicles[number].force)
     for number in [one for one in order if vehicles[one].force][:SHOWN]:
@@ -198,6 +202,10 @@ def build_up_of(vehicles: Sequence[BrakedVehicles], tolerances: Tolerances, buil
     ndarray
         Build-up times, shape (10) [s]. The train's is the mean of those of its vehicles by their forces.
     """
+    of_type("tolerances", tolerances, Tolerances, GIVE)
+    build_up = finite("build_up", build_up)
+    if not 0.0 <= build_up <= LONGEST:
+        raise BadInputError(f"build_up must be 0 to {LONGEST:g} s; got {build_up:g} s. Correct it.")
     nominal = _nominal(vehicles)
     shares = np.array([one.force / nominal for one in vehicles])
     counts = np.array([one.count for one in vehicles])
@@ -213,6 +221,7 @@ def _weaker(level: int) -> Numbers:
 
 
 def _nominal(vehicles: Sequence[BrakedVehicles]) -> float:
+    all_of_type("vehicles", vehicles, BrakedVehicles, "Give BrakedVehicles(count=9, force=55.0, mass=50.0).")
     if len(vehicles) > MOST_GROUPS:
         raise BadInputError(
             f"Groups of braked vehicles must be at most {MOST_GROUPS}; got {len(vehicles)}. Join vehicles with similar "

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from products.supervision.given import numbers
+from products.supervision.arguments import finite, name_among, numbers
 from products.supervision.steps import Steps
 from readers.text import BadInputError, shown
 
@@ -37,6 +37,8 @@ SERVICE = {
     "freight G": ((3.0, 2.77, 0.0), 400.0),
 }
 LONG, LONG_EMERGENCY, LONG_SERVICE = 900.0, (-0.4, 1.6, 0.03), (10.5, 0.32, 0.18)
+#: Largest step to which the limit speed may be rounded up [m/s].
+COARSEST = 5.0 * KMH
 #: Factor of build-up times where the target speed is above 0.
 MOVING_TARGET = {"passenger P": 1.2, "freight P": 1.2, "freight G": 1.16}
 
@@ -167,8 +169,10 @@ def brake_of_percentage(
     BadInputError
         If a number is outside the range of the model.
     """
-    if position not in BRAKE_POSITIONS:
-        raise BadInputError(f"brake_position must be one of {', '.join(BRAKE_POSITIONS)}; got {shown(position)}.")
+    name_among("brake_position", position, tuple(BRAKE_POSITIONS))
+    resolution = finite("resolution", resolution)
+    if not 0.0 <= resolution <= COARSEST:
+        raise BadInputError(f"resolution must be 0 to {COARSEST:g} m/s; got {shown(resolution)}. Give 0 for none.")
     shares, lengths = numbers("percentage", percentage), numbers("length", length)
     if not np.all((shares >= LEAST) & (shares <= MOST)):
         raise BadInputError(

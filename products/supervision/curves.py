@@ -4,24 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from products.supervision.arcs import Arcs, Eased, braking_arcs
+from products.supervision.arguments import check_shapes, name_among, numbers, of_type, switch
 from products.supervision.conversion import FASTEST, KMH
 from products.supervision.feedback import service_times
-from products.supervision.given import numbers, of_type
 from products.supervision.gradients import Gradients, acceleration_by
 from products.supervision.steps import Steps
 from products.supervision.train import SupervisedTrain, check_train
-from products.supervision.values import FixedValues, NationalValues
+from products.supervision.values import FixedValues, NationalValues, check_national
 from readers.text import BadInputError, shown
 
 #: Kinds of targets: the end of authority, a limit of authority, a lower speed of the most restrictive speed profile.
 KINDS = ("EOA", "LOA", "MRSP")
-#: Remedies for national values and gradients of another type.
-GIVE_NATIONAL = "Give NationalValues(M_NVAVADH=0.2), or read_national(path)."
+#: Remedy for gradients of another type.
 GIVE_GRADIENTS = "Give Gradients(starts, permille)."
+#: Largest speeds [m/s], 600 km/h as in the packets of SUBSET-026, 7.5.1, and accelerations [m/s2].
+LARGEST = {
+    "V_est": (600.0 * KMH, "m/s", "Give m/s: 100 / 3.6 for 100 km/h."),
+    "target_speed": (600.0 * KMH, "m/s", "Give m/s: 40 / 3.6 for 40 km/h."),
+    "V_ura": (600.0 * KMH, "m/s", "Give m/s: 2 / 3.6 for 2 km/h."),
+    "A_est": (10.0, "m/s2", "Give m/s2."),
+}
 #: Largest acceleration that counts while the brake builds up [m/s2], 3.13.9.3.2.9.
 BUILDING_UP = 0.4
 #: Largest estimated speed of a train by its brake percentage [m/s]: 200 km/h, and the margin of the emergency brake.
@@ -137,11 +144,12 @@ def supervise(
     """
     check_train(train)
     national, fixed, gradients = checked_values(national, fixed, gradients)
-    if not isinstance(slippery, bool | np.bool_):
-        raise BadInputError(f"slippery must be True or False; got {shown(slippery)}.")
+    switch("slippery", slippery)
     others = {"V_est": V_est, "place": place, "A_est": A_est, "pipe_fall": pipe_fall}
     _check(kind, target_speed, beyond, **others, V_ura=0.0 if V_ura is None else V_ura)
     speeds = np.atleast_1d(np.asarray(V_est, dtype=float))
+    of_trains = {"place": place, "target_speed": target_speed, "beyond": beyond, "A_est": A_est, "pipe_fall": pipe_fall}
+    _check_shapes(train, speeds, V_ura, **of_trains)
     _check_converted(train, speeds)
     _check_target(target_speed, speeds)
     target, foot = np.asarray(target_speed, dtype=float), np.asarray(place, dtype=float)
@@ -197,6 +205,13 @@ def predicted_error(V_ura: np.ndarray | float | None, speed: np.ndarray | float)
     return np.zeros_like(speed, dtype=float) if inhibited else speed_inaccuracy(speed)
 
 
+def _check_shapes(train: SupervisedTrain, speeds: np.ndarray, V_ura: Any, **others: Any) -> None:
+    """Refuse targets, speeds and errors that belong to different numbers of trains or of speeds."""
+    check_shapes({"V_est": speeds.shape, "V_ura": () if V_ura is None else np.shape(V_ura)})
+    of_trains = {name: np.shape(one) for name, one in others.items()}
+    check_shapes({"train": train.shape} | of_trains | {"V_est": speeds.shape[:-1]})
+
+
 def _check_converted(train: SupervisedTrain, speeds: np.ndarray) -> None:
     """Refuse speeds outside the range of the conversion model."""
     if train.position is not None and speeds.max(initial=0.0) > FASTEST_CONVERTED:
@@ -232,20 +247,23 @@ def checked_values(
         If one is of another type.
     """
     return (
-        of_type("national", NationalValues() if national is None else national, NationalValues, GIVE_NATIONAL),
+        check_national(NationalValues() if national is None else national),
         of_type("fixed", FixedValues() if fixed is None else fixed, FixedValues, "Give FixedValues(...)."),
         of_type("gradients", Gradients.level() if gradients is None else gradients, Gradients, GIVE_GRADIENTS),
     )
 
 
 def _check(kind: str, target_speed: object, beyond: object, **others: object) -> None:
-    if kind not in KINDS:
-        raise BadInputError(f"kind must be one of {', '.join(KINDS)}; got {shown(kind)}.")
+    name_among("kind", kind, KINDS)
     for name, value in {"target_speed": target_speed, "beyond": beyond, **others}.items():
         array, signed = numbers(name, value), name in ("place", "A_est")
         if not np.all(np.isfinite(array) & (signed | (array >= 0.0))):
             limit = "finite" if signed else "finite and at least 0"
             raise BadInputError(f"{name} must be {limit}; got {shown(value)}. Correct it.")
+        largest = LARGEST.get(name)
+        if largest is not None and np.any(np.abs(array) > largest[0] * (1.0 + 1e-9)):
+            most, unit, hint = largest
+            raise BadInputError(f"{name} must be at most {most:.4g} {unit}; got {shown(value)}. {hint}")
     if kind == "EOA" and np.any(np.asarray(target_speed, dtype=float) > 0.0):
         raise BadInputError("target_speed must be 0 at an end of authority (EOA). Give kind='LOA' for a moving target.")
     if kind != "EOA" and np.any(np.asarray(beyond, dtype=float) != 0.0):

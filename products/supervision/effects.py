@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from products.supervision.train import SupervisedTrain
-from products.supervision.values import NationalValues
+from products.supervision.arguments import switch
+from products.supervision.train import SupervisedTrain, check_train
+from products.supervision.values import NationalValues, check_national
 
 #: Values for brake percentages, and for passenger trains with two sets of them, by field of `NationalValues`.
 OF_PERCENTAGES = {"Kv_int": "M_NVKVINT", "Kr_int": "M_NVKRINT", "Kt_int": "M_NVKTINT"}
@@ -27,6 +28,9 @@ def without_effect(train: SupervisedTrain, national: NationalValues, slippery: b
     list of str
         Names of packet 3, each with the reason in brackets.
     """
+    check_train(train)
+    check_national(national)
+    switch("slippery", slippery)
     default = NationalValues()
     found = [
         f"{name} ({reason})"

@@ -1,87 +1,18 @@
-"""Arguments of supervision by their kind: one message for each kind of wrong one."""
+"""Fields of train data and national values by their kind: steps of speed, and switches."""
 
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
+from products.supervision.arguments import of_type, switch
 from products.supervision.steps import Steps
-from readers.text import BadInputError, shown
+from readers.text import BadInputError
 
-T = TypeVar("T")
 #: Speed above which no boundary of steps can be meant [m/s]: 504 km/h. In km/h many boundaries are above it.
 FASTEST_BOUNDARY = 140.0
-
-
-def numbers(name: str, value: object) -> np.ndarray:
-    """Return one number or many as an array.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        The argument.
-
-    Raises
-    ------
-    BadInputError
-        If it is not of numbers.
-    """
-    try:
-        array = np.asarray(value)
-    except ValueError:  # lists of different lengths
-        array = np.asarray("")
-    if array.dtype.kind not in "iuf":
-        raise BadInputError(f"{name} must be a number or numbers, without text; got {shown(value)}.")
-    return array.astype(float)
-
-
-def finite(name: str, value: object) -> float:
-    """Return one finite number.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        The argument.
-
-    Raises
-    ------
-    BadInputError
-        If it is none.
-    """
-    array = numbers(name, value)
-    if array.size != 1 or not np.all(np.isfinite(array)):
-        raise BadInputError(f"{name} must be one finite number; got {shown(value)}.")
-    return float(array.ravel()[0])
-
-
-def of_type(name: str, value: object, kind: type[T], remedy: str) -> T:
-    """Return an argument of a type.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : object
-        The argument.
-    kind : type
-        Its type.
-    remedy : str
-        End of the message.
-
-    Raises
-    ------
-    BadInputError
-        If it is of another type.
-    """
-    if isinstance(value, kind):
-        return value
-    raise BadInputError(f"{name} must be of type {kind.__name__}; got {type(value).__name__}. {remedy}")
 
 
 def set_kinds(one: Any) -> None:
@@ -99,8 +30,8 @@ def set_kinds(one: Any) -> None:
     """
     for field in fields(one):
         value, kind = getattr(one, field.name), str(field.type)
-        if kind == "bool" and not isinstance(value, bool | np.bool_):
-            raise BadInputError(f"{field.name} must be True or False; got {shown(value)}.")
+        if kind == "bool":
+            switch(field.name, value)
         if "Steps" not in kind or (value is None and "None" in kind):
             continue
         if isinstance(value, int | float | np.number) and not isinstance(value, bool):

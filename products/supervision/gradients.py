@@ -6,7 +6,7 @@ from dataclasses import InitVar, dataclass
 
 import numpy as np
 
-from products.supervision.given import numbers
+from products.supervision.arguments import at_least, numbers
 from readers.text import BadInputError, shown
 
 #: Acceleration of gravity [m/s2]. SUBSET-026 prints 9.8; the test frames of ERA have 9.81.
@@ -45,7 +45,7 @@ class Gradients:
     unit: InitVar[str | None] = None
 
     def __post_init__(self, unit: str | None) -> None:
-        if unit not in (None, *UNITS):
+        if unit is not None and not (isinstance(unit, str) and unit in UNITS):
             raise BadInputError(f'unit must be "permille" or "1"; got {shown(unit)}.')
         starts, permille = (np.atleast_1d(numbers("Gradients", one)) for one in (self.starts, self.permille))
         permille = permille * UNITS[unit or "permille"]
@@ -93,7 +93,7 @@ class Gradients:
         places, permille : ndarray
             Places where it may change [m], ascending, shape (..., m); gradients between them, shape (..., m + 1).
         """
-        lengths, edges = np.asarray(length, dtype=float)[..., None], self.starts[1:]
+        lengths, edges = at_least("length", length, 0.0, "m")[..., None], self.starts[1:]
         entering = np.broadcast_to(edges, (*lengths.shape[:-1], edges.size))
         places = np.sort(np.concatenate([entering, entering + lengths], axis=-1), axis=-1)
         # Between two places the same gradients are under the train: those at the middle.

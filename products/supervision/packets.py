@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from products.supervision.arguments import all_of_type
 from products.supervision.conversion import KMH, MOVING_TARGET
-from products.supervision.given import of_type
 from products.supervision.steps import Steps
 from products.supervision.train import MOST_STEPS, SupervisedTrain, check_train
-from products.supervision.values import NationalValues
+from products.supervision.values import NationalValues, check_national
 from readers.text import BadInputError
 
 #: Resolution and largest value of decelerations [m/s2], factors [1], build-up times [s], time of the cut-off [s] and
@@ -93,6 +93,7 @@ def rounded_train(train: SupervisedTrain, dry_by_level: Sequence[Steps] = ()) ->
         If a number has no place in its variable: too large, rounded to 0, or more than 7 sections of speed.
     """
     check_train(train)
+    all_of_type("dry_by_level", dry_by_level, Steps, "Give Steps for each level, or ().")
     if np.ndim(train.length) or train.A_brake_emergency.values.ndim > 1:
         raise BadInputError("Rounding takes one train; got several. Take them one by one.")
     length = _up("L_TRAIN", train.length, *LENGTH, "m")
@@ -293,7 +294,7 @@ def rounded_national(national: NationalValues) -> RoundedNational:
     BadInputError
         If a value rounds to 0, or neither set of Kv_int is the lower one and A_NVP12 or A_NVP23 does not fit.
     """
-    of_type("national", national, NationalValues, "Give NationalValues(M_NVAVADH=0.2), or read_national(path).")
+    check_national(national)
     sets = [national.Kv_int] if national.Kv_int_b is None else [national.Kv_int, national.Kv_int_b]
     names = ["M_NVKVINT", "M_NVKVINT of set b"][: len(sets)]
     kv = _on_grid(sets, names, KV_SPEEDS, [(*KV, "1")] * len(sets))

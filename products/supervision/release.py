@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from products.supervision.arguments import at_least, finite
 from products.supervision.conversion import KMH
 from products.supervision.curves import checked_values, predicted_error, supervise
-from products.supervision.given import finite
 from products.supervision.train import SupervisedTrain
 from readers.text import BadInputError
 
@@ -54,7 +54,11 @@ def release_speed(train: SupervisedTrain, beyond: float, trip: float = 0.0, plac
         raise BadInputError(f"trip must be 0 to {beyond:g} m, the distance of the SvL; got {trip:g} m.")
     speeds = np.arange(0.0, FASTEST + RESOLUTION, RESOLUTION)
     national, *_ = checked_values(others.get("national"))
-    measured = others.pop("V_ura", 0.0 if national.exact_speed else None)
+    measured = others.pop("V_ura", None)
+    if measured is None and national.exact_speed:
+        measured = 0.0
+    elif measured is not None:
+        measured = at_least("V_ura", measured, 0.0, "m/s")
     error = np.maximum(predicted_error(measured, speeds), 0.0 if measured is None else np.max(measured))
     found = supervise(train, place, speeds, kind="EOA", beyond=beyond, V_ura=error, **others).EBI
     safe = np.nonzero(np.ravel(found) >= place + trip)[0]

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 from scipy.stats import binom
 
-from products.supervision.given import numbers
+from products.supervision.arguments import all_of_type, finite, numbers
 from readers.text import BadInputError, shown
 
 #: Confidence levels (M_NVEBCL): the probability that the brake is weaker than stated, SUBSET-026, 7.5. Level 0 is a
@@ -71,8 +71,10 @@ class BrakeUnits:
             ("spread", 0.0, 0.5),
         ):
             value = getattr(self, name)
-            if not isinstance(value, int | float | np.number) or not least <= value <= most:
-                raise BadInputError(f"{name} of brake units must be {least:g} to {most:g}; got {shown(value)}.")
+            number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+            if not number or not least <= value <= most or (name == "count" and value != int(value)):
+                kind = "an integer from " if name == "count" else ""
+                raise BadInputError(f"{name} of brake units must be {kind}{least:g} to {most:g}; got {shown(value)}.")
 
 
 @dataclass(frozen=True)
@@ -149,8 +151,10 @@ def dry_factors(units: Sequence[BrakeUnits], common: float = 0.0) -> np.ndarray:
     The integral over the common factor is exact to 1e-10. Where the units' own spread is below a tenth of the common
     one, their product is taken as normal, which changes K by less than 1e-3 at spreads of 5 %.
     """
+    units = all_of_type("units", units, BrakeUnits, "Give BrakeUnits(count=9, force=55.0).")
     if not units:
         raise BadInputError("A train must have brake units for its factors; got none.")
+    common = finite("common", common)
     if not 0.0 <= common <= 0.5:
         raise BadInputError(f"The common spread must be 0 to 0.5; got {common:g}. Give 0.05 for 5 %.")
     found = _force_of(units, common)
@@ -163,14 +167,17 @@ def rounded_down(factors: ArrayLike) -> np.ndarray:
     Parameters
     ----------
     factors : array_like
-        Factors.
+        Factors; NaN, a level that was not reached, stays NaN.
 
     Returns
     -------
     ndarray
         Multiples of 0.05.
     """
-    return np.asarray(np.floor(numbers("factors", factors) / RESOLUTION + 1e-9) * RESOLUTION)
+    array = numbers("factors", factors)
+    if not np.all(np.isnan(array) | ((array >= 0.0) & np.isfinite(array))):
+        raise BadInputError(f"factors must be finite and at least 0; got {shown(array.tolist())}. Correct them.")
+    return np.asarray(np.floor(array / RESOLUTION + 1e-9) * RESOLUTION)
 
 
 def _force_of(units: Sequence[BrakeUnits], common: float) -> _Force:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from products.supervision.arguments import at_least, check_shapes, numbers
 from readers.text import BadInputError, shown
 
 
@@ -36,10 +37,9 @@ class Steps:
 
     def __post_init__(self) -> None:
         for name in ("boundaries", "values"):
-            try:
-                array = np.asarray(getattr(self, name), dtype=float)
-            except (TypeError, ValueError):
-                raise BadInputError(f"Steps: {name} must be numbers; got {shown(getattr(self, name))}.") from None
+            given = getattr(self, name)
+            # No boundary at all: one step.
+            array = np.asarray(given, dtype=float) if is_empty(given) else numbers(f"Steps: {name}", given)
             if not np.all(np.isfinite(array)):
                 raise BadInputError(f"Steps: {name} must be finite; got {shown(array.tolist())}. Correct them.")
             object.__setattr__(self, name, np.atleast_1d(array))
@@ -48,6 +48,7 @@ class Steps:
                 f"Steps must have one value more than boundaries; got {self.values.shape[-1]} values and "
                 f"{self.boundaries.shape[-1]} boundaries. The last value holds above the last boundary."
             )
+        check_shapes({"Steps: boundaries": self.boundaries.shape[:-1], "Steps: values": self.values.shape[:-1]})
         if np.any(np.diff(self.boundaries, axis=-1, prepend=0.0) < 0.0):
             raise BadInputError(
                 f"Boundaries of steps must ascend from 0 m/s; got {shown(self.boundaries.tolist())}. Sort them."
@@ -67,7 +68,7 @@ class Steps:
         Steps
             Without boundaries.
         """
-        array = np.asarray(value, dtype=float)[..., None]
+        array = numbers("The value of a step", value)[..., None]
         return cls(np.zeros((*array.shape[:-1], 0)), array)
 
     def at(self, speed: np.ndarray | float) -> np.ndarray:
@@ -83,7 +84,7 @@ class Steps:
         ndarray
             Values, shape (..., m).
         """
-        speeds = np.atleast_1d(np.asarray(speed, dtype=float))
+        speeds = np.atleast_1d(at_least("speed", speed, 0.0, "m/s"))
         step = (speeds[..., :, None] > self.boundaries[..., None, :]).sum(axis=-1)
         return values_at(self.values, step)
 
@@ -108,6 +109,11 @@ class Steps:
         boundaries = np.sort(np.concatenate(ends, axis=-1), axis=-1)
         within = np.concatenate([boundaries, np.full((*shape, 1), np.inf)], axis=-1)
         return Steps(boundaries, rule(*(one.at(within) for one in every)))
+
+
+def is_empty(value: object) -> bool:
+    """Return whether a value has no numbers."""
+    return isinstance(value, list | tuple | np.ndarray) and not (value.size if isinstance(value, np.ndarray) else value)
 
 
 def values_at(values: np.ndarray, numbers: np.ndarray) -> np.ndarray:

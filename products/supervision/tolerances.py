@@ -115,6 +115,8 @@ class Tolerances:
         Tolerances
             With 0 for it, and without the entries that only describe it.
         """
+        if not isinstance(name, str) or name not in self.causes:
+            raise BadInputError(f"name must be one of the given causes, {', '.join(self.causes)}; got {shown(name)}.")
         given: dict[str, Any] = {name: 0.0}
         given |= {"noticed": 0.0} if name == "isolated" else {"units": 1} if name == "lost" else {}
         return replace(self, **given)
@@ -122,7 +124,7 @@ class Tolerances:
 
 def check(name: str, value: object, entry: Entry) -> None:
     """Raise BadInputError if a value is not a number within the limits of its entry."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
+    number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     whole = entry.unit != "1" or (number and float(value) == math.floor(float(value)))  # type: ignore[arg-type]
     if number and whole and entry.least <= float(value) <= entry.most:  # type: ignore[arg-type]
         return

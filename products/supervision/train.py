@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
-from products.supervision.conversion import FASTEST, KMH, MOVING_TARGET, brake_of_percentage
-from products.supervision.given import check_boundaries, numbers, of_type, set_kinds
+from products.supervision.arguments import at_least, check_shapes, name_among, numbers, of_type, switch
+from products.supervision.conversion import (
+    BRAKE_POSITIONS,
+    FASTEST,
+    KMH,
+    LEAST,
+    MOST,
+    MOVING_TARGET,
+    brake_of_percentage,
+)
+from products.supervision.given import check_boundaries, set_kinds
 from products.supervision.steps import Steps
-from products.supervision.values import NationalValues, check_factors, checked_level
+from products.supervision.values import NationalValues, check_factors, check_national, checked_level
 from readers.text import BadInputError, shown
 
 #: Largest number of steps of a deceleration in train data, SUBSET-026, 3.13.2.2.3.1.2.
@@ -25,6 +34,8 @@ LIMITS = {
     "rotating": (0.0, 30.0, "%"),
     "maximum_speed": (0.0, 600.0 * KMH, "m/s"),
 }
+#: Numbers that need not be known.
+UNKNOWN = ("rotating", "maximum_speed")
 #: Rotating mass below which a share of 1 was given instead of percent [%]: the largest share.
 A_SHARE = 0.3
 #: Limits of factors in train data: K of dry and wet rails by SUBSET-027; Kn, 0 to 10 m/s2 for a gradient of 1.
@@ -109,10 +120,18 @@ class SupervisedTrain:
         set_kinds(self)
         for name, (least, most, unit) in LIMITS.items():
             value = getattr(self, name)
-            if value is not None:
+            if value is not None or name not in UNKNOWN:
                 array = numbers(name, value)
                 if not np.all((array >= least) & (array <= most)):
                     raise BadInputError(f"{name} must be {least:g} to {most:g} {unit}; got {shown(value)}. Correct it.")
+        if self.position is not None:
+            name_among("position", self.position, tuple(BRAKE_POSITIONS))
+        if self.percentage is not None:
+            shares = numbers("percentage", self.percentage)
+            if not np.all((shares >= LEAST) & (shares <= MOST)):
+                raise BadInputError(
+                    f"percentage must be {LEAST:g} to {MOST:g} %; got {shown(self.percentage)}. Correct it."
+                )
         rotating = numbers("rotating", 0.0 if self.rotating is None else self.rotating)
         if np.any((rotating > 0.0) & (rotating < A_SHARE)):
             raise BadInputError(
@@ -140,6 +159,16 @@ class SupervisedTrain:
                     f"{name} must have at most {MOST_STEPS} steps (SUBSET-026, 3.13.2.2.3); got "
                     f"{steps.values.shape[-1]}. Unite some of them, with the lower value."
                 )
+
+        _ = self.shape
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Return the leading axes of the trains. Raises BadInputError if two numbers do not fit together."""
+        given = {one.name: getattr(self, one.name) for one in fields(self)}
+        shapes = {name: np.shape(given[name]) for name in (*LIMITS, "percentage") if given[name] is not None}
+        shapes |= {name: one.values.shape[:-1] for name, one in given.items() if isinstance(one, Steps)}
+        return check_shapes(shapes)
 
     @classmethod
     def of_percentage(
@@ -212,6 +241,7 @@ class SupervisedTrain:
         BadInputError
             If the train has another level. A train by its percentage has none.
         """
+        checked_level("M_NVEBCL", level)
         if self.position is None and self.level not in (None, level):
             raise BadInputError(
                 f"The train has Kdry_rst of confidence level {self.level} alone; got M_NVEBCL {level}. Give train data "
@@ -238,6 +268,7 @@ class SupervisedTrain:
         BadInputError
             See `check_level`.
         """
+        check_national(national)
         self.check_level(national.M_NVEBCL)
         if self.position is None:
             share = national.M_NVAVADH
@@ -247,7 +278,7 @@ class SupervisedTrain:
             by_length = national.Kr_int.at(np.asarray(self.length, dtype=float)[..., None])
             by_speed = self.speed_factor(national)
             safe = self.A_brake_emergency.with_others(lambda brake, factor: brake * factor * by_length, by_speed)
-        if not slippery:
+        if not switch("slippery", slippery):
             return safe
         most = national.reduced_adhesion[self.adhesion_number]
         return safe.with_others(lambda brake: np.minimum(brake, most))
@@ -265,6 +296,7 @@ class SupervisedTrain:
         Steps
             Factor of the emergency brake by speed.
         """
+        check_national(national)
         low, high = national.Kv_int, national.Kv_int_b
         if high is None or not self.is_passenger:
             return low
@@ -293,10 +325,12 @@ class SupervisedTrain:
         emergency, service : ndarray
             Times [s].
         """
+        check_national(national)
+        target = at_least("target_speed", target_speed, 0.0, "m/s")
         emergency, service = np.asarray(self.T_brake_emergency), np.asarray(self.T_brake_service)
         if self.position is None:
             return emergency, service
-        factor = np.where(np.asarray(target_speed) > 0.0, MOVING_TARGET[self.position], 1.0)
+        factor = np.where(target > 0.0, MOVING_TARGET[self.position], 1.0)
         return emergency * factor * national.Kt_int, service * factor
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from products.supervision.arguments import at_least, finite, numbers, of_type
 from products.supervision.conversion import KMH
-from products.supervision.given import check_boundaries, numbers, set_kinds
+from products.supervision.given import check_boundaries, set_kinds
 from products.supervision.steps import Steps
 from readers.text import BadInputError, shown
 
@@ -49,6 +50,7 @@ class FixedValues:
     def __post_init__(self) -> None:
         for name in ("T_warning", "T_driver", "T_indication_least", "T_indication_more"):
             check_factors(name, getattr(self, name), 0.0, 60.0, "Give seconds.")
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
 
     def dV_ebi(self, speed: np.ndarray | float) -> np.ndarray:
         """Return the margin of the emergency brake over a permitted speed, 7.5 to 15 km/h at 110 to 210 km/h.
@@ -63,7 +65,9 @@ class FixedValues:
         ndarray
             Margin [m/s].
         """
-        return np.asarray(np.interp(speed, (110.0 * KMH, 210.0 * KMH), (7.5 * KMH, 15.0 * KMH)))
+        return np.asarray(
+            np.interp(at_least("speed", speed, 0.0, "m/s"), (110.0 * KMH, 210.0 * KMH), (7.5 * KMH, 15.0 * KMH))
+        )
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ class NationalValues:
         check_boundaries("Kv_int", self.Kv_int)
         names = ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int", "reduced_adhesion")
         known = {name: getattr(self, name) for name in names}
-        if np.shape(self.reduced_adhesion) != (3,):
+        if numbers("reduced_adhesion", self.reduced_adhesion).shape != (3,):
             raise BadInputError(
                 f"reduced_adhesion must be three numbers, A_NVMAXREDADH1 to 3; got {shown(self.reduced_adhesion)}."
             )
@@ -130,9 +134,16 @@ class NationalValues:
             known["Kv_int_b"] = self.Kv_int_b.values
         for name, value in known.items():
             check_factors(name, value, 0.0, RANGES[name], "Correct it.")
+        for name in ("M_NVAVADH", "A_NVP12", "A_NVP23", "Kt_int"):
+            object.__setattr__(self, name, finite(name, known[name]))
         checked_level("M_NVEBCL", self.M_NVEBCL)
         if self.A_NVP12 > self.A_NVP23:
             raise BadInputError(f"A_NVP12 must be at most A_NVP23, {self.A_NVP23:g} m/s2; got {self.A_NVP12:g} m/s2.")
+
+
+def check_national(national: object) -> NationalValues:
+    """Return the values of a country. Raises BadInputError if the argument is of another type."""
+    return of_type("national", national, NationalValues, "Give NationalValues(M_NVAVADH=0.2), or read_national(path).")
 
 
 def checked_level(name: str, value: object) -> int:

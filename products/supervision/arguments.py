@@ -1,0 +1,165 @@
+"""Arguments of supervision: numbers, names and types, one message for each wrong one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from readers.text import BadInputError, shown
+
+T = TypeVar("T")
+
+
+def numbers(name: str, value: object) -> np.ndarray:
+    """Return one number or many as an array.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        The argument.
+
+    Raises
+    ------
+    BadInputError
+        If it is not of numbers, is empty, or has masked entries.
+    """
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise BadInputError(f"{name} must not have masked entries; got {shown(value)}. Remove them.")
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of different lengths
+        array = np.asarray("")
+    if array.dtype.kind not in "iuf" and array.size:
+        raise BadInputError(f"{name} must be a number or numbers, without text; got {shown(value)}.")
+    if not array.size:
+        raise BadInputError(f"{name} must be a number or numbers; got none.")
+    return array.astype(float)
+
+
+def at_least(name: str, value: object, least: float, unit: str) -> np.ndarray:
+    """Return numbers above a limit; they may be infinite, but not NaN.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        The argument.
+    least : float
+        Its limit [unit].
+    unit : str
+        Unit in messages.
+
+    Raises
+    ------
+    BadInputError
+        If it is not of numbers, or one is lower or NaN.
+    """
+    array = numbers(name, value)
+    if not np.all(array >= least):
+        raise BadInputError(f"{name} must be at least {least:g} {unit}; got {shown(array.tolist())}. Correct it.")
+    return array
+
+
+def finite(name: str, value: object) -> float:
+    """Return one finite number.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        The argument.
+
+    Raises
+    ------
+    BadInputError
+        If it is none.
+    """
+    array = numbers(name, value)
+    if array.size != 1 or not np.all(np.isfinite(array)):
+        raise BadInputError(f"{name} must be one finite number; got {shown(value)}.")
+    return float(array.ravel()[0])
+
+
+def switch(name: str, value: object) -> bool:
+    """Return a switch. Raises BadInputError if it is not True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise BadInputError(f"{name} must be True or False; got {shown(value)}.")
+    return bool(value)
+
+
+def name_among(name: str, value: object, names: Sequence[str]) -> str:
+    """Return one of several names. Raises BadInputError if it is none of them."""
+    if not isinstance(value, str) or value not in names:
+        raise BadInputError(f"{name} must be one of {', '.join(names)}; got {shown(value)}.")
+    return value
+
+
+def of_type(name: str, value: object, kind: type[T], remedy: str) -> T:
+    """Return an argument of a type.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        The argument.
+    kind : type
+        Its type.
+    remedy : str
+        End of the message.
+
+    Raises
+    ------
+    BadInputError
+        If it is of another type.
+    """
+    if isinstance(value, kind):
+        return value
+    raise BadInputError(f"{name} must be of type {kind.__name__}; got {type(value).__name__}. {remedy}")
+
+
+def all_of_type(name: str, values: object, kind: type[T], remedy: str) -> list[T]:
+    """Return a list or tuple, each of a type. Raises BadInputError if it is another, as `of_type`."""
+    if not isinstance(values, list | tuple):
+        raise BadInputError(f"{name} must be a list of {kind.__name__}; got {type(values).__name__}. {remedy}")
+    return [of_type(f"{name}[{n}]", one, kind, remedy) for n, one in enumerate(values)]
+
+
+def path_of(value: object) -> Path:
+    """Return the path of a file. Raises BadInputError if the value is neither text nor a path."""
+    if not isinstance(value, str | Path):
+        raise BadInputError(f"The path of a file must be text or a Path; got {type(value).__name__}.")
+    return Path(value)
+
+
+def check_shapes(shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
+    """Return the common shape of arrays that belong to the same trains.
+
+    Parameters
+    ----------
+    shapes : mapping of str to tuple
+        Leading axes by the name of the argument.
+
+    Raises
+    ------
+    BadInputError
+        If two do not fit together.
+    """
+    together: Any = ()
+    for name, shape in shapes.items():
+        try:
+            together = np.broadcast_shapes(together, shape)
+        except ValueError:
+            raise BadInputError(
+                f"{name} must have the shape of the other numbers, {together}; got {shape}. Give one value, or one for "
+                "each train."
+            ) from None
+    found: tuple[int, ...] = together
+    return found
