@@ -20,6 +20,8 @@ from fmu_src.system import quantity
 
 #: Rate at which the slide valve moves [1/s], and difference over which the emergency portion opens [Pa]. Assumed.
 SLIDES, OPENS = 20.0, 10e3
+#: Gauge pressure of the pipe below which its vent closes gradually [Pa]. Assumed; a step of the pipe must not empty it.
+VENT_CLOSES = 20e3
 #: Cubic inch [m3].
 CUBIC_INCH = 16.387064e-6
 #: Pounds per square inch [Pa].
@@ -111,6 +113,11 @@ def _sliding(p: Mapping[str, ca.SX], place: ca.SX, fallen: ca.SX) -> ca.SX:
     return SLIDES * (to_service * (1 - place) - to_release * place + keeps)
 
 
+def vent(p: Mapping[str, ca.SX], line: ca.SX, temperature: ca.SX) -> ca.SX:
+    """Return the flow [kg/s] through the open vent of the pipe (ISO 6358-1), which closes as the pipe empties."""
+    return share_of((line - AMBIENT) / VENT_CLOSES) * choke_flow(p["pipe_vent"], line, temperature, AMBIENT)
+
+
 def whole(moment: Moment) -> Answer:
     """Return rates and flows of the valve. Ideal gas at the temperature of the walls, V dp/dt = R T G (ISO 6358-1)."""
     p, pipe, specific = moment.given, moment.pipe, GAS_CONSTANT * WALL
@@ -140,7 +147,7 @@ def whole(moment: Moment) -> Answer:
         (1 - place) * choke_flow(p["charging_choke"], line, pipe.temperature, one) for one in (auxiliary, reservoir)
     ]
     quickens, to_bulb = accelerating(p["bulb_volume"], p["bulb_time"], line, bulb, place)
-    vented = emergency * choke_flow(p["pipe_vent"], line, pipe.temperature, AMBIENT)
+    vented = emergency * vent(p, line, pipe.temperature)
     follows = (1 - emergency) * (line - chamber) / p["chamber_time"]
     rates = {
         "auxiliary": specific * (charges[0] - serves) / p["auxiliary_volume"],

@@ -63,7 +63,7 @@ def whole(moment: Moment) -> Answer:
     graduates = (1 - p["held"]) * (1 - applied) * share_of((over - wanted) / RELAY)
     empties = (graduates + p["vented"] * (p["vent_choke"] / p["release_choke"]) ** 2) * released
     charges = [choke_flow(p["charging_choke"], line, pipe.temperature, one) for one in (auxiliary, reservoir)]
-    vented = quick * choke_flow(p["pipe_vent"], line, pipe.temperature, AMBIENT)
+    vented = quick * aar.vent(p, line, pipe.temperature)
     follows = (1 - quick) * (line - chamber) / p["chamber_time"]
     rates = {
         "auxiliary": specific * (charges[0] - served) / p["auxiliary_volume"],

@@ -274,8 +274,9 @@ def empirical(moment: Moment) -> Answer:
     """Return the answer of a valve that follows the pipe and takes air from it only for its accelerator.
 
     The cylinder fills from 5 bar and empties by its chokes, by ISO 6358-1 with sqrt(1 - y^2) replaced by 1 - y^2 / 2.
-    It reaches its target with EMPIRICAL_PACE. The auxiliary reservoir stays full. The control chamber fills with a time
-    constant of its choke. This omits the roots and volumes of the whole valve, and is wrong if a reservoir is not full.
+    It reaches its target, and empties when vented, with EMPIRICAL_PACE. The auxiliary reservoir stays full. The control
+    chamber fills with a time constant of its choke. This omits the roots and volumes of the whole valve, and is wrong
+    if a reservoir is not full.
     """
     p, line = moment.given, moment.pipe.pressure
     control, accelerator, auxiliary, cylinder = moment.states.values()
@@ -292,7 +293,8 @@ def empirical(moment: Moment) -> Answer:
     wide = p["filling_choke"] ** 2 + p["inshot_choke"] ** 2 * ca.if_else(over < p["inshot"], 1, 0)
     fills = passes(ca.sqrt(wide), p["cylinder_volume"], auxiliary, cylinder)
     empties = passes(p["release_choke"], p["cylinder_volume"], cylinder, AMBIENT)
-    vents = (p["vented"] * p["vent_choke"] ** 2 + p["cylinder_leak"] ** 2) / p["release_choke"] ** 2 * empties
+    open_area = (p["vented"] * p["vent_choke"] ** 2 + p["cylinder_leak"] ** 2) / p["release_choke"] ** 2
+    vents = ca.fmin(open_area * empties, EMPIRICAL_PACE * ca.fmax(over, 0))
     changes = (1 - p["held"]) * ca.fmax(ca.fmin(EMPIRICAL_PACE * (wanted - over), fills), -empties) - vents
     charged = ca.fmin(-fallen, 0.1 * line) * (1 - brakes) * choked * 10 * p["control_choke"] ** 2 / p["control_volume"]
     quickens, taken = accelerating(p["accelerator_volume"], p["accelerator_time"], line, accelerator, brakes)

@@ -188,3 +188,14 @@ def test_each_full_service_takes_the_balances_share_of_what_the_reservoir_has() 
         pipe.advance(60.0)
         assert pipe.vehicle_pressures("cylinder")[0] - AMBIENT < 100.0
         assert pipe.vehicle_pressures("auxiliary")[0] - AMBIENT == pytest.approx(left, rel=2 * BALANCE)
+
+
+def test_a_car_between_two_parted_hoses_empties_its_pipe_and_it_stays_empty() -> None:
+    """Steps as long as the pipe allows, in a short car: both ends and the vent of the valve are open at once."""
+    cars = {"kind": "wagon", "length": 8, "count": 3, "distributor": "aar"}
+    one = Train(consist_of([{"kind": "locomotive", "brake": "none"}, cars]), settings=Settings(cells=1))
+    one.inputs["hose_state"] = 2.0
+    one.advance(4.0)
+    for _ in range(40):
+        one.advance(0.37)
+        assert np.abs(one.pipe_pressure[1:3]).max() < 500.0

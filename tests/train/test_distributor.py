@@ -11,7 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from brake_controller.distributors.uic import UIC, UicDistributor, fastest_change, freight
+from products.train.consist import block_train
+from products.train.numbers import Settings
 from products.train.pipe import Outside, Pipe
+from products.train.train import Train
 
 AMBIENT, R, WARM = 101325.0, 287.05287, 293.15
 FULL, RUNNING = 380e3, 500e3
@@ -186,3 +189,17 @@ def test_steps_are_as_short_as_the_fastest_volume_asks() -> None:
             course.append(pipe.vehicle_pressures("cylinder")[0])
         ways.append(np.array(course))
     assert np.abs(ways[0] - ways[1]).max() < 0.02 * FULL
+
+
+@pytest.mark.parametrize("brake_model", ["whole", "empirical", "delay"])
+def test_a_cylinder_that_protection_vents_empties_to_the_surroundings(brake_model: str) -> None:
+    """Air does not flow out of a cylinder that has no more than the pressure around it (ISO 6358-1)."""
+    one = Train(block_train(2), cylinder=380e3, settings=Settings(brake_model))
+    one.drive("emergency")
+    one.inputs["protection"] = 2
+    lowest = np.inf
+    for _ in range(60):
+        one.advance(0.05)
+        lowest = min(lowest, float(one.cylinder_pressure.min()))
+    assert lowest > -100.0
+    assert one.cylinder_pressure == pytest.approx([0.0] * 3, abs=100.0)

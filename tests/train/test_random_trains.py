@@ -1,0 +1,113 @@
+"""Random mixed trains: short runs with any distributors, hoses, commands, speeds and gradients stay finite."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from brake_controller.distributors.aar import RETAINERS
+from brake_controller.drivers_valve import POSITIONS
+from products.train.consist_file import consist_of
+from products.train.numbers import Settings
+from products.train.train import Train
+from rbd_model.track.line import Line
+
+#: Highest gauge pressures [Pa]: supply of the driver's valves, with which a pipe may be filled.
+SUPPLY = 800e3
+#: Pressure by which air in motion swings beyond that of its surroundings [Pa]: rho c u at 100 m/s is 40 kPa.
+SWING = 40e3
+#: Pressure by which steps of a wide choke miss that of the surroundings [Pa].
+NEAR = 100.0
+#: Runs of the short and of the long form.
+FEW, MANY = 40, 20000
+
+
+def row_of(draw: np.random.Generator) -> dict[str, Any]:
+    """Return a vehicle with a random brake."""
+    kind = str(draw.choice(["wagon", "wagon", "coach", "locomotive"]))
+    row: dict[str, Any] = {"kind": kind, "valve": "none", "length": draw.uniform(5.0, 30.0)}
+    row |= {"mass": draw.uniform(22.0, 100.0)} if kind == "wagon" else {}
+    row |= {"coupler": str(draw.choice(["screw", "draft-gear", "rigid"]))}
+    row |= {"leak": draw.uniform(0.0, 3.0)} if draw.random() < 0.2 else {}
+    row |= {"dynamic_force": draw.uniform(10.0, 300.0)} if draw.random() < 0.2 else {}
+    brake = str(draw.choice(["uic", "aar", "ecp", "ep_uic", "twin_pipe", "ep-direct", "none"]))
+    if brake in ("ep-direct", "none"):
+        return row | {"brake": brake}
+    row |= {"distributor": brake}
+    if brake == "aar":
+        return row | {"retainer": str(draw.choice(list(RETAINERS)))}
+    if brake in ("uic", "ep_uic", "twin_pipe"):
+        row |= {"position": str(draw.choice(["P", "G"]))}
+    return row | ({"dead_time": draw.uniform(0.0, 2.0)} if brake in ("ecp", "ep_uic") else {})
+
+
+def train_of(draw: np.random.Generator) -> Train:
+    """Return a random train on a random line."""
+    rows = [row_of(draw) | {"valve": "head"}, *(row_of(draw) for _ in range(draw.integers(0, 9)))]
+    if len(rows) > 1 and draw.random() < 0.3:
+        rows[-1] |= {"valve": "second", "delay": draw.uniform(0.0, 2.0)}
+    places = np.sort(draw.uniform(-1000.0, 1000.0, 5))
+    line = Line({"distance": places, "gradient": draw.uniform(-0.05, 0.05, 5)})
+    assisted = any(row.get("distributor") == "ep_uic" for row in rows)
+    leaks = any("leak" in row for row in rows)
+    models = ["whole", "whole", "empirical", *([] if assisted or leaks else ["delay"])]
+    # One cell in all would be a resonator without friction: its air swings far above the supply.
+    cells = [1.0, 1.0, 2.0, *([0.5] if len(rows) > 2 else [])]
+    settings = Settings(str(draw.choice(models)), cells=float(draw.choice(cells)))
+    start = {"pipe": draw.choice([0.0, 500e3, draw.uniform(0.0, SUPPLY)]), "cylinder": draw.choice([0.0, 380e3])}
+    return Train(consist_of(rows), speed=draw.uniform(-10.0, 60.0), line=line, settings=settings, **start)
+
+
+def disturb(train: Train, draw: np.random.Generator) -> None:
+    """Set random commands of the driver, of protection and of motors; shut or part hoses."""
+    for valve in range(train.inputs["driver_position"].size):
+        train.drive(str(draw.choice(list(POSITIONS))), draw.random(), valve)
+    vehicles = len(train.consist.vehicles)
+    train.inputs["protection"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles)
+    train.inputs["friction"] = draw.uniform(0.02, 0.6, vehicles)
+    train.inputs["pull"] = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.uniform(-2e5, 3e5, vehicles)
+    train.inputs["dynamic_brake"] = draw.choice([0.0, 1.0], vehicles) * draw.random(vehicles)
+    if vehicles > 1 and train.settings.cells >= 1.0 and draw.random() < 0.5:
+        train.inputs["hose_state"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles - 1)
+
+
+def faults(seed: int) -> str:
+    """Return what is wrong with a random run, empty if nothing: numbers not finite, pressures, lost air."""
+    draw = np.random.default_rng(seed)
+    train = train_of(draw)
+    mass = train.air.mass
+    for time in draw.uniform(0.05, 4.0, 3):
+        disturb(train, draw)
+        try:
+            train.advance(float(time))
+        except ValueError as error:
+            return str(error)
+    if not all(
+        np.isfinite(getattr(train, name)).all() for name in ("speed", "distance", "coupler_force", "brake_force")
+    ):
+        return "a number is not finite"
+    for pressures, least in ((train.cylinder_pressure, -NEAR), (train.pipe_pressure, -SWING)):
+        if not (pressures.min() > least and pressures.max() < SUPPLY + SWING):
+            return f"pressures are {pressures.min():.0f} to {pressures.max():.0f} Pa"
+    gone = train.air.passed
+    left = train.air.mass + gone.valve_mass + gone.leak_mass + gone.vehicle_mass + sum(gone.end_mass)
+    if train.settings.brake_model != "delay" and abs(left - mass) > 1e-9 * (mass + abs(gone.valve_mass)):
+        return f"{left - mass:g} kg of air are lost"
+    return ""
+
+
+def count_faults(seeds: range) -> dict[int, str]:
+    """Return faults by seed."""
+    return {seed: fault for seed in seeds if (fault := faults(seed))}
+
+
+def test_random_mixed_trains_stay_finite_and_lose_no_air() -> None:
+    assert count_faults(range(FEW)) == {}
+
+
+@pytest.mark.long
+@pytest.mark.timeout(7200)
+def test_many_random_mixed_trains_stay_finite_and_lose_no_air() -> None:
+    assert count_faults(range(FEW, MANY)) == {}
