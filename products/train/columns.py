@@ -11,6 +11,7 @@ from typing import Any
 
 from brake_controller.distributors import BRAKES, pneumatic
 from brake_controller.distributors.aar import RETAINERS
+from brake_controller.parking_brake import COMPOUNDING
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.consist import KINDS, LONGEST_VEHICLE
 from rbd_model.train.coupler import COUPLERS
@@ -81,6 +82,26 @@ HEAT: dict[str, tuple[str, float, float]] = {
     "fade_to": ("degC", 20.0, 1500.0),
     "fade_left": ("1", 0.0, 1.0),
 }
+#: Columns of track brakes: magnets on the rails, eddy currents in them, and the pressure of the pipe that applies both.
+TRACK: dict[str, tuple[str, float, float]] = {
+    "magnetic_attraction": ("kN", 1.0, 2000.0),
+    "magnetic_friction": ("1", 0.01, 0.5),
+    "magnetic_fast": ("1", 0.001, 0.5),
+    "magnetic_speed": ("km/h", 0.1, 1000.0),
+    "magnetic_lift": ("km/h", 0.0, 100.0),
+    "magnetic_from": ("km/h", 0.0, 200.0),
+    "magnetic_rise": ("s", 0.0, 10.0),
+    "eddy_force": ("kN", 0.1, 500.0),
+    "eddy_speed": ("km/h", 10.0, 1000.0),
+    "eddy_rise": ("s", 0.0, 10.0),
+    "track_brake_pressure": ("bar", 0.0, 4.8),
+}
+#: Columns of the hand brake or spring-applied parking brake.
+PARKING: dict[str, tuple[str, float, float]] = {
+    "parking_force": ("kN", 0.1, 1000.0),
+    "parking_gradient": ("permille", 0.1, 300.0),
+    "parking_time": ("s", 0.0, 300.0),
+}
 #: Columns of the coupler behind a vehicle, in place of numbers of the built-in one.
 COUPLING: dict[str, tuple[str, float, float]] = {
     "coupler_stiffness": ("MN/m", 0.1, 1000.0),
@@ -89,7 +110,7 @@ COUPLING: dict[str, tuple[str, float, float]] = {
     "coupler_damping": ("1", 0.0, 0.95),
     "coupler_strength": ("kN", 10.0, 10e3),
 }
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | HEAT | COUPLING
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | HEAT | TRACK | PARKING | COUPLING
 #: Columns of integers.
 WHOLE = ("count", "shoes", "cylinders", "wheels")
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
@@ -103,12 +124,26 @@ WORDS: dict[str, Collection[str]] = {
     "coupler": tuple(COUPLERS),
     "weighing": ("lever", "continuous"),
     "valve": ("head", "second", "none"),
+    "parking_compounding": tuple(COMPOUNDING),
 }
 #: Columns of free text.
 TEXTS = ("name", "friction_table")
 #: All names, in the order in which files are written.
 NAMES = (
-    *("kind", "name", *VEHICLE, "brake", *FORCE, "friction", "friction_table", *AIR, *ELECTRIC, *HEAT),
+    *(
+        "kind",
+        "name",
+        *VEHICLE,
+        "brake",
+        *FORCE,
+        "friction",
+        "friction_table",
+        *AIR,
+        *ELECTRIC,
+        *HEAT,
+        *TRACK,
+        *PARKING,
+    ),
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
     *COUPLING,
 )

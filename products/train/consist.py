@@ -23,6 +23,8 @@ from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.uic import freight
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.electric_brake import NO_ELECTRIC_BRAKE, ElectricBrake
+from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
+from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
 from brake_controller.vehicle_brake import VehicleBrake, braking
 from brake_controller.wheel_heat import NO_WHEEL_HEAT, WheelHeat
 from rbd_model.train.coupler import Coupler, screw_coupler
@@ -73,6 +75,8 @@ class TrainVehicle:
     name: str = ""
     electric: ElectricBrake = NO_ELECTRIC_BRAKE
     heat: WheelHeat = NO_WHEEL_HEAT
+    track: TrackBrakes = NO_TRACK_BRAKES
+    parking: ParkingBrake = NO_PARKING_BRAKE
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""

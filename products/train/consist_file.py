@@ -23,7 +23,9 @@ from products.train.columns import (
     MOST,
     NAMES,
     NUMBERS,
+    PARKING,
     TEXTS,
+    TRACK,
     WHOLE,
     WORDS,
     choices,
@@ -34,6 +36,7 @@ from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_w
 from products.train.coupler_tables import couplers_of
 from products.train.layout import MOST_VALVES
 from products.train.stated import brake_of, check_control, check_force, distributor_of, electric_of
+from products.train.stated_extra import check_extra, parking_of, track_of
 from products.train.stated_heat import check_heat, heat_of
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
 from readers.documents import is_number
@@ -65,6 +68,9 @@ WITHOUT_BRAKE = (
     "pipe_diameter",
     *ELECTRIC,
     *HEAT,
+    *TRACK,
+    *PARKING,
+    "parking_compounding",
     *COUPLING,
 )
 
@@ -224,12 +230,14 @@ def _vehicles(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> lis
     check_force(values)
     check_control(values)
     check_heat(values)
+    check_extra(values, one.mass)
     one = replace(one, distributor=distributor_of(values, one.distributor))
     if values.get("brake") == "none":
         one = replace(one, brake=braked_with(0.0))
     elif set(values) - set(WITHOUT_BRAKE):
         one = replace(one, brake=brake_of(values, one))
     one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values))
+    one = replace(one, track=track_of(values), parking=parking_of(values, one.mass))
     one = _with_valve(values, one)
     return [one] * int(values.get("count", 1))
 

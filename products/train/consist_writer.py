@@ -28,6 +28,7 @@ from products.train.consist_file import consist_of
 from products.train.coupler_tables import TABLE_NAMES, couplers_of, table_of
 from products.train.layout import UNBREAKABLE
 from products.train.stated import PAD_RADIUS
+from products.train.stated_extra import row_of_extra
 from products.train.stated_heat import row_of_heat
 from rbd_model.train.coupler import COUPLERS, Coupler, screw_coupler
 from readers.storage import write_whole
@@ -157,7 +158,7 @@ def _numbers(one: TrainVehicle) -> dict[str, Any]:
     own = {"length": one.length, "at": one.distributor_at, "leak": one.leak, "branch": one.branch}
     own |= {"pipe_diameter": one.pipe_diameter, "valve_delay": one.valve_delay, "braked_share": one.braked_share}
     valve = list(one.valve.numbers(0, 0.0, one.valve_delay).values()) if one.valve else [0.0]
-    own |= one.electric.values() | one.heat.values()
+    own |= one.electric.values() | one.heat.values() | one.track.values() | one.parking.values()
     own["coupler_strength"] = min(one.coupler.strength, UNBREAKABLE)
     return brake | own | {"valve": valve} | one.motion() | one.distributor.values() | one.coupler.values()
 
@@ -169,7 +170,7 @@ def row_of(one: TrainVehicle) -> Row:
     row |= {"mass": 1e-3 * one.mass, "length": one.length, "rotating": 1e2 * one.rotating_share}
     row |= {"resistance_a": a, "resistance_b": b, "resistance_c": c}
     row |= _brake(one) | _distributor(one)
-    row |= _electric(one.electric) | row_of_heat(one.heat)
+    row |= _electric(one.electric) | row_of_heat(one.heat) | row_of_extra(one.track, one.parking)
     row |= {"pipe_diameter": 1e3 * one.pipe_diameter, "at": one.distributor_at}
     if one.leak:
         row["leak"] = 1e3 * (4 / math.pi * one.leak / DISCHARGE) ** 0.5

@@ -18,6 +18,8 @@ from brake_controller.brake_pipe import CELL
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import POSITIONS, VALVE
 from brake_controller.electric_brake import ElectricBrake
+from brake_controller.parking_brake import ParkingBrake
+from brake_controller.track_brakes import TrackBrakes
 from brake_controller.vehicle_brake import VehicleBrake
 from brake_controller.wheel_heat import WheelHeat
 from fmu_src.system import Field, ParameterSet
@@ -67,6 +69,7 @@ _STEP = "Step of service: 0 the first, 1 full service"
 _PULL = "Force of motors at the rim; below zero it drives backwards"
 _COUPLED = "Coupling behind each vehicle: 1 coupled once they touch, 0 apart (its hose: joined)"
 _LED = "A vehicle computed in detail elsewhere: 1 its speed is held in a step, 2 corrected before a step, 0 neither"
+_TRACK = "Share of each vehicle's eddy-current brake; above 0 magnets are lowered; at 0 the pipe alone applies both"
 #: Inputs; ends: forces at the head and at the end.
 INPUTS = (
     _chosen("driver_position", _POSITIONS, "valves", [name.replace("-", "_") for name in POSITIONS]),
@@ -92,6 +95,8 @@ INPUTS = (
         "external_vehicle_speed", "m/s", -300.0, 300.0, "Speed of a vehicle that is computed elsewhere", of="vehicles"
     ),
     Array("dynamic_brake", "1", 0.0, 1.0, "Share of each vehicle's electric brake, if it has one", of="vehicles"),
+    Array("track_brake", "1", 0.0, 1.0, _TRACK, of="vehicles"),
+    Array("parking_brake", "1", 0.0, 1.0, "Share of each vehicle's parking brake, if it has one", of="vehicles"),
 )
 
 
@@ -112,6 +117,7 @@ OUTPUTS = (
     _found("mean_coupler_force", "N", "Mean tension over the last step, which has its impulse", "couplings"),
     _found("wheel_temperature", "K", "Temperature of each vehicle's wheels; 293.15 K if they have no mass", "vehicles"),
     _found("brake_heat", "J", "Heat of each friction brake so far; 0 if no wheels have a mass", "vehicles"),
+    _found("track_brake_force", "N", "What each vehicle's track brakes can hold, apart from its wheels", "vehicles"),
 )
 SUMS = (
     _found("time", "s", "Time of the run"),
@@ -196,6 +202,8 @@ def layout() -> tuple[Group, ...]:
         Group("brake", "vehicles", _of(VehicleBrake, 1e12)),
         Group("electric", "vehicles", _of(ElectricBrake, 1e12)),
         Group("heat", "vehicles", _of(WheelHeat, 1e12)),
+        Group("track", "vehicles", _of(TrackBrakes, 1e12)),
+        Group("parking", "vehicles", _of(ParkingBrake, 1e12)),
         Group("motion", "vehicles", MOTION),
         Group("frame", "vehicles", _FRAME),
         Group("coupler", "couplings", COUPLER),

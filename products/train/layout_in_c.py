@@ -9,6 +9,8 @@ from brake_controller.brake_pipe import VALVE as TAP
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
 from brake_controller.electric_brake import DEMANDED
+from brake_controller.parking_brake import SCREWED
+from brake_controller.track_brakes import ORDERED
 from brake_controller.wheel_heat import SURROUNDINGS, WORKED
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.system import Field
@@ -78,6 +80,8 @@ def _kinds_in_c() -> list[str]:
         _enum("command", COMMANDED, "COMMAND_ROWS"),
         _enum("electrically", DEMANDED, "ELECTRICALLY_ROWS"),
         _enum("worked", WORKED, "WORKED_ROWS"),
+        _enum("ordered", ORDERED, "ORDERED_ROWS"),
+        _enum("screwed", SCREWED, "SCREWED_ROWS"),
         _enum("answer", ANSWERED, "ANSWER_ROWS"),
         _enum("kind", DISTRIBUTORS, "KINDS"),
         f"typedef struct {{\n    int states, given, cylinder, assisted, start[{most}];\n}} distributor_kind;",

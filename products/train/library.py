@@ -12,6 +12,8 @@ from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, 
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.electric_brake import blending
+from brake_controller.parking_brake import parking
+from brake_controller.track_brakes import track_braking
 from brake_controller.vehicle_brake import braking
 from brake_controller.wheel_heat import fading, heating
 from fmu_src.compile import loaded, plain_library
@@ -26,7 +28,7 @@ FOLDER = Path(folder.__file__ or "").parent
 FUNCTIONS = {
     "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, coupling_of_few, rolling, sliding),
-    "train": (braking, blending, heating, fading),
+    "train": (braking, blending, heating, fading, track_braking, parking),
 }
 
 

@@ -121,6 +121,8 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         "brake": [one.brake.values() for one in vehicles],
         "electric": [one.electric.values() for one in vehicles],
         "heat": [one.heat.values() for one in vehicles],
+        "track": [one.track.values() for one in vehicles],
+        "parking": [one.parking.values() for one in vehicles],
         "motion": [one.motion() for one in vehicles],
         "frame": {"centre": (ends[:-1] + ends[1:]) / 2, "length": [one.length for one in vehicles]},
         "coupler": [one.coupler.values() for one in vehicles[:-1]],

@@ -13,9 +13,11 @@ from brake_controller.brake_weight import braked_weight
 from brake_controller.vehicle_brake import braking
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
+from products.train.stated_extra import slides_at
 from products.train.train import Train
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.impact import capacity
+from rbd_model.train.vehicle import GRAVITY
 
 #: Longest time of a stop, and time between two looks whether the train stands [s]; speed below which it does [m/s].
 LONGEST, STEP, RESTS = 1800.0, 1.0, 1e-3
@@ -128,11 +130,20 @@ def couplings_of(consist: Consist) -> tuple[OfCouplings, ...]:
 
 
 def _remarks(consist: Consist) -> tuple[str, ...]:
-    """Return remarks on values without an effect."""
+    """Return remarks on values without an effect, on parking brakes, and on track brakes."""
     *ahead, last = consist.vehicles
-    if not ahead or last.coupler in (ahead[-1].coupler, screw_coupler()):
-        return ()
-    return (f"The {last.coupler.name} coupler of the last vehicle has no effect: nothing is behind it.",)
+    found = []
+    if ahead and last.coupler not in (ahead[-1].coupler, screw_coupler()):
+        found.append(f"The {last.coupler.name} coupler of the last vehicle has no effect: nothing is behind it.")
+    parked = sum(one.parking.parking_force for one in consist.vehicles)
+    if parked:
+        gradient = 1e3 * parked / (consist.mass * GRAVITY)
+        found.append(f"Parking brakes: {1e-3 * parked:.1f} kN, which hold the train on {gradient:.1f} permille.")
+    slides = ((n, slides_at(one.parking, one.motion()["weight"])) for n, one in enumerate(consist.vehicles, 1))
+    found += [f"Vehicle {number}: {remark}." for number, remark in slides if remark][:1]
+    if any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in consist.vehicles):
+        found.append("Track brakes are part of the stops, not of lambda and brake force.")
+    return tuple(found)
 
 
 def brake_force(one: TrainVehicle, speed: float) -> float:

@@ -30,6 +30,8 @@ LONGEST, MOST = 86400.0, 1e8
 RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
 #: Outputs that are recorded only of trains with wheels that warm up.
 OF_HEAT = ("wheel_temperature", "brake_heat")
+#: Outputs that are recorded only of trains with track brakes.
+OF_TRACK = ("track_brake_force",)
 #: Places of outputs, and of the run's numbers.
 OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
 
@@ -116,7 +118,9 @@ class Train:
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
         heats = any(one.heat.heat_capacity > 0.0 for one in consist.vehicles)
-        self._recorded = [one for one in RECORDED if heats or one.name not in OF_HEAT]
+        tracks = any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in consist.vehicles)
+        left_out = {*(() if heats else OF_HEAT), *(() if tracks else OF_TRACK)}
+        self._recorded = [one for one in RECORDED if one.name not in left_out]
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
         count = ctypes.c_longlong()

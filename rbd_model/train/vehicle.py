@@ -27,8 +27,8 @@ MOTION = (
     Field("square", "N.s2/m2", -1e9, 1e9, _SHAPE),
 )
 #: Forces on a vehicle in a step: of gravity and of motors, capacity of its brake [N], friction of its rail [1],
-#: resistance of a curve [N].
-ACTING = ("slope", "pull", "brake", "friction", "curve")
+#: capacity of curve and track brakes to hold its body [N].
+ACTING = ("slope", "pull", "brake", "friction", "body")
 #: Least force in a denominator [N].
 LEAST_FORCE = 1e-9
 
@@ -49,9 +49,9 @@ def _given() -> tuple[list[ca.SX], dict[str, ca.SX]]:
 
 
 def _resistance(p: dict[str, ca.SX]) -> ca.SX:
-    """Return the resistance of rolling and air [N], a + b v + c v^2, W. J. Davis (1926)."""
+    """Return the resistance of the body [N]: a + b v + c v^2, W. J. Davis (1926), of curve and track brakes."""
     fast = ca.fabs(p["speed"])
-    return p["constant"] + p["curve"] + fast * (p["linear"] + fast * p["square"])
+    return p["constant"] + p["body"] + fast * (p["linear"] + fast * p["square"])
 
 
 def rolling() -> ca.Function:

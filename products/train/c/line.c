@@ -48,7 +48,7 @@ static double roeckl(double curvature) {
  * times weight (Coulomb), the mean friction of the rails below it. */
 void line_act(train *self, double step) {
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves);
-    double *slope = motion_acting(self->moves, ACTING_SLOPE), *curve = motion_acting(self->moves, ACTING_CURVE);
+    double *slope = motion_acting(self->moves, ACTING_SLOPE), *body = motion_acting(self->moves, ACTING_BODY);
     double *friction = motion_acting(self->moves, ACTING_FRICTION);
     if (self->level && self->even) return; /* nothing has been written there */
     for (long long int i = 0; i < self->vehicles; ++i) {
@@ -57,6 +57,6 @@ void line_act(train *self, double step) {
         if (self->level) continue;
         slope[i] = -weight * mean_over(self, POINT_GRADIENT, self->height, i, middle);
         const double bend = curvature_at(self, middle, row_at(self, middle, self->hint[i]));
-        curve[i] = bend == 0.0 ? 0.0 : weight * roeckl(bend);
+        body[i] = bend == 0.0 ? 0.0 : weight * roeckl(bend);
     }
 }

@@ -15,10 +15,11 @@ enum { BLENDED_ROWS = 4, WARM_ROWS = 5, OF_HEAT = HEAT_ROWS + WORKED_ROWS + WARM
 enum { ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS + OF_HEAT };
 
 /* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N], the temperature
- * of its wheels [K] and the heat of its friction brake [J]. */
-static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves + 3 * self->vehicles; }
+ * of its wheels [K] and the heat of its friction brake [J], then those of extra_brakes.c. */
+static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves + (3 + EXTRA_RUN) * self->vehicles; }
 static double *electric_run(train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves; }
 static double *heat_run(train *self) { return electric_run(self) + self->vehicles; }
+double *extra_run(const train *self) { return self->run + runs(self) - EXTRA_RUN * self->vehicles; }
 
 static double *take(double **from, long long int count) {
     double *place = *from;
@@ -161,6 +162,7 @@ static train *lay(train *self, const double *numbers) {
     put_numbers(self, at);
     self->moves = motion_create(self->vehicles, at[GROUP_MOTION], at[GROUP_COUPLER]);
     if (!self->moves || !motion_strength(self->moves, at[GROUP_STRENGTH]) || !make_pipe(self, at)) return NULL;
+    if (!extra_create(self, at[GROUP_TRACK], at[GROUP_PARKING])) return NULL;
     self->saved = (double *)malloc((size_t)train_numbers(self) * sizeof(double));
     return self->saved ? self : NULL;
 }
@@ -190,6 +192,7 @@ void train_free(train *self) {
     if (!self) return;
     pipe_free(self->air);
     motion_free(self->moves);
+    extra_free(self->extra);
     free(self->memory);
     free(self->cell);
     free(self->saved);
@@ -286,10 +289,11 @@ static void warm_wheels(train *self, double step) {
                (size_t)self->vehicles * sizeof(double));
 }
 
-/* Brake forces at pressures of cylinders and speeds of wheels. */
-static void find_brakes(train *self) {
+/* Brake forces at pressures of cylinders and speeds of wheels, with parking brakes applied for a time. */
+static void find_brakes(train *self, double step) {
     memcpy(self->wheel, motion_wheel(self->moves), (size_t)self->vehicles * sizeof(double));
     IN_LANES(train_brake);
+    extra_park(self, step);
     if (self->heats) fade_brakes(self);
     for (long long int i = 0; i < self->vehicles && self->blends; ++i) self->held[i] += self->blended[i];
 }
@@ -311,6 +315,7 @@ static void find_outputs(train *self) {
     }
     memcpy(self->output[OUT_WHEEL_TEMPERATURE], heat_run(self), (size_t)self->vehicles * sizeof(double));
     memcpy(self->output[OUT_BRAKE_HEAT], heat_run(self) + self->vehicles, (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_TRACK_BRAKE_FORCE], extra_run(self) + 3 * self->vehicles, (size_t)self->vehicles * sizeof(double));
     motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
     motion_mean(self->moves, self->output[OUT_MEAN_COUPLER_FORCE]);
     pipe_pressures(self->air, self->output[OUT_PIPE_PRESSURE], self->output[OUT_CYLINDER_PRESSURE]);
@@ -350,7 +355,7 @@ void train_begin(train *self, double time, double speed, double distance, double
     fill(heat_run(self), self->vehicles, SURROUNDINGS);
     self->steps[0] = self->steps[1] = 0;
     pipe_pressures(self->air, NULL, self->cylinder);
-    find_brakes(self);
+    find_brakes(self, 0.0);
     find_forces(self);
     fill(self->output[OUT_RAIL_FORCE], self->vehicles, 0.0);
     find_outputs(self);
@@ -401,9 +406,10 @@ static int step_on(train *self, double step) {
     valves_tell(self, step);
     pipe_pressures(self->air, NULL, self->cylinder);
     for (long long int i = 0; i < self->vehicles; ++i) self->cylinder[i] = (self->cylinder[i] + self->held[i]) / 2.0;
-    find_brakes(self);
+    find_brakes(self, step);
     memcpy(motion_acting(self->moves, ACTING_BRAKE), self->held, (size_t)self->vehicles * sizeof(double));
     line_act(self, step);
+    extra_track(self, step);
     const double count = fmax(1.0, ceil(step / (self->head[HEAD_SHARE] * self->head[HEAD_BOUND])));
     if (!(count < 1e9)) return 0;
     if (self->heats) note_motion(self);

@@ -12,6 +12,8 @@ enum { HISTORY = 1024, TOLD = 3 }; /* pressure, position, step */
 /* Variables of a run outside pipe, motion and inputs: for each valve its pressure and its history. */
 enum { RUN_TIME, RUN_TOLD, RUN_STEP, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUMS, OF_VALVE = 1 + TOLD * HISTORY };
 
+typedef struct extra_brakes extra_brakes;
+
 struct train {
     long long int counts[LAYOUT_OWNERS], vehicles, cells, valves, points, stride;
     int lanes, brake_model, level, even; /* the line is level and straight; its friction is that of the inputs */
@@ -26,6 +28,7 @@ struct train {
     double *heat, *worked, *warm;
     int heats; /* a vehicle has wheels that warm up */
     int blends; /* a vehicle has an electric command or an electric brake */
+    extra_brakes *extra; /* NULL: no vehicle has a track brake or a parking brake */
     double *mass, *centre, *length;
     long long int *cell, *hint, *face; /* cell of each vehicle; row of the line; cell after its end, 0: none */
     double *valve; /* VALVE_ROWS of each valve */
@@ -49,7 +52,9 @@ long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
     void train_brake_##lanes(train *self);                                                                                     \
     void train_blend_##lanes(train *self);                                                                                     \
     void train_heat_##lanes(train *self);                                                                                      \
-    void train_fade_##lanes(train *self)
+    void train_fade_##lanes(train *self);                                                                                      \
+    void extra_track_##lanes(extra_brakes *self);                                                                              \
+    void extra_park_##lanes(extra_brakes *self)
 TRAIN_LOOPS(1);
 TRAIN_LOOPS(2);
 TRAIN_LOOPS(4);
@@ -64,5 +69,25 @@ double valves_demand(train *self, double step, double dead_time);
 double *valves_run(train *self, long long int valve);
 /* Gravity, curves and friction of the rails on all vehicles (line.c), in the middle of a step. */
 void line_act(train *self, double step);
+
+/* Track brakes and parking brakes (extra_brakes.c): rows (rows.h) of vehicles. */
+struct extra_brakes {
+    int tracks, parks, lanes; /* a vehicle has a track brake; one has a parking brake */
+    long long int vehicles, stride;
+    double *memory;
+    const double *speed; /* of the vehicles, a row of the motion */
+    double *track, *order, *braked; /* constants; ORDERED; force and both shares at the end of a step */
+    double *parking, *screw, *air, *applied; /* constants; SCREWED; force of the air; that of both, and share at the end */
+};
+
+enum { EXTRA_RUN = 4 }; /* variables of a run for each vehicle: shares of magnets, eddy currents, parking brake; force [N] */
+/* Allocates them if a vehicle has one; returns 0 if out of memory. */
+int extra_create(train *self, const double *track, const double *parking);
+void extra_free(extra_brakes *self);
+double *extra_run(const train *self);
+/* Applies parking brakes: they join the brake forces in `held`. Does nothing without one. */
+void extra_park(train *self, double step);
+/* Adds the forces of track brakes to the row ACTING_BODY, after `line_act`. */
+void extra_track(train *self, double step);
 
 #endif

@@ -28,4 +28,16 @@ void LANES_NAME(train_fade)(train *self) {
     LANES_LEAVE;
 }
 
+void LANES_NAME(extra_track)(extra_brakes *self) {
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_track_braking)(self->speed + i, self->order + i, self->track + i, self->braked + i, self->stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(extra_park)(extra_brakes *self) {
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_parking)(self->air + i, self->screw + i, self->parking + i, self->applied + i, self->stride);
+    LANES_LEAVE;
+}
+
 #include "lanes_end.h"
