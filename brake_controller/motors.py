@@ -7,7 +7,7 @@ are assumed, because motors differ widely from their mean.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -101,3 +101,42 @@ def traction_motor(defaults: MotorParameters) -> System:
     torque = follow(system, "traction_torque", p, demand * p["motor_torque"], largest, valve)
     system.output(Variable("traction_torque", "output", "N.m", "Torque that drives this wheelset"), torque)
     return system
+
+
+@dataclass(frozen=True)
+class TorqueLoopParameters(ParameterSet):
+    """A motor whose inverter controls its torque; its values are those at the rotor."""
+
+    motor_torque: float = quantity("N.m", "Largest torque of the motor at its rotor", 0.0)
+    motor_power: float = quantity("W", "Largest power of the motor; above it the torque is power over speed", 0.0)
+    torque_time_constant: float = quantity("s", "Time constant of the torque loop", 1e-4)
+
+
+def traction_inverter() -> TorqueLoopParameters:
+    """Return the motor of one of four wheelsets of an electric locomotive.
+
+    All values are assumed: 75 kN at a wheel of 0.625 m behind a gear of 4.5, 1.6 MW, and a loop of 10 ms.
+    """
+    return TorqueLoopParameters(motor_torque=10.4e3, motor_power=1.6e6, torque_time_constant=0.01)
+
+
+def torque_loop(defaults: TorqueLoopParameters) -> Callable[[System, ca.SX], tuple[ca.SX, ca.SX]]:
+    """Return a motor: a function of a system and the rotor's speed [rad/s]; its torque [N.m], now and at the start.
+
+    T dM/dt = M* - M; M* is the demand within the largest torque and power over speed. It drives and brakes.
+    """
+
+    def motor(system: System, turning: ca.SX) -> tuple[ca.SX, ca.SX]:
+        text = "Demanded torque of the motor at its rotor, below 0 to brake; NaN counts as a lost signal: no torque"
+        demand = system.input(Variable("torque_demand", "input", "N.m", text, when_lost=0.0))
+        p = {name: system.parameter(defaults.variable(name)) for name in defaults.values()}
+        text = "Torque of the motor at the start, which twists its shafts, within its largest torque"
+        initial = system.parameter(Variable("initial_torque", "parameter", "N.m", text))
+        start = ca.fmax(ca.fmin(initial, p["motor_torque"]), -p["motor_torque"])
+        torque = system.state("rotor_torque", "N.m", start, NOMINAL_TORQUE)
+        most = available(p, turning)
+        system.derivative(torque, (ca.fmax(ca.fmin(demand, most), -most) - torque) / p["torque_time_constant"])
+        system.output(Variable("rotor_torque", "output", "N.m", "Torque of the motor on its rotor"), torque)
+        return torque, start
+
+    return motor

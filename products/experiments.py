@@ -14,6 +14,7 @@ ALONG = (
     *("axle_load_1", "axle_load_2"),
 )
 SIDEWAYS = ("speed", "distance", "lateral_1", "yaw_1", "wheel_load_1_left", "flange_force_1")
+DRIVEN = ("speed", "wheel_speed_1", "wheel_speed_2", "creep_force_1", "axle_torque", "drive_torque", "rotor_torque")
 BRAKE = ("cylinder_pressure", "shoe_force", "brake_torque")
 
 
@@ -203,6 +204,33 @@ SCENES: dict[str, Scene] = {
         {},
         {"speed": -8.0, "creep_force_2": 5e3, "slip_2": -2.0},
         ("friction_1", "friction_2"),
+        5.0,
+        0.05,
+    ),
+    "pulling": Scene(
+        "The motor pulls with 6 kN.m from 10 m/s",
+        "driven-wheelset",
+        {"initial_speed": 10.0},
+        {"torque_demand": 6e3},
+        DRIVEN,
+        2.0,
+        0.01,
+    ),
+    "spinning": Scene(
+        "The motor pulls with more than a slippery rail carries, up to its power",
+        "driven-wheelset-low-adhesion",
+        {"initial_speed": 5.0},
+        {"torque_demand": 6e3},
+        DRIVEN,
+        2.0,
+        0.01,
+    ),
+    "electric-brake": Scene(
+        "Motor and brakes slow the wheelset down, rigid shafts",
+        "driven-wheelset",
+        {"initial_speed": 20.0, "shafts": 1},
+        {"torque_demand": -2e3, "brake_torque_1": 4e3, "brake_torque_2": 4e3},
+        DRIVEN,
         5.0,
         0.05,
     ),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from brake_controller.motors import traction_inverter
 from brake_controller.ready_sets import ReadySet, qr30_experiment, uic_g, uic_p, with_dump_valve
 from fmu_src.parameter_file import parameter_file
 from fmu_src.system import ParameterSet
@@ -21,6 +22,7 @@ from rbd_model.vehicle.parameters import (
     tables_5_1_and_5_2,
     tables_8_1_and_8_2,
 )
+from rbd_model.wheelset.driven import electric_locomotive
 from readers.storage import write_whole
 
 #: Description in a file, with the pressure of the experiment.
@@ -74,6 +76,9 @@ MACHINES: dict[str, NamedSet] = {
     ),
     "coal-wagon": NamedSet("coal-wagon", "Coal wagon on two bogies of chapter 5", coal_wagon),
     "braked-coach": NamedSet("braked-vehicle", "The coach and its brakes", coach_with_traction_rods, coach_brake),
+    "driven-wheelset": NamedSet(
+        "driven-wheelset", "One of four wheelsets of an assumed locomotive", electric_locomotive, traction_inverter
+    ),
     "brake-qr30-130kpa": NamedSet("brake", QR30.format(130), lambda: qr30_experiment(130)),
     "brake-qr30-150kpa": NamedSet("brake", QR30.format(150), lambda: qr30_experiment(150)),
     "brake-qr30-180kpa": NamedSet("brake", QR30.format(180), lambda: qr30_experiment(180)),
@@ -91,7 +96,7 @@ MACHINES: dict[str, NamedSet] = {
     ),
 }
 #: Vehicle sets that are also provided on rails whose friction decreases with sliding speed, and these rails.
-VEHICLES = ("bogie-chapter-5", "wheelset-chapter-4", "coach", "coal-wagon", "braked-coach")
+VEHICLES = ("bogie-chapter-5", "wheelset-chapter-4", "coach", "coal-wagon", "braked-coach", "driven-wheelset")
 RAILS = {"dry-rail": dry, "wet-rail": wet, "low-adhesion": low, "very-low-adhesion": very_low}
 
 

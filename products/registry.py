@@ -9,6 +9,7 @@ from fmu_src.chain import ONE_WRITES
 from fmu_src.system import Model, Variable
 from products.braked_vehicle import BRAKE, braked_vehicle
 from products.braked_vehicle import CHOICE as CHOICE_OF_BRAKES
+from products.driven_wheelset import driven_wheelset_dynamics
 from rbd_model.levels.models import (
     CHOICE_ON_LINE,
     EVERY,
@@ -62,6 +63,7 @@ FMUS: dict[str, Fmu] = {
     "wheelset": Fmu(wheelset_dynamics, "wheelset-hunting.png"),
     "brake": Fmu(brake_cylinder, "qr30-180kpa.png"),
     "rail": Fmu(rail_adhesion),
+    "driven-wheelset": Fmu(driven_wheelset_dynamics),
 }
 
 #: Names that people type for FMUs of the list.

@@ -26,6 +26,10 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "wheelset": [{"lateral_irregularity": 0.01}, {"initial_speed": 0.0, "brake_torque_1": 1.0}],
     "brake": [{"friction_law": law, "cylinder_model": 1 + law % 2, "angular_velocity": 5.0} for law in range(6)],
     "rail": [{"speed": 10.0, "slip_1": 1.0, "creep_force_1": 1e3}],
+    "driven-wheelset": [
+        *({"shafts": shafts, "initial_slip": -0.1, "initial_torque": 2e3, "brake_torque_2": 1e3} for shafts in (1, 4)),
+        {"shafts": 3, "initial_speed": 0.0, "resistance": 1e3, "brake_torque_1": 1.0},
+    ],
 }
 #: Dependencies that these starts must show.
 ACTING = {
@@ -35,6 +39,7 @@ ACTING = {
     "wheelset": [("acceleration", "friction_1"), ("axle_load_1", "cross_level")],
     "brake": [("shoe_friction", "angular_velocity"), ("shoe_friction", "friction_law")],
     "rail": [("friction_1", "degraded_friction")],
+    "driven-wheelset": [("creep_force_2", "friction_2"), ("drive_twist", "drive_stiffness")],
 }
 
 

@@ -11,6 +11,9 @@ import pytest
 from products.promised_variables import build_note, changes, last_version
 from products.registry import FMUS, model_of
 
+#: FMUs that the last version does not have.
+NEW = {"driven-wheelset"}
+
 
 @pytest.mark.parametrize("name", FMUS)
 def test_what_has_changed_since_the_last_version_is_in_the_changelog(name: str) -> None:
@@ -22,7 +25,7 @@ def test_what_has_changed_since_the_last_version_is_in_the_changelog(name: str) 
 
 def test_the_table_is_of_all_fmus() -> None:
     _, promised = last_version()
-    assert set(promised) == set(FMUS)
+    assert set(promised) == set(FMUS) - NEW
     assert promised["bogie"]["brake_torque_1"] == ("input", "N.m", "0", "")
 
 

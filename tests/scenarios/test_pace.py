@@ -83,8 +83,10 @@ def test_the_fmu_of_a_stop_is_the_list_s(tmp_path: Path) -> None:
     """Every listed vehicle makes a stop, so that no FMU is paced at a standstill by mistake."""
     from products.registry import FMUS, model_of
 
-    driven = {name for name in FMUS if any(v.name == "brake_torque_2" for v in model_of(name).variables)}
-    assert set(pace.VEHICLES) == {name for name in driven if name != "braked-vehicle"}
+    names = {name: {v.name for v in model_of(name).variables} for name in FMUS}
+    assert set(pace.VEHICLES) == {name for name, of in names.items() if {"level", "brake_torque_2"} <= of} - {
+        "braked-vehicle"
+    }
 
 
 def test_a_pace_that_is_interrupted_ends_with_a_sentence(
