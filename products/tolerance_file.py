@@ -18,7 +18,7 @@ from typing import Any
 from fmu_src.suggestion import suggestion
 from products.supervision.arguments import path_of
 from products.supervision.tolerances import ENTRIES, Entry, Tolerances
-from readers.command_line import number_in
+from readers.command_line import decimal_comma, number_in
 from readers.documents import is_number
 from readers.text import BadInputError, quoted, shown
 from readers.toml_files import toml_of
@@ -75,7 +75,7 @@ def _number(path: str | Path, name: str, value: Any, entry: Entry) -> float | in
     read = number_in(value, entry.unit) if isinstance(value, str) else float(value) if is_number(value) else None
     sample = f'"{min(1.0, scale * entry.most):g}{unit}"' if unit else "4"
     if read is None:
-        raise BadInputError(f"{got} Write {sample}, for example.")
+        raise BadInputError(f"{got}{decimal_comma(value, entry.unit) or f' Write {sample}, for example.'}")
     bare = is_number(value) or str(value).strip()[-1:] in "0123456789."
     if unit and bare and value not in (0, "0"):
         write = f'Write "{read:g}{unit}", or another.'

@@ -128,7 +128,7 @@ def quantity(
             return value
         limit = f"{name} must be {_limits(unit, least, most, above)}; got {shown(text)}."
         if value is None:
-            raise argparse.ArgumentTypeError(limit + _units(unit))
+            raise argparse.ArgumentTypeError(limit + (decimal_comma(text, unit) or _units(unit)))
         own = text.strip()[-1:].isalpha()
         raise argparse.ArgumentTypeError(limit + ("" if own else likely_unit(value, unit, least, most)))
 
@@ -155,6 +155,12 @@ def number_in(text: str, unit: str) -> float | None:
         return None
     times = (1.0, 1.0) if found[2] is None else None if unit == "1" else factor(found[2], unit)
     return None if times is None else float(found[1]) * times[0] / times[1]
+
+
+def decimal_comma(text: object, unit: str) -> str:
+    """Return the remedy for a number with a decimal comma, or nothing if that is not the fault."""
+    point = text.replace(",", ".") if isinstance(text, str) and text.count(",") == 1 else ""
+    return f" Write a decimal point: {point.strip()}." if point and number_in(point, unit) is not None else ""
 
 
 def _limits(unit: str, least: float, most: float, above: bool) -> str:

@@ -19,6 +19,7 @@ from products.supervision import (
     Gradients,
     Move,
     NationalValues,
+    SupervisedTrain,
     release_speed,
     rounded_national,
     rounded_train,
@@ -31,6 +32,18 @@ from readers.text import BadInputError
 
 #: Numbers of speeds of tables and of curves.
 IN_TABLE, IN_CURVES = 8, 160
+#: Least shift of a limit by rounding [m]: less is the rounding of binary numbers.
+SEEN = 1e-6
+
+
+@dataclass(frozen=True)
+class Shift:
+    """Shift of a limit by rounding, at most: nearer to the target, further from it [m]; nearer up to a speed [m/s]."""
+
+    name: str
+    nearer: float
+    further: float
+    below: float
 
 
 @dataclass(frozen=True)
@@ -55,6 +68,8 @@ class Found:
         Of the line.
     moves : tuple of Move
         What rounding changed, with `--rounded`.
+    shifts : tuple of Shift
+        What rounding changed in the limits, with `--rounded`.
     release_speed : float or None
         Release speed that the on-board unit calculates [m/s]; None without a supervised location behind the target.
     without_effect : tuple of str
@@ -72,6 +87,7 @@ class Found:
     ends: float
     gradients: Gradients
     moves: tuple[Move, ...] = ()
+    shifts: tuple[Shift, ...] = ()
     release_speed: float | None = None
     without_effect: tuple[str, ...] = ()
     covered: tuple[float, float] | None = None
@@ -94,6 +110,7 @@ def compute(chosen: argparse.Namespace) -> Found:
     data, largest = train_data(chosen, country.M_NVEBCL)
     _check_speeds(chosen, 3.6 * largest)
     target = chosen.target_speed / 3.6
+    exact = data.train, country
     data, country, moves = _rounded(data, country) if chosen.rounded else (data, country, ())
     set_up: dict[str, Any] = {
         "kind": kind,
@@ -111,6 +128,7 @@ def compute(chosen: argparse.Namespace) -> Found:
         raise BadInputError("The train cannot brake on the gradients before the target. Give a better brake or line.")
     stops = [] if kind != "EOA" or data.consist is None else own_stops(data.consist, few, limits.EBI, line)
     curves = supervise(data.train, chosen.target, many, **set_up)
+    shifts = _shifts(*exact, chosen.target, curves, set_up) if chosen.rounded else ()
     ends = chosen.target + chosen.beyond
     release = None
     if chosen.beyond:
@@ -118,7 +136,9 @@ def compute(chosen: argparse.Namespace) -> Found:
         release = release_speed(data.train, chosen.beyond, place=chosen.target, **others)
     silent = tuple(without_effect(data.train, country, chosen.slippery))
     covered = None if line is None else (float(line.rows["distance"][0]), float(line.rows["distance"][-1]))
-    return Found(data, country, kind, limits, curves, stops, ends, set_up["gradients"], moves, release, silent, covered)
+    return Found(
+        data, country, kind, limits, curves, stops, ends, set_up["gradients"], moves, shifts, release, silent, covered
+    )
 
 
 def _check_speeds(chosen: argparse.Namespace, largest: float) -> None:
@@ -159,6 +179,21 @@ def _rounded(data: TrainData, country: NationalValues) -> tuple[TrainData, Natio
     train, values = rounded_train(data.train, data.dry_by_level), rounded_national(country)
     moves = tuple(move for move in (*train.moves, *values.moves) if move.most > 1e-9)
     return replace(data, train=train.train, dry_by_level=train.dry_by_level), values.national, moves
+
+
+def _shifts(
+    train: SupervisedTrain, country: NationalValues, place: float, after: Curves, set_up: dict[str, Any]
+) -> tuple[Shift, ...]:
+    """Return the shifts of all limits from those of the exact train and country."""
+    before, found = supervise(train, place, after.V_est, **set_up | {"national": country}), []
+    for name in ("I", "P", "W", "SBI", "EBI", "EBD", "GUI"):
+        one, other = getattr(before, name), getattr(after, name)
+        if one is not None and np.all(np.isfinite(one) & np.isfinite(other)):
+            moved = other - one
+            near = moved > SEEN
+            below = float(after.V_est[near].max()) if near.any() else 0.0
+            found.append(Shift(name, float(moved[near].max(initial=0.0)), float(max(-moved.min(), 0.0)), below))
+    return tuple(found)
 
 
 def _line(chosen: argparse.Namespace) -> Line | None:

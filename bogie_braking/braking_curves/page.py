@@ -8,7 +8,15 @@ import numpy as np
 
 from bogie_braking.braking_curves.compute import Found
 from bogie_braking.braking_curves.safety import lines_of
-from bogie_braking.braking_curves.words import TIMES, limits_of, lines_of_target, name_of_end, steps_words, train_words
+from bogie_braking.braking_curves.words import (
+    TIMES,
+    limits_of,
+    lines_of_target,
+    name_of_end,
+    shift_words,
+    steps_words,
+    train_words,
+)
 from products.etcs_files.train_file import SWITCHES
 from products.supervision import Steps
 from readers.storage import write_whole
@@ -93,4 +101,5 @@ def _settings(chosen: argparse.Namespace, found: Found) -> Table:
         ("Q_NVSBFBPERM", yes[country.feedback]),
     ]
     rows += [("note", line) for line in lines_of_target(chosen, found)]
+    rows += [("rounding", shift_words(found))] if found.shifts else []
     return Table("Settings", (), rows, numbers=False)

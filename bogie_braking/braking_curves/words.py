@@ -31,6 +31,7 @@ def document(chosen: argparse.Namespace, found: Found) -> dict[str, Any]:
             "T_brake_emergency_s": float(train.T_brake_emergency),
             "T_brake_service_s": float(train.T_brake_service),
             "brake_percentage": None if data.consist is None else data.consist.percentage,
+            "M_BRAKE_PERCENTAGE": None if train.percentage is None else float(np.asarray(train.percentage)),
             "Kdry_rst": _levels_of(found),
             "Kdry_rst_in_use": None if train.position is not None else _steps(train.Kdry_rst, "values"),
             "Kwet_rst_in_use": None if train.position is not None else _steps(train.Kwet_rst, "values"),
@@ -42,6 +43,9 @@ def document(chosen: argparse.Namespace, found: Found) -> dict[str, Any]:
         "M_NVEBCL": found.country.M_NVEBCL,
         "without_effect": list(found.without_effect),
         "rounding": {move.name: {"most": move.most, "unit": move.unit} for move in found.moves},
+        "rounded_limits_m": {
+            one.name: {"nearer_to_target": one.nearer, "further_from_target": one.further} for one in found.shifts
+        },
         "V_est_kmh": (3.6 * few.V_est).tolist(),
         "limits_m": {name: getattr(few, name).tolist() for name in limits_of(found)},
         "own_stops_m": [stop.ends for stop in found.stops],
@@ -99,7 +103,20 @@ def _lines_of_train(chosen: argparse.Namespace, found: Found) -> list[str]:
         lines.append(
             f"Rounded to the safe side, at most: {moved.removesuffix(' 1')}. Between whole km/h the lower step counts."
         )
+    if found.shifts:
+        lines.append(shift_words(found))
     return lines
+
+
+def shift_words(found: Found) -> str:
+    """Return how far rounding moved the limits: away from the target is the safe side."""
+    further = max(one.further for one in found.shifts)
+    words = f"By rounding, limits lie up to {further:.1f} m further from the target, the safe side"
+    near = [one for one in found.shifts if one.nearer]
+    if not near:
+        return f"{words}. None lies nearer to it."
+    each = ", ".join(f"{one.name} up to {one.nearer:.2g} m (to {3.6 * one.below:.0f} km/h)" for one in near)
+    return f"{words}. On the unsafe side, nearer to it: {each}. Their curves continue behind a moving target."
 
 
 def _levels_of(found: Found) -> list[float] | None:

@@ -12,7 +12,7 @@ from fmu_src.suggestion import suggestion
 from products.supervision.arguments import path_of
 from products.supervision.steps import Steps
 from products.supervision.values import RANGES, NationalValues, check_factors
-from readers.command_line import number_in
+from readers.command_line import decimal_comma, number_in
 from readers.documents import is_number
 from readers.text import BadInputError, FileError, shown
 from readers.toml_files import toml_of
@@ -90,7 +90,7 @@ def _number(value: Any, name: str, unit: str, source: str) -> float:
     found = number_in(value, unit) if isinstance(value, str) else value if is_number(value) else None
     if found is None:
         wanted = "a number" if unit == "1" else f"a number, alone in {unit} or in quotes with its unit"
-        raise FileError(f"{source}: {name} must be {wanted}; got {shown(value)}.")
+        raise FileError(f"{source}: {name} must be {wanted}; got {shown(value)}.{decimal_comma(value, unit)}")
     if name == "M_NVEBCL":
         return found  # NationalValues checks levels
     of = {"M_NVKVINT_b": "Kv_int", "M_NVKVINT": "Kv_int", "M_NVKRINT": "Kr_int", "M_NVKTINT": "Kt_int"}.get(name, name)

@@ -17,7 +17,7 @@ from products.supervision.train import SupervisedTrain, check_train
 from products.supervision.values import checked_level
 from readers.documents import LARGEST, document, document_text, is_number
 from readers.storage import write_whole
-from readers.text import BadInputError, FileError, shown, text_of
+from readers.text import BadInputError, FileError, quoted, shown, text_of
 from readers.units import factor
 
 #: Name and version of the format, and number of confidence levels.
@@ -290,7 +290,8 @@ def _quantity(given: Any, unit: str, what: str) -> Any:
 def _number_in(given: Any, unit: str, what: str) -> float:
     value, (up, down) = _quantity(given, unit, what)
     if not is_number(value):
-        raise FileError(f"{what} must be a number; got {shown(value)}.")
+        text = " Remove the quotes." if isinstance(value, str) else ""
+        raise FileError(f"{what} must be a number; got {quoted(value) if text else shown(value)}.{text}")
     return float(value) * up / down
 
 

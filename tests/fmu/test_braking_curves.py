@@ -109,8 +109,17 @@ def test_limits_are_those_of_the_curves_in_numpy(
             assert curves.get([f"distance_{name}" for name in PLACES]) == pytest.approx(
                 distances, rel=EQUAL, abs=EQUAL * 1e3
             )
+            in_order(curves)
             compared += speeds_fit(curves, train, place, inputs, given)
     assert compared > TRAINS
+
+
+def in_order(curves: FmuInstance) -> None:
+    """Check the order of the speeds of limits, and of their distances."""
+    speeds = curves.get([f"V_{name}" for name in ("P", "W", "SBI", "EBI")])
+    assert speeds == sorted(speeds)
+    distances = curves.get([f"distance_{name}" for name in ("EBD", "EBI", "SBI", "W", "P", "I")])
+    assert distances == sorted(distances)
 
 
 def speeds_fit(
@@ -170,6 +179,50 @@ def test_a_line_speed_and_a_release_speed_bound_the_limits(fmu: Callable[..., Pa
         curves.set(distance_to_target=-0.1)
         curves.step(0.0, 0.1)
         assert curves["emergency_brake"] == 1.0
+
+
+OUTPUTS = [*(f"V_{name}" for name in PLACES[1:5]), *(f"distance_{name}" for name in PLACES)]
+
+
+@pytest.mark.parametrize(
+    ("inactive", "unless"),
+    [
+        ({"moving_target_factor": 1.2}, {"target_kind": 2, "V_target": 10.0}),
+        ({"A_NVMAXREDADH": 0.3}, {"reduced_adhesion": 1}),
+        ({"Kwet_rst[1]": 0.5}, {"M_NVAVADH": 0.0}),
+        ({"A_brake_service[1]": 0.2}, None),
+        ({"Kdry_rst[2]": 0.1}, {"Kdry_rst_speed[1]": 20.0}),
+        ({"traction_command": 1}, {"T_traction_cut_off": 9.0, "A_est": 0.5}),
+    ],
+)
+def test_a_parameter_acts_only_where_it_is_meant_to(
+    fmu: Callable[..., Path], inactive: dict[str, float], unless: dict[str, float] | None
+) -> None:
+    """Towards a stop on a dry rail with the wet loss waived; the service brake acts at an end of authority alone."""
+    inputs = {"V_est": 30.0, "distance_to_target": 900.0, "M_NVAVADH": 1.0}
+    inputs |= {"target_kind": 2} if unless is None else {}
+
+    def outputs(curves: FmuInstance, *more: dict[str, float]) -> list[float]:
+        curves.restart(fmu_parameters(PLAIN) | inputs | {name: one for some in more for name, one in some.items()})
+        return list(curves.get(OUTPUTS))
+
+    with FmuInstance(fmu()) as curves:
+        assert outputs(curves, inactive) == outputs(curves)
+        active: dict[str, float] = unless or {"target_kind": 1}
+        assert outputs(curves, active, inactive) != outputs(curves, active)
+
+
+def test_of_several_targets_each_has_its_limits_in_turn(fmu: Callable[..., Path]) -> None:
+    """Set during a run, a target leaves nothing behind but commands; the lowest of the limits is that of the train."""
+    targets = ({"distance_to_target": 1500.0}, {"distance_to_target": 900.0, "target_kind": 3, "V_target": 12.0})
+    neutral = {"target_kind": 1, "V_target": 0.0, "V_est": 20.0}
+    with FmuInstance(fmu()) as turns, FmuInstance(fmu()) as alone:
+        turns.restart(fmu_parameters(PLAIN), **(neutral | targets[0]))
+        for n in range(4):
+            turns.set(**(neutral | targets[n % 2]))
+            turns.step(float(n), 1.0)
+            alone.restart(fmu_parameters(PLAIN), **(neutral | targets[n % 2]))
+            assert list(turns.get(OUTPUTS)) == list(alone.get(OUTPUTS))
 
 
 def test_where_the_brake_cannot_hold_the_train_every_output_is_finite(fmu: Callable[..., Path]) -> None:

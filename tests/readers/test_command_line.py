@@ -54,6 +54,7 @@ def parser() -> CommandLine:
         ("one a --step 5h", "--step must be from 1e-05 to 0.1 s; got 5h."),
         ("one a --step -5ms", "--step must be from 1e-05 to 0.1 s; got -5ms."),
         ("one a --step x", "--step must be from 1e-05 to 0.1 s; got x. Give a number in s, ms, us, min, h."),
+        ("one a --step 0,01s", "--step must be from 1e-05 to 0.1 s; got 0,01s. Write a decimal point: 0.01s."),
         ("one a --step", "--step must have a value; got none. See top one --help."),
         ("one a --pulses 1.5", "--pulses must be an integer of at least 1; got 1.5."),
         ("one a --teeth 80", "There is no option --teeth; its name is --pulses now."),

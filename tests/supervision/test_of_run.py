@@ -206,6 +206,23 @@ def test_each_option_has_its_effect(tmp_path: Path) -> None:
     assert computed(str(path), "--target", "2000").release_speed is None
 
 
+def test_the_side_to_which_rounding_moves_limits_is_told(tmp_path: Path) -> None:
+    """1.009 m/s2 becomes 1 m/s2: below the foot, V + 7.5 km/h, EBD lies behind a moving target and moves further."""
+    path, most = tmp_path / "train.json", 120.0 / 3.6
+    write_train(path, SupervisedTrain(200.0, Steps.constant(1.009), Steps.constant(0.8), 2.4, 2.4))
+    words = (str(path), "--target", "2000", "--rounded")
+    assert "None lies nearer to it." in " ".join(text(parsed(*words), computed(*words)))
+    moving = (*words, "--target-speed", "36")
+    found = computed(*moving)
+    [of] = [one for one in found.shifts if one.name == "EBD"]
+    foot, slowest = 10.0 + 7.5 / 3.6, 10.0 + (most - 10.0) / 160.0
+    assert of.nearer == pytest.approx((foot**2 - slowest**2) / 2.0 * (1.0 - 1.0 / 1.009), rel=1e-9)
+    assert of.further == pytest.approx((most**2 - foot**2) / 2.0 * (1.0 - 1.0 / 1.009), rel=1e-9)
+    assert slowest < of.below < foot
+    assert "On the unsafe side, nearer to it: " in " ".join(text(parsed(*moving), found))
+    assert document(parsed(*moving), found)["rounded_limits_m"]["EBD"]["nearer_to_target"] == of.nearer
+
+
 def test_the_numbers_of_a_train_lose_less_than_a_second_of_its_build_up() -> None:
     """A train whose build-up is stated 1 s too short passes the target."""
     consist = consist_of([{"kind": "locomotive"}, {"kind": "coach", "count": 4}])
@@ -260,6 +277,9 @@ def test_a_percentage_above_the_largest_of_train_data_is_told(
     found = re.search(r"brake percentage (\d+) %; train data have at most 250 %", capsys.readouterr().out)
     assert found is not None
     assert int(found[1]) > 250
+    assert main([*command, "--json"]) == 0
+    train = json.loads(capsys.readouterr().out)["train"]
+    assert train["M_BRAKE_PERCENTAGE"] == 250.0 < train["brake_percentage"]
 
 
 def test_the_public_train_of_the_page_stops_in_its_published_distances() -> None:

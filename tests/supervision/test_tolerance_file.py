@@ -37,6 +37,7 @@ def test_every_entry_is_read_in_its_unit(tmp_path: Path) -> None:
         ('[tolerances]\nfriction = "25 %"', "friction must be from 0 to 20 %; got 25 %"),
         ('[tolerances]\nfriction = "-1 %"', "friction must be from 0 to 20 %; got -1 %"),
         ('[tolerances]\nfriction = "5 kN"', "friction must be from 0 to 20 %; got 5 kN"),
+        ('[tolerances]\nfriction = "2,5 %"', "got 2,5 %. Write a decimal point: 2.5 %"),
         ('[tolerances]\ndelay = "3 min"', "delay must be from 0 to 10 s; got 3 min"),
         ("[tolerances]\ndelay = 0.3", 'delay must have its unit; got 0.3. Write "0.3 s"'),
         ('[tolerances]\nlost = "1 %"\nunits = 1.5', "units must be an integer from 1 to 16; got 1.5"),
