@@ -16,6 +16,8 @@ from scenarios.reporting.supervision_picture import message_of_stops
 LIMITS = ("I", "P", "W", "SBI", "EBI", "EBD")
 #: Limits of some targets and countries alone.
 OTHERS = ("GUI", "SBI1", "SBI2", "SBD")
+#: Speed above that of the train up to which a step acts on its limits [m/s]: error of the speed, and acceleration.
+REACH = 20.0 / 3.6
 TIMES = ("T_brake_emergency", "T_brake_service")
 
 
@@ -157,6 +159,7 @@ def lines_of_target(chosen: argparse.Namespace, found: Found) -> list[str]:
         )
     if found.without_effect:
         lines.append(f"Without effect on this train: {', '.join(found.without_effect)}.")
+    lines += _boundaries_beyond(found)
     if found.covered is not None:
         first, last = found.covered
         begin = float(np.min(found.many.I))
@@ -166,6 +169,22 @@ def lines_of_target(chosen: argparse.Namespace, found: Found) -> list[str]:
                 f"{found.ends:g} m. Its first and last gradients hold before and behind it."
             )
     return lines
+
+
+def _boundaries_beyond(found: Found) -> list[str]:
+    """Return the step functions of train data whose boundaries are all above the speeds of the limits, as in km/h."""
+    train, fastest = found.data.train, float(found.many.V_est.max())
+    if train.position is not None:
+        return []
+    beyond = {}
+    for name in ("A_brake_emergency", "A_brake_service", "Kdry_rst", "Kwet_rst"):
+        steps: Steps = getattr(train, name)
+        first = float(steps.boundaries.min(initial=np.inf))
+        if fastest + REACH < first < np.inf:
+            beyond[name] = f"{name} from {3.6 * first:.0f} km/h"
+    if not beyond:
+        return []
+    return [f"Steps begin above all speeds here, {3.6 * fastest:.0f} km/h: {', '.join(beyond.values())}."]
 
 
 def train_words(found: Found) -> str:

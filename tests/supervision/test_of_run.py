@@ -165,6 +165,10 @@ def test_the_text_states_what_the_numbers_leave_out(tmp_path: Path) -> None:
     line.write_text("distance,gradient\n0,0\n8000,0\n")
     with pytest.raises(BadInputError, match="the columns curvature, cant are missing"):
         compute(chosen)
+    seven = Steps([100.4], [1.0, 0.9])  # 361 km/h, if 100.4 km/h was meant
+    write_train(path, SupervisedTrain(203.4, seven, one, 2.4, 2.4, Kwet_rst=Steps([30.0], [1.0, 0.9])))
+    told = text(parsed(str(path), "--target", "2000"), computed(str(path), "--target", "2000"))
+    assert "Steps begin above all speeds here, 120 km/h: A_brake_emergency from 361 km/h." in told
     late = replace(found, stops=[OwnStop(np.array([1500.0, 2039.0]), np.array([30.0, 0.0]))] * 8)
     assert "8 of 8 own stops pass the target, 39.0 m at most." in text(chosen, late)
 
