@@ -7,26 +7,20 @@ from dataclasses import dataclass
 import casadi as ca
 
 from brake_controller.air import AMBIENT
+from brake_controller.drive import LEAST, NO_LIMIT, OverSpeed, driven_by, ramped
 from brake_controller.vehicle_brake import VehicleBrake, brake_force, named
 from fmu_src.chain import function_of
-from fmu_src.system import ParameterSet, quantity
+from fmu_src.system import quantity
 
 #: Speed below which an electric brake fades out, where none is given [m/s]: 8 km/h. Assumed, as train simulators do.
 FADE = 8.0 / 3.6
-#: Time of the rise to the largest force, where none is given [s]. Assumed: a metro's service deceleration of 1.0 to 1.3
-#: m/s2 at a jerk of about 1 m/s3.
-RISE = 1.0
-#: Power of an electric brake that has no limit of it [W].
-NO_LIMIT = 1e12
 #: Commands of a vehicle: share of its whole brake that drivers demand, and share of its electric brake alone. Then the
 #: force of its electric brake before a step [N], and the length of the step [s].
 DEMANDED = ("demanded", "dynamic", "before", "step")
-#: Least speed [m/s] and force [N] in a denominator.
-LEAST = 1e-6
 
 
 @dataclass(frozen=True)
-class ElectricBrake(ParameterSet):
+class ElectricBrake(OverSpeed):
     """Electric command and electric brake of one vehicle."""
 
     blended_pressure: float = quantity("Pa", "Full pressure of a direct electro-pneumatic brake; 0 without one", 0.0)
@@ -44,7 +38,7 @@ NO_ELECTRIC_BRAKE = ElectricBrake(0.0, 0.0, 0.0, NO_LIMIT, FADE, 0.0)
 def blending() -> ca.Function:
     """Return the function for a step of an electric brake: mean force at the rims [N], share of the air, last force.
 
-    The electric brake gives min(F, P / v), fading out linearly below a speed: the part of the demanded force that it
+    The electric brake gives min(F(v), P / v), fading out linearly below a speed: the part of the demanded force that it
     can, or the share that its own command demands. Its force rises and falls at the rate F / T, as EN 14531-1 takes
     build-up. Air fills what the electric brake lacks after its rise (blending of metros), as a share of the shoe force.
     This is exact for a friction that does not depend on that force. Forces are those of eqs (2.4) and (2.6).
@@ -57,13 +51,12 @@ def blending() -> ca.Function:
     )
     demanded, dynamic, before, step = ca.vertsplit(command)
     fast = ca.fabs(wheel)
-    strength = ca.fmin(p["dynamic_force"], p["dynamic_power"] / ca.fmax(fast, LEAST))
+    strength = driven_by(p["dynamic_force"], p["dynamic_power"], p, fast)
     able = strength * ca.fmin(fast / ca.fmax(p["dynamic_fade"], LEAST), 1)
     full = brake_force(p["blended_pressure"] + AMBIENT, wheel, b)
     electric = ca.fmin(ca.fmax(demanded * full, dynamic * able), able)
     change = p["dynamic_force"] * step / ca.fmax(p["dynamic_rise"], LEAST**2)
-    ends = ca.fmin(ca.fmax(ca.fmin(electric, before + change), before - change), able)
-    mean = ca.if_else(ends == electric, ends, (before + ends) / 2)
+    mean, ends = ramped(electric, able, before, change)
     lacks = ca.fmax(demanded - electric / ca.fmax(full, LEAST), 0)
     pressed = ca.fmax(b["force_per_pressure"] * p["blended_pressure"], LEAST)
     share = lacks + (1 - lacks) * ca.fmin(b["counter_force"] / pressed, 1)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any
 
 import casadi as ca
 
 from brake_controller.air import AMBIENT
+from brake_controller.point_table import PointTable
 from brake_controller.rigging import shoe_force
 from brake_controller.shoe_friction import (
     CAST_IRON_P6,
@@ -26,8 +26,9 @@ from fmu_src.system import ParameterSet, choice, quantity
 
 #: Friction as two fractions, of shoe force and of speed, with constants of the vehicle (`fractions`).
 FRACTIONS = 6
-#: Friction over speed as a table of at most this many points, straight lines between them (`tabulated`).
-TABLE, MOST_POINTS = 7, 6
+#: Friction over speed by points (`tabulated`).
+TABLE = 7
+OVER_SPEED = PointTable("table_friction", "table_speed", "table_change")
 _LAWS = {law: LAWS[law] for law in (CONSTANT, CAST_IRON_P6, COMPOSITE)}
 
 
@@ -145,28 +146,12 @@ def over_points(speeds: Sequence[float], frictions: Sequence[float]) -> dict[str
     speeds, frictions : sequence of float
         Two to MOST_POINTS speeds that rise [m/s], and frictions [1].
     """
-    slopes = [0.0, *(b / a for a, b in zip(_steps(speeds), _steps(frictions), strict=True)), 0.0]
-    found = {"friction_law": float(TABLE), "table_friction": frictions[0]}
-    for number in range(1, MOST_POINTS + 1):
-        given = number <= len(speeds)
-        found[f"table_speed_{number}"] = speeds[number - 1] if given else 0.0
-        found[f"table_change_{number}"] = slopes[number] - slopes[number - 1] if given else 0.0
-    return found
+    return {"friction_law": float(TABLE)} | OVER_SPEED.numbers(speeds, frictions)
 
 
 def points_of(p: Mapping[str, float]) -> tuple[list[float], list[float]]:
     """Return the speeds [m/s] and frictions [1] of parameters by `over_points`."""
-    numbers = [n for n in range(1, MOST_POINTS + 1) if n == 1 or p[f"table_speed_{n}"] > 0.0]
-    speeds = [p[f"table_speed_{n}"] for n in numbers]
-    frictions, slope = [p["table_friction"]], 0.0
-    for number, step in zip(numbers, _steps(speeds), strict=False):
-        slope += p[f"table_change_{number}"]
-        frictions.append(frictions[-1] + slope * step)
-    return speeds, frictions
-
-
-def _steps(values: Sequence[float]) -> list[float]:
-    return [after - before for before, after in pairwise(values)]
+    return OVER_SPEED.points(p)
 
 
 def tabulated(p: Mapping[str, ca.SX], speed: ca.SX) -> ca.SX:
@@ -174,10 +159,7 @@ def tabulated(p: Mapping[str, ca.SX], speed: ca.SX) -> ca.SX:
 
     Its numbers are the user's, for blocks without a public law, such as LL (EN 16452) or sintered ones.
     """
-    friction = p["table_friction"]
-    for number in range(1, MOST_POINTS + 1):
-        friction += p[f"table_change_{number}"] * ca.fmax(speed - p[f"table_speed_{number}"], 0)
-    return friction
+    return OVER_SPEED.at(p, speed)
 
 
 def fractions(p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:

@@ -252,6 +252,7 @@ PLUMBING = {
         "traction_inverter",
         "traction_motor",
     },
+    "brake_controller/drive.py": {"driven_by", "points_of_drive", "shape_of"},
     "brake_controller/wheel_spin.py": {"common_spin_protection", "filtered"},
     "rbd_model/track/sand.py": {"common_sand", "sand_laid", "sanders"},
     "brake_controller/magnet_valves.py": {"common_valves"},

@@ -14,6 +14,7 @@ from brake_controller.distributors.aar import RETAINERS
 from brake_controller.parking_brake import COMPOUNDING
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.consist import KINDS, LONGEST_VEHICLE
+from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import COUPLERS
 from readers.columns import LONGEST_TEXT, Column, number_of
 from readers.command_line import number_in
@@ -71,6 +72,13 @@ ELECTRIC: dict[str, tuple[str, float, float]] = {
     "dynamic_fade": ("km/h", 0.0, 100.0),
     "dynamic_rise": ("s", 0.0, 30.0),
 }
+#: Columns of the motors.
+TRACTION: dict[str, tuple[str, float, float]] = {
+    "traction_force": ("kN", 0.1, 2000.0),
+    "traction_power": ("kW", 1.0, 30e3),
+    "traction_rise": ("s", 0.0, 60.0),
+    "traction_cut_out": ("bar", 0.0, 8.0),
+}
 #: Columns of the heat of wheels; those of one wheel, except its number.
 HEAT: dict[str, tuple[str, float, float]] = {
     "wheel_mass": ("kg", 1.0, 5000.0),
@@ -110,7 +118,7 @@ COUPLING: dict[str, tuple[str, float, float]] = {
     "coupler_damping": ("1", 0.0, 0.95),
     "coupler_strength": ("kN", 10.0, 10e3),
 }
-NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | HEAT | TRACK | PARKING | COUPLING
+NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING
 #: Columns of integers.
 WHOLE = ("count", "shoes", "cylinders", "wheels")
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
@@ -121,29 +129,19 @@ WORDS: dict[str, Collection[str]] = {
     "retainer": tuple(RETAINERS),
     "position": ("P", "G"),
     "friction": (*FRICTIONS, *FORCELESS),
+    "adhesion": tuple(ADHESIONS),
     "coupler": tuple(COUPLERS),
     "weighing": ("lever", "continuous"),
     "valve": ("head", "second", "none"),
     "parking_compounding": tuple(COMPOUNDING),
 }
 #: Columns of free text.
-TEXTS = ("name", "friction_table")
+TABLES = ("friction_table", "dynamic_table", "traction_table")
+TEXTS = ("name", *TABLES)
 #: All names, in the order in which files are written.
 NAMES = (
-    *(
-        "kind",
-        "name",
-        *VEHICLE,
-        "brake",
-        *FORCE,
-        "friction",
-        "friction_table",
-        *AIR,
-        *ELECTRIC,
-        *HEAT,
-        *TRACK,
-        *PARKING,
-    ),
+    *("kind", "name", *VEHICLE, "brake", *FORCE, "friction", "friction_table", *AIR, *ELECTRIC, "dynamic_table"),
+    *(*TRACTION, "traction_table", *HEAT, *TRACK, *PARKING),
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
     *COUPLING,
 )

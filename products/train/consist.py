@@ -25,6 +25,7 @@ from brake_controller.drivers_valve import DriversValve, drivers_valve
 from brake_controller.electric_brake import NO_ELECTRIC_BRAKE, ElectricBrake
 from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
 from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
+from brake_controller.traction import NO_TRACTION, Traction
 from brake_controller.vehicle_brake import VehicleBrake, braking
 from brake_controller.wheel_heat import NO_WHEEL_HEAT, WheelHeat
 from rbd_model.train.coupler import Coupler, screw_coupler
@@ -51,7 +52,7 @@ class TrainVehicle:
     braked_share: share of its weight on braked wheels. distributor_at: position of its distributor, as a share of its
     length. name: any text. valve: driver's valve, at its front end (at its back end in the last vehicle); leads:
     whether it is the head's; valve_delay: delay after the first valve of the train [s], below 0: it does not follow.
-    leak: effective area of the leaks of its pipe [m2]; branch: volume of its branches [m3].
+    leak: effective area of the leaks of its pipe [m2]; branch: volume of its branches [m3]. adhesion: law by its name.
     """
 
     kind: str
@@ -77,6 +78,8 @@ class TrainVehicle:
     heat: WheelHeat = NO_WHEEL_HEAT
     track: TrackBrakes = NO_TRACK_BRAKES
     parking: ParkingBrake = NO_PARKING_BRAKE
+    traction: Traction = NO_TRACTION
+    adhesion: str = "input"
 
     def motion(self) -> dict[str, float]:
         """Constants of its motion, MOTION of rbd_model/train/vehicle.py."""

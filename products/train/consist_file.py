@@ -26,6 +26,7 @@ from products.train.columns import (
     PARKING,
     TEXTS,
     TRACK,
+    TRACTION,
     WHOLE,
     WORDS,
     choices,
@@ -35,7 +36,8 @@ from products.train.columns import (
 from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_with
 from products.train.coupler_tables import couplers_of
 from products.train.layout import MOST_VALVES
-from products.train.stated import brake_of, check_control, check_force, distributor_of, electric_of
+from products.train.stated import brake_of, check_control, check_force, distributor_of
+from products.train.stated_drive import check_drive, electric_of, traction_of
 from products.train.stated_extra import check_extra, parking_of, track_of
 from products.train.stated_heat import check_heat, heat_of
 from rbd_model.train.coupler import COUPLERS, Coupler, with_numbers
@@ -67,6 +69,10 @@ WITHOUT_BRAKE = (
     "exhaust",
     "pipe_diameter",
     *ELECTRIC,
+    "dynamic_table",
+    *TRACTION,
+    "traction_table",
+    "adhesion",
     *HEAT,
     *TRACK,
     *PARKING,
@@ -229,6 +235,7 @@ def _vehicles(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> lis
     one = replace(_bare(values), coupler=_coupler(values, couplers))
     check_force(values)
     check_control(values)
+    check_drive(values)
     check_heat(values)
     check_extra(values, one.mass)
     one = replace(one, distributor=distributor_of(values, one.distributor))
@@ -238,6 +245,7 @@ def _vehicles(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> lis
         one = replace(one, brake=brake_of(values, one))
     one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values))
     one = replace(one, track=track_of(values), parking=parking_of(values, one.mass))
+    one = replace(one, traction=traction_of(values), adhesion=values.get("adhesion", "input"))
     one = _with_valve(values, one)
     return [one] * int(values.get("count", 1))
 

@@ -19,7 +19,6 @@ from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
 from brake_controller.drivers_valve import drivers_valve
-from brake_controller.electric_brake import NO_LIMIT, ElectricBrake
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import FORCELESS, FRACTIONS, FRICTIONS, TABLE, VehicleBrake, points_of
 from products.train.columns import NAMES, NUMBERS, WHOLE
@@ -28,8 +27,10 @@ from products.train.consist_file import consist_of
 from products.train.coupler_tables import TABLE_NAMES, couplers_of, table_of
 from products.train.layout import UNBREAKABLE
 from products.train.stated import PAD_RADIUS
+from products.train.stated_drive import row_of_electric, row_of_traction, table_as_text
 from products.train.stated_extra import row_of_extra
 from products.train.stated_heat import row_of_heat
+from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import COUPLERS, Coupler, screw_coupler
 from readers.storage import write_whole
 
@@ -159,6 +160,8 @@ def _numbers(one: TrainVehicle) -> dict[str, Any]:
     own |= {"pipe_diameter": one.pipe_diameter, "valve_delay": one.valve_delay, "braked_share": one.braked_share}
     valve = list(one.valve.numbers(0, 0.0, one.valve_delay).values()) if one.valve else [0.0]
     own |= one.electric.values() | one.heat.values() | one.track.values() | one.parking.values()
+    own["adhesion"] = ADHESIONS[one.adhesion]
+    own |= {f"traction: {name}": value for name, value in one.traction.values().items()}
     own["coupler_strength"] = min(one.coupler.strength, UNBREAKABLE)
     return brake | own | {"valve": valve} | one.motion() | one.distributor.values() | one.coupler.values()
 
@@ -170,7 +173,9 @@ def row_of(one: TrainVehicle) -> Row:
     row |= {"mass": 1e-3 * one.mass, "length": one.length, "rotating": 1e2 * one.rotating_share}
     row |= {"resistance_a": a, "resistance_b": b, "resistance_c": c}
     row |= _brake(one) | _distributor(one)
-    row |= _electric(one.electric) | row_of_heat(one.heat) | row_of_extra(one.track, one.parking)
+    row |= row_of_electric(one.electric) | row_of_traction(one.traction)
+    row |= row_of_heat(one.heat) | row_of_extra(one.track, one.parking)
+    row |= {} if one.adhesion == "input" else {"adhesion": one.adhesion}
     row |= {"pipe_diameter": 1e3 * one.pipe_diameter, "at": one.distributor_at}
     if one.leak:
         row["leak"] = 1e3 * (4 / math.pi * one.leak / DISCHARGE) ** 0.5
@@ -211,17 +216,6 @@ def _valve(one: TrainVehicle) -> Row:
     return row
 
 
-def _electric(one: ElectricBrake) -> Row:
-    """Return the columns of an electric command and of an electric brake."""
-    row: Row = {"dead_time": one.dead_time} if one.dead_time else {}
-    if one.dynamic_force:
-        row |= {"dynamic_force": 1e-3 * one.dynamic_force, "dynamic_fade": KILOMETRES_PER_HOUR * one.dynamic_fade}
-        row["dynamic_rise"] = one.dynamic_rise
-    if one.dynamic_force and one.dynamic_power < NO_LIMIT:
-        row["dynamic_power"] = 1e-3 * one.dynamic_power
-    return row
-
-
 def _distributor(one: TrainVehicle) -> Row:
     """Return the columns of a distributor: a built-in one by its name and position, or one of UIC with its times."""
     own = one.distributor
@@ -256,9 +250,7 @@ def _friction(one: VehicleBrake) -> Row:
         own = {"friction_value": standing, "friction_fast": one.friction_scale, "friction_speed": half}
         return {"friction": "speed"} | own
     if one.friction_law == TABLE:
-        points = zip(*points_of(one.values()), strict=True)
-        text = " ".join(f"{KILOMETRES_PER_HOUR * speed:.12g}:{friction:.12g}" for speed, friction in points)
-        return {"friction": "table", "friction_table": text}
+        return {"friction": "table", "friction_table": table_as_text(*points_of(one.values()))}
     scaled = one.friction_scale / FRICTIONS["pads"]["friction_scale"]
     for name, law in {**FRICTIONS, **FORCELESS}.items():
         pads = {"friction_scale": law["friction_scale"] * scaled} if name == "pads" else {}

@@ -20,9 +20,11 @@ from brake_controller.drivers_valve import POSITIONS, VALVE
 from brake_controller.electric_brake import ElectricBrake
 from brake_controller.parking_brake import ParkingBrake
 from brake_controller.track_brakes import TrackBrakes
+from brake_controller.traction import Traction
 from brake_controller.vehicle_brake import VehicleBrake
 from brake_controller.wheel_heat import WheelHeat
 from fmu_src.system import Field, ParameterSet
+from rbd_model.train.adhesion import ADHESION
 from rbd_model.train.coupler import COUPLER
 from rbd_model.train.vehicle import MOTION
 from rbd_model.vehicle.variables import FASTEST
@@ -97,6 +99,7 @@ INPUTS = (
     Array("dynamic_brake", "1", 0.0, 1.0, "Share of each vehicle's electric brake, if it has one", of="vehicles"),
     Array("track_brake", "1", 0.0, 1.0, _TRACK, of="vehicles"),
     Array("parking_brake", "1", 0.0, 1.0, "Share of each vehicle's parking brake, if it has one", of="vehicles"),
+    Array("traction", "1", 0.0, 1.0, "Share of the force that each vehicle's motors can give, forwards", of="vehicles"),
 )
 
 
@@ -104,6 +107,7 @@ def _found(name: str, unit: str, text: str, of: str = "one") -> Array:
     return Array(name, unit, -math.inf, math.inf, text, of=of)
 
 
+_WORK = "Heat of each friction brake so far; 0 if the train has neither wheel_mass, electric brakes nor traction"
 #: Outputs, and numbers of the run.
 OUTPUTS = (
     _found("distance", "m", "Distance of each vehicle's middle", "vehicles"),
@@ -116,8 +120,11 @@ OUTPUTS = (
     _found("coupler_force", "N", "Tension in the coupling behind each vehicle, compression below zero", "couplings"),
     _found("mean_coupler_force", "N", "Mean tension over the last step, which has its impulse", "couplings"),
     _found("wheel_temperature", "K", "Temperature of each vehicle's wheels; 293.15 K if they have no mass", "vehicles"),
-    _found("brake_heat", "J", "Heat of each friction brake so far; 0 if no wheels have a mass", "vehicles"),
     _found("track_brake_force", "N", "What each vehicle's track brakes can hold, apart from its wheels", "vehicles"),
+    _found("brake_heat", "J", _WORK, "vehicles"),
+    _found("traction_force", "N", "Force of each vehicle's motors at the rims, without the input pull", "vehicles"),
+    _found("traction_energy", "J", "Work of each vehicle's motors at the rims so far", "vehicles"),
+    _found("electric_brake_energy", "J", "Work that each electric brake has taken at the rims so far", "vehicles"),
 )
 SUMS = (
     _found("time", "s", "Time of the run"),
@@ -204,6 +211,8 @@ def layout() -> tuple[Group, ...]:
         Group("heat", "vehicles", _of(WheelHeat, 1e12)),
         Group("track", "vehicles", _of(TrackBrakes, 1e12)),
         Group("parking", "vehicles", _of(ParkingBrake, 1e12)),
+        Group("traction", "vehicles", _of(Traction, 1e12)),
+        Group("adhesion", "vehicles", ADHESION),
         Group("motion", "vehicles", MOTION),
         Group("frame", "vehicles", _FRAME),
         Group("coupler", "couplings", COUPLER),

@@ -8,9 +8,11 @@ from brake_controller.air import AMBIENT, GAS_CONSTANT
 from brake_controller.brake_pipe import VALVE as TAP
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
+from brake_controller.drive import MOST_DRIVE_POINTS
 from brake_controller.electric_brake import DEMANDED
 from brake_controller.parking_brake import SCREWED
 from brake_controller.track_brakes import ORDERED
+from brake_controller.traction import COMMANDED as DRIVEN
 from brake_controller.wheel_heat import SURROUNDINGS, WORKED
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.system import Field
@@ -43,6 +45,7 @@ def layout_in_c() -> str:
             "#ifndef TRAIN_LAYOUT_H\n#define TRAIN_LAYOUT_H\n",
             *(f"static const double {name} = {value!r};" for name, value in shared.items()),
             f"enum {{ MOST_VALVES = {MOST_VALVES} }};",
+            f"enum {{ MOST_DRIVE_POINTS = {MOST_DRIVE_POINTS} }};",
             f"enum {{ CURVES = {len(CURVES)}, POINTS = {POINTS}, FEW_POINTS = {FEW_POINTS} }};",
             _enum("of", _owners(), "LAYOUT_OWNERS"),
             _enum("group", (one.name for one in layout()), "LAYOUT_GROUPS"),
@@ -82,6 +85,7 @@ def _kinds_in_c() -> list[str]:
         _enum("worked", WORKED, "WORKED_ROWS"),
         _enum("ordered", ORDERED, "ORDERED_ROWS"),
         _enum("screwed", SCREWED, "SCREWED_ROWS"),
+        _enum("driven", DRIVEN, "DRIVEN_ROWS"),
         _enum("answer", ANSWERED, "ANSWER_ROWS"),
         _enum("kind", DISTRIBUTORS, "KINDS"),
         f"typedef struct {{\n    int states, given, cylinder, assisted, start[{most}];\n}} distributor_kind;",

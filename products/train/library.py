@@ -14,12 +14,14 @@ from brake_controller.distributors.distributor import Distributor
 from brake_controller.electric_brake import blending
 from brake_controller.parking_brake import parking
 from brake_controller.track_brakes import track_braking
+from brake_controller.traction import driving
 from brake_controller.vehicle_brake import braking
 from brake_controller.wheel_heat import fading, heating
 from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder
 from products.train.layout_in_c import fields_in_c, layout_in_c
+from rbd_model.train.adhesion import adhering
 from rbd_model.train.coupler import coupling, coupling_of_few
 from rbd_model.train.vehicle import rolling, sliding
 
@@ -28,7 +30,7 @@ FOLDER = Path(folder.__file__ or "").parent
 FUNCTIONS = {
     "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, coupling_of_few, rolling, sliding),
-    "train": (braking, blending, heating, fading, track_braking, parking),
+    "train": (braking, blending, heating, fading, track_braking, parking, driving, adhering),
 }
 
 

@@ -14,6 +14,7 @@ from products.train.effects import without_effect
 from products.train.layout import BRAKE_MODELS, UNBREAKABLE, Rows, laid
 from products.train.pipe import COURANT
 from rbd_model.track.line import FRICTIONS, Line
+from rbd_model.train.adhesion import ADHESIONS
 from rbd_model.train.coupler import fastest
 
 #: Step size relative to the longest stable step of the couplers.
@@ -123,6 +124,8 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         "heat": [one.heat.values() for one in vehicles],
         "track": [one.track.values() for one in vehicles],
         "parking": [one.parking.values() for one in vehicles],
+        "traction": [one.traction.values() for one in vehicles],
+        "adhesion": {"law": [ADHESIONS[one.adhesion] for one in vehicles]},
         "motion": [one.motion() for one in vehicles],
         "frame": {"centre": (ends[:-1] + ends[1:]) / 2, "length": [one.length for one in vehicles]},
         "coupler": [one.coupler.values() for one in vehicles[:-1]],

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,18 +12,17 @@ from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import FROM_100, force_of_percentage
-from brake_controller.distributors import DISTRIBUTORS, ep_direct, kind_of
+from brake_controller.distributors import DISTRIBUTORS, ep_direct
 from brake_controller.distributors.aar import RETAINERS, AarValve
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import FILLING, RELEASE
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import TIMES, UIC, UicDistributor, with_times
-from brake_controller.electric_brake import FADE, NO_LIMIT, RISE, ElectricBrake
+from brake_controller.point_table import MOST_POINTS
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import (
     FORCELESS,
     FRICTIONS,
-    MOST_POINTS,
     VehicleBrake,
     braking,
     over_points,
@@ -41,7 +39,7 @@ from products.train.consist import (
     check_percentage,
     forces_of,
 )
-from readers.columns import number_of
+from products.train.stated_drive import table_in
 
 #: Statements of a brake's force: the column that begins each, and those that belong to it alone.
 STATEMENTS: dict[str, tuple[str, ...]] = {
@@ -125,7 +123,7 @@ def _check_friction(values: Mapping[str, Any], stated: list[str]) -> None:
 
 
 def check_control(values: Mapping[str, Any]) -> None:
-    """Check that a row has nothing without effect on its kind of brake or electric brake. Raises ValueError."""
+    """Check that a row has nothing without effect on its kind of brake. Raises ValueError."""
     brake = values.get("brake", "pneumatic")
     for name in WITHOUT_EFFECT[brake]:
         if name in values:
@@ -137,23 +135,6 @@ def check_control(values: Mapping[str, Any]) -> None:
     for name in (*DISTRIBUTORS[kind].without_effect, *unheard):
         if name in values:
             raise ValueError(f"{name} has no effect with distributor = {kind}. Leave it out.")
-    for name in ("dynamic_power", "dynamic_fade", "dynamic_rise"):
-        if name in values and "dynamic_force" not in values:
-            raise ValueError(f"{name} must come with dynamic_force. Add it, or leave {name} out.")
-
-
-def electric_of(values: Mapping[str, Any], one: DistributorParameters) -> ElectricBrake:
-    """Return the electric command and brake of a row; one: its distributor."""
-    blended = one.full_pressure if kind_of(one).wired else 0.0
-    power, fade = values.get("dynamic_power"), values.get("dynamic_fade")
-    return ElectricBrake(
-        blended_pressure=blended,
-        dead_time=values.get("dead_time", 0.0),
-        dynamic_force=1e3 * values.get("dynamic_force", 0.0),
-        dynamic_power=NO_LIMIT if power is None else 1e3 * power,
-        dynamic_fade=FADE if fade is None else fade / KILOMETRES_PER_HOUR,
-        dynamic_rise=values.get("dynamic_rise", RISE if "dynamic_force" in values else 0.0),
-    )
 
 
 def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> DistributorParameters:
@@ -250,17 +231,13 @@ def friction_of(values: Mapping[str, Any]) -> dict[str, float]:
 
 def _points(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
     """Return the speeds [m/s] and frictions of a row's `friction_table`. Raises ValueError."""
-    text = values.get("friction_table", "")
-    pairs = [one.split(":") for one in text.split()]
-    numbers = [[number_of(part) for part in one] for one in pairs]
-    right = 2 <= len(pairs) <= MOST_POINTS and all(len(one) == 2 for one in pairs)
-    right = right and all(0.0 <= v <= 1000.0 and 0.001 <= mu <= 1.0 for v, mu in numbers)
-    if not right or any(a[0] >= b[0] for a, b in pairwise(numbers)):
+    speeds, frictions = table_in(values.get("friction_table", ""), MOST_POINTS, 0.001, 1.0)
+    if not speeds:
         raise ValueError(
             f"friction_table must be 2 to {MOST_POINTS} pairs of a speed that rises, up to 1000 km/h, and a friction "
-            f"from 0.001 to 1; got {text!r}. Write it as 0:0.30 40:0.22 120:0.15."
+            f"from 0.001 to 1; got {values.get('friction_table', '')!r}. Write it as 0:0.30 40:0.22 120:0.15."
         )
-    return [v / KILOMETRES_PER_HOUR for v, _ in numbers], [mu for _, mu in numbers]
+    return speeds, frictions
 
 
 def _by_cylinder(values: Mapping[str, Any], one: VehicleBrake) -> VehicleBrake:

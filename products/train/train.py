@@ -16,7 +16,7 @@ from brake_controller.drivers_valve import POSITIONS
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist
 from products.train.inputs import Inputs, wrong_input
-from products.train.layout import INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS
+from products.train.layout import INITIAL, INPUTS, OUTPUTS, START_PIPE_PRESSURE, SUMS, Array
 from products.train.library import functions
 from products.train.numbers import Settings, numbers_of, volumes_of
 from products.train.pipe import Air
@@ -32,6 +32,8 @@ RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coup
 OF_HEAT = ("wheel_temperature", "brake_heat")
 #: Outputs that are recorded only of trains with track brakes.
 OF_TRACK = ("track_brake_force",)
+#: Outputs that are recorded only of trains with motors, and with motors or electric brakes.
+OF_TRACTION, OF_DRIVES = ("traction_force", "traction_energy"), ("electric_brake_energy",)
 #: Places of outputs, and of the run's numbers.
 OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
 
@@ -51,13 +53,25 @@ def _place(name: str, value: int, count: int) -> None:
         raise ValueError(f"The number of a {name} must be an integer from 0 to {count - 1}; got {value}.")
 
 
+def _recorded_of(consist: Consist) -> list[Array]:
+    """Return the outputs that are recorded of a consist."""
+    vehicles = consist.vehicles
+    heats = any(one.heat.heat_capacity > 0.0 for one in vehicles)
+    pulls = any(one.traction.traction_force > 0.0 for one in vehicles)
+    drives = pulls or any(one.electric.dynamic_force > 0.0 for one in vehicles)
+    tracks = any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in vehicles)
+    kept = {OF_HEAT: heats, OF_TRACTION: pulls, OF_DRIVES: drives, OF_TRACK: tracks}
+    left_out = {name for names, is_kept in kept.items() if not is_kept for name in names}
+    return [one for one in RECORDED if one.name not in left_out]
+
+
 class Train:
     """A train to be driven step by step.
 
     Inputs are arrays to write into, or to set as a whole: `driver_position` and `driver_step` of each driver's valve,
-    `pull` [N], `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of each coupling,
-    `end_force` at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures are gauge
-    pressures [Pa].
+    `traction` [1], `pull` [N], `friction` [1] and `protection` of each vehicle, `coupling_closed` and `hose_state` of
+    each coupling, `end_force` at both ends [N]. Outputs are attributes: OUTPUTS, an array of each, and SUMS. Pressures
+    are gauge pressures [Pa].
     `imported` accounts for the fields of a file of another program (`bb.train`), otherwise it is None.
 
     Parameters
@@ -117,10 +131,7 @@ class Train:
         self.inputs = Inputs({one.name: self._view(self._call.train_input, row) for row, one in enumerate(INPUTS)})
         self._outputs = {name: self._view(self._call.train_output, row) for name, row in OUTPUT.items()}
         self._sums = self._view(self._call.train_output, len(OUTPUTS))
-        heats = any(one.heat.heat_capacity > 0.0 for one in consist.vehicles)
-        tracks = any(one.track.magnetic_attraction + one.track.eddy_force > 0.0 for one in consist.vehicles)
-        left_out = {*(() if heats else OF_HEAT), *(() if tracks else OF_TRACK)}
-        self._recorded = [one for one in RECORDED if one.name not in left_out]
+        self._recorded = _recorded_of(consist)
 
     def _view(self, call: Any, row: int) -> NDArray[np.float64]:
         count = ctypes.c_longlong()

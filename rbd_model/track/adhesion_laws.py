@@ -1,11 +1,15 @@
 """Public laws of friction between wheel and rail as functions of numbers, each with its source (docs/adhesion.md).
 
 Vehicles have the fall over sliding, a map over place and a patch as equations (friction.py, line_table.py). Recovery
-and sand are systems of their own (recovery.py, sand.py). The law over speed has no equation in a vehicle.
+and sand are systems of their own (recovery.py, sand.py). The law over speed is an equation in trains only
+(rbd_model/train/adhesion.py).
 """
 
 from __future__ import annotations
 
+from typing import TypeVar
+
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -13,6 +17,13 @@ from rbd_model.track.friction import RailCondition
 from rbd_model.track.recovery import RecoveryParameters
 
 Numbers = NDArray[np.float64]
+#: A number, numbers, or a symbol.
+Value = TypeVar("Value", float, Numbers, ca.SX)
+
+
+def at_speed(speed: Value) -> Value:
+    """Return the law of Curtius and Kniffler (1950) at a speed [m/s] that is not checked, 7.5 / (V + 44) + 0.161."""
+    return 7.5 / (3.6 * speed + 44.0) + 0.161
 
 
 def curtius_kniffler(speed: ArrayLike) -> Numbers:
@@ -36,7 +47,7 @@ def curtius_kniffler(speed: ArrayLike) -> Numbers:
     ValueError
         If a speed is below 0 or not a number.
     """
-    return np.asarray(7.5 / (3.6 * _at_least_0("speed", speed, "m/s") + 44.0) + 0.161)
+    return np.asarray(at_speed(_at_least_0("speed", speed, "m/s")))
 
 
 def fallen_friction(rail: RailCondition, sliding: ArrayLike) -> Numbers:

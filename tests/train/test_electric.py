@@ -286,7 +286,7 @@ REFUSED = {
     "a force of none": ({"brake": "none", "lambda": 50.0}, "lambda has no effect with brake = none."),
     "a time of none": ({"brake": "none", "fill_time": 5.0}, "fill_time has no effect with brake = none."),
     "dead time of a pipe": ({"dead_time": 0.5}, "dead_time has no effect with distributor = uic."),
-    "power alone": ({"dynamic_power": 500.0}, "dynamic_power must come with dynamic_force."),
+    "power alone": ({"dynamic_power": 500.0}, "dynamic_power must come with dynamic_force or dynamic_table."),
     "a distributor": (
         {"distributor": "ep_direct"},
         "distributor must be one of uic, aar, ecp, ep_uic, twin_pipe; got ep_direct.",

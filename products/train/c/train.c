@@ -15,11 +15,15 @@ enum { BLENDED_ROWS = 4, WARM_ROWS = 5, OF_HEAT = HEAT_ROWS + WORKED_ROWS + WARM
 enum { ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS + OF_HEAT };
 
 /* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N], the temperature
- * of its wheels [K] and the heat of its friction brake [J], then those of extra_brakes.c. */
-static long long int runs(const train *self) { return RUN_VALVES + OF_VALVE * self->valves + (3 + EXTRA_RUN) * self->vehicles; }
+ * of its wheels [K] and the heat of its friction brake [J], then those of drive.c and of extra_brakes.c. */
+enum { OWN_RUN = 3 };
+static long long int runs(const train *self) {
+    return RUN_VALVES + OF_VALVE * self->valves + (OWN_RUN + DRIVE_RUN + EXTRA_RUN) * self->vehicles;
+}
 static double *electric_run(train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves; }
 static double *heat_run(train *self) { return electric_run(self) + self->vehicles; }
-double *extra_run(const train *self) { return self->run + runs(self) - EXTRA_RUN * self->vehicles; }
+double *drive_run(const train *self) { return self->run + RUN_VALVES + OF_VALVE * self->valves + OWN_RUN * self->vehicles; }
+double *extra_run(const train *self) { return drive_run(self) + DRIVE_RUN * self->vehicles; }
 
 static double *take(double **from, long long int count) {
     double *place = *from;
@@ -163,6 +167,8 @@ static train *lay(train *self, const double *numbers) {
     self->moves = motion_create(self->vehicles, at[GROUP_MOTION], at[GROUP_COUPLER]);
     if (!self->moves || !motion_strength(self->moves, at[GROUP_STRENGTH]) || !make_pipe(self, at)) return NULL;
     if (!extra_create(self, at[GROUP_TRACK], at[GROUP_PARKING])) return NULL;
+    if (!drive_create(self, at[GROUP_TRACTION], at[GROUP_ADHESION], at[GROUP_MOTION])) return NULL;
+    self->works = self->heats || self->blends || self->drive;
     self->saved = (double *)malloc((size_t)train_numbers(self) * sizeof(double));
     return self->saved ? self : NULL;
 }
@@ -193,6 +199,7 @@ void train_free(train *self) {
     pipe_free(self->air);
     motion_free(self->moves);
     extra_free(self->extra);
+    drive_free(self->drive);
     free(self->memory);
     free(self->cell);
     free(self->saved);
@@ -281,6 +288,7 @@ static void warm_wheels(train *self, double step) {
         worked[WORKED_SPEED * self->stride] = way / step;
         worked[WORKED_STEP * self->stride] = step;
     }
+    drive_brake(self, self->worked + WORKED_WAY * self->stride);
     for (int n = 0; n < 2; ++n)
         memcpy(self->warm + n * self->stride, heat_run(self) + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
     IN_LANES(train_heat);
@@ -316,6 +324,7 @@ static void find_outputs(train *self) {
     memcpy(self->output[OUT_WHEEL_TEMPERATURE], heat_run(self), (size_t)self->vehicles * sizeof(double));
     memcpy(self->output[OUT_BRAKE_HEAT], heat_run(self) + self->vehicles, (size_t)self->vehicles * sizeof(double));
     memcpy(self->output[OUT_TRACK_BRAKE_FORCE], extra_run(self) + 3 * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    drive_outputs(self);
     motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
     motion_mean(self->moves, self->output[OUT_MEAN_COUPLER_FORCE]);
     pipe_pressures(self->air, self->output[OUT_PIPE_PRESSURE], self->output[OUT_CYLINDER_PRESSURE]);
@@ -412,11 +421,10 @@ static int step_on(train *self, double step) {
     extra_track(self, step);
     const double count = fmax(1.0, ceil(step / (self->head[HEAD_SHARE] * self->head[HEAD_BOUND])));
     if (!(count < 1e9)) return 0;
-    if (self->heats) note_motion(self);
-    motion_go(self->moves, (long long int)count, step / count);
+    if (self->works) note_motion(self);
     self->steps[0] += taken;
-    self->steps[1] += (long long int)count;
-    if (self->heats) warm_wheels(self, step);
+    self->steps[1] += drive_go(self, (long long int)count, step);
+    if (self->works) warm_wheels(self, step);
     if (motion_broken(self->moves)) put_joints(self);
     return motion_sound(self->moves);
 }

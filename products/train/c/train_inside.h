@@ -13,6 +13,7 @@ enum { HISTORY = 1024, TOLD = 3 }; /* pressure, position, step */
 enum { RUN_TIME, RUN_TOLD, RUN_STEP, RUN_SUMS, RUN_VALVES = RUN_SUMS + TRAIN_SUMS, OF_VALVE = 1 + TOLD * HISTORY };
 
 typedef struct extra_brakes extra_brakes;
+typedef struct drives drives;
 
 struct train {
     long long int counts[LAYOUT_OWNERS], vehicles, cells, valves, points, stride;
@@ -27,8 +28,10 @@ struct train {
     /* rows: constants of wheels; work of a step; temperature and heat before it, share of friction left, and both after it */
     double *heat, *worked, *warm;
     int heats; /* a vehicle has wheels that warm up */
+    int works; /* the work of its brakes is summed */
     int blends; /* a vehicle has an electric command or an electric brake */
     extra_brakes *extra; /* NULL: no vehicle has a track brake or a parking brake */
+    drives *drive; /* NULL: no vehicle has motors, or adhesion that falls over its speed */
     double *mass, *centre, *length;
     long long int *cell, *hint, *face; /* cell of each vehicle; row of the line; cell after its end, 0: none */
     double *valve; /* VALVE_ROWS of each valve */
@@ -54,7 +57,9 @@ long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
     void train_heat_##lanes(train *self);                                                                                      \
     void train_fade_##lanes(train *self);                                                                                      \
     void extra_track_##lanes(extra_brakes *self);                                                                              \
-    void extra_park_##lanes(extra_brakes *self)
+    void extra_park_##lanes(extra_brakes *self);                                                                               \
+    void drive_pull_##lanes(drives *self);                                                                                     \
+    void drive_adhere_##lanes(drives *self)
 TRAIN_LOOPS(1);
 TRAIN_LOOPS(2);
 TRAIN_LOOPS(4);
@@ -89,5 +94,27 @@ double *extra_run(const train *self);
 void extra_park(train *self, double step);
 /* Adds the forces of track brakes to the row ACTING_BODY, after `line_act`. */
 void extra_track(train *self, double step);
+/* Traction, and adhesion over speed (drive.c): rows (rows.h) of vehicles. */
+struct drives {
+    int pulls, falls, lanes; /* a vehicle has motors; the adhesion of one falls over its speed */
+    long long int vehicles, stride;
+    double part; /* longest part of a step [s] */
+    double *memory;
+    double *traction, *law; /* constants */
+    double *wheel, *command, *force; /* speed in the middle of a part, DRIVEN; mean and last force */
+    double *speed, *share, *friction; /* speed or slip; share of the friction at standstill, and that friction */
+    double *line, *place; /* pressures of the pipe; positions before a part */
+};
+
+enum { DRIVE_RUN = 5 }; /* variables of a run for each vehicle */
+/* Allocates them if they are needed; returns 0 if out of memory. */
+int drive_create(train *self, const double *traction, const double *law, const double *motion);
+void drive_free(drives *self);
+double *drive_run(const train *self);
+/* Advances the motion by a step, in at least `count` steps of couplers; returns their number. */
+long long int drive_go(train *self, long long int count, double step);
+/* Adds the work that electric brakes take while the rims go a way, and writes outputs. */
+void drive_brake(train *self, const double *way);
+void drive_outputs(train *self);
 
 #endif

@@ -40,4 +40,16 @@ void LANES_NAME(extra_park)(extra_brakes *self) {
     LANES_LEAVE;
 }
 
+void LANES_NAME(drive_pull)(drives *self) {
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_driving)(self->wheel + i, self->command + i, self->traction + i, self->force + i, self->stride);
+    LANES_LEAVE;
+}
+
+void LANES_NAME(drive_adhere)(drives *self) {
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_adhering)(self->speed + i, self->law + i, self->share + i, self->stride);
+    LANES_LEAVE;
+}
+
 #include "lanes_end.h"

@@ -1,0 +1,192 @@
+/* Traction of a train's vehicles, and adhesion over their speed. Both change within a step, so that the motion advances in parts
+ * of it. The force of a part is that at its middle, to which the last change of the wheels' speed is continued. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rows.h"
+#include "train_inside.h"
+
+/* Longest and shortest part of a step [s]; largest change of a force within it, over the wheels' mass. Assumed. */
+static const double PART = 0.02, SHORTEST_PART = 1e-4, STABLE = 0.5;
+/* Rows of a run: force at the end of a part and its mean [N], rate of the wheels [m/s2], work of both drives [J]. */
+enum { RUN_END, RUN_MEAN, RUN_RATE, RUN_TRACTION, RUN_ELECTRIC };
+
+static double *run_row(const train *self, int row) { return drive_run(self) + row * self->vehicles; }
+
+/* Steepest fall of a vehicle's force over speed [N.s/m]: of the hyperbola at its corner, of the table, and behind it. */
+static double steepest(const double *traction, long long int vehicles) {
+    const double force = traction[TRACTION_TRACTION_FORCE * vehicles], power = traction[TRACTION_TRACTION_POWER * vehicles];
+    double slope = 0.0, most = fmax(force * force / power, force / traction[TRACTION_SHAPE_END * vehicles]);
+    for (int n = 0; n < MOST_DRIVE_POINTS; ++n) {
+        slope += force * traction[(TRACTION_SHAPE_CHANGE_1 + n) * vehicles];
+        most = fmax(most, fabs(slope));
+    }
+    return most;
+}
+
+static double longest_part(const train *self, const double *traction, const double *motion) {
+    double part = PART;
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        const double pace = steepest(traction + i, self->vehicles) / motion[MOTION_ROTATING_MASS * self->vehicles + i];
+        if (traction[TRACTION_TRACTION_FORCE * self->vehicles + i] > 0.0) part = fmin(part, STABLE / fmax(pace, 1e-9));
+    }
+    return fmax(part, SHORTEST_PART);
+}
+
+static int take_rows(drives *self) {
+    struct {
+        double **first;
+        int rows;
+    } const parts[] = {{&self->traction, TRACTION_ROWS},
+                       {&self->law, 1},
+                       {&self->wheel, 1},
+                       {&self->speed, 1},
+                       {&self->command, DRIVEN_ROWS},
+                       {&self->force, 2},
+                       {&self->share, 1},
+                       {&self->line, 1},
+                       {&self->place, 1},
+                       {&self->friction, 1}};
+    int rows = 0;
+    for (size_t n = 0; n < sizeof parts / sizeof *parts; ++n) rows += parts[n].rows;
+    self->memory = (double *)malloc((size_t)(rows * self->stride + ROWS_SPARE) * sizeof(double));
+    if (!self->memory) return 0;
+    double *row = rows_first(self->memory);
+    for (size_t n = 0; n < sizeof parts / sizeof *parts; ++n) {
+        *parts[n].first = row;
+        for (int k = 0; k < parts[n].rows; ++k, row += self->stride) rows_fill(row, self->stride, 1.0);
+    }
+    return 1;
+}
+
+int drive_create(train *self, const double *traction, const double *law, const double *motion) {
+    int pulls = 0, falls = 0;
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        pulls |= traction[TRACTION_TRACTION_FORCE * self->vehicles + i] > 0.0;
+        falls |= law[i] > 0.0;
+    }
+    if (!pulls && !falls) return 1;
+    drives *drive = self->drive = (drives *)calloc(1, sizeof *drive);
+    if (!drive) return 0;
+    drive->pulls = pulls;
+    drive->falls = falls;
+    drive->vehicles = self->vehicles;
+    drive->stride = self->stride;
+    drive->lanes = self->lanes;
+    drive->part = longest_part(self, traction, motion);
+    if (!take_rows(drive)) return 0;
+    for (int n = 0; n < TRACTION_ROWS; ++n)
+        memcpy(drive->traction + n * self->stride, traction + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    memcpy(drive->law, law, (size_t)self->vehicles * sizeof(double));
+    return 1;
+}
+
+void drive_free(drives *self) {
+    if (!self) return;
+    free(self->memory);
+    free(self);
+}
+
+/* True if a vehicle's electric brake acts or is demanded: its motors cannot drive it then. */
+static int brakes_electrically(const train *self, long long int i) {
+    if (!self->blends || !(self->electric[ELECTRIC_DYNAMIC_FORCE * self->stride + i] > 0.0)) return 0;
+    const double *command = self->command + i;
+    return command[ELECTRICALLY_DYNAMIC * self->stride] > 0.0 || command[ELECTRICALLY_DEMANDED * self->stride] > 0.0 ||
+           self->blended[i] > 0.0;
+}
+
+/* Commanded shares of a step. An emergency, or a hose that parts, empties the pipe and cuts the motors off at once. */
+static void command_motors(train *self) {
+    drives *drive = self->drive;
+    double *share = drive->command + DRIVEN_SHARE * self->stride, *end = run_row(self, RUN_END);
+    pipe_pressures(self->air, drive->line, NULL);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        const int off = drive->line[i] - AMBIENT < drive->traction[TRACTION_TRACTION_CUT_OUT * self->stride + i];
+        share[i] = off || brakes_electrically(self, i) ? 0.0 : self->input[IN_TRACTION][i];
+        if (off) end[i] = 0.0;
+    }
+}
+
+static void pull_in_lanes(drives *self) { IN_LANES(drive_pull); }
+static void adhere_in_lanes(drives *self) { IN_LANES(drive_adhere); }
+
+/* Forces of motors in a part of a step. */
+static void pull(train *self, double step) {
+    drives *drive = self->drive;
+    const double *wheel = motion_wheel(self->moves), *rate = run_row(self, RUN_RATE);
+    double *acting = motion_acting(self->moves, ACTING_PULL);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        drive->wheel[i] = wheel[i] + rate[i] * step / 2.0;
+        drive->command[DRIVEN_STEP * self->stride + i] = step;
+    }
+    memcpy(drive->command + DRIVEN_BEFORE * self->stride, run_row(self, RUN_END), (size_t)self->vehicles * sizeof(double));
+    pull_in_lanes(drive);
+    memcpy(run_row(self, RUN_MEAN), drive->force, (size_t)self->vehicles * sizeof(double));
+    memcpy(run_row(self, RUN_END), drive->force + self->stride, (size_t)self->vehicles * sizeof(double));
+    for (long long int i = 0; i < self->vehicles; ++i) acting[i] = self->input[IN_PULL][i] + drive->force[i];
+}
+
+/* Positions, speeds and slip before a part of a step. */
+static void note(train *self) {
+    drives *drive = self->drive;
+    const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        drive->place[i] = place[i];
+        drive->speed[i] = wheel[i] - speed[i];
+        drive->wheel[i] = wheel[i];
+    }
+}
+
+/* Work of motors in a part of a step: wheels go as far as their vehicle, and the mean of their slip further. */
+static void work(train *self, double step) {
+    const drives *drive = self->drive;
+    const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
+    double *rate = run_row(self, RUN_RATE), *done = run_row(self, RUN_TRACTION);
+    for (long long int i = 0; i < self->vehicles; ++i) {
+        const double slip = (drive->speed[i] + wheel[i] - speed[i]) / 2.0;
+        done[i] += drive->force[i] * (place[i] - drive->place[i] + slip * step);
+        rate[i] = (wheel[i] - drive->wheel[i]) / step;
+    }
+}
+
+/* Friction of a part of a step: that of the input and the line, over the speed of the vehicle at its begin. */
+static void adhere(train *self) {
+    drives *drive = self->drive;
+    double *acting = motion_acting(self->moves, ACTING_FRICTION);
+    memcpy(drive->speed, motion_speed(self->moves), (size_t)self->vehicles * sizeof(double));
+    adhere_in_lanes(drive);
+    for (long long int i = 0; i < self->vehicles; ++i) acting[i] = drive->friction[i] * drive->share[i];
+}
+
+long long int drive_go(train *self, long long int count, double step) {
+    drives *drive = self->drive;
+    if (!drive) {
+        motion_go(self->moves, count, step / (double)count);
+        return count;
+    }
+    const long long int parts = (long long int)ceil(step / drive->part), each = (count + parts - 1) / parts;
+    if (drive->pulls) command_motors(self);
+    const double *given = self->even ? self->input[IN_FRICTION] : motion_acting(self->moves, ACTING_FRICTION);
+    memcpy(drive->friction, given, (size_t)self->vehicles * sizeof(double)); /* without the fall over speed */
+    for (long long int n = 0; n < parts; ++n) {
+        const double part = step / (double)parts;
+        if (drive->falls) adhere(self);
+        if (drive->pulls) pull(self, part);
+        note(self);
+        motion_go(self->moves, each, part / (double)each);
+        work(self, part);
+    }
+    return parts * each;
+}
+
+void drive_brake(train *self, const double *way) {
+    double *taken = run_row(self, RUN_ELECTRIC);
+    for (long long int i = 0; i < self->vehicles && self->blends; ++i) taken[i] += self->blended[i] * fabs(way[i]);
+}
+
+void drive_outputs(train *self) {
+    memcpy(self->output[OUT_TRACTION_FORCE], run_row(self, RUN_MEAN), (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_TRACTION_ENERGY], run_row(self, RUN_TRACTION), (size_t)self->vehicles * sizeof(double));
+    memcpy(self->output[OUT_ELECTRIC_BRAKE_ENERGY], run_row(self, RUN_ELECTRIC), (size_t)self->vehicles * sizeof(double));
+}
