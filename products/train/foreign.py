@@ -72,6 +72,8 @@ def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
             limits = f"{least:g} to {most:g}" if unit == "1" else f"{least:g} to {most:g} {unit}"
             outside[name] = f"{name}: {value:.4g} is outside {limits}"
             del kept[name]
+    if "parking_force" in outside:
+        kept.pop("parking_compounding", None)
     if "full_pressure" in kept and kept.get("brake", "pneumatic") == "pneumatic" and not _is_reached(kept):
         pressure = kept.pop("full_pressure")
         outside["full_pressure"] = (

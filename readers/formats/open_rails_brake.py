@@ -61,6 +61,20 @@ def brake_of(fields: Fields, notes: Notes) -> Row:
     return found | _times(fields, pressure or PRESSURE, notes) | _volumes(fields, found["brake"], notes)
 
 
+def hand_brake_of(fields: Fields, notes: Notes) -> Row:
+    """Return the columns of a hand brake, whose force Open Rails takes instead of a smaller one of the air brake."""
+    force = fields.number("MaxHandbrakeForce", "N")
+    if not force or force < 0.0:
+        return {}
+    notes.taken("MaxHandbrakeForce -> parking_force [kN]; the input parking_brake of the train applies it")
+    notes.converted("MaxHandbrakeForce: Open Rails takes the larger of both brakes -> parking_compounding = larger")
+    if fields.has("ORTSMaxBrakeShoeForce"):
+        notes.assumed(
+            "MaxHandbrakeForce with ORTSMaxBrakeShoeForce: taken at the rims; Open Rails multiplies it by friction."
+        )
+    return {"parking_force": rounded(1e-3 * force), "parking_compounding": "larger"}
+
+
 def _system(system: str, fields: Fields, notes: Notes) -> Row:
     """Return the kind of brake by BrakeSystemType."""
     if system.startswith(("vacuum", "straight_vacuum")):

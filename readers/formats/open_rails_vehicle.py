@@ -9,7 +9,7 @@ from pathlib import Path
 
 from readers.formats import Row
 from readers.formats.notes import Notes
-from readers.formats.open_rails_brake import brake_of, branch_of
+from readers.formats.open_rails_brake import brake_of, branch_of, hand_brake_of
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_left import LEFT
 from readers.formats.open_rails_text import Block, Reader
@@ -59,6 +59,7 @@ TAKEN = (
     "Coupling",
     "ORTSFreightAnims",
     "ORTSEPBrakeControlsBrakePipe",
+    "MaxHandbrakeForce",
 )
 
 
@@ -88,7 +89,7 @@ def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
     row["mass"] = _mass(fields, loads, path, notes)
     row["length"] = _length(fields, path, notes)
     row |= _resistance(fields, notes)
-    row |= brake_of(fields, notes) | _dynamic(_engines(root), notes)
+    row |= brake_of(fields, notes) | hand_brake_of(fields, notes) | _dynamic(_engines(root), notes)
     row |= branch_of(fields, row["length"], notes)
     _tell_left(fields, root, notes)
     return row, [block for block in blocks if block.name == "coupling"]

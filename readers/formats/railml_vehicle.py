@@ -22,6 +22,14 @@ KINDS = {
 }
 #: Positions of an air brake, the first of them that a vehicle has is read.
 POSITIONS = ("P", "R", "G", "")
+#: Additional brakes, and the columns that have them.
+AUXILIARY = {
+    "E": "dynamic_force",
+    "ep": "distributor = ep_uic",
+    "H": "dynamic_force",
+    "Mg": "magnetic_attraction",
+    "Wb": "eddy_force",
+}
 #: Limits of a weight [t] and of the coefficients of Davis' formula.
 WEIGHT = (0.0, 5000.0)
 
@@ -136,9 +144,9 @@ def _brake(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
     """Return the brake of the first set of a vehicle's brakes by position: P, R, G."""
     sets = [one for one in inside(vehicle, "vehicleBrakes", "vehicleBrake") if one.attrib]
     for one in inside(vehicle, "auxiliaryBrakes"):
-        for name in ("E", "ep", "H", "Mg", "Wb"):
+        for name, remedy in AUXILIARY.items():
             if (one.get(name) or "false").lower() in ("true", "1"):
-                notes.left(f"auxiliaryBrakes {name}: additional brakes have no column.")
+                notes.left(f"auxiliaryBrakes {name}: the file does not state its force. Set {remedy}.")
     if not sets:
         return _by_table(vehicle, mass, place, notes) or _without_brake(notes)
     position = "airBrakeApplicationPosition"

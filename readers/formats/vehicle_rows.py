@@ -26,6 +26,7 @@ SHARED = (
     "shoe_force",
     "dynamic_force",
     "dynamic_power",
+    "parking_force",
     "auxiliary",
     "cylinder",
     "branch",

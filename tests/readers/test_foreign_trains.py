@@ -352,6 +352,17 @@ def test_a_railml_formation_has_the_numbers_of_its_vehicles(tmp_path: Path) -> N
     assert told(found, "assumed", "R: filled as in P")
 
 
+def test_additional_brakes_of_railml_have_no_force_and_name_their_column(tmp_path: Path) -> None:
+    vehicle = (
+        '<railml><rollingstock><vehicles><vehicle id="v" length="20" tareWeight="40"><vehicleBrakes>'
+        '<auxiliaryBrakes Mg="true" Wb="1" E="false"/></vehicleBrakes></vehicle></vehicles></rollingstock></railml>'
+    )
+    found = read(tmp_path, "a.xml", vehicle)
+    assert told(found, "left", "auxiliaryBrakes Mg: the file does not state its force. Set magnetic_attraction.")
+    assert told(found, "left", "auxiliaryBrakes Wb: the file does not state its force. Set eddy_force.")
+    assert not told(found, "left", "auxiliaryBrakes E")
+
+
 def test_a_formation_gives_its_vehicles_what_they_lack(tmp_path: Path) -> None:
     found = read(tmp_path, "unit.railml", UNIT)
     assert whole(found, "mass") == 100.0

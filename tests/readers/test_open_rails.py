@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from products.train.consist_file import consist_of
+from products.train.foreign import imported_consist
 from products.train.summary import brake_force
 from readers.formats import Imported
 from readers.formats.open_rails_text import DEEPEST, DEEPEST_INCLUDE, MOST_INCLUDES, Reader
@@ -115,11 +116,27 @@ def test_a_flipped_vehicle_has_its_front_coupler_behind_it(tmp_path: Path) -> No
     assert last["coupler"] == "rigid"
 
 
+def test_a_hand_brake_is_a_parking_brake_beside_which_the_larger_force_acts(tmp_path: Path) -> None:
+    head, wagons, _ = read_foreign(written(tmp_path)).rows
+    assert (head["parking_force"], head["parking_compounding"]) == (20.0, "larger")
+    assert "parking_force" not in wagons
+    own, _ = imported_consist(written(tmp_path))
+    assert own.vehicles[0].parking.parking_force == pytest.approx(20e3)
+    path = tmp_path / "power.eng"
+    for force, due in (("0kN", 0.0), ("5000kN", 0.0), ("30kN", 30e3)):
+        path.write_text(ENGINE.replace("20kN", force))
+        own, found = imported_consist(path)
+        assert own.vehicles[0].parking.parking_force == pytest.approx(due)
+        assert bool(told(found, "left", "parking_force: 5000 is outside 0.1 to 1000 kN; it is left out.")) == (
+            force == "5000kN"
+        )
+
+
 def test_what_is_misspelt_ignored_and_doubtful_is_told(tmp_path: Path) -> None:
     found = read_foreign(written(tmp_path))
     assert told(found, "left", "emergency_brake_resevoir")
     assert told(found, "left", "did you mean ORTSMaxBrakeShoeForce?")
-    assert told(found, "left", "hand and parking brakes have no column")
+    assert told(found, "assumed", "MaxHandbrakeForce with ORTSMaxBrakeShoeForce: taken at the rims")
     assert told(found, "assumed", "0.9 psi/s is Open Rails' default, 68 s")
     assert told(found, "assumed", "friction 0.20")
     assert told(found, "assumed", "44 t is read with its unit")
