@@ -13,7 +13,7 @@ import casadi as ca
 
 from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, WALL, choke_flow, share_of
 from brake_controller.distributors import aar
-from brake_controller.distributors.aar import OPENS, AarValve
+from brake_controller.distributors.aar import OF_AAR, OPENS, FreightCar, fastest_volume, freight_car
 from brake_controller.distributors.distributor import Answer, Distributor, Moment
 from brake_controller.distributors.uic import RELAY
 from fmu_src.system import quantity
@@ -28,18 +28,16 @@ STATES = (
 
 
 @dataclass(frozen=True)
-class EcpValve(AarValve):
-    """A valve by wire; of the AAR valve's parameters, those of slide valve, quick service and retainer have no effect.
-
-    `full_pressure` is that of a full service by wire.
-    """
+class EcpValve(FreightCar):
+    """A valve by wire with the reservoirs of a freight car; `full_pressure` is that of a full service by wire."""
 
     low_pressure: float = quantity("Pa", "Pressure of the pipe below which the brake is fully applied", 0.0)
 
 
 def ready(position: str) -> EcpValve:
-    """Return the AAR valve of a freight car with a wire; positions make no difference."""
-    return EcpValve(**aar.ready(position).values(), low_pressure=LOW)
+    """Return a freight car with a wire in place of the AAR valve's slide valve; positions make no difference."""
+    del position
+    return EcpValve(**freight_car().values(), low_pressure=LOW)
 
 
 def whole(moment: Moment) -> Answer:
@@ -81,7 +79,7 @@ ECP = Distributor(
     states=STATES,
     ready=ready,
     whole=whole,
-    pace=aar.fastest_change,
-    without_effect=("position", "full_pressure", "retainer"),
+    pace=fastest_volume,
+    without_effect=("position", "full_pressure", *OF_AAR),
     wired=True,
 )

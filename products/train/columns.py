@@ -63,6 +63,7 @@ AIR: dict[str, tuple[str, float, float]] = {
     "delay": ("s", 0.0, 9.0),
     "service_rate": ("bar/s", 0.01, 5.0),
     "exhaust": ("mm", 1.0, 30.0),
+    "empty_load": ("1", 0.3, 0.9),
 }
 #: Columns of the electric command and of the electric brake.
 ELECTRIC: dict[str, tuple[str, float, float]] = {
@@ -126,7 +127,8 @@ WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
     "brake": tuple(BRAKES),
     "distributor": (),
-    "retainer": tuple(RETAINERS),
+    "retainer": RETAINERS,
+    "accelerated_release": ("yes", "no"),
     "position": ("P", "G"),
     "friction": (*FRICTIONS, *FORCELESS),
     "adhesion": tuple(ADHESIONS),

@@ -37,6 +37,8 @@ HOSE = 0.62
 ROTATING = 0.04
 #: Masses without a load [kg].
 WAGON, LOCOMOTIVE, COACH = 20e3, 84e3, 46e3
+#: Largest mass of a wagon that brakes as an empty one [kg]. Assumed.
+EMPTY_UP_TO = 40e3
 #: Brake weight percentage of kinds without data of their cylinders [%]. Assumed.
 PERCENTAGE = {"locomotive": 85.0, "coach": 135.0}
 #: Length of a vehicle at most [m].
@@ -192,10 +194,12 @@ def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> T
 
     Cylinder of 406 mm, rigging of ratio 5.65 and efficiency 0.83, return force 1500 N: those of RailProfAC's shunting
     stops. Assumed: up to 40 t it brakes with two fifths of that (a lever for empty and loaded); with continuous
-    weighing the brake force is in proportion to its mass over 80 t.
+    weighing the brake force is in proportion to its mass over 80 t. Without weighing, `none`, it is that of a loaded
+    wagon.
     """
     mass = WAGON + load
-    weighed = mass / 80e3 if weighing == "continuous" else 1.0 if mass > 40e3 else 0.4
+    by_lever = 1.0 if mass > EMPTY_UP_TO else 0.4
+    weighed = {"continuous": mass / 80e3, "none": 1.0}.get(weighing, by_lever)
     area = math.pi / 4 * 0.406**2
     brake = VehicleBrake(
         force_per_pressure=weighed * 5.65 * area,

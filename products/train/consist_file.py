@@ -13,6 +13,7 @@ from typing import Any
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors.aar import OF_AAR
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from fmu_src.suggestion import suggestion
 from products.train.columns import (
@@ -56,7 +57,7 @@ WITHOUT_BRAKE = (
     "mass",
     "length",
     "distributor",
-    "retainer",
+    *OF_AAR,
     "position",
     "coupler",
     "weighing",
@@ -261,6 +262,7 @@ def _bare(values: Mapping[str, Any]) -> TrainVehicle:
     if "weighing" in values and kind != "wagon":
         raise ValueError(f"weighing must be of a wagon; the vehicle is a {kind}. Leave it out.")
     more = {"weighing": values["weighing"]} if "weighing" in values else {}
+    more |= {"weighing": "none"} if "empty_load" in values and kind == "wagon" else {}
     one = KINDS[kind](1e3 * load, values.get("position", "P"), **more)
     if "distributor" in values:
         one = replace(one, distributor=DISTRIBUTORS[values["distributor"]].ready(values.get("position", "P")))

@@ -14,7 +14,7 @@ import numpy as np
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS, kind_of
-from brake_controller.distributors.aar import RETAINERS, AarValve
+from brake_controller.distributors.aar import RETAINERS, AarValve, FreightCar, retaining
 from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
@@ -227,11 +227,8 @@ def _distributor(one: TrainVehicle) -> Row:
         return {"brake": "ep-direct", "full_pressure": 1e-5 * own.full_pressure} | times
     kind = kind_of(own)
     named: Row = {} if kind.name == "uic" else {"distributor": kind.name}
-    if isinstance(own, AarValve):
-        kept = {pressure: word for word, pressure in RETAINERS.items()}
-        return named | (
-            {"retainer": kept[own.retained_pressure]} if own.retained_pressure in kept.keys() - {0.0} else {}
-        )
+    if isinstance(own, FreightCar):
+        return named | (_aar_valve(own) if isinstance(own, AarValve) else {})
     for position in ("P", "G"):
         if DISTRIBUTORS[kind.name].ready(position) == own:
             return named | {"position": position}
@@ -240,6 +237,14 @@ def _distributor(one: TrainVehicle) -> Row:
     volumes = {"auxiliary": 1e3 * own.auxiliary_volume, "cylinder": 1e3 * own.cylinder_volume}
     times = {"fill_time": filling_time(own, 0.95 * own.full_pressure), "release_time": release_time(own)}
     return {"full_pressure": 1e-5 * own.full_pressure} | volumes | times
+
+
+def _aar_valve(own: AarValve) -> Row:
+    """Return the columns of the retainer, release and empty/load device of a control valve."""
+    row: Row = {"accelerated_release": "no"} if own.accelerated_choke == 0.0 else {}
+    row |= {"empty_load": own.empty_share} if own.empty_share < 1.0 else {}
+    found = [one for one in RETAINERS[1:] if replace(own, **retaining(one)) == own]
+    return row | ({"retainer": found[0]} if found else {})
 
 
 def _friction(one: VehicleBrake) -> Row:
@@ -270,7 +275,8 @@ def _brake(one: TrainVehicle) -> Row:
     own, friction = one.brake, _friction(one.brake)
     if isinstance(one.distributor, Piped):
         return {}
-    if own.counter_force == 0.0:
+    by_cylinder = isinstance(one.distributor, AarValve) and one.distributor.empty_share < 1.0
+    if own.counter_force == 0.0 and not by_cylinder:
         force = own.force_per_pressure * own.efficiency * one.distributor.full_pressure
         return {"shoe_force": 1e-3 * force} | friction
     ratios = {d: own.force_per_pressure / (math.pi / 4 * (1e-3 * d) ** 2) for d in DIAMETERS}

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import FROM_100, force_of_percentage
 from brake_controller.distributors import DISTRIBUTORS, ep_direct
-from brake_controller.distributors.aar import RETAINERS, AarValve
+from brake_controller.distributors.aar import OF_AAR, AarValve, retaining
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ep_direct import FILLING, RELEASE
 from brake_controller.distributors.piped import Piped
@@ -30,6 +30,8 @@ from brake_controller.vehicle_brake import (
 )
 from products.train.columns import FORCE, HEAT
 from products.train.consist import (
+    EMPTY,
+    EMPTY_UP_TO,
     PERCENTAGE,
     SPEEDS,
     TrainVehicle,
@@ -57,7 +59,7 @@ CYLINDER = {"cylinders": 1.0, "rigging_efficiency": 0.83, "return_force": 1500.0
 PAD_RADIUS = 0.6
 #: Columns without effect by kind of brake.
 _BY_PIPE, _TIMES = (
-    ("distributor", "position", "auxiliary", "cylinder", "retainer"),
+    ("distributor", "position", "auxiliary", "cylinder", *OF_AAR),
     ("full_pressure", "fill_time", "release_time"),
 )
 WITHOUT_EFFECT = {
@@ -85,6 +87,28 @@ def check_force(values: Mapping[str, Any]) -> None:
     if stated and "weighing" in values:
         raise ValueError(f"weighing must be left out with {stated[0]}, which is that of the load. Leave it out.")
     _check_friction(values, stated)
+    if "empty_load" in values:
+        _check_empty(values, [name for name in stated if name != "cylinder_diameter"])
+
+
+def _check_empty(values: Mapping[str, Any], forces: list[str]) -> None:
+    """Check that the force of a row with an empty/load device follows from its cylinder. Raises ValueError."""
+    if "weighing" in values:
+        raise ValueError("weighing must be left out with empty_load, which is in its place. Leave one of them out.")
+    if not forces and values["kind"] in PERCENTAGE and "cylinder_diameter" not in values:
+        forces = [f"the lambda of a {values['kind']}"]
+    if forces:
+        raise ValueError(
+            f"empty_load must be left out with {forces[0]}, the force of this load. Leave it out, or state the brake "
+            "by cylinder_diameter."
+        )
+    mass = values.get("mass", 1e-3 * EMPTY[values["kind"]] + values.get("load", math.nan))
+    if not mass <= 1e-3 * EMPTY_UP_TO:
+        got = "none" if math.isnan(mass) else f"{mass:g} t"
+        raise ValueError(
+            f"empty_load must come with the load or mass of an empty car, at most {1e-3 * EMPTY_UP_TO:g} t in all; got "
+            f"{got}. Set load to 0, or leave empty_load out: a loaded car has its whole force."
+        )
 
 
 def _check_friction(values: Mapping[str, Any], stated: list[str]) -> None:
@@ -161,12 +185,13 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
     own = [name for name in OF_UIC if name in values]
     if own and not isinstance(one, UicDistributor):
         raise ValueError(f"{own[0]} must be of the distributor uic; got {values['distributor']}. Leave {own[0]} out.")
-    if "retainer" in values:
-        if not isinstance(one, AarValve):
+    for name in OF_AAR:
+        if name in values and not isinstance(one, AarValve):
             raise ValueError(
-                f"retainer must be of the distributor aar; got {values.get('distributor', UIC.name)}. Leave it out."
+                f"{name} must be of the distributor aar; got {values.get('distributor', UIC.name)}. Leave it out."
             )
-        return replace(one, retained_pressure=RETAINERS[values["retainer"]])
+    if isinstance(one, AarValve):
+        return _aar_valve_of(values, one)
     if "full_pressure" in values:
         one = replace(one, full_pressure=1e5 * values["full_pressure"])
     if not isinstance(one, UicDistributor) or not (own or "full_pressure" in values):
@@ -175,6 +200,15 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
     one = replace(one, **{of: 1e-3 * values[name] for name, of in volumes.items() if name in values})
     filling, release = TIMES[values.get("position", "P")]
     return with_times(one, values.get("fill_time", filling), values.get("release_time", release))
+
+
+def _aar_valve_of(values: Mapping[str, Any], one: AarValve) -> AarValve:
+    """Return a control valve with the retainer, release and empty/load device of a row."""
+    share = values.get("empty_load", 1.0)
+    one = replace(one, empty_share=share, full_pressure=share * one.full_pressure)
+    if values.get("accelerated_release") == "no":
+        one = replace(one, accelerated_choke=0.0)
+    return replace(one, **retaining(values.get("retainer", "direct")))
 
 
 def brake_of(values: Mapping[str, Any], one: TrainVehicle) -> VehicleBrake:

@@ -61,7 +61,7 @@ LEFT = {
     "ORTSQuickServiceVentRate": _VALVE,
     "ORTSAcceleratedApplicationFactor": _VALVE,
     "ORTSAcceleratedApplicationMaxVentRate": _VALVE,
-    "ORTSEmergencyResQuickRelease": "accelerated release has no column",
+    "ORTSEmergencyResQuickRelease": "it has a column with distributor = aar alone",
     "ORTSUniformChargingThreshold": "uniform charging has no column",
     "ORTSUniformChargingRatio": "uniform charging has no column",
     "ORTSUniformReleaseThreshold": "uniform release has no column",

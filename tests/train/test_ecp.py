@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from brake_controller.distributors.aar import ready
+from brake_controller.distributors.ecp import ECP
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
 from products.train.numbers import Settings
@@ -75,6 +77,12 @@ def test_a_mixed_train_keeps_the_pipe_as_the_command_of_its_other_cars() -> None
     one.advance(60.0)
     assert one.pipe_pressure.max() < 360e3
     assert one.cylinder_pressure[1:] == pytest.approx(FULL, rel=0.05)
+
+
+def test_each_of_its_parameters_has_an_effect() -> None:
+    """Structure of the Jacobian of rates and flows with respect to the parameters: no column is empty."""
+    structure = np.array(ca.DM(ECP.function("whole").jac_sparsity(0, 2), 1.0))
+    assert [name for name, column in zip(ECP.fields(), structure.T, strict=True) if not column.any()] == []
 
 
 def test_a_consist_states_it_and_is_written_again(tmp_path: Path) -> None:

@@ -37,7 +37,8 @@ def row_of(draw: np.random.Generator) -> dict[str, Any]:
         return row | {"brake": brake}
     row |= {"distributor": brake}
     if brake == "aar":
-        return row | {"retainer": str(draw.choice(list(RETAINERS)))}
+        row |= {"retainer": str(draw.choice(RETAINERS)), "accelerated_release": str(draw.choice(["yes", "no"]))}
+        return row | ({"empty_load": draw.uniform(0.3, 0.9)} if row.get("mass", 99.0) < 40.0 else {})
     if brake in ("uic", "ep_uic", "twin_pipe"):
         row |= {"position": str(draw.choice(["P", "G"]))}
     return row | ({"dead_time": draw.uniform(0.0, 2.0)} if brake in ("ecp", "ep_uic") else {})
