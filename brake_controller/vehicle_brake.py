@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import casadi as ca
@@ -171,6 +171,16 @@ def fractions(p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX) ->
     above = (force + p["friction_force_added"]) * (speed + p["friction_speed_added"])
     below = (force + p["friction_force_divisor"]) * (speed + p["friction_speed_divisor"])
     return p["friction_scale"] * above / below
+
+
+def law_named(one: VehicleBrake) -> str:
+    """Return the name of a brake's law of friction in FRICTIONS or FORCELESS; "speed" if its fractions are its own."""
+
+    def is_law(name: str, law: Mapping[str, float]) -> bool:
+        own = {key: value for key, value in law.items() if (name, key) != ("pads", "friction_scale")}
+        return replace(one, **own) == one
+
+    return next(name for name, law in {**FRICTIONS, **FORCELESS}.items() if is_law(name, law))
 
 
 def named(parameters: type[ParameterSet]) -> list[str]:

@@ -242,7 +242,7 @@ PLUMBING = {
     "brake_controller/distributors/ecp.py": {"ready"},
     "brake_controller/distributors/ep_direct.py": {"ready", "settling"},
     "brake_controller/distributors/piped.py": {"pace", "ready", "whole"},
-    "brake_controller/vehicle_brake.py": {"named", "over_points", "points_of"},
+    "brake_controller/vehicle_brake.py": {"law_named", "named", "over_points", "points_of"},
     "brake_controller/discs.py": {"axle_discs"},
     "brake_controller/motors.py": {
         "available",

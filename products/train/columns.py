@@ -80,16 +80,19 @@ TRACTION: dict[str, tuple[str, float, float]] = {
     "traction_rise": ("s", 0.0, 60.0),
     "traction_cut_out": ("bar", 0.0, 8.0),
 }
-#: Columns of the heat of wheels; those of one wheel, except its number.
+#: Columns of the heat of brakes; those of one wheel or disc and of the blocks or pads on it, except its number.
 HEAT: dict[str, tuple[str, float, float]] = {
     "wheel_mass": ("kg", 1.0, 5000.0),
     "wheels": ("1", 1, 96),
+    "disc_mass": ("kg", 1.0, 5000.0),
+    "discs": ("1", 1, 96),
     "heat_share": ("1", 0.0, 1.0),
     "cooling": ("W/K", 0.0, 1000.0),
     "cooling_speed": ("W.s/(K.m)", 0.0, 100.0),
-    "fade_from": ("degC", 20.0, 1500.0),
-    "fade_to": ("degC", 20.0, 1500.0),
-    "fade_left": ("1", 0.0, 1.0),
+    "block_mass": ("kg", 0.1, 500.0),
+    "block_heat": ("J/(kg.K)", 100.0, 3000.0),
+    "block_cooling": ("W/K", 0.0, 100.0),
+    "block_cooling_speed": ("W.s/(K.m)", 0.0, 10.0),
 }
 #: Columns of track brakes: magnets on the rails, eddy currents in them, and the pressure of the pipe that applies both.
 TRACK: dict[str, tuple[str, float, float]] = {
@@ -121,7 +124,7 @@ COUPLING: dict[str, tuple[str, float, float]] = {
 }
 NUMBERS = VEHICLE | FORCE | AIR | ELECTRIC | TRACTION | HEAT | TRACK | PARKING | COUPLING
 #: Columns of integers.
-WHOLE = ("count", "shoes", "cylinders", "wheels")
+WHOLE = ("count", "shoes", "cylinders", "wheels", "discs")
 #: Columns of words with a choice. `choices` has the names of distributors, those that there are when a file is read.
 WORDS: dict[str, Collection[str]] = {
     "kind": tuple(KINDS),
@@ -138,12 +141,12 @@ WORDS: dict[str, Collection[str]] = {
     "parking_compounding": tuple(COMPOUNDING),
 }
 #: Columns of free text.
-TABLES = ("friction_table", "dynamic_table", "traction_table")
+TABLES = ("friction_table", "dynamic_table", "traction_table", "fade_table")
 TEXTS = ("name", *TABLES)
 #: All names, in the order in which files are written.
 NAMES = (
     *("kind", "name", *VEHICLE, "brake", *FORCE, "friction", "friction_table", *AIR, *ELECTRIC, "dynamic_table"),
-    *(*TRACTION, "traction_table", *HEAT, *TRACK, *PARKING),
+    *(*TRACTION, "traction_table", *HEAT, "fade_table", *TRACK, *PARKING),
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
     *COUPLING,
 )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
+from brake_controller.brake_heat import NO_BRAKE_HEAT, BrakeHeat
 from brake_controller.brake_weight import (
     FROM_100,
     VEHICLE_BUILD_UP,
@@ -27,7 +28,6 @@ from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
 from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
 from brake_controller.traction import NO_TRACTION, Traction
 from brake_controller.vehicle_brake import VehicleBrake, braking
-from brake_controller.wheel_heat import NO_WHEEL_HEAT, WheelHeat
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY, MOTION
 
@@ -77,7 +77,7 @@ class TrainVehicle:
     leads: bool = False
     name: str = ""
     electric: ElectricBrake = NO_ELECTRIC_BRAKE
-    heat: WheelHeat = NO_WHEEL_HEAT
+    heat: BrakeHeat = NO_BRAKE_HEAT
     track: TrackBrakes = NO_TRACK_BRAKES
     parking: ParkingBrake = NO_PARKING_BRAKE
     traction: Traction = NO_TRACTION

@@ -75,6 +75,7 @@ WITHOUT_BRAKE = (
     "traction_table",
     "adhesion",
     *HEAT,
+    "fade_table",
     *TRACK,
     *PARKING,
     "parking_compounding",
@@ -244,7 +245,7 @@ def _vehicles(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> lis
         one = replace(one, brake=braked_with(0.0))
     elif set(values) - set(WITHOUT_BRAKE):
         one = replace(one, brake=brake_of(values, one))
-    one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values))
+    one = replace(one, electric=electric_of(values, one.distributor), heat=heat_of(values, one.brake))
     one = replace(one, track=track_of(values), parking=parking_of(values, one.mass))
     one = replace(one, traction=traction_of(values), adhesion=values.get("adhesion", "input"))
     one = _with_valve(values, one)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from brake_controller.brake_heat import BrakeHeat
 from brake_controller.brake_pipe import CELL
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.drivers_valve import POSITIONS, VALVE
@@ -22,7 +23,6 @@ from brake_controller.parking_brake import ParkingBrake
 from brake_controller.track_brakes import TrackBrakes
 from brake_controller.traction import Traction
 from brake_controller.vehicle_brake import VehicleBrake
-from brake_controller.wheel_heat import WheelHeat
 from fmu_src.system import Field, ParameterSet
 from rbd_model.train.adhesion import ADHESION
 from rbd_model.train.coupler import COUPLER
@@ -107,7 +107,7 @@ def _found(name: str, unit: str, text: str, of: str = "one") -> Array:
     return Array(name, unit, -math.inf, math.inf, text, of=of)
 
 
-_WORK = "Heat of each friction brake so far; 0 if the train has neither wheel_mass, electric brakes nor traction"
+_WORK = "Heat of each friction brake so far; 0 if the train has no warm brakes, electric brakes or traction"
 #: Outputs, and numbers of the run.
 OUTPUTS = (
     _found("distance", "m", "Distance of each vehicle's middle", "vehicles"),
@@ -119,7 +119,8 @@ OUTPUTS = (
     _found("rail_force", "N", "What the rail gives to each vehicle's wheels, forwards above zero", "vehicles"),
     _found("coupler_force", "N", "Tension in the coupling behind each vehicle, compression below zero", "couplings"),
     _found("mean_coupler_force", "N", "Mean tension over the last step, which has its impulse", "couplings"),
-    _found("wheel_temperature", "K", "Temperature of each vehicle's wheels; 293.15 K if they have no mass", "vehicles"),
+    _found("brake_temperature", "K", "Temperature of each vehicle's braked wheels or discs", "vehicles"),
+    _found("block_temperature", "K", "Temperature of each vehicle's blocks or pads", "vehicles"),
     _found("track_brake_force", "N", "What each vehicle's track brakes can hold, apart from its wheels", "vehicles"),
     _found("brake_heat", "J", _WORK, "vehicles"),
     _found("traction_force", "N", "Force of each vehicle's motors at the rims, without the input pull", "vehicles"),
@@ -208,7 +209,7 @@ def layout() -> tuple[Group, ...]:
         *(Group(name, name, own) for name, own in of_kinds),
         Group("brake", "vehicles", _of(VehicleBrake, 1e12)),
         Group("electric", "vehicles", _of(ElectricBrake, 1e12)),
-        Group("heat", "vehicles", _of(WheelHeat, 1e12)),
+        Group("heat", "vehicles", _of(BrakeHeat, 1e12)),
         Group("track", "vehicles", _of(TrackBrakes, 1e12)),
         Group("parking", "vehicles", _of(ParkingBrake, 1e12)),
         Group("traction", "vehicles", _of(Traction, 1e12)),

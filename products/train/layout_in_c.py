@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from brake_controller.air import AMBIENT, GAS_CONSTANT
+from brake_controller.brake_heat import HEATED, SURROUNDINGS, WORKED
 from brake_controller.brake_pipe import VALVE as TAP
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import ANSWERED, COMMANDED, CYLINDER, STARTS
@@ -13,7 +14,6 @@ from brake_controller.electric_brake import DEMANDED
 from brake_controller.parking_brake import SCREWED
 from brake_controller.track_brakes import ORDERED
 from brake_controller.traction import COMMANDED as DRIVEN
-from brake_controller.wheel_heat import SURROUNDINGS, WORKED
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.system import Field
 from products.train.layout import BRAKE_MODELS, INPUTS, MOST_VALVES, OUTPUTS, START_FRICTION, SUMS, UNBREAKABLE, layout
@@ -83,6 +83,7 @@ def _kinds_in_c() -> list[str]:
         _enum("command", COMMANDED, "COMMAND_ROWS"),
         _enum("electrically", DEMANDED, "ELECTRICALLY_ROWS"),
         _enum("worked", WORKED, "WORKED_ROWS"),
+        _enum("heated", HEATED, "HEATED_ROWS"),
         _enum("ordered", ORDERED, "ORDERED_ROWS"),
         _enum("screwed", SCREWED, "SCREWED_ROWS"),
         _enum("driven", DRIVEN, "DRIVEN_ROWS"),

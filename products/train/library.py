@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from brake_controller.brake_heat import fading, heating
 from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import Distributor
@@ -16,7 +17,6 @@ from brake_controller.parking_brake import parking
 from brake_controller.track_brakes import track_braking
 from brake_controller.traction import driving
 from brake_controller.vehicle_brake import braking
-from brake_controller.wheel_heat import fading, heating
 from fmu_src.compile import loaded, plain_library
 from fmu_src.equations_in_c import WIDTHS, function_of_cells
 from products.train import c as folder

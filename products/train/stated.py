@@ -65,7 +65,7 @@ _BY_PIPE, _TIMES = (
 WITHOUT_EFFECT = {
     "pneumatic": (),
     "ep-direct": _BY_PIPE,
-    "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, *HEAT, "friction", "weighing"),
+    "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, *HEAT, "fade_table", "friction", "weighing"),
 }
 #: Columns of a UIC distributor's cylinder and reservoirs.
 OF_UIC = ("fill_time", "release_time", "auxiliary", "cylinder")

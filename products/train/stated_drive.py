@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import pairwise
 from typing import Any
 
 from brake_controller.distributors import kind_of
@@ -13,7 +12,7 @@ from brake_controller.electric_brake import FADE, ElectricBrake
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
 from brake_controller.traction import CUT_OUT, NO_TRACTION, Traction
 from products.train.columns import TRACTION
-from readers.columns import number_of
+from products.train.pairs import pairs_of, text_of
 
 #: Largest force of a table [kN].
 MOST_FORCE = 2000.0
@@ -21,17 +20,13 @@ MOST_FORCE = 2000.0
 
 def table_in(text: str, most: int, least: float, largest: float) -> tuple[list[float], list[float]]:
     """Return speeds [m/s] and values of a string of pairs "km/h:value"; empty lists if it is not such a table."""
-    numbers = [[number_of(part) for part in pair.split(":")] for pair in text.split()]
-    right = 2 <= len(numbers) <= most and all(len(pair) == 2 for pair in numbers)
-    right = right and all(0.0 <= v <= 1000.0 and least <= value <= largest for v, value in numbers)
-    if not right or any(a[0] >= b[0] for a, b in pairwise(numbers)):
-        return [], []
-    return [v / KILOMETRES_PER_HOUR for v, _ in numbers], [value for _, value in numbers]
+    speeds, found = pairs_of(text, (0.0, 1000.0), (least, largest), most) or ([], [])
+    return [v / KILOMETRES_PER_HOUR for v in speeds], found
 
 
 def table_as_text(speeds: list[float], values: list[float]) -> str:
     """Return the text of a table by `table_in`."""
-    return " ".join(f"{KILOMETRES_PER_HOUR * v:.12g}:{value:.12g}" for v, value in zip(speeds, values, strict=True))
+    return text_of([KILOMETRES_PER_HOUR * v for v in speeds], values)
 
 
 def check_drive(values: Mapping[str, Any]) -> None:

@@ -1,65 +1,157 @@
-"""The heat of a vehicle's wheels as a row of a consist states it, and the row that states it."""
+"""The heat of a vehicle's brake as a row of a consist states it, and the row that states it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
-from brake_controller.wheel_heat import NO_WHEEL_HEAT, STEEL, SURROUNDINGS, WheelHeat
+from brake_controller.brake_heat import DISCS, FADE, NO_BRAKE_HEAT, NO_FADE, WHEELS, BrakeHeat
+from brake_controller.discs import axle_discs
+from brake_controller.point_table import MOST_POINTS
+from brake_controller.vehicle_brake import VehicleBrake, law_named
 from products.train.columns import HEAT
+from products.train.pairs import pairs_of, text_of
+from products.train.stated import PAD_RADIUS
 
 #: Temperature of 0 degC [K].
 ZERO = 273.15
-#: Where a row does not state them: braked wheels of a vehicle [1], cooling of a wheel at rest [W/K] and its growth with
-#: speed [W.s/(K.m)]. Assumed; at 70 km/h the cooling is 59 W/K, between 48 and 80 that fit reported time constants.
-WHEELS, COOLING, COOLING_SPEED = 8.0, 20.0, 2.0
+#: Specific heat capacity of wheels [J/(kg.K)], steel.
+STEEL = 500.0
 #: Share of the heat in wheels with blocks of cast iron, which take 20 to 30 % of it, and with other blocks. Assumed.
 SHARE_CAST_IRON, SHARE = 0.75, 0.9
-_FADE = ("fade_from", "fade_to", "fade_left")
+#: Specific heat capacity of blocks of cast iron, and of other blocks and pads [J/(kg.K)]. Assumed.
+BLOCK_CAST_IRON, BLOCK = 510.0, 1000.0
+#: Cooling of the blocks at one wheel at rest [W/K], and its growth with speed [W.s/(K.m)]: some 0.1 m2 of surface at 20
+#: W/(m2.K), and 3 more for each m/s. Assumed.
+BLOCK_COOLING, BLOCK_COOLING_SPEED = 2.0, 0.3
+#: Laws of friction of blocks on treads.
+OF_BLOCKS = ("cast-iron-p6", "cast-iron-p10", "composite", "composite-k")
+#: Limits of `fade_table` [degC], [1].
+HOT, SHARES = (0.0, 1500.0), (0.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body that blocks or pads rub on: columns of its mass and number, and values if these are not stated.
+
+    capacity: specific heat capacity [J/(kg.K)]; cooling: of one, at rest [W/K]; cooling_speed: its growth with the
+    speed of the vehicle [W.s/(K.m)].
+    """
+
+    mass: str
+    number: str
+    capacity: float
+    cooling: float
+    cooling_speed: float
+
+
+def _bodies() -> dict[int, Body]:
+    """Return wheels and discs, all assumed except for capacities.
+
+    The cooling of a wheel at 70 km/h is 59 W/K, between 48 and 80 that fit reported time constants. A disc is one of
+    two on a wheelset, whose fan moves air in proportion to its speed.
+    """
+    two = axle_discs()
+    fan = two.disc_cooling_over_speed * PAD_RADIUS
+    return {
+        WHEELS: Body("wheel_mass", "wheels", STEEL, 20.0, 2.0),
+        DISCS: Body("disc_mass", "discs", two.disc_heat_capacity, two.disc_cooling_at_rest / 2, fan / 2),
+    }
+
+
+BODIES = _bodies()
+#: Number of wheels or discs of a vehicle if it is not stated. Assumed.
+NUMBER = 8.0
 
 
 def check_heat(values: Mapping[str, Any]) -> None:
-    """Check that a row states the heat of its wheels completely. Raises ValueError."""
+    """Check that a row states the heat of its brake completely, and once. Raises ValueError."""
+    masses = [one.mass for one in BODIES.values()]
+    stated = [name for name in masses if name in values]
+    if len(stated) > 1:
+        raise ValueError(f"{stated[0]} must be left out with {stated[1]}: one body takes the heat. Leave one out.")
+    for one in BODIES.values():
+        if one.number in values and one.mass not in values:
+            raise ValueError(f"{one.number} must come with {one.mass}. Add it, or leave {one.number} out.")
+    for name in (*HEAT, "fade_table"):
+        if name in values and not stated:
+            raise ValueError(f"{name} must come with {' or '.join(masses)}. Add it, or leave {name} out.")
     for name in HEAT:
-        if name in values and "wheel_mass" not in values:
-            raise ValueError(f"{name} must come with wheel_mass. Add it, or leave {name} out.")
-    stated = [name for name in _FADE if name in values]
-    missing = [name for name in _FADE if name not in values]
-    if stated and missing:
-        raise ValueError(f"{stated[0]} must come with {missing[0]}. Add it, or leave {stated[0]} out.")
-    if stated and values["fade_to"] <= values["fade_from"]:
-        raise ValueError(
-            f"fade_to must be above fade_from, {values['fade_from']:g} degC; got {values['fade_to']:g} degC. Raise it."
-        )
+        if name.startswith("block_") and name in values and "block_mass" not in values:
+            raise ValueError(f"{name} must come with block_mass. Add it, or leave {name} out.")
 
 
-def heat_of(values: Mapping[str, Any]) -> WheelHeat:
-    """Return the wheels of a row that `check_heat` has checked; without wheel_mass they stay cold."""
-    if "wheel_mass" not in values:
-        return NO_WHEEL_HEAT
-    wheels = values.get("wheels", WHEELS)
-    share = SHARE_CAST_IRON if str(values.get("friction", "")).startswith("cast-iron") else SHARE
-    return WheelHeat(
-        heat_capacity=wheels * values["wheel_mass"] * STEEL,
-        heat_share=values.get("heat_share", share),
-        cooling_at_rest=wheels * values.get("cooling", COOLING),
-        cooling_over_speed=wheels * values.get("cooling_speed", COOLING_SPEED),
-        fade_from=values["fade_from"] + ZERO if "fade_from" in values else SURROUNDINGS,
-        fade_to=values["fade_to"] + ZERO if "fade_to" in values else SURROUNDINGS,
-        fade_left=values.get("fade_left", 1.0),
+def heat_of(values: Mapping[str, Any], brake: VehicleBrake) -> BrakeHeat:
+    """Return the heat of a brake by a row that `check_heat` has checked; without masses it stays cold.
+
+    Raises
+    ------
+    ValueError
+        If the friction is not that of the stated body, or `fade_table` is not a table.
+    """
+    rubbed = next((number for number, one in BODIES.items() if one.mass in values), None)
+    if rubbed is None:
+        return NO_BRAKE_HEAT
+    body, law = BODIES[rubbed], law_named(brake)
+    if rubbed == DISCS and law in OF_BLOCKS:
+        raise ValueError(f"disc_mass must be of pads; the friction is {law}, of blocks. Set friction, or wheel_mass.")
+    if rubbed == WHEELS and law == "pads":
+        raise ValueError("wheel_mass must be of blocks; the friction is that of pads. State disc_mass instead.")
+    iron, number = law.startswith("cast-iron"), values.get(body.number, NUMBER)
+    usual = axle_discs().disc_heat_share if rubbed == DISCS else SHARE_CAST_IRON if iron else SHARE
+    block = BLOCK_CAST_IRON if iron else BLOCK
+    blocks = number if "block_mass" in values else 0.0
+    return BrakeHeat(
+        rubbed=float(rubbed),
+        heat_capacity=number * values[body.mass] * body.capacity,
+        heat_share=values.get("heat_share", usual),
+        cooling_at_rest=number * values.get("cooling", body.cooling),
+        cooling_over_speed=number * values.get("cooling_speed", body.cooling_speed),
+        block_capacity=blocks * values.get("block_mass", 0.0) * values.get("block_heat", block),
+        block_cooling_at_rest=blocks * values.get("block_cooling", BLOCK_COOLING),
+        block_cooling_over_speed=blocks * values.get("block_cooling_speed", BLOCK_COOLING_SPEED),
+        **_fade_of(values),
     )
 
 
-def row_of_heat(one: WheelHeat) -> dict[str, Any]:
-    """Return the columns of wheels: eight alike, or as many more as the limits of one need."""
+def _fade_of(values: Mapping[str, Any]) -> dict[str, float]:
+    text = values.get("fade_table")
+    if text is None:
+        return NO_FADE
+    read = pairs_of(text, HOT, SHARES)
+    if read is None:
+        raise ValueError(
+            f"fade_table must be 2 to {MOST_POINTS} pairs of a temperature that rises, from {HOT[0]:g} to {HOT[1]:g} "
+            f"degC, and a share of friction from {SHARES[0]:g} to {SHARES[1]:g}; got "
+            f"{text!r}. Write it as 250:1 450:0.3."
+        )
+    return FADE.numbers([place + ZERO for place in read[0]], read[1])
+
+
+def row_of_heat(one: BrakeHeat) -> dict[str, Any]:
+    """Return the columns of a brake's heat: eight wheels or discs alike, or as many more as the limits of one need."""
     if not one.heat_capacity:
         return {}
     row: dict[str, Any] = {}
-    for wheels in (8, 16, 32, 64, 96):
-        row = {"wheel_mass": one.heat_capacity / STEEL / wheels, "wheels": wheels, "heat_share": one.heat_share}
-        row |= {"cooling": one.cooling_at_rest / wheels, "cooling_speed": one.cooling_over_speed / wheels}
+    for number in (8, 16, 32, 64, 96):
+        row = _row_of(one, number)
         if all(row[name] <= HEAT[name][2] for name in row):
             break
-    if one.fade_left < 1.0:
-        row |= {"fade_from": one.fade_from - ZERO, "fade_to": one.fade_to - ZERO, "fade_left": one.fade_left}
+    if any(one.values()[name] != value for name, value in NO_FADE.items()):
+        places, shares = FADE.points(one.values())
+        row["fade_table"] = text_of([place - ZERO for place in places], shares)
+    return row
+
+
+def _row_of(one: BrakeHeat, number: int) -> dict[str, Any]:
+    """Return the columns without the table, for a number of wheels or discs."""
+    body = BODIES[int(one.rubbed)]
+    row: dict[str, Any] = {body.mass: one.heat_capacity / body.capacity / number, body.number: number}
+    row |= {"heat_share": one.heat_share}
+    row |= {"cooling": one.cooling_at_rest / number, "cooling_speed": one.cooling_over_speed / number}
+    if one.block_capacity:
+        row |= {"block_mass": one.block_capacity / BLOCK / number, "block_heat": BLOCK}
+        row |= {"block_cooling": one.block_cooling_at_rest / number}
+        row["block_cooling_speed"] = one.block_cooling_over_speed / number
     return row

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from brake_controller.wheel_heat import STEEL
+from products.train.stated_heat import STEEL
 
 #: Conductivity [W/(m.K)] and density [kg/m3] of steel.
 CONDUCTIVITY, DENSITY = 45.0, 7850.0

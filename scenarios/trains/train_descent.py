@@ -15,11 +15,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from brake_controller.air import AMBIENT
-from brake_controller.wheel_heat import STEEL, SURROUNDINGS
+from brake_controller.brake_heat import SURROUNDINGS
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
 from products.train.numbers import Settings
-from products.train.stated_heat import ZERO
+from products.train.stated_heat import STEEL, ZERO
 from products.train.train import Train
 from rbd_model.track.line import Line
 from rbd_model.train.vehicle import GRAVITY
@@ -41,7 +41,7 @@ SETTLED, ERROR, RISE_ERROR = 300.0, 1e-3, 0.01
 #: run away, over the held one.
 WAGONS, GRADIENTS, RUNAWAY = 20, (0.021, 0.027, 0.033, 0.039, 0.045), 1.25
 #: Fading of its blocks [degC], [degC], [1]; dynamic brake of its locomotive [kN], [kW], share of the train's. Assumed.
-FADE: dict[str, float] = {"fade_from": 250.0, "fade_to": 450.0, "fade_left": 0.3}
+FADE = {"fade_table": "250:1 450:0.3"}
 DYNAMIC, SHARE = {"dynamic_force": 150.0, "dynamic_power": 4000.0}, 0.12
 BRAKES = ("air alone", "air and dynamic brake")
 DRAWN = 0.039
@@ -89,7 +89,7 @@ def descend(rows: list[dict[str, Any]], gradient: float, driver: HoldingDriver, 
                 train.time,
                 float(train.distance[0]) - begin,
                 float(train.speed[0]),
-                float(train.wheel_temperature[-WAGONS:].max()),
+                float(train.brake_temperature[-WAGONS:].max()),
                 float(train.air.vehicle_pressures("auxiliary").min()) - AMBIENT,
             ]
         )
@@ -175,7 +175,7 @@ def run(options: Options) -> Report:
     tries = [(gradient, brake) for gradient in GRADIENTS for brake in BRAKES]
     found = {one: freight(*one) for one in counting(tries, "descents", unit="descent")}
     rows = rows_of_drag(drag) + rows_of_rim() + rows_of_freight(found)
-    units = {"time": "s", "distance": "m", "speed": "m/s", "wheel_temperature": "K", "lowest_reservoir": "Pa"}
+    units = {"time": "s", "distance": "m", "speed": "m/s", "brake_temperature": "K", "lowest_reservoir": "Pa"}
     series = Recording(units, found[DRAWN, BRAKES[0]].course)
     away = {brake: sum(found[g, brake].ran_away for g in GRADIENTS) for brake in BRAKES}
     said = [f"The train runs away on {away[b]} of {len(GRADIENTS)} gradients with {b}." for b in BRAKES]

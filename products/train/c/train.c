@@ -11,12 +11,12 @@
 /* Brakes and line are constant during a step. It is as long as waves in the pipe allow, within these limits [s]; assumed. */
 static const double SHORTEST = 0.01, LONGEST = 0.1;
 /* Rows of brakes: constants, three results of all lanes; electric constants, commands and results. */
-enum { BLENDED_ROWS = 4, WARM_ROWS = 5, OF_HEAT = HEAT_ROWS + WORKED_ROWS + WARM_ROWS };
+enum { BLENDED_ROWS = 4, WARM_ROWS = 1 + 2 * HEATED_ROWS, OF_HEAT = HEAT_ROWS + WORKED_ROWS + WARM_ROWS };
 enum { ROWS = BRAKE_ROWS + 3 + ELECTRIC_ROWS + ELECTRICALLY_ROWS + BLENDED_ROWS + OF_HEAT };
 
-/* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N], the temperature
- * of its wheels [K] and the heat of its friction brake [J], then those of drive.c and of extra_brakes.c. */
-enum { OWN_RUN = 3 };
+/* Length of a run's variables: behind those of the valves, of each vehicle the force of its electric brake [N] and the heat of
+ * its friction brake (HEATED_ROWS), then those of drive.c and of extra_brakes.c. */
+enum { OWN_RUN = 1 + HEATED_ROWS };
 static long long int runs(const train *self) {
     return RUN_VALVES + OF_VALVE * self->valves + (OWN_RUN + DRIVE_RUN + EXTRA_RUN) * self->vehicles;
 }
@@ -259,15 +259,15 @@ static void demand_brakes(train *self, double step) {
     pipe_demand(self->air, self->blended + self->stride, self->blended + 3 * self->stride);
 }
 
-/* Reduces brake forces by the fading of hot wheels. */
+/* Changes brake forces by the share of friction of warm brakes. */
 static void fade_brakes(train *self) {
-    const double *left = self->warm + 2 * self->stride;
-    memcpy(self->warm, heat_run(self), (size_t)self->vehicles * sizeof(double));
+    const double *left = self->warm + HEATED_ROWS * self->stride;
+    memcpy(self->warm, heat_run(self) + HEATED_TEMPERATURE * self->vehicles, (size_t)self->vehicles * sizeof(double));
     IN_LANES(train_fade);
     for (long long int i = 0; i < self->vehicles; ++i) self->held[i] *= left[i];
 }
 
-/* Positions and slip before a step, for `warm_wheels`. */
+/* Positions and slip before a step, for `warm_brakes`. */
 static void note_motion(train *self) {
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
     for (long long int i = 0; i < self->vehicles; ++i) {
@@ -276,9 +276,9 @@ static void note_motion(train *self) {
     }
 }
 
-/* Warms wheels by a step of friction brakes. Rolling wheels go as far as their vehicle, which motion_go finds by the trapezoidal
+/* Warms friction brakes by a step. Rolling wheels go as far as their vehicle, which motion_go finds by the trapezoidal
  * rule; to sliding ones the mean of their slip before and after the step is added. */
-static void warm_wheels(train *self, double step) {
+static void warm_brakes(train *self, double step) {
     const double *place = motion_place(self->moves), *speed = motion_speed(self->moves), *wheel = motion_wheel(self->moves);
     for (long long int i = 0; i < self->vehicles; ++i) {
         double *worked = self->worked + i;
@@ -289,11 +289,11 @@ static void warm_wheels(train *self, double step) {
         worked[WORKED_STEP * self->stride] = step;
     }
     drive_brake(self, self->worked + WORKED_WAY * self->stride);
-    for (int n = 0; n < 2; ++n)
+    for (int n = 0; n < HEATED_ROWS; ++n)
         memcpy(self->warm + n * self->stride, heat_run(self) + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
     IN_LANES(train_heat);
-    for (int n = 0; n < 2; ++n)
-        memcpy(heat_run(self) + n * self->vehicles, self->warm + (3 + n) * self->stride,
+    for (int n = 0; n < HEATED_ROWS; ++n)
+        memcpy(heat_run(self) + n * self->vehicles, self->warm + (1 + HEATED_ROWS + n) * self->stride,
                (size_t)self->vehicles * sizeof(double));
 }
 
@@ -321,8 +321,9 @@ static void find_outputs(train *self) {
         self->output[OUT_SPEED][i] = speed[i];
         self->output[OUT_WHEEL_SPEED][i] = wheel[i];
     }
-    memcpy(self->output[OUT_WHEEL_TEMPERATURE], heat_run(self), (size_t)self->vehicles * sizeof(double));
-    memcpy(self->output[OUT_BRAKE_HEAT], heat_run(self) + self->vehicles, (size_t)self->vehicles * sizeof(double));
+    put(self->output[OUT_BRAKE_TEMPERATURE], heat_run(self), HEATED_TEMPERATURE, self->vehicles);
+    put(self->output[OUT_BLOCK_TEMPERATURE], heat_run(self), HEATED_BLOCK_TEMPERATURE, self->vehicles);
+    put(self->output[OUT_BRAKE_HEAT], heat_run(self), HEATED_HEAT, self->vehicles);
     memcpy(self->output[OUT_TRACK_BRAKE_FORCE], extra_run(self) + 3 * self->vehicles, (size_t)self->vehicles * sizeof(double));
     drive_outputs(self);
     motion_force_now(self->moves, self->output[OUT_COUPLER_FORCE]);
@@ -361,7 +362,8 @@ void train_begin(train *self, double time, double speed, double distance, double
     }
     put_joints(self);
     fill(self->blended, self->vehicles, 0.0);
-    fill(heat_run(self), self->vehicles, SURROUNDINGS);
+    fill(heat_run(self) + HEATED_TEMPERATURE * self->vehicles, self->vehicles, SURROUNDINGS);
+    fill(heat_run(self) + HEATED_BLOCK_TEMPERATURE * self->vehicles, self->vehicles, SURROUNDINGS);
     self->steps[0] = self->steps[1] = 0;
     pipe_pressures(self->air, NULL, self->cylinder);
     find_brakes(self, 0.0);
@@ -424,7 +426,7 @@ static int step_on(train *self, double step) {
     if (self->works) note_motion(self);
     self->steps[0] += taken;
     self->steps[1] += drive_go(self, (long long int)count, step);
-    if (self->works) warm_wheels(self, step);
+    if (self->works) warm_brakes(self, step);
     if (motion_broken(self->moves)) put_joints(self);
     return motion_sound(self->moves);
 }

@@ -25,9 +25,9 @@ struct train {
     double *brake, *cylinder, *wheel, *held; /* rows (rows.h): constants, variables they depend on, brake forces */
     /* rows of electric commands and brakes: constants, commands, and forces with demanded shares of the cylinders' pressure */
     double *electric, *command, *blended;
-    /* rows: constants of wheels; work of a step; temperature and heat before it, share of friction left, and both after it */
+    /* rows: constants of heat; work of a step; heat before it (HEATED_ROWS), share of friction, and heat after it */
     double *heat, *worked, *warm;
-    int heats; /* a vehicle has wheels that warm up */
+    int heats; /* a vehicle has a brake that warms up */
     int works; /* the work of its brakes is summed */
     int blends; /* a vehicle has an electric command or an electric brake */
     extra_brakes *extra; /* NULL: no vehicle has a track brake or a parking brake */

@@ -17,14 +17,14 @@ void LANES_NAME(train_blend)(train *self) {
 
 void LANES_NAME(train_heat)(train *self) {
     for (long long int i = 0; i < self->vehicles; i += LANES)
-        LANES_NAME(cells_heating)(self->warm + i, self->warm + self->stride + i, self->worked + i, self->heat + i,
-                                  self->warm + 3 * self->stride + i, self->stride);
+        LANES_NAME(cells_heating)(self->warm + i, self->worked + i, self->heat + i,
+                                  self->warm + (1 + HEATED_ROWS) * self->stride + i, self->stride);
     LANES_LEAVE;
 }
 
 void LANES_NAME(train_fade)(train *self) {
     for (long long int i = 0; i < self->vehicles; i += LANES)
-        LANES_NAME(cells_fading)(self->warm + i, self->heat + i, self->warm + 2 * self->stride + i, self->stride);
+        LANES_NAME(cells_fading)(self->warm + i, self->heat + i, self->warm + HEATED_ROWS * self->stride + i, self->stride);
     LANES_LEAVE;
 }
 

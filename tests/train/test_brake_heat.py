@@ -1,4 +1,4 @@
-"""Heat of a train's wheels: balances of energy, cooling, fading, saved states, and rows of consists."""
+"""Heat of a train's brakes: balances of energy, cooling, fading, saved states, and rows of consists."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from products.train.train import Train
 from rbd_model.track.line import Line
 from scenarios.bench.holding_driver import HoldingDriver
 
-#: Standard gravity [m/s2], specific heat of steel [J/(kg.K)], and temperature of the surroundings [K].
-G, STEEL, COLD = 9.80665, 500.0, 293.15
+#: Standard gravity [m/s2], specific heat of steel and cast iron [J/(kg.K)], temperature of the surroundings [K].
+G, STEEL, CAST_IRON, COLD = 9.80665, 500.0, 510.0, 293.15
 #: Relative error of a balance of energy.
 CLOSED = 1e-6
 HOT: dict[str, Any] = {"wheel_mass": 370.0}
@@ -38,7 +38,7 @@ def test_energy_of_the_motion_becomes_heat_of_the_brake(seed: int) -> None:
     """0.5 (1 + r) m v^2 + m g h, with brakes that fade and gradients of both signs, to the stop and before it."""
     draw = np.random.default_rng(seed)
     mass, rotating, gradient = draw.uniform(20.0, 90.0), draw.uniform(2.0, 12.0), draw.uniform(-0.02, 0.02)
-    fade = {"fade_from": 21.0, "fade_to": draw.uniform(22.0, 30.0), "fade_left": draw.uniform(0.2, 1.0)}
+    fade = {"fade_table": f"21:1 {draw.uniform(22.0, 30.0)}:{draw.uniform(0.2, 1.0)}"}
     law = {"friction": ("composite", "cast-iron-p10", "composite-k")[seed % 3]}
     train = train_of(wagon(mass=mass, rotating=rotating, **HOT, **fade, **law), draw.uniform(15.0, 40.0), gradient)
     before = energy(train, mass, rotating, gradient)
@@ -56,18 +56,46 @@ def energy(train: Train, mass: float, rotating: float, gradient: float) -> float
     return 1e3 * mass * (moving + G * gradient * float(train.distance[0]))
 
 
-def test_wheels_take_their_share_of_the_heat_and_lose_it_to_the_air() -> None:
-    """C (T - T0) + int (a + b v) (T - T0) dt = s Q, by the trapezoidal rule of a recording."""
-    row = wagon(**HOT, wheels=6, heat_share=0.7, cooling=90.0, cooling_speed=11.0)
+@pytest.mark.parametrize(
+    ("body", "capacity"),
+    [
+        ({"wheel_mass": 370.0, "wheels": 6, "friction": "cast-iron-p10"}, 6 * 370.0 * STEEL),
+        ({"disc_mass": 95.0, "discs": 12, "friction": "pads"}, 12 * 95.0 * CAST_IRON),
+    ],
+)
+def test_wheels_or_discs_and_blocks_take_their_shares_of_the_heat(body: dict[str, Any], capacity: float) -> None:
+    """C (T - T0) + int (a + b v) (T - T0) dt = s Q of each, by the trapezoidal rule of a recording."""
+    blocks = {"block_mass": 17.0, "block_heat": 820.0, "block_cooling": 14.0, "block_cooling_speed": 1.1}
+    row = wagon(**body, **blocks, heat_share=0.7, cooling=90.0, cooling_speed=11.0)
     train = train_of(row, 30.0, -0.012)
     train.drive("service", 0.4)
     found = train.record(300.0, 0.05)
-    over = found["wheel_temperature[1]"] - COLD
-    cooling = 6 * (90.0 + 11.0 * found["speed[1]"]) * over
-    lost = np.trapezoid(cooling, found["time"])
-    taken = 6 * 370.0 * STEEL * over[-1]
-    assert lost > 0.03 * taken
-    assert taken + lost == pytest.approx(0.7 * found["brake_heat[1]"][-1], rel=CLOSED)
+    number = body.get("wheels", body.get("discs"))
+    heat = found["brake_heat[1]"][-1]
+    for name, share, own, (rest, rise) in (
+        ("brake_temperature[1]", 0.7, capacity, (90.0, 11.0)),
+        ("block_temperature[1]", 0.3, number * 17.0 * 820.0, (14.0, 1.1)),
+    ):
+        over = found[name] - COLD
+        lost = np.trapezoid(number * (rest + rise * found["speed[1]"]) * over, found["time"])
+        assert lost > 0.03 * own * over[-1]
+        assert own * over[-1] + lost == pytest.approx(share * heat, rel=CLOSED)
+
+
+def test_half_of_a_capacity_and_cooling_in_discs_gives_the_same_as_in_wheels() -> None:
+    """Twice the discs of half the mass, with equal capacities: numbers of wheels to the last digits."""
+    base = {"brake_force": 60.0, "heat_share": 0.8, "block_mass": 10.0}
+    wheels = wagon(**base, wheel_mass=408.0, cooling=30.0, cooling_speed=2.0, block_cooling=3.0)
+    discs = wagon(**base, disc_mass=200.0, discs=16, cooling=15.0, cooling_speed=1.0, block_cooling=1.5)
+    discs |= {"block_mass": 5.0, "block_cooling_speed": 0.15}
+    found = []
+    for row in (wheels, discs):
+        train = train_of(row, 28.0, -0.01)
+        train.drive("service", 0.6)
+        train.advance(60.0)
+        found.append([float(train.brake_temperature[0]), float(train.block_temperature[0])])
+    assert found[0][1] > found[0][0] > COLD + 5.0
+    assert found[1] == pytest.approx(found[0], rel=1e-12)
 
 
 def test_hot_wheels_at_rest_cool_as_one_lump() -> None:
@@ -75,11 +103,11 @@ def test_hot_wheels_at_rest_cool_as_one_lump() -> None:
     train.drive("service", 1.0)
     while train.speed[0] > 0.0:
         train.advance(0.1)
-    begin = float(train.wheel_temperature[0]) - COLD
+    begin = float(train.brake_temperature[0]) - COLD
     train.advance(900.0)
     left = begin * math.exp(-900.0 * 300.0 / (370.0 * STEEL))
     assert begin > 10.0
-    assert float(train.wheel_temperature[0]) - COLD == pytest.approx(left, rel=1e-5)
+    assert float(train.brake_temperature[0]) - COLD == pytest.approx(left, rel=1e-5)
 
 
 def test_a_locked_wheel_makes_no_heat_at_its_block() -> None:
@@ -102,40 +130,46 @@ def test_an_electric_brake_makes_no_heat_at_the_wheels() -> None:
     train.advance(20.0)
     assert train.speed[0] < 20.0
     assert train.brake_heat[0] == 0.0
-    assert train.wheel_temperature[0] == pytest.approx(COLD, abs=1e-12)
+    assert train.brake_temperature[0] == pytest.approx(COLD, abs=1e-12)
 
 
-def test_friction_fades_on_a_straight_line_between_two_temperatures() -> None:
-    fade = {"fade_from": 27.0, "fade_to": 35.0, "fade_left": 0.4}
+def test_friction_follows_the_points_of_its_table_over_temperature() -> None:
+    """Straight lines between points, also rising ones, and constant outside, on wheels that warm from 20 degC."""
+    places, shares = [24.0, 27.0, 31.0, 35.0], [0.8, 1.2, 0.9, 0.4]
+    fade = {"fade_table": " ".join(f"{x:g}:{y:g}" for x, y in zip(places, shares, strict=True))}
     rows = [wagon(brake_force=40.0, wheel_mass=500.0, heat_share=1.0, **more) for more in (fade, {})]
     own, plain = (train_of(row, 30.0, -0.03) for row in rows)
     seen = []
     for train in (own, plain):
         train.drive("service", 1.0)
-        train.advance(10.0)
-    for _ in range(150):
-        hot = float(own.wheel_temperature[0]) - 273.15
+        train.advance(2.0)
+    for _ in range(190):
+        hot = float(own.brake_temperature[0]) - 273.15
         for train in (own, plain):
             train.advance(0.01)
         seen.append(float(own.brake_force[0] / plain.brake_force[0]))
-        left = 1.0 - 0.6 * min(max((hot - 27.0) / 8.0, 0.0), 1.0)
-        assert seen[-1] == pytest.approx(left, rel=1e-9)
+        assert seen[-1] == pytest.approx(float(np.interp(hot, places, shares)), rel=1e-9)
         own.advance(0.2)
         plain.advance(0.2)
-    assert seen[0] > 0.9
+    assert seen[0] == pytest.approx(0.8)
+    assert max(seen) > 1.19
     assert seen[-1] == pytest.approx(0.4)
 
 
 def test_a_restored_state_continues_with_its_heat() -> None:
-    train = train_of(wagon(**HOT, fade_from=20.0, fade_to=25.0, fade_left=0.5), 25.0)
+    train = train_of(wagon(**HOT, fade_table="20:1 25:0.5", block_mass=20), 25.0)
     train.drive("service", 0.5)
     train.advance(15.0)
     kept = train.state
     train.advance(10.0)
-    due = [train.wheel_temperature, train.brake_heat, train.speed]
+    due = _of_heat(train)
     train.state = kept
     train.advance(10.0)
-    assert [list(one) for one in (train.wheel_temperature, train.brake_heat, train.speed)] == [list(one) for one in due]
+    assert [list(one) for one in _of_heat(train)] == [list(one) for one in due]
+
+
+def _of_heat(train: Train) -> list[Any]:
+    return [train.brake_temperature, train.block_temperature, train.brake_heat, train.speed]
 
 
 def test_cold_wheels_change_no_bit_and_add_no_column() -> None:
@@ -147,10 +181,11 @@ def test_cold_wheels_change_no_bit_and_add_no_column() -> None:
     for name in plain.names:
         assert np.array_equal(plain[name], own[name])
     assert {one.split("[")[0] for one in own.names} - {one.split("[")[0] for one in plain.names} == {
-        "wheel_temperature",
+        "brake_temperature",
+        "block_temperature",
         "brake_heat",
     }
-    assert cold.wheel_temperature[0] == COLD
+    assert cold.brake_temperature[0] == COLD
 
 
 def test_a_consist_with_hot_wheels_is_written_and_read(tmp_path: Path) -> None:
@@ -158,10 +193,12 @@ def test_a_consist_with_hot_wheels_is_written_and_read(tmp_path: Path) -> None:
     rows = [
         wagon(**HOT, friction="cast-iron-p6"),
         {"kind": "wagon", "wheel_mass": 4000.0, "wheels": 96},
-        {"kind": "wagon", "wheel_mass": 300.0, "fade_from": 300.0, "fade_to": 500.0, "fade_left": 0.6} | more,
+        {"kind": "wagon", "wheel_mass": 300.0, "fade_table": "40:0.9 300:1.1 500:0.6"} | more,
+        {"kind": "coach", "disc_mass": 90.0, "discs": 12, "friction": "pads", "block_mass": 6.0, "block_cooling": 1.5},
+        {"kind": "wagon", "wheel_mass": 300.0, "friction": "cast-iron-p10", "block_mass": 28.0},
     ]
     first = consist_of(rows)
-    assert [one.heat.heat_share for one in first.vehicles] == [0.75, 0.9, 0.83]
+    assert [one.heat.heat_share for one in first.vehicles] == [0.75, 0.9, 0.83, 0.95, 0.75]
     for name in ("own.toml", "own.csv"):
         write_consist(first, tmp_path / name)
         for one, again in zip(first.vehicles, read_consist(tmp_path / name).vehicles, strict=True):
@@ -171,9 +208,17 @@ def test_a_consist_with_hot_wheels_is_written_and_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("row", "message"),
     [
-        ({"cooling": 20.0}, "cooling must come with wheel_mass."),
-        ({**HOT, "fade_to": 400.0}, "fade_to must come with fade_from."),
-        ({**HOT, "fade_from": 400.0, "fade_to": 300.0, "fade_left": 0.5}, "fade_to must be above fade_from, 400 degC"),
+        ({"cooling": 20.0}, "cooling must come with wheel_mass or disc_mass."),
+        ({"fade_table": "20:1 400:0.5"}, "fade_table must come with wheel_mass or disc_mass."),
+        ({**HOT, "fade_table": "400:1 300:0.5"}, "fade_table must be 2 to 6 pairs of a temperature that rises"),
+        ({**HOT, "fade_table": "300:1 400:2.5"}, "a share of friction from 0 to 2; got '300:1 400:2.5'"),
+        ({**HOT, "block_cooling": 3.0}, "block_cooling must come with block_mass."),
+        ({"block_mass": 3.0}, "block_mass must come with wheel_mass or disc_mass."),
+        ({**HOT, "discs": 4}, "discs must come with disc_mass."),
+        ({**HOT, "disc_mass": 90.0}, "wheel_mass must be left out with disc_mass"),
+        ({"disc_mass": 90.0}, "disc_mass must be of pads; the friction is composite-k, of blocks."),
+        ({**HOT, "friction": "pads"}, "wheel_mass must be of blocks; the friction is that of pads."),
+        ({**HOT, "brake": "none", "fade_table": "20:1 400:0.5"}, "wheel_mass has no effect with brake = none."),
         ({**HOT, "brake": "none"}, "wheel_mass has no effect with brake = none."),
         ({**HOT, "heat_share": 1.1}, "heat_share must be a number from 0 to 1; got 1.1."),
         ({**HOT, "wheels": 2.5}, "wheels must be an integer from 1 to 96"),
@@ -193,7 +238,7 @@ def test_a_held_speed_on_a_gradient_has_the_power_of_the_drag_case_of_the_tsi() 
     row = wagon(**HOT, mass=90.0, heat_share=1.0, cooling=cooling, cooling_speed=0.0)
     train, driver = train_of(row, speed, -0.021), HoldingDriver(speed)
     hold(train, driver, 5e3)
-    begin, heat, hot = train.time, float(train.brake_heat[0]), float(train.wheel_temperature[0]) - COLD
+    begin, heat, hot = train.time, float(train.brake_heat[0]), float(train.brake_temperature[0]) - COLD
     hold(train, driver, 40e3)
     time = train.time - begin
     power = (float(train.brake_heat[0]) - heat) / time / 8
@@ -201,7 +246,7 @@ def test_a_held_speed_on_a_gradient_has_the_power_of_the_drag_case_of_the_tsi() 
     assert time / 60 == pytest.approx(34.3, abs=0.05)
     cooled = math.exp(-cooling * time / (370.0 * STEEL))
     due = hot * cooled + 45.06e3 / cooling * (1 - cooled)
-    assert float(train.wheel_temperature[0]) - COLD == pytest.approx(due, rel=2e-3)
+    assert float(train.brake_temperature[0]) - COLD == pytest.approx(due, rel=2e-3)
 
 
 def hold(train: Train, driver: HoldingDriver, way: float) -> None:
