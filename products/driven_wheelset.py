@@ -1,7 +1,7 @@
 """DrivenWheelset: motor, gear and two wheels on their own rails, by rigid or elastic shafts, as one FMU."""
 
 from brake_controller.motors import torque_loop, traction_inverter
-from fmu_src.system import Model, Variable, choosing, model_of_choices
+from fmu_src.system import Model, Relation, Variable, choosing, model_of_choices
 from rbd_model.wheelset.driven import driven_wheelset, electric_locomotive
 
 #: Local error of 1e-10 rad of twist and 1 um/s of speed per step at this tolerance.
@@ -20,6 +20,21 @@ CHOSEN = Variable(
     start=float(BOTH_ELASTIC),
     **choosing("Torsion of drive and axle", {number: text for number, (_, text, _) in SHAFTS.items()}),
 )
+#: Ratio of the radii of wheel and rail head up to which the ellipse lies within Kalker's table, 1 : 10.
+SLENDER = 30.0
+#: Radii that are given in millimetres, or of two different wheels, have a message before their contact fails.
+RADII = (
+    Relation(
+        (("wheel_radius", SLENDER), ("rail_head_radius", -1.0)),
+        0.0,
+        f"rail_head_radius must be below {SLENDER:g} times wheel_radius; it is %s m more. Give both in metres.",
+    ),
+    Relation(
+        (("rail_head_radius", SLENDER), ("wheel_radius", -1.0)),
+        0.0,
+        f"wheel_radius must be below {SLENDER:g} times rail_head_radius; it is %s m more. Give both in metres.",
+    ),
+)
 
 
 def driven_wheelset_dynamics() -> Model:
@@ -29,4 +44,4 @@ def driven_wheelset_dynamics() -> Model:
     systems = tuple(driven_wheelset(name, wheelset, motor, elastic) for name, _, elastic in SHAFTS.values())
     text = "One driven wheelset with torsion of drive and axle: motor torque in, slips and forces out"
     choice = tuple(range(len(systems)))
-    return model_of_choices("DrivenWheelset", text, systems, (CHOSEN,), choice, DEFAULT_TOLERANCE)
+    return model_of_choices("DrivenWheelset", text, systems, (CHOSEN,), choice, DEFAULT_TOLERANCE, relations=RADII)

@@ -53,6 +53,7 @@ from scenarios.trains import (
     train_standing,
 )
 from scenarios.vehicles import (
+    drive_torsion,
     vehicle_anti_skid,
     vehicle_braking,
     vehicle_composed,
@@ -95,6 +96,7 @@ SCENARIOS: list[Scenario] = [
     vehicle_anti_skid.SCENARIO,
     vehicle_composed.SCENARIO,
     vehicle_or_bogie.SCENARIO,
+    drive_torsion.SCENARIO,
     braking_distance.SCENARIO,
     curve_steering.SCENARIO,
     line_from_file.SCENARIO,
