@@ -51,6 +51,8 @@ class Column:
         Whether its numbers are integers.
     text : bool
         Whether it holds any printable text instead of numbers.
+    remedies : tuple of (str, str)
+        Words that are not allowed, and what a message says to do instead.
     """
 
     name: str
@@ -62,6 +64,7 @@ class Column:
     words: tuple[str, ...] = ()
     whole: bool = False
     text: bool = False
+    remedies: tuple[tuple[str, str], ...] = ()
 
     @property
     def holds_words(self) -> bool:
@@ -186,9 +189,8 @@ class Cells:
                     f"the text must be printable, at most {LONGEST_TEXT} characters; got {quoted(cell)}. Shorten it.",
                 )
             if not self.column.text and cell not in choice and (cell or self.column.filled):
-                raise self.refusal(
-                    row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. Choose one."
-                )
+                remedy = dict(self.column.remedies).get(cell, "Choose one.")
+                raise self.refusal(row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. {remedy}")
         return list(cells)
 
     def numbers(self, cells: Sequence[str], mark: DecimalMark) -> NDArray[np.float64]:

@@ -140,6 +140,10 @@ WORDS: dict[str, Collection[str]] = {
     "valve": ("head", "second", "none"),
     "parking_compounding": tuple(COMPOUNDING),
 }
+#: Words of brakes that are not modelled, and what to take instead.
+NOT_MODELLED = {
+    "vacuum": "A vacuum brake is not modelled: take distributor = uic with its force, fill_time and release_time."
+}
 #: Columns of free text.
 TABLES = ("friction_table", "dynamic_table", "traction_table", "fade_table")
 TEXTS = ("name", *TABLES)
@@ -157,9 +161,17 @@ def choices(name: str) -> tuple[str, ...]:
     return pneumatic() if name == "distributor" else tuple(WORDS[name])
 
 
+def remedies(name: str) -> tuple[tuple[str, str], ...]:
+    """Return words that a column may not have, each with its remedy."""
+    return tuple(NOT_MODELLED.items()) if name in ("brake", "distributor") else ()
+
+
 def columns() -> list[Column]:
     """Return the columns of a CSV file: empty cells leave a value to its default."""
-    found = [Column(name, words=choices(name), required=name == "kind", filled=name == "kind") for name in WORDS]
+    found = [
+        Column(name, words=choices(name), required=name == "kind", filled=name == "kind", remedies=remedies(name))
+        for name in WORDS
+    ]
     found += [Column(name, filled=False, text=True) for name in TEXTS]
     for name, (unit, least, most) in NUMBERS.items():
         found.append(Column(name, unit, least, most, filled=False, whole=name in WHOLE))

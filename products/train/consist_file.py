@@ -33,6 +33,7 @@ from products.train.columns import (
     choices,
     columns,
     number_with_unit,
+    remedies,
 )
 from products.train.consist import EMPTY, KINDS, Consist, TrainVehicle, braked_with
 from products.train.coupler_tables import couplers_of
@@ -224,7 +225,8 @@ def _checked(row: Mapping[str, Any], couplers: Iterable[str]) -> dict[str, Any]:
     for name, value in row.items():
         words = (*choices(name), *(couplers if name == "coupler" else ())) if name in WORDS else ()
         if name in WORDS and value not in words:
-            raise ValueError(f"{name} must be one of {', '.join(words)}; got {shown(value)}. Choose one.")
+            remedy = next((text for word, text in remedies(name) if word == value), "Choose one.")
+            raise ValueError(f"{name} must be one of {', '.join(words)}; got {shown(value)}. {remedy}")
         if name not in NAMES:
             raise ValueError(f"the name {quoted(str(name))} is unknown; {suggestion(str(name), NAMES)}")
         values[name] = value if name in WORDS else _text(name, value) if name in TEXTS else _number(name, value)
