@@ -50,6 +50,7 @@ from scenarios.trains import (
     train_descent,
     train_one_vehicle_in_detail,
     train_standing,
+    train_track_brakes,
 )
 from scenarios.vehicles import vehicle_anti_skid, vehicle_composed, vehicle_hunting
 
@@ -216,6 +217,7 @@ def short_trains(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(train_braking, "LENGTHS", (400.0, 750.0))
     monkeypatch.setattr(train_descent, "GRADIENTS", (0.021, 0.039))
     monkeypatch.setattr(train_standing, "LEAKS", train_standing.LEAKS[1:])
+    monkeypatch.setattr(train_track_brakes, "FRICTIONS", (0.05,))
     monkeypatch.setattr(braking_distance, "MANY", 20_000)
     for number, count in {"VEHICLES": 20, "HOSTED": 10, "FEW": 10, "MANY": 40, "WATCHED": 5.0}.items():
         monkeypatch.setattr(train_pace, number, count)
