@@ -1,8 +1,9 @@
 """Heat of friction brakes: the wheels or discs of a vehicle and its blocks or pads, each as one lump that air cools.
 
-A lump has one temperature, so it gives the mean of wheel or disc over minutes of drag braking, not the peak at the
-surface in a stop. The share of the heat that goes into each is constant. Heat does not flow between wheel and block.
-Rail chill and radiation are parts of the numbers of cooling. Friction follows the temperature of the wheels or discs.
+A lump has one temperature, the mean of wheel or disc. The surface that is rubbed is warmer by the modes of a slab
+(`slab_surface`), if a time of conduction is stated. The share of the heat that goes into each is constant. Heat does
+not flow between wheel and block. Rail chill and radiation are parts of the numbers of cooling. Friction follows the
+temperature of the surface.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from brake_controller.point_table import PointTable
+from brake_controller.slab_surface import RATES, excesses
 from brake_controller.vehicle_brake import named
 from fmu_src.chain import function_of
 from fmu_src.system import ParameterSet, choice, quantity
@@ -21,10 +23,13 @@ from fmu_src.system import ParameterSet, choice, quantity
 SURROUNDINGS = 293.15
 #: Bodies on which blocks or pads rub.
 WHEELS, DISCS = 0, 1
-#: State of the heat: temperature of wheels or discs [K], of blocks or pads [K], heat of the friction brake so far [J].
-HEATED = ("temperature", "block_temperature", "heat")
+#: State of the heat: temperature of wheels or discs [K], of blocks or pads [K], and heat of the friction brake so far
+#: [J]. Modes of the surface of wheels or discs above their temperature [K].
+HEATED = ("temperature", "block_temperature", "heat", *(f"excess_{n}" for n in range(1, len(RATES) + 1)))
 #: Work of a brake in a step: its force at the rims [N], distance of the rims [m], mean speed of the vehicle [m/s].
 WORKED = ("force", "way", "speed", "step")
+#: Least time in a denominator [s].
+LEAST = 1e-9
 #: Share of friction over temperature.
 FADE = PointTable("fade_share", "fade_temperature", "fade_change")
 
@@ -38,6 +43,8 @@ class BrakeHeat(ParameterSet):
     heat_share: float = quantity("1", "Share of the heat of friction brakes that goes into wheels or discs", 0.0, 1.0)
     cooling_at_rest: float = quantity("W/K", "Heat that wheels or discs lose for each K, standing", 0.0)
     cooling_over_speed: float = quantity("W.s/(K.m)", "Its growth with each m/s of the vehicle", 0.0)
+    conduction_time: float = quantity("s", "Time of conduction through rim or disc, L^2 / a; 0: no surface", 0.0)
+    conduction_resistance: float = quantity("K/W", "Thermal resistance of rims or discs, L / (k A)", 0.0)
     block_capacity: float = quantity("J/K", "Heat capacity of blocks or pads; 0: they stay cold", 0.0)
     block_cooling_at_rest: float = quantity("W/K", "Heat that blocks or pads lose for each K, standing", 0.0)
     block_cooling_over_speed: float = quantity("W.s/(K.m)", "Its growth with each m/s of the vehicle", 0.0)
@@ -59,7 +66,7 @@ class BrakeHeat(ParameterSet):
 #: Friction that temperature does not change.
 NO_FADE = FADE.numbers((SURROUNDINGS, SURROUNDINGS + 1.0), (1.0, 1.0))
 #: Wheels and blocks that stay cold.
-NO_BRAKE_HEAT = BrakeHeat(float(WHEELS), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, **NO_FADE)
+NO_BRAKE_HEAT = BrakeHeat(float(WHEELS), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, **NO_FADE)
 
 
 def lump(before: ca.SX, gained: ca.SX, capacity: ca.SX, cooling: ca.SX) -> ca.SX:
@@ -92,14 +99,32 @@ def heating() -> ca.Function:
     state, worked = ca.SX.sym("state", len(HEATED)), ca.SX.sym("worked", len(WORKED))
     given = ca.SX.sym("given", len(named(BrakeHeat)))
     p = dict(zip(named(BrakeHeat), ca.vertsplit(given), strict=True))
-    temperature, block, heat = ca.vertsplit(state)
+    temperature, block, heat, *modes = ca.vertsplit(state)
     force, way, speed, step = ca.vertsplit(worked)
     made = force * ca.fabs(way)
     cooling = step * _cooling(p, "", speed)
     warm = lump(temperature, p["heat_share"] * made, p["heat_capacity"], cooling)
     block_cooling = step * _cooling(p, "block_", speed)
     block = lump(block, (1 - p["heat_share"]) * made, p["block_capacity"], block_cooling)
-    return function_of("heating", [state, worked, given], ca.vertcat(warm, block, heat + made))
+    steady = p["conduction_resistance"] * p["heat_share"] * made / ca.fmax(step, LEAST)
+    time = p["conduction_time"]
+    fourier = ca.if_else(time > 0, step / ca.fmax(time, LEAST), 0)
+    above = excesses(ca.vertcat(*modes), steady, fourier)
+    return function_of("heating", [state, worked, given], ca.vertcat(warm, block, heat + made, above))
+
+
+def surfacing() -> ca.Function:
+    """Return the function for the temperature of the surface [K]: the sum of mean and modes, by HEATED.
+
+    Carslaw and Jaeger (1959), as in `slab_surface`.
+    """
+    state = ca.SX.sym("state", len(HEATED))
+    return function_of("surfacing", [state], _surface(state))
+
+
+def _surface(state: ca.SX) -> ca.SX:
+    temperature, _, _, *modes = ca.vertsplit(state)
+    return temperature + ca.sum1(ca.vertcat(*modes))
 
 
 def _cooling(p: Mapping[str, ca.SX], of: str, speed: ca.SX) -> ca.SX:
@@ -107,11 +132,11 @@ def _cooling(p: Mapping[str, ca.SX], of: str, speed: ca.SX) -> ca.SX:
 
 
 def fading() -> ca.Function:
-    """Return the function for the share of friction at a temperature of wheels or discs [K], by the points of FADE.
+    """Return the function for the share of friction at the surface's temperature, by the points of FADE.
 
     Regressions of Sawczuk (2021) for discs are straight lines. No public curve of blocks was found, so by default
-    friction does not change.
+    friction does not change. Arguments: HEATED, and the parameters.
     """
-    temperature, given = ca.SX.sym("temperature"), ca.SX.sym("given", len(named(BrakeHeat)))
+    state, given = ca.SX.sym("state", len(HEATED)), ca.SX.sym("given", len(named(BrakeHeat)))
     p = dict(zip(named(BrakeHeat), ca.vertsplit(given), strict=True))
-    return function_of("fading", [temperature, given], FADE.at(p, temperature))
+    return function_of("fading", [state, given], FADE.at(p, _surface(state)))

@@ -89,6 +89,8 @@ HEAT: dict[str, tuple[str, float, float]] = {
     "heat_share": ("1", 0.0, 1.0),
     "cooling": ("W/K", 0.0, 1000.0),
     "cooling_speed": ("W.s/(K.m)", 0.0, 100.0),
+    "thickness": ("mm", 2.0, 200.0),
+    "rubbed_area": ("m2", 0.01, 2.0),
     "block_mass": ("kg", 0.1, 500.0),
     "block_heat": ("J/(kg.K)", 100.0, 3000.0),
     "block_cooling": ("W/K", 0.0, 100.0),

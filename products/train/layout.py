@@ -120,6 +120,7 @@ OUTPUTS = (
     _found("coupler_force", "N", "Tension in the coupling behind each vehicle, compression below zero", "couplings"),
     _found("mean_coupler_force", "N", "Mean tension over the last step, which has its impulse", "couplings"),
     _found("brake_temperature", "K", "Temperature of each vehicle's braked wheels or discs", "vehicles"),
+    _found("surface_temperature", "K", "Temperature of the surface that blocks or pads rub on", "vehicles"),
     _found("block_temperature", "K", "Temperature of each vehicle's blocks or pads", "vehicles"),
     _found("track_brake_force", "N", "What each vehicle's track brakes can hold, apart from its wheels", "vehicles"),
     _found("brake_heat", "J", _WORK, "vehicles"),

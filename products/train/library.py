@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from brake_controller.brake_heat import fading, heating
+from brake_controller.brake_heat import fading, heating, surfacing
 from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import Distributor
@@ -30,7 +30,7 @@ FOLDER = Path(folder.__file__ or "").parent
 FUNCTIONS = {
     "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, coupling_of_few, rolling, sliding),
-    "train": (braking, blending, heating, fading, track_braking, parking, driving, adhering),
+    "train": (braking, blending, heating, surfacing, fading, track_braking, parking, driving, adhering),
 }
 
 

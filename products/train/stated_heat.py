@@ -27,6 +27,8 @@ BLOCK_CAST_IRON, BLOCK = 510.0, 1000.0
 BLOCK_COOLING, BLOCK_COOLING_SPEED = 2.0, 0.3
 #: Laws of friction of blocks on treads.
 OF_BLOCKS = ("cast-iron-p6", "cast-iron-p10", "composite", "composite-k")
+#: Relative excess of a thickness that is rounding.
+ROUNDING = 1e-9
 #: Limits of `fade_table` [degC], [1].
 HOT, SHARES = (0.0, 1500.0), (0.0, 2.0)
 
@@ -35,28 +37,34 @@ HOT, SHARES = (0.0, 1500.0), (0.0, 2.0)
 class Body:
     """A body that blocks or pads rub on: columns of its mass and number, and values if these are not stated.
 
-    capacity: specific heat capacity [J/(kg.K)]; cooling: of one, at rest [W/K]; cooling_speed: its growth with the
-    speed of the vehicle [W.s/(K.m)].
+    capacity: specific heat capacity [J/(kg.K)]; conductivity [W/(m.K)]; density [kg/m3]. cooling: of one, at rest
+    [W/K]; cooling_speed: its growth with the speed of the vehicle [W.s/(K.m)]. area: that is rubbed on one [m2].
     """
 
     mass: str
     number: str
     capacity: float
+    conductivity: float
+    density: float
     cooling: float
     cooling_speed: float
+    area: float
 
 
 def _bodies() -> dict[int, Body]:
-    """Return wheels and discs, all assumed except for capacities.
+    """Return wheels of steel and discs of cast iron, all assumed except for materials.
 
     The cooling of a wheel at 70 km/h is 59 W/K, between 48 and 80 that fit reported time constants. A disc is one of
-    two on a wheelset, whose fan moves air in proportion to its speed.
+    two on a wheelset, whose fan moves air in proportion to its speed. Areas are those of a tread of 80 mm on a wheel of
+    920 mm, and of both faces of a disc from 350 to 640 mm.
     """
     two = axle_discs()
     fan = two.disc_cooling_over_speed * PAD_RADIUS
     return {
-        WHEELS: Body("wheel_mass", "wheels", STEEL, 20.0, 2.0),
-        DISCS: Body("disc_mass", "discs", two.disc_heat_capacity, two.disc_cooling_at_rest / 2, fan / 2),
+        WHEELS: Body("wheel_mass", "wheels", STEEL, 45.0, 7850.0, 20.0, 2.0, 0.231),
+        DISCS: Body(
+            "disc_mass", "discs", two.disc_heat_capacity, 50.0, 7200.0, two.disc_cooling_at_rest / 2, fan / 2, 0.451
+        ),
     }
 
 
@@ -78,6 +86,8 @@ def check_heat(values: Mapping[str, Any]) -> None:
         if name in values and not stated:
             raise ValueError(f"{name} must come with {' or '.join(masses)}. Add it, or leave {name} out.")
     for name in HEAT:
+        if name == "rubbed_area" and name in values and "thickness" not in values:
+            raise ValueError("rubbed_area must come with thickness. Add it, or leave rubbed_area out.")
         if name.startswith("block_") and name in values and "block_mass" not in values:
             raise ValueError(f"{name} must come with block_mass. Add it, or leave {name} out.")
 
@@ -108,11 +118,29 @@ def heat_of(values: Mapping[str, Any], brake: VehicleBrake) -> BrakeHeat:
         heat_share=values.get("heat_share", usual),
         cooling_at_rest=number * values.get("cooling", body.cooling),
         cooling_over_speed=number * values.get("cooling_speed", body.cooling_speed),
+        **_conduction(values, body, number),
         block_capacity=blocks * values.get("block_mass", 0.0) * values.get("block_heat", block),
         block_cooling_at_rest=blocks * values.get("block_cooling", BLOCK_COOLING),
         block_cooling_over_speed=blocks * values.get("block_cooling_speed", BLOCK_COOLING_SPEED),
         **_fade_of(values),
     )
+
+
+def _conduction(values: Mapping[str, Any], body: Body, number: float) -> dict[str, float]:
+    """Return time and resistance of conduction through rims or discs: L^2 / a and L / (k A). Raises ValueError."""
+    if "thickness" not in values:
+        return {"conduction_time": 0.0, "conduction_resistance": 0.0}
+    thickness, area = 1e-3 * values["thickness"], values.get("rubbed_area", body.area)
+    most = 1e3 * values[body.mass] / (body.density * area)
+    if 1e3 * thickness > most * (1 + ROUNDING):
+        raise ValueError(
+            f"thickness must be at most {most:.4g} mm, at which {area:g} m2 weigh {body.mass}; got {1e3 * thickness:g} "
+            f"mm. Decrease it or rubbed_area, or increase {body.mass}."
+        )
+    return {
+        "conduction_time": thickness**2 * body.density * body.capacity / body.conductivity,
+        "conduction_resistance": thickness / (body.conductivity * area * number),
+    }
 
 
 def _fade_of(values: Mapping[str, Any]) -> dict[str, float]:
@@ -149,6 +177,10 @@ def _row_of(one: BrakeHeat, number: int) -> dict[str, Any]:
     body = BODIES[int(one.rubbed)]
     row: dict[str, Any] = {body.mass: one.heat_capacity / body.capacity / number, body.number: number}
     row |= {"heat_share": one.heat_share}
+    if one.conduction_time:
+        thickness = (one.conduction_time * body.conductivity / (body.density * body.capacity)) ** 0.5
+        row["thickness"] = 1e3 * thickness
+        row["rubbed_area"] = thickness / (body.conductivity * one.conduction_resistance * number)
     row |= {"cooling": one.cooling_at_rest / number, "cooling_speed": one.cooling_over_speed / number}
     if one.block_capacity:
         row |= {"block_mass": one.block_capacity / BLOCK / number, "block_heat": BLOCK}

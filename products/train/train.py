@@ -29,7 +29,7 @@ LONGEST, MOST = 86400.0, 1e8
 #: Outputs that are recorded.
 RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
 #: Outputs that are recorded only of trains with brakes that warm up.
-OF_HEAT = ("brake_temperature", "block_temperature", "brake_heat")
+OF_HEAT = ("brake_temperature", "surface_temperature", "block_temperature", "brake_heat")
 #: Outputs that are recorded only of trains with track brakes.
 OF_TRACK = ("track_brake_force",)
 #: Outputs that are recorded only of trains with motors, and with motors or electric brakes.

@@ -259,10 +259,16 @@ static void demand_brakes(train *self, double step) {
     pipe_demand(self->air, self->blended + self->stride, self->blended + 3 * self->stride);
 }
 
+/* Copies the heat of a run to rows before a step. */
+static void heat_rows(train *self) {
+    for (int n = 0; n < HEATED_ROWS; ++n)
+        memcpy(self->warm + n * self->stride, heat_run(self) + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+}
+
 /* Changes brake forces by the share of friction of warm brakes. */
 static void fade_brakes(train *self) {
     const double *left = self->warm + HEATED_ROWS * self->stride;
-    memcpy(self->warm, heat_run(self) + HEATED_TEMPERATURE * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    heat_rows(self);
     IN_LANES(train_fade);
     for (long long int i = 0; i < self->vehicles; ++i) self->held[i] *= left[i];
 }
@@ -289,8 +295,7 @@ static void warm_brakes(train *self, double step) {
         worked[WORKED_STEP * self->stride] = step;
     }
     drive_brake(self, self->worked + WORKED_WAY * self->stride);
-    for (int n = 0; n < HEATED_ROWS; ++n)
-        memcpy(self->warm + n * self->stride, heat_run(self) + n * self->vehicles, (size_t)self->vehicles * sizeof(double));
+    heat_rows(self);
     IN_LANES(train_heat);
     for (int n = 0; n < HEATED_ROWS; ++n)
         memcpy(heat_run(self) + n * self->vehicles, self->warm + (1 + HEATED_ROWS + n) * self->stride,
@@ -312,6 +317,16 @@ static void find_forces(train *self) {
     memcpy(self->output[OUT_RAIL_FORCE], motion_rail(self->moves), (size_t)self->vehicles * sizeof(double));
 }
 
+/* Temperatures of the surfaces that are rubbed. */
+static void find_surfaces(train *self) {
+    double *left = self->warm + HEATED_ROWS * self->stride;
+    if (self->heats) {
+        heat_rows(self);
+        IN_LANES(train_surface);
+    }
+    memcpy(self->output[OUT_SURFACE_TEMPERATURE], self->heats ? left : heat_run(self), (size_t)self->vehicles * sizeof(double));
+}
+
 /* Outputs that depend on the state alone. */
 static void find_outputs(train *self) {
     double *sums = self->output[OUT_SUMS];
@@ -322,6 +337,7 @@ static void find_outputs(train *self) {
         self->output[OUT_WHEEL_SPEED][i] = wheel[i];
     }
     put(self->output[OUT_BRAKE_TEMPERATURE], heat_run(self), HEATED_TEMPERATURE, self->vehicles);
+    find_surfaces(self);
     put(self->output[OUT_BLOCK_TEMPERATURE], heat_run(self), HEATED_BLOCK_TEMPERATURE, self->vehicles);
     put(self->output[OUT_BRAKE_HEAT], heat_run(self), HEATED_HEAT, self->vehicles);
     memcpy(self->output[OUT_TRACK_BRAKE_FORCE], extra_run(self) + 3 * self->vehicles, (size_t)self->vehicles * sizeof(double));

@@ -25,7 +25,7 @@ struct train {
     double *brake, *cylinder, *wheel, *held; /* rows (rows.h): constants, variables they depend on, brake forces */
     /* rows of electric commands and brakes: constants, commands, and forces with demanded shares of the cylinders' pressure */
     double *electric, *command, *blended;
-    /* rows: constants of heat; work of a step; heat before it (HEATED_ROWS), share of friction, and heat after it */
+    /* rows: constants of heat; work of a step; heat before it (HEATED_ROWS), share of friction or surface, heat after it */
     double *heat, *worked, *warm;
     int heats; /* a vehicle has a brake that warms up */
     int works; /* the work of its brakes is summed */
@@ -55,6 +55,7 @@ long long int layout_output(const long long int counts[LAYOUT_OWNERS], int row);
     void train_brake_##lanes(train *self);                                                                                     \
     void train_blend_##lanes(train *self);                                                                                     \
     void train_heat_##lanes(train *self);                                                                                      \
+    void train_surface_##lanes(train *self);                                                                                   \
     void train_fade_##lanes(train *self);                                                                                      \
     void extra_track_##lanes(extra_brakes *self);                                                                              \
     void extra_park_##lanes(extra_brakes *self);                                                                               \

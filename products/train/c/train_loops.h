@@ -22,6 +22,12 @@ void LANES_NAME(train_heat)(train *self) {
     LANES_LEAVE;
 }
 
+void LANES_NAME(train_surface)(train *self) {
+    for (long long int i = 0; i < self->vehicles; i += LANES)
+        LANES_NAME(cells_surfacing)(self->warm + i, self->warm + HEATED_ROWS * self->stride + i, self->stride);
+    LANES_LEAVE;
+}
+
 void LANES_NAME(train_fade)(train *self) {
     for (long long int i = 0; i < self->vehicles; i += LANES)
         LANES_NAME(cells_fading)(self->warm + i, self->heat + i, self->warm + HEATED_ROWS * self->stride + i, self->stride);
