@@ -7,12 +7,12 @@ m dV/dt = F_1 + F_2 - R,   J_i dw_i/dt = M_before - M_after - F_i r - B_i,   M =
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import casadi as ca
 
 from fmu_src.system import ParameterSet, System, Variable, quantity
-from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
+from rbd_model.contact.creep.law import SMALLEST_FRICTION, SMALLEST_LOAD, at_least
 from rbd_model.contact.friction import FallingFriction, Surface
 from rbd_model.contact.hertz import POISSON_RATIO
 from rbd_model.track.friction import dry
@@ -20,7 +20,7 @@ from rbd_model.vehicle.parameters import tables_5_1_and_5_2
 from rbd_model.vehicle.scales import NOMINAL_ANGULAR_VELOCITY, NOMINAL_DISTANCE, NOMINAL_SPEED
 from rbd_model.vehicle.variables import HIGHEST_FRICTION, initial_speed
 from rbd_model.wheelset.level_rail import CentredContact, CentredLoad, centred_creep_force, contact_stiffness
-from rbd_model.wheelset.rotation import BENDING
+from rbd_model.wheelset.rotation import BENDING, Grip, Hold, stand_still
 
 #: Scale of the error control: the twist of an axle at full traction is some milliradians.
 NOMINAL_TWIST = 1e-3
@@ -78,21 +78,58 @@ Motor = Callable[[System, ca.SX], tuple[ca.SX, ca.SX]]
 
 
 @dataclass(frozen=True)
+class _Described:
+    """The system that is being written, and the symbols of its parameters."""
+
+    system: System
+    parameter: Mapping[str, ca.SX]
+
+
+@dataclass(frozen=True)
 class _Body:
-    """A body in the row: inertia [kg.m2], torque from outside [N.m], capacity of its brake [N.m]."""
+    """A body in the row: inertia [kg.m2], torque of the motor, capacity of its brake [N.m], and of its rail its creep
+    force and the largest force without sliding [N].
+    """
 
     inertia: ca.SX
     torque: ca.SX
     brake: ca.SX
+    creep: ca.SX
+    static: ca.SX
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Bodies that turn together, by their places in the row: sums over them, and symbols of their motion.
+
+    own: the bodies; outside [N.m]: torque of motor and elastic shafts. turning: direction, 1 of a rotor alone.
+    """
+
+    own: Sequence[int]
+    omega: ca.SX
+    outside: ca.SX
+    all: _Body
+    turning: ca.SX
+
+    @property
+    def wheels(self) -> list[int]:
+        """Numbers of its wheels."""
+        return [n for n in self.own if n in WHEELS]
+
+    @property
+    def locked(self) -> ca.SX:
+        """1 while its brake holds it, else 0."""
+        return 1 - self.turning**2
 
 
 @dataclass(frozen=True)
 class _Turning:
-    """Motion of a body: acceleration [rad/s2], torque of its brake with sign [N.m], 1 while it turns and 0 if held."""
+    """Motion of a body: acceleration [rad/s2], torque of its brake [N.m], force of its rail [N]; 1 if locked."""
 
     acceleration: ca.SX
     brake_torque: ca.SX
-    turns: ca.SX
+    force: ca.SX
+    locked: ca.SX
 
 
 def driven_wheelset(name: str, defaults: DrivenParameters, motor: Motor, elastic: tuple[bool, bool]) -> System:
@@ -112,16 +149,18 @@ def driven_wheelset(name: str, defaults: DrivenParameters, motor: Motor, elastic
     torque, first_torque = motor(system, p["gear_ratio"] * turning[0])
     sliding = [speed - p["wheel_radius"] * one for one in turning[1:]]
     creep = _creep(system, p, friction, speed, sliding)
-    bodies = _bodies(p, p["gear_ratio"] * torque, creep, brakes)
+    bodies = _bodies(system, p, p["gear_ratio"] * torque, brakes, creep, friction)
     twists = _twists(system, p, elastic, turning, p["gear_ratio"] * first_torque)
-    elastic_torques = [torque for _, torque in twists]
-    moves = ca.fabs(speed) - p["creepage_speed"]
-    motions = _turn(system, shared, bodies, omega, elastic_torques, moves)
-    _move(system, p, speed, creep[0] + creep[1] - resistance)
+    shafts = [torque for _, torque in twists]
+    groups = _groups(system, shared, bodies, omega, shafts)
+    moves, held = _stand(_Described(system, p), groups, speed, resistance)
+    slides = ca.fabs(speed) - p["creepage_speed"]
+    motions = [one for pair in zip(groups, held, strict=True) for one in _turn(system, p, bodies, *pair, slides)]
+    _move(system, p, speed, moves * (creep[0] + creep[1] - resistance))
     _add_rotor(system, p["gear_ratio"] * turning[0], bodies[0].torque * turning[0])
-    _add_wheels(system, p["wheel_radius"], turning[1:], sliding, creep)
-    _add_locks(system, motions, moves)
-    _add_shafts(system, [twist for twist, _ in twists], _shaft_torques(bodies, motions, elastic, elastic_torques))
+    _add_wheels(system, p["wheel_radius"], turning[1:], sliding, [one.force for one in motions[1:]])
+    _add_locks(system, motions, slides)
+    _add_shafts(system, [twist for twist, _ in twists], _shaft_torques(p, bodies, motions, elastic, shafts))
     return system
 
 
@@ -168,12 +207,20 @@ def _speeds(system: System, p: Mapping[str, ca.SX], shared: Sequence[int]) -> di
     return found
 
 
-def _bodies(p: Mapping[str, ca.SX], torque: ca.SX, creep: Sequence[ca.SX], brakes: Sequence[ca.SX]) -> list[_Body]:
+def _bodies(
+    system: System,
+    p: Mapping[str, ca.SX],
+    torque: ca.SX,
+    brakes: Sequence[ca.SX],
+    creep: Sequence[ca.SX],
+    friction: Sequence[ca.SX],
+) -> list[_Body]:
     """Return rotor and wheels at the axle's speed, third line of (2.8); torque [N.m]: of the motor, at that speed."""
-    rotor = _Body(p["gear_ratio"] ** 2 * p["rotor_inertia"], torque, ca.SX(0))
+    none, load = ca.SX(0), system.derived_symbols["wheel_load"]
+    rotor = _Body(p["gear_ratio"] ** 2 * p["rotor_inertia"], torque, none, none, none)
     inertias = [p[f"wheel_inertia_{number}"] for number in WHEELS]
-    wheels = zip(inertias, creep, brakes, strict=True)
-    return [rotor, *(_Body(inertia, -p["wheel_radius"] * force, brake) for inertia, force, brake in wheels)]
+    wheels = zip(inertias, brakes, creep, friction, strict=True)
+    return [rotor, *(_Body(inertia, none, brake, force, mu * load) for inertia, brake, force, mu in wheels)]
 
 
 def _creep(
@@ -212,36 +259,70 @@ def _twists(
     return found
 
 
-def _turn(
+def _groups(
     system: System,
     shared: Sequence[int],
     bodies: Sequence[_Body],
     omega: Mapping[int, ca.SX],
     shafts: Sequence[ca.SX],
-    moves: ca.SX,
-) -> list[_Turning]:
-    """Add the rotation of bodies that share a speed, third line of (2.8); their brakes are dry friction on it."""
-    found: dict[int, tuple[ca.SX, ca.SX, ca.SX]] = {}
-    passed = [ca.SX(0), *shafts, ca.SX(0)]
+) -> list[_Group]:
+    """Return the bodies that share a speed, third line of (2.8); shafts [N.m]: torques of elastic ones."""
+    found, passed = [], [ca.SX(0), *shafts, ca.SX(0)]
     for place, state in omega.items():
         own = [n for n, one in enumerate(shared) if one == place]
-        torque = ca.SX(sum(bodies[n].torque for n in own)) + passed[own[0]] - passed[own[-1] + 1]
-        inertia, capacity = (ca.SX(sum(getattr(bodies[n], of) for n in own)) for of in ("inertia", "brake"))
+        whole = _Body(**{one.name: ca.SX(sum(getattr(bodies[n], one.name) for n in own)) for one in fields(_Body)})
+        outside = whole.torque + passed[own[0]] - passed[own[-1] + 1]
         wheels = [n for n in own if n in WHEELS]
-        if not wheels:
-            found[place] = torque / inertia, ca.SX(0), ca.SX(1)
-        else:
-            direction = system.direction(f"direction_{wheels[0]}")
-            turns = direction**2
-            held = turns * direction * capacity + (1 - turns) * torque
-            found[place] = turns * (torque - direction * capacity) / inertia, held / ca.fmax(capacity, 1e-9), turns
-            label = f"Wheel {wheels[0]}" if len(wheels) < len(WHEELS) else "The wheelset"
-            words, reported = ("locked", "turns again"), (moves, 1.0)
-            system.dry_friction(label, direction, [state], torque, capacity, words, reported=reported)
-        system.derivative(state, found[place][0])
+        turning = system.direction(f"direction_{wheels[0]}") if wheels else ca.SX(1)
+        found.append(_Group(own, state, outside, whole, turning))
+    return found
+
+
+def _stand(
+    described: _Described, groups: Sequence[_Group], speed: ca.SX, resistance: ca.SX
+) -> tuple[ca.SX, list[ca.SX]]:
+    """Return 1, or 0 while locked wheels hold the vehicle at rest, and the force of their rails then [N].
+
+    It is that of `stand_still`, third line of (2.8): each group holds by its `Grip`, in proportion to its maximum. Only
+    a rigid axle holds: on an elastic one, whose twist moves wheels and vehicle by micrometres, holds would chatter.
+    """
+    if not any(len(one.wheels) == len(WHEELS) for one in groups):
+        return ca.SX(1), [ca.SX(0) for _ in groups]
+    radius, moving = described.parameter["wheel_radius"], described.system.direction("moving")
+    grips = []
+    for one in groups:
+        braked = one.all.brake / radius
+        grips.append(Grip(braked, one.locked * braked, one.locked * ca.fmin(one.all.static, braked)))
+    whole = Grip(*(ca.SX(sum(getattr(one, of.name) for one in grips)) for of in fields(Grip)))
+    creep = ca.SX(sum(one.all.creep for one in groups))
+    rolling = ca.SX(sum((1 - one.locked) * one.all.creep for one in groups))
+    turned = ca.SX(sum(one.locked * one.outside for one in groups)) / radius
+    hold = Hold(moving, moving, speed)
+    stand_still(described, "The vehicle", hold, [speed], (rolling - resistance, turned), whole)
+    share = (hold.moves - 1) * (creep - resistance) / at_least(whole.whole, SMALLEST_LOAD)
+    return hold.moves, [share * grip.whole for grip in grips]
+
+
+def _turn(
+    system: System, p: Mapping[str, ca.SX], bodies: Sequence[_Body], group: _Group, held: ca.SX, slides: ca.SX
+) -> list[_Turning]:
+    """Add the rotation of a group, third line of (2.8), and return that of its bodies; its brakes are dry friction.
+
+    held [N]: force of its rails that holds a standing vehicle, else 0. slides: above 0 while the axle moves.
+    """
+    torque, capacity = group.outside - p["wheel_radius"] * group.all.creep, group.all.brake
+    turns, holding = 1 - group.locked, torque - p["wheel_radius"] * held
+    acceleration = turns * (torque - group.turning * capacity) / group.all.inertia
+    system.derivative(group.omega, acceleration)
+    if group.wheels:
+        label = f"Wheel {group.wheels[0]}" if len(group.wheels) < len(WHEELS) else "The wheelset"
+        words, reported = ("locked", "turns again"), (slides, 1.0)
+        system.dry_friction(label, group.turning, [group.omega], holding, capacity, words, reported=reported)
+    braked = (turns * group.turning * capacity + group.locked * holding) / ca.fmax(capacity, SMALLEST_FRICTION)
+    on_rail = held / at_least(group.all.static, SMALLEST_LOAD)
     return [
-        _Turning(found[place][0], body.brake * found[place][1], found[place][2])
-        for place, body in zip(shared, bodies, strict=True)
+        _Turning(acceleration, one.brake * braked, one.creep + one.static * on_rail, group.locked)
+        for one in (bodies[n] for n in group.own)
     ]
 
 
@@ -259,13 +340,18 @@ def _move(system: System, p: Mapping[str, ca.SX], speed: ca.SX, force: ca.SX) ->
 
 
 def _shaft_torques(
-    bodies: Sequence[_Body], motions: Sequence[_Turning], elastic: Sequence[bool], torques: Sequence[ca.SX]
+    p: Mapping[str, ca.SX],
+    bodies: Sequence[_Body],
+    motions: Sequence[_Turning],
+    elastic: Sequence[bool],
+    torques: Sequence[ca.SX],
 ) -> list[ca.SX]:
     """Return the torques of drive and axle [N.m]; that of a rigid shaft accelerates all bodies after it, (2.8)."""
     after, found = ca.SX(0), []
     for place in (2, 1):
-        body, motion = bodies[place], motions[place]
-        rigid = body.inertia * motion.acceleration - body.torque + motion.brake_torque + after
+        motion = motions[place]
+        against = p["wheel_radius"] * motion.force + motion.brake_torque
+        rigid = bodies[place].inertia * motion.acceleration + against + after
         after = torques[place - 1] if elastic[place - 1] else rigid
         found.append(after)
     return found[::-1]
@@ -277,11 +363,11 @@ def _add_rotor(system: System, turning: ca.SX, power: ca.SX) -> None:
     system.output(Variable("rotor_power", "output", "W", text), power)
 
 
-def _add_locks(system: System, motions: Sequence[_Turning], moves: ca.SX) -> None:
+def _add_locks(system: System, motions: Sequence[_Turning], slides: ca.SX) -> None:
     for number, place in WHEELS.items():
         text = f"The brake holds {place} while the axle moves; false at rest"
-        locked = (1 - motions[number].turns) * (moves > 0)
-        system.output(Variable(f"locked_{number}", "output", "1", text, kind="boolean"), locked)
+        variable = Variable(f"locked_{number}", "output", "1", text, kind="boolean")
+        system.output(variable, motions[number].locked * (slides > 0))
 
 
 def _add_wheels(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import casadi as ca
 
@@ -116,8 +117,20 @@ class Grip:
         return cls(braked, locked * braked, locked * ca.fmin(static, braked))
 
 
+class Described(Protocol):
+    """A system that is being written, and the symbols of its parameters."""
+
+    @property
+    def system(self) -> System:
+        """The system."""
+
+    @property
+    def parameter(self) -> Mapping[str, ca.SX]:
+        """Symbols by name."""
+
+
 def stand_still(
-    assembly: Assembly, label: str, hold: Hold, states: Sequence[ca.SX], pushed: tuple[ca.SX, ca.SX], grip: Grip
+    assembly: Described, label: str, hold: Hold, states: Sequence[ca.SX], pushed: tuple[ca.SX, ca.SX], grip: Grip
 ) -> None:
     """Add the rails' static hold of a vehicle on locked wheels, as the third line of (2.8) holds a locked wheelset.
 

@@ -291,6 +291,41 @@ def test_senseless_values_are_refused(library: Library, values: dict[str, float]
         Kernel(library, **values).advance(0.1)
 
 
+@pytest.mark.parametrize("shafts", [RIGID, ELASTIC_DRIVE])
+def test_a_braked_rigid_axle_holds_the_vehicle_up_to_the_least_of_brake_and_friction(
+    library: Library, shafts: int
+) -> None:
+    """A brake of 5 kN at the rim holds 4.9 kN without creeping, both rails alike; 5.1 kN move the vehicle."""
+    trailing = 10e3
+    kernel = Kernel(
+        library, shafts=shafts, initial_speed=0.0, brake_torque_1=5e3 * P.wheel_radius, trailing_mass=trailing
+    )
+    kernel.set(resistance=4.9e3)
+    kernel.advance(100.0)
+    assert kernel["distance"] == kernel["speed"] == kernel["angular_velocity_1"] == 0.0
+    assert kernel["creep_force_1"] == pytest.approx(2.45e3)
+    assert kernel["axle_torque"] == pytest.approx(2.45e3 * P.wheel_radius)
+    assert kernel["drive_torque"] == pytest.approx(0.0, abs=1e-6)
+    kernel.set(resistance=5.1e3)
+    kernel.advance(10.0)
+    inertia = P.wheel_inertia_1 + P.wheel_inertia_2 + P.gear_ratio**2 * P.rotor_inertia
+    wanted = -100.0 / (P.carried_mass + trailing + inertia / P.wheel_radius**2)
+    assert kernel["speed"] == pytest.approx(10.0 * wanted, rel=5e-2)  # an elastic drive rings
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_torque_of_the_motor_follows_in_its_time_constant_up_to_its_limit(library: Library, sign: int) -> None:
+    """1 - exp(-t / T) of the smaller of demand and limit."""
+    wheels = {"initial_speed": 5.0, "torque_time_constant": 0.05}
+    for demand, limit in ((4e3, 4e3), (1e6, MOTOR.motor_torque)):
+        kernel = Kernel(library, torque_demand=sign * demand, **wheels)
+        kernel.advance(0.05)
+        assert kernel["rotor_torque"] == pytest.approx(sign * limit * (1 - math.exp(-1)), rel=1e-4)
+    kernel = Kernel(library, initial_torque=sign * 1e6)
+    kernel.initialise()
+    assert kernel["rotor_torque"] == sign * MOTOR.motor_torque
+
+
 def test_a_lost_demand_is_no_torque(library: Library) -> None:
     kernel = Kernel(library, initial_torque=5e3, torque_demand=math.nan)
     kernel.advance(1.0)
