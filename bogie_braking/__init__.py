@@ -38,6 +38,9 @@ if TYPE_CHECKING:
     from fmu_src.system import Model as Model
     from fmu_src.system import System as System
     from fmu_src.system import Variable as Variable
+    from products.train.driver import HoldingDriver as HoldingDriver
+    from products.train.timetable import StationStop as StationStop
+    from products.train.timetable import TimetableDriver as TimetableDriver
     from products.vehicle_file import read_vehicle as read_vehicle
     from rbd_model.track.line import Line as Line
     from rbd_model.track.line import arc as arc
@@ -67,6 +70,8 @@ _HOMES = {
     "fmu_src.cosimulation.slave": ("CosimulationError", "FmuInstance"),
     "fmu_src.kernel": ("SimulationError",),
     "fmu_src.system": ("Model", "System", "Variable"),
+    "products.train.driver": ("HoldingDriver",),
+    "products.train.timetable": ("StationStop", "TimetableDriver"),
     "products.vehicle_file": ("read_vehicle",),
     "rbd_model.track.line": ("Line", "arc", "clothoid", "line_of", "straight"),
     "rbd_model.track.line_elements": ("line_from_elements",),

@@ -18,12 +18,12 @@ from brake_controller.air import AMBIENT
 from brake_controller.brake_heat import SURROUNDINGS
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
+from products.train.driver import HoldingDriver
 from products.train.numbers import Settings
 from products.train.stated_heat import STEEL, ZERO
 from products.train.train import Train
 from rbd_model.track.line import Line
 from rbd_model.train.vehicle import GRAVITY
-from scenarios.bench.holding_driver import HoldingDriver
 from scenarios.bench.warm_rim import Rim
 from scenarios.reporting.plots import LEADING, TRAILING, charts
 from scenarios.reporting.progress import counting

@@ -11,9 +11,9 @@ import pytest
 
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
+from products.train.driver import HoldingDriver
 from products.train.train import Train
 from rbd_model.track.line import Line
-from scenarios.bench.holding_driver import HoldingDriver
 
 #: Standard gravity [m/s2], specific heat of steel and cast iron [J/(kg.K)], temperature of the surroundings [K].
 G, STEEL, CAST_IRON, COLD = 9.80665, 500.0, 510.0, 293.15

@@ -1,4 +1,4 @@
-"""A driver who holds a train's speed on a falling gradient, by a dynamic brake first and by air for the rest."""
+"""A driver who holds a train's speed: by motors, by a dynamic brake, and by air for the rest."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from products.train.train import Train
 
 #: Fall of the pipe at the first step of service as a share of that at full service: 0.4 of 1.5 bar (UIC 540).
 LEAST = 0.4 / 1.5
+#: Force of the whole brake over that of all motors: demands for traction are multiplied by it. Assumed.
+PULLS = 5.0
 #: Air rises by full service in this time, and falls as slowly [s]: a driver's hand follows no ripple. Assumed.
 MOVES = 8.0
 
@@ -20,7 +22,21 @@ class HoldingDriver:
 
     demand = k (v - v0) + (k / T) int (v - v0) dt, as a share of the whole brake. A dynamic brake takes the first
     `dynamic` of it, and air the rest: the driver's valve is in service, or running below half of its first step.
+    A demand below 0 is traction, five times that share of what the motors can give, in trains with motors.
     Gains are assumed: 1 m/s too fast adds a tenth of the brake, and T is longer than the release of a cylinder.
+
+    Parameters
+    ----------
+    speed : float
+        Speed to hold [m/s].
+    dynamic : float
+        Share of the whole brake that dynamic brakes take first, 0 to below 1.
+    gain, memory : float
+        Demand for each m/s [s/m], and time constant T of its integral [s].
+    period : float
+        Time between two calls of `act` [s].
+    added, air : float
+        State: integral of the demand, and share of the air brake.
     """
 
     speed: float
@@ -32,11 +48,17 @@ class HoldingDriver:
     air: float = 0.0
 
     def act(self, train: Train) -> None:
-        """Set the driver's valve of the head and the dynamic brakes of a train."""
+        """Set the driver's valve of the head, the dynamic brakes and the traction of a train.
+
+        Call it once a `period`, before the train advances.
+        """
+        pulls = any(one.traction.traction_force > 0.0 for one in train.consist.vehicles)
         fast = float(train.speed[0]) - self.speed
         demand = self.added + self.gain * fast
-        if 0.0 < demand < 1.0 or demand * fast < 0.0:  # no wind-up beyond the brake
+        if (-1.0 / PULLS if pulls else 0.0) < demand < 1.0 or demand * fast < 0.0:  # no wind-up beyond the brake
             self.added += self.gain / self.memory * fast * self.period
+        if pulls:
+            train.inputs["traction"] = min(max(-PULLS * demand, 0.0), 1.0)
         demand = min(max(demand, 0.0), 1.0)
         if self.dynamic:
             train.inputs["dynamic_brake"] = min(demand / self.dynamic, 1.0)

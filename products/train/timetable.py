@@ -1,0 +1,277 @@
+"""A driver who follows a timetable: limits of speed, stops at places and times, a braking curve of one deceleration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from brake_controller.distributors import kind_of
+from brake_controller.electric_brake import blending
+from brake_controller.traction import driving
+from fmu_src.cosimulation.recording import Recording
+from products.train.consist import Consist, TrainVehicle, forces_of
+from products.train.driver import LEAST
+from products.train.train import Train
+from rbd_model.track.adhesion_laws import at_speed
+from rbd_model.train.vehicle import GRAVITY
+
+#: Time between two actions [s]; times of the correction of a speed, and of the estimate of a gradient [s]. Assumed.
+PERIOD, CORRECTS, FEELS = 0.5, 5.0, 4.0
+#: Time by which braking curves are looked ahead, and of the rise to full service [s], by the pipe and by wire. Assumed.
+ANSWERS, MOVES = {False: 3.0, True: 1.5}, {False: 4.0, True: 1.5}
+#: Time in which traction that slipping has reduced comes back [s]. Assumed.
+RETURNS = 8.0
+#: Share of the air brake that holds a standing train; slip that halves traction: factor of the speed, and added [m/s].
+HOLDS, SLIPS = 0.5, (1.1, 0.5)
+#: Speeds of the forces that the driver knows [m/s].
+SPEEDS = np.linspace(0.0, 150.0, 1501)
+#: Deceleration [m/s2], speeds [m/s] and tolerance of a stop [m]: lower and upper limits.
+LIMITS = {"deceleration": (0.05, 1.5), "speed": (0.5, 150.0), "within": (0.1, 100.0), "adhesion": (0.01, 1.0)}
+
+
+@dataclass(frozen=True)
+class StationStop:
+    """A stop of the train's front.
+
+    place: distance along the line [m]. arrival: time at which it is due [s]; 0: as early as possible. standing: least
+    time at rest [s]. departure: not before this time [s].
+    """
+
+    place: float
+    arrival: float = 0.0
+    standing: float = 30.0
+    departure: float = 0.0
+
+
+@dataclass(frozen=True)
+class Call:
+    """A stop as it was made: place of the stop [m], overrun of the front (below 0: short) [m], times [s].
+
+    late: arrival behind the timetable [s]; 0 for a stop without a due time.
+    """
+
+    place: float
+    overrun: float
+    arrived: float
+    late: float
+
+
+def _vehicle_forces(one: TrainVehicle) -> np.ndarray:
+    """Return the largest forces of a vehicle's motors, dynamic brake and air brake over SPEEDS [N], shape (4, n).
+
+    The last row is the weight on driven wheels times the fall of adhesion by Curtius and Kniffler.
+    """
+    wired = kind_of(one.distributor).wired  # the driver's valve demands both brakes of such a vehicle
+    motors = list(replace(one.traction, traction_rise=0.0).values().values())
+    electric = list(replace(one.electric, dynamic_rise=0.0, blended_pressure=0.0).values().values())
+    speed = SPEEDS[None, :]
+
+    def each(values: list[float]) -> np.ndarray:
+        return np.tile(np.array(values)[:, None], SPEEDS.size)
+
+    pulls = driving()(speed, each([1.0, 0.0, 1.0]), each(motors))
+    brakes = blending()(speed, each([0.0, 1.0, 0.0, 1.0]), each(list(one.brake.values().values())), each(electric))
+    air = forces_of(one.brake, np.full(SPEEDS.size, one.distributor.full_pressure), SPEEDS)
+    weight = one.mass * GRAVITY * one.braked_share * (one.traction.traction_force > 0.0)
+    grips = weight * at_speed(SPEEDS) / at_speed(0.0)
+    return np.vstack([np.asarray(pulls)[0], 0.0 * SPEEDS if wired else np.asarray(brakes)[0], air, grips])
+
+
+def train_forces(consist: Consist) -> np.ndarray:
+    """Return the sums of `_vehicle_forces` over a train, shape (4, n)."""
+    found: dict[TrainVehicle, np.ndarray] = {}
+    total = np.zeros((4, SPEEDS.size))
+    for one in consist.vehicles:
+        if one not in found:
+            found[one] = _vehicle_forces(one)
+        total += found[one]
+    return total
+
+
+@dataclass
+class TimetableDriver:
+    """A driver who knows the forces of a train, and estimates gradient and resistance from its acceleration.
+
+    The speed follows the lowest of three: the limit below the whole train; a braking curve v^2 = v_1^2 + 2 b s to each
+    lower limit and to the next stop; and, with a due time, the steady speed that arrives then. Air is applied as long
+    before as the brake takes to answer. Traction uses an adhesion that falls over speed by Curtius and Kniffler; a
+    slipping vehicle halves it.
+
+    Parameters
+    ----------
+    stops : sequence of StationStop
+        Stops with rising places; the last one ends the run.
+    limits : sequence of (float, float)
+        Places [m] with rising distance, and the speed limit from there on [m/s]; the first holds before, too.
+    deceleration : float
+        Deceleration of braking curves [m/s2], 0.05 to 1.5.
+    within : float
+        A train that stands short of a stop by more draws up [m].
+    adhesion : float
+        Adhesion at standstill that traction uses at most [1].
+
+    Raises
+    ------
+    ValueError
+        If stops or limits are missing, do not rise, or a value is out of its limits.
+    """
+
+    stops: Sequence[StationStop]
+    limits: Sequence[tuple[float, float]]
+    deceleration: float = 0.5
+    within: float = 5.0
+    adhesion: float = 0.25
+    calls: list[Call] = field(default_factory=list)
+    air: float = 0.0
+    load: float = 0.0
+    pulling: float = 1.0
+    leaves: float = 0.0
+    _forces: np.ndarray | None = None
+    _before: float = 0.0
+    _applied: float = 0.0
+    _wired: bool = False
+    _looks: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.stops or not self.limits:
+            raise ValueError("A timetable must have at least one stop and one speed limit. Add them.")
+        for name, places in (("stops", [one.place for one in self.stops]), ("limits", [p for p, _ in self.limits])):
+            if not np.all(np.isfinite(places)) or np.any(np.diff(places) <= 0.0):
+                raise ValueError(f"{name} must have places that rise; got {places}. Sort them.")
+        checked = [("deceleration", self.deceleration), ("within", self.within), ("adhesion", self.adhesion)]
+        for name, value in (*checked, *(("speed", speed) for _, speed in self.limits)):
+            least, most = LIMITS[name]
+            if not least <= value <= most:
+                raise ValueError(f"{name} must be a number from {least:g} to {most:g}; got {value}. Correct it.")
+
+    def target(self, front: float, length: float, time: float, ahead: float) -> tuple[float, float]:
+        """Return the speed to drive at [m/s], and its rate [m/s2].
+
+        Parameters
+        ----------
+        front, length : float
+            Place of the train's front, and its length [m].
+        time : float
+            Time [s].
+        ahead : float
+            Distance by which braking curves are looked ahead [m].
+        """
+        stop = self.stops[len(self.calls)]
+        places = np.array([place for place, _ in self.limits])
+        speeds = np.array([speed for _, speed in self.limits])
+        first, last = (max(int(np.searchsorted(places, at, "right")) - 1, 0) for at in (front - length, front))
+        best, rate = float(speeds[first : last + 1].min()), 0.0
+        goals = [(p, v) for p, v in zip(places, speeds, strict=True) if p > front and v < best]
+        for place, speed in (*goals, (stop.place, 0.0)):
+            curve = math.sqrt(speed**2 + 2 * self.deceleration * max(place - front - ahead, 0.0))
+            if curve < best:
+                best, rate = curve, -self.deceleration
+        due = (
+            self._due(stop.arrival - time - ANSWERS[self._wired], stop.place - front - ahead)
+            if stop.arrival
+            else math.inf
+        )
+        return (due, 0.0) if due < best else (best, rate)
+
+    def _due(self, left: float, way: float) -> float:
+        """Return the steady speed that arrives in a time [s]: d / v + v / 2 b = T, with its braking; infinity: none."""
+        b = self.deceleration
+        if left <= 0.0 or way <= 0.0 or left**2 <= 2 * way / b:
+            return math.inf
+        return max(b * (left - math.sqrt(left**2 - 2 * way / b)), LIMITS["speed"][0])
+
+    def act(self, train: Train) -> None:
+        """Set valve, traction and dynamic brakes of a train; call it once a PERIOD before the train advances."""
+        if self._forces is None:
+            self._begin(train)
+        assert self._forces is not None
+        speed, front = float(train.speed[0]), self.front(train)
+        stop = self.stops[len(self.calls)]
+        if not train.speed.any() and (front > stop.place - self.within or train.time < self.leaves):
+            self._stand(train, front, stop)
+            return
+        motors, electric, full, grips = (float(np.interp(speed, SPEEDS, row)) for row in self._forces)
+        mass = sum((1 + one.rotating_share) * one.mass for one in train.consist.vehicles)
+        self._feel(train, mass, speed)
+        aim, rate = self.target(front, train.consist.length, train.time, self._looks * speed * ANSWERS[self._wired])
+        needed = mass * (rate * (speed > 0.9 * aim) + (aim - speed) / CORRECTS) - self.load
+        self._set(train, min(needed, self.adhesion * grips), motors, electric, full)
+
+    def _begin(self, train: Train) -> None:
+        self._forces = train_forces(train.consist)
+        self._wired = all(kind_of(one.distributor).wired for one in train.consist.vehicles)
+        if not self._forces[0].any():
+            raise ValueError("A driver by timetable must have a train with motors. State traction_force of a vehicle.")
+
+    @staticmethod
+    def front(train: Train) -> float:
+        """Return the place of the front of a train [m]."""
+        return float(train.distance[0]) + train.consist.vehicles[0].length / 2
+
+    def _stand(self, train: Train, front: float, stop: StationStop) -> None:
+        """Hold the standing train, and note its arrival."""
+        if train.time >= self.leaves:
+            late = train.time - stop.arrival if stop.arrival > 0.0 else 0.0
+            self.calls.append(Call(stop.place, front - stop.place, train.time, late))
+            self.leaves = max(train.time + stop.standing, stop.departure)
+        train.inputs["traction"], train.inputs["dynamic_brake"], self.air = 0.0, 0.0, HOLDS
+        train.drive("service", (HOLDS - LEAST) / (1 - LEAST))
+        self._before, self.load = 0.0, 0.0
+
+    def _feel(self, train: Train, mass: float, speed: float) -> None:
+        """Estimate the force of gradient and resistance [N] from the acceleration and the forces of the last period."""
+        if speed > 0.0:
+            felt = mass * (speed - self._before) / PERIOD - self._applied
+            self.load += (felt - self.load) * PERIOD / FEELS
+        self._before = speed
+
+    def _set(self, train: Train, needed: float, motors: float, electric: float, full: float) -> None:
+        """Set the controls for a force [N] by the largest forces [N] of motors, dynamic brake and air."""
+        slips = bool(np.any(train.wheel_speed > SLIPS[0] * train.speed + SLIPS[1]))
+        self.pulling = max(self.pulling / 2, 0.05) if slips else min(self.pulling + PERIOD / RETURNS, 1.0)
+        pull = min(max(needed / max(motors, 1.0), 0.0), self.pulling)
+        brake = max(-needed, 0.0)
+        dynamic = min(brake / electric, 1.0) if electric else 0.0
+        wanted = min(max(brake - dynamic * electric, 0.0) / max(full, 1.0), 1.0)
+        change = PERIOD / MOVES[self._wired]
+        self.air = float(np.clip(wanted, self.air - change, self.air + change))
+        brakes = self.air >= LEAST / 2 or dynamic > 0.1
+        self._looks = max(self._looks - PERIOD / (2 * ANSWERS[self._wired]), 0.0) if brakes else 1.0
+        released = self.air < LEAST / 2
+        train.inputs["traction"], train.inputs["dynamic_brake"] = pull if released else 0.0, dynamic
+        if released:
+            train.drive("running")
+        else:
+            train.drive("service", max(self.air - LEAST, 0.0) / (1 - LEAST))
+
+    def drive(self, train: Train, seconds: float = 86400.0) -> Recording:
+        """Drive a train to the last stop, or for a time [s], and record it each PERIOD.
+
+        Returns
+        -------
+        Recording
+            Time, place of the front, speed, speed of the fastest wheels, traction and brake force of all vehicles, and
+            the energies of motors, electric and friction brakes at the rims. `calls` has the stops.
+
+        Raises
+        ------
+        ValueError
+            If the train has no motors, or as `Train.advance`.
+        """
+        units = {"time": "s", "distance": "m", "speed": "m/s", "wheel_speed": "m/s", "traction_force": "N"}
+        units |= {"brake_force": "N", "traction_energy": "J", "electric_brake_energy": "J", "brake_heat": "J"}
+        sums = list(units)[4:]
+        rows, end = [self._row(train, sums)], train.time + seconds
+        while len(self.calls) < len(self.stops) and train.time < end - PERIOD / 2:
+            self.act(train)
+            train.advance(PERIOD)
+            self._applied = float(np.sum(train.traction_force) - np.sum(train.brake_force))
+            rows.append(self._row(train, sums))
+        return Recording(units, np.array(rows))
+
+    def _row(self, train: Train, sums: Sequence[str]) -> list[float]:
+        own = [train.time, self.front(train), float(train.speed[0]), float(train.wheel_speed.max())]
+        return own + [float(np.sum(getattr(train, name))) for name in sums]
