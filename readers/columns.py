@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from readers.text import FileError, quoted, shown
 from readers.units import different_units, factor, quantity_of
 
-#: Longest text in a cell of a column of texts.
+#: Longest text in a cell of a column of texts, where the column has no other.
 LONGEST_TEXT = 60
 #: A number in decimal writing, with a point or a comma.
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -53,6 +53,8 @@ class Column:
         Whether it holds any printable text instead of numbers.
     remedies : tuple of (str, str)
         Words that are not allowed, and what a message says to do instead.
+    longest : int
+        Largest number of characters of a text.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Column:
     whole: bool = False
     text: bool = False
     remedies: tuple[tuple[str, str], ...] = ()
+    longest: int = LONGEST_TEXT
 
     @property
     def holds_words(self) -> bool:
@@ -183,11 +186,9 @@ class Cells:
         """Return the words of the column. Raises TableError if one is not allowed."""
         choice = self.column.words
         for row, cell in enumerate(cells):
-            if self.column.text and (len(cell) > LONGEST_TEXT or not cell.isprintable()):
-                raise self.refusal(
-                    row,
-                    f"the text must be printable, at most {LONGEST_TEXT} characters; got {quoted(cell)}. Shorten it.",
-                )
+            if self.column.text and (len(cell) > self.column.longest or not cell.isprintable()):
+                limit = f"the text must be printable, at most {self.column.longest} characters"
+                raise self.refusal(row, f"{limit}; got {quoted(cell)}. Shorten it.")
             if not self.column.text and cell not in choice and (cell or self.column.filled):
                 remedy = dict(self.column.remedies).get(cell, "Choose one.")
                 raise self.refusal(row, f"the value must be one of {', '.join(choice)}; got {quoted(cell)}. {remedy}")

@@ -149,6 +149,8 @@ NOT_MODELLED = {
 #: Columns of free text.
 TABLES = ("friction_table", "dynamic_table", "traction_table", "fade_table")
 TEXTS = ("name", *TABLES)
+#: Largest number of characters of a table.
+LONGEST_TABLE = 400
 #: All names, in the order in which files are written.
 NAMES = (
     *("kind", "name", *VEHICLE, "brake", *FORCE, "friction", "friction_table", *AIR, *ELECTRIC, "dynamic_table"),
@@ -156,6 +158,11 @@ NAMES = (
     *(name for name in WORDS if name not in ("kind", "brake", "friction")),
     *COUPLING,
 )
+
+
+def longest_of(name: str) -> int:
+    """Return the largest number of characters of a column of free text."""
+    return LONGEST_TABLE if name in TABLES else LONGEST_NAME
 
 
 def choices(name: str) -> tuple[str, ...]:
@@ -174,7 +181,7 @@ def columns() -> list[Column]:
         Column(name, words=choices(name), required=name == "kind", filled=name == "kind", remedies=remedies(name))
         for name in WORDS
     ]
-    found += [Column(name, filled=False, text=True) for name in TEXTS]
+    found += [Column(name, filled=False, text=True, longest=longest_of(name)) for name in TEXTS]
     for name, (unit, least, most) in NUMBERS.items():
         found.append(Column(name, unit, least, most, filled=False, whole=name in WHOLE))
     return found

@@ -20,7 +20,6 @@ from products.train.columns import (
     COUPLING,
     ELECTRIC,
     HEAT,
-    LONGEST_NAME,
     MOST,
     NAMES,
     NUMBERS,
@@ -32,6 +31,7 @@ from products.train.columns import (
     WORDS,
     choices,
     columns,
+    longest_of,
     number_with_unit,
     remedies,
 )
@@ -212,8 +212,8 @@ def _number(name: str, value: Any) -> float:
 
 
 def _text(name: str, value: Any) -> str:
-    if not isinstance(value, str) or len(value) > LONGEST_NAME or not value.isprintable():
-        limit = f"printable text of at most {LONGEST_NAME} characters"
+    if not isinstance(value, str) or len(value) > longest_of(name) or not value.isprintable():
+        limit = f"printable text of at most {longest_of(name)} characters"
         raise ValueError(f"{name} must be {limit}; got {shown(value)}. Correct it.")
     return value.strip()
 

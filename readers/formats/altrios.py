@@ -12,7 +12,7 @@ They are read so, with a friction of the shoes on top. This is assumed, not ALTR
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -241,12 +241,37 @@ def _locomotives(read: Mapping[str, Any], source: str, notes: Notes) -> list[Row
         else:
             row["mass"] = rounded(checked(1e-3 * named_number(given, "mass", place), "mass", (1.0, 300.0), "t", place))
             notes.taken("loco_vec mass -> mass [t]")
-        rows.append(row)
+        rows.append(row | _motors(one, place, notes))
     notes.assumed(
         "Length, running resistance and brake of a locomotive: those of the kind; ALTRIOS does not have them."
     )
-    notes.left("Powertrain of a locomotive: traction and dynamic brakes are an input of the train.")
+    notes.left("Powertrain of a locomotive: efficiencies, limits of engine and battery, and dynamic brakes.")
     return rows
+
+
+def _motors(one: Mapping[str, Any], place: str, notes: Notes) -> Row:
+    """Return the largest force of a locomotive and the power of its electric drivetrain, if it states both."""
+    drive = next((inner for inner in _within(one) if "edrv" in inner), {}).get("edrv", {})
+    given = [
+        next((read[name] for name in names if isinstance(read, dict) and read.get(name) is not None), None)
+        for read, names in ((one, ("force_max_newtons", "force_max")), (drive, ("pwr_out_max_watts", "pwr_out_max")))
+    ]
+    if None in given:
+        notes.left("Motors of a locomotive: they need force_max and pwr_out_max of edrv.")
+        return {}
+    force, power = (named_number(value, name, place) for value, name in zip(given, ("force_max", "edrv"), strict=True))
+    checked(1e-3 * force, "force_max", (0.1, 2000.0), "kN", place)
+    checked(1e-3 * power, "pwr_out_max of edrv", (1.0, 30e3), "kW", place)
+    notes.taken("force_max -> traction_force [kN], pwr_out_max of edrv -> traction_power [kW]")
+    return {"traction_force": rounded(1e-3 * force), "traction_power": rounded(1e-3 * power)}
+
+
+def _within(read: Any, depth: int = 4) -> Iterator[Mapping[str, Any]]:
+    """Yield a mapping and those inside it."""
+    if isinstance(read, dict):
+        yield read
+        for inner in read.values() if depth else ():
+            yield from _within(inner, depth - 1)
 
 
 def _tell_left(read: Mapping[str, Any], reasons: Mapping[str, str], notes: Notes) -> None:

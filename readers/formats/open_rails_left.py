@@ -24,7 +24,7 @@ EQUIPMENT = (
 )
 _AXLES = "a vehicle of a train has its mass on braked wheels, without axles of their own"
 _VALVE = "the distributor has its own emergency and quick-service parts"
-_TRACTION = "traction is an input of the train"
+_TRACTION = "of the motors, the largest force or its curve and the power alone are read"
 _DYNAMIC = "of the dynamic brake, the largest force and its speeds alone are read"
 _BLENDING = "blending of dynamic and air brakes has no column, other than brake = ep-direct"
 _STAGES = "two stages of pressure over speed (R brake) have no column; full_pressure applies at all speeds"
@@ -76,17 +76,14 @@ LEFT = {
     "ORTSEPBrakeInhibitsTripleValve": "valves of both kinds together have no column",
     "ORTSMainResPipeAuxResCharging": "a main pipe has no column",
     "NumberOfHandbrakeLeverSteps": "the input parking_brake of the train is a share, without steps",
-    "ORTSCurtius_Kniffler": "friction of the rail is an input of the train",
+    "ORTSCurtius_Kniffler": "set adhesion = curtius-kniffler, with its usual numbers, yourself",
     "Adheasion": "Open Rails ignores it",
     "ORTSWheelBrakeSlideProtection": "slide protection of a train is an input",
     "ORTSWheelBrakesSlideProtectionLimitDisable": "slide protection of a train is an input",
     "ORTSEmergencyBrakingDisablesWSP": "slide protection of a train is an input",
-    "MaxPower": _TRACTION,
-    "MaxForce": _TRACTION,
     "MaxContinuousForce": _TRACTION,
-    "ORTSMaxTractiveForceCurves": _TRACTION,
-    "DynamicBrakeForceCurves": _DYNAMIC,
-    "ORTSDynamicBrakeForceCurves": _DYNAMIC,
+    "MaxVelocity": "motors have no limit of speed; the last force of a table may be 0",
+    "RunUpTimeToMaxForce": "set traction_rise yourself",
     "DynamicBrakesDelayTimeBeforeEngaging": "a dead time has a column with brake = ep-direct alone",
     "DynamicBrakesEffectAtMaximumFadeOut": _DYNAMIC,
     "DynamicBrakeHasAutoBailOff": _BLENDING,

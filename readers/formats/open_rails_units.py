@@ -36,6 +36,8 @@ _FACTORS: dict[str, dict[str, float]] = {
         "kph": 1.0,
         "m/s": 3.6,
     },
+    "km/h curve": {"": 3.6, "mph": 3.6 * MILE_PER_HOUR, "km/h": 1.0, "kmh": 1.0, "kph": 1.0, "m/s": 3.6},
+    "W": {"": 1.0, "w": 1.0, "kw": 1e3, "hp": 550 * POUND_FORCE * FOOT},
     "N": {"": 1.0, "n": 1.0, "kn": 1e3, "mn": 1e6, "lbf": POUND_FORCE, "lb": POUND_FORCE},
     "N/s": {"": 1.0, "n/s": 1.0, "kn/s": 1e3, "lbf/s": POUND_FORCE},
     "N/(m/s)": {

@@ -10,6 +10,7 @@ from pathlib import Path
 from readers.formats import Row
 from readers.formats.notes import Notes
 from readers.formats.open_rails_brake import brake_of, branch_of, hand_brake_of
+from readers.formats.open_rails_drive import DRIVE, drive_of
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_left import LEFT
 from readers.formats.open_rails_text import Block, Reader
@@ -89,7 +90,7 @@ def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
     row["mass"] = _mass(fields, loads, path, notes)
     row["length"] = _length(fields, path, notes)
     row |= _resistance(fields, notes)
-    row |= brake_of(fields, notes) | hand_brake_of(fields, notes) | _dynamic(_engines(root), notes)
+    row |= brake_of(fields, notes) | hand_brake_of(fields, notes) | drive_of(_engines(root), notes)
     row |= branch_of(fields, row["length"], notes)
     _tell_left(fields, root, notes)
     return row, [block for block in blocks if block.name == "coupling"]
@@ -172,41 +173,6 @@ def _engines(root: Block) -> list[Block]:
     return [*root.all("engine"), *(inner for wagon in root.all("wagon") for inner in wagon.all("engine"))]
 
 
-def _dynamic(engines: list[Block], notes: Notes) -> Row:
-    """Return the largest force of the dynamic brake [kN], the speed below which it fades and its largest power.
-
-    Open Rails has no force below MinUsableSpeed, all of it from FadingSpeed to MaximumEffectiveSpeed, and less above.
-    """
-    fields = Fields([block for one in engines for block in one.blocks], notes)
-    force = fields.number("DynamicBrakesMaximumForce", "N")
-    if not force or force < 0.0:
-        return {}
-    notes.taken("DynamicBrakesMaximumForce -> dynamic_force [kN]; the input dynamic_brake of the train applies it")
-    row = {"dynamic_force": rounded(1e-3 * force)}
-    least, fades = (fields.number(name, "km/h") for name in ("DynamicBrakesMinUsableSpeed", "DynamicBrakesFadingSpeed"))
-    if fades is not None and fades >= 0.0:
-        row["dynamic_fade"] = rounded(fades)
-        notes.converted("DynamicBrakesFadingSpeed -> dynamic_fade [km/h]")
-        if least:
-            notes.left(
-                f"DynamicBrakesMinUsableSpeed: the force fades to 0 at standstill, in Open Rails at {least:.3g} km/h."
-            )
-    rate = fields.number("ORTSDynamicBrakeForceRampUpRate", "N/s")
-    if rate and rate > 0.0:
-        row["dynamic_rise"] = rounded(force / rate)
-        notes.converted("DynamicBrakesMaximumForce / ORTSDynamicBrakeForceRampUpRate -> dynamic_rise [s]")
-    effective = fields.number("DynamicBrakesMaximumEffectiveSpeed", "km/h")
-    if effective and effective > 0.0:
-        row["dynamic_power"] = rounded(1e-3 * force * effective / 3.6)
-        notes.converted("DynamicBrakesMaximumForce x DynamicBrakesMaximumEffectiveSpeed -> dynamic_power [kW]")
-        if fields.has("DynamicBrakesMaximumSpeedForFadeOut"):
-            notes.left(
-                "DynamicBrakesMaximumSpeedForFadeOut: above the effective speed the force falls as P / v, in Open "
-                "Rails linearly."
-            )
-    return row
-
-
 def _tell_left(fields: Fields, root: Block, notes: Notes) -> None:
     """Tell fields without a column, each with the reason, and misspelt ones."""
     names = {block.name for block in fields.blocks.values()}
@@ -217,4 +183,4 @@ def _tell_left(fields: Fields, root: Block, notes: Notes) -> None:
     outside = [block.name for block in root.blocks if block.name.lower() in {one.lower() for one in TAKEN}]
     for name in outside:
         notes.left(f"{name}: it stands outside Wagon ( ), and Open Rails ignores it.")
-    fields.misspelt([*LEFT, "Engine", "Inside", "Lights"], TAKEN)
+    fields.misspelt([*LEFT, *DRIVE, "Engine", "Inside", "Lights"], TAKEN)

@@ -254,5 +254,9 @@ def _tell(given: dict[str, float], notes: Notes) -> None:
         "Couplers: OpenBVE limits their travel around a gap of 0.3 m, without a force; screw couplers are taken."
     )
     notes.left("Volumes of pipe and reservoirs: OpenBVE counts them by cars, not by metres, so they are not read.")
-    notes.left("#ACCELERATION, jerk, #HANDLE, #CAB, #DEVICE, motor sounds: traction and driving, no column.")
+    notes.left(
+        "#ACCELERATION: the meaning of its numbers depends on the version. State traction_table of the motor cars "
+        "yourself."
+    )
+    notes.left("Jerk, #HANDLE, #CAB, #DEVICE, motor sounds: driving, no column.")
     notes.left("CoefficientOfStaticFriction: friction of the rail is an input of the train.")

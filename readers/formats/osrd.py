@@ -11,6 +11,7 @@ from typing import Any
 
 from readers.documents import LARGEST, document
 from readers.formats import Imported, Row
+from readers.formats.drive_tables import drive_table, with_motors
 from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import (
     HEAVIEST,
@@ -32,7 +33,6 @@ PART = 26.4
 LITTLE, MUCH, FAST = 3.0, 500.0, 30.0
 #: Fields without a column, each with the reason.
 LEFT = {
-    "effort_curves": "traction is an input of the train",
     "max_speed": "it does not affect braking",
     "startup_time": "a rule of running times",
     "startup_acceleration": "a rule of running times",
@@ -40,8 +40,8 @@ LEFT = {
     "electrical_power_startup_time": "a rule of running times",
     "raise_pantograph_time": "a rule of running times",
     "etcs_brake_params": "decelerations that ETCS supervises, for comparison; they are not those of the brakes",
-    "energy_sources": "traction is an input of the train",
-    "power_restrictions": "traction is an input of the train",
+    "energy_sources": "motors have no limit of energy",
+    "power_restrictions": "the unrestricted curve of forces is read",
     "loading_gauge": "it does not affect braking",
     "base_power_class": "it does not affect braking",
     "supported_signaling_systems": "it does not affect braking",
@@ -72,6 +72,7 @@ def read_osrd(path: Path) -> Imported:
         )
     row: Row = {"kind": _kind(read, notes), "name": _name(read, path), "mass": rounded(mass), "length": rounded(length)}
     row |= _rotating(read, source, notes) | _resistance(read, mass, source, notes) | _deceleration(read, source, notes)
+    row = with_motors(row, _traction(read, source, notes), notes)
     for reason in dict.fromkeys(LEFT.values()):
         if names := [name for name, one in LEFT.items() if one == reason and name in read]:
             notes.left(f"{', '.join(names)}: {reason}.")
@@ -145,6 +146,37 @@ def _resistance(read: dict[str, Any], mass: float, source: str, notes: Notes) ->
             "It is read as it stands. Check its units."
         )
     return {f"resistance_{name.lower()}": rounded(value) for name, value in found.items()}
+
+
+def _traction(read: dict[str, Any], source: str, notes: Notes) -> Row:
+    """Return the default curve of the default mode of effort_curves, shared by all vehicles."""
+    curves = read.get("effort_curves")
+    modes = curves.get("modes") if isinstance(curves, dict) else None
+    if not isinstance(curves, dict) or not isinstance(modes, dict) or not modes:
+        if curves is not None:
+            notes.left("effort_curves: it has no mode.")
+        return {}
+    name = curves.get("default_mode", next(iter(modes)) if len(modes) == 1 else None)
+    mode = modes.get(name) if isinstance(name, str) else None
+    curve = mode.get("default_curve") if isinstance(mode, dict) else None
+    if not isinstance(curve, dict):
+        notes.left("effort_curves: several modes without a default_mode, or a mode without a default_curve.")
+        return {}
+    speeds, forces = curve.get("speeds"), curve.get("max_efforts")
+    if not isinstance(speeds, list) or not isinstance(forces, list) or len(speeds) != len(forces):
+        raise FileError(f"{source}: effort_curves must have as many speeds as max_efforts. Correct the file.")
+    numbers = [
+        [named_number(one, f"effort_curves.{what}", source) for one in given]
+        for what, given in (("speeds", speeds), ("max_efforts", forces))
+    ]
+    row = drive_table(
+        "traction_table", [(3.6 * v, f) for v, f in zip(*numbers, strict=True)], f"effort_curves, {shown(name)}", notes
+    )
+    if len(modes) > 1:
+        notes.left(f"effort_curves: {len(modes)} modes; the default one is read, and its default_curve.")
+    if row:
+        notes.assumed("Motors: the force is shared by all vehicles, all of whose wheels are driven.")
+    return row
 
 
 def _deceleration(read: dict[str, Any], source: str, notes: Notes) -> Row:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 
 from readers.formats import Row
+from readers.formats.drive_tables import drive_table, with_motors
 from readers.formats.notes import Notes
 from readers.formats.railml_numbers import fitted, mean_deceleration, number_of, table_of
 from readers.formats.vehicle_rows import AIR, GRAVITY, rounded
@@ -58,9 +59,20 @@ def vehicle_of(vehicle: ET.Element, source: str, notes: Notes) -> Row:
     for one in ("numberOfDrivenAxles", "adhesionWeight", "maximumAxleLoad"):
         if vehicle.get(one) is not None:
             notes.left(f"{one}: a vehicle of a train has no axles of its own.")
-    if next(inside(vehicle, "engine", "traction", "tractiveEffort"), None) is not None:
-        notes.left("engine, tractiveEffort: traction is an input of the train.")
+    row = with_motors(row, _motors(vehicle, place, notes), notes)
     return row | _resistance(vehicle, mass, place, notes) | _brake(vehicle, mass, place, notes)
+
+
+def _motors(vehicle: ET.Element, place: str, notes: Notes) -> Row:
+    """Return the table of the first tractiveEffort of a vehicle."""
+    efforts = list(inside(vehicle, "tractiveEffort"))
+    if not efforts:
+        if next(inside(vehicle, "engine", "traction"), None) is not None:
+            notes.left("engine: without a tractiveEffort with a valueTable it states no force over speed.")
+        return {}
+    if len(efforts) > 1:
+        notes.left(f"tractiveEffort: {len(efforts)} tables; the first one is read.")
+    return drive_table("traction_table", table_of(efforts[0], place), "tractiveEffort", notes)
 
 
 def _kind(vehicle: ET.Element, notes: Notes) -> str:

@@ -26,11 +26,17 @@ SHARED = (
     "shoe_force",
     "dynamic_force",
     "dynamic_power",
+    "traction_force",
+    "traction_power",
     "parking_force",
     "auxiliary",
     "cylinder",
     "branch",
 )
+
+
+#: Columns of tables "km/h:kN" whose forces are those of the whole vehicle.
+SHARED_TABLES = ("dynamic_table", "traction_table")
 
 
 def checked(number: float, name: str, limits: tuple[float, float], unit: str, source: str) -> float:
@@ -49,12 +55,19 @@ def rounded(number: float) -> float:
 def divided(row: Row, parts: int) -> list[Row]:
     """Return the equal parts of a vehicle, coupled rigidly; the last one has its coupler."""
     part = {name: rounded(value / parts) if name in SHARED else value for name, value in row.items()}
+    part |= {name: _shared_table(row[name], parts) for name in SHARED_TABLES if name in row}
     ahead = {name: value for name, value in part.items() if not name.startswith("coupler_")} | {"coupler": "rigid"}
     behind = {name: value for name, value in part.items() if name != "valve"}
     first = [ahead] if parts > 1 else [part]
     return [*first, *({name: value for name, value in ahead.items() if name != "valve"} for _ in range(parts - 2))] + (
         [behind] if parts > 1 else []
     )
+
+
+def _shared_table(text: str, parts: int) -> str:
+    """Return a table of forces for one of several equal parts of a vehicle."""
+    pairs = [pair.split(":") for pair in text.split()]
+    return " ".join(f"{speed}:{rounded(float(force) / parts):.10g}" for speed, force in pairs)
 
 
 def fitting(row: Row, notes: Notes, source: str) -> list[Row]:

@@ -181,7 +181,7 @@ def test_what_is_doubtful_in_an_osrd_train_is_told(tmp_path: Path) -> None:
     assert told(found, "assumed", "25.08 N is 0.012 N/t")
     assert told(found, "assumed", "deceleration of operation")
     assert told(found, "assumed", "is a whole train")
-    assert told(found, "left", "effort_curves: traction")
+    assert told(found, "left", "effort_curves: it has no mode")
     old = {name: value for name, value in OSRD.items() if name != "const_gamma"} | {
         "gamma": {"type": "CONST", "value": 0.5}
     }

@@ -31,7 +31,7 @@ LOCOMOTIVE: dict[str, Any] = {
     "resistance_b": 0.0,
     "resistance_c": 8.0,
 }
-TABLE = "0:320 40:300 60:240 100:150 160:80 200:55"
+TABLE = "0:320.123456 40:300.5 60:240.25 80:191.125 100:150.0625 130:110.5 160:80.75 200:55.125"
 
 
 def lone(speed: float = 0.0, gradient: float = 0.0, friction: float = 0.6, **columns: Any) -> Train:
