@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from readers.text import FileError, quoted, shown
 from readers.units import different_units, factor, quantity_of
 
-#: Longest text in a cell of a column of texts, where the column has no other.
+#: Largest number of characters in a cell, for columns of free text without a limit of their own.
 LONGEST_TEXT = 60
 #: A number in decimal writing, with a point or a comma.
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -54,7 +54,7 @@ class Column:
     remedies : tuple of (str, str)
         Words that are not allowed, and what a message says to do instead.
     longest : int
-        Largest number of characters of a text.
+        Largest number of characters in a cell of such a column.
     """
 
     name: str

@@ -22,7 +22,7 @@ class HoldingDriver:
 
     demand = k (v - v0) + (k / T) int (v - v0) dt, as a share of the whole brake. A dynamic brake takes the first
     `dynamic` of it, and air the rest: the driver's valve is in service, or running below half of its first step.
-    A demand below 0 is traction, five times that share of what the motors can give, in trains with motors.
+    A demand below 0 is traction, in trains with motors: five times that share of their largest force.
     Gains are assumed: 1 m/s too fast adds a tenth of the brake, and T is longer than the release of a cylinder.
 
     Parameters

@@ -95,10 +95,10 @@ def train_forces(consist: Consist) -> np.ndarray:
 class TimetableDriver:
     """A driver who knows the forces of a train, and estimates gradient and resistance from its acceleration.
 
-    The speed follows the lowest of three: the limit below the whole train; a braking curve v^2 = v_1^2 + 2 b s to each
-    lower limit and to the next stop; and, with a due time, the steady speed that arrives then. Air is applied as long
-    before as the brake takes to answer. Traction uses an adhesion that falls over speed by Curtius and Kniffler; a
-    slipping vehicle halves it.
+    The speed follows the lowest of three: the limit below the whole train, braking curves, and the steady speed that
+    arrives at the due time. Braking curves v^2 = v_1^2 + 2 b s lead to each lower limit and to the next stop. Air
+    is applied as long before as the brake takes to answer. Traction uses an adhesion that falls over speed by Curtius
+    and Kniffler; a slipping vehicle halves it.
 
     Parameters
     ----------

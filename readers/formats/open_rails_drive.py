@@ -1,7 +1,7 @@
 """Motors and dynamic brakes of Open Rails and MSTS locomotives as columns of a consist.
 
-Names, units and defaults as the manual of Open Rails states them: forces in N, powers in W; curves are m/s and N unless
-a unit is written, one for each position of the controller.
+Names, units and defaults as the manual of Open Rails states them. Forces are in N, and powers in W. A curve has m/s
+and N where no unit is written, and belongs to a position of the controller.
 """
 
 from __future__ import annotations

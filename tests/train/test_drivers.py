@@ -33,7 +33,7 @@ def train_of(name: str, gradient: float = 0.0, **values: Any) -> Train:
 
 @pytest.mark.parametrize("gradient", [0.0, 0.01, -0.012])
 def test_a_driver_holds_a_speed_uphill_and_downhill(gradient: float) -> None:
-    """From 3 m/s below it; on 12 permille the brakes hold it, on the others the motors."""
+    """The train begins 3 m/s slower. Brakes hold it on 12 permille, motors on the other gradients."""
     train, driver = train_of("coaches", gradient, speed=17.0), HoldingDriver(20.0)
     for _ in range(400):
         driver.act(train)
