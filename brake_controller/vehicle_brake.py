@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
 import casadi as ca
@@ -67,6 +67,10 @@ class VehicleBrake(ParameterSet):
     table_change_4: float = _of_law("s/m", "Change of slope at point 4 of law 7", 0.0)
     table_change_5: float = _of_law("s/m", "Change of slope at point 5 of law 7", 0.0)
     table_change_6: float = _of_law("s/m", "Change of slope at point 6 of law 7", 0.0)
+
+
+#: Numbers of laws 6 and 7 of a brake with another law.
+NO_LAW = {one.name: one.default for one in fields(VehicleBrake) if one.default is not MISSING}
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from brake_controller.electric_brake import NO_ELECTRIC_BRAKE, ElectricBrake
 from brake_controller.parking_brake import NO_PARKING_BRAKE, ParkingBrake
 from brake_controller.track_brakes import NO_TRACK_BRAKES, TrackBrakes
 from brake_controller.traction import NO_TRACTION, Traction
-from brake_controller.vehicle_brake import VehicleBrake, braking
+from brake_controller.vehicle_brake import FRICTIONS, VehicleBrake, braking
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.vehicle import GRAVITY, MOTION
 
@@ -192,10 +192,10 @@ def braking_way(force: NDArray[np.float64], turning_mass: float, resistance: Seq
 def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> TrainVehicle:
     """Return a four-axle wagon of 20 t and 14 m with 16 composite blocks; load [kg].
 
-    Cylinder of 406 mm, rigging of ratio 5.65 and efficiency 0.83, return force 1500 N: those of RailProfAC's shunting
-    stops. Assumed: up to 40 t it brakes with two fifths of that (a lever for empty and loaded); with continuous
-    weighing the brake force is in proportion to its mass over 80 t. Without weighing, `none`, it is that of a loaded
-    wagon.
+    Cylinder of 406 mm, rigging of ratio 5.65 and efficiency 0.83, return force 1500 N, and the friction `composite`:
+    those of RailProfAC's shunting stops. Assumed: up to 40 t it brakes with two fifths of that (a lever for empty and
+    loaded); with continuous weighing the brake force is in proportion to its mass over 80 t. Without weighing, `none`,
+    it is that of a loaded wagon.
     """
     mass = WAGON + load
     by_lever = 1.0 if mass > EMPTY_UP_TO else 0.4
@@ -206,8 +206,8 @@ def wagon(load: float = 60e3, position: str = "P", weighing: str = "lever") -> T
         counter_force=weighed * 5.65 * 1500.0,
         efficiency=0.83,
         shoes=16.0,
-        friction_law=3.0,
         constant_friction=0.0,
+        **FRICTIONS["composite"],
     )
     return TrainVehicle("wagon", mass, 14.0, freight(position), brake, resistance=freight_resistance(mass))
 

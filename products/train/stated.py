@@ -23,6 +23,7 @@ from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import (
     FORCELESS,
     FRICTIONS,
+    NO_LAW,
     VehicleBrake,
     braking,
     over_points,
@@ -134,7 +135,8 @@ def _check_friction(values: Mapping[str, Any], stated: list[str]) -> None:
         raise ValueError(f"friction_value must be left out with {at_rims[0]}, a force at the rims. Leave it out.")
     if "friction_radius" in values and friction != "pads":
         raise ValueError("friction_radius must come with friction = pads. Add it, or leave friction_radius out.")
-    if "shoes" in values and friction not in FRICTIONS:
+    own = friction is None and values["kind"] == "wagon" and not at_rims  # the wagon's depends on that force
+    if "shoes" in values and friction not in FRICTIONS and not own:
         raise ValueError(
             f"shoes must come with a friction that depends on the force of a shoe, one of {', '.join(FRICTIONS)}. Add "
             "friction, or leave shoes out."
@@ -252,12 +254,13 @@ def friction_of(values: Mapping[str, Any]) -> dict[str, float]:
     name = values.get("friction")
     if name is None:
         return {}
+    found = NO_LAW | {"constant_friction": 0.0}
     if name == "speed":
         half = values["friction_speed"] / KILOMETRES_PER_HOUR
-        return over_speed(values["friction_value"], values["friction_fast"], half) | {"constant_friction": 0.0}
+        return found | over_speed(values["friction_value"], values["friction_fast"], half)
     if name == "table":
-        return over_points(*_points(values)) | {"constant_friction": 0.0}
-    found = dict({**FRICTIONS, **FORCELESS}[name]) | {"constant_friction": values.get("friction_value", 0.0)}
+        return found | over_points(*_points(values))
+    found |= dict({**FRICTIONS, **FORCELESS}[name]) | {"constant_friction": values.get("friction_value", 0.0)}
     if name == "pads":
         found["friction_scale"] *= values.get("friction_radius", PAD_RADIUS)
     return found

@@ -101,7 +101,7 @@ def rows_between_laws() -> list[Row]:
     below = 1 - friction("composite-k", WAGON, ends) / friction("composite", WAGON, ends)
     for speed, share in zip(ends, below, strict=True):
         name = f"composite-k below composite at {WAGON:g} kN, {speed:g} km/h"
-        rows.append(measured(name, "%", 100 * share, "the wagon has composite-k"))
+        rows.append(measured(name, "%", 100 * share, "the wagon has composite"))
     return rows
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
+from brake_controller.brake_weight import FROM_100, VEHICLE_BUILD_UP, percentage_of_vehicle
 from products.train.brake_model import BRAKE_MODELS_BY_COST, select_brake_model
 from products.train.consist import Consist, block_train, braked_by, coach, locomotive, wagon
 from products.train.numbers import Settings
@@ -39,7 +42,21 @@ def test_a_vehicle_of_a_percentage_stops_where_that_says() -> None:
 def test_a_train_has_the_percentage_of_its_braked_weights() -> None:
     train = Consist((locomotive(), coach(), coach()))
     assert train.percentage == pytest.approx((85.0 * 84 + 135.0 * 92) / 176, rel=1e-3)
-    assert 60.0 < block_train(30).percentage < 85.0
+
+
+def test_a_loaded_wagon_has_the_percentage_of_its_cylinder_and_blocks() -> None:
+    # RailProfAC's shunting stops: cylinder, rigging and the law of composite blocks; int m v / (F + R) dv, EN 14531-1
+    pressed = (5.65 * (380e3 * math.pi / 4 * 0.406**2 - 1500.0)) * 0.83
+    tf = pressed / 16 / 1e4
+    mass, weight = 1.04 * 80e3, 80e3 * 9.80665
+
+    def slowing(v: float) -> float:
+        friction = 0.44 * (tf + 20) / (4 * tf + 20) * (3.6 * v + 150) / (2 * 3.6 * v + 150)
+        return mass * v / (friction * pressed + weight * (1.6e-3 + 5.7e-3 * (v / 27.8) ** 2))
+
+    stop = quad(slowing, 0.0, 100 / 3.6)[0] + VEHICLE_BUILD_UP * 100 / 3.6
+    assert wagon().percentage == pytest.approx(percentage_of_vehicle(stop, FROM_100), rel=1e-4)
+    assert block_train(30).percentage == pytest.approx(88.7, abs=0.1)
 
 
 def test_weighing_brakes_an_empty_wagon_less() -> None:

@@ -240,7 +240,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "no pads": ({"friction": "composite", "friction_radius": 0.6}, "friction_radius must come with friction = pads."),
     "shoes for nothing": (
-        {"shoe_force": 90.0, "shoes": 8},
+        {"shoe_force": 90.0, "shoes": 8, "friction": "constant", "friction_value": 0.3},
         "shoes must come with a friction that depends on the force",
     ),
     "no friction": ({"kind": "coach", "shoe_force": 90.0}, "friction must come with shoe_force of a coach."),
