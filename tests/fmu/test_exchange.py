@@ -496,6 +496,10 @@ ACTING = {
     ),
     "brake": ({"pressure_demand": 180e3, "angular_velocity": 10.0}, {"state_cylinder_pressure": 60e3}),
     "rail": ({"speed": 10.0, "slip_1": 1.0, "creep_force_1": -5e3}, {"state_cleaned_1": 0.1}),
+    "driven-wheelset": (
+        {"torque_demand": 5e3, "brake_torque_1": 1e3, "resistance": 1e4, "friction_1": 0.3, "friction_2": 0.2},
+        {"state_angular_velocity_1": 19.0, "state_angular_velocity_2": 18.0, "state_axle_twist": 2e-3},
+    ),
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from brake_controller.motors import traction_inverter
 from fmu_src.kernel import Kernel, Library, SimulationError
 from products.building import kernel_of
 from products.driven_wheelset import BOTH_ELASTIC, ELASTIC_AXLE, ELASTIC_DRIVE, RIGID, SHAFTS
-from rbd_model.wheelset.driven import electric_locomotive
+from rbd_model.wheelset.driven import DrivenParameters, electric_locomotive
 from scenarios.bench.ringing import modes_in
 
 P, MOTOR = electric_locomotive(), traction_inverter()
@@ -47,13 +48,13 @@ def slope(slip: float) -> float:
     return (polach(slip + 1e-4) - polach(slip - 1e-4)) / 2e-4
 
 
-def matrices(creep: float, shafts: int) -> np.ndarray:
+def matrices(creep: float, shafts: int, p: DrivenParameters = P) -> np.ndarray:
     """Return the state matrix of rotor, wheels and twists whose creep forces have this slope [N.s/m], by hand."""
-    inertia = np.diag([P.gear_ratio**2 * P.rotor_inertia, P.wheel_inertia_1, P.wheel_inertia_2])
+    inertia = np.diag([p.gear_ratio**2 * p.rotor_inertia, p.wheel_inertia_1, p.wheel_inertia_2])
     ends = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]])
-    stiffness = ends.T @ np.diag([P.drive_stiffness, P.axle_stiffness]) @ ends
-    damping = ends.T @ np.diag([P.drive_damping, P.axle_damping]) @ ends
-    damping += creep * P.wheel_radius**2 * np.diag([0.0, 1.0, 1.0])
+    stiffness = ends.T @ np.diag([p.drive_stiffness, p.axle_stiffness]) @ ends
+    damping = ends.T @ np.diag([p.drive_damping, p.axle_damping]) @ ends
+    damping += creep * p.wheel_radius**2 * np.diag([0.0, 1.0, 1.0])
     joined = {ELASTIC_AXLE: [[1, 0], [1, 0], [0, 1]], ELASTIC_DRIVE: [[1, 0], [0, 1], [0, 1]]}
     join = np.array(joined.get(shafts, np.eye(3)), float)
     reduced = [join.T @ one @ join for one in (inertia, stiffness, damping)]
@@ -62,9 +63,9 @@ def matrices(creep: float, shafts: int) -> np.ndarray:
     return np.block([[np.zeros((size, size)), np.eye(size)], below])
 
 
-def torsion(creep: float, shafts: int) -> np.ndarray:
+def torsion(creep: float, shafts: int, p: DrivenParameters = P) -> np.ndarray:
     """Return the eigenvalues of the torsional modes, lowest frequency first, the rigid motion left out."""
-    values = np.linalg.eigvals(matrices(creep, shafts))
+    values = np.linalg.eigvals(matrices(creep, shafts, p))
     return np.array(sorted(values[values.imag > 1.0], key=lambda one: one.imag))
 
 
@@ -90,6 +91,20 @@ def test_free_wheels_turn_against_each_other_with_the_frequency_of_their_inertia
         undamped = math.sqrt(P.axle_stiffness * (1 / first + 1 / P.wheel_inertia_2))
         assert abs(found[0]) == pytest.approx(undamped, rel=FREQUENCY)
     assert 10.0 < abs(wanted[0]) / 2 / math.pi < 80.0
+
+
+@pytest.mark.parametrize("factor", [0.1, 10.0])
+@pytest.mark.parametrize("name", sorted(P.values().keys() - {"carried_mass", "trailing_mass", "wheel_radius"}))
+def test_torsion_is_that_of_the_eigenvalues_at_a_tenth_and_ten_times_of_each_value(
+    library: Library, name: str, factor: float
+) -> None:
+    changed = replace(P, **{name: factor * P.values()[name]})
+    free = {"friction_1": 0.0, "friction_2": 0.0, "torque_time_constant": 1e-4, "tolerance": 1e-10}
+    kernel = Kernel(library, initial_torque=3e3, **free, **changed.values())
+    kernel.advance(0.02)
+    found = modes_in(np.array(kernel.record(0.5, 2e-3, ["axle_twist"])["axle_twist"]), 2e-3, 4)
+    wanted = torsion(0.0, BOTH_ELASTIC, changed)
+    assert np.abs(found - wanted).max() < FREQUENCY * np.abs(wanted).min()
 
 
 def growth(library: Library, slip: float, wanted: complex, **values: float) -> complex:
