@@ -175,6 +175,14 @@ def test_the_pipe_gains_the_air_that_the_emergency_reservoir_loses() -> None:
     assert in_car() + pipe.mass == pytest.approx(before + in_pipe, rel=1e-9)
 
 
+def test_a_charged_emergency_reservoir_does_not_feed_a_pipe_that_leaks() -> None:
+    """The auxiliary reservoir is charged; the pipe falls by less than the valve feels, and nothing holds it up."""
+    pipe, cylinder = bench(car(), CHARGED - 4e3, 20.0)
+    assert cylinder < 100.0
+    for name in ("auxiliary", "reservoir"):
+        assert pipe.vehicle_pressures(name)[0] - AMBIENT == pytest.approx(CHARGED, abs=500.0)
+
+
 def test_an_empty_car_has_a_share_of_a_loaded_cars_pressure_and_the_pipe_feels_no_difference(tmp_path: Path) -> None:
     """The equalising volume takes the rest of the air, so that a reduction means the same for both cars."""
     rows = [{"kind": "locomotive"}, {"kind": "wagon", "load": 0, "distributor": "aar", "count": 3}]

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
 
+from brake_controller.air import AMBIENT
 from brake_controller.distributors.aar import ready
 from brake_controller.distributors.ecp import ECP
 from products.train.consist_file import consist_of, read_consist
 from products.train.consist_writer import write_consist
 from products.train.numbers import Settings
+from products.train.pipe import Outside, Pipe
 from products.train.train import Train
 
 #: Boyle with 2500, 3500 and 1000 cubic inches at 5 bar: full service, and emergency [Pa].
@@ -77,6 +80,19 @@ def test_a_mixed_train_keeps_the_pipe_as_the_command_of_its_other_cars() -> None
     one.advance(60.0)
     assert one.pipe_pressure.max() < 360e3
     assert one.cylinder_pressure[1:] == pytest.approx(FULL, rel=0.05)
+
+
+def test_the_pipe_gives_the_air_that_charges_both_reservoirs() -> None:
+    """V dp of both reservoirs is R T times the mass from the pipe, isothermal; the cylinder is empty."""
+    valve = replace(ECP.ready("P"), low_pressure=0.0)
+    pipe = Pipe(2, pressure=350e3 + AMBIENT, length=7.5, diameter=0.03175)
+    pipe.connect([1], [valve], 350e3 + AMBIENT)
+    pipe.open_to(0, Outside(2e-4, 500e3 + AMBIENT))
+    pipe.advance(90.0)
+    rises = {name: float(pipe.vehicle_pressures(name)[0]) - 350e3 - AMBIENT for name in ("auxiliary", "reservoir")}
+    assert rises == pytest.approx(dict.fromkeys(rises, 150e3), rel=0.01)
+    stored = rises["auxiliary"] * valve.auxiliary_volume + rises["reservoir"] * valve.reservoir_volume
+    assert 287.05287 * 293.15 * pipe.passed.vehicle_mass == pytest.approx(stored, rel=1e-6)
 
 
 def test_each_of_its_parameters_has_an_effect() -> None:

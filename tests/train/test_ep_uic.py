@@ -58,6 +58,25 @@ def test_the_balance_of_air_closes() -> None:
     assert one.air.mass + gone.valve_mass + gone.leak_mass + gone.vehicle_mass == pytest.approx(mass, rel=1e-12)
 
 
+def test_air_that_valves_feed_brings_its_mass_and_its_enthalpy() -> None:
+    """Air at 293 K fills the pipe: compression warms it by less than 20 K. Either one alone changes it by 60 K."""
+    one = train("ep_uic", 10)
+    one.drive("service", 1.0)
+    one.advance(30.0)
+    one.drive("running")
+    one.advance(1.5)
+    assert one.pipe_pressure.min() > 480e3
+    assert 290.0 < one.air.temperature.min() < one.air.temperature.max() < 313.0
+
+
+def test_valves_do_not_vent_an_overcharge_that_nobody_brakes() -> None:
+    """Control chambers follow slowly: the pipe is above them, with no order to lower it."""
+    one = train("ep_uic", 10)
+    one.drive("overcharge")
+    one.advance(4.0)
+    assert one.pipe_pressure.min() > 530e3
+
+
 def test_a_consist_states_it_and_a_model_without_flow_refuses_it(tmp_path: Path) -> None:
     rows = [{"kind": "locomotive"}, {"kind": "coach", "distributor": "ep_uic", "position": "G", "dead_time": 0.5}]
     consist = consist_of(rows)

@@ -32,3 +32,13 @@ def test_its_reservoir_stays_full_where_that_of_one_pipe_falls() -> None:
     assert twin[0] > alone[0] + 15e3
     assert twin[1] == pytest.approx(FULL, rel=0.02)
     assert twin[2] < 0.5 * alone[2]
+
+
+def test_only_the_main_pipe_charges_its_reservoir() -> None:
+    """A main pipe of 3 bar beside a brake pipe of 5 bar: the reservoir ends at 3 bar, at the choke of the charging."""
+    pipe = Pipe(2, pressure=250e3 + AMBIENT, length=7.5, diameter=0.03175)
+    pipe.connect([1], [replace(twin_pipe.ready("P"), main_pressure=300e3)], 250e3 + AMBIENT)
+    pipe.open_to(0, Outside(2e-4, RUNNING + AMBIENT))
+    pipe.advance(60.0)
+    assert pipe.pressure[1] - AMBIENT == pytest.approx(RUNNING, rel=0.01)
+    assert pipe.vehicle_pressures("auxiliary")[0] - AMBIENT == pytest.approx(300e3, rel=0.01)
