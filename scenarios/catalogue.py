@@ -52,6 +52,7 @@ from scenarios.trains import (
     train_parts,
     train_release,
     train_standing,
+    train_timetable,
     train_track_brakes,
 )
 from scenarios.vehicles import (
@@ -117,6 +118,7 @@ SCENARIOS: list[Scenario] = [
     train_low_adhesion.SCENARIO,
     train_parts.SCENARIO,
     train_standing.SCENARIO,
+    train_timetable.SCENARIO,
     train_track_brakes.SCENARIO,
     train_one_vehicle_in_detail.SCENARIO,
     creep_laws.SCENARIO,
