@@ -32,6 +32,7 @@ def row_of(draw: np.random.Generator) -> dict[str, Any]:
     row |= {"coupler": str(draw.choice(["screw", "draft-gear", "rigid"]))}
     row |= {"leak": draw.uniform(0.0, 3.0)} if draw.random() < 0.2 else {}
     row |= {"dynamic_force": draw.uniform(10.0, 300.0)} if draw.random() < 0.2 else {}
+    row |= {"traction_table": "0:300 50:200 120:0", "adhesion": "curtius-kniffler"} if draw.random() < 0.2 else {}
     brake = str(draw.choice(["uic", "aar", "ecp", "ep_uic", "twin_pipe", "ep-direct", "none"]))
     if brake in ("ep-direct", "none"):
         return row | {"brake": brake}
@@ -69,6 +70,7 @@ def disturb(train: Train, draw: np.random.Generator) -> None:
     train.inputs["protection"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles)
     train.inputs["friction"] = draw.uniform(0.02, 0.6, vehicles)
     train.inputs["pull"] = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.uniform(-2e5, 3e5, vehicles)
+    train.inputs["traction"] = draw.random(vehicles)
     train.inputs["dynamic_brake"] = draw.choice([0.0, 1.0], vehicles) * draw.random(vehicles)
     if vehicles > 1 and train.settings.cells >= 1.0 and draw.random() < 0.5:
         train.inputs["hose_state"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles - 1)
