@@ -31,10 +31,15 @@ def row_of(draw: np.random.Generator) -> dict[str, Any]:
     row |= {"mass": draw.uniform(22.0, 100.0)} if kind == "wagon" else {}
     row |= {"coupler": str(draw.choice(["screw", "draft-gear", "rigid"]))}
     row |= {"leak": draw.uniform(0.0, 3.0)} if draw.random() < 0.2 else {}
-    row |= {"dynamic_force": draw.uniform(10.0, 300.0)} if draw.random() < 0.2 else {}
+    most = {"dynamic_force": 300.0, "magnetic_attraction": 100.0, "eddy_force": 20.0}
+    most |= {"parking_force": 40.0}
+    row |= {name: draw.uniform(10.0, limit) for name, limit in most.items() if draw.random() < 0.2}
     row |= {"traction_table": "0:300 50:200 120:0", "adhesion": "curtius-kniffler"} if draw.random() < 0.2 else {}
     brake = str(draw.choice(["uic", "aar", "ecp", "ep_uic", "twin_pipe", "ep-direct", "none"]))
-    if brake in ("ep-direct", "none"):
+    if brake == "none":
+        return row | {"brake": brake}
+    row |= {"wheel_mass": draw.uniform(200.0, 500.0)} if draw.random() < 0.2 else {}
+    if brake == "ep-direct":
         return row | {"brake": brake}
     row |= {"distributor": brake}
     if brake == "aar":
@@ -63,15 +68,15 @@ def train_of(draw: np.random.Generator) -> Train:
 
 
 def disturb(train: Train, draw: np.random.Generator) -> None:
-    """Set random commands of the driver, of protection and of motors; shut or part hoses."""
+    """Set random commands of the driver, of protection, motors and other brakes; shut or part hoses."""
     for valve in range(train.inputs["driver_position"].size):
         train.drive(str(draw.choice(list(POSITIONS))), draw.random(), valve)
     vehicles = len(train.consist.vehicles)
     train.inputs["protection"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles)
     train.inputs["friction"] = draw.uniform(0.02, 0.6, vehicles)
     train.inputs["pull"] = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.uniform(-2e5, 3e5, vehicles)
-    train.inputs["traction"] = draw.random(vehicles)
-    train.inputs["dynamic_brake"] = draw.choice([0.0, 1.0], vehicles) * draw.random(vehicles)
+    for name in ("dynamic_brake", "traction", "track_brake", "parking_brake"):
+        train.inputs[name] = draw.choice([0.0, 0.0, 1.0], vehicles) * draw.random(vehicles)
     if vehicles > 1 and train.settings.cells >= 1.0 and draw.random() < 0.5:
         train.inputs["hose_state"] = draw.choice([0.0, 0.0, 0.0, 1.0, 2.0], vehicles - 1)
 
