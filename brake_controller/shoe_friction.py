@@ -11,6 +11,7 @@ from fmu_src.system import System
 
 #: Numbers of the laws, parameter `friction_law`.
 CONSTANT, MEASURED_AGAINST_FORCE, CAST_IRON_P6, COMPOSITE, FALLING, TABULATED = range(6)
+CAST_IRON_P10, COMPOSITE_BY_FORCE = 6, 7
 #: Descriptions of these laws.
 LAWS = {
     CONSTANT: "constant",
@@ -19,6 +20,8 @@ LAWS = {
     COMPOSITE: "composite (type K)",
     FALLING: "falling with speed (section 2.5.2)",
     TABULATED: "a table over sliding speed that is compiled into the FMU (FrictionTable)",
+    CAST_IRON_P10: "cast iron P10",
+    COMPOSITE_BY_FORCE: "composite, over force and speed",
 }
 
 #: Force of one shoe [N] and average shoe friction in the three cases of the experiment.
@@ -65,10 +68,38 @@ def cast_iron_p6(force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
     mu = 0.60 (1.6 F + 100) / (8 F + 100) (V + 100) / (5 V + 100), Karwatzki (1950), with the rounded constants of the
     train simulator MaSzyna, which calls it P10. The literature has 16 / g and 80 / g instead of 1.6 and 8, with a
     difference below 1 % up to 40 kN. It is the law of P6 in a public train simulation (`vehicle_brake.py: FRICTIONS`);
-    that of phosphorous iron P10 there is 14 % above it at 10 kN, and 32 % at 20 kN.
+    that of phosphorous iron `P10` is 14 % above it at 10 kN, and 32 % at 20 kN.
     """
     force, fast = force_of_one_shoe / 1e3, KILOMETRES_PER_HOUR * speed
     return 0.60 * (1.6 * force + 100) / (8 * force + 100) * (fast + 100) / (5 * fast + 100)
+
+
+@dataclass(frozen=True)
+class Fractions:
+    """Friction mu = k1 (F + k2) / (F + k3) (V + k4) / (V + k5), F in kN for each shoe, V in km/h.
+
+    most_force: shoe force above which friction is constant [kN].
+    """
+
+    k1: float
+    k2: float
+    k3: float
+    k4: float
+    k5: float
+    most_force: float
+
+    def friction(self, force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
+        """Return the friction, in the form of Karwatzki (1950); force in N, speed in m/s."""
+        force, fast = ca.fmin(force_of_one_shoe / 1e3, self.most_force), KILOMETRES_PER_HOUR * speed
+        return self.k1 * (force + self.k2) / (force + self.k3) * (fast + self.k4) / (fast + self.k5)
+
+
+#: Constants of a public train simulation (the program that runs Open Rails trains in Rust). Composite is 0.44 (K + 20)
+#: / (4 K + 20) (V + 150) / (2 V + 150), K in tf. The law of pads has a pole at 27.2 kN. Assumed: it is constant from
+#: 20 kN on.
+P10 = Fractions(0.05, 62.5, 31.25, 100.0, 20.0, 1e3)
+COMPOSITE_BLOCKS = Fractions(0.055, 200.0, 50.0, 150.0, 75.0, 1e3)
+PADS = Fractions(0.385, -24.5, -27.2, 39.5, 33.0, 20.0)
 
 
 def composite(speed: ca.SX) -> ca.SX:
@@ -108,6 +139,8 @@ def shoe_friction(
         COMPOSITE: composite(speed),
         FALLING: falling(constant, p["falling_friction_constant"], speed),
         TABULATED: system.table("friction_over_speed", *interpolation(table.speeds, table.frictions), speed),
+        CAST_IRON_P10: P10.friction(force_of_one_shoe, speed),
+        COMPOSITE_BY_FORCE: COMPOSITE_BLOCKS.friction(force_of_one_shoe, speed),
     }
     for law, friction in laws.items():
         constant = ca.if_else(p["friction_law"] == law, friction, constant)

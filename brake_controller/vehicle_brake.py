@@ -15,9 +15,13 @@ from brake_controller.rigging import shoe_force
 from brake_controller.shoe_friction import (
     CAST_IRON_P6,
     COMPOSITE,
+    COMPOSITE_BLOCKS,
     CONSTANT,
     KILOMETRES_PER_HOUR,
     LAWS,
+    P10,
+    PADS,
+    Fractions,
     cast_iron_p6,
     composite,
 )
@@ -25,9 +29,9 @@ from fmu_src.chain import function_of
 from fmu_src.system import ParameterSet, choice, quantity
 
 #: Friction as two fractions, of shoe force and of speed, with constants of the vehicle (`fractions`).
-FRACTIONS = 6
+FRACTIONS = 8
 #: Friction over speed by points (`tabulated`).
-TABLE = 7
+TABLE = 9
 OVER_SPEED = PointTable("table_friction", "table_speed", "table_change")
 _LAWS = {law: LAWS[law] for law in (CONSTANT, CAST_IRON_P6, COMPOSITE)}
 
@@ -48,66 +52,50 @@ class VehicleBrake(ParameterSet):
     shoes: float = quantity("1", "Number of shoes", 1.0)
     friction_law: float = choice("Shoe friction", _LAWS | {FRACTIONS: "two fractions", TABLE: "a table over speed"})
     constant_friction: float = quantity("1", "Friction with law 0; of discs, times their radius over the wheel's", 0.0)
-    friction_scale: float = _of_law("1", "Factor of the fractions, law 6", 0.0, 0.0)
-    friction_force_added: float = _of_law("N", "Shoe force that law 6 adds above the line", 1.0)
-    friction_force_divisor: float = _of_law("N", "Shoe force that law 6 adds below the line", 1.0)
-    friction_speed_added: float = _of_law("m/s", "Speed that law 6 adds above the line", 1.0, 0.0)
-    friction_speed_divisor: float = _of_law("m/s", "Speed that law 6 adds below the line", 1.0, 1e-3)
-    friction_force_limit: float = _of_law("N", "Shoe force above which law 6 is constant", 0.0, 0.0)
-    table_friction: float = _of_law("1", "Friction of law 7 up to its first speed", 0.0, 0.0)
-    table_speed_1: float = _of_law("m/s", "Speed of point 1 of law 7", 0.0, 0.0)
-    table_speed_2: float = _of_law("m/s", "Speed of point 2 of law 7", 0.0, 0.0)
-    table_speed_3: float = _of_law("m/s", "Speed of point 3 of law 7", 0.0, 0.0)
-    table_speed_4: float = _of_law("m/s", "Speed of point 4 of law 7", 0.0, 0.0)
-    table_speed_5: float = _of_law("m/s", "Speed of point 5 of law 7", 0.0, 0.0)
-    table_speed_6: float = _of_law("m/s", "Speed of point 6 of law 7", 0.0, 0.0)
-    table_change_1: float = _of_law("s/m", "Change of slope at point 1 of law 7", 0.0)
-    table_change_2: float = _of_law("s/m", "Change of slope at point 2 of law 7", 0.0)
-    table_change_3: float = _of_law("s/m", "Change of slope at point 3 of law 7", 0.0)
-    table_change_4: float = _of_law("s/m", "Change of slope at point 4 of law 7", 0.0)
-    table_change_5: float = _of_law("s/m", "Change of slope at point 5 of law 7", 0.0)
-    table_change_6: float = _of_law("s/m", "Change of slope at point 6 of law 7", 0.0)
+    friction_scale: float = _of_law("1", "Factor of the fractions, law 8", 0.0, 0.0)
+    friction_force_added: float = _of_law("N", "Shoe force that law 8 adds above the line", 1.0)
+    friction_force_divisor: float = _of_law("N", "Shoe force that law 8 adds below the line", 1.0)
+    friction_speed_added: float = _of_law("m/s", "Speed that law 8 adds above the line", 1.0, 0.0)
+    friction_speed_divisor: float = _of_law("m/s", "Speed that law 8 adds below the line", 1.0, 1e-3)
+    friction_force_limit: float = _of_law("N", "Shoe force above which law 8 is constant", 0.0, 0.0)
+    table_friction: float = _of_law("1", "Friction of law 9 up to its first speed", 0.0, 0.0)
+    table_speed_1: float = _of_law("m/s", "Speed of point 1 of law 9", 0.0, 0.0)
+    table_speed_2: float = _of_law("m/s", "Speed of point 2 of law 9", 0.0, 0.0)
+    table_speed_3: float = _of_law("m/s", "Speed of point 3 of law 9", 0.0, 0.0)
+    table_speed_4: float = _of_law("m/s", "Speed of point 4 of law 9", 0.0, 0.0)
+    table_speed_5: float = _of_law("m/s", "Speed of point 5 of law 9", 0.0, 0.0)
+    table_speed_6: float = _of_law("m/s", "Speed of point 6 of law 9", 0.0, 0.0)
+    table_change_1: float = _of_law("s/m", "Change of slope at point 1 of law 9", 0.0)
+    table_change_2: float = _of_law("s/m", "Change of slope at point 2 of law 9", 0.0)
+    table_change_3: float = _of_law("s/m", "Change of slope at point 3 of law 9", 0.0)
+    table_change_4: float = _of_law("s/m", "Change of slope at point 4 of law 9", 0.0)
+    table_change_5: float = _of_law("s/m", "Change of slope at point 5 of law 9", 0.0)
+    table_change_6: float = _of_law("s/m", "Change of slope at point 6 of law 9", 0.0)
 
 
-#: Numbers of laws 6 and 7 of a brake with another law.
+#: Numbers of laws 8 and 9 of a brake with another law.
 NO_LAW = {one.name: one.default for one in fields(VehicleBrake) if one.default is not MISSING}
 
 
-@dataclass(frozen=True)
-class Fractions:
-    """Friction mu = k1 (F + k2) / (F + k3) (V + k4) / (V + k5), F in kN for each shoe, V in km/h.
-
-    most_force: shoe force above which friction is constant [kN].
-    """
-
-    k1: float
-    k2: float
-    k3: float
-    k4: float
-    k5: float
-    most_force: float
-
-    def values(self) -> dict[str, float]:
-        """Return the parameters of `VehicleBrake`, in SI units."""
-        return {
-            "friction_law": float(FRACTIONS),
-            "friction_scale": self.k1,
-            "friction_force_added": 1e3 * self.k2,
-            "friction_force_divisor": 1e3 * self.k3,
-            "friction_speed_added": self.k4 / KILOMETRES_PER_HOUR,
-            "friction_speed_divisor": self.k5 / KILOMETRES_PER_HOUR,
-            "friction_force_limit": 1e3 * self.most_force,
-        }
+def by_fractions(law: Fractions) -> dict[str, float]:
+    """Return the parameters of `VehicleBrake` of a law, in SI units (Karwatzki (1950))."""
+    return {
+        "friction_law": float(FRACTIONS),
+        "friction_scale": law.k1,
+        "friction_force_added": 1e3 * law.k2,
+        "friction_force_divisor": 1e3 * law.k3,
+        "friction_speed_added": law.k4 / KILOMETRES_PER_HOUR,
+        "friction_speed_divisor": law.k5 / KILOMETRES_PER_HOUR,
+        "friction_force_limit": 1e3 * law.most_force,
+    }
 
 
-#: Laws that depend on shoe force, by the names in consists. Constants of a public train simulation (the program that
-#: runs Open Rails trains in Rust). Cast iron P6 is Karwatzki's formula, and composite is 0.44 (K + 20) / (4 K + 20)
-#: (V + 150) / (2 V + 150), K in tf. The law of pads has a pole at 27.2 kN. Assumed: it is constant from 20 kN on.
+#: Laws that depend on shoe force, by the names in consists (`shoe_friction.py`). Cast iron P6 is Karwatzki's formula.
 FRICTIONS: Mapping[str, Mapping[str, float]] = {
     "cast-iron-p6": {"friction_law": float(CAST_IRON_P6)},
-    "cast-iron-p10": Fractions(0.05, 62.5, 31.25, 100.0, 20.0, 1e3).values(),
-    "composite": Fractions(0.055, 200.0, 50.0, 150.0, 75.0, 1e3).values(),
-    "pads": Fractions(0.385, -24.5, -27.2, 39.5, 33.0, 20.0).values(),
+    "cast-iron-p10": by_fractions(P10),
+    "composite": by_fractions(COMPOSITE_BLOCKS),
+    "pads": by_fractions(PADS),
 }
 #: Laws that do not depend on shoe force: 0.3 - 0.00081 V, a constant, `over_speed` and `over_points`, whose numbers a
 #: row states.
@@ -122,7 +110,7 @@ FORCELESS: Mapping[str, Mapping[str, float]] = {
 def over_speed(standing: float, fast: float, half_speed: float) -> dict[str, float]:
     """Return the parameters of a friction that changes with speed alone, from `standing` to `fast`.
 
-    mu = fast + (standing - fast) V2 / (V + V2), which is the second fraction of law 6 (Karwatzki (1950)).
+    mu = fast + (standing - fast) V2 / (V + V2), which is the second fraction of law 8 (Karwatzki (1950)).
 
     Parameters
     ----------
@@ -159,7 +147,7 @@ def points_of(p: Mapping[str, float]) -> tuple[list[float], list[float]]:
 
 
 def tabulated(p: Mapping[str, ca.SX], speed: ca.SX) -> ca.SX:
-    """Return friction of law 7 over speed [m/s]: straight lines between points, as a sum of hinges.
+    """Return friction of law 9 over speed [m/s]: straight lines between points, as a sum of hinges.
 
     Its numbers are the user's, for blocks without a public law, such as LL (EN 16452) or sintered ones.
     """
@@ -167,7 +155,7 @@ def tabulated(p: Mapping[str, ca.SX], speed: ca.SX) -> ca.SX:
 
 
 def fractions(p: Mapping[str, ca.SX], force_of_one_shoe: ca.SX, speed: ca.SX) -> ca.SX:
-    """Return friction of law 6, k1 (F + k2) / (F + k3) (v + k4) / (v + k5); force in N, speed in m/s.
+    """Return friction of law 8, k1 (F + k2) / (F + k3) (v + k4) / (v + k5); force in N, speed in m/s.
 
     Karwatzki (1950) has this form for cast iron; other blocks and pads are fitted with other constants.
     """

@@ -13,14 +13,20 @@ from scipy.optimize import brentq
 from brake_controller.brake_weight import FROM_120, force_of_percentage
 from brake_controller.discs import MEAN_PAD_FRICTION, DiscParameters, axle_discs
 from brake_controller.parameters import qr30
-from brake_controller.shoe_friction import CAST_IRON_P6, COMPOSITE, CONSTANT
+from brake_controller.shoe_friction import CAST_IRON_P6, CAST_IRON_P10, COMPOSITE, COMPOSITE_BY_FORCE, CONSTANT
 from products.braked_vehicle import TIMED, TIMED_DISCS
 from products.machine import APPLICATION_TIME, FULL_PRESSURE, RELEASE_TIME, coach_brake, of_pads
 from products.vehicle_entries import Entry, choice_of, number_of
 
 #: Friction laws of shoes by their names in a file, which are those of consists; and by their older names.
-FRICTION_LAWS = {"constant": CONSTANT, "cast-iron-p6": CAST_IRON_P6, "composite-k": COMPOSITE}
-OLDER_LAWS = {"cast-iron": "cast-iron-p6", "composite": "composite-k"}
+FRICTION_LAWS = {
+    "constant": CONSTANT,
+    "cast-iron-p6": CAST_IRON_P6,
+    "cast-iron-p10": CAST_IRON_P10,
+    "composite": COMPOSITE_BY_FORCE,
+    "composite-k": COMPOSITE,
+}
+OLDER_LAWS = {"cast-iron": "cast-iron-p6"}
 #: Mean friction of shoes if the file gives none: that of the built-in coach.
 SHOE_FRICTION = 0.25
 #: Speed from which pads on cold discs have the stated friction on average over the distance [m/s].
@@ -37,7 +43,7 @@ BRAKE_ENTRIES: Mapping[str, Entry] = {
     "rigging_efficiency": Entry("1", 0.01, 1.0, "effective over calculated force"),
     "return_force": Entry("N", 0.0, 1e5, "of the return spring at each piston"),
     "friction": Entry("1", 0.01, 1.0, "mean friction of shoes or pads"),
-    "friction_law": Entry("1", 0, 0, "of shoes: constant, cast-iron-p6, composite-k"),
+    "friction_law": Entry("1", 0, 0, f"of shoes: {', '.join(FRICTION_LAWS)}"),
     "shoes": Entry("1", 1, 16, "shoes on each wheelset", whole=True),
     "friction_radius": Entry("m", 0.01, 1.0, "radius at which pads rub"),
     "full_pressure": Entry("Pa", 1e3, 1e6, "of the cylinders at full brake"),
@@ -261,4 +267,7 @@ def _assumed(table: Mapping[str, Any], acts_on: str, stated: tuple[str, ...]) ->
     if stated[0] == "cylinder_diameter":
         usual["rigging_efficiency"] = f"{qr30().rigging_efficiency:g}, section 6.2.3"
         usual["return_force"] = "0 N"
-    return {f"[brake] {key}": text for key, text in usual.items() if key not in table}
+    found = {f"[brake] {key}": text for key, text in usual.items() if key not in table}
+    if table.get("friction_law") == "composite":
+        found["[brake] friction_law"] = "composite over force and speed, as in consists; once it meant composite-k"
+    return found

@@ -11,12 +11,17 @@ from brake_controller.cylinder import brake_cylinder
 from brake_controller.parameters import qr30
 from brake_controller.shoe_friction import (
     CAST_IRON_P6,
+    CAST_IRON_P10,
     COMPOSITE,
+    COMPOSITE_BLOCKS,
+    COMPOSITE_BY_FORCE,
     CONSTANT,
     EXAMPLE_TABLE,
     FALLING,
+    P10,
     REST_SPEED,
     TABULATED,
+    Fractions,
     FrictionTable,
     cast_iron_p6,
     composite,
@@ -65,6 +70,28 @@ def test_composite_falls_slightly_and_is_held_beyond_the_fit(brake: Library) -> 
     assert friction_at(brake, COMPOSITE, 1e3) == pytest.approx(0.138, abs=PRINTED)
 
 
+#: Shoe force [kN], speed [km/h], friction, calculated by hand from 0.05 (F + 62.5) / (F + 31.25) (V + 100) / (V + 20).
+P10_NUMBERS = [(10, 0, 0.4394), (10, 60, 0.1758), (20, 120, 0.1265)]
+#: 0.44 (K + 20) / (4 K + 20) (V + 150) / (2 V + 150), K in tf of 10 kN.
+COMPOSITE_NUMBERS = [(10, 0, 0.3850), (10, 60, 0.2994), (20, 120, 0.2393)]
+
+
+@pytest.mark.parametrize(("law", "numbers"), [(P10, P10_NUMBERS), (COMPOSITE_BLOCKS, COMPOSITE_NUMBERS)])
+def test_iron_p10_and_composite_give_the_numbers_of_their_formulas(
+    law: Fractions, numbers: list[tuple[float, float, float]]
+) -> None:
+    for force, speed, friction in numbers:
+        assert float(law.friction(1e3 * force, speed / 3.6)) == pytest.approx(friction, abs=PRINTED)
+
+
+@pytest.mark.parametrize(("law", "form"), [(CAST_IRON_P10, P10), (COMPOSITE_BY_FORCE, COMPOSITE_BLOCKS)])
+def test_laws_of_trains_are_those_of_the_brake_fmu(brake: Library, law: int, form: Fractions) -> None:
+    one_shoe = 180e3 * 0.082 * 0.85 / 2
+    for speed in SPEEDS:
+        expected = float(form.friction(one_shoe, max(speed - REST_SPEED, 0.0)))
+        assert friction_at(brake, law, speed) == pytest.approx(expected, rel=2e-4)
+
+
 def test_falling_law_halves_at_the_speed_that_its_constant_says(brake: Library) -> None:
     """Section 2.5.2, in the exponential form."""
     for constant in (0.01, 0.05):
@@ -75,7 +102,7 @@ def test_falling_law_halves_at_the_speed_that_its_constant_says(brake: Library) 
     assert friction_at(brake, FALLING, 30.0, falling_friction_constant=0.0) == 0.25
 
 
-@pytest.mark.parametrize("law", [CAST_IRON_P6, COMPOSITE, FALLING, TABULATED])
+@pytest.mark.parametrize("law", [CAST_IRON_P6, COMPOSITE, FALLING, TABULATED, CAST_IRON_P10, COMPOSITE_BY_FORCE])
 def test_friction_falls_with_speed_alike_in_both_directions(brake: Library, law: int) -> None:
     found = [friction_at(brake, law, speed) for speed in SPEEDS]
     assert all(a >= b > 0.0 for a, b in pairwise(found))
@@ -83,7 +110,7 @@ def test_friction_falls_with_speed_alike_in_both_directions(brake: Library, law:
     assert [friction_at(brake, law, -speed) for speed in SPEEDS] == found
 
 
-@pytest.mark.parametrize("law", [CAST_IRON_P6, COMPOSITE, FALLING, TABULATED])
+@pytest.mark.parametrize("law", [CAST_IRON_P6, COMPOSITE, FALLING, TABULATED, CAST_IRON_P10, COMPOSITE_BY_FORCE])
 def test_friction_has_no_corner_at_rest(brake: Library, law: int) -> None:
     kernel = Kernel(brake, friction_law=law, pressure_demand=180e3)
     kernel.advance(20.0)

@@ -24,7 +24,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "vehicle": [{"level": 1, "coupler_force_front": 1e3}, {"level": 3, "initial_speed": 0.0, "brake_torque_2": 1.0}],
     "braked-vehicle": [{"level": 1, "coupler_force_front": 1e3}],
     "wheelset": [{"lateral_irregularity": 0.01}, {"initial_speed": 0.0, "brake_torque_1": 1.0}],
-    "brake": [{"friction_law": law, "cylinder_model": 1 + law % 2, "angular_velocity": 5.0} for law in range(6)],
+    "brake": [{"friction_law": law, "cylinder_model": 1 + law % 2, "angular_velocity": 5.0} for law in range(8)],
     "rail": [{"speed": 10.0, "slip_1": 1.0, "creep_force_1": 1e3}],
     "driven-wheelset": [
         *({"shafts": shafts, "initial_slip": -0.1, "initial_torque": 2e3, "brake_torque_2": 1e3} for shafts in (1, 4)),
