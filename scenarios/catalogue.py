@@ -6,6 +6,7 @@ from fmu_src.suggestion import suggestion
 from scenarios.brakes import (
     anti_skid,
     block_friction,
+    brake_surface,
     brake_timing,
     controller_prototype,
     demo,
@@ -70,6 +71,7 @@ SCENARIOS: list[Scenario] = [
     *qr30.SCENARIOS,
     lock_boundary.SCENARIO,
     brake_timing.SCENARIO,
+    brake_surface.SCENARIO,
     block_friction.SCENARIO,
     sanding.SCENARIO,
     etcs_low_adhesion.SCENARIO,

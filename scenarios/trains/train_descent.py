@@ -15,16 +15,16 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from brake_controller.air import AMBIENT
-from brake_controller.brake_heat import SURROUNDINGS
+from brake_controller.brake_heat import SURROUNDINGS, WHEELS, BrakeHeat
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist_file import consist_of
 from products.train.driver import HoldingDriver
 from products.train.numbers import Settings
-from products.train.stated_heat import STEEL, ZERO
+from products.train.stated_heat import BODIES, STEEL, ZERO
 from products.train.train import Train
 from rbd_model.track.line import Line
 from rbd_model.train.vehicle import GRAVITY
-from scenarios.bench.warm_rim import Rim
+from scenarios.bench.warm_slab import Slab
 from scenarios.reporting.plots import LEADING, TRAILING, charts
 from scenarios.reporting.progress import counting
 from scenarios.reporting.report import Report, Row, at_most, measured, near
@@ -33,8 +33,10 @@ from scenarios.scenario import Options, Scenario
 #: Drag case of the TSI: gradient [1], speed [m/s], distance [m], mass on an axle [kg]; power of a wheel [W], time [s].
 DRAG, SPEED, FAR, AXLE = 0.021, 70.0 / 3.6, 40e3, 22.5e3
 POWER, TIME = AXLE / 2 * GRAVITY * DRAG * SPEED, FAR / SPEED
-#: Mass of a wheel that takes heat [kg]; cooling of it [W/K]. Assumed.
-WHEEL, COOLINGS = 370.0, (48.0, 80.0)
+#: Masses of a wheel that takes heat, and of its blocks [kg]; cooling of a wheel [W/K]. Assumed.
+WHEEL, BLOCKS, COOLINGS = 370.0, 14.0, (48.0, 80.0)
+#: Heat that its bodies may not account for [%].
+UNCLOSED = 1e-4
 #: Time after which the driver's law has settled [s], and relative errors of power and time, and of the rise.
 SETTLED, ERROR, RISE_ERROR = 300.0, 1e-3, 0.01
 #: The freight train: a locomotive, whose wheels stay cold, and wagons of 80 t; gradients [1]; speed above which it has
@@ -45,6 +47,8 @@ FADE = {"fade_table": "250:1 450:0.3"}
 DYNAMIC, SHARE = {"dynamic_force": 150.0, "dynamic_power": 4000.0}, 0.12
 BRAKES = ("air alone", "air and dynamic brake")
 DRAWN = 0.039
+#: Thickness of a rim [m]. Assumed.
+RIM = 0.05
 #: Time of heating before the heat reaches the back of the rim [s].
 SHORT = 20.0
 
@@ -53,11 +57,13 @@ SHORT = 20.0
 class Descent:
     """Course of a descent: time [s], distance [m], speed [m/s], warmest wheel [K], emptiest reservoir [Pa, gauge].
 
-    power: mean heat of a wheel of the last vehicle after SETTLED [W].
+    Behind these, of the last vehicle: temperatures of wheels and blocks [K], and heat of its brake [J].
+    power: mean heat of a wheel of the last vehicle after SETTLED [W]. heat: parameters of its heat.
     """
 
     course: np.ndarray
     power: float
+    heat: BrakeHeat
 
     @property
     def lasts(self) -> float:
@@ -75,6 +81,18 @@ class Descent:
         """Return the largest mean temperature of a wheel [degC]."""
         return float(self.course[:, 3].max()) - ZERO
 
+    def shares(self) -> dict[str, float]:
+        """Return the shares of the last vehicle's heat at the end [%], by the bodies that have it."""
+        time, speed, heat = self.course[:, 0], self.course[:, 2], self.course[-1, 7]
+        found = dict[str, float]()
+        for name, of, column in (("wheels", "", 5), ("blocks", "block_", 6)):
+            rest, rise = (getattr(self.heat, f"{of}cooling_{part}") for part in ("at_rest", "over_speed"))
+            capacity = self.heat.block_capacity if of else self.heat.heat_capacity
+            over = self.course[:, column] - SURROUNDINGS
+            found[name] = 100 * capacity * float(over[-1]) / heat
+            found[f"air at {name}"] = 100 * float(np.trapezoid((rest + rise * speed) * over, time)) / heat
+        return found
+
 
 def descend(rows: list[dict[str, Any]], gradient: float, driver: HoldingDriver, cells: float = 1.0) -> Descent:
     """Run a train down a gradient over FAR, or until it has run away or stands."""
@@ -91,12 +109,15 @@ def descend(rows: list[dict[str, Any]], gradient: float, driver: HoldingDriver, 
                 float(train.speed[0]),
                 float(train.brake_temperature[-WAGONS:].max()),
                 float(train.air.vehicle_pressures("auxiliary").min()) - AMBIENT,
+                float(train.brake_temperature[-1]),
+                float(train.block_temperature[-1]),
+                float(train.brake_heat[-1]),
             ]
         )
         if train.time <= SETTLED:
             settled = train.time, float(train.brake_heat[-1])
     power = (float(train.brake_heat[-1]) - settled[1]) / max(train.time - settled[0], driver.period) / 8
-    return Descent(np.array(found), power)
+    return Descent(np.array(found), power, train.consist.vehicles[-1].heat)
 
 
 def drag_case(cooling: float) -> Descent:
@@ -110,7 +131,8 @@ def freight(gradient: float, brake: str) -> Descent:
     """Return the descent of a freight train with blocks that fade."""
     dynamic = brake == BRAKES[1]
     locomotive = {"kind": "locomotive"} | (DYNAMIC if dynamic else {})
-    wagons = {"kind": "wagon", "count": WAGONS, "wheel_mass": WHEEL, "friction": "composite"} | FADE
+    wagons = {"kind": "wagon", "count": WAGONS, "wheel_mass": WHEEL, "block_mass": BLOCKS, "friction": "composite"}
+    wagons |= FADE
     return descend([locomotive, wagons], gradient, HoldingDriver(SPEED, SHARE if dynamic else 0.0))
 
 
@@ -140,7 +162,7 @@ def rows_of_drag(found: Mapping[float, Descent]) -> list[Row]:
 
 def rows_of_rim() -> list[Row]:
     """Return how much the tread is warmer than the mean of its rim, which a lump leaves out, against closed forms."""
-    rim, rows = Rim(), list[Row]()
+    rim, rows = Slab.of_body(WHEELS, RIM, BODIES[WHEELS].area), list[Row]()
     forms = {TIME: (rim.excess(POWER), "q L / (3 k)"), SHORT: (rim.early_excess(POWER, SHORT), "half space")}
     for time, (closed, source) in forms.items():
         above = rim.conducted(POWER, time)[-1, 1]
@@ -170,12 +192,30 @@ def rows_of_freight(found: Mapping[tuple[float, str], Descent]) -> list[Row]:
     return rows
 
 
+def rows_of_heat(found: Mapping[tuple[float, str], Descent]) -> list[Row]:
+    """Return the heat of the last wagon on DRAWN by the bodies that have it at the end, and its blocks."""
+    rows = []
+    for brake in BRAKES:
+        one, of = found[DRAWN, brake], f"{1e3 * DRAWN:g} permille, {brake}"
+        shares = one.shares()
+        rows.append(measured(f"{of}: heat of the last wagon", "MJ", 1e-6 * float(one.course[-1, 7])))
+        rows += [measured(f"{of}: heat in {name}", "%", share) for name, share in shares.items()]
+        left = abs(100 - sum(shares.values()))
+        rows.append(measured(f"{of}: heat that is not accounted for", "%", left, "first law", at_most(UNCLOSED)))
+        hot = float(one.course[:, 6].max()) - ZERO
+        rows.append(
+            measured(f"{of}: warmest blocks of the last wagon", "degC", hot, assumption="mass, cooling assumed")
+        )
+    return rows
+
+
 def run(options: Options) -> Report:
     drag = {cooling: drag_case(cooling) for cooling in COOLINGS}
     tries = [(gradient, brake) for gradient in GRADIENTS for brake in BRAKES]
     found = {one: freight(*one) for one in counting(tries, "descents", unit="descent")}
-    rows = rows_of_drag(drag) + rows_of_rim() + rows_of_freight(found)
+    rows = rows_of_drag(drag) + rows_of_rim() + rows_of_freight(found) + rows_of_heat(found)
     units = {"time": "s", "distance": "m", "speed": "m/s", "brake_temperature": "K", "lowest_reservoir": "Pa"}
+    units |= {"last_wheels": "K", "last_blocks": "K", "last_heat": "J"}
     series = Recording(units, found[DRAWN, BRAKES[0]].course)
     away = {brake: sum(found[g, brake].ran_away for g in GRADIENTS) for brake in BRAKES}
     said = [f"The train runs away on {away[b]} of {len(GRADIENTS)} gradients with {b}." for b in BRAKES]
@@ -189,10 +229,12 @@ def draw(found: Mapping[tuple[float, str], Descent]) -> Figure:
     far = 1e-3 * drawn[BRAKES[0]].course[-1, 1]
     end = f"runs away after {far:.0f} km" if drawn[BRAKES[0]].ran_away else "holds its speed"
     message = f"Air alone on {1e3 * DRAWN:.0f} permille: the train {end}"
-    figure, axes = charts(message, ["speed [km/h]", "warmest wheel of a wagon [degC]"], (9.0, 4.0), "distance [km]")
+    titles = ["speed [km/h]", "warmest wheel of a wagon [degC]", "emptiest reservoir [bar]"]
+    figure, axes = charts(message, titles, (12.0, 4.0), "distance [km]", columns=3)
     for colour, (brake, one) in zip((TRAILING, LEADING), drawn.items(), strict=True):
         axes[0].plot(1e-3 * one.course[:, 1], 3.6 * one.course[:, 2], color=colour, label=brake)
         axes[1].plot(1e-3 * one.course[:, 1], one.course[:, 3] - ZERO, color=colour, label=brake)
+        axes[2].plot(1e-3 * one.course[:, 1], 1e-5 * one.course[:, 4], color=colour, label=brake)
     axes[1].legend(fontsize=8)
     return figure
 

@@ -271,7 +271,7 @@ def test_a_consist_with_hot_wheels_is_written_and_read(tmp_path: Path) -> None:
         ({"block_mass": 3.0}, "block_mass must come with wheel_mass or disc_mass."),
         ({**HOT, "discs": 4}, "discs must come with disc_mass."),
         ({**HOT, "disc_mass": 90.0}, "wheel_mass must be left out with disc_mass"),
-        ({"disc_mass": 90.0}, "disc_mass must be of pads; the friction is composite-k, of blocks."),
+        ({"disc_mass": 90.0}, "disc_mass must be of pads; the friction is composite, of blocks."),
         ({**HOT, "friction": "pads"}, "wheel_mass must be of blocks; the friction is that of pads."),
         ({**HOT, "brake": "none", "fade_table": "20:1 400:0.5"}, "wheel_mass has no effect with brake = none."),
         ({**HOT, "brake": "none"}, "wheel_mass has no effect with brake = none."),
