@@ -35,6 +35,8 @@ def train_of(name: str, gradient: float = 0.0, **values: Any) -> Train:
 def test_a_driver_holds_a_speed_uphill_and_downhill(gradient: float) -> None:
     """The train begins 3 m/s slower. Brakes hold it on 12 permille, motors on the other gradients."""
     train, driver = train_of("coaches", gradient, speed=17.0), HoldingDriver(20.0)
+    driver.act(train)
+    assert train.inputs["traction"][0] == 1.0  # 3 m/s below the speed all motors pull
     for _ in range(400):
         driver.act(train)
         train.advance(driver.period)
@@ -61,6 +63,11 @@ def test_a_driver_stops_at_stations_in_time_within_the_limits(name: str, deceler
     fast, slow = (np.flatnonzero(first & (run["speed"] > v))[-1] for v in (13.0, 4.0))
     slows = (run["speed"][fast] - run["speed"][slow]) / (run["time"][slow] - run["time"][fast])
     assert slows == pytest.approx(deceleration, rel=0.1)
+
+
+def test_a_higher_limit_holds_once_the_whole_train_has_passed_its_place() -> None:
+    driver = TimetableDriver([StationStop(1e5)], [(0.0, 10.0), (500.0, 20.0)], 0.5)
+    assert [driver.target(front, 200.0, 0.0, 0.0)[0] for front in (499.0, 501.0, 699.0, 701.0)] == [10.0] * 3 + [20.0]
 
 
 def test_a_stop_on_a_slippery_rail_is_overrun_and_reported() -> None:

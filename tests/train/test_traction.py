@@ -148,6 +148,31 @@ def test_an_overpulled_locomotive_spins_up_to_its_power_and_not_without_end() ->
     assert train.wheel_speed[0] == train.speed[0]
 
 
+@pytest.mark.parametrize("rotating", [0.5, 4.0])
+def test_wheels_spin_up_as_their_equation_says(rotating: float) -> None:
+    """m_r dw/dt = min(F, P / w) - mu N (A + (1 - A) exp(-B (w - v))), m dv/dt of the same force (Polach 2005)."""
+    train = lone(friction=0.2, rotating=rotating, resistance_a=0.0, resistance_c=0.0)
+    run = train.record(6.0, 0.25)
+    weight = MASS * GRAVITY
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        gives = 0.2 * weight * (0.4 + 0.6 * np.exp(-0.6 * abs(y[1] - y[0])))
+        return [gives / MASS, (min(300e3, 4e6 / max(y[1], 1e-9)) - gives) / (rotating / 100 * MASS)]
+
+    due = solve_ivp(rates, (0.0, 6.0), [0.0, 1e-9], t_eval=run["time"], method="LSODA", rtol=1e-9, atol=1e-9)
+    assert run["wheel_speed[1]"][1:] == pytest.approx(due.y[1][1:], rel=0.012)  # parts of 20 ms
+    assert run["speed[1]"][1:] == pytest.approx(due.y[0][1:], abs=0.01)
+
+
+def test_light_wheels_do_not_overshoot_the_speed_of_their_power() -> None:
+    """Wheels of 84 kg at the rim reach P / (mu A N) of 15.2 m/s in 10 ms, and stay there while the vehicle is slow."""
+    train = lone(friction=0.2, rotating=0.1, traction_power=1000.0)
+    wheels = train.record(3.0, 0.01)["wheel_speed[1]"]
+    bound = 1e6 / (0.4 * 0.2 * MASS * GRAVITY)
+    assert wheels.max() < 1.01 * bound
+    assert wheels[-1] == pytest.approx(bound, rel=0.01)
+
+
 #: Speeds of the check of the adhesion law [km/h].
 SPEEDS = (0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 80.0, 100.0, 130.0, 160.0, 250.0)
 
