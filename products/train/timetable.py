@@ -162,7 +162,7 @@ class TimetableDriver:
         stop = self.stops[len(self.calls)]
         places = np.array([place for place, _ in self.limits])
         speeds = np.array([speed for _, speed in self.limits])
-        first, last = (max(int(np.searchsorted(places, at, "right")) - 1, 0) for at in (front, front))
+        first, last = (max(int(np.searchsorted(places, at, "right")) - 1, 0) for at in (front - length, front))
         best, rate = float(speeds[first : last + 1].min()), 0.0
         goals = [(p, v) for p, v in zip(places, speeds, strict=True) if p > front and v < best]
         for place, speed in (*goals, (stop.place, 0.0)):
