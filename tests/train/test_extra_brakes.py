@@ -165,18 +165,58 @@ def test_a_pressure_of_0_leaves_track_brakes_to_the_driver() -> None:
     assert train.track_brake_force[0] == pytest.approx(magnetic_force(speed) + 0.5 * eddy_force(speed), rel=1e-4)
 
 
-def test_a_stop_with_magnets_that_rise_has_its_closed_form() -> None:
-    """S = v^2 / 2 a + v T / 2 - a T^2 / 24 for a force that rises linearly within T, of constant friction."""
+@pytest.mark.parametrize(("pressure", "applies"), [(2.95e5, True), (3.05e5, False)])
+def test_both_track_brakes_apply_below_a_gauge_pressure_of_the_pipe(pressure: float, applies: bool) -> None:
+    train = train_of(BARE | MAGNETS | EDDY, 40.0, pipe=pressure)
+    train.drive("shut-off")
+    train.advance(0.001)
+    speed = float(train.speed[0])
+    due = (magnetic_force(speed) + eddy_force(speed)) * applies
+    assert train.track_brake_force[0] == pytest.approx(due, rel=1e-4)
+
+
+def test_a_curve_resists_in_addition_to_track_brakes() -> None:
+    """Roeckl: 0.65 m / (R - 55 m) of the weight."""
+    rows = {"distance": np.array([-1e5, 1e5]), "gradient": np.zeros(2), "curvature": np.full(2, 1 / 400)}
+    train = Train(consist_of([BARE | EDDY]), speed=20.0, line=Line(rows))
+    train.inputs["track_brake"] = 1.0
+    train.advance(0.001)
+    lost = 1.04 * 50e3 * (20.0 - train.speed[0]) / 0.001
+    assert lost == pytest.approx(eddy_force(20.0) + 0.65 / 345.0 * 50e3 * G, rel=1e-3)
+
+
+def test_the_excitation_of_eddy_currents_rises_and_falls_at_a_constant_rate() -> None:
+    train = train_of(BARE | EDDY | {"eddy_rise": 4.0}, 60.0)
+    for wanted, time, share in ((0.5, 1.0, 0.25), (0.5, 3.0, 0.5), (1.0, 1.0, 0.75), (0.2, 0.4, 0.65), (0.0, 9.0, 0.0)):
+        train.inputs["track_brake"] = wanted
+        train.advance(time)
+        train.advance(1e-6)
+        due = share * eddy_force(train.speed[0])
+        assert train.track_brake_force[0] == pytest.approx(due, rel=1e-5, abs=1.0)
+
+
+RISING = {
+    "magnets": (
+        {"magnetic_attraction": 200.0, "magnetic_friction": 0.15, "magnetic_fast": 0.15, "magnetic_lift": 0.0},
+        "magnetic_rise",
+        "track_brake",
+        30e3,
+    ),
+    "parking brake": ({"parking_force": 30.0}, "parking_time", "parking_brake", 30e3),
+}
+
+
+@pytest.mark.parametrize("which", RISING)
+@pytest.mark.parametrize(("step", "near"), [(0.05, 1e-6), (2.0, 1e-4)])
+def test_a_stop_with_a_force_that_rises_has_its_closed_form(which: str, step: float, near: float) -> None:
+    """S = v^2 / 2 a + v T / 2 - a T^2 / 24 for a constant force that rises linearly within T."""
+    row, of_time, command, force = RISING[which]
     rise, speed = 1.7, 30.0
-    same = {"magnetic_friction": 0.15, "magnetic_fast": 0.15, "magnetic_rise": rise}
-    train, slows = train_of(BARE | MAGNETS | same, speed), 0.15 * 200e3 / (1.04 * 50e3)
-    train.inputs["track_brake"] = 1.0
+    train, slows = train_of(BARE | row | {of_time: rise}, speed), force / (1.04 * 50e3)
+    train.advance(1e-9)  # what is wanted before the first step would be applied already
+    train.inputs[command] = 1.0
     exact = speed**2 / (2 * slows) + speed * rise / 2 - slows * rise**2 / 24
-    start = train.state
-    assert run_to(train, 0.0, 0.05) == pytest.approx(exact, rel=1e-6)
-    train.state = start
-    train.inputs["track_brake"] = 1.0
-    assert run_to(train, 0.0, 2.0) == pytest.approx(exact, rel=1e-3)
+    assert run_to(train, 0.0, step) == pytest.approx(exact, rel=near)
 
 
 @pytest.mark.parametrize("gradient", [0.03, -0.04, 0.12])
