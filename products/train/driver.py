@@ -6,12 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from products.train.train import Train
+from products.train.train import Train, within
 
 #: Fall of the pipe at the first step of service as a share of that at full service: 0.4 of 1.5 bar (UIC 540).
 LEAST = 0.4 / 1.5
 #: Force of the whole brake over that of all motors: demands for traction are multiplied by it. Assumed.
 PULLS = 5.0
+#: Lower and upper limits of a driver's numbers, with their units.
+LIMITS = {
+    "speed": (0.1, 150.0, "m/s"),
+    "dynamic": (0.0, 0.95, ""),
+    "gain": (1e-3, 10.0, "s/m"),
+    "memory": (1.0, 1e4, "s"),
+    "period": (1e-2, 10.0, "s"),
+}
 #: Air rises by full service in this time, and falls as slowly [s]: a driver's hand follows no ripple. Assumed.
 MOVES = 8.0
 
@@ -30,13 +38,18 @@ class HoldingDriver:
     speed : float
         Speed to hold [m/s].
     dynamic : float
-        Share of the whole brake that dynamic brakes take first, 0 to below 1.
+        Share of the whole brake that dynamic brakes take first, 0 to 0.95.
     gain, memory : float
         Demand for each m/s [s/m], and time constant T of its integral [s].
     period : float
         Time between two calls of `act` [s].
     added, air : float
         State: integral of the demand, and share of the air brake.
+
+    Raises
+    ------
+    ValueError
+        If a number is out of its limits.
     """
 
     speed: float
@@ -47,11 +60,21 @@ class HoldingDriver:
     added: float = 0.0
     air: float = 0.0
 
+    def __post_init__(self) -> None:
+        for name, (least, most, unit) in LIMITS.items():
+            within(name, getattr(self, name), least, most, unit)
+
     def act(self, train: Train) -> None:
         """Set the driver's valve of the head, the dynamic brakes and the traction of a train.
 
-        Call it once a `period`, before the train advances.
+        Call it once a `period`, before the train advances. Raises ValueError if no vehicle has the dynamic brake that
+        the driver counts on.
         """
+        if self.dynamic and not any(one.electric.dynamic_force > 0.0 for one in train.consist.vehicles):
+            raise ValueError(
+                f"dynamic must be 0 with a train without dynamic brakes; got {self.dynamic:g}. State dynamic_force of "
+                "a vehicle."
+            )
         pulls = any(one.traction.traction_force > 0.0 for one in train.consist.vehicles)
         fast = float(train.speed[0]) - self.speed
         demand = self.added + self.gain * fast

@@ -38,7 +38,7 @@ OF_TRACTION, OF_DRIVES = ("traction_force", "traction_energy"), ("electric_brake
 OUTPUT, SUM = ({one.name: place for place, one in enumerate(of)} for of in (OUTPUTS, SUMS))
 
 
-def _within(name: str, value: float, least: float, most: float, unit: str) -> None:
+def within(name: str, value: float, least: float, most: float, unit: str) -> None:
     """Raise ValueError if it is not a number within the limits."""
     number = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
     if not (number and least <= value <= most):
@@ -111,7 +111,7 @@ class Train:
         settings: Settings | None = None,
     ) -> None:
         for one, value in zip(INITIAL, (speed, distance, pipe, cylinder), strict=True):
-            _within(one.name, value, one.least, one.most, one.unit)
+            within(one.name, value, one.least, one.most, one.unit)
         if settings is not None and not isinstance(settings, Settings):
             raise TypeError(f"settings must be a Settings of products.train.numbers, or None; got {settings!r}.")
         self.consist, self.settings = consist, settings or Settings()
@@ -144,7 +144,7 @@ class Train:
         """Set a driver's valve; step: of service, 0 the first, 1 full. Raises ValueError."""
         if position not in POSITIONS:
             raise ValueError(f"A driver's valve must be set to one of {', '.join(POSITIONS)}; got {position}.")
-        _within("A step of service, 0 the first and 1 full,", step, 0.0, 1.0, "")
+        within("A step of service, 0 the first and 1 full,", step, 0.0, 1.0, "")
         _place("valve", valve, self.inputs["driver_position"].size)
         self.inputs["driver_position"][valve], self.inputs["driver_step"][valve] = POSITIONS[position], step
 
@@ -153,7 +153,7 @@ class Train:
 
         Raises ValueError if an input or the state is not finite; the train keeps its last state then.
         """
-        _within("The time", time, 0.0, LONGEST, "s")
+        within("The time", time, 0.0, LONGEST, "s")
         status = self._call.train_go(self._own, time)
         if status == -2:
             raise ValueError(self._wrong_input())

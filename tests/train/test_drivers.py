@@ -100,3 +100,21 @@ def test_a_timetable_that_cannot_be_is_refused(changes: dict[str, Any], message:
 def test_a_train_without_motors_is_refused() -> None:
     with pytest.raises(ValueError, match="must have a train with motors"):
         TimetableDriver([StationStop(100.0)], [(0.0, 20.0)]).act(Train(consist_of([{"kind": "locomotive"}])))
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"speed": math.nan}, "speed must be a number from 0.1 to 150 m/s; got nan"),
+        ({"dynamic": 1.0}, "dynamic must be a number from 0 to 0.95; got 1.0"),
+        ({"period": 0.0}, "period must be a number from 0.01 to 10 s; got 0.0"),
+    ],
+)
+def test_a_holding_driver_that_cannot_be_is_refused(values: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        HoldingDriver(**{"speed": 20.0, **values})
+
+
+def test_a_dynamic_brake_that_no_vehicle_has_is_refused() -> None:
+    with pytest.raises(ValueError, match="dynamic must be 0 with a train without dynamic brakes; got"):
+        HoldingDriver(20.0, dynamic=0.5).act(Train(consist_of([{"kind": "locomotive"}])))
