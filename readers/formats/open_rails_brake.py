@@ -14,10 +14,9 @@ from readers.formats import Row
 from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_friction import friction_of_table
-from readers.formats.open_rails_left import EQUIPMENT
 from readers.formats.open_rails_units import PSI
+from readers.formats.open_rails_valve import NORTH_AMERICAN, service_share, tell_own, valve_of
 from readers.formats.vehicle_rows import rounded
-from readers.text import quoted
 
 #: Cylinder pressure of MaxBrakeForce that Open Rails takes where the file has none [bar], and its default rate [bar/s].
 PRESSURE, DEFAULT_RATE = 64 * PSI, 0.9 * PSI
@@ -27,6 +26,9 @@ FULL, EMPTY = 0.95, 0.4
 PIPE, HOSES, MOST_BRANCH = 0.03175, 1.24, 25.0
 #: Emergency over auxiliary reservoir that Open Rails takes where the file has no ratio.
 EMERGENCY = 1.4
+#: Friction over speed of a force at the rims without a type of shoe: 0.20 up to 41 km/h, then 7.6 / (V + 17.5) + 0.07.
+#: Lines between these points deviate from it by 0.5 % at most, up to 200 km/h.
+CAST_IRON = "40.96:0.2 54.3:0.17505 75.2:0.1513 102.2:0.13309 138.6:0.11828 194.1:0.10543"
 COLUMNS = {"ORTSAuxiliaryResCapacity": "auxiliary", "ORTSBrakeCylinderVolume": "cylinder"}
 #: Friction laws by the word of ORTSBrakeShoeType.
 FRICTIONS = {
@@ -40,25 +42,50 @@ FRICTIONS = {
 def brake_of(fields: Fields, notes: Notes) -> Row:
     """Return the columns of a vehicle's brake: its kind, force, friction, pressure and times."""
     system = fields.word("BrakeSystemType").strip()
-    _tell_equipment(fields, notes)
     if system in ("air_piped", "vacuum_piped", "manual_braking"):
         notes.converted("BrakeSystemType: without a brake that the train applies -> brake = none")
         return {"brake": "none"}
-    vacuum = system.startswith(("vacuum", "straight_vacuum"))
-    found = _system(system, fields, notes)
-    if vacuum:
+    found = valve_of(system, fields, notes)
+    if system.startswith(("vacuum", "straight_vacuum")):
         notes.left("Pressures and rates of a vacuum brake: the default pressure and times of position P apply.")
-        return found | _force(fields, None, notes)
+        return found | _force(fields, 1.0, notes)
     reference = fields.number("ORTSBrakeForceReferencePressure", "bar")
     most = fields.number("BrakeCylinderPressureForMaxBrakeBrakeForce", "bar")
     pressure = most or reference
-    found |= _force(fields, (most / reference) if most and reference else None, notes)
+    if found.get("distributor") in NORTH_AMERICAN:
+        return _north_american(found, fields, most, reference, notes)
+    found |= _force(fields, _to_largest(most, reference, notes), notes)
     if found["brake"] == "none":
         return {"brake": "none"}
     if pressure and found.keys() - {"brake", "distributor"}:
         notes.taken("BrakeCylinderPressureForMaxBrakeBrakeForce -> full_pressure [bar]")
         found["full_pressure"] = rounded(pressure)
     return found | _times(fields, pressure or PRESSURE, notes) | _volumes(fields, found["brake"], notes)
+
+
+def _north_american(found: Row, fields: Fields, most: float | None, reference: float | None, notes: Notes) -> Row:
+    """Return the columns of a brake of the AAR kind, which has its own pressures, times and volumes."""
+    kind = found["distributor"]
+    if kind == "aar":
+        scale = service_share(fields, most, reference)
+        notes.assumed(
+            "The force is that of a full service from 90 psi, the pressure 90 psi x r / (1 + r) of the ratio r."
+        )
+    else:
+        scale = _to_largest(most, reference, notes)
+    row = found | _force(fields, scale, notes)
+    if row["brake"] == "none":
+        return {"brake": "none"}
+    tell_own(kind, fields, notes)
+    return row
+
+
+def _to_largest(most: float | None, reference: float | None, notes: Notes) -> float:
+    """Return the largest cylinder pressure over that of the stated force [bar]."""
+    if not most or not reference or abs(most - reference) <= 1e-9 * most:
+        return 1.0
+    notes.converted("ORTSBrakeForceReferencePressure: the force is scaled to the largest cylinder pressure.")
+    return most / reference
 
 
 def hand_brake_of(fields: Fields, notes: Notes) -> Row:
@@ -75,49 +102,13 @@ def hand_brake_of(fields: Fields, notes: Notes) -> Row:
     return {"parking_force": rounded(1e-3 * force), "parking_compounding": "larger"}
 
 
-def _system(system: str, fields: Fields, notes: Notes) -> Row:
-    """Return the kind of brake by BrakeSystemType."""
-    if system.startswith(("vacuum", "straight_vacuum")):
-        notes.assumed("BrakeSystemType: a vacuum brake is simulated as a compressed-air brake of equal force.")
-    elif system in ("ep", "ecp", "sme"):
-        if fields.word("ORTSEPBrakeControlsBrakePipe").startswith("1"):
-            notes.converted("ORTSEPBrakeControlsBrakePipe: valves at each vehicle's pipe -> distributor = ep_uic")
-            return {"brake": "pneumatic", "distributor": "ep_uic"}
-        else:
-            notes.taken(f"BrakeSystemType {system.upper()} -> brake = ep-direct")
-            return {"brake": "ep-direct"}
-    elif system.startswith("air_twin_pipe"):
-        notes.taken("BrakeSystemType Air_twin_pipe -> distributor = twin_pipe")
-        return {"brake": "pneumatic", "distributor": "twin_pipe"}
-    elif system.startswith("air_single_pipe"):
-        notes.taken("BrakeSystemType -> brake = pneumatic")
-    else:
-        notes.assumed(f"BrakeSystemType: {quoted(system) if system else 'missing'}; taken as pneumatic.")
-    return {"brake": "pneumatic"}
-
-
-def _tell_equipment(fields: Fields, notes: Notes) -> None:
-    """Tell words of BrakeEquipmentType that are unknown; spelling errors are common."""
-    words = [one.strip() for one in fields.word("BrakeEquipmentType").split(",")]
-    for word in words:
-        if word and word not in EQUIPMENT:
-            notes.left(f"BrakeEquipmentType: the word {quoted(word)} is unknown, and Open Rails ignores it.")
-    if "triple_valve" in words and "distributor" not in words and "graduated_release_triple_valve" not in words:
-        notes.left(
-            "BrakeEquipmentType triple_valve: cylinders empty as far as the pipe rises; distributor = aar releases "
-            "wholly, but has its own pressures, times and volumes."
-        )
-
-
-def _force(fields: Fields, over_reference: float | None, notes: Notes) -> Row:
-    """Return the force of the brake; `over_reference`: largest pressure over that of MaxBrakeForce."""
+def _force(fields: Fields, scale: float, notes: Notes) -> Row:
+    """Return the force of the brake; `scale`: its pressure over that at which the force is stated."""
     law = FRICTIONS.get(fields.word("ORTSBrakeShoeType"))
     shoe_force = fields.number("ORTSMaxBrakeShoeForce", "N")
     rim_force = fields.number("MaxBrakeForce", "N")
-    scale = over_reference or 1.0
-    if over_reference and abs(over_reference - 1.0) > 1e-9:
-        notes.converted("ORTSBrakeForceReferencePressure: the force is scaled to the largest cylinder pressure.")
-    if shoe_force and (law or not rim_force):
+    own = fields.word("ORTSBrakeShoeType") == "user_defined"
+    if shoe_force and (law or own or not rim_force):
         notes.taken("ORTSMaxBrakeShoeForce, of all shoes, before friction -> shoe_force [kN]")
         return {"shoe_force": rounded(1e-3 * shoe_force * scale)} | _friction(fields, law, notes)
     if rim_force:
@@ -166,10 +157,10 @@ def _friction_of_rims(fields: Fields, law: str | None, notes: Notes) -> Row:
     if own := friction_of_table(fields, notes, at_rims=True):
         return own
     notes.assumed(
-        "MaxBrakeForce without a friction: constant over speed, as in MSTS. Open Rails takes it at friction 0.20 "
-        "and reduces it above 41 km/h by cast iron, to 67 % at 100 km/h."
+        "MaxBrakeForce without a friction: as in Open Rails, which takes it at friction 0.20 and reduces it above 41 "
+        "km/h by cast iron, to 67 % at 100 km/h. In MSTS it is constant: set friction = constant."
     )
-    return {}
+    return {"friction": "table", "friction_table": CAST_IRON}
 
 
 def _times(fields: Fields, pressure: float, notes: Notes) -> Row:

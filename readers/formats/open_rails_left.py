@@ -61,7 +61,6 @@ LEFT = {
     "ORTSQuickServiceVentRate": _VALVE,
     "ORTSAcceleratedApplicationFactor": _VALVE,
     "ORTSAcceleratedApplicationMaxVentRate": _VALVE,
-    "ORTSEmergencyResQuickRelease": "it has a column with distributor = aar alone",
     "ORTSUniformChargingThreshold": "uniform charging has no column",
     "ORTSUniformChargingRatio": "uniform charging has no column",
     "ORTSUniformReleaseThreshold": "uniform release has no column",

@@ -60,6 +60,7 @@ TAKEN = (
     "Coupling",
     "ORTSFreightAnims",
     "ORTSEPBrakeControlsBrakePipe",
+    "ORTSEmergencyResQuickRelease",
     "MaxHandbrakeForce",
 )
 
