@@ -20,6 +20,8 @@ SUPPLY = 800e3
 SWING = 40e3
 #: Pressure by which steps of a wide choke miss that of the surroundings [Pa].
 NEAR = 100.0
+#: Temperature of the surroundings [K].
+COLD = 293.15
 #: Runs of the short and of the long form.
 FEW, MANY = 40, 20000
 
@@ -38,7 +40,7 @@ def row_of(draw: np.random.Generator) -> dict[str, Any]:
     brake = str(draw.choice(["uic", "aar", "ecp", "ep_uic", "twin_pipe", "ep-direct", "none"]))
     if brake == "none":
         return row | {"brake": brake}
-    row |= {"wheel_mass": draw.uniform(200.0, 500.0)} if draw.random() < 0.2 else {}
+    row |= heat_of(draw, kind) if draw.random() < 0.3 else {}
     if brake == "ep-direct":
         return row | {"brake": brake}
     row |= {"distributor": brake}
@@ -48,6 +50,17 @@ def row_of(draw: np.random.Generator) -> dict[str, Any]:
     if brake in ("uic", "ep_uic", "twin_pipe"):
         row |= {"position": str(draw.choice(["P", "G"]))}
     return row | ({"dead_time": draw.uniform(0.0, 2.0)} if brake in ("ecp", "ep_uic") else {})
+
+
+def heat_of(draw: np.random.Generator, kind: str) -> dict[str, Any]:
+    """Return the heat of a random brake: wheels, or discs if it has no blocks, with a surface, blocks and a table."""
+    row: dict[str, Any] = {"wheel_mass": draw.uniform(200.0, 500.0)}
+    if kind != "wagon" and draw.random() < 0.5:
+        row = {"disc_mass": draw.uniform(50.0, 150.0), "discs": int(draw.integers(1, 17))}
+    if draw.random() < 0.5:
+        row |= {"thickness": draw.uniform(2.0, 50.0), "rubbed_area": draw.uniform(0.05, 0.13)}
+    row |= {"block_mass": 10 ** draw.uniform(-1.0, 2.0)} if draw.random() < 0.5 else {}
+    return row | ({"fade_table": "30:1.2 60:0.3 90:2 400:0"} if draw.random() < 0.5 else {})
 
 
 def train_of(draw: np.random.Generator) -> Train:
@@ -96,6 +109,10 @@ def faults(seed: int) -> str:
         np.isfinite(getattr(train, name)).all() for name in ("speed", "distance", "coupler_force", "brake_force")
     ):
         return "a number is not finite"
+    for name in ("brake_temperature", "surface_temperature", "block_temperature"):
+        found = getattr(train, name)
+        if not (found.min() > COLD - 1e-6 and np.isfinite(found).all()):
+            return f"the {name} is {found.min():g} to {found.max():g} K"
     for pressures, least in ((train.cylinder_pressure, -NEAR), (train.pipe_pressure, -SWING)):
         if not (pressures.min() > least and pressures.max() < SUPPLY + SWING):
             return f"pressures are {pressures.min():.0f} to {pressures.max():.0f} Pa"
