@@ -14,7 +14,7 @@ from brake_controller.traction import driving
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist, TrainVehicle, forces_of
 from products.train.driver import LEAST
-from products.train.train import Train
+from products.train.train import LONGEST, Train, within
 from rbd_model.track.adhesion_laws import at_speed
 from rbd_model.train.vehicle import GRAVITY
 
@@ -37,13 +37,17 @@ class StationStop:
     """A stop of the train's front.
 
     place: distance along the line [m]. arrival: time at which it is due [s]; 0: as early as possible. standing: least
-    time at rest [s]. departure: not before this time [s].
+    time at rest [s]. departure: not before this time [s]. Raises ValueError if a time is below 0 or above a day.
     """
 
     place: float
     arrival: float = 0.0
     standing: float = 30.0
     departure: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in (("arrival", self.arrival), ("standing", self.standing), ("departure", self.departure)):
+            within(name, value, 0.0, LONGEST, "s")
 
 
 @dataclass(frozen=True)
@@ -130,6 +134,7 @@ class TimetableDriver:
     pulling: float = 1.0
     leaves: float = 0.0
     _forces: np.ndarray | None = None
+    _train: Train | None = None
     _before: float = 0.0
     _applied: float = 0.0
     _wired: bool = False
@@ -187,6 +192,10 @@ class TimetableDriver:
         """Set valve, traction and dynamic brakes of a train; call it once a PERIOD before the train advances."""
         if self._forces is None:
             self._begin(train)
+        if train is not self._train:
+            raise ValueError(
+                "A driver by timetable must stay with one train; got another one. Make a new driver for it."
+            )
         assert self._forces is not None
         speed, front = float(train.speed[0]), self.front(train)
         stop = self.stops[len(self.calls)]
@@ -201,6 +210,7 @@ class TimetableDriver:
         self._set(train, min(needed, self.adhesion * grips), motors, electric, full)
 
     def _begin(self, train: Train) -> None:
+        self._train = train
         self._forces = train_forces(train.consist)
         self._wired = all(kind_of(one.distributor).wired for one in train.consist.vehicles)
         if not self._forces[0].any():

@@ -97,6 +97,15 @@ def test_a_timetable_that_cannot_be_is_refused(changes: dict[str, Any], message:
         TimetableDriver(**({"stops": [StationStop(100.0)], "limits": [(0.0, 20.0)]} | changes))
 
 
+def test_a_time_that_cannot_be_and_a_second_train_are_refused() -> None:
+    with pytest.raises(ValueError, match="standing must be a number from 0 to 86400 s"):
+        StationStop(100.0, standing=-1.0)
+    driver = TimetableDriver([StationStop(100.0)], [(0.0, 20.0)])
+    driver.act(train_of("metro"))
+    with pytest.raises(ValueError, match="must stay with one train"):
+        driver.act(train_of("coaches"))
+
+
 def test_a_train_without_motors_is_refused() -> None:
     with pytest.raises(ValueError, match="must have a train with motors"):
         TimetableDriver([StationStop(100.0)], [(0.0, 20.0)]).act(Train(consist_of([{"kind": "locomotive"}])))
