@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from fmu_src.system import Model as Model
     from fmu_src.system import System as System
     from fmu_src.system import Variable as Variable
+    from products.train.cleaning import CleanedRail as CleanedRail
     from products.train.driver import HoldingDriver as HoldingDriver
     from products.train.timetable import StationStop as StationStop
     from products.train.timetable import TimetableDriver as TimetableDriver
@@ -70,6 +71,7 @@ _HOMES = {
     "fmu_src.cosimulation.slave": ("CosimulationError", "FmuInstance"),
     "fmu_src.kernel": ("SimulationError",),
     "fmu_src.system": ("Model", "System", "Variable"),
+    "products.train.cleaning": ("CleanedRail",),
     "products.train.driver": ("HoldingDriver",),
     "products.train.timetable": ("StationStop", "TimetableDriver"),
     "products.vehicle_file": ("read_vehicle",),

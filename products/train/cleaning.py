@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from products.train.train import Train
 from rbd_model.track.adhesion_laws import cleaned_share
-from rbd_model.track.recovery import SLOWEST, RecoveryParameters
+from rbd_model.track.recovery import SLOWEST, RecoveryParameters, assumed_recovery
 
 #: Length of rail with one energy [m], and shortest step [s].
 CELL, SHORTEST = 1.0, 1e-3
@@ -31,8 +31,9 @@ class CleanedRail:
     ----------
     train : Train
         The train. `advance` of this object drives it.
-    rail : RecoveryParameters
-        Friction of the dirty and of the cleaned rail, and the energy that cleans. `wheel_base` has no effect.
+    rail : RecoveryParameters, optional
+        Friction of the dirty and of the cleaned rail, and the energy that cleans; by default those of
+        `assumed_recovery`. `wheel_base` has no effect.
     wheelsets : int
         Number of wheelsets of each vehicle, 1 to 32.
 
@@ -42,10 +43,10 @@ class CleanedRail:
         If the number of wheelsets is not within its limits.
     """
 
-    def __init__(self, train: Train, rail: RecoveryParameters, wheelsets: int = 4) -> None:
+    def __init__(self, train: Train, rail: RecoveryParameters | None = None, wheelsets: int = 4) -> None:
         if not (isinstance(wheelsets, int) and 1 <= wheelsets <= MOST_WHEELSETS):
             raise ValueError(f"wheelsets must be an integer from 1 to {MOST_WHEELSETS}; got {wheelsets}. Correct it.")
-        self.train, self.rail = train, rail
+        self.train, self.rail = train, rail or assumed_recovery()
         lengths = np.array([one.length for one in train.consist.vehicles])
         shares = 0.5 - (np.arange(wheelsets) + 0.5) / wheelsets
         self._offsets: NDArray[np.float64] = lengths[:, None] * shares
