@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from brake_controller.distributors import kind_of
+from brake_controller.distributors.aar import AAR
 from brake_controller.electric_brake import blending
 from brake_controller.traction import driving
 from fmu_src.cosimulation.recording import Recording
@@ -210,7 +211,14 @@ class TimetableDriver:
         self._set(train, min(needed, self.adhesion * grips), motors, electric, full)
 
     def _begin(self, train: Train) -> None:
+        """Take the forces of a train. Raises ValueError if it has no motors, or brakes that cannot release in part."""
         self._train = train
+        direct = [n for n, one in enumerate(train.consist.vehicles, 1) if kind_of(one.distributor).name == AAR.name]
+        if direct:
+            raise ValueError(
+                f"A driver by timetable must have brakes that release in part; vehicle {direct[0]} has distributor = "
+                f"{AAR.name}, which releases wholly. Take ecp or uic."
+            )
         self._forces = train_forces(train.consist)
         self._wired = all(kind_of(one.distributor).wired for one in train.consist.vehicles)
         if not self._forces[0].any():

@@ -106,6 +106,12 @@ def test_a_time_that_cannot_be_and_a_second_train_are_refused() -> None:
         driver.act(train_of("coaches"))
 
 
+def test_a_brake_that_releases_wholly_is_refused() -> None:
+    train = Train(consist_of([LOCOMOTIVE, {"kind": "wagon", "distributor": "aar"}]))
+    with pytest.raises(ValueError, match="vehicle 2 has distributor = aar"):
+        TimetableDriver([StationStop(100.0)], [(0.0, 20.0)]).act(train)
+
+
 def test_a_train_without_motors_is_refused() -> None:
     with pytest.raises(ValueError, match="must have a train with motors"):
         TimetableDriver([StationStop(100.0)], [(0.0, 20.0)]).act(Train(consist_of([{"kind": "locomotive"}])))
