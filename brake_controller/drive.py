@@ -87,10 +87,11 @@ def driven_by(force: ca.SX, power: ca.SX, p: Mapping[str, ca.SX], fast: ca.SX) -
     return ca.fmin(force * share, power / ca.fmax(fast, LEAST))
 
 
-def ramped(wanted: ca.SX, able: ca.SX, before: ca.SX, change: ca.SX) -> tuple[ca.SX, ca.SX]:
+def followed(wanted: ca.SX, able: ca.SX, before: ca.SX, change: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return mean and last force of a step [N] that follows a demand at a limited rate.
 
-    It rises and falls by at most `change` within the step, as EN 14531-1 takes build-up.
+    It rises and falls by at most `change` within the step, as EN 14531-1 takes build-up. Unlike `build_up.ramped`, it
+    follows what the drive is able to at each speed without a rise.
     """
     ends = ca.fmin(ca.fmax(ca.fmin(wanted, before + change), before - change), able)
     return ca.if_else(ends == wanted, ends, (before + ends) / 2), ends

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from brake_controller.air import AMBIENT
-from brake_controller.drive import LEAST, NO_LIMIT, OverSpeed, driven_by, ramped
+from brake_controller.drive import LEAST, NO_LIMIT, OverSpeed, driven_by, followed
 from brake_controller.vehicle_brake import VehicleBrake, brake_force, named
 from fmu_src.chain import function_of
 from fmu_src.system import quantity
@@ -56,7 +56,7 @@ def blending() -> ca.Function:
     full = brake_force(p["blended_pressure"] + AMBIENT, wheel, b)
     electric = ca.fmin(ca.fmax(demanded * full, dynamic * able), able)
     change = p["dynamic_force"] * step / ca.fmax(p["dynamic_rise"], LEAST**2)
-    mean, ends = ramped(electric, able, before, change)
+    mean, ends = followed(electric, able, before, change)
     lacks = ca.fmax(demanded - electric / ca.fmax(full, LEAST), 0)
     pressed = ca.fmax(b["force_per_pressure"] * p["blended_pressure"], LEAST)
     share = lacks + (1 - lacks) * ca.fmin(b["counter_force"] / pressed, 1)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.drive import LEAST, NO_LIMIT, OverSpeed, driven_by, ramped
+from brake_controller.drive import LEAST, NO_LIMIT, OverSpeed, driven_by, followed
 from brake_controller.vehicle_brake import named
 from fmu_src.chain import function_of
 from fmu_src.system import quantity
@@ -44,4 +44,4 @@ def driving() -> ca.Function:
     share, before, step = ca.vertsplit(command)
     able = driven_by(p["traction_force"], p["traction_power"], p, ca.fabs(wheel))
     change = p["traction_force"] * step / ca.fmax(p["traction_rise"], LEAST**2)
-    return function_of("driving", [wheel, command, given], ca.vertcat(*ramped(share * able, able, before, change)))
+    return function_of("driving", [wheel, command, given], ca.vertcat(*followed(share * able, able, before, change)))
