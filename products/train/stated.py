@@ -271,8 +271,9 @@ def _points(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
     speeds, frictions = table_in(values.get("friction_table", ""), MOST_POINTS, 0.001, 1.0)
     if not speeds:
         raise ValueError(
-            f"friction_table must be 2 to {MOST_POINTS} pairs of a speed that rises, up to 1000 km/h, and a friction "
-            f"from 0.001 to 1; got {values.get('friction_table', '')!r}. Write it as 0:0.30 40:0.22 120:0.15."
+            f"friction_table must be 2 to {MOST_POINTS} pairs of a speed that rises by 0.001 km/h or more, up to 1000 "
+            f"km/h, and a friction from 0.001 to 1; got {values.get('friction_table', '')!r}. Write it as 0:0.30 "
+            "40:0.22 120:0.15."
         )
     return speeds, frictions
 

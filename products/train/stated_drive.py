@@ -54,8 +54,9 @@ def _forces(name: str, text: str) -> tuple[list[float], list[float]]:
     speeds, forces = table_in(text, MOST_DRIVE_POINTS, 0.0, MOST_FORCE)
     if not speeds or max(forces) <= 0.0:
         raise ValueError(
-            f"{name} must be 2 to {MOST_DRIVE_POINTS} pairs of a speed that rises, up to 1000 km/h, and a force from 0 "
-            f"to {MOST_FORCE:g} kN, not all of them 0; got {text!r}. Write it as 0:300 50:290 100:150."
+            f"{name} must be 2 to {MOST_DRIVE_POINTS} pairs of a speed that rises by 0.001 km/h or more, up to 1000 "
+            f"km/h, and a force from 0 to {MOST_FORCE:g} kN, not all of them 0; got {text!r}. Write it as 0:300 50:290 "
+            "100:150."
         )
     return speeds, [1e3 * force for force in forces]
 

@@ -102,7 +102,7 @@ def _of_formation(formation: ET.Element, rows: list[Row], source: str, notes: No
         rows = [row | {name: rounded(value * row["mass"] / total) for name, value in shared.items()} for row in rows]
     elif davis is not None:
         notes.left("trainResistance: the vehicles have their own.")
-    if brakes is None or any({"lambda", "deceleration"} & row.keys() for row in rows):
+    if brakes is None or any({"lambda", "deceleration", "brake_force"} & row.keys() for row in rows):
         if brakes is not None:
             notes.left("trainBrakes: the vehicles have their own.")
         return rows

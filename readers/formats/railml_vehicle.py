@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
+import numpy as np
+
 from readers.formats import Row
-from readers.formats.drive_tables import drive_table, with_motors
+from readers.formats.drive_tables import CLOSEST, STRONGEST, drive_table, fewer, is_table, tell_deviation, with_motors
 from readers.formats.notes import Notes
 from readers.formats.railml_numbers import fitted, mean_deceleration, number_of, table_of
 from readers.formats.vehicle_rows import AIR, GRAVITY, rounded
@@ -31,6 +33,8 @@ AUXILIARY = {
     "Mg": "magnetic_attraction",
     "Wb": "eddy_force",
 }
+#: Largest friction of a table that stands for forces, and its number of points; least force over the largest one.
+FRICTION, FRICTION_POINTS, LEAST = 0.3, 6, 0.01
 #: Limits of a weight [t] and of the coefficients of Davis' formula.
 WEIGHT = (0.0, 5000.0)
 
@@ -160,7 +164,7 @@ def _brake(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
             if (one.get(name) or "false").lower() in ("true", "1"):
                 notes.left(f"auxiliaryBrakes {name}: the file does not state its force. Set {remedy}.")
     if not sets:
-        return _by_table(vehicle, mass, place, notes) or _without_brake(notes)
+        return _by_table(vehicle, place, notes) or _without_brake(notes)
     position = "airBrakeApplicationPosition"
     chosen = next(one for key in POSITIONS for one in [*sets, sets[0]] if one.get(position, "") == key or key == "")
     if len(sets) > 1:
@@ -180,9 +184,7 @@ def _brake(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
         notes.assumed(f"{position} R: filled as in P; two stages of pressure over speed have no column.")
     if chosen.get("loadSwitch") is not None:
         notes.left("loadSwitch: the brake weight is that of the stated load.")
-    return row | (
-        _statement(chosen, mass, place, notes) or _by_table(vehicle, mass, place, notes) or _without_brake(notes)
-    )
+    return row | (_statement(chosen, mass, place, notes) or _by_table(vehicle, place, notes) or _without_brake(notes))
 
 
 def _without_brake(notes: Notes) -> Row:
@@ -211,13 +213,31 @@ def _statement(chosen: ET.Element, mass: float, place: str, notes: Notes) -> Row
     return {}
 
 
-def _by_table(vehicle: ET.Element, mass: float, place: str, notes: Notes) -> Row:
-    """Return the mean deceleration of a decelerationTable, or of a brakeEffort over the mass."""
-    for name in ("decelerationTable", "brakeEffort"):
-        element = next(inside(vehicle, name), None)
-        mean = mean_deceleration(table_of(element, place)) if element is not None else None
-        if mean is not None:
-            mean = mean / (1e3 * mass) if name == "brakeEffort" else mean
-            notes.converted(f"{name}: mean over the distance of a stop from its highest speed -> deceleration [m/s2]")
-            return {"deceleration": rounded(mean)}
-    return {}
+def _by_table(vehicle: ET.Element, place: str, notes: Notes) -> Row:
+    """Return the mean deceleration of a decelerationTable, or the forces of a brakeEffort over speed."""
+    element = next(inside(vehicle, "decelerationTable"), None)
+    mean = mean_deceleration(table_of(element, place)) if element is not None else None
+    if mean is not None:
+        notes.converted(
+            "decelerationTable: mean over the distance of a stop from its highest speed -> deceleration [m/s2]"
+        )
+        return {"deceleration": rounded(mean)}
+    element = next(inside(vehicle, "brakeEffort"), None)
+    return _effort(table_of(element, place), notes) if element is not None else {}
+
+
+def _effort(table: list[tuple[float, float]], notes: Notes) -> Row:
+    """Return a force at standstill [N] with a friction over speed [km/h] that is proportional to a table of forces."""
+    forces = np.array([force for _, force in table])
+    if not is_table(table) or forces.min() < LEAST * forces.max():
+        notes.left(
+            f"brakeEffort: it is not two rows or more with speeds that rise by {CLOSEST:g} km/h, and forces up to "
+            f"{STRONGEST:g} kN and from {100 * LEAST:g} % of the largest one on."
+        )
+        return {}
+    speeds = np.array([speed for speed, _ in table])
+    chosen, deviation = fewer(speeds, forces, FRICTION_POINTS)
+    tell_deviation("brakeEffort", len(chosen), len(table), deviation / float(forces.max()), notes)
+    notes.converted("brakeEffort -> brake_force [kN] at its lowest speed, friction_table in proportion to its forces")
+    values = (f"{speeds[n]:.10g}:{rounded(FRICTION * float(forces[n] / forces.max())):.10g}" for n in chosen)
+    return {"brake_force": rounded(1e-3 * float(forces[0])), "friction": "table", "friction_table": " ".join(values)}

@@ -94,7 +94,7 @@ def test_curves_of_open_rails_are_those_of_the_highest_position(tmp_path: Path) 
 
 
 def test_a_curve_that_cannot_be_read_is_left_out(tmp_path: Path) -> None:
-    for curve in ("1 ( 0 1e5 5 )", "1 ( 5 1e5 0 1e5 )", "1 ( 0 1e5 5 -3 )", "1 ( 0 one 5 2 )"):
+    for curve in ("1 ( 0 1e5 5 )", "1 ( 5 1e5 0 1e5 )", "1 ( 0 1e5 1e-9 9e4 )", "1 ( 0 1e5 5 -3 )", "1 ( 0 one 5 2 )"):
         found = read(tmp_path, "power.eng", ENGINE % f"ORTSMaxTractiveForceCurves ( {curve} )")
         assert "traction_table" not in found.rows[0]
         assert told(found, "left", "ORTSMaxTractiveForceCurves: it is not ")

@@ -321,7 +321,7 @@ def test_each_field_of_a_table_is_read_into_a_column_of_its_row(program: str, tm
 
 @pytest.mark.parametrize("program", CHANGES)
 def test_lower_words_of_the_columns_are_read_too(program: str, tmp_path: Path) -> None:
-    """Such as words of BrakeEquipmentType, which stand in the cell of the columns."""
+    """Such as words of BrakeEquipmentType, listed in the cell of the columns."""
     for _, column in tables()[program]:
         for word in tokens(column):
             for name, before, after in CHANGES[program].get(word, []):

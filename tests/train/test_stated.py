@@ -226,6 +226,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "a table alone": ({"friction_table": "0:0.3 9:0.2"}, "friction_table must come with friction = table."),
     "one point": ({"friction": "table", "friction_table": "0:0.3"}, "got '0:0.3'. Write it as"),
     "falling speeds": ({"friction": "table", "friction_table": "9:0.3 3:0.2"}, "a speed that rises"),
+    "equal speeds": ({"friction": "table", "friction_table": "0:0.3 5e-324:0.2"}, "rises by 0.001 km/h or more"),
     "no pairs": ({"friction": "table", "friction_table": "0.3 0.2"}, "got '0.3 0.2'. Write it as"),
     "friction below 0": ({"friction": "table", "friction_table": "0:0.3 9:-0.2"}, "a friction from 0.001 to 1"),
     "not over speed": ({"friction": "speed", "friction_value": 0.4}, "friction = speed must come with friction_fast."),
