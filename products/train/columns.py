@@ -1,4 +1,5 @@
-"""Columns of a consist: names, units, limits and words. The table in docs/train.md explains each.
+"""Columns of a consist: names, units, limits and words. Tables in docs/train.md, docs/train-brakes.md and
+docs/train-couplers.md explain each.
 
 A CSV file has them in its first row, a TOML file as keys of each [[vehicle]].
 """

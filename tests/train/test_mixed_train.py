@@ -43,7 +43,7 @@ def test_the_default_way_is_the_train_as_one_system() -> None:
 
 
 def test_fmus_coupled_by_the_master_give_the_numbers_of_one_process(tmp_path: Path) -> None:
-    """The connections are those of docs/train.md; the train is stepped first (Gauss-Seidel)."""
+    """The connections are those of docs/train-couplers.md; the train is stepped first (Gauss-Seidel)."""
     path = tmp_path / "train.fmu"
     build_train_fmu(consist_of(screw_coupler()), path, 2)
     one = mixed(screw_coupler(), 2, "corrected")
