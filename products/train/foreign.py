@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from brake_controller.distributors.ep_direct import FILLING, RELEASE, EpDirect
-from brake_controller.distributors.uic import TIMES, UicDistributor, freight, reached_pressure
+from brake_controller.distributors.uic import UicDistributor, freight, reached_pressure
 from products.train.columns import COUPLING, NUMBERS
 from products.train.consist import Consist, TrainVehicle
 from products.train.consist_file import consist_of, read_consist
@@ -20,6 +20,15 @@ ESSENTIAL = (
     *("kind", "count", "mass", "length", "lambda", "deceleration", "brake_force", "shoe_force", "brake"),
     *("resistance_a", "resistance_b", "resistance_c", "friction_value"),
 )
+#: Columns of times, whose nearest limit is taken where a value is beyond it.
+NEAREST = ("fill_time", "release_time", "dead_time", "dynamic_rise")
+#: Columns with which others are left out, and what these all are.
+WHOLE: dict[str, tuple[str, tuple[str, ...]]] = {
+    "parking_force": ("hand brake is", ("parking_compounding",)),
+    "dynamic_force": ("dynamic brake is", ("dynamic_fade", "dynamic_rise", "dynamic_power")),
+    "traction_force": ("motors are", ("traction_power",)),
+    "traction_power": ("motors are", ("traction_force",)),
+}
 
 
 def consist_from(path: Path) -> tuple[Consist, Imported | None]:
@@ -41,7 +50,8 @@ def consist_from(path: Path) -> tuple[Consist, Imported | None]:
 def imported_consist(path: Path) -> tuple[Consist, Imported]:
     """Return the consist in a file of another program, and the account of its fields.
 
-    Values of columns that only refine a vehicle are left out beyond their limits, and told.
+    Values of columns that only refine a vehicle are left out beyond their limits, and told; of times the nearest limit
+    is taken.
 
     Raises
     ------
@@ -62,7 +72,7 @@ def imported_consist(path: Path) -> tuple[Consist, Imported]:
 
 
 def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
-    """Return a row without refinements beyond their limits, and the begin of a sentence on each of these."""
+    """Return a row with refinements within their limits, and the begin of a sentence on each that was beyond them."""
     kept, outside = dict(row), {}
     for name, value in row.items():
         if name in ESSENTIAL or name not in NUMBERS:
@@ -72,8 +82,12 @@ def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
             limits = f"{least:g} to {most:g}" if unit == "1" else f"{least:g} to {most:g} {unit}"
             outside[name] = f"{name}: {value:.4g} is outside {limits}"
             del kept[name]
-    if "parking_force" in outside:
-        kept.pop("parking_compounding", None)
+            if name in NEAREST and not math.isnan(value):
+                kept[name] = min(max(value, least), most)
+    for one in [name for name in WHOLE if name in outside]:
+        for name in WHOLE[one][1]:
+            kept.pop(name, None)
+            outside.pop(name, None)
     if "full_pressure" in kept and kept.get("brake", "pneumatic") == "pneumatic" and not _is_reached(kept):
         pressure = kept.pop("full_pressure")
         outside["full_pressure"] = (
@@ -90,23 +104,20 @@ def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
 
 def _defaults(one: TrainVehicle, row: Row) -> dict[str, str]:
     """Return what a vehicle has in place of each refinement that is left out, as the end of a sentence."""
-    direct = isinstance(one.distributor, EpDirect)
-    filling, release = (FILLING, RELEASE) if direct else TIMES[row.get("position", "P")]
     numbers = {
         "rotating": 100 * one.rotating_share,
         "full_pressure": 1e-5 * one.distributor.full_pressure,
-        "fill_time": filling,
-        "release_time": release,
         "shoes": one.brake.shoes,
-        "dead_time": one.electric.dead_time,
     }
     if isinstance(one.distributor, UicDistributor):
         numbers["auxiliary"] = 1e3 * one.distributor.auxiliary_volume
         numbers["cylinder"] = 1e3 * one.distributor.cylinder_volume
     units = {name: "" if NUMBERS[name][0] == "1" else f" {NUMBERS[name][0]}" for name in numbers}
     told = dict.fromkeys(NUMBERS, "it is left out")
+    told |= {name: f"the {what} left out" for name, (what, _) in WHOLE.items()}
     told |= dict.fromkeys(COUPLING, f"that of the {one.coupler.name} coupler is taken")
-    return told | {name: f"the default of {value:.4g}{units[name]} is taken" for name, value in numbers.items()}
+    told |= {name: f"the default of {value:.4g}{units[name]} is taken" for name, value in numbers.items()}
+    return told | {name: f"{row[name]:.4g} s is taken" for name in NEAREST if name in row}
 
 
 def _is_reached(row: Mapping[str, Any]) -> bool:

@@ -6,6 +6,7 @@ Where the difference is beyond 1 %, the test holds its size, and docs/consists.m
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from products.train.summary import brake_force
 from products.train.train import Train
 from readers.formats.trains import read_foreign
 from tests.readers.test_foreign_drives import forces
-from tests.readers.test_foreign_trains import BVE, CAR, OSRD, RAILML
+from tests.readers.test_foreign_trains import BVE, CAR, OSRD, RAILML, STRANGERS
 
 #: Largest difference that needs no reason.
 CLOSE = 0.01
@@ -345,3 +346,28 @@ def test_brakes_of_a_formation_of_railml_leave_a_table_of_forces(tmp_path: Path)
     formation = '<formations><formation id="f"><trainOrder vehicleRef="v"/><trainBrakes meanDeceleration="0.9"/>'
     text = text.replace("</railml>", f"{formation}</formation></formations></rollingstock></railml>")
     assert force(imported(tmp_path, "table.xml", text), 0.0) == pytest.approx(60e3, rel=CLOSE)
+
+
+# -- files of users ----------------------------------------------------------------------------------------------------
+
+
+def number(pattern: str, text: str) -> float:
+    found = re.search(rf"{pattern}\s*([\d.]+)", text)
+    assert found
+    return float(found[1])
+
+
+@pytest.mark.skipif(not STRANGERS.is_dir(), reason="CONSISTS_OF_OTHERS names no folder of their files")
+def test_cars_of_altrios_and_trains_of_openbve_of_others_brake_as_they_state() -> None:
+    cars = [path for path in STRANGERS.rglob("*.yaml") if "braking_ratio:" in path.read_text(encoding="utf-8")]
+    for path in cars:
+        text = path.read_text(encoding="utf-8")
+        mass = number("mass_static_base_kilograms:", text) + number("mass_freight_kilograms:", text)
+        due = 0.3 * number("braking_ratio:", text) * mass * G
+        assert force(imported_consist(path)[0], 20.0) == pytest.approx(due, rel=CLOSE)
+    trains = sorted(STRANGERS.rglob("*.dat"))
+    for path in trains:
+        due = number("#(?:DECELERATION|PERFORMANCE)", path.read_text(encoding="utf-8", errors="replace")) / 3.6
+        for one in imported_consist(path)[0].vehicles:
+            assert brake_force(one, 20.0) / one.mass == pytest.approx(due, rel=CLOSE)
+    assert cars or trains

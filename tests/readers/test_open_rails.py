@@ -127,9 +127,9 @@ def test_a_hand_brake_is_a_parking_brake_beside_which_the_larger_force_acts(tmp_
         path.write_text(ENGINE.replace("20kN", force))
         own, found = imported_consist(path)
         assert own.vehicles[0].parking.parking_force == pytest.approx(due)
-        assert bool(told(found, "left", "parking_force: 5000 is outside 0.1 to 1000 kN; it is left out.")) == (
-            force == "5000kN"
-        )
+        assert bool(
+            told(found, "left", "parking_force: 5000 is outside 0.1 to 1000 kN; the hand brake is left out.")
+        ) == (force == "5000kN")
 
 
 def test_what_is_misspelt_ignored_and_doubtful_is_told(tmp_path: Path) -> None:

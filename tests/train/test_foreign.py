@@ -142,8 +142,8 @@ def test_refinements_beyond_their_limits_are_told_and_left(tmp_path: Path) -> No
     path = tmp_path / "hopper.wag"
     path.write_text(WAGON)
     _, found = imported_consist(path)
-    assert "release_time" not in found.rows[0]
-    assert any(sentence.startswith("release_time: ") for sentence in found.left)
+    assert found.rows[0]["release_time"] == 240.0
+    assert any(sentence.startswith("release_time: ") and "; 240 s is taken." in sentence for sentence in found.left)
     path.write_text(WAGON.replace("ORTSNumber", "BrakeCylinderPressureForMaxBrakeBrakeForce ( 70 ) ORTSNumber"))
     _, found = imported_consist(path)
     assert "full_pressure" not in found.rows[0]
@@ -153,9 +153,6 @@ def test_refinements_beyond_their_limits_are_told_and_left(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("name", "old", "new", "column"),
     [
-        ("train.dat", "#BRAKE", "#MOVE\n500\n200\n500\n500\n90\n1e4\n#BRAKE", "release_time"),
-        ("train.dat", "#BRAKE\n2", "#MOVE\n500\n200\n500\n500\n500\n1e4\n#BRAKE\n1", "release_time"),
-        ("train.dat", "#BRAKE\n2", "#MOVE\n500\n200\n500\n500\n1e4\n200\n#BRAKE\n1", "fill_time"),
         ("hopper.wag", "MaxReleaseRate", "ORTSBrakeCylinderVolume ( 1e6l ) MaxApplicationRate", "cylinder"),
         ("hopper.wag", "Shoes ( 16 ) MaxReleaseRate", "Shoes ( 200 ) MaxApplicationRate", "shoes"),
     ],
@@ -173,6 +170,43 @@ def test_the_default_that_is_told_is_the_one_that_is_taken(
     assert default
     assert column not in found.rows[0]
     assert consist_of([row | {column: float(default[1])} for row in found.rows]) == consist
+
+
+@pytest.mark.parametrize(
+    ("brake", "up", "down", "column", "limit"),
+    [
+        ("2", "90", "1e4", "release_time", 0.5),
+        ("1", "500", "1e4", "release_time", 0.5),
+        ("1", "1e4", "200", "fill_time", 0.5),
+        ("2", "3", "200", "fill_time", 120.0),
+    ],
+)
+def test_of_a_time_beyond_its_limits_the_nearest_one_is_taken(
+    brake: str, up: str, down: str, column: str, limit: float, tmp_path: Path
+) -> None:
+    path = tmp_path / "train.dat"
+    path.write_text(BVE.replace("#BRAKE\n2", f"#MOVE\n500\n200\n500\n500\n{up}\n{down}\n#BRAKE\n{brake}"))
+    _, found = imported_consist(path)
+    sentence = next(one for one in found.left if one.startswith(f"{column}: "))
+    assert sentence.endswith(f"; {limit:g} s is taken.")
+    assert [row[column] for row in found.rows] == [limit] * len(found.rows)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("DynamicBrakesMaximumForce ( 5000kN ) DynamicBrakesFadingSpeed ( 9 )", "dynamic_force: 5000"),
+        ("DynamicBrakesMaximumForce ( 5000kN ) DynamicBrakesMaximumEffectiveSpeed ( 90 )", "dynamic_force: 5000"),
+    ],
+)
+def test_with_a_force_beyond_its_limits_its_brake_is_left_out(text: str, sentence: str, tmp_path: Path) -> None:
+    path = tmp_path / "hopper.eng"
+    path.write_text(f"{WAGON} Engine ( hopper {text} )")
+    consist, found = imported_consist(path)
+    assert consist.vehicles[0].electric.dynamic_force == 0.0
+    told = [one for one in found.left if one.startswith("dynamic_")]
+    assert [one.endswith("the dynamic brake is left out.") for one in told] == [True]
+    assert told[0].startswith(sentence)
 
 
 def test_a_resistance_beyond_its_limit_is_refused_with_it(tmp_path: Path) -> None:
