@@ -128,6 +128,12 @@ CELL = (
 )
 
 
+def _root(air: Air, diameter: ca.SX) -> ca.SX:
+    """Return |u| / Re^(1/4) [m/s], without a quotient of zeros at rest."""
+    fast = ca.fabs(air.speed)
+    return ca.sqrt(ca.sqrt(VISCOSITY / (air.density * diameter))) * ca.sqrt(fast) * ca.sqrt(ca.sqrt(fast))
+
+
 def rates() -> ca.Function:
     """Return the function of a cell, the fluxes at its faces, and its constants for rates of density, momentum, energy.
 
@@ -142,12 +148,24 @@ def rates() -> ca.Function:
     length, diameter, _, friction, _, _, _, branch = ca.vertsplit(given)
     air = air_of(cell)
     fast = ca.fabs(air.speed)
-    root = ca.sqrt(ca.sqrt(VISCOSITY / (air.density * diameter))) * ca.sqrt(fast) * ca.sqrt(ca.sqrt(fast))
-    turbulent = BLASIUS * air.density * fast * root / (2 * diameter)
+    turbulent = BLASIUS * air.density * fast * _root(air, diameter) / (2 * diameter)
     laminar = 32 * VISCOSITY * fast / diameter**2
     drag = friction * ca.fmax(turbulent, laminar) * ca.if_else(air.speed > 0, 1, -1)
     over = ca.vertcat(length + branch, length, length + branch)
     return function_of("rates", [cell, behind, ahead, given], (behind - ahead) / over - ca.vertcat(0, drag, 0))
+
+
+def dragging() -> ca.Function:
+    """Return the function of a cell for the rate at which wall friction takes changes of its momentum away [1/s].
+
+    Derivative of the friction of `rates` over the momentum: 7/4 f |u| / (2 D) with f of Blasius (1913), or laminar.
+    """
+    cell, given = ca.SX.sym("cell", 3), ca.SX.sym("given", len(CELL))
+    _, diameter, _, friction, _, _, _, _ = ca.vertsplit(given)
+    air = air_of(cell)
+    turbulent = 1.75 * BLASIUS * _root(air, diameter) / (2 * diameter)
+    laminar = 32 * VISCOSITY / (air.density * diameter**2)
+    return function_of("dragging", [cell, given], friction * ca.fmax(turbulent, laminar))
 
 
 def leaking() -> ca.Function:

@@ -9,7 +9,18 @@ from pathlib import Path
 from typing import Any
 
 from brake_controller.brake_heat import fading, heating, surfacing
-from brake_controller.brake_pipe import ending, leaking, passing, rates, sides, tapped, tapping, walled, warmed
+from brake_controller.brake_pipe import (
+    dragging,
+    ending,
+    leaking,
+    passing,
+    rates,
+    sides,
+    tapped,
+    tapping,
+    walled,
+    warmed,
+)
 from brake_controller.distributors import DISTRIBUTORS
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.electric_brake import blending
@@ -28,7 +39,7 @@ from rbd_model.train.vehicle import rolling, sliding
 FOLDER = Path(folder.__file__ or "").parent
 #: Functions of cells by the C file whose loops call them.
 FUNCTIONS = {
-    "pipe": (sides, passing, rates, leaking, warmed, ending, walled, tapping, tapped),
+    "pipe": (sides, passing, rates, dragging, leaking, warmed, ending, walled, tapping, tapped),
     "motion": (coupling, coupling_of_few, rolling, sliding),
     "train": (braking, blending, heating, surfacing, fading, track_braking, parking, driving, adhering),
 }

@@ -16,7 +16,10 @@ static const double AIR[PIPE_STATES] = {1.2, 0.0, 2.5e5};
 static const double WELL_BELOW = 0.4;
 /* Largest number of halvings of a step. */
 enum { MOST_HALVED = 12 };
-enum { ROWS = 4 * PIPE_STATES + CELL_ROWS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 2 };
+enum { ROWS = 4 * PIPE_STATES + CELL_ROWS + PIPE_SIDES + 3 * PIPE_STATES + PIPE_LEAKS + 4 };
+/* Rate of friction over speed and diameter at Re of 2e5, 7/8 f of Blasius [1] (`dragging`). Waves limit the step more than friction
+ * where k L |u| < c + |u|, k = DRAG / D: below a speed of waves, with the speed c of sound between these [m/s]. */
+static const double DRAG = 0.0131, SLOW_SOUND = 320.0, SOUND = 343.0;
 /* Opening of a parted hose, as a share of the pipe's area. Assumed. */
 static const double HOSE = 0.9;
 
@@ -41,12 +44,20 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
     const struct {
         double **first;
         int rows;
-    } parts[] = {{&self->state, PIPE_STATES}, {&self->before, PIPE_STATES},
-                 {&self->kept, PIPE_STATES},  {&self->first, PIPE_STATES},
-                 {&self->given, CELL_ROWS},   {&self->side, PIPE_SIDES},
-                 {&self->flux, PIPE_STATES},  {&self->rate, PIPE_STATES},
-                 {&self->leak, PIPE_LEAKS},   {&self->time, 1},
-                 {&self->jump, PIPE_STATES},  {&self->over_volume, 1}};
+    } parts[] = {{&self->state, PIPE_STATES},
+                 {&self->before, PIPE_STATES},
+                 {&self->kept, PIPE_STATES},
+                 {&self->first, PIPE_STATES},
+                 {&self->given, CELL_ROWS},
+                 {&self->side, PIPE_SIDES},
+                 {&self->flux, PIPE_STATES},
+                 {&self->rate, PIPE_STATES},
+                 {&self->leak, PIPE_LEAKS},
+                 {&self->time, 1},
+                 {&self->jump, PIPE_STATES},
+                 {&self->over_volume, 1},
+                 {&self->drag, 1},
+                 {&self->dragged_from, 1}};
     for (size_t part = 0; part < sizeof parts / sizeof *parts; ++part) {
         *parts[part].first = row;
         row += parts[part].rows * self->stride;
@@ -61,6 +72,11 @@ pipe *pipe_create(long long int cells, const double *state, const double *consta
     }
     for (long long int i = 0; i < cells; ++i) self->over_volume[i] = 1.0 / volume(self, i);
     for (long long int i = 0; i < cells; ++i) self->leaks |= self->given[i + CELL_LEAK_AREA * self->stride] > 0.0;
+    for (long long int i = 0; i < cells; ++i) {
+        const double *own = self->given + i,
+                     drag = DRAG * own[CELL_FRICTION * self->stride] / own[CELL_DIAMETER * self->stride];
+        self->dragged_from[i] = drag * own[0] > 1.0 ? SLOW_SOUND + SOUND / (drag * own[0] - 1.0) : INFINITY;
+    }
     for (int n = 0; n < PIPE_SIDES; ++n) rows_fill(self->side + n * self->stride, self->stride, 1.0);
     for (int end = 0; end < 2; ++end) self->outside[end] = (pipe_outside){0.0, 1.0, 1e5, 293.15};
     return self;
@@ -292,6 +308,14 @@ static double fastest_at_valves(const pipe *self) {
     return fastest;
 }
 
+/* Largest rate of friction [1/s]. At 0.8 over it, Heun's method damps. */
+static double fastest_drag(pipe *self) {
+    double fastest = 0.0;
+    IN_LANES(pipe_drag);
+    for (long long int i = 0; i < self->cells; ++i) fastest = fmax(fastest, self->drag[i]);
+    return fastest;
+}
+
 /* Updates the sides of cells and the ends; returns the largest rate of change by waves and vehicles [1/s]. passed: through the
  * ends. */
 static double fastest_rate(pipe *self, pipe_passed *passed) {
@@ -310,7 +334,12 @@ static double fastest_rate(pipe *self, pipe_passed *passed) {
     }
     const double *wave = self->side + 6 * self->stride, *length = self->given;
     double fastest = self->pace / 2.0; /* Heun's method is stable up to 2 over a pace */
-    for (long long int i = 0; i < self->cells; ++i) fastest = wave[i] > fastest * length[i] ? wave[i] / length[i] : fastest;
+    int dragged = 0;
+    for (long long int i = 0; i < self->cells; ++i) {
+        fastest = wave[i] > fastest * length[i] ? wave[i] / length[i] : fastest;
+        dragged |= wave[i] > self->dragged_from[i];
+    }
+    if (dragged) fastest = fmax(fastest, fastest_drag(self));
     const long long int last = self->cells - 1;
     fastest = fmax(fastest, fastest_at_valves(self));
     return fmax(fastest, fmax((wave[0] + through[0]) / length[0], (wave[last] + through[1]) / length[last]));

@@ -27,8 +27,8 @@ struct pipe {
     int lanes, brake_model;
     bool leaks;
     double *memory;
-    double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump,
-        *over_volume; /* the first cell of each first row */
+    double *state, *before, *kept, *first, *given, *side, *flux, *rate, *leak, *time, *jump, *over_volume, *drag,
+        *dragged_from; /* dragged_from: speed of waves above which friction may limit the step [m/s]; the first cell of each first row */
     distributors own[KINDS];
     double pace, fastest, found_since; /* of vehicles; of all in the last step; as found since, or 0 [1/s] */
     pipe_outside outside[2];
@@ -44,6 +44,7 @@ struct pipe {
     void pipe_faces_##lanes(pipe *self);                                                                                       \
     void pipe_rates_##lanes(pipe *self);                                                                                       \
     void pipe_leaks_##lanes(pipe *self);                                                                                       \
+    void pipe_drag_##lanes(pipe *self);                                                                                        \
     void distributors_answer_##lanes(distributors *self);                                                                      \
     void pipe_warm_##lanes(pipe *self);                                                                                        \
     void pipe_side_##lanes(const double *before, const double *own, const double *behind, double *side);                       \

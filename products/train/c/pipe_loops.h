@@ -24,6 +24,12 @@ void LANES_NAME(pipe_rates)(pipe *self) {
     LANES_LEAVE;
 }
 
+void LANES_NAME(pipe_drag)(pipe *self) {
+    for (long long int i = 0; i < self->cells; i += LANES)
+        LANES_NAME(cells_dragging)(self->state + i, self->given + i, self->drag + i, self->stride);
+    LANES_LEAVE;
+}
+
 void LANES_NAME(pipe_leaks)(pipe *self) {
     for (long long int i = 0; i < self->cells; i += LANES)
         LANES_NAME(cells_leaking)(self->state + i, self->given + i, self->leak + i, self->stride);
