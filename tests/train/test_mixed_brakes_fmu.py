@@ -12,6 +12,7 @@ from fmpy import read_model_description
 import bogie_braking as bb
 from brake_controller.distributors import pneumatic
 from fmu_src.cosimulation.slave import FmuInstance
+from products.train.columns import NAMES
 from products.train.fmu import INPUTS, OUTPUTS, PARAMETERS, build_train_fmu
 from products.train.train import Train
 
@@ -216,3 +217,12 @@ def test_the_page_of_trains_has_each_parameter_input_and_output_of_the_fmu() -> 
         due = {one.name for one in arrays if not one.name.endswith("_at")}
         assert len(written) == len(set(written)), title
         assert {name for name in written if name != "_at"} == due, title
+
+
+def test_the_pages_of_trains_have_each_column_of_a_consist() -> None:
+    found = set[str]()
+    for name in ("train", "train-brakes", "train-couplers"):
+        text = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+        cells = re.findall(r"^\|([^|]*)\|", text, re.MULTILINE)
+        found |= {word for cell in cells for word in re.findall(r"`(\w+)`", cell)}
+    assert [name for name in NAMES if name not in found] == []
