@@ -8,8 +8,9 @@ volumes have the temperature of their walls (an ideal gas), and chokes follow IS
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TypeVar
 
 import casadi as ca
 from scipy.integrate import quad
@@ -25,7 +26,7 @@ from brake_controller.air import (
     share_of,
 )
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
-from brake_controller.distributors.uic import CHARGED, RELAY, accelerating, flow_of_a_metre
+from brake_controller.distributors.uic import CHARGED, RELAY, accelerating, emptied, flow_of_a_metre
 from brake_controller.pneumatics import TIME_CONSTANTS_TO_95_PERCENT
 from fmu_src.system import quantity
 
@@ -83,6 +84,10 @@ class AarValve(FreightCar):
     empty_share: float = quantity("1", "Share of a loaded car's pressure that the empty/load device passes", 0.1, 1.0)
 
 
+#: A car with a valve of its own kind.
+CarT = TypeVar("CarT", bound=FreightCar)
+
+
 def balance(p: FreightCar, charged: float = CHARGED, emergency: bool = False) -> float:
     """Return the gauge pressure [Pa] in which reservoirs and cylinder balance, from a charged gauge pressure [Pa].
 
@@ -136,6 +141,16 @@ def ready(position: str) -> AarValve:
         retained_pressure=0.0,
         empty_share=1.0,
     )
+
+
+def with_release_time(p: CarT, time: float) -> CarT:
+    """Return a car whose cylinder falls from a full service, loaded, to 0.4 bar in a time [s] (ISO 6358-1)."""
+    return replace(p, release_choke=(emptied(p.cylinder_volume, balance(p)) / time) ** 0.5)
+
+
+def release_time(p: FreightCar) -> float:
+    """Return the time [s] in which a loaded cylinder falls from a full service to 0.4 bar, isothermal (ISO 6358-1)."""
+    return emptied(p.cylinder_volume, balance(p)) / p.release_choke**2
 
 
 @lru_cache

@@ -128,14 +128,20 @@ def filling_choke(p: UicDistributor, time: float) -> float:
 
 def release_choke(p: UicDistributor, time: float) -> float:
     """Return the diameter [m] with which a cylinder falls from full to 0.4 bar in a time [s] (UIC 540), isothermal."""
-    integral = _release_integral(p.full_pressure)
-    return float((p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / time) ** 0.5)
+    return float((emptied(p.cylinder_volume, p.full_pressure) / time) ** 0.5)
 
 
 def release_time(p: UicDistributor) -> float:
     """Return the time [s] in which a cylinder falls from full to 0.4 bar, isothermal (ISO 6358-1)."""
-    integral = _release_integral(p.full_pressure)
-    return p.cylinder_volume / (GAS_CONSTANT * WALL) * integral / p.release_choke**2
+    return emptied(p.cylinder_volume, p.full_pressure) / p.release_choke**2
+
+
+def emptied(volume: float, full_pressure: float) -> float:
+    """Return the time [s] in which a volume [m3] empties through a choke of 1 m to 0.4 bar, isothermal (ISO 6358-1).
+
+    It is inverse to the square of the choke. full_pressure: where it begins [Pa, gauge].
+    """
+    return volume / (GAS_CONSTANT * WALL) * _release_integral(full_pressure)
 
 
 @lru_cache(maxsize=1024)

@@ -14,7 +14,10 @@ import numpy as np
 
 from brake_controller.air import DISCHARGE
 from brake_controller.distributors import DISTRIBUTORS, kind_of
-from brake_controller.distributors.aar import RETAINERS, AarValve, FreightCar, retaining
+from brake_controller.distributors.aar import RETAINERS, AarValve, FreightCar, retaining, slow_exhaust
+from brake_controller.distributors.aar import release_time as release_time_of_car
+from brake_controller.distributors.ecp import EcpValve
+from brake_controller.distributors.ecp import fill_time as fill_time_of_ecp
 from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
@@ -228,7 +231,7 @@ def _distributor(one: TrainVehicle) -> Row:
     kind = kind_of(own)
     named: Row = {} if kind.name == "uic" else {"distributor": kind.name}
     if isinstance(own, FreightCar):
-        return named | (_aar_valve(own) if isinstance(own, AarValve) else {})
+        return named | (_aar_valve(own) if isinstance(own, AarValve) else {}) | _times_of_car(own)
     for position in ("P", "G"):
         if DISTRIBUTORS[kind.name].ready(position) == own:
             return named | {"position": position}
@@ -237,6 +240,16 @@ def _distributor(one: TrainVehicle) -> Row:
     volumes = {"auxiliary": 1e3 * own.auxiliary_volume, "cylinder": 1e3 * own.cylinder_volume}
     times = {"fill_time": filling_time(own, 0.95 * own.full_pressure), "release_time": release_time(own)}
     return {"full_pressure": 1e-5 * own.full_pressure} | volumes | times
+
+
+def _times_of_car(own: FreightCar) -> Row:
+    """Return the times of an AAR or ECP valve that are not those of its kind."""
+    plain, row = kind_of(own).ready("P"), {}
+    if own.release_choke not in (getattr(plain, "release_choke", 0.0), slow_exhaust()):
+        row["release_time"] = release_time_of_car(own)
+    if isinstance(own, EcpValve) and own.service_choke != getattr(plain, "service_choke", 0.0):
+        row["fill_time"] = fill_time_of_ecp(own)
+    return row
 
 
 def _aar_valve(own: AarValve) -> Row:

@@ -13,8 +13,9 @@ from scipy.optimize import brentq
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import FROM_100, force_of_percentage
 from brake_controller.distributors import DISTRIBUTORS, ep_direct
-from brake_controller.distributors.aar import OF_AAR, AarValve, retaining
+from brake_controller.distributors.aar import OF_AAR, AarValve, FreightCar, retaining, with_release_time
 from brake_controller.distributors.distributor import DistributorParameters
+from brake_controller.distributors.ecp import EcpValve, with_fill_time
 from brake_controller.distributors.ep_direct import FILLING, RELEASE
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import TIMES, UIC, UicDistributor, with_times
@@ -70,6 +71,8 @@ WITHOUT_EFFECT = {
 }
 #: Columns of a UIC distributor's cylinder and reservoirs.
 OF_UIC = ("fill_time", "release_time", "auxiliary", "cylinder")
+#: Columns of these that distributors of other kinds have.
+_TIMES_OF = {"aar": ("release_time",), "ecp": ("fill_time", "release_time")}
 
 _BRAKING = braking()
 
@@ -184,7 +187,9 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
         pressure = 1e5 * values["full_pressure"] if "full_pressure" in values else one.full_pressure
         times = values.get("fill_time", FILLING), values.get("release_time", RELEASE)
         return ep_direct.with_times(pressure, *times)
-    own = [name for name in OF_UIC if name in values]
+    if isinstance(one, FreightCar):
+        one = _car_with_times(values, one)
+    own = [name for name in OF_UIC if name in values and name not in _TIMES_OF.get(values.get("distributor", ""), ())]
     if own and not isinstance(one, UicDistributor):
         raise ValueError(f"{own[0]} must be of the distributor uic; got {values['distributor']}. Leave {own[0]} out.")
     for name in OF_AAR:
@@ -202,6 +207,17 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
     one = replace(one, **{of: 1e-3 * values[name] for name, of in volumes.items() if name in values})
     filling, release = TIMES[values.get("position", "P")]
     return with_times(one, values.get("fill_time", filling), values.get("release_time", release))
+
+
+def _car_with_times(values: Mapping[str, Any], one: FreightCar) -> FreightCar:
+    """Return an AAR or ECP valve with the times of a row. Raises ValueError for two times of one release."""
+    if "release_time" in values and values.get("retainer") == "slow-direct":
+        raise ValueError("release_time has no effect with retainer = slow-direct. Leave one of them out.")
+    if "release_time" in values:
+        one = with_release_time(one, values["release_time"])
+    if "fill_time" in values and isinstance(one, EcpValve):
+        one = with_fill_time(one, values["fill_time"])
+    return one
 
 
 def _aar_valve_of(values: Mapping[str, Any], one: AarValve) -> AarValve:

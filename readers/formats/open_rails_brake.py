@@ -64,7 +64,7 @@ def brake_of(fields: Fields, notes: Notes) -> Row:
 
 
 def _north_american(found: Row, fields: Fields, most: float | None, reference: float | None, notes: Notes) -> Row:
-    """Return the columns of a brake of the AAR kind, which has its own pressures, times and volumes."""
+    """Return the columns of a brake of the AAR kind, which has its own pressures and volumes."""
     kind = found["distributor"]
     if kind == "aar":
         scale = service_share(fields, most, reference)
@@ -77,7 +77,8 @@ def _north_american(found: Row, fields: Fields, most: float | None, reference: f
     if row["brake"] == "none":
         return {"brake": "none"}
     tell_own(kind, fields, notes)
-    return row
+    pressure = most or reference or PRESSURE
+    return row | (_filling(fields, pressure, notes) if kind == "ecp" else {}) | _release(fields, pressure, notes)
 
 
 def _to_largest(most: float | None, reference: float | None, notes: Notes) -> float:
@@ -165,6 +166,14 @@ def _friction_of_rims(fields: Fields, law: str | None, notes: Notes) -> Row:
 
 def _times(fields: Fields, pressure: float, notes: Notes) -> Row:
     """Return filling and release times [s] of rates that change a cylinder between 0 and a pressure [bar]."""
+    found = _filling(fields, pressure, notes) | _release(fields, pressure, notes)
+    if "fill_time" not in found:
+        notes.assumed("MaxApplicationRate: missing; the times of position P apply, not Open Rails' default of 71 s.")
+    return found
+
+
+def _filling(fields: Fields, pressure: float, notes: Notes) -> Row:
+    """Return the filling time [s] of a rate that fills a cylinder to a pressure [bar]."""
     found: Row = {}
     fill = fields.number("MaxApplicationRate", "bar/s") or fields.number("BrakeDistributorApplicationRate", "bar/s")
     if fill and fill > 0.0:
@@ -175,13 +184,16 @@ def _times(fields: Fields, pressure: float, notes: Notes) -> Row:
                 f"MaxApplicationRate 0.9 psi/s is Open Rails' default, {found['fill_time']:.0f} s; UIC 540 has 3 to 5 "
                 "s (P) and 18 to 30 s (G). Check it."
             )
+    return found
+
+
+def _release(fields: Fields, pressure: float, notes: Notes) -> Row:
+    """Return the release time [s] of a rate that empties a cylinder from a pressure [bar]."""
     release = fields.number("MaxReleaseRate", "bar/s") or fields.number("BrakeDistributorReleaseRate", "bar/s")
     if release and release > 0.0 and pressure > EMPTY:
-        found["release_time"] = rounded((pressure - EMPTY) / release)
         notes.converted("MaxReleaseRate: (pressure - 0.4 bar) / rate -> release_time [s] (to 0.4 bar, UIC 540)")
-    if "fill_time" not in found:
-        notes.assumed("MaxApplicationRate: missing; the times of position P apply, not Open Rails' default of 71 s.")
-    return found
+        return {"release_time": rounded((pressure - EMPTY) / release)}
+    return {}
 
 
 def _volumes(fields: Fields, brake: str, notes: Notes) -> Row:

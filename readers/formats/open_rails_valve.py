@@ -14,16 +14,16 @@ from readers.formats.open_rails_left import EQUIPMENT
 from readers.formats.open_rails_units import PSI
 from readers.text import quoted
 
-#: Distributors with volumes, pressures and times of their own.
+#: Distributors with volumes and pressures of their own.
 NORTH_AMERICAN = ("aar", "ecp")
 #: Pressure of a charged pipe [bar] (AAR), and ratio of reservoir to cylinder that Open Rails takes by default.
 CHARGED, RATIO = 90 * PSI, 2.5
-#: Fields of times and volumes, which those distributors have themselves.
+#: Fields of volumes, which those distributors have themselves, and of filling, which the pipe limits in `aar`.
 OWN = (
-    *("MaxApplicationRate", "MaxReleaseRate", "BrakeDistributorApplicationRate", "BrakeDistributorReleaseRate"),
     *("ORTSAuxiliaryResCapacity", "EmergencyResCapacity", "EmergencyResVolumeMultiplier", "ORTSBrakeCylinderVolume"),
     *("ORTSBrakeCylinderDiameter", "ORTSBrakeCylinderPistonTravel", "ORTSNumberBrakeCylinders"),
 )
+FILLING = ("MaxApplicationRate", "BrakeDistributorApplicationRate")
 _RETAINERS = ("retainer_3_position", "retainer_4_position")
 
 
@@ -60,8 +60,10 @@ def service_share(fields: Fields, most: float | None, reference: float | None) -
 
 def tell_own(distributor: str, fields: Fields, notes: Notes) -> None:
     """Tell times and volumes of a file that a distributor has itself."""
-    if told := [name for name in OWN if fields.has(name)]:
-        notes.left(f"{', '.join(told)}: distributor = {distributor} has its own times and volumes.")
+    own = OWN if distributor == "ecp" else (*OWN, *FILLING)
+    if told := [name for name in own if fields.has(name)]:
+        what = "volumes" if distributor == "ecp" else "volumes and time of filling"
+        notes.left(f"{', '.join(told)}: distributor = {distributor} has its own {what}.")
 
 
 def _is_graduated(words: list[str]) -> bool:
@@ -96,7 +98,7 @@ def _triple_valve(words: list[str], notes: Notes) -> Row:
     if "emergency_brake_reservoir" not in words:
         notes.left(
             "BrakeEquipmentType triple_valve without emergency_brake_reservoir: cylinders empty as far as the pipe "
-            "rises; distributor = aar releases wholly, but has its own pressures, times and volumes."
+            "rises; distributor = aar releases wholly, but has its own pressures and volumes."
         )
         return {}
     notes.converted("BrakeEquipmentType triple_valve, emergency_brake_reservoir -> distributor = aar")

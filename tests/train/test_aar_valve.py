@@ -267,6 +267,8 @@ def test_a_consist_states_it_and_its_drivers_valve_and_is_written_again(tmp_path
         ({"exhaust": 8}, "exh"),
         ({"distributor": "uic", "retainer": "low"}, "retainer must be of the distributor aar; got uic"),
         ({"distributor": "uic", "accelerated_release": "no"}, "accelerated_release must be of the distributor aar"),
+        ({"release_time": 9, "retainer": "slow-direct"}, "release_time has no effect with retainer = slow-direct"),
+        ({"fill_time": 9}, "fill_time must be of the distributor uic; got aar"),
         ({"empty_load": 0.5}, "load or mass of an empty car, at most 40 t in all; got none. Set load to 0"),
         ({"empty_load": 0.5, "mass": 60}, "at most 40 t in all; got 60 t"),
         ({"empty_load": 0.5, "load": 0, "brake_force": 30}, "empty_load must be left out with brake_force"),
@@ -277,6 +279,28 @@ def test_a_consist_states_it_and_its_drivers_valve_and_is_written_again(tmp_path
     ):
         with pytest.raises(ValueError, match=name):
             consist_of([rows[0], rows[1] | row])
+
+
+@pytest.mark.parametrize("release", [4.0, 40.0])
+def test_it_releases_in_the_time_of_a_row(release: float, tmp_path: Path) -> None:
+    """It falls from 3.57 to 0.4 bar, which begins as the pipe has risen by 0.2 bar, half a second after the command."""
+    row = {"kind": "wagon", "valve": "head", "distributor": "aar", "release_time": release, "retainer": "direct"}
+    consist = consist_of([row])
+    one = Train(consist)
+    one.drive("service", 1.0)
+    one.advance(60.0)
+    one.drive("running")
+    times, pressures = [], []
+    while one.cylinder_pressure[0] > 40e3:
+        one.advance(0.01)
+        times.append(one.time)
+        pressures.append(one.cylinder_pressure[0])
+    full = consist.vehicles[0].distributor.full_pressure
+    begins = float(np.interp(-full, -np.array(pressures), times))
+    assert times[-1] - begins == pytest.approx(release, rel=0.01)
+    write_consist(consist, tmp_path / "again.toml")
+    own, again = consist.vehicles[0].distributor, read_consist(tmp_path / "again.toml").vehicles[0].distributor
+    assert list(again.values().values()) == pytest.approx(list(own.values().values()), rel=1e-9)
 
 
 def test_a_slower_equalising_reservoir_brakes_later() -> None:

@@ -101,6 +101,26 @@ def test_each_of_its_parameters_has_an_effect() -> None:
     assert [name for name, column in zip(ECP.fields(), structure.T, strict=True) if not column.any()] == []
 
 
+@pytest.mark.parametrize(("fill", "release"), [(3.0, 20.0), (20.0, 3.0), (1.0, 1.0), (60.0, 120.0)])
+def test_it_fills_and_releases_in_the_times_of_a_row(fill: float, release: float, tmp_path: Path) -> None:
+    """To 95 % of a full service by wire, and from it to 0.4 bar; both looks are every 10 ms."""
+    rows = [{"kind": "wagon", "valve": "head", "distributor": "ecp", "fill_time": fill, "release_time": release}]
+    consist = consist_of(rows)
+    one, full = Train(consist), consist.vehicles[0].distributor.full_pressure
+    found = []
+    for step, ends in ((1.0, lambda p: p >= 0.95 * full), (None, lambda p: p <= 40e3)):
+        one.drive("service" if step else "running", step or 0.0)
+        begin = one.time
+        while not ends(one.cylinder_pressure[0]) and one.time < begin + 200.0:
+            one.advance(0.01)
+        found.append(one.time - begin)
+        one.advance(200.0)
+    assert found == pytest.approx([fill, release], rel=0.01, abs=0.02)
+    write_consist(consist, tmp_path / "again.toml")
+    own, again = consist.vehicles[0].distributor, read_consist(tmp_path / "again.toml").vehicles[0].distributor
+    assert list(again.values().values()) == pytest.approx(list(own.values().values()), rel=1e-6)
+
+
 def test_a_consist_states_it_and_is_written_again(tmp_path: Path) -> None:
     rows = [{"kind": "locomotive"}, {"kind": "wagon", "distributor": "ecp", "dead_time": 0.5}]
     consist = consist_of(rows)
