@@ -68,7 +68,7 @@ def train_of(draw: np.random.Generator) -> Train:
     rows = [row_of(draw) | {"valve": "head"}, *(row_of(draw) for _ in range(draw.integers(0, 9)))]
     if len(rows) > 1 and draw.random() < 0.3:
         rows[-1] |= {"valve": "second", "delay": draw.uniform(0.0, 2.0)}
-    places = np.sort(draw.uniform(-1000.0, 1000.0, 5))
+    places = np.cumsum(draw.uniform(1.0, 800.0, 5)) - 1000.0
     line = Line({"distance": places, "gradient": draw.uniform(-0.05, 0.05, 5)})
     assisted = any(row.get("distributor") == "ep_uic" for row in rows)
     leaks = any("leak" in row for row in rows)
