@@ -216,6 +216,10 @@ USUAL = {
 LEAST_PRESSURE = 1e3
 
 
+#: Share of the upper limit that a number in another unit must reach, or a slip of the pen is as likely. Assumed.
+LIKELY = 0.02
+
+
 def likely_unit(value: float, unit: str, least: float, most: float) -> str:
     """Return the end of a message about a number outside its limits: the usual unit in which it is inside.
 
@@ -240,6 +244,6 @@ def likely_unit(value: float, unit: str, least: float, most: float) -> str:
         if found is None:
             continue
         own = value * found[0] / found[1]
-        if least <= own <= most:
+        if least <= own <= most and (value < least or own >= LIKELY * most or math.isinf(most)):
             return f" Did you mean {value:g} {usual} = {own:.4g} {unit}?"
     return ""

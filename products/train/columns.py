@@ -79,7 +79,7 @@ TRACTION: dict[str, tuple[str, float, float]] = {
     "traction_force": ("kN", 0.1, 2000.0),
     "traction_power": ("kW", 1.0, 30e3),
     "traction_rise": ("s", 0.0, 60.0),
-    "traction_cut_out": ("bar", 0.0, 8.0),
+    "traction_cut_out": ("bar", 0.0, 4.8),
 }
 #: Columns of the heat of brakes; those of one wheel or disc and of the blocks or pads on it, except its number.
 HEAT: dict[str, tuple[str, float, float]] = {

@@ -11,6 +11,8 @@ from products.train.consist import Consist, TrainVehicle
 
 #: Diameter of a pipe that is not stated [m], and volume of a reservoir [m3].
 PIPE, AUXILIARY = 0.03175, freight().auxiliary_volume
+#: Place of a distributor that is not stated, as a share of the vehicle's length.
+MIDDLE = 0.5
 #: Area of a driver's valve's exhaust that is not stated [m2].
 EXHAUST = drivers_valve().exhaust_area
 
@@ -21,13 +23,16 @@ def without_effect(consist: Consist, brake_model: str, cells: float) -> str:
         name = _unused(one, brake_model, cells)
         if name:
             model = f"brake_model = {brake_model} with {cells:g} cells a vehicle"
-            return f"{name} of vehicle {number} has no effect with {model}. Take brake_model = whole, or leave it out."
+            take = "two cells" if name == "at" else "brake_model = whole"
+            return f"{name} of vehicle {number} has no effect with {model}. Take {take}, or leave it out."
     return ""
 
 
 def _unused(one: TrainVehicle, model: str, cells: float) -> str:
     """Return the name of a vehicle's value that a brake model does not use."""
     own = one.distributor
+    if one.distributor_at != MIDDLE and (model == "delay" or cells < 2.0):
+        return "at"
     if model != "whole" and isinstance(own, UicDistributor) and own.auxiliary_volume != AUXILIARY:
         return "auxiliary"
     if one.coupler.strength < math.inf and (model == "delay" or cells < 1.0):

@@ -18,7 +18,7 @@ from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ecp import EcpValve, with_fill_time
 from brake_controller.distributors.ep_direct import FILLING, RELEASE
 from brake_controller.distributors.piped import Piped
-from brake_controller.distributors.uic import TIMES, UIC, UicDistributor, with_times
+from brake_controller.distributors.uic import UIC, UicDistributor, filling_time, release_time, with_times
 from brake_controller.point_table import MOST_POINTS
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import (
@@ -199,13 +199,15 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
             )
     if isinstance(one, AarValve):
         return _aar_valve_of(values, one)
+    usual = one
     if "full_pressure" in values:
         one = replace(one, full_pressure=1e5 * values["full_pressure"])
     if not isinstance(one, UicDistributor) or not (own or "full_pressure" in values):
         return one
     volumes = {"auxiliary": "auxiliary_volume", "cylinder": "cylinder_volume"}
     one = replace(one, **{of: 1e-3 * values[name] for name, of in volumes.items() if name in values})
-    filling, release = TIMES[values.get("position", "P")]
+    assert isinstance(usual, UicDistributor)
+    filling, release = filling_time(usual, 0.95 * usual.full_pressure), release_time(usual)
     return with_times(one, values.get("fill_time", filling), values.get("release_time", release))
 
 

@@ -93,6 +93,11 @@ def row_of_extra(track: TrackBrakes, parking: ParkingBrake) -> dict[str, Any]:
     return row
 
 
+def held_by(parking: ParkingBrake, weight: float) -> float:
+    """Return the force of a parking brake on a weight [N] that a dry rail transmits [N], Coulomb's law."""
+    return min(parking.parking_force, START_FRICTION * weight)
+
+
 def slides_at(parking: ParkingBrake, weight: float) -> str:
     """Return the begin of a remark on a parking brake that exceeds adhesion on a weight [N]; empty if it does not."""
     most = START_FRICTION * weight

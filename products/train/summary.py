@@ -13,7 +13,7 @@ from brake_controller.brake_weight import braked_weight
 from brake_controller.vehicle_brake import braking
 from products.train.brake_model import select_brake_model
 from products.train.consist import Consist, TrainVehicle
-from products.train.stated_extra import slides_at
+from products.train.stated_extra import held_by, slides_at
 from products.train.train import Train
 from rbd_model.train.coupler import Coupler, screw_coupler
 from rbd_model.train.impact import capacity
@@ -135,7 +135,7 @@ def _remarks(consist: Consist) -> tuple[str, ...]:
     found = []
     if ahead and last.coupler not in (ahead[-1].coupler, screw_coupler()):
         found.append(f"The {last.coupler.name} coupler of the last vehicle has no effect: nothing is behind it.")
-    parked = sum(one.parking.parking_force for one in consist.vehicles)
+    parked = sum(held_by(one.parking, one.motion()["weight"]) for one in consist.vehicles)
     if parked:
         gradient = 1e3 * parked / (consist.mass * GRAVITY)
         found.append(f"Parking brakes: {1e-3 * parked:.1f} kN, which hold the train on {gradient:.1f} permille.")

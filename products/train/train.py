@@ -26,6 +26,8 @@ from readers.units import likely_unit
 
 #: Longest time of `advance` or `record` [s], and largest number of values [1].
 LONGEST, MOST = 86400.0, 1e8
+#: Attributes of a train that are set, beside its properties.
+SETTABLE = ("consist", "settings", "imported", "inputs")
 #: Outputs that are recorded.
 RECORDED = [one for one in OUTPUTS if one.name not in ("brake_force", "mean_coupler_force")]
 #: Outputs that are recorded only of trains with brakes that warm up.
@@ -214,6 +216,20 @@ class Train:
 
     def _row(self) -> NDArray[np.float64]:
         return np.concatenate([[self.time], *(getattr(self, one.name) for one in self._recorded)])
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Set what may be set: outputs, inputs and misspelt names would have no effect. Raises AttributeError."""
+        inputs = [one.name for one in INPUTS]
+        if name in inputs and name not in OUTPUT:
+            raise AttributeError(f"{name} must be set as an input. Write train.inputs[{name!r}] = ...")
+        if name in OUTPUT or name in SUM:
+            remedy = f" Write train.inputs[{name!r}] = ..." if name in inputs else " Set the inputs, or motion."
+            raise AttributeError(f"{name} must be read, it is an output.{remedy}")
+        if name == "inputs" and "inputs" in self.__dict__:
+            raise AttributeError("inputs must be set by name. Write train.inputs['friction'] = ..., for example.")
+        if not (name.startswith("_") or name in SETTABLE or isinstance(getattr(type(self), name, None), property)):
+            raise AttributeError(f"A train must have the attribute that is set; got {name!r}. Correct the name.")
+        super().__setattr__(name, value)
 
     def __getattr__(self, name: str) -> Any:
         if name in OUTPUT:

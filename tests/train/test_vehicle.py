@@ -151,3 +151,18 @@ def test_shoes_hold_what_cylinder_and_rigging_make(load: float) -> None:
     vehicle = replace(locomotive(), brake=replace(one.brake, friction_law=0.0, constant_friction=0.25))
     train = Train(Consist((vehicle,)), cylinder=380e3, pipe=350e3)
     assert train.brake_force[0] == pytest.approx(0.25 * pressed, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("friction", "friction must be set as an input. Write train.inputs"),
+        ("speed", "speed must be read, it is an output. Set the inputs, or motion"),
+        ("inputz", "must have the attribute that is set; got 'inputz'"),
+        ("inputs", "inputs must be set by name"),
+    ],
+)
+def test_what_would_have_no_effect_on_a_train_is_not_set(name: str, message: str) -> None:
+    train = Train(Consist((locomotive(),)))
+    with pytest.raises(AttributeError, match=message):
+        setattr(train, name, 0.02)
