@@ -9,7 +9,7 @@ LEAST = 1e-9
 
 
 def ramped(before: ca.SX, wanted: ca.SX, rise: ca.SX, step: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return the mean of a share in a step and its end, if it changes by 1 / rise in a second to what is wanted.
+    """Return the mean of a share in a step and its end, if it changes by 1 / rise in a second to its demand.
 
     Linear build-up, as EN 14531-1 takes it; the mean is exact where the end is reached within the step.
     """

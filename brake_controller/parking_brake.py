@@ -1,4 +1,4 @@
-"""The hand brake or spring-applied parking brake of a train's vehicle: a force at its rims beside that of the air."""
+"""The hand brake or spring-applied parking brake of a train's vehicle: an additional force at its rims."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fmu_src.system import ParameterSet, choice, quantity
 
 #: Time of the application of the whole force, and of the release [s]. Assumed: springs, whose cylinders are vented.
 TIME = 2.0
-#: How the force joins that of the air, by its name in consists. With a double check valve between both cylinders the
+#: The sum of both forces, or the larger one, by names in consists. With a double check valve between both cylinders the
 #: larger one alone acts, so that rigging and discs are protected against compounding.
 ADDS, LARGER = 0, 1
 COMPOUNDING = {"adds": ADDS, "larger": LARGER}

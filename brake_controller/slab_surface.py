@@ -1,10 +1,10 @@
 """Surface of a slab that is heated on one side, above its mean temperature, by four modes.
 
 A constant heat flux q enters a slab of thickness L, whose back is insulated. Its surface exceeds its mean by q L / k
-times a series: the sum over n of 2 / (n pi)^2 (1 - exp(-n^2 pi^2 a t / L^2)) (Carslaw and Jaeger 1959). The first mode
-is that of the series. Three others stand for the rest. Their rates and gains are fitted, and all gains sum to 1/3, as
-those of the series do. The excess is exact after a long time. It is within 0.5 % from a t / L^2 = 0.001 on, and too
-small before that.
+times a series. This is the sum over n of 2 / (n pi)^2 (1 - exp(-n^2 pi^2 a t / L^2)) (Carslaw and Jaeger 1959). The
+first mode is that of the series. Three others stand for the rest. Their rates and gains are fitted, and all gains sum
+to 1/3, as those of the series do. The excess is exact after a long time. It is within 0.5 % from a t / L^2 = 0.001 on,
+and too small before that.
 """
 
 from __future__ import annotations

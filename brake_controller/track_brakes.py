@@ -1,4 +1,4 @@
-"""Track brakes of a train's vehicle, whose force acts between its body and the rails, whatever its wheels do.
+"""Track brakes of a train's vehicle, whose force acts between its body and the rails, for rolling and sliding wheels.
 
 Magnets that rub on the rails, and linear eddy-current brakes above them. Their heat goes into the rails, not into the
 wheels. Cleaning of the rails by magnets, their attraction on a warm rail, and the vertical force of eddy-current brakes

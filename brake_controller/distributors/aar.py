@@ -158,8 +158,8 @@ def slow_exhaust(time: float = 86.0) -> float:
     """Return the diameter [m] of the choke through which a full service from 90 psi empties in a time [s].
 
     Isothermal: t = V / (R T) int dp / (G of a metre) / d^2 (ISO 6358-1), down to the laminar difference. An Alaska
-    Railroad manual, in excerpts, has 86 s for the slow direct position of retainers; that it counts from a full service
-    is assumed.
+    Railroad manual, in excerpts, has 86 s for the slow direct position of retainers. Assumed: it begins at a full
+    service.
     """
     car = freight_car()
     integral = quad(

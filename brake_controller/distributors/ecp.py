@@ -40,7 +40,7 @@ class EcpValve(FreightCar):
 
 
 def ready(position: str) -> EcpValve:
-    """Return a freight car with a wire in place of the AAR valve's slide valve; positions make no difference."""
+    """Return a freight car with a wire instead of the AAR valve's slide valve; positions make no difference."""
     del position
     return EcpValve(**freight_car().values(), low_pressure=LOW)
 

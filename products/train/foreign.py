@@ -72,7 +72,7 @@ def imported_consist(path: Path) -> tuple[Consist, Imported]:
 
 
 def _fitted(row: Row) -> tuple[Row, dict[str, str]]:
-    """Return a row with refinements within their limits, and the begin of a sentence on each that was beyond them."""
+    """Return a row with refinements within their limits, and the begin of a message on each that was beyond them."""
     kept, outside = dict(row), {}
     for name, value in row.items():
         if name in ESSENTIAL or name not in NUMBERS:

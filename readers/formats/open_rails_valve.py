@@ -59,7 +59,7 @@ def service_share(fields: Fields, most: float | None, reference: float | None) -
 
 
 def tell_own(distributor: str, fields: Fields, notes: Notes) -> None:
-    """Tell times and volumes of a file that a distributor has itself."""
+    """Report times and volumes of a file that a distributor has itself."""
     own = OWN if distributor == "ecp" else (*OWN, *FILLING)
     if told := [name for name in own if fields.has(name)]:
         what = "volumes" if distributor == "ecp" else "volumes and time of filling"
@@ -110,7 +110,7 @@ def _triple_valve(words: list[str], notes: Notes) -> Row:
 
 
 def _tell_equipment(words: list[str], row: Row, notes: Notes) -> None:
-    """Tell words of BrakeEquipmentType without an effect."""
+    """Report words of BrakeEquipmentType without an effect."""
     kind = row.get("distributor", "")
     for word in _RETAINERS:
         if word in words:

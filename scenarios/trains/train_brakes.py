@@ -25,7 +25,7 @@ CARS, SPEED, LOOK = 60, 80.0 / 3.6, 5.0
 COMMANDS = {"full service": ("service", 1.0), "emergency": ("emergency", 0.0)}
 #: Names of brakes, and their distributors.
 BRAKES = {"UIC": "uic", "EP-UIC": "ep_uic", "AAR": "aar", "ECP": "ecp"}
-#: Share of the last pressure of its cylinder at which a vehicle counts as braked.
+#: Share of the last pressure of its cylinder at which a vehicle brakes.
 HALF = 0.5
 
 

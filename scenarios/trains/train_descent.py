@@ -57,7 +57,8 @@ SHORT = 20.0
 class Descent:
     """Course of a descent: time [s], distance [m], speed [m/s], warmest wheel [K], emptiest reservoir [Pa, gauge].
 
-    Behind these, of the last vehicle: temperatures of wheels and blocks [K], and heat of its brake [J].
+    Then temperatures of wheels and blocks [K], and heat of the brake [J], of the last vehicle.
+
     power: mean heat of a wheel of the last vehicle after SETTLED [W]. heat: parameters of its heat.
     """
 

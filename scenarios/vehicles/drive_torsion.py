@@ -148,7 +148,7 @@ def spinning() -> float:
 
 
 def closed_forms() -> list[Row]:
-    """Return the rows that closed forms judge."""
+    """Return the rows with closed forms beside them."""
     rotor, wheels = P.gear_ratio**2 * P.rotor_inertia, P.wheel_inertia_1 + P.wheel_inertia_2
     by_hand = {
         ELASTIC_DRIVE: ("rotor against wheelset", two_inertias(P.drive_stiffness, rotor, wheels)),

@@ -1,6 +1,6 @@
 """Brakes of imported vehicles beside those of their own programs: each formula is written here from its source.
 
-Where the difference is beyond 1 %, the test holds its size, and docs/consists.md has the reason.
+Where the difference is beyond 1 %, the test states the difference, and docs/consists.md its reason.
 """
 
 from __future__ import annotations
@@ -298,7 +298,7 @@ def test_cylinders_of_openbve_fill_at_0_3_of_the_rate_after_their_delay(tmp_path
 
 
 def test_a_percentage_of_railml_stops_in_its_distance(tmp_path: Path) -> None:
-    """lambda = 52840 / S - 10 with S [m] from 100 km/h, and 2 s at that speed in place of the build-up (EN 16834)."""
+    """lambda = 52840 / S - 10 with S [m] from 100 km/h, and 2 s at that speed instead of the build-up (EN 16834)."""
     found = imported(tmp_path, "ic.xml", RAILML)
     for vehicle, percentage in ((found.vehicles[0], 95.0), (found.vehicles[1], 125.0)):
         assert vehicle.percentage == pytest.approx(percentage, rel=CLOSE)

@@ -75,7 +75,7 @@ def test_full_service_and_emergency_end_in_the_balances() -> None:
 def test_quick_service_adds_the_pressure_of_the_air_that_it_takes_from_the_pipe() -> None:
     """Full service from 90 psi is 65.05 psi instead of 64.3: reservoir and cylinder share the pipe's air too (Boyle).
 
-    That air is what the pipe has given, less that in the quick-service volume. Quick service ends at 11 psi. Until then
+    The pipe has given that air and the air in the quick-service volume. Quick service ends at 11 psi. Until then
     its share of the air is about that of its choke: 2^2 of 2^2 + 3^2 in mm2, both flows being choked.
     """
     valve = car(emergency_difference=1e7)

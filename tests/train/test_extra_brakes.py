@@ -213,7 +213,7 @@ def test_a_stop_with_a_force_that_rises_has_its_closed_form(which: str, step: fl
     row, of_time, command, force = RISING[which]
     rise, speed = 1.7, 30.0
     train, slows = train_of(BARE | row | {of_time: rise}, speed), force / (1.04 * 50e3)
-    train.advance(1e-9)  # what is wanted before the first step would be applied already
+    train.advance(1e-9)  # a command before the first step would be applied already
     train.inputs[command] = 1.0
     exact = speed**2 / (2 * slows) + speed * rise / 2 - slows * rise**2 / 24
     assert run_to(train, 0.0, step) == pytest.approx(exact, rel=near)

@@ -63,7 +63,7 @@ static void copy(double *to, const double *from, const extra_brakes *self) {
     memcpy(to, from, (size_t)self->vehicles * sizeof(double));
 }
 
-/* What is wanted before the first step of a run is applied already, so that a train may start parked. */
+/* Applies parking brakes. One that is set before the first step of a run is applied already, so that a train may start parked. */
 void extra_park(train *train, double step) {
     extra_brakes *self = train->extra;
     if (!self || !self->parks) return;
