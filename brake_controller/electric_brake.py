@@ -10,13 +10,20 @@ from brake_controller.air import AMBIENT
 from brake_controller.drive import LEAST, NO_LIMIT, OverSpeed, driven_by, followed
 from brake_controller.vehicle_brake import VehicleBrake, brake_force, named
 from fmu_src.chain import function_of
-from fmu_src.system import quantity
+from fmu_src.system import choice, quantity
 
 #: Speed below which an electric brake fades out, where none is given [m/s]: 8 km/h. Assumed, as train simulators do.
 FADE = 8.0 / 3.6
 #: Commands of a vehicle: share of its whole brake that drivers demand, and share of its electric brake alone. Then the
 #: force of its electric brake before a step [N], and the length of the step [s].
 DEMANDED = ("demanded", "dynamic", "before", "step")
+
+
+#: How air joins the electric brake of a vehicle that a command by wire controls, by names in consists: it fills what
+#: the electric brake lacks; both add, each with the whole demand; or a valve keeps air out above a speed (as the three
+#: brake control systems of OpenBVE).
+FILLS, ADDS, CLOSES = range(3)
+BLENDINGS = {"fills": FILLS, "adds": ADDS, "closes": CLOSES}
 
 
 @dataclass(frozen=True)
@@ -29,10 +36,12 @@ class ElectricBrake(OverSpeed):
     dynamic_power: float = quantity("W", "Largest power of the electric brake at the rims", 0.0)
     dynamic_fade: float = quantity("m/s", "Speed below which the electric brake fades out linearly", 0.0)
     dynamic_rise: float = quantity("s", "Time of the electric brake's rise to its largest force, and of its fall", 0.0)
+    blending: float = choice("Air with the electric brake", {FILLS: "it fills", ADDS: "both add", CLOSES: "it is shut"})
+    blending_speed: float = quantity("m/s", "Speed above which air is shut out with blending 2", 0.0)
 
 
 #: A vehicle without electric command and electric brake.
-NO_ELECTRIC_BRAKE = ElectricBrake(0.0, 0.0, 0.0, NO_LIMIT, FADE, 0.0)
+NO_ELECTRIC_BRAKE = ElectricBrake(0.0, 0.0, 0.0, NO_LIMIT, FADE, 0.0, float(FILLS), 0.0)
 
 
 def blending() -> ca.Function:
@@ -41,7 +50,8 @@ def blending() -> ca.Function:
     The electric brake gives min(F(v), P / v), fading out linearly below a speed: the part of the demanded force that it
     can, or the share that its own command demands. Its force rises and falls at the rate F / T, as EN 14531-1 takes
     build-up. Air fills what the electric brake lacks after its rise (blending of metros), as a share of the shoe force.
-    This is exact for a friction that does not depend on that force. Forces are those of eqs (2.4) and (2.6).
+    This is exact for a friction that does not depend on that force. Forces are those of eqs (2.4) and (2.6). By choice
+    air has the whole demand instead (BLENDINGS), always or up to a speed.
     """
     wheel, command = ca.SX.sym("wheel"), ca.SX.sym("command", len(DEMANDED))
     brake, given = ca.SX.sym("brake", len(named(VehicleBrake))), ca.SX.sym("given", len(named(ElectricBrake)))
@@ -58,6 +68,8 @@ def blending() -> ca.Function:
     change = p["dynamic_force"] * step / ca.fmax(p["dynamic_rise"], LEAST**2)
     mean, ends = followed(electric, able, before, change)
     lacks = ca.fmax(demanded - electric / ca.fmax(full, LEAST), 0)
+    shut = ca.if_else(fast > p["blending_speed"], 0, demanded)
+    lacks = ca.if_else(p["blending"] == ADDS, demanded, ca.if_else(p["blending"] == CLOSES, shut, lacks))
     pressed = ca.fmax(b["force_per_pressure"] * p["blended_pressure"], LEAST)
     share = lacks + (1 - lacks) * ca.fmin(b["counter_force"] / pressed, 1)
     found = ca.vertcat(mean, ca.if_else(lacks > 0, share, 0), ends)

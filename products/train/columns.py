@@ -12,6 +12,7 @@ from typing import Any
 
 from brake_controller.distributors import BRAKES, pneumatic
 from brake_controller.distributors.aar import RETAINERS
+from brake_controller.electric_brake import BLENDINGS
 from brake_controller.parking_brake import COMPOUNDING
 from brake_controller.vehicle_brake import FORCELESS, FRICTIONS
 from products.train.consist import KINDS, LONGEST_VEHICLE
@@ -73,6 +74,7 @@ ELECTRIC: dict[str, tuple[str, float, float]] = {
     "dynamic_power": ("kW", 1.0, 20e3),
     "dynamic_fade": ("km/h", 0.0, 100.0),
     "dynamic_rise": ("s", 0.0, 30.0),
+    "blending_speed": ("km/h", 0.0, 300.0),
 }
 #: Columns of the motors.
 TRACTION: dict[str, tuple[str, float, float]] = {
@@ -142,6 +144,7 @@ WORDS: dict[str, Collection[str]] = {
     "weighing": ("lever", "continuous"),
     "valve": ("head", "second", "none"),
     "parking_compounding": tuple(COMPOUNDING),
+    "blending": tuple(BLENDINGS),
 }
 #: Words of brakes that are not modelled, and what to take instead.
 NOT_MODELLED = {

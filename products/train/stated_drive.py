@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from brake_controller.distributors import kind_of
+from brake_controller.distributors import DISTRIBUTORS, kind_of
 from brake_controller.distributors.distributor import DistributorParameters
+from brake_controller.distributors.uic import UIC
 from brake_controller.drive import MOST_DRIVE_POINTS, NO_LIMIT, RISE, points_of_drive, shape_of
-from brake_controller.electric_brake import FADE, ElectricBrake
+from brake_controller.electric_brake import BLENDINGS, FADE, ElectricBrake
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
 from brake_controller.traction import CUT_OUT, NO_TRACTION, Traction
 from products.train.columns import TRACTION
@@ -41,12 +42,27 @@ def check_drive(values: Mapping[str, Any]) -> None:
                 raise ValueError(f"{name} must come with {force} or {table}. Add one of them, or leave {name} out.")
         if table in values:
             _forces(table, values[table])
+    _check_blending(values)
     if "traction_force" in values and "traction_power" not in values:
         raise ValueError(
             "traction_force must come with traction_power, or slipping wheels would spin up without a limit. Add it."
         )
     if values.get("rotating") == 0.0 and set(values) & {*TRACTION, "traction_table"}:
         raise ValueError("rotating must be above 0 % on a vehicle with motors; got 0. Raise it, or leave it out.")
+
+
+def _check_blending(values: Mapping[str, Any]) -> None:
+    """Check the columns of blending. Raises ValueError."""
+    blending = values.get("blending")
+    if blending is not None and not {"dynamic_force", "dynamic_table"} & set(values):
+        raise ValueError("blending must come with dynamic_force or dynamic_table. Add one of them, or leave it out.")
+    kind = DISTRIBUTORS.get(values.get("distributor", UIC.name), UIC)
+    if blending is not None and not (values.get("brake") == "ep-direct" or kind.wired):
+        raise ValueError(
+            "blending must be of brake = ep-direct, or of a distributor by wire; other brakes add. Leave it out."
+        )
+    if ("blending_speed" in values) != (blending == "closes"):
+        raise ValueError("blending_speed must come with blending = closes, and that with it. Add both, or neither.")
 
 
 def _forces(name: str, text: str) -> tuple[list[float], list[float]]:
@@ -77,6 +93,8 @@ def electric_of(values: Mapping[str, Any], one: DistributorParameters) -> Electr
     if "dynamic_fade" in values:
         fade = values["dynamic_fade"] / KILOMETRES_PER_HOUR
     more = {"dynamic_fade": fade, "dynamic_rise": values.get("dynamic_rise", RISE if found else 0.0)}
+    more |= {"blending": float(BLENDINGS[values.get("blending", "fills")])}
+    more |= {"blending_speed": values.get("blending_speed", 0.0) / KILOMETRES_PER_HOUR}
     return ElectricBrake(
         blended_pressure=one.full_pressure if kind_of(one).wired else 0.0,
         dead_time=values.get("dead_time", 0.0),
@@ -107,7 +125,10 @@ def row_of_electric(one: ElectricBrake) -> dict[str, Any]:
     row: dict[str, Any] = {"dead_time": one.dead_time} if one.dead_time else {}
     if not one.dynamic_force:
         return row
-    return row | _row("dynamic", one.values()) | {"dynamic_fade": KILOMETRES_PER_HOUR * one.dynamic_fade}
+    row |= _row("dynamic", one.values()) | {"dynamic_fade": KILOMETRES_PER_HOUR * one.dynamic_fade}
+    name = next(name for name, number in BLENDINGS.items() if number == one.blending)
+    row |= {} if name == "fills" else {"blending": name}
+    return row | ({"blending_speed": KILOMETRES_PER_HOUR * one.blending_speed} if name == "closes" else {})
 
 
 def row_of_traction(one: Traction) -> dict[str, Any]:

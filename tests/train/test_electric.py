@@ -160,6 +160,25 @@ def test_a_metro_brakes_electrically_first_and_air_fills_what_is_missing(model: 
     assert train.largest_compression < 70e3  # preload of the buffers: all cars brake alike
 
 
+@pytest.mark.parametrize(
+    ("blending", "fast", "slow"),
+    [({}, 1.0, 1.0), ({"blending": "adds"}, 1.5, 1.5), ({"blending": "closes", "blending_speed": 36.0}, 0.5, 1.5)],
+)
+def test_air_fills_adds_or_is_shut_out(blending: dict[str, Any], fast: float, slow: float) -> None:
+    """Force over that of the demand, 48 kN, of which the electric brake has the half at any speed."""
+    row = {"kind": "coach", "mass": 40.0, "valve": "head", "brake": "ep-direct", "brake_force": 48.0, "fill_time": 0.5}
+    train = Train(
+        consist_of([row | {"dynamic_force": 24.0, "dynamic_fade": 0.0, "dynamic_rise": 0.0} | blending]), speed=15.0
+    )
+    train.drive("service", 1.0)
+    train.advance(2.0)
+    assert train.brake_force[0] == pytest.approx(48e3 * fast, rel=1e-6)
+    while train.speed[0] > 8.0:
+        train.advance(0.1)
+    train.advance(2.0)
+    assert train.brake_force[0] == pytest.approx(48e3 * slow, rel=1e-6)
+
+
 def test_a_stop_with_an_electric_brake_that_rises_has_its_closed_form() -> None:
     """S = v^2 / 2 a + v T / 2 - a T^2 / 24 for a force that rises linearly within T; it falls at the same rate."""
     rise, force, speed = 3.0, 44e3, 25.0
@@ -287,6 +306,15 @@ REFUSED = {
     "a time of none": ({"brake": "none", "fill_time": 5.0}, "fill_time has no effect with brake = none."),
     "dead time of a pipe": ({"dead_time": 0.5}, "dead_time has no effect with distributor = uic."),
     "power alone": ({"dynamic_power": 500.0}, "dynamic_power must come with dynamic_force or dynamic_table."),
+    "blending of none": ({"brake": "ep-direct", "blending": "adds"}, "blending must come with dynamic_force"),
+    "blending by air": (
+        {"dynamic_force": 50.0, "blending": "adds"},
+        "blending must be of brake = ep-direct, or of a distributor by wire",
+    ),
+    "no speed": (
+        {"brake": "ep-direct", "dynamic_force": 50.0, "blending": "closes"},
+        "blending_speed must come with blending = closes",
+    ),
     "a distributor": (
         {"distributor": "ep_direct"},
         "distributor must be one of uic, aar, ecp, ep_uic, twin_pipe; got ep_direct.",
@@ -306,7 +334,7 @@ def test_a_brake_with_something_without_effect_is_refused(case: str) -> None:
 def test_electric_rows_and_vehicles_are_written_and_read(name: str, tmp_path: Path) -> None:
     rows = [
         METRO | {"valve": "head", "dead_time": 0.25},
-        METRO | {"full_pressure": 4.4},
+        METRO | {"full_pressure": 4.4, "blending": "closes", "blending_speed": 30.0},
         {"kind": "wagon", "brake": "none"},
     ]
     write_consist(rows, tmp_path / name)
