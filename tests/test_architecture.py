@@ -238,10 +238,11 @@ PLUMBING = {
     "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check", "relations_of"},
     "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
     "brake_controller/cylinder.py": {"alone", "brake_model"},
-    "brake_controller/distributors/__init__.py": {"keeps_pipe", "kind_of", "pneumatic"},
+    "brake_controller/distributors/__init__.py": {"distributors", "keeps_pipe", "kind_of", "pneumatic"},
     "brake_controller/distributors/ecp.py": {"ready"},
     "brake_controller/distributors/ep_direct.py": {"ready", "settling"},
     "brake_controller/distributors/piped.py": {"pace", "ready", "whole"},
+    "brake_controller/distributors/registered.py": {"check_kind", "check_kinds"},
     "brake_controller/vehicle_brake.py": {"law_named", "named", "over_points", "points_of"},
     "brake_controller/discs.py": {"axle_discs"},
     "brake_controller/motors.py": {

@@ -1,6 +1,7 @@
 """Distributors by the names that consists use, one file each: add a file with a `Distributor`, and a line here."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 from brake_controller.distributors.aar import AAR
 from brake_controller.distributors.distributor import Distributor
@@ -8,6 +9,7 @@ from brake_controller.distributors.ecp import ECP
 from brake_controller.distributors.ep_direct import EP_DIRECT
 from brake_controller.distributors.ep_uic import EP_UIC
 from brake_controller.distributors.piped import PIPED
+from brake_controller.distributors.registered import check_kinds
 from brake_controller.distributors.twin_pipe import TWIN_PIPE
 from brake_controller.distributors.uic import UIC
 
@@ -37,11 +39,26 @@ def keeps_pipe(kinds: Iterable[Distributor]) -> bool:
     return fed and all(wired or name == PIPED.name for name, wired in own.items())
 
 
+def distributors() -> Mapping[str, Distributor]:
+    """Return DISTRIBUTORS, checked. Raises ValueError for a kind that cannot be used, or two that are alike."""
+    _by_parameters(tuple(DISTRIBUTORS.items()))
+    return DISTRIBUTORS
+
+
+@lru_cache
+def _by_parameters(kinds: tuple[tuple[str, Distributor], ...]) -> dict[type, Distributor]:
+    check_kinds(kinds)
+    return {kind.parameters: kind for _, kind in kinds}
+
+
 def kind_of(parameters: object) -> Distributor:
-    """Return the kind of a vehicle's distributor by its parameters. Raises ValueError for parameters of no kind."""
-    for one in DISTRIBUTORS.values():
-        if type(parameters) is one.parameters:
-            return one
+    """Return the kind of a vehicle's distributor by its parameters.
+
+    Raises ValueError for parameters of no kind, or if DISTRIBUTORS cannot be used.
+    """
+    found = _by_parameters(tuple(DISTRIBUTORS.items())).get(type(parameters))
+    if found is not None:
+        return found
     raise ValueError(
         f"The distributor of a vehicle must be parameters of {', '.join(DISTRIBUTORS)}; got {parameters!r}. Take one "
         "of these, or add its kind to DISTRIBUTORS."

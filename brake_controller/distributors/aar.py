@@ -273,5 +273,5 @@ AAR = Distributor(
     ready=ready,
     whole=whole,
     pace=fastest_change,
-    without_effect=("position", "full_pressure"),
+    adjustable=("release_time", *OF_AAR),
 )

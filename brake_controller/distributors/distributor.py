@@ -6,9 +6,12 @@ that holds them. `uic.py` is the example. Trains may mix distributors.
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Callable, Mapping
+import traceback
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
 import casadi as ca
@@ -86,8 +89,9 @@ class Distributor:
         Largest rate at which a state comes to rest [1/s], by parameters and for the empirical form; it determines
         steps.
 
-    without_effect : tuple of str
-        Columns of a consist that have no effect on it; a consist with one is refused.
+    adjustable : tuple of str
+        Columns of a consist that set its parameters, among `registered.ADJUSTED`; all others of these are refused.
+        `position` is accepted if `ready` has two sets.
 
     wired : bool
         Whether the command `demanded` controls it, with a dead time; its electric brake is blended.
@@ -98,7 +102,7 @@ class Distributor:
     Raises
     ------
     ValueError
-        If a name cannot be one, or no state is the cylinder.
+        If a name cannot be one, no state is the cylinder, two have one name, or an empirical form lacks its pace.
     """
 
     name: str
@@ -109,7 +113,7 @@ class Distributor:
     pace: Callable[[Any], float]
     empirical: Callable[[Moment], Answer] | None = None
     empirical_pace: float = 0.0
-    without_effect: tuple[str, ...] = ()
+    adjustable: tuple[str, ...] = ()
     wired: bool = False
     assisted: bool = False
 
@@ -120,10 +124,16 @@ class Distributor:
                 "Rename it."
             )
         starts = dict(self.states)
-        if CYLINDER not in starts or not set(starts.values()) <= set(STARTS):
+        if CYLINDER not in starts or not set(starts.values()) <= set(STARTS) or len(starts) < len(self.states):
             raise ValueError(
-                f"States of a distributor must begin as {', '.join(STARTS)}, and one must be called {CYLINDER}; got "
-                f"{starts}. Correct them."
+                f"States of a distributor must have different names and begin as {', '.join(STARTS)}, and one must be "
+                f"called {CYLINDER}; got {self.states}. Correct them."
+            )
+        if self.empirical:
+            self._check_pace("empirical_pace", self.empirical_pace)
+        elif self.empirical_pace:
+            raise ValueError(
+                f"empirical_pace of the distributor {self.name} must come with empirical. Leave it out, or add it."
             )
 
     def brake_models(self) -> tuple[str, str]:
@@ -131,8 +141,21 @@ class Distributor:
         return ("whole", "empirical" if self.empirical else "whole")
 
     def fastest(self, parameters: DistributorParameters, brake_model: str) -> float:
-        """Return the largest rate at which a state comes to rest [1/s] in a brake model."""
-        return self.pace(parameters) if brake_model == "whole" or not self.empirical else self.empirical_pace
+        """Return the largest rate at which a state comes to rest [1/s] in a brake model.
+
+        Raises ValueError if it is not above 0 and finite.
+        """
+        if brake_model != "whole" and self.empirical:
+            return self.empirical_pace
+        return self._check_pace("pace", self.pace(parameters))
+
+    def _check_pace(self, what: str, value: float) -> float:
+        if not 0.0 < value < math.inf:
+            raise ValueError(
+                f"{what} of the distributor {self.name} must be above 0 1/s and finite, as steps follow from it; got "
+                f"{value:g} 1/s. Return the largest rate at which a state comes to rest."
+            )
+        return float(value)
 
     def fields(self) -> tuple[str, ...]:
         """Return the names of its parameters in their order."""
@@ -142,13 +165,67 @@ class Distributor:
         """Return `whole` or `empirical` as a function of states, cell of the pipe, parameters and commands.
 
         Its result: rates of the states, and ANSWERED. Air in the cell is an ideal gas.
+
+        Raises ValueError if the form fails, reads a name that does not exist, or lacks a rate or has another.
         """
         names = [name for name, _ in self.states]
         sizes = {"states": len(names), "pipe": 3, "given": len(self.fields()), "command": len(COMMANDED)}
         symbols = [ca.SX.sym(name, size) for name, size in sizes.items()]
-        states = dict(zip(names, ca.vertsplit(symbols[0]), strict=True))
+        states = _Named(f"{brake_model} of the distributor {self.name}", "states", names, ca.vertsplit(symbols[0]))
         values = [*ca.vertsplit(symbols[2]), *ca.vertsplit(symbols[3])]
-        given = dict(zip([*self.fields(), *COMMANDED], values, strict=True))
-        answer: Answer = getattr(self, brake_model)(Moment(states, air_of(symbols[1]), given))
-        found = [answer.rates[name] for name in names] + [getattr(answer, name) for name in ANSWERED]
+        given = _Named(states.whose, "given", [*self.fields(), *COMMANDED], values)
+        found = self._answered(getattr(self, brake_model), Moment(states, air_of(symbols[1]), given), states.whose)
         return function_of(f"{self.name}_{brake_model}", symbols, ca.SX(ca.vertcat(*found)))
+
+    def _answered(self, form: Callable[[Moment], Answer], moment: Moment, whose: str) -> list[ca.SX]:
+        """Return the rates in the order of the states, and ANSWERED. Raises ValueError with one message for a fault."""
+        try:
+            answer = form(moment)
+        except _AbsentError:
+            raise
+        except Exception as error:
+            if "truth value" in str(error):
+                raise ValueError(
+                    f"{whose} must not branch on a symbol by if, and, or, min or max ({_place_of(error)}). Write "
+                    "ca.if_else, ca.fmin or ca.fmax."
+                ) from error
+            raise ValueError(
+                f"{whose} fails in {_place_of(error)}: {type(error).__name__}: {error}. Correct it there."
+            ) from error
+        names = [name for name, _ in self.states]
+        rates = getattr(answer, "rates", {})
+        lacking, more = [one for one in names if one not in rates], [one for one in rates if one not in names]
+        if lacking or more:
+            wrong = [f"it lacks {', '.join(lacking)}"] * bool(lacking) + [f"it has {', '.join(more)} too"] * bool(more)
+            raise ValueError(
+                f"{whose} must return an Answer with a rate for each of {', '.join(names)}; {' and '.join(wrong)}. "
+                "Correct its rates."
+            )
+        numbers = {f"the rate of {one}": rates[one] for one in names} | {one: getattr(answer, one) for one in ANSWERED}
+        for name, one in numbers.items():
+            if not (isinstance(one, (int, float)) or (isinstance(one, (ca.SX, ca.DM)) and one.is_scalar())):
+                raise ValueError(f"{whose} must return a number or a symbol for {name}; got {one!r}. Correct it.")
+        return [ca.SX(one) for one in numbers.values()]
+
+
+class _AbsentError(ValueError):
+    """The message of a name that does not exist."""
+
+
+class _Named(dict[str, ca.SX]):
+    """Symbols by name; a name that does not exist is refused with the names that do."""
+
+    def __init__(self, whose: str, what: str, names: Iterable[str], symbols: Iterable[ca.SX]) -> None:
+        super().__init__(zip(names, symbols, strict=True))
+        self.whose, self._what = whose, what
+
+    def __missing__(self, name: str) -> ca.SX:
+        raise _AbsentError(
+            f"{self.whose} reads {self._what}[{name!r}], which it lacks; there are {', '.join(self)}. Correct the name."
+        )
+
+
+def _place_of(error: BaseException) -> str:
+    """Return the file and line of the equations in which an error occurred."""
+    own = [one for one in traceback.extract_tb(error.__traceback__) if "casadi" not in one.filename]
+    return f"{PurePath(own[-1].filename).name}, line {own[-1].lineno}"

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT, GAS_CONSTANT, HEAT_CAPACITY, WALL, choke_flow, share_of
 from brake_controller.distributors import aar
-from brake_controller.distributors.aar import OF_AAR, OPENS, FreightCar, fastest_volume, freight_car
+from brake_controller.distributors.aar import OPENS, FreightCar, fastest_volume, freight_car
 from brake_controller.distributors.distributor import Answer, Distributor, Moment
 from brake_controller.distributors.uic import CHARGED, RELAY, flow_of_a_metre
 from fmu_src.system import quantity
@@ -123,6 +123,6 @@ ECP = Distributor(
     ready=ready,
     whole=whole,
     pace=fastest_volume,
-    without_effect=("position", "full_pressure", *OF_AAR),
+    adjustable=("fill_time", "release_time"),
     wired=True,
 )

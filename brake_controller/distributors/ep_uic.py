@@ -63,5 +63,6 @@ EP_UIC = Distributor(
     ready=ready,
     whole=whole,
     pace=uic.fastest_change,
+    adjustable=uic.UIC.adjustable,
     assisted=True,
 )

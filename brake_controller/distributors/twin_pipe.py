@@ -47,4 +47,5 @@ TWIN_PIPE = Distributor(
     ready=ready,
     whole=whole,
     pace=uic.fastest_change,
+    adjustable=uic.UIC.adjustable,
 )

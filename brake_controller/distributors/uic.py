@@ -43,6 +43,8 @@ CHARGED = 500e3
 #: States, absolute pressures [Pa], each with its start.
 STATES = (("control", "charged"), ("accelerator", "around"), ("auxiliary", "charged"), ("cylinder", "cylinder"))
 
+#: Columns of a consist that set times, reservoir and cylinder.
+OF_UIC = ("fill_time", "release_time", "auxiliary", "cylinder")
 #: Times of filling to 95 % and of release to 0.4 bar by position [s], the middle of those of UIC 540.
 TIMES = {"P": (4.0, 17.5), "G": (24.0, 52.5)}
 
@@ -318,4 +320,5 @@ UIC = Distributor(
     pace=fastest_change,
     empirical=empirical,
     empirical_pace=EMPIRICAL_PACE,
+    adjustable=("full_pressure", *OF_UIC),
 )

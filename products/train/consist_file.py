@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from brake_controller.air import DISCHARGE
-from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors import distributors
 from brake_controller.distributors.aar import OF_AAR
 from brake_controller.drivers_valve import DriversValve, drivers_valve
 from fmu_src.suggestion import suggestion
@@ -237,8 +237,8 @@ def _checked(row: Mapping[str, Any], couplers: Iterable[str]) -> dict[str, Any]:
 
 def _vehicles(values: Mapping[str, Any], couplers: Mapping[str, Coupler]) -> list[TrainVehicle]:
     one = replace(_bare(values), coupler=_coupler(values, couplers))
-    check_force(values)
     check_control(values)
+    check_force(values)
     check_drive(values)
     check_heat(values)
     check_extra(values, one.mass)
@@ -268,7 +268,7 @@ def _bare(values: Mapping[str, Any]) -> TrainVehicle:
     more |= {"weighing": "none"} if "empty_load" in values and kind == "wagon" else {}
     one = KINDS[kind](1e3 * load, values.get("position", "P"), **more)
     if "distributor" in values:
-        one = replace(one, distributor=DISTRIBUTORS[values["distributor"]].ready(values.get("position", "P")))
+        one = replace(one, distributor=distributors()[values["distributor"]].ready(values.get("position", "P")))
     return replace(
         one,
         name=values.get("name", ""),

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 
 from brake_controller.air import DISCHARGE
-from brake_controller.distributors import DISTRIBUTORS, kind_of
+from brake_controller.distributors import kind_of
 from brake_controller.distributors.aar import RETAINERS, AarValve, FreightCar, retaining, slow_exhaust
 from brake_controller.distributors.aar import release_time as release_time_of_car
 from brake_controller.distributors.ecp import EcpValve
 from brake_controller.distributors.ecp import fill_time as fill_time_of_ecp
 from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
+from brake_controller.distributors.registered import POSITIONS
 from brake_controller.distributors.uic import UicDistributor, filling_time, release_time
 from brake_controller.drivers_valve import drivers_valve
 from brake_controller.shoe_friction import KILOMETRES_PER_HOUR
@@ -232,14 +233,16 @@ def _distributor(one: TrainVehicle) -> Row:
     named: Row = {} if kind.name == "uic" else {"distributor": kind.name}
     if isinstance(own, FreightCar):
         return named | (_aar_valve(own) if isinstance(own, AarValve) else {}) | _times_of_car(own)
-    for position in ("P", "G"):
-        if DISTRIBUTORS[kind.name].ready(position) == own:
-            return named | {"position": position}
+    ready = {position: kind.ready(position) for position in POSITIONS}
+    for position, usual in ready.items():
+        if usual == own:
+            return named | ({} if ready["P"] == ready["G"] else {"position": position})
     if not isinstance(own, UicDistributor):
-        return named | {"full_pressure": 1e-5 * own.full_pressure}
+        return named | ({"full_pressure": 1e-5 * own.full_pressure} if "full_pressure" in kind.adjustable else {})
     volumes = {"auxiliary": 1e3 * own.auxiliary_volume, "cylinder": 1e3 * own.cylinder_volume}
     times = {"fill_time": filling_time(own, 0.95 * own.full_pressure), "release_time": release_time(own)}
-    return {"full_pressure": 1e-5 * own.full_pressure} | volumes | times
+    row = {"full_pressure": 1e-5 * own.full_pressure} | volumes | times
+    return named | {name: value for name, value in row.items() if name in kind.adjustable}
 
 
 def _times_of_car(own: FreightCar) -> Row:

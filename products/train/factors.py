@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from brake_controller.distributors import ep_direct
+from brake_controller.distributors import ep_direct, kind_of
 from brake_controller.distributors.ep_direct import RELEASED, EpDirect
 from brake_controller.distributors.piped import Piped
 from brake_controller.distributors.uic import UicDistributor, release_time, with_times
@@ -74,7 +74,7 @@ def _vehicle(one: TrainVehicle, values: Mapping[str, float], share: float) -> Tr
 def _filling(one: TrainVehicle, time: float) -> TrainVehicle:
     """Return a vehicle with another filling time [s] and its own release time."""
     own = one.distributor
-    if isinstance(own, UicDistributor):
+    if isinstance(own, UicDistributor) and "fill_time" in kind_of(own).adjustable:
         return replace(one, distributor=with_times(own, time, release_time(own)))
     if isinstance(own, EpDirect):
         release = (own.full_pressure - RELEASED) / own.release_rate

@@ -21,7 +21,7 @@ from brake_controller.brake_pipe import (
     walled,
     warmed,
 )
-from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors import distributors
 from brake_controller.distributors.distributor import Distributor
 from brake_controller.electric_brake import blending
 from brake_controller.parking_brake import parking
@@ -47,7 +47,7 @@ FUNCTIONS = {
 
 def sources() -> dict[str, str]:
     """C files by name; those of the distributors that there are now."""
-    return dict(_sources(tuple(DISTRIBUTORS.values())))
+    return dict(_sources(tuple(distributors().values())))
 
 
 @lru_cache
@@ -95,7 +95,7 @@ class PassedInC(ctypes.Structure):
 
 def functions() -> ctypes.CDLL:
     """The functions of pipe.h and train.h, compiled once for the distributors that there are now."""
-    return _functions(tuple(DISTRIBUTORS.values()))
+    return _functions(tuple(distributors().values()))
 
 
 @lru_cache

@@ -135,7 +135,7 @@ def numbers_of(consist: Consist, settings: Settings, line: Line | None) -> NDArr
         | {"friction": np.mean([rows.get(name, level + 1.0) for name in FRICTIONS], axis=0)},
     }
     for kind in known:
-        own = [one.distributor.values() for one in vehicles if kind_of(one.distributor) is kind]
+        own = [one.distributor.values() for one, its in zip(vehicles, kinds, strict=True) if its is kind]
         groups[f"distributor_{kind.name}"] = own
     return laid(groups)
 

@@ -12,13 +12,14 @@ from scipy.optimize import brentq
 
 from brake_controller.air import AMBIENT
 from brake_controller.brake_weight import FROM_100, force_of_percentage
-from brake_controller.distributors import DISTRIBUTORS, ep_direct
+from brake_controller.distributors import distributors, ep_direct
 from brake_controller.distributors.aar import OF_AAR, AarValve, FreightCar, retaining, with_release_time
 from brake_controller.distributors.distributor import DistributorParameters
 from brake_controller.distributors.ecp import EcpValve, with_fill_time
 from brake_controller.distributors.ep_direct import FILLING, RELEASE
 from brake_controller.distributors.piped import Piped
-from brake_controller.distributors.uic import UIC, UicDistributor, filling_time, release_time, with_times
+from brake_controller.distributors.registered import ADJUSTED
+from brake_controller.distributors.uic import OF_UIC, UIC, UicDistributor, filling_time, release_time, with_times
 from brake_controller.point_table import MOST_POINTS
 from brake_controller.shoe_friction import CONSTANT, KILOMETRES_PER_HOUR
 from brake_controller.vehicle_brake import (
@@ -69,10 +70,6 @@ WITHOUT_EFFECT = {
     "ep-direct": _BY_PIPE,
     "none": ("dead_time", *_BY_PIPE, *_TIMES, *FORCE, *HEAT, "fade_table", "friction", "weighing"),
 }
-#: Columns of a UIC distributor's cylinder and reservoirs.
-OF_UIC = ("fill_time", "release_time", "auxiliary", "cylinder")
-#: Columns of these that distributors of other kinds have.
-_TIMES_OF = {"aar": ("release_time",), "ecp": ("fill_time", "release_time")}
 
 _BRAKING = braking()
 
@@ -157,13 +154,27 @@ def check_control(values: Mapping[str, Any]) -> None:
     for name in WITHOUT_EFFECT[brake]:
         if name in values:
             raise ValueError(f"{name} has no effect with brake = {brake}. Leave it out.")
-    if brake == "pneumatic" and {"position", "fill_time", "release_time"} <= set(values):
+    if brake == "pneumatic":
+        _check_columns(values)
+
+
+def _check_columns(values: Mapping[str, Any]) -> None:
+    """Check that a row has only columns with an effect on its distributor. Raises ValueError."""
+    kinds = distributors()
+    kind = kinds[values.get("distributor", UIC.name)]
+    for name in ADJUSTED:
+        if name in values and name not in kind.adjustable:
+            *first, last = [one.name for one in kinds.values() if name in one.adjustable]
+            takers = f"{', '.join(first)} or {last}" if first else last
+            raise ValueError(f"{name} must be of the distributor {takers}; got {kind.name}. Leave {name} out.")
+    idle = {
+        "dead_time": not (kind.wired or kind.assisted),
+        "position": "position" in values and kind.ready("P") == kind.ready("G"),
+    }
+    for name in (one for one in idle if idle[one] and one in values):
+        raise ValueError(f"{name} has no effect with distributor = {kind.name}. Leave it out.")
+    if {"position", "fill_time", "release_time"} <= set(values):
         raise ValueError("position has no effect with fill_time and release_time. Leave one of them out.")
-    kind = values.get("distributor", UIC.name)
-    unheard = () if brake != "pneumatic" or DISTRIBUTORS[kind].wired or DISTRIBUTORS[kind].assisted else ("dead_time",)
-    for name in (*DISTRIBUTORS[kind].without_effect, *unheard):
-        if name in values:
-            raise ValueError(f"{name} has no effect with distributor = {kind}. Leave it out.")
 
 
 def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> DistributorParameters:
@@ -172,14 +183,14 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
     Parameters
     ----------
     values : mapping
-        The row.
+        The row, checked by `check_control`.
     one : DistributorParameters
         The distributor without them.
 
     Raises
     ------
     ValueError
-        If the distributor has no such value, or its reservoir does not reach the pressure.
+        If its reservoir does not reach the pressure.
     """
     if values.get("brake") == "none":
         return Piped(full_pressure=0.0)
@@ -189,20 +200,12 @@ def distributor_of(values: Mapping[str, Any], one: DistributorParameters) -> Dis
         return ep_direct.with_times(pressure, *times)
     if isinstance(one, FreightCar):
         one = _car_with_times(values, one)
-    own = [name for name in OF_UIC if name in values and name not in _TIMES_OF.get(values.get("distributor", ""), ())]
-    if own and not isinstance(one, UicDistributor):
-        raise ValueError(f"{own[0]} must be of the distributor uic; got {values['distributor']}. Leave {own[0]} out.")
-    for name in OF_AAR:
-        if name in values and not isinstance(one, AarValve):
-            raise ValueError(
-                f"{name} must be of the distributor aar; got {values.get('distributor', UIC.name)}. Leave it out."
-            )
     if isinstance(one, AarValve):
         return _aar_valve_of(values, one)
     usual = one
     if "full_pressure" in values:
         one = replace(one, full_pressure=1e5 * values["full_pressure"])
-    if not isinstance(one, UicDistributor) or not (own or "full_pressure" in values):
+    if not isinstance(one, UicDistributor) or not {"full_pressure", *OF_UIC} & set(values):
         return one
     volumes = {"auxiliary": "auxiliary_volume", "cylinder": "cylinder_volume"}
     one = replace(one, **{of: 1e-3 * values[name] for name, of in volumes.items() if name in values})
@@ -228,7 +231,7 @@ def _aar_valve_of(values: Mapping[str, Any], one: AarValve) -> AarValve:
     one = replace(one, empty_share=share, full_pressure=share * one.full_pressure)
     if values.get("accelerated_release") == "no":
         one = replace(one, accelerated_choke=0.0)
-    return replace(one, **retaining(values.get("retainer", "direct")))
+    return replace(one, **retaining(values["retainer"])) if "retainer" in values else one
 
 
 def brake_of(values: Mapping[str, Any], one: TrainVehicle) -> VehicleBrake:

@@ -4,6 +4,7 @@ one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,12 +13,15 @@ import numpy as np
 import pytest
 
 from brake_controller.air import AMBIENT, DISCHARGE, GAS_CONSTANT, HEAT_CAPACITY, WALL, effective_area, elliptic_flow
-from brake_controller.distributors import DISTRIBUTORS
+from brake_controller.distributors import DISTRIBUTORS, kind_of
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
+from brake_controller.distributors.uic import UIC, UicDistributor
 from fmu_src.cosimulation.slave import FmuInstance
 from fmu_src.system import quantity
+from products.train import library
 from products.train.consist import Consist, TrainVehicle, block_train
 from products.train.consist_file import consist_of
+from products.train.consist_writer import rows_of
 from products.train.fmu import build_train_fmu
 from products.train.numbers import Settings
 from products.train.pipe import Outside, Pipe
@@ -174,3 +178,145 @@ def test_what_is_no_distributor_is_refused() -> None:
         replace(DIRECT, name="Mine")
     with pytest.raises(ValueError, match="one must be called cylinder"):
         replace(DIRECT, states=(("meter", "around"),))
+    with pytest.raises(ValueError, match="different names"):
+        replace(DIRECT, states=(*DIRECT.states, ("meter", "around")))
+    with pytest.raises(ValueError, match="empirical_pace of the distributor direct must be above 0"):
+        replace(DIRECT, empirical=direct)
+    with pytest.raises(ValueError, match="empirical_pace of the distributor direct must come with empirical"):
+        replace(DIRECT, empirical_pace=3.0)
+
+
+ROWS = [{"kind": "locomotive"}, {"kind": "wagon", "distributor": "direct", "count": 2}]
+
+
+@dataclass(frozen=True)
+class Bare(DistributorParameters):
+    """A choke without a unit."""
+
+    choke: float = 1.0
+
+
+@dataclass(frozen=True)
+class Commanded(DistributorParameters):
+    """A parameter with the name of a command."""
+
+    held: float = quantity("1", "Share", 0.0)
+
+
+UNUSABLE = {
+    "parameters of another": ({"parameters": UicDistributor, "ready": UIC.ready}, "UicDistributor for uic and direct"),
+    "another set": ({"ready": UIC.ready}, "return DirectDistributor for position P; got UicDistributor"),
+    "another set in G": (
+        {"ready": lambda position: of_choke("P") if position == "P" else None},
+        "return DirectDistributor for position G; got NoneType",
+    ),
+    "no pressure": (
+        {"ready": lambda _: replace(of_choke("P"), full_pressure=0.0)},
+        "full_pressure above 0 Pa",
+    ),
+    "not at rest": ({"pace": lambda p: 0.0}, "pace of the distributor direct must be above 0 1/s .* got 0"),
+    "backwards": ({"pace": lambda p: -30.0}, "got -30"),
+    "unknown pace": ({"pace": lambda p: float("nan")}, "got nan"),
+    "endless pace": ({"pace": lambda p: float("inf")}, "got inf"),
+    "a column that does not exist": (
+        {"adjustable": ("pressure",)},
+        "among full_pressure, .* got 'pressure'",
+    ),
+    "a column of UIC": ({"adjustable": ("fill_time",)}, "come with parameters of UicDistributor"),
+    "no unit": ({"parameters": Bare}, "choke of the distributor direct must have a unit"),
+    "a command": ({"parameters": Commanded}, "must not be called .* got held"),
+    "not of distributors": ({"parameters": Consist}, "must be a DistributorParameters; got Consist"),
+}
+
+
+@pytest.mark.parametrize("case", UNUSABLE)
+def test_a_kind_that_cannot_be_used_is_refused_before_any_train(monkeypatch: pytest.MonkeyPatch, case: str) -> None:
+    """Without the check, most of these run, some with the equations of another kind."""
+    changes, words = UNUSABLE[case]
+    monkeypatch.setitem(DISTRIBUTORS, "direct", replace(DIRECT, **changes))
+    for use in (
+        lambda: consist_of([{"kind": "wagon", "valve": "head"}]),
+        library.sources,
+        lambda: kind_of(UIC.ready("P")),
+    ):
+        with pytest.raises(ValueError, match=words):
+            use()
+
+
+def test_a_name_is_that_of_one_kind(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(DISTRIBUTORS, "direkt", DIRECT)
+    with pytest.raises(ValueError, match="each kind once; got the name direct at 'direct' and 'direkt'"):
+        consist_of(ROWS)
+    monkeypatch.delitem(DISTRIBUTORS, "direct")
+    with pytest.raises(ValueError, match="each kind by its name; got 'direkt' for direct"):
+        consist_of(ROWS)
+
+
+def test_a_consist_sets_only_what_a_kind_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pressure that the equations ignore would state another force than acts."""
+
+    def made(**columns: object) -> Consist:
+        return consist_of([ROWS[0], ROWS[1] | columns])
+
+    uic = "must be of the distributor uic, ep_uic or twin_pipe; got direct"
+    for name, value, words in (
+        ("full_pressure", 3.0, f"full_pressure {uic}"),
+        ("fill_time", 4.0, "fill_time must be of the distributor uic, ecp, ep_uic or twin_pipe; got direct"),
+        ("auxiliary", 100.0, f"auxiliary {uic}"),
+        ("empty_load", 0.5, "empty_load must be of the distributor aar; got direct"),
+        ("dead_time", 0.5, "dead_time has no effect with distributor = direct"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            made(**{name: value})
+    assert made(position="G").vehicles[1].distributor == of_choke("G")
+    monkeypatch.setitem(DISTRIBUTORS, "direct", replace(DIRECT, ready=lambda _: of_choke("P")))
+    with pytest.raises(ValueError, match="position has no effect with distributor = direct"):
+        made(position="G")
+    monkeypatch.setitem(DISTRIBUTORS, "direct", replace(DIRECT, adjustable=("full_pressure",)))
+    assert made(full_pressure=2.0).vehicles[1].distributor == replace(of_choke("P"), full_pressure=200e3)
+
+
+def test_a_consist_with_it_is_written_again() -> None:
+    consist = consist_of(ROWS)
+    again = consist_of(rows_of(consist))
+    assert [one.distributor for one in again.vehicles] == [one.distributor for one in consist.vehicles]
+    assert "position" in rows_of(consist)[1]
+    narrow = replace(consist.vehicles[1].distributor, full_pressure=100e3)
+    with pytest.raises(ValueError, match="its full_pressure has none"):
+        rows_of(Consist((consist.vehicles[0], replace(consist.vehicles[1], distributor=narrow))))
+
+
+def _read(**changed: object) -> Callable[[Moment], Answer]:
+    return lambda moment: replace(direct(moment), **changed)  # type: ignore[arg-type]
+
+
+FAULTS: dict[str, tuple[Callable[[Moment], Answer], str]] = {
+    "a rate too few": (_read(rates={"cylinder": 0.0}), "a rate for each of meter, cylinder; it lacks meter. Correct"),
+    "a rate too many": (
+        _read(rates={"meter": 0.0, "cylinder": 0.0, "slide": 1.0}),
+        "a rate for each of meter, cylinder; it has slide too",
+    ),
+    "a misspelt parameter": (
+        lambda m: _read(taken=m.given["chok"])(m),
+        r"reads given\['chok'\], .* full_pressure, choke",
+    ),
+    "a misspelt state": (
+        lambda m: _read(taken=m.states["slide"])(m),
+        r"reads states\['slide'\], .* are meter, cylinder",
+    ),
+    "a branch": (
+        lambda m: _read(taken=1.0 if m.states["meter"] > 1e5 else 0.0)(m),
+        r"if, and, or, min or max \(test_added_distributor.py, line \d+\). Write ca.if_else",
+    ),
+    "another error": (lambda m: _read(taken=m.pipe.pressures)(m), r"fails in test_added_distributor.py, line \d+: "),
+    "nothing": (lambda m: None, "must return an Answer"),  # type: ignore[arg-type, return-value]
+    "a vector": (_read(taken=ca.SX.zeros(2)), "a number or a symbol for taken; got"),
+    "a rate of nothing": (_read(rates={"meter": None, "cylinder": 0.0}), "for the rate of meter; got None"),
+}
+
+
+@pytest.mark.parametrize("case", FAULTS)
+def test_a_fault_in_its_equations_has_one_message_with_its_name(case: str) -> None:
+    whole, words = FAULTS[case]
+    with pytest.raises(ValueError, match=f"^whole of the distributor direct .*{words}"):
+        replace(DIRECT, whole=whole).function("whole")

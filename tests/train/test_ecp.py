@@ -128,8 +128,12 @@ def test_a_consist_states_it_and_is_written_again(tmp_path: Path) -> None:
     again = read_consist(tmp_path / "again.toml").vehicles[1]
     assert (again.distributor, again.electric) == (consist.vehicles[1].distributor, consist.vehicles[1].electric)
     assert again.distributor.full_pressure == pytest.approx(ready("P").full_pressure)
-    for name, value in (("position", "G"), ("retainer", "low"), ("full_pressure", 3)):
-        with pytest.raises(ValueError, match=f"{name} has no effect with distributor = ecp"):
+    for name, value, words in (
+        ("position", "G", "has no effect with distributor = ecp"),
+        ("retainer", "low", "must be of the distributor aar; got ecp"),
+        ("full_pressure", 3, "must be of the distributor uic, ep_uic or twin_pipe; got ecp"),
+    ):
+        with pytest.raises(ValueError, match=f"{name} {words}"):
             consist_of([rows[0], rows[1] | {name: value}])
     with pytest.raises(ValueError, match="dead_time has no effect with distributor = aar"):
         consist_of([rows[0], rows[1] | {"distributor": "aar"}])
