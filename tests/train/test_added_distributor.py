@@ -14,6 +14,7 @@ import pytest
 
 from brake_controller.air import AMBIENT, DISCHARGE, GAS_CONSTANT, HEAT_CAPACITY, WALL, effective_area, elliptic_flow
 from brake_controller.distributors import DISTRIBUTORS, kind_of
+from brake_controller.distributors.checking import check_distributor
 from brake_controller.distributors.distributor import Answer, Distributor, DistributorParameters, Moment
 from brake_controller.distributors.uic import UIC, UicDistributor
 from fmu_src.cosimulation.slave import FmuInstance
@@ -320,3 +321,65 @@ def test_a_fault_in_its_equations_has_one_message_with_its_name(case: str) -> No
     whole, words = FAULTS[case]
     with pytest.raises(ValueError, match=f"^whole of the distributor direct .*{words}"):
         replace(DIRECT, whole=whole).function("whole")
+
+
+@pytest.mark.parametrize("name", [*DISTRIBUTORS, "direct"])
+def test_a_bench_passes_each_kind(name: str) -> None:
+    check_distributor(DISTRIBUTORS[name])
+
+
+def _of(**without: float) -> Callable[[Moment], Answer]:
+    """Return the equations with other values of parameters or commands."""
+    return lambda moment: direct(replace(moment, given={**moment.given, **without}))
+
+
+def _answering(change: Callable[[Answer], dict[str, object]]) -> Callable[[Moment], Answer]:
+    return lambda moment: replace(direct(moment), **change(direct(moment)))  # type: ignore[arg-type]
+
+
+def _rate(name: str, change: Callable[[ca.SX], ca.SX]) -> Callable[[Moment], Answer]:
+    return _answering(lambda answer: {"rates": {**answer.rates, name: change(ca.SX(answer.rates[name]))}})
+
+
+def steepest(choke: float) -> float:
+    """Return the slope of the flow near equal pressures, times R T [m3/s]: a parabola up to 0.1 % (ISO 6358-1)."""
+    ratio, critical = 1e-3, (2 / 2.4) ** 3.5
+    choked = (1.4 * (2 / 2.4) ** 6) ** 0.5
+    place = 1 - ratio / (1 - critical)
+    value, slope = choked * (1 - place**2) ** 0.5, choked * place / (1 - critical) / (1 - place**2) ** 0.5
+    area = DISCHARGE * np.pi / 4 * choke**2
+    return float(area * (2 * value / ratio - slope) * (GAS_CONSTANT * WALL) ** 0.5)
+
+
+BENCH_FAULTS: dict[str, tuple[dict[str, object], str]] = {
+    "a slow pace": ({"pace": lambda p: 0.95 * steepest(p.choke) / 10e-3}, r"pace of .* must be at least 11\.4"),
+    "air into the pipe": ({"whole": _answering(lambda a: {"taken": -ca.fabs(a.taken)})}, "from 601325 Pa in the"),
+    "air out of an empty pipe": (
+        {"whole": _answering(lambda a: {"taken": ca.fabs(a.taken)})},
+        "into a pipe at ambient",
+    ),
+    "air of the walls": (
+        {"whole": _answering(lambda a: {"enthalpy": HEAT_CAPACITY * WALL * a.taken})},
+        "times the temperature of the pipe",
+    ),
+    "heat against the flow": (
+        {"whole": _answering(lambda a: {"enthalpy": ca.fabs(a.enthalpy)})},
+        "enthalpy of .* must have the sign of taken",
+    ),
+    "below the surroundings": ({"whole": _rate("meter", lambda r: -r)}, "meter of .* must not fall below"),
+    "without a limit": ({"whole": _rate("meter", lambda r: r * ca.sqrt(r))}, "meter of .* must be finite; got nan"),
+    "another pressure": ({"whole": _of(full_pressure=200e3)}, r"must come to full_pressure, 300000 Pa.* comes to 2005"),
+    "a pressure without effect": (
+        {"whole": _of(full_pressure=300e3), "adjustable": ("full_pressure",)},
+        r"full_pressure, 240000 Pa.* take it out of adjustable",
+    ),
+    "not held": ({"whole": _of(held=0.0)}, "held must hold the cylinder of whole of the distributor direct"),
+    "not vented": ({"whole": _of(vented=0.0)}, "vented must empty the cylinder of whole of the distributor direct"),
+}
+
+
+@pytest.mark.parametrize("case", BENCH_FAULTS)
+def test_a_bench_finds_what_a_train_would_simulate(case: str) -> None:
+    changes, words = BENCH_FAULTS[case]
+    with pytest.raises(ValueError, match=words):
+        check_distributor(replace(DIRECT, **changes))  # type: ignore[arg-type]
