@@ -12,7 +12,7 @@ from fmu_src.chain import function_of
 from fmu_src.system import quantity
 
 #: Gauge pressure of the pipe below which the motors are off, where none is given [Pa]. Assumed: full service leaves 3.5
-#: bar, an emergency or a parted hose nothing.
+#: bar, an emergency nothing. A running driver's valve feeds the pipe between it and a parted hose above this.
 CUT_OUT = 250e3
 #: Commands of a vehicle: share of its motors' largest force at this speed, force before a step [N], its length [s].
 COMMANDED = ("share", "before", "step")

@@ -216,8 +216,8 @@ USUAL = {
 LEAST_PRESSURE = 1e3
 
 
-#: Share of the upper limit that a number in another unit must reach, or a slip of the pen is as likely. Assumed.
-LIKELY = 0.02
+#: A number up to this many times its upper limit is rather a slip of the pen than in a unit below a tenth. Assumed.
+SLIP, TENTH = 3.0, 0.1
 
 
 def likely_unit(value: float, unit: str, least: float, most: float) -> str:
@@ -244,6 +244,6 @@ def likely_unit(value: float, unit: str, least: float, most: float) -> str:
         if found is None:
             continue
         own = value * found[0] / found[1]
-        if least <= own <= most and (value < least or own >= LIKELY * most or math.isinf(most)):
+        if least <= own <= most and (value < least or value >= SLIP * most or own >= TENTH * value):
             return f" Did you mean {value:g} {usual} = {own:.4g} {unit}?"
     return ""

@@ -11,6 +11,7 @@ import pytest
 
 import bogie_braking as bb
 from fmu_src.model_description import DISPLAY_UNITS
+from readers.units import likely_unit
 
 PAGE = (Path(__file__).parents[1] / "docs" / "units.md").read_text(encoding="utf-8")
 SPATIAL = {"level": 3, "initial_speed": 15.0}
@@ -75,3 +76,9 @@ def test_y_is_outwards_on_both_sides_and_a_flange_pushes_back() -> None:
         found = ends(name, "flange_force_1", yaw_torque_1=to_the_left * 45e3, **SPATIAL)
         assert found[name] > 0.2
         assert found["flange_force_1"] * to_the_left < 0.0
+
+
+def test_a_number_just_above_its_limit_is_not_taken_for_another_unit() -> None:
+    assert likely_unit(4.9, "bar", 0.0, 4.8) == ""
+    assert likely_unit(380.0, "bar", 0.0, 8.0) == " Did you mean 380 kPa = 3.8 bar?"
+    assert likely_unit(200.0, "m/s", 0.0, 150.0) == " Did you mean 200 km/h = 55.56 m/s?"

@@ -389,3 +389,12 @@ def test_a_check_tells_the_gradient_that_holds_and_a_parking_brake_beyond_adhesi
         "first.",
         "Track brakes are part of the stops, not of lambda and brake force.",
     )
+
+
+def test_a_step_of_no_time_applies_no_parking_brake() -> None:
+    train = train_of(BARE | {"parking_force": 50.0, "parking_time": 10.0}, 10.0)
+    train.advance(1.0)
+    train.advance(0.0)
+    train.inputs["parking_brake"] = 1.0
+    train.advance(0.1)
+    assert train.brake_force[0] < 1e3

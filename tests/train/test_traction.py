@@ -294,3 +294,29 @@ def test_a_drive_with_something_without_effect_is_refused(case: str) -> None:
     with pytest.raises(ValueError, match="the consist, row 1: ") as error:
         consist_of([row])
     assert message in str(error.value)
+
+
+def test_service_by_air_leaves_the_motors_of_a_vehicle_with_a_dynamic_brake() -> None:
+    train = lone(10.0, **{"dynamic_force": 100.0})
+    train.drive("service", 0.0)
+    train.inputs["traction"] = 1.0
+    train.advance(5.0)
+    assert train.traction_force[0] > 1e5
+
+
+@pytest.mark.parametrize("row", [{"brake": "ep-direct", "brake_force": 60.0}, {}])
+def test_motors_stay_off_while_slide_protection_releases_a_demanded_brake(row: dict[str, Any]) -> None:
+    train = lone(20.0, **{"dynamic_force": 100.0, **row})
+    train.inputs["traction"], train.inputs["dynamic_brake"] = 1.0, 0.0 if row else 1.0
+    train.drive(*(("service", 0.5) if row else ("running", 0.0)))
+    train.advance(2.0)
+    train.inputs["protection"] = 2.0
+    train.advance(1.0)
+    assert train.traction_force[0] == 0.0
+
+
+def test_vehicles_without_motors_do_no_work() -> None:
+    rows = [{"kind": "coach", "valve": "head", "adhesion": "curtius-kniffler"}]
+    train = Train(consist_of(rows), speed=20.0)
+    train.advance(10.0)
+    assert train.traction_energy[0] == 0.0

@@ -88,15 +88,16 @@ void drive_free(drives *self) {
     free(self);
 }
 
-/* True if a vehicle's electric brake acts or is demanded: its motors cannot drive it then. */
+/* True if a vehicle's electric brake acts or is demanded: its motors cannot drive it then. The demand by wire counts where it
+ * controls the vehicle, and both demands while wheel-slide protection releases the brake. */
 static int brakes_electrically(const train *self, long long int i) {
     if (!self->blends || !(self->electric[ELECTRIC_DYNAMIC_FORCE * self->stride + i] > 0.0)) return 0;
-    const double *command = self->command + i;
-    return command[ELECTRICALLY_DYNAMIC * self->stride] > 0.0 || command[ELECTRICALLY_DEMANDED * self->stride] > 0.0 ||
-           self->blended[i] > 0.0;
+    const int wired = self->electric[ELECTRIC_BLENDED_PRESSURE * self->stride + i] > 0.0;
+    const int ordered = wired && self->blended[i + 3 * self->stride] > 0.0;
+    return ordered || self->input[IN_DYNAMIC_BRAKE][i] > 0.0 || self->blended[i] > 0.0;
 }
 
-/* Commanded shares of a step. An emergency, or a hose that parts, empties the pipe and cuts the motors off at once. */
+/* Commanded shares of a step. A pipe that is nearly empty at the vehicle cuts its motors off at once. */
 static void command_motors(train *self) {
     drives *drive = self->drive;
     double *share = drive->command + DRIVEN_SHARE * self->stride, *end = run_row(self, RUN_END);
@@ -173,9 +174,9 @@ long long int drive_go(train *self, long long int count, double step) {
         const double part = step / (double)parts;
         if (drive->falls) adhere(self);
         if (drive->pulls) pull(self, part);
-        note(self);
+        if (drive->pulls) note(self);
         motion_go(self->moves, each, part / (double)each);
-        work(self, part);
+        if (drive->pulls) work(self, part);
     }
     return parts * each;
 }

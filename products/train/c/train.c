@@ -493,7 +493,7 @@ int train_go(train *self, double time) {
         left = count > 1.0 ? left - step : 0.0;
         self->run[RUN_TIME] = begin + (time - left);
     }
-    self->run[RUN_STEP] = time;
+    if (time > 0.0) self->run[RUN_STEP] = time;
     find_outputs(self);
     if (!outputs_finite(self)) {
         restore(self);
