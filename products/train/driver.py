@@ -12,6 +12,8 @@ from products.train.train import Train, within
 LEAST = 0.4 / 1.5
 #: Force of the whole brake over that of all motors: demands for traction are multiplied by it. Assumed.
 PULLS = 5.0
+#: Share of the air brake that holds a train; mean speed of vehicles below which a train rolls back [m/s]. Assumed.
+HOLDS, BACK = 0.5, -0.05
 #: Lower and upper limits of a driver's numbers, with their units.
 LIMITS = {
     "speed": (0.1, 150.0, "m/s"),
@@ -24,6 +26,18 @@ LIMITS = {
 MOVES = 8.0
 
 
+def rolls_back(train: Train) -> bool:
+    """Return whether a train rolls backwards: slack moves single vehicles, so its vehicles' mean speed counts."""
+    return float(np.mean(train.speed)) < BACK
+
+
+def hold(train: Train) -> float:
+    """Apply the air that holds a train, without traction and dynamic brakes; return its share of the air brake."""
+    train.inputs["traction"], train.inputs["dynamic_brake"] = 0.0, 0.0
+    train.drive("service", (HOLDS - LEAST) / (1.0 - LEAST))
+    return HOLDS
+
+
 @dataclass
 class HoldingDriver:
     """A proportional and integral law of speed, called once a `period` [s].
@@ -31,6 +45,7 @@ class HoldingDriver:
     demand = k (v - v0) + (k / T) int (v - v0) dt, as a share of the whole brake. A dynamic brake takes the first
     `dynamic` of it, and air the rest: the driver's valve is in service, or running below half of its first step.
     A demand below 0 is traction, in trains with motors: five times that share of their largest force.
+    A train that rolls back is held by air, without traction.
     Gains are assumed: 1 m/s too fast adds a tenth of the brake, and T is longer than the release of a cylinder.
 
     Parameters
@@ -75,6 +90,9 @@ class HoldingDriver:
                 f"dynamic must be 0 with a train without dynamic brakes; got {self.dynamic:g}. State dynamic_force of "
                 "a vehicle."
             )
+        if rolls_back(train):
+            self.air = hold(train)
+            return
         pulls = any(one.traction.traction_force > 0.0 for one in train.consist.vehicles)
         fast = float(train.speed[0]) - self.speed
         demand = self.added + self.gain * fast

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from brake_controller.electric_brake import blending
 from brake_controller.traction import driving
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist, TrainVehicle, forces_of
-from products.train.driver import LEAST
+from products.train.driver import LEAST, hold, rolls_back
 from products.train.train import LONGEST, Train, within
 from rbd_model.track.adhesion_laws import at_speed
 from rbd_model.train.vehicle import GRAVITY
@@ -25,12 +26,18 @@ PERIOD, CORRECTS, FEELS = 0.5, 5.0, 4.0
 ANSWERS, MOVES = {False: 3.0, True: 1.5}, {False: 4.0, True: 1.5}
 #: Time in which traction that slipping has reduced comes back [s]. Assumed.
 RETURNS = 8.0
-#: Share of the air brake that holds a standing train; slip that halves traction: factor of the speed, and added [m/s].
-HOLDS, SLIPS = 0.5, (1.1, 0.5)
+#: Slip that halves traction: factor of the speed, and added [m/s]. Speed below which air ends a stop [m/s]. Assumed.
+SLIPS, ENDS = (1.1, 0.5), 0.3
 #: Speeds of the forces that the driver knows [m/s].
 SPEEDS = np.linspace(0.0, 150.0, 1501)
-#: Deceleration [m/s2], speeds [m/s] and tolerance of a stop [m]: lower and upper limits.
-LIMITS = {"deceleration": (0.05, 1.5), "speed": (0.5, 150.0), "within": (0.1, 100.0), "adhesion": (0.01, 1.0)}
+#: Lower and upper limits of a driver's numbers, with their units.
+LIMITS = {
+    "deceleration": (0.05, 1.5, "m/s2"),
+    "within": (0.1, 100.0, "m"),
+    "adhesion": (0.01, 1.0, ""),
+    "place": (-1e7, 1e7, "m"),
+    "speed": (0.5, 150.0, "m/s"),
+}
 
 
 @dataclass(frozen=True)
@@ -38,7 +45,8 @@ class StationStop:
     """A stop of the train's front.
 
     place: distance along the line [m]. arrival: time at which it is due [s]; 0: as early as possible. standing: least
-    time at rest [s]. departure: not before this time [s]. Raises ValueError if a time is below 0 or above a day.
+    time at rest [s]. departure: not before this time [s]; 0: any. Raises ValueError if a number is out of its limits (a
+    time: 0 to a day), or if the departure is before the arrival.
     """
 
     place: float
@@ -47,8 +55,14 @@ class StationStop:
     departure: float = 0.0
 
     def __post_init__(self) -> None:
+        within("place", self.place, *LIMITS["place"])
         for name, value in (("arrival", self.arrival), ("standing", self.standing), ("departure", self.departure)):
             within(name, value, 0.0, LONGEST, "s")
+        if 0.0 < self.departure < self.arrival:
+            raise ValueError(
+                f"departure must be 0 s or not before arrival = {self.arrival:g} s; got {self.departure:g} s. Correct "
+                "one of them."
+            )
 
 
 @dataclass(frozen=True)
@@ -96,6 +110,44 @@ def train_forces(consist: Consist) -> np.ndarray:
     return total
 
 
+def _check_stops(stops: Sequence[StationStop], apart: float) -> None:
+    """Raise ValueError if places or times of stops do not rise, or two stops are nearer than a distance [m]."""
+    if not isinstance(stops, (list, tuple)) or not all(isinstance(one, StationStop) for one in stops):
+        raise ValueError(f"stops must be a list of StationStop; got {stops!r}. Make a StationStop of each place.")
+    for number, (one, other) in enumerate(pairwise(stops), 2):
+        if other.place <= one.place:
+            raise ValueError(
+                f"stops must have places that rise; stop {number} is at {other.place:g} m, the one before at "
+                f"{one.place:g} m. Sort them."
+            )
+        if other.place - one.place < apart:
+            raise ValueError(
+                f"stops must be at least 2 within = {apart:g} m apart; stop {number} is at {other.place:g} m, the one "
+                f"before at {one.place:g} m. Leave one out, or take a smaller within."
+            )
+    times = [(n, time) for n, one in enumerate(stops, 1) for time in (one.arrival, one.departure) if time]
+    for (before, early), (number, late) in pairwise(times):
+        if late < early:
+            raise ValueError(
+                f"stops must have times that rise; stop {number} has {late:g} s, and stop {before} has {early:g} s. "
+                "Correct one of them."
+            )
+
+
+def _check_limits(limits: Sequence[tuple[float, float]]) -> None:
+    """Raise ValueError if speed limits are not pairs of numbers, out of their limits, or at places that do not rise."""
+    if not isinstance(limits, (list, tuple)) or not all(
+        isinstance(one, (list, tuple)) and len(one) == 2 for one in limits
+    ):
+        raise ValueError(f"limits must be a list of pairs (place, speed); got {limits!r}. Write [(0, 20)] for 20 m/s.")
+    for place, speed in limits:
+        within("place", place, *LIMITS["place"])
+        within("speed", speed, *LIMITS["speed"])
+    places = [place for place, _ in limits]
+    if any(other <= one for one, other in pairwise(places)):
+        raise ValueError(f"limits must have places that rise; got {places}. Sort them.")
+
+
 @dataclass
 class TimetableDriver:
     """A driver who knows the forces of a train, and estimates gradient and resistance from its acceleration.
@@ -121,7 +173,8 @@ class TimetableDriver:
     Raises
     ------
     ValueError
-        If stops or limits are missing, do not rise, or a value is out of its limits.
+        If stops or limits are missing or do not rise, stops are nearer than 2 `within`, or a number is out of its
+        limits.
     """
 
     stops: Sequence[StationStop]
@@ -137,21 +190,17 @@ class TimetableDriver:
     _forces: np.ndarray | None = None
     _train: Train | None = None
     _before: float = 0.0
-    _applied: float = 0.0
+    _seen: float = 0.0
     _wired: bool = False
     _looks: float = 1.0
 
     def __post_init__(self) -> None:
+        for name in ("deceleration", "within", "adhesion"):
+            within(name, getattr(self, name), *LIMITS[name])
+        _check_stops(self.stops, 2 * self.within)
+        _check_limits(self.limits)
         if not self.stops or not self.limits:
             raise ValueError("A timetable must have at least one stop and one speed limit. Add them.")
-        for name, places in (("stops", [one.place for one in self.stops]), ("limits", [p for p, _ in self.limits])):
-            if not np.all(np.isfinite(places)) or np.any(np.diff(places) <= 0.0):
-                raise ValueError(f"{name} must have places that rise; got {places}. Sort them.")
-        checked = [("deceleration", self.deceleration), ("within", self.within), ("adhesion", self.adhesion)]
-        for name, value in (*checked, *(("speed", speed) for _, speed in self.limits)):
-            least, most = LIMITS[name]
-            if not least <= value <= most:
-                raise ValueError(f"{name} must be a number from {least:g} to {most:g}; got {value}. Correct it.")
 
     def target(self, front: float, length: float, time: float, ahead: float) -> tuple[float, float]:
         """Return the speed to drive at [m/s], and its rate [m/s2].
@@ -190,7 +239,11 @@ class TimetableDriver:
         return max(b * (left - math.sqrt(left**2 - 2 * way / b)), LIMITS["speed"][0])
 
     def act(self, train: Train) -> None:
-        """Set valve, traction and dynamic brakes of a train; call it once a PERIOD before the train advances."""
+        """Set valve, traction and dynamic brakes of a train; call it once a PERIOD before the train advances.
+
+        After the last stop the train is held. Raises ValueError for another train, one without motors or with brakes
+        that release wholly, and one whose front is past the first stop.
+        """
         if self._forces is None:
             self._begin(train)
         if train is not self._train:
@@ -199,9 +252,11 @@ class TimetableDriver:
             )
         assert self._forces is not None
         speed, front = float(train.speed[0]), self.front(train)
-        stop = self.stops[len(self.calls)]
-        if not train.speed.any() and (front > stop.place - self.within or train.time < self.leaves):
-            self._stand(train, front, stop)
+        if self._holds(train, front):
+            self.air, self._before, self._seen, self.load = hold(train), speed, train.time, 0.0
+            return
+        if rolls_back(train):
+            self.air, self._before, self._seen = hold(train), speed, train.time
             return
         motors, electric, full, grips = (float(np.interp(speed, SPEEDS, row)) for row in self._forces)
         mass = sum((1 + one.rotating_share) * one.mass for one in train.consist.vehicles)
@@ -211,40 +266,52 @@ class TimetableDriver:
         self._set(train, min(needed, self.adhesion * grips), motors, electric, full)
 
     def _begin(self, train: Train) -> None:
-        """Take the forces of a train. Raises ValueError if it has no motors, or brakes that cannot release in part."""
-        self._train = train
+        """Take the forces of a train. Raises ValueError as `act`."""
         direct = [n for n, one in enumerate(train.consist.vehicles, 1) if kind_of(one.distributor).name == AAR.name]
         if direct:
             raise ValueError(
                 f"A driver by timetable must have brakes that release in part; vehicle {direct[0]} has distributor = "
                 f"{AAR.name}, which releases wholly. Take ecp or uic."
             )
-        self._forces = train_forces(train.consist)
+        forces = train_forces(train.consist)
         self._wired = all(kind_of(one.distributor).wired for one in train.consist.vehicles)
-        if not self._forces[0].any():
+        if not forces[0].any():
             raise ValueError("A driver by timetable must have a train with motors. State traction_force of a vehicle.")
+        front, first = self.front(train), self.stops[0].place
+        if first < front - self.within:
+            raise ValueError(
+                f"The first stop must not be behind the front of the train at {front:g} m; got {first:g} m. "
+                "Leave it out."
+            )
+        self._train, self._forces = train, forces
+        self._before, self._seen = float(train.speed[0]), train.time
 
     @staticmethod
     def front(train: Train) -> float:
         """Return the place of the front of a train [m]."""
         return float(train.distance[0]) + train.consist.vehicles[0].length / 2
 
-    def _stand(self, train: Train, front: float, stop: StationStop) -> None:
-        """Hold the standing train, and note its arrival."""
-        if train.time >= self.leaves:
+    def _holds(self, train: Train, front: float) -> bool:
+        """Return whether a train is to be held at a stop, and note its arrival once all vehicles stand."""
+        if len(self.calls) == len(self.stops) or train.time < self.leaves:
+            return True
+        stop, fastest = self.stops[len(self.calls)], float(np.abs(train.speed).max())
+        if front <= stop.place - self.within or fastest >= ENDS:
+            return False
+        if fastest == 0.0:
             late = train.time - stop.arrival if stop.arrival > 0.0 else 0.0
             self.calls.append(Call(stop.place, front - stop.place, train.time, late))
             self.leaves = max(train.time + stop.standing, stop.departure)
-        train.inputs["traction"], train.inputs["dynamic_brake"], self.air = 0.0, 0.0, HOLDS
-        train.drive("service", (HOLDS - LEAST) / (1 - LEAST))
-        self._before, self.load = 0.0, 0.0
+        return True
 
     def _feel(self, train: Train, mass: float, speed: float) -> None:
-        """Estimate the force of gradient and resistance [N] from the acceleration and the forces of the last period."""
-        if speed > 0.0:
-            felt = mass * (speed - self._before) / PERIOD - self._applied
-            self.load += (felt - self.load) * PERIOD / FEELS
-        self._before = speed
+        """Estimate the force of gradient and resistance [N] from the acceleration and forces since the last call."""
+        time = train.time - self._seen
+        if speed > 0.0 and time > 0.0:
+            applied = float(np.sum(train.traction_force) - np.sum(train.brake_force))
+            felt = mass * (speed - self._before) / time - applied
+            self.load += (felt - self.load) * min(time / FEELS, 1.0)
+        self._before, self._seen = speed, train.time
 
     def _set(self, train: Train, needed: float, motors: float, electric: float, full: float) -> None:
         """Set the controls for a force [N] by the largest forces [N] of motors, dynamic brake and air."""
@@ -265,7 +332,7 @@ class TimetableDriver:
         else:
             train.drive("service", max(self.air - LEAST, 0.0) / (1 - LEAST))
 
-    def drive(self, train: Train, seconds: float = 86400.0) -> Recording:
+    def drive(self, train: Train, seconds: float = LONGEST) -> Recording:
         """Drive a train to the last stop, or for a time [s], and record it each PERIOD.
 
         Returns
@@ -277,8 +344,9 @@ class TimetableDriver:
         Raises
         ------
         ValueError
-            If the train has no motors, or as `Train.advance`.
+            If the time is not 0 to a day, or as `act` and `Train.advance`.
         """
+        within("The time", seconds, 0.0, LONGEST, "s")
         units = {"time": "s", "distance": "m", "speed": "m/s", "wheel_speed": "m/s", "traction_force": "N"}
         units |= {"brake_force": "N", "traction_energy": "J", "electric_brake_energy": "J", "brake_heat": "J"}
         sums = list(units)[4:]
@@ -286,7 +354,6 @@ class TimetableDriver:
         while len(self.calls) < len(self.stops) and train.time < end - PERIOD / 2:
             self.act(train)
             train.advance(PERIOD)
-            self._applied = float(np.sum(train.traction_force) - np.sum(train.brake_force))
             rows.append(self._row(train, sums))
         return Recording(units, np.array(rows))
 

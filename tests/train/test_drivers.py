@@ -10,7 +10,7 @@ import pytest
 
 from products.train.consist_file import consist_of
 from products.train.driver import HoldingDriver
-from products.train.timetable import StationStop, TimetableDriver
+from products.train.timetable import PERIOD, StationStop, TimetableDriver
 from products.train.train import Train
 from rbd_model.track.line import Line
 
@@ -25,10 +25,10 @@ CAR: dict[str, Any] = {
 TRAINS = {"coaches": [LOCOMOTIVE, {"kind": "coach", "count": 6}], "metro": [CAR | {"valve": "head"}, CAR, CAR]}
 
 
-def train_of(name: str, gradient: float = 0.0, **values: Any) -> Train:
-    """Return a train on a gradient."""
+def train_of(name: str | list[dict[str, Any]], gradient: float = 0.0, **values: Any) -> Train:
+    """Return a train on a gradient, by its name or its rows."""
     line = Line({"distance": np.array([-1e5, 1e6]), "gradient": np.array([gradient] * 2)})
-    return Train(consist_of(TRAINS[name]), line=line, **values)
+    return Train(consist_of(TRAINS[name] if isinstance(name, str) else name), line=line, **values)
 
 
 @pytest.mark.parametrize("gradient", [0.0, 0.01, -0.012])
@@ -81,15 +81,88 @@ def test_a_stop_on_a_slippery_rail_is_overrun_and_reported() -> None:
     assert driver.calls[0].overrun == pytest.approx(driver.front(train) - 300.0)
 
 
+@pytest.mark.parametrize("count", [2, 4, 8])
+def test_a_train_whose_motors_balance_a_rising_gradient_arrives(count: int) -> None:
+    """On 10 permille motors and gradient balance at 0.1 mm/s before the stop: air ends it."""
+    train = train_of([LOCOMOTIVE | {"traction_power": 4000.0}, {"kind": "coach", "count": count}], 0.01)
+    driver = TimetableDriver([StationStop(500.0)], [(0.0, 20.0)])
+    driver.drive(train, 150.0)
+    assert [call.place for call in driver.calls] == [500.0]
+    assert abs(driver.calls[0].overrun) < 2.0
+    assert not train.speed.any()
+
+
+def test_a_loop_of_act_is_the_drive_and_holds_the_train_after_the_last_stop() -> None:
+    stops, limits = [StationStop(500.0, standing=60.0), StationStop(1200.0)], [(0.0, 20.0)]
+    one, other = (TimetableDriver(stops, limits) for _ in range(2))
+    run = one.drive(train_of("coaches", 0.015), 400.0)
+    train = train_of("coaches", 0.015)
+    while len(other.calls) < 2 and train.time < 400.0:
+        other.act(train)
+        train.advance(PERIOD)
+    waits = (run["time"] > one.calls[0].arrived) & (run["time"] < one.calls[0].arrived + 60.0)
+    assert np.ptp(run["distance"][waits]) < 0.01
+    assert other.calls == one.calls
+    for _ in range(80):
+        other.act(train)
+        train.advance(PERIOD)
+    assert other.front(train) == pytest.approx(1200.0 + one.calls[-1].overrun, abs=0.01)
+
+
+def test_a_train_that_moves_at_a_call_of_act_is_not_felt_as_a_force() -> None:
+    """On a level line the load is resistance, below 4 permille of the weight; the first call comes after 1 s."""
+    train, driver = train_of("coaches", speed=20.0), TimetableDriver([StationStop(5000.0)], [(0.0, 20.0)])
+    train.advance(1.0)
+    for _ in range(10):
+        driver.act(train)
+        train.advance(PERIOD)
+    assert abs(driver.load) < 4e-3 * 9.81 * sum(one.mass for one in train.consist.vehicles)
+
+
+@pytest.mark.parametrize(
+    "driver", [HoldingDriver(15.0), TimetableDriver([StationStop(500.0)], [(0.0, 20.0)])], ids=["held", "timetable"]
+)
+def test_a_train_too_heavy_for_its_motors_is_held_by_air(driver: HoldingDriver | TimetableDriver) -> None:
+    """Freely it rolls back with at least (0.03 - 0.005) g, and has 12 m/s after 50 s."""
+    train = train_of([LOCOMOTIVE | {"traction_force": 10.0}, {"kind": "coach", "count": 10}], 0.03)
+    period = driver.period if isinstance(driver, HoldingDriver) else PERIOD
+    slowest = 0.0
+    while train.time < 120.0:
+        driver.act(train)
+        assert train.speed.mean() >= -0.05 or not train.inputs["traction"].any()
+        train.advance(period)
+        slowest = min(slowest, float(train.speed[0]))
+    assert -1.0 < slowest < -0.05
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"stops": []}, "must have at least one stop and one speed limit"),
         ({"stops": [StationStop(9.0), StationStop(5.0)]}, "stops must have places that rise"),
         ({"limits": [(0.0, 10.0), (0.0, 20.0)]}, "limits must have places that rise"),
-        ({"limits": [(0.0, 500.0)]}, "speed must be a number from 0.5 to 150"),
-        ({"deceleration": math.nan}, "deceleration must be a number from 0.05 to 1.5"),
-        ({"adhesion": 2.0}, "adhesion must be a number from 0.01 to 1"),
+        ({"stops": [500.0]}, "stops must be a list of StationStop; got"),
+        ({"stops": None}, "stops must be a list of StationStop; got None"),
+        ({"stops": StationStop(9.0)}, "stops must be a list of StationStop; got StationStop"),
+        ({"stops": [StationStop(500.0), StationStop(509.0)]}, "at least 2 within = 10 m apart; stop 2 is at 509 m"),
+        (
+            {"stops": [StationStop(9.0, 90.0), StationStop(50.0), StationStop(99.0, 60.0)]},
+            "stop 3 has 60 s, and stop 1",
+        ),
+        (
+            {"stops": [StationStop(9.0, departure=90.0), StationStop(99.0, 60.0)]},
+            "stop 2 has 60 s, and stop 1 has 90 s",
+        ),
+        ({"limits": [(0.0, 500.0)]}, "speed must be a number from 0.5 to 150 m/s; got 500"),
+        ({"limits": [(0.0, "20")]}, "speed must be a number from 0.5 to 150 m/s; got 20"),
+        ({"limits": [(math.nan, 20.0)]}, "place must be a number from -1e.07 to 1e.07 m; got nan"),
+        ({"limits": 20.0}, "limits must be a list of pairs"),
+        ({"limits": [20.0]}, "limits must be a list of pairs"),
+        ({"limits": []}, "must have at least one stop and one speed limit"),
+        ({"deceleration": math.nan}, "deceleration must be a number from 0.05 to 1.5 m/s2; got nan"),
+        ({"deceleration": None}, "deceleration must be a number from 0.05 to 1.5 m/s2; got None"),
+        ({"within": "5"}, "within must be a number from 0.1 to 100 m; got 5"),
+        ({"adhesion": 2.0}, "adhesion must be a number from 0.01 to 1; got 2"),
     ],
 )
 def test_a_timetable_that_cannot_be_is_refused(changes: dict[str, Any], message: str) -> None:
@@ -97,9 +170,37 @@ def test_a_timetable_that_cannot_be_is_refused(changes: dict[str, Any], message:
         TimetableDriver(**({"stops": [StationStop(100.0)], "limits": [(0.0, 20.0)]} | changes))
 
 
-def test_a_time_that_cannot_be_and_a_second_train_are_refused() -> None:
-    with pytest.raises(ValueError, match="standing must be a number from 0 to 86400 s"):
-        StationStop(100.0, standing=-1.0)
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"place": math.nan}, "place must be a number from -1e.07 to 1e.07 m; got nan"),
+        ({"place": "500"}, "place must be a number"),
+        ({"standing": -1.0}, "standing must be a number from 0 to 86400 s"),
+        ({"arrival": None}, "arrival must be a number from 0 to 86400 s; got None"),
+        ({"arrival": 100.0, "departure": 50.0}, "departure must be 0 s or not before arrival = 100 s; got 50 s"),
+    ],
+)
+def test_a_stop_that_cannot_be_is_refused(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        StationStop(**({"place": 100.0} | values))
+
+
+def test_a_first_stop_behind_the_front_is_refused_unless_the_train_stands_at_it() -> None:
+    train = train_of("coaches", distance=100.0)
+    front = TimetableDriver.front(train)
+    late = TimetableDriver([StationStop(front - 6.0), StationStop(900.0)], [(0.0, 20.0)])
+    for _ in range(2):  # at each call
+        with pytest.raises(ValueError, match="The first stop must not be behind the front of the train at"):
+            late.act(train)
+    driver = TimetableDriver([StationStop(front - 4.0), StationStop(900.0)], [(0.0, 20.0)])
+    driver.act(train)
+    assert [call.arrived for call in driver.calls] == [0.0]
+
+
+def test_a_time_of_driving_that_cannot_be_and_a_second_train_are_refused() -> None:
+    for seconds in (math.nan, "60", -1.0):
+        with pytest.raises(ValueError, match="The time must be a number from 0 to 86400 s; got"):
+            TimetableDriver([StationStop(100.0)], [(0.0, 20.0)]).drive(train_of("metro"), seconds)  # type: ignore[arg-type]
     driver = TimetableDriver([StationStop(100.0)], [(0.0, 20.0)])
     driver.act(train_of("metro"))
     with pytest.raises(ValueError, match="must stay with one train"):
