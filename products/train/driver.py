@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brake_controller.distributors import kind_of
+from brake_controller.distributors.aar import AAR
+from products.train.consist import Consist
 from products.train.train import Train, within
 
 #: Fall of the pipe at the first step of service as a share of that at full service: 0.4 of 1.5 bar (UIC 540).
@@ -24,6 +27,12 @@ LIMITS = {
 }
 #: Air rises by full service in this time, and falls as slowly [s]: a driver's hand follows no ripple. Assumed.
 MOVES = 8.0
+
+
+def direct_release(consist: Consist) -> int:
+    """Return the number of the first vehicle, from 1, whose brake releases wholly; 0: all release in part."""
+    kinds = (kind_of(one.distributor).name for one in consist.vehicles)
+    return next((number for number, name in enumerate(kinds, 1) if name == AAR.name), 0)
 
 
 def rolls_back(train: Train) -> bool:
@@ -45,7 +54,8 @@ class HoldingDriver:
     demand = k (v - v0) + (k / T) int (v - v0) dt, as a share of the whole brake. A dynamic brake takes the first
     `dynamic` of it, and air the rest: the driver's valve is in service, or running below half of its first step.
     A demand below 0 is traction, in trains with motors: five times that share of their largest force.
-    A train that rolls back is held by air, without traction.
+    A train that rolls back is held by air, without traction. Where a vehicle's brake releases wholly (AAR), air is
+    never reduced in part: it stays until the demand needs none, and the speed varies more.
     Gains are assumed: 1 m/s too fast adds a tenth of the brake, and T is longer than the release of a cylinder.
 
     Parameters
@@ -105,7 +115,10 @@ class HoldingDriver:
             train.inputs["dynamic_brake"] = min(demand / self.dynamic, 1.0)
         wanted = max(demand - self.dynamic, 0.0) / (1.0 - self.dynamic)
         change = self.period / MOVES
-        self.air = float(np.clip(wanted, self.air - change, self.air + change))
+        least = self.air - change
+        if direct_release(train.consist):  # a reduction releases such a brake wholly
+            least = self.air if wanted > 0.0 else 0.0
+        self.air = float(np.clip(wanted, least, self.air + change))
         if self.air < LEAST / 2:
             train.drive("running")
         else:

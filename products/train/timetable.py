@@ -15,7 +15,7 @@ from brake_controller.electric_brake import blending
 from brake_controller.traction import driving
 from fmu_src.cosimulation.recording import Recording
 from products.train.consist import Consist, TrainVehicle, forces_of
-from products.train.driver import LEAST, hold, rolls_back
+from products.train.driver import LEAST, direct_release, hold, rolls_back
 from products.train.train import LONGEST, Train, within
 from rbd_model.track.adhesion_laws import at_speed
 from rbd_model.train.vehicle import GRAVITY
@@ -267,10 +267,10 @@ class TimetableDriver:
 
     def _begin(self, train: Train) -> None:
         """Take the forces of a train. Raises ValueError as `act`."""
-        direct = [n for n, one in enumerate(train.consist.vehicles, 1) if kind_of(one.distributor).name == AAR.name]
+        direct = direct_release(train.consist)
         if direct:
             raise ValueError(
-                f"A driver by timetable must have brakes that release in part; vehicle {direct[0]} has distributor = "
+                f"A driver by timetable must have brakes that release in part; vehicle {direct} has distributor = "
                 f"{AAR.name}, which releases wholly. Take ecp or uic."
             )
         forces = train_forces(train.consist)

@@ -45,6 +45,26 @@ def test_a_driver_holds_a_speed_uphill_and_downhill(gradient: float) -> None:
     assert (train.brake_force.sum() > 1e3) == (gradient < 0.0)
 
 
+@pytest.mark.parametrize("gradient", [-0.01, -0.015])
+def test_a_driver_holds_a_train_whose_brakes_release_wholly(gradient: float) -> None:
+    """Air in service is never reduced in part: each reduction would empty reservoirs, and the train would run away."""
+    wagons = {"kind": "wagon", "distributor": "aar", "count": 20, "mass": 80.0}
+    train, driver = (
+        train_of([{"kind": "locomotive", "brake": "none"}, wagons], gradient, speed=15.0),
+        HoldingDriver(15.0),
+    )
+    before, released = 0.0, 0
+    for _ in range(900):
+        driver.act(train)
+        step = float(train.inputs["driver_step"][0]) if train.inputs["driver_position"][0] == 3.0 else -1.0
+        assert step >= before or step == -1.0
+        released += step < before
+        before = step
+        train.advance(driver.period)
+        assert 13.0 < train.speed[0] < 17.0
+    assert released > 2
+
+
 @pytest.mark.parametrize(("name", "deceleration"), [("coaches", 0.5), ("metro", 0.9)])
 @pytest.mark.parametrize("gradient", [0.0, 0.008, -0.008])
 def test_a_driver_stops_at_stations_in_time_within_the_limits(name: str, deceleration: float, gradient: float) -> None:
