@@ -19,9 +19,8 @@ FADE = 8.0 / 3.6
 DEMANDED = ("demanded", "dynamic", "before", "step")
 
 
-#: How air joins the electric brake of a vehicle that a command by wire controls, by names in consists: it fills what
-#: the electric brake lacks; both add, each with the whole demand; or a valve keeps air out above a speed (as the three
-#: brake control systems of OpenBVE).
+#: Blending of air with the electric brake of a vehicle by wire, by names in consists. Air fills what the electric brake
+#: lacks. Or both add, each with the whole demand. Or a valve keeps air out above a speed. OpenBVE has these three.
 FILLS, ADDS, CLOSES = range(3)
 BLENDINGS = {"fills": FILLS, "adds": ADDS, "closes": CLOSES}
 
@@ -50,8 +49,8 @@ def blending() -> ca.Function:
     The electric brake gives min(F(v), P / v), fading out linearly below a speed: the part of the demanded force that it
     can, or the share that its own command demands. Its force rises and falls at the rate F / T, as EN 14531-1 takes
     build-up. Air fills what the electric brake lacks after its rise (blending of metros), as a share of the shoe force.
-    This is exact for a friction that does not depend on that force. Forces are those of eqs (2.4) and (2.6). By choice
-    air has the whole demand instead (BLENDINGS), always or up to a speed.
+    This is exact for a friction that does not depend on that force. Forces are those of eqs (2.4) and (2.6). With
+    other choices of BLENDINGS air has the whole demand, always or up to a speed.
     """
     wheel, command = ca.SX.sym("wheel"), ca.SX.sym("command", len(DEMANDED))
     brake, given = ca.SX.sym("brake", len(named(VehicleBrake))), ca.SX.sym("given", len(named(ElectricBrake)))
