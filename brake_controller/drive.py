@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import casadi as ca
 
-from brake_controller.point_table import PointTable
+from brake_controller.point_table import PointTable, with_default
 from fmu_src.system import ParameterSet
 
 #: Largest number of points of a force over speed.
@@ -25,34 +23,28 @@ RISE = 1.0
 LEAST = 1e-6
 
 
-def _shape(unit: str, description: str, default: float, minimum: float = -math.inf) -> Any:
-    limits = {"minimum": minimum, "maximum": math.inf}
-    more = {"unit": unit, "description": description, "kind": "real"} | limits
-    return field(default=default, kw_only=True, metadata=more)
-
-
 @dataclass(frozen=True)
 class OverSpeed(ParameterSet):
     """The force of a drive over speed as a share of its largest one; by default it is constant."""
 
-    shape_start: float = _shape("1", "Share of the force up to the first speed", 1.0, 0.0)
-    shape_end: float = _shape("m/s", "Speed above which the force falls as one over speed", NO_END, LEAST)
-    shape_speed_1: float = _shape("m/s", "Speed of point 1 of the force", 0.0, 0.0)
-    shape_speed_2: float = _shape("m/s", "Speed of point 2 of the force", 0.0, 0.0)
-    shape_speed_3: float = _shape("m/s", "Speed of point 3 of the force", 0.0, 0.0)
-    shape_speed_4: float = _shape("m/s", "Speed of point 4 of the force", 0.0, 0.0)
-    shape_speed_5: float = _shape("m/s", "Speed of point 5 of the force", 0.0, 0.0)
-    shape_speed_6: float = _shape("m/s", "Speed of point 6 of the force", 0.0, 0.0)
-    shape_speed_7: float = _shape("m/s", "Speed of point 7 of the force", 0.0, 0.0)
-    shape_speed_8: float = _shape("m/s", "Speed of point 8 of the force", 0.0, 0.0)
-    shape_change_1: float = _shape("s/m", "Change of slope at point 1 of the force", 0.0)
-    shape_change_2: float = _shape("s/m", "Change of slope at point 2 of the force", 0.0)
-    shape_change_3: float = _shape("s/m", "Change of slope at point 3 of the force", 0.0)
-    shape_change_4: float = _shape("s/m", "Change of slope at point 4 of the force", 0.0)
-    shape_change_5: float = _shape("s/m", "Change of slope at point 5 of the force", 0.0)
-    shape_change_6: float = _shape("s/m", "Change of slope at point 6 of the force", 0.0)
-    shape_change_7: float = _shape("s/m", "Change of slope at point 7 of the force", 0.0)
-    shape_change_8: float = _shape("s/m", "Change of slope at point 8 of the force", 0.0)
+    shape_start: float = with_default("1", "Share of the force up to the first speed", 1.0, 0.0)
+    shape_end: float = with_default("m/s", "Speed above which the force falls as one over speed", NO_END, LEAST)
+    shape_speed_1: float = with_default("m/s", "Speed of point 1 of the force", 0.0, 0.0)
+    shape_speed_2: float = with_default("m/s", "Speed of point 2 of the force", 0.0, 0.0)
+    shape_speed_3: float = with_default("m/s", "Speed of point 3 of the force", 0.0, 0.0)
+    shape_speed_4: float = with_default("m/s", "Speed of point 4 of the force", 0.0, 0.0)
+    shape_speed_5: float = with_default("m/s", "Speed of point 5 of the force", 0.0, 0.0)
+    shape_speed_6: float = with_default("m/s", "Speed of point 6 of the force", 0.0, 0.0)
+    shape_speed_7: float = with_default("m/s", "Speed of point 7 of the force", 0.0, 0.0)
+    shape_speed_8: float = with_default("m/s", "Speed of point 8 of the force", 0.0, 0.0)
+    shape_change_1: float = with_default("s/m", "Change of slope at point 1 of the force", 0.0)
+    shape_change_2: float = with_default("s/m", "Change of slope at point 2 of the force", 0.0)
+    shape_change_3: float = with_default("s/m", "Change of slope at point 3 of the force", 0.0)
+    shape_change_4: float = with_default("s/m", "Change of slope at point 4 of the force", 0.0)
+    shape_change_5: float = with_default("s/m", "Change of slope at point 5 of the force", 0.0)
+    shape_change_6: float = with_default("s/m", "Change of slope at point 6 of the force", 0.0)
+    shape_change_7: float = with_default("s/m", "Change of slope at point 7 of the force", 0.0)
+    shape_change_8: float = with_default("s/m", "Change of slope at point 8 of the force", 0.0)
 
 
 SHAPE = PointTable("shape_start", "shape_speed", "shape_change", MOST_DRIVE_POINTS)

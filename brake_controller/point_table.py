@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import casadi as ca
 
 #: Largest number of points, where a table has no other.
 MOST_POINTS = 6
+
+
+def with_default(unit: str, description: str, default: float, minimum: float = -math.inf) -> Any:
+    """Return a field like `quantity`, by keyword, with a value for parameter sets without the table or law."""
+    limits = {"minimum": minimum, "maximum": math.inf}
+    more = {"unit": unit, "description": description, "kind": "real"} | limits
+    return field(default=default, kw_only=True, metadata=more)
 
 
 def _steps(values: Sequence[float]) -> list[float]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields, replace
-from typing import Any
+from dataclasses import MISSING, dataclass, fields, replace
 
 import casadi as ca
 
 from brake_controller.air import AMBIENT
-from brake_controller.point_table import PointTable
+from brake_controller.point_table import PointTable, with_default
 from brake_controller.rigging import shoe_force
 from brake_controller.shoe_friction import (
     CAST_IRON_P6,
@@ -36,12 +34,6 @@ OVER_SPEED = PointTable("table_friction", "table_speed", "table_change")
 _LAWS = {law: LAWS[law] for law in (CONSTANT, CAST_IRON_P6, COMPOSITE)}
 
 
-def _of_law(unit: str, description: str, default: float, minimum: float = -math.inf) -> Any:
-    """Return a field like `quantity`, with a default for brakes of other laws."""
-    limits = {"minimum": minimum, "maximum": math.inf}
-    return field(default=default, metadata={"unit": unit, "description": description, "kind": "real"} | limits)
-
-
 @dataclass(frozen=True)
 class VehicleBrake(ParameterSet):
     """All shoes or discs of one vehicle."""
@@ -52,25 +44,25 @@ class VehicleBrake(ParameterSet):
     shoes: float = quantity("1", "Number of shoes", 1.0)
     friction_law: float = choice("Shoe friction", _LAWS | {FRACTIONS: "two fractions", TABLE: "a table over speed"})
     constant_friction: float = quantity("1", "Friction with law 0; of discs, times their radius over the wheel's", 0.0)
-    friction_scale: float = _of_law("1", "Factor of the fractions, law 8", 0.0, 0.0)
-    friction_force_added: float = _of_law("N", "Shoe force that law 8 adds above the line", 1.0)
-    friction_force_divisor: float = _of_law("N", "Shoe force that law 8 adds below the line", 1.0)
-    friction_speed_added: float = _of_law("m/s", "Speed that law 8 adds above the line", 1.0, 0.0)
-    friction_speed_divisor: float = _of_law("m/s", "Speed that law 8 adds below the line", 1.0, 1e-3)
-    friction_force_limit: float = _of_law("N", "Shoe force above which law 8 is constant", 0.0, 0.0)
-    table_friction: float = _of_law("1", "Friction of law 9 up to its first speed", 0.0, 0.0)
-    table_speed_1: float = _of_law("m/s", "Speed of point 1 of law 9", 0.0, 0.0)
-    table_speed_2: float = _of_law("m/s", "Speed of point 2 of law 9", 0.0, 0.0)
-    table_speed_3: float = _of_law("m/s", "Speed of point 3 of law 9", 0.0, 0.0)
-    table_speed_4: float = _of_law("m/s", "Speed of point 4 of law 9", 0.0, 0.0)
-    table_speed_5: float = _of_law("m/s", "Speed of point 5 of law 9", 0.0, 0.0)
-    table_speed_6: float = _of_law("m/s", "Speed of point 6 of law 9", 0.0, 0.0)
-    table_change_1: float = _of_law("s/m", "Change of slope at point 1 of law 9", 0.0)
-    table_change_2: float = _of_law("s/m", "Change of slope at point 2 of law 9", 0.0)
-    table_change_3: float = _of_law("s/m", "Change of slope at point 3 of law 9", 0.0)
-    table_change_4: float = _of_law("s/m", "Change of slope at point 4 of law 9", 0.0)
-    table_change_5: float = _of_law("s/m", "Change of slope at point 5 of law 9", 0.0)
-    table_change_6: float = _of_law("s/m", "Change of slope at point 6 of law 9", 0.0)
+    friction_scale: float = with_default("1", "Factor of the fractions, law 8", 0.0, 0.0)
+    friction_force_added: float = with_default("N", "Shoe force that law 8 adds above the line", 1.0)
+    friction_force_divisor: float = with_default("N", "Shoe force that law 8 adds below the line", 1.0)
+    friction_speed_added: float = with_default("m/s", "Speed that law 8 adds above the line", 1.0, 0.0)
+    friction_speed_divisor: float = with_default("m/s", "Speed that law 8 adds below the line", 1.0, 1e-3)
+    friction_force_limit: float = with_default("N", "Shoe force above which law 8 is constant", 0.0, 0.0)
+    table_friction: float = with_default("1", "Friction of law 9 up to its first speed", 0.0, 0.0)
+    table_speed_1: float = with_default("m/s", "Speed of point 1 of law 9", 0.0, 0.0)
+    table_speed_2: float = with_default("m/s", "Speed of point 2 of law 9", 0.0, 0.0)
+    table_speed_3: float = with_default("m/s", "Speed of point 3 of law 9", 0.0, 0.0)
+    table_speed_4: float = with_default("m/s", "Speed of point 4 of law 9", 0.0, 0.0)
+    table_speed_5: float = with_default("m/s", "Speed of point 5 of law 9", 0.0, 0.0)
+    table_speed_6: float = with_default("m/s", "Speed of point 6 of law 9", 0.0, 0.0)
+    table_change_1: float = with_default("s/m", "Change of slope at point 1 of law 9", 0.0)
+    table_change_2: float = with_default("s/m", "Change of slope at point 2 of law 9", 0.0)
+    table_change_3: float = with_default("s/m", "Change of slope at point 3 of law 9", 0.0)
+    table_change_4: float = with_default("s/m", "Change of slope at point 4 of law 9", 0.0)
+    table_change_5: float = with_default("s/m", "Change of slope at point 5 of law 9", 0.0)
+    table_change_6: float = with_default("s/m", "Change of slope at point 6 of law 9", 0.0)
 
 
 #: Numbers of laws 8 and 9 of a brake with another law.

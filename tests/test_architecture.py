@@ -237,6 +237,7 @@ PLUMBING = {
     },
     "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check", "relations_of"},
     "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
+    "brake_controller/point_table.py": {"with_default"},
     "brake_controller/cylinder.py": {"alone", "brake_model"},
     "brake_controller/distributors/__init__.py": {"distributors", "keeps_pipe", "kind_of", "pneumatic"},
     "brake_controller/distributors/ecp.py": {"ready"},
