@@ -268,6 +268,7 @@ def fastest_change(p: AarValve) -> float:
 
 AAR = Distributor(
     name="aar",
+    releases_wholly=True,
     parameters=AarValve,
     states=STATES,
     ready=ready,

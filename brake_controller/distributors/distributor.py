@@ -99,6 +99,9 @@ class Distributor:
     assisted : bool
         Whether the command `ordered` acts on the pipe at this vehicle.
 
+    releases_wholly : bool
+        Whether it releases as soon as the pipe rises, and not in part. Drivers do not reduce such a brake in part.
+
     Raises
     ------
     ValueError
@@ -116,6 +119,7 @@ class Distributor:
     adjustable: tuple[str, ...] = ()
     wired: bool = False
     assisted: bool = False
+    releases_wholly: bool = False
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[a-z][a-z0-9_]*", self.name):

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from brake_controller.distributors import kind_of
-from brake_controller.distributors.aar import AAR
 from products.train.consist import Consist
 from products.train.train import Train, within
 
@@ -31,8 +30,9 @@ MOVES = 8.0
 
 def direct_release(consist: Consist) -> int:
     """Return the number of the first vehicle, from 1, whose brake releases wholly; 0: all release in part."""
-    kinds = (kind_of(one.distributor).name for one in consist.vehicles)
-    return next((number for number, name in enumerate(kinds, 1) if name == AAR.name), 0)
+    return next(
+        (number for number, one in enumerate(consist.vehicles, 1) if kind_of(one.distributor).releases_wholly), 0
+    )
 
 
 def rolls_back(train: Train) -> bool:
@@ -54,8 +54,8 @@ class HoldingDriver:
     demand = k (v - v0) + (k / T) int (v - v0) dt, as a share of the whole brake. A dynamic brake takes the first
     `dynamic` of it, and air the rest: the driver's valve is in service, or running below half of its first step.
     A demand below 0 is traction, in trains with motors: five times that share of their largest force.
-    A train that rolls back is held by air, without traction. Where a vehicle's brake releases wholly (AAR), air is
-    never reduced in part: it stays until the demand needs none, and the speed varies more.
+    A train that rolls back is held by air, without traction. Where a vehicle's brake releases wholly, as AAR valves do,
+    air is never reduced in part: it stays until the demand needs none, and the speed varies more.
     Gains are assumed: 1 m/s too fast adds a tenth of the brake, and T is longer than the release of a cylinder.
 
     Parameters

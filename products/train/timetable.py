@@ -10,7 +10,6 @@ from itertools import pairwise
 import numpy as np
 
 from brake_controller.distributors import kind_of
-from brake_controller.distributors.aar import AAR
 from brake_controller.electric_brake import blending
 from brake_controller.traction import driving
 from fmu_src.cosimulation.recording import Recording
@@ -269,9 +268,10 @@ class TimetableDriver:
         """Take the forces of a train. Raises ValueError as `act`."""
         direct = direct_release(train.consist)
         if direct:
+            name = kind_of(train.consist.vehicles[direct - 1].distributor).name
             raise ValueError(
                 f"A driver by timetable must have brakes that release in part; vehicle {direct} has distributor = "
-                f"{AAR.name}, which releases wholly. Take ecp or uic."
+                f"{name}, which releases wholly. Take ecp or uic."
             )
         forces = train_forces(train.consist)
         self._wired = all(kind_of(one.distributor).wired for one in train.consist.vehicles)
