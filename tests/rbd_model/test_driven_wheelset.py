@@ -180,10 +180,10 @@ def test_driving_beyond_adhesion_ends_at_power_over_the_force_of_sliding(library
 
 
 def test_wheels_that_spin_at_a_drop_of_friction_roll_again_after_it(library: Library) -> None:
-    """Over the drop the rotor gains at most (i M - F r) / J of speed; afterwards the slip is that from before."""
+    """Over the drop the rotor gains at most (i M - F r) / J of speed; afterwards the creepage is that from before."""
     kernel = Kernel(library, initial_speed=15.0, initial_torque=4e3, torque_demand=4e3)
     kernel.advance(1.0)
-    before, duration, low = kernel["slip_1"], 0.5, 0.02
+    before, duration, low = kernel["slip_1"] / kernel["speed"], 0.5, 0.02
     kernel.set(friction_1=low, friction_2=low)
     kernel.advance(duration)
     inertia = P.wheel_inertia_1 + P.wheel_inertia_2 + P.gear_ratio**2 * P.rotor_inertia
@@ -191,7 +191,7 @@ def test_wheels_that_spin_at_a_drop_of_friction_roll_again_after_it(library: Lib
     assert 0.8 * most < -kernel["slip_1"] < most
     kernel.set(friction_1=DRY[0], friction_2=DRY[0])
     kernel.advance(3.0)
-    assert kernel["slip_1"] == pytest.approx(before, rel=0.3)
+    assert kernel["slip_1"] / kernel["speed"] == pytest.approx(before, rel=5e-3)  # the same force, at 5 m/s more
 
 
 def energy(state: dict[str, float], shafts: int) -> np.ndarray:

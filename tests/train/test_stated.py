@@ -288,11 +288,3 @@ def test_a_vehicle_that_no_row_states_is_refused() -> None:
     odd = replace(own.vehicles[1], braked_share=0.5)
     with pytest.raises(ValueError, match="vehicle 2 must have values that columns state; its braked_share has none"):
         rows_of(Consist((own.vehicles[0], odd)))
-
-
-@pytest.mark.parametrize("position", ["P", "G"])
-@pytest.mark.parametrize("stated", [{"full_pressure": 3.8}, {"auxiliary": 100.0}, {"cylinder": 10.3}])
-def test_a_default_that_is_stated_changes_nothing(position: str, stated: dict[str, float]) -> None:
-    row = {"kind": "wagon", "valve": "head", "position": position}
-    plain, same = (consist_of([row | own]).vehicles[0].distributor.values() for own in ({}, stated))
-    assert same == pytest.approx(plain, rel=1e-6)
