@@ -1,6 +1,6 @@
 """Brakes of imported vehicles beside those of their own programs: each formula is written here from its source.
 
-Where the difference is beyond 1 %, the test states the difference, and docs/consists.md its reason.
+A test states each difference beyond 1 %. docs/consists.md gives its reason.
 """
 
 from __future__ import annotations

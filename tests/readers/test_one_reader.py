@@ -14,7 +14,7 @@ READS = re.compile(
     r"csv\.(?:reader|DictReader)|loadtxt|genfromtxt|fromstring\(|read_csv|_?tomllib\.loads?|import tomli"
 )
 #: Files that call one of them: the readers, and modules for tables of the project itself. reference.py compares such a
-#: table cell by cell. A reader of numbers would accept other texts of the same number.
+#: table cell by cell. A reader of numbers would accept other strings of the same number.
 READERS = {"readers/tables.py", "readers/toml_files.py"}
 OF_OWN_DATA = {
     *("products/promised_variables.py", "scenarios/contact/creep_laws.py", "scenarios/contact/contact_manchester.py"),
