@@ -14,11 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.kernel import Kernel
-from rbd_model.contact.patches import Patch, patches_of
+from rbd_model.contact.patches import Part, patches_of
 from rbd_model.track.line import Segment, line_of
 from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import Vehicle, wheelset_name
-from rbd_model.wheelset.touching_patch import LARGEST_STEP
 from tests.maximal.correspondence import bodies_of, rates_of
 from tests.maximal.machine import SIDES, Machine
 from tests.maximal.motion import Moving
@@ -146,7 +145,7 @@ class OnRail:
     rails: Rails
     near: list[Touch]
 
-    def arm(self, patch: Patch) -> np.ndarray:
+    def arm(self, patch: Part) -> np.ndarray:
         """Return the vector from the wheelset's centre to the point where a patch carries load [m].
 
         A patch that fades, or lies flat on its rail beyond its limits, has no contact point of its own. Its load then

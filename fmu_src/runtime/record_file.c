@@ -12,7 +12,7 @@
 #include "sealed.h"
 #include "text_rows.h"
 
-enum { MOST_PIECES = 20000, MOST_CELLS = 8, QUOTED_CELL = 40, END_OF_PATH = 120 };
+enum { MOST_PIECES = 20000, MOST_CELLS = 48, QUOTED_CELL = 40, END_OF_PATH = 120 };
 
 static const double LARGEST_COEFFICIENT = 1e100, EQUAL_PIECES = 1e-9;
 

@@ -40,6 +40,14 @@ def stiffness_fit() -> StiffnessFit:
     return StiffnessFit(float(q[-1]), tuple(terms.tolist()))
 
 
+def stiffness_of(along: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """Return N / (E* delta^1.5) [m^0.5] of Hertz' contact from its curvatures A and B [1/m], as `elastic_force`."""
+    fit = stiffness_fit()
+    across = np.maximum(across, along * np.exp(-fit.limit))
+    q = np.minimum(np.log(across / along), fit.limit)
+    return np.asarray(np.exp(np.polynomial.polynomial.polyval(q**2, fit.terms)) / np.sqrt(along + across))
+
+
 def elastic_force(
     approach: ca.SX, along: ca.SX, across: ca.SX, shear_modulus: ca.SX, poisson_ratio: float = POISSON_RATIO
 ) -> ca.SX:

@@ -12,19 +12,19 @@ from functools import lru_cache
 import numpy as np
 
 from fmu_src.records import ListOfRecord, NumberOfRecord, Pieces, Record, RecordKind, TableOfRecord
+from rbd_model.contact.bearing import APPROACHES, AT_FIRST, CUBIC, IN_CONTACT, bearing_of, rigid_lines
 from rbd_model.contact.geometry import Side, Sides
 from rbd_model.contact.patches import (
     AT_MODEL_3,
-    MOST_PATCHES,
     TABLE_PITCH,
-    Patch,
-    check_ellipses,
+    TREAD_SLOPE,
+    Part,
+    contour_of,
     in_direction,
     offsets_of,
     patches_of,
     stand_on_treads,
 )
-from rbd_model.contact.profiles import DEGREE
 from readers.text import BadInputError
 
 #: Largest shift of a wheelset at its start [m], and the pitch of the table of its position on its treads [m].
@@ -45,25 +45,29 @@ def _table(name: str, degree: int) -> TableOfRecord:
     return TableOfRecord(name, "m", degree, -FARTHEST, FARTHEST)
 
 
-#: A patch of a wheel. `steepest` is 1 for the last part of a flange, on which a wheel climbs. `cosine` and `sine` are
-#: those of the direction along which the patch is described; of a tread it is level. `gap` is the distance of wheel and
-#: rail square to it, by the offset as the nearest point, without roll; `middle` is a place along it on the wheel.
+#: Angle below the largest one of a flange up to which it is its steepest part [rad].
+STEEP = math.radians(10.0)
+#: Most patches of a tread or of a flange.
+MOST_PATCHES = 64
+#: A patch of a wheel. `cosine` and `sine` are those of the direction along which the patch is described. The steepest
+#: part of the flange, on which a wheel climbs, lies below `steep_begins`. `gap` is the distance of wheel and
+#: rail square to it, by the offset, without roll, and `nearest` its place on the wheel; `middle` is a place along it on
+#: the wheel. `at_first` and `in_contact` are those of a `bearing.Bearing`, for wheels of `wheel_radius` at y = 0.
 PATCH = RecordKind(
     "patch",
     (
         NumberOfRecord("radius", "m", 0.0, LARGEST_RADIUS),
-        _place("square"),
         NumberOfRecord("cosine", "1", 0.0, 1.0),
         NumberOfRecord("sine", "1", -1.0, 1.0),
         _place("middle"),
-        NumberOfRecord("steepest", "1", 0.0, 1.0),
+        _place("steep_begins"),
+        NumberOfRecord("wheel_radius", "m", *RADII),
     ),
     (
-        _table("nearest", 3),
-        _table("along", 3),
-        _table("wheel", DEGREE),
-        _table("rail", DEGREE),
         _table("gap", 1),
+        _table("nearest", 1),
+        _table("at_first", CUBIC * len(AT_FIRST) - 1),
+        _table("in_contact", CUBIC * len(IN_CONTACT) * len(APPROACHES) - 1),
     ),
 )
 #: A wheel on its rail. `depth` and `slope` of the wheel and `curvature`, B of eq. (3.83), are those where a centred
@@ -134,19 +138,17 @@ def side_record(one: Side, stands: float) -> Record:
     stands: place where the wheel of a centred wheelset touches [m].
     """
     try:
-        check_ellipses(one)
         patches = patches_of(one)
     except ValueError as error:
         raise BadInputError(str(error)) from None
-    if not patches[-1].flange:
+    if max(patch.slopes[1] for patch in patches) < TREAD_SLOPE:
         raise BadInputError(
             f"A wheel of a contact table must have a flange; {one.wheel.name} on {one.rail.name} touches on its tread "
             "alone at all shifts. Check gauge, flange back and the side of y that is turned to the middle of the track."
         )
     limits = *one.wheel.limits, *one.rail.limits
     numbers = one.wheel_half_distance, one.rail_half_distance, *limits, *shape_at(one, stands)
-    steepest = patches[-1]
-    every = [(patch.flange, patch_record(one, patch, patch is steepest)) for patch in patches]
+    every = [(patch.flange, patch_record(one, patch)) for patch in patches]
     lists = tuple(tuple(record for flange, record in every if flange == asked) for asked in (False, True))
     return Record(SIDE, numbers, (), lists)
 
@@ -161,32 +163,45 @@ def shape_at(one: Side, on_wheel: float) -> tuple[float, float, float]:
     return depth, slope, (bend - float(one.rail.height(place, 2))) / (2 * math.sqrt(1 + slope**2) ** 3)
 
 
-def patch_record(one: Side, patch: Patch, steepest: bool) -> Record:
-    """Return the record of a patch (section 9.4.1); steepest: whether it is the last part of a flange."""
-    if not patch.flange and patch.direction != 0.0:
-        angle = math.degrees(patch.direction)
+def patch_record(one: Side, part: Part) -> Record:
+    """Return the record of a patch (section 9.4.1)."""
+    if part.direction < 0.0:
+        angle = math.degrees(part.direction)
         raise BadInputError(
             f"At contact model 2 a tread must bear where it slopes by more than -20 degrees; {one.wheel.name} on "
             f"{one.rail.name} bears at {angle:.0f} degrees. Change where they have y = 0, or {AT_MODEL_3}."
         )
-    tables = [pieces_of(*each) for each in (patch.nearest, patch.along, one.wheel.pieces, patch.rail.pieces)]
-    turned = math.cos(patch.direction), math.sin(patch.direction)
-    middle = float(np.mean(patch.along[1][:, 0]))
-    return Record(PATCH, (patch.radius, patch.square, *turned, middle, float(steepest)), (*tables, gap_of(one, patch)))
+    rigid = line_record(one, part)
+    bearing = bearing_of(contour_of(one, part), offsets_of(one), one.radius)
+    tables = *rigid.tables[:2], pieces_of(*bearing.at_first), pieces_of(*bearing.in_contact)
+    return Record(PATCH, rigid.numbers, tables)
 
 
-def gap_of(one: Side, patch: Patch) -> Pieces:
-    """Return the distance of a patch from the rail by the offset [m] (section 3.3.2), straight from one to the next.
+def line_record(one: Side, part: Part) -> Record:
+    """Return the same of any part, with its rigid distance and nearest place alone (section 3.3.2)."""
+    offsets, contour = offsets_of(one), contour_of(one, part)
+    turned = math.cos(part.direction), math.sin(part.direction)
+    gap, nearest = rigid_lines(contour, offsets)
+    middle = float(np.median(in_direction(nearest, one.wheel.height(nearest), part.direction)[0]))
+    nothing: Pieces = ((0.0, 1.0), ((0.0,),))
+    tables = lines_over(offsets, gap), lines_over(offsets, nearest), nothing, nothing
+    return Record(PATCH, (part.radius, *turned, middle, steep_begins(one), one.radius), tables)
 
-    Beside the offsets of the nearest points, and beside the rail, it is that of the last ones, as in the equations.
-    Beyond all searched offsets it is -FARTHEST, as if the patch touched.
-    """
-    known, rows = patch.nearest
-    x = offsets_of(one)
-    last = np.polynomial.polynomial.polyval(known[-1] - known[-2], rows[-1])
-    places = np.interp(x, known, np.append(rows[:, 0], last))
-    along, square = in_direction(places, one.wheel.height(places), patch.direction)
-    y = square - patch.rail.height(np.clip(along + x, *patch.rail.limits))
-    ends = [-FARTHEST, 0.0]
-    coefficients = np.column_stack([y[:-1], np.diff(y) / np.diff(x)])
-    return pieces_of(np.array([x[0] - TABLE_PITCH, *x, x[-1] + TABLE_PITCH]), np.vstack([ends, coefficients, ends]))
+
+@lru_cache
+def steep_begins(one: Side) -> float:
+    """Return the place on a wheel [m] below which its flange is within STEEP of its largest angle (section 9.4.1)."""
+    place = np.arange(*one.wheel.limits, TABLE_PITCH)
+    angle = np.arctan(one.wheel.height(place, 1))
+    steepest = int(np.argmax(np.where(place < 0.0, angle, -np.inf)))
+    beyond = np.flatnonzero(angle[steepest:] < angle[steepest] - STEEP)
+    return float(place[steepest + (beyond[0] if beyond.size else 0)])
+
+
+def lines_over(offsets: np.ndarray, values: np.ndarray) -> Pieces:
+    """Return straight lines through values at all searched offsets (section 3.3.2), and constants beside them."""
+    ends = offsets[0] - TABLE_PITCH, offsets[-1] + TABLE_PITCH
+    whole = np.array([values[0], *values, values[-1]])
+    return pieces_of(
+        np.array([ends[0], *offsets, ends[1]]), np.column_stack([whole[:-1], np.diff(whole) / TABLE_PITCH])
+    )

@@ -1,18 +1,21 @@
 """Patches of a wheel on its rail: parts of its profile with one contact patch each, such as tread and flange.
 
 The profiles are rigid, without yaw and roll. Along a patch the distance of wheel and rail is measured square to its
-`direction`. A nearest point therefore exists at every shift of the wheel: above the rail for the tread, beside it for
-the flange.
+`direction`: above the rail for the tread, beside it for the flange.
+
+A wheel is divided where its contact would jump. Contact model 3 divides it at every jump. Contact model 2 divides it
+only where the ridge between both places is high against the depth of a loaded contact (`bearing.LEAST_RIDGE`): places
+within one contact area are one patch.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
+from rbd_model.contact.bearing import LEAST_RIDGE, Contour
 from rbd_model.contact.geometry import LEFT, RIGHT, ROLL_LIMITS, Side, Sides
 from rbd_model.contact.profiles import Profile, from_points
 
@@ -30,10 +33,10 @@ SEARCH_PITCH, TABLE_PITCH = 0.02e-3, 0.1e-3
 LEAST_BEND = 1.0
 #: Largest displacement of the wheel against the rail along a patch [m].
 REACH = 20e-3
-#: Least range of shift over which a part of a wheel is nearest by itself [m], and the largest number of patches of a
-#: wheel, above the 15 of the most worn measured pair. Parts that jump more often are joined: there the contact moves
-#: steeply, within TABLE_PITCH, instead of jumping.
-LEAST_TRAVEL, MOST_PATCHES = 0.5e-3, 64
+#: Least range of shift over which a part of a wheel is nearest by itself [m]. Parts that jump more often are joined.
+LEAST_TRAVEL = 0.5e-3
+#: Pitch of the points of a patch along its direction [m].
+PATCH_PITCH = 0.04e-3
 #: Remedy for a pair that contact model 2 refuses: contact model 3 runs on no contact table, and on no line.
 AT_MODEL_3 = "give the pair to a vehicle in Python and run it at contact model 3 without a line (docs/vehicles.md)"
 #: Largest offset between the y = 0 of a wheel and of its rail [m]. Offsets up to it are searched every TABLE_PITCH.
@@ -43,37 +46,13 @@ TURNED_PITCH = 0.02e-3
 
 
 @dataclass(frozen=True)
-class Patch:
-    """A part of a wheel's profile and the part of its rail that it touches.
-
-    `direction` [rad] is the slope of the line along which both are described. `limits` [m] are those of the wheel's
-    part. `rail` is the contour of the rail in axes along and square to this line.
-
-    `nearest` holds breakpoints and coefficients of the position on the wheel [m] that is nearest to the rail. It
-    depends on the offset of the wheel's y = 0 from the rail's along the line [m]. `along` holds the same for the
-    distance of this position from y = 0 along the line [m]. `square` [m] is the mean of its distance square to the
-    line.
-
-    `radius` [m] is that of the rail's contour at the contact. A roll leaves this arc unchanged. It only moves the wheel
-    along the arc, about its centre. `flange` is True if the patch belongs to the flange, False for the tread.
-    """
-
-    direction: float
-    radius: float
-    limits: tuple[float, float]
-    rail: Profile
-    nearest: tuple[np.ndarray, np.ndarray]
-    along: tuple[np.ndarray, np.ndarray]
-    square: float
-    flange: bool
-
-
-@dataclass(frozen=True)
 class Part:
     """A part of a wheel from point `first` to point `last`.
 
-    Its direction [rad], radius [m] and rail are those of a `Patch`. nearest: position nearest to the rail at each
-    offset [m], NaN if the part is not nearest there.
+    `direction` [rad]: slope of the line along which wheel and rail are described. `radius` [m]: of the rail's contour
+    at the contact; a roll leaves this arc unchanged. `rail`: its contour in axes along and square to this line.
+    nearest: position nearest to the rail at each offset [m], NaN if the part is not nearest there. `slopes` [rad]: of
+    the wheel where the part bears, least and largest. `flange`: whether it bears on the flange alone.
     """
 
     first: int
@@ -82,11 +61,8 @@ class Part:
     radius: float
     rail: Profile
     nearest: np.ndarray
-
-    @property
-    def flange(self) -> bool:
-        """True if the part is as steep as a flange."""
-        return self.direction >= TREAD_SLOPE
+    slopes: tuple[float, float]
+    flange: bool
 
     @property
     def travel(self) -> float:
@@ -94,31 +70,29 @@ class Part:
         return float(np.count_nonzero(np.isfinite(self.nearest)) - 1) * TABLE_PITCH
 
 
-@lru_cache
-def patches_of(one: Side, most: int = MOST_PATCHES) -> tuple[Patch, ...]:
-    """Return the patches of a wheel from the field side to the flange, joined to at most `most` (section 9.4.1).
+def patches_of(one: Side) -> tuple[Part, ...]:
+    """Return the parts of a wheel that are patches of contact model 2, from the field side to the flange."""
+    return parts_of(one, LEAST_RIDGE)
 
-    A part beyond the first one of the flange belongs to the flange, however flat it is: it is the flange's tip.
-    """
-    parts, s = list(parts_of(one)), positions_of(one)
-    if len(parts) <= most < MOST_PATCHES:
-        return patches_of(one)
-    gaps = gaps_of(one, s) if len(parts) > most else []
-    while len(parts) > most:
-        join_shortest(one, s, gaps, parts)
-    first = next((place for place, part in enumerate(parts) if part.flange), len(parts))
-    return tuple(patch(one, s, part, place >= first) for place, part in enumerate(parts))
+
+def contour_of(one: Side, part: Part) -> Contour:
+    """Return the points of a part and its rail in the axes of the part (section 3.3.2)."""
+    first, last = positions_of(one)[[part.first, part.last - 1]]
+    place = np.arange(first, last, PATCH_PITCH * math.cos(part.direction))
+    depth = one.wheel.height(place)
+    return Contour(part.direction, place, *in_direction(place, depth, part.direction), depth, part.rail)
 
 
 @lru_cache
-def parts_of(one: Side) -> tuple[Part, ...]:
+def parts_of(one: Side, least_ridge: float = 0.0, most: int | None = None) -> tuple[Part, ...]:
     """Return the parts of a wheel from the field side to the flange, cut where the contact would jump (section 9.4.1).
 
     The nearest point of each part is followed over shifts of the wheel against its rail. It may jump while the part is
-    as near as the rest of the wheel to within RELEVANT. The part is then cut at the ridge between both places, so that
-    each part's own nearest point moves without jumps. Several parts may bear at once. On some conformal contours, such
-    as those of EN 15302 in the flange root, the contact jumps every tenth of a millimetre. Parts are then joined again
-    until each of them travels far enough.
+    as near as the rest of the wheel to within RELEVANT. The part is then cut at the ridge between both places if this
+    ridge is at least `least_ridge` [m] high. Several parts may bear at once. On some conformal contours, such as those
+    of EN 15302 in the flange root, the contact jumps every tenth of a millimetre. Parts are then joined again until
+    each of them travels far enough, and until they are at most `most`. A part beyond the first one of the flange
+    belongs to the flange, however flat it is: it is the flange's tip.
 
     Raises
     ------
@@ -130,39 +104,22 @@ def parts_of(one: Side) -> tuple[Part, ...]:
     cuts, whole = [], [(0, s.size)]
     while whole:
         first, last = whole.pop()
-        cut = ridge(one, s, gaps, first, last)
+        cut = ridge(one, s, gaps, first, last, least_ridge)
         if cut is None:
             cuts.append((first, last))
         else:
             whole += [(first, cut), (cut, last)]
     parts = [follow(one, s, gaps, *ends) for ends in sorted(cuts, reverse=True)]
     join_tip(one, s, gaps, parts)
-    while len(parts) > 1 and min(part.travel for part in parts) < LEAST_TRAVEL:
+    while len(parts) > 1 and (min(part.travel for part in parts) < LEAST_TRAVEL or len(parts) > (most or len(parts))):
         join_shortest(one, s, gaps, parts)
     if parts[0].travel < LEAST_TRAVEL:
         raise ValueError(
             f"{one.wheel.name} must touch {one.rail.name} beside the ends of its profile over at least"
             f" {1e3 * LEAST_TRAVEL:g} mm of shift; it does not. Give longer profiles, or change where they have y = 0."
         )
-    return tuple(parts)
-
-
-def check_ellipses(one: Side) -> None:
-    """Check that a contact table has room for the patches of a wheel (section 9.4.1).
-
-    Raises
-    ------
-    ValueError
-        If the wheel has more than MOST_PATCHES parts, as conformal contours of many small arcs have.
-    """
-    parts, s = parts_of(one), positions_of(one)
-    if len(parts) > MOST_PATCHES:
-        low, high = (1e3 * float(s[place]) for place in (parts[-2].first, parts[0].first))
-        raise ValueError(
-            f"At contact model 2 the contact must move without jumps on at most {MOST_PATCHES} parts of a wheel; "
-            f"{one.wheel.name} on {one.rail.name} has {len(parts)}, with jumps from y = {low:.3g} to {high:.3g} mm. "
-            f"Give smoother profiles, or {AT_MODEL_3}."
-        )
+    first = next((place for place, part in enumerate(parts) if part.flange), len(parts))
+    return tuple(replace(part, flange=place >= first) for place, part in enumerate(parts))
 
 
 def join_shortest(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]) -> None:
@@ -184,7 +141,7 @@ def join_tip(one: Side, s: np.ndarray, gaps: list[np.ndarray], parts: list[Part]
     This is a decision of this project (section 9.4.1). The end of the last part is thus that of the flange.
     """
     at = int(np.argmax([part.direction for part in parts]))
-    if not parts[at].flange or at == len(parts) - 1:
+    if parts[at].direction < TREAD_SLOPE or at == len(parts) - 1:
         return
     direction = (parts[at].direction + max(parts[-1].direction, TREAD_SLOPE)) / 2
     parts[at:] = [follow(one, s, gaps, parts[-1].first, parts[at].last, direction)]
@@ -227,8 +184,10 @@ def gaps_of(one: Side, s: np.ndarray) -> list[np.ndarray]:
     return [np.where(np.isfinite(gap), gap, np.inf) for gap in gaps]
 
 
-def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int) -> int | None:
+def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int, least: float) -> int | None:
     """Return the index at which to cut a part whose nearest point jumps, or None: the highest point of the jump.
+
+    least [m]: height of the ridge over both places, below which the part is not cut.
 
     Section 9.4.1. A roll moves the wheel along each arc of the rail by its radius times the roll. It therefore moves a
     jump from one arc to another by the difference of both. The jump is relevant if wheelsets that roll by up to TILT
@@ -245,8 +204,20 @@ def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: in
         near = (offsets[after - 1] - reached <= offsets) & (offsets <= offsets[after] + reached)
         if np.any(bears & near):
             low, high = sorted(places[after - 1 : after + 1])
-            return first + low + int(np.argmax(own[after, low:high]))
+            if ridge_height(own[after - 1 : after + 1], low, high) >= least:
+                return first + low + int(np.argmax(own[after, low:high]))
     return None
+
+
+def ridge_height(gaps: np.ndarray, low: int, high: int) -> float:
+    """Return the height of the ridge between the points `low` and `high` where both are equally near [m], (3.78).
+
+    gaps [m]: at the offsets before and after the jump, shape (2, n).
+    """
+    ends, tops = gaps[:, [low, high]], np.max(gaps[:, low : high + 1], axis=1)
+    apart = ends[:, 0] - ends[:, 1]
+    share = float(apart[0] / (apart[0] - apart[1])) if apart[0] * apart[1] < 0.0 else 0.5
+    return float(np.interp(share, [0.0, 1.0], tops - ends[:, 0]))
 
 
 def rail_bend(one: Side, y: float) -> float:
@@ -297,17 +268,9 @@ def follow(
     if first == 0 and direction and np.any(np.isfinite(found)):
         # The contact moves from the root to the tip. Before, the back of the flange may lie over the turned rail.
         found[: np.nanargmax(found)] = np.nan
-    return Part(first, last, direction, radius, rail, found)
-
-
-def patch(one: Side, s: np.ndarray, part: Part, flange: bool) -> Patch:
-    """Return the patch of a part of a wheel (section 3.3.2)."""
-    offsets, known, direction = offsets_of(one), np.isfinite(part.nearest), part.direction
-    place = in_direction(part.nearest[known], one.wheel.height(part.nearest[known]), direction)
-    nearest, beside = (PchipInterpolator(offsets[known], each) for each in (part.nearest[known], place[0]))
-    near, along_line = ((curve.x, curve.c[::-1].T) for curve in (nearest, beside))
-    limits = float(s[part.first]), float(s[part.last - 1])
-    return Patch(direction, part.radius, limits, part.rail, near, along_line, float(np.mean(place[1])), flange)
+    ends = (min(slopes), max(slopes)) if slopes else (direction, direction)
+    flange = direction >= TREAD_SLOPE and ends[0] >= TREAD_SLOPE / 2
+    return Part(first, last, direction, radius, rail, found, ends, flange)
 
 
 def nearest_point(s: np.ndarray, gap: np.ndarray, cut: tuple[bool, bool]) -> float:
@@ -367,8 +330,9 @@ def stand_on_treads(pair: Sides, shift: float) -> TreadStand:
     """Return the rigid contact of both treads at a shift of the axle [m], without the flanges (section 4.3)."""
     places = []
     for one in pair.both:
-        treads = [patch.limits for patch in patches_of(one) if not patch.flange]
-        places.append(np.arange(min(low for low, _ in treads), max(high for _, high in treads), SEARCH_PITCH))
+        s = positions_of(one)
+        treads = [part for part in parts_of(one) if not part.flange]
+        places.append(s[min(part.first for part in treads) : max(part.last for part in treads)])
     heights = [one.wheel.height(s) for one, s in zip(pair.both, places, strict=True)]
 
     def gaps(roll: float) -> list[np.ndarray]:

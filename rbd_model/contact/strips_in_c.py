@@ -17,7 +17,7 @@ from rbd_model.contact.friction import GAUGE_FACE_BEGINS, HEAD_ENDS
 from rbd_model.contact.geometry import Side
 from rbd_model.contact.hertz import POISSON_RATIO
 from rbd_model.contact.normal import ellipses
-from rbd_model.contact.patches import patches_of
+from rbd_model.contact.patches import parts_of, positions_of
 from rbd_model.contact.profiles import Profile
 from rbd_model.contact.strip_creep import coefficients
 
@@ -75,7 +75,9 @@ def segments_of(one: Side) -> list[tuple[float, float]]:
     Section 9.4.1. There are at most MOST_SEGMENTS, which strips.c supports. Each begins at the end of the one before,
     so that strips of both leave no gap.
     """
-    limits = [patch.limits for patch in reversed(patches_of(one, MOST_SEGMENTS))]
+    s = positions_of(one)
+    parts = reversed(parts_of(one, most=MOST_SEGMENTS))
+    limits = [(float(s[part.first]), float(s[part.last - 1])) for part in parts]
     return [(low, limits[i + 1][0] if i + 1 < len(limits) else high) for i, (low, high) in enumerate(limits)]
 
 

@@ -11,7 +11,8 @@ from rbd_model.body.bodies import start_along
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.contact.geometry import Side
-from rbd_model.contact.patches import check_ellipses, patches_of
+from rbd_model.contact.pair_table import line_record
+from rbd_model.contact.patches import parts_of, patches_of
 from rbd_model.contact.strips_in_c import MOST_SEGMENTS, OF_SEGMENT, wheel_on_strips
 from rbd_model.track.irregularity import Section
 from rbd_model.vehicle.assembly import Assembly
@@ -27,18 +28,24 @@ from rbd_model.wheelset.in_space import (
     push_wheelset,
     stand_on_track,
 )
-from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, TurningTrack
+from rbd_model.wheelset.pressing_patch import (
+    PatchConstants,
+    PatchState,
+    Press,
+    TurningTrack,
+    WheelPress,
+    pressing_patch,
+)
 from rbd_model.wheelset.profiles_of import ProfilesOf, record_of
 from rbd_model.wheelset.standing import press_at_start, sinking, stand_at_start
 from rbd_model.wheelset.touch import SIDES, Placement, Wheel
-from rbd_model.wheelset.touching_patch import PatchTables, find_nearest
-from rbd_model.wheelset.wheel_on_patches import Feeling, WheelPress
+from rbd_model.wheelset.touching_patch import InNumbers, Stands, find_nearest
 from rbd_model.wheelset.wheel_on_record import (
     FLANGES,
     TREADS,
+    Feeling,
     asked_of_record,
     given_of,
-    patch_of_record,
     room_of_tread,
     room_on,
     watched_wheel,
@@ -187,8 +194,7 @@ class WheelFound:
 
 def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, body: Body) -> WheelFound:
     """Return the forces on the wheel `index` (0: left) of a wheelset on its patches, (3.77), (3.78)."""
-    one, system, profiles = side_of(assembly, number, index), assembly.system, stance.profiles.sides[index]
-    check_ellipses(one)
+    system, profiles = assembly.system, stance.profiles.sides[index]
     wheel, state = feel_rail(assembly, number, index, stance)
     track = TurningTrack(body.track.turning, body.stretch)
     # The rail's place turns with the track about its own axis. The patch adds the part beside this axis.
@@ -197,20 +203,19 @@ def press_patches(assembly: Assembly, number: int, index: int, stance: Stance, b
     lies += ca.vertcat(0, moved[0], moved[1 + index])
     slopes = state.slopes + ca.cross(ca.vertcat(track.turning[0], 0, 0), lies)[1:]
     state = replace(state, slopes=system.narrow(slopes))
-    fixed = PatchConstants(stance.cosines, wheel.vector, ca.SX.zeros(2), *surroundings(assembly))
+    fixed = PatchConstants(stance.cosines, wheel.vector, *surroundings(assembly))
     feeling = Feeling(state, fixed, track if assembly.on_line else None)
     assert profiles.record is not None
     whole = given_of(feeling, profiles.record)
     pressed = system.call(wheel_on_record(assembly.contact, assembly.on_line), *whole)
     given = ca.vertcat(state.offset, state.height, state.yaw, state.roll)
     constants = ca.vertcat(fixed.cosines, fixed.wheel, profiles.record)
-    approaches = system.call(watched_wheel(flange_alone=False), given, constants)
-    of_flange = system.call(watched_wheel(flange_alone=True), given, constants)
+    watched = system.call(watched_wheel(), given, constants)
     ends = ca.vertcat(profiles.wheel_limits[1], *profiles.rail_limits)
     of_tread = system.call(room_of_tread(), given, ca.vertcat(fixed.cosines, fixed.wheel, ends, profiles.record))
-    room = ca.vertcat(-of_tread, -of_flange[2] - profiles.wheel_limits[0])
+    room = ca.vertcat(-of_tread, -watched[2] - profiles.wheel_limits[0])
     each = force_of_each(assembly, number, index, feeling)
-    return WheelFound(WheelPress.of(pressed), each, (approaches[0], approaches[1]), room, ca.vertcat(*whole))
+    return WheelFound(WheelPress.of(pressed), each, (watched[0], watched[1]), room, ca.vertcat(*whole))
 
 
 def force_of_each(assembly: Assembly, number: int, index: int, feeling: Feeling) -> list[ca.SX]:
@@ -227,7 +232,7 @@ def force_of_each(assembly: Assembly, number: int, index: int, feeling: Feeling)
         record = record_of(assembly, number, path)
         given = given_of(feeling, record)
         asked = system.call(asked_of_record(patch.flange, assembly.on_line), *given, record)
-        part = patch_of_record(patch.flange, assembly.contact, assembly.on_line)
+        part = pressing_patch(patch.flange, assembly.contact, assembly.on_line)
         forces.append(WheelPress.of(system.call(part, *given, asked)).force)
     return forces
 
@@ -243,19 +248,18 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     wheel, state = feel_rail(assembly, number, index, stance)
     slopes = (state.slopes + ca.cross(body.track.turning, middle)[1:]) / body.stretch
     state = replace(state, slopes=slopes)
-    patches = patches_of(one, MOST_SEGMENTS)
-    at = replace(stance.placement, lateral=state.offset), wheel, state.height
-    nearest = [find_nearest(assembly.system, PatchTables.of(patch, one.wheel), at) for patch in patches]
-    given = state.vector[: -state.nearest.numel()]
+    parts = parts_of(one, most=MOST_SEGMENTS)
+    stands = Stands.of(replace(stance.placement, lateral=state.offset), wheel, state.height)
+    nearest = [find_nearest(assembly.system, InNumbers(line_record(one, part)), part.flange, stands) for part in parts]
     nu, (*steel, surface, damping, gauge_face) = assembly.contact.poisson_ratio, surroundings(assembly)
     without_slip = surface[: surface.numel() - 1]
     constants = ca.vertcat(wheel.vector, *steel, without_slip, damping, gauge_face, nu, assembly.on_line)
-    found = assembly.system.call(wheel_on_strips(one, nu), given, constants)
-    each = [Press.of(found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)]) for i in reversed(range(len(patches)))]
-    pressed = WheelPress.of_patches(each, [patch.flange for patch in patches])
+    found = assembly.system.call(wheel_on_strips(one, nu), state.vector, constants)
+    each = [Press.of(found[OF_SEGMENT * i : OF_SEGMENT * (i + 1)]) for i in reversed(range(len(parts)))]
+    pressed = WheelPress.of_patches(each, [part.flange for part in parts])
     *others, steepest = (near.approach for near in nearest)
     ends = stance.profiles.sides[index]
-    treads = [near for near, patch in zip(nearest, patches, strict=True) if not patch.flange]
+    treads = [near for near, part in zip(nearest, parts, strict=True) if not part.flange]
     of_treads = [room_on(near, ends.wheel_limits[1], ends.rail_limits) for near in treads]
     room = ca.vertcat(ca.mmin(ca.vertcat(*of_treads)), nearest[-1].position - ends.wheel_limits[0])
     return WheelFound(pressed, [patch.force for patch in each], (ca.mmax(ca.vertcat(*others)), steepest), room)
@@ -271,7 +275,7 @@ def side_of(assembly: Assembly, number: int, index: int) -> Side:
 
 
 def feel_rail(assembly: Assembly, number: int, index: int, stance: Stance) -> tuple[Wheel, PatchState]:
-    """Return a wheel, its position and its motion on its rail (section 3.2); its nearest point is not known yet (0)."""
+    """Return a wheel, its position and its motion on its rail (section 3.2)."""
     data, on, one = assembly.vehicle.wheelsets[number - 1], stance.on, stance.profiles.sides[index]
     moved, speed = stance.give.moved, stance.give.speed
     distances = ca.SX(one.wheel_half_distance), ca.SX(one.rail_half_distance)
@@ -290,7 +294,6 @@ def feel_rail(assembly: Assembly, number: int, index: int, stance: Stance) -> tu
         stance.roll,
         ca.vertcat(on.slopes[0] + side * spreading, on.slopes[1 + index]),
         on.frictions[index],
-        nearest=ca.SX(0),
     )
     return wheel, state
 

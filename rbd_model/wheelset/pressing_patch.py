@@ -6,6 +6,9 @@ evaluated only if it may touch.
 
 from __future__ import annotations
 
+import hashlib
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -13,18 +16,22 @@ import casadi as ca
 
 from fmu_src.chain import Bundle, Chain, Part, rows
 from rbd_model.body.kinematics import turned_by
-from rbd_model.contact.creep.law import SMALLEST_LOAD, at_least
+from rbd_model.contact.creep.law import SMALLEST_LOAD, CreepLaw, at_least
+from rbd_model.contact.creep.of_steel import OfSteel
 from rbd_model.contact.creep_of_wheel import creep_of_wheel, how_it_slides
 from rbd_model.contact.depth import Contact
-from rbd_model.contact.elastic import damped, elastic_force
+from rbd_model.contact.elastic import damped
 from rbd_model.contact.friction import friction_over_angle
-from rbd_model.wheelset.touch import Pieces, follow_cosines
-from rbd_model.wheelset.touching_patch import TouchingPatch, patch_of_wheel
+from rbd_model.wheelset.touch import follow_cosines
+from rbd_model.wheelset.touching_patch import TouchingPatch, touching_patch
+
+#: Contact angles between which a contact passes from the tread to the flange [rad].
+FLANGE_ANGLES = math.radians(15.0), math.radians(25.0)
 
 
 @dataclass(frozen=True)
 class PatchState(Bundle):
-    """Position and motion of a wheelset, with the rail's slopes, friction and nearest point at a patch of a wheel."""
+    """Position and motion of a wheelset, with the rail's slopes and friction at a wheel."""
 
     forward: ca.SX = rows(1)  # v_x [m/s]
     sideways: ca.SX = rows(1)  # v_y [m/s]
@@ -38,7 +45,6 @@ class PatchState(Bundle):
     roll: ca.SX = rows(1)  # [rad]
     slopes: ca.SX = rows(2)  # of the rail along the track, sideways and upwards [1]
     friction: ca.SX = rows(1)  # without sliding [1]
-    nearest: ca.SX = rows(1)  # position on the wheel's profile without yaw [m]
 
 
 @dataclass(frozen=True)
@@ -61,11 +67,10 @@ class TurningTrack(Bundle):
 
 @dataclass(frozen=True)
 class PatchConstants(Bundle):
-    """Inputs of a patch that are not differentiated; the cosines are those of `direction_cosines`."""
+    """Inputs of a wheel that are not differentiated; the cosines are those of `direction_cosines`."""
 
     cosines: ca.SX = rows(4)
     wheel: ca.SX = rows(4)  # `Wheel`
-    direction: ca.SX = rows(2)  # cosine and sine
     creepage_speed: ca.SX = rows(1)  # [m/s]
     shear_modulus: ca.SX = rows(1)  # [Pa]
     surface: ca.SX = rows(5)
@@ -84,6 +89,37 @@ class Press(Bundle):
     approach: ca.SX = rows(1)  # [m]
     damping_power: ca.SX = rows(1)  # what the contact loses as it is pressed [W]
     stored: ca.SX = rows(1)  # its energy [J]
+
+
+@dataclass(frozen=True)
+class WheelPress(Bundle):
+    """Effect of all patches of a wheel on its wheelset, sums of a `Press`."""
+
+    force: ca.SX = rows(3)  # in the axes of the track [N]
+    moment: ca.SX = rows(3)  # in the wheelset's own [N.m]
+    creep_along: ca.SX = rows(1)  # creep forces along the rail [N]
+    creep_power: ca.SX = rows(1)  # what all creep forces take [W]
+    damping_power: ca.SX = rows(1)  # what the contacts lose as they are pressed [W]
+    stored: ca.SX = rows(1)  # their energy [J]
+    flange_force: ca.SX = rows(1)  # of the rail on the flange, to the left [N]
+
+    @classmethod
+    def of_patches(cls, patches: Sequence[Press], flanges: Sequence[ca.SX | float]) -> WheelPress:
+        """flanges: share of the flange in each patch."""
+        flange = [share * one.force[1] for one, share in zip(patches, flanges, strict=True)]
+
+        def total(name: str) -> ca.SX:
+            return sum((getattr(one, name) for one in patches[1:]), getattr(patches[0], name))
+
+        powers = total("creep_along"), total("creep_power"), total("damping_power"), total("stored")
+        return cls(total("force"), total("moment"), *powers, flange_force=sum(flange, ca.SX(0)))
+
+
+def flange_share(patch: TouchingPatch, side: ca.SX) -> ca.SX:
+    """Return 0 for a contact on the tread, 1 on the flange, by its angle (section 9.4.1)."""
+    low, high = (math.sin(angle) for angle in FLANGE_ANGLES)
+    share = ca.fmin(ca.fmax((-side * patch.across[0] - low) / (high - low), 0), 1)
+    return share**2 * (3 - 2 * share)
 
 
 @dataclass(frozen=True)
@@ -130,31 +166,50 @@ class RailSlope:
 
 
 @lru_cache
-def pressing_patch(wheel_terms: int, rail_terms: int, flange: bool, contact: Contact, on_line: bool = False) -> Part:
-    """Return the part that computes a `Press` from a `PatchState`, (3.82)-(3.105) with Hertz' force by the approach.
+def pressing_patch(flange: bool, contact: Contact, on_line: bool = False) -> Part:
+    """Return the part for the `WheelPress` of one patch from a `PatchState`, (3.82)-(3.105).
 
-    Constants include the pieces. flange: true for a flange, false for a tread; they have their own creep laws. on_line:
-    a `TurningTrack` follows the state.
+    The last constant is the record of the patch. flange: true for a flange, false for a tread; they have their own
+    creep laws. on_line: a `TurningTrack` follows the state.
     """
     place = "flange" if flange else "tread"
     state, fixed, chain = PatchState.symbols("state"), PatchConstants.symbols("constants"), Chain()
-    pieces = Pieces(ca.SX.sym("wheel", wheel_terms), ca.SX.sym("rail", rail_terms))
+    record = ca.SX.sym("record")
     follow_cosines(chain, fixed.cosines, ca.vertcat(state.yaw, state.roll))
-    patch = find_patch(chain, state, fixed, pieces)
+    patch = find_patch(chain, state, fixed, touching_patch(flange), contact.poisson_ratio, record)
     track = TurningTrack.symbols("track") if on_line else TurningTrack.straight()
     creeping = creep_of_wheel(contact.law_of(flange), place)
-    results = press(chain, state, track, fixed, patch, creeping, contact.poisson_ratio).vector
+    pressed = press(chain, state, track, fixed, patch, creeping)
+    results = WheelPress.of_patches([pressed], [flange_share(patch, fixed.wheel[0])]).vector
     given = ca.vertcat(state.vector, track.vector) if on_line else state.vector
-    constants = ca.vertcat(fixed.vector, pieces.vector)
-    return Part(f"press_{place}_{wheel_terms}_{rail_terms}", given, constants, results, chain)
+    name = f"press_{place}_{law_name(contact.law_of(flange))}{'_on_line' if on_line else ''}"
+    return Part(name, given, ca.vertcat(fixed.vector, record), results, chain)
 
 
-def find_patch(chain: Chain, state: PatchState, fixed: PatchConstants, pieces: Pieces) -> TouchingPatch:
-    """Return the point where the patch touches or would touch, (3.54), (3.57)."""
-    given = ca.vertcat(state.offset, state.height, state.yaw, state.roll, state.nearest)
-    constants = ca.vertcat(fixed.cosines, fixed.wheel, fixed.direction, pieces.vector)
-    part = patch_of_wheel(pieces.wheel.numel(), pieces.rail.numel())
-    return TouchingPatch.of(chain.call(part, given, constants))
+def law_name(law: CreepLaw) -> str:
+    """Return letters that are equal for equal laws."""
+    return hashlib.sha256(_name_of(law).encode()).hexdigest()[:8]
+
+
+def _name_of(law: CreepLaw) -> str:
+    if isinstance(law, OfSteel):
+        return f"{_name_of(law.law)} {law.poisson_ratio!r}"
+    return f"{law.__module__}.{getattr(law, '__qualname__', type(law).__qualname__)}"
+
+
+def find_patch(
+    chain: Chain,
+    state: PatchState,
+    fixed: PatchConstants,
+    touching: Part,
+    poisson_ratio: float,
+    record: ca.SX | None = None,
+) -> TouchingPatch:
+    """Return the contact of a patch, (3.54), (3.57); touching: a `touching_patch`; record: its own, if it has one."""
+    given = ca.vertcat(state.offset, state.height, state.yaw, state.roll)
+    modulus = fixed.shear_modulus / (1 - poisson_ratio)
+    constants = ca.vertcat(fixed.cosines, fixed.wheel, modulus, *([] if record is None else [record]))
+    return TouchingPatch.of(chain.call(touching, given, constants))
 
 
 def press(
@@ -164,11 +219,11 @@ def press(
     fixed: PatchConstants,
     patch: TouchingPatch,
     creeping: Part,
-    poisson_ratio: float,
 ) -> Press:
     """Return normal force by the approach (Hertz, Johnson 1985), creep forces by (3.89)-(3.105), and their moments.
 
-    creeping: a `creep_of_wheel`.
+    The elastic force is that of the stored energy, and its moment has no part about the wheel's own axis. Damping acts
+    along the normal at the contact. creeping: a `creep_of_wheel`.
     """
     axes = turned_by(fixed.cosines)
     along = axes[0, :].T
@@ -182,7 +237,7 @@ def press(
     drift = chain.narrow(ca.dot(patch.across, sections) / track.stretch)
     closing = state.forward * drift - ca.dot(patch.normal, sliding)
     curvatures = patch.curvature_along, patch.curvature_across
-    elastic = elastic_force(patch.approach, *curvatures, fixed.shear_modulus, poisson_ratio)
+    elastic = patch.load
     normal = chain.narrow(damped(elastic, closing, fixed.damping))
 
     directions = along, sideways, patch.normal
@@ -195,15 +250,17 @@ def press(
     # The law does not model loads below the smallest. Without load the creep force is 0.
     share = normal / at_least(normal, SMALLEST_LOAD)
     creep_along, creep_aside = share * creep[0], share * creep[1]
-    ahead_force, side_force, pressing = slope.forces(creep_along, creep_aside, normal)
+    ahead_force, side_force, pressing = slope.forces(creep_along, creep_aside, normal - elastic)
     own = ahead_force * along + side_force * sideways + pressing * patch.normal
-    across = pressing * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
+    pressed = patch.push[:2] + (normal - elastic) * patch.across
+    across = patch.push[:2] + pressing * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
+    turning = ca.vertcat(patch.push[3], 0, patch.push[2] / fixed.cosines[2])
     return Press(
-        ca.vertcat(ahead_force - drift * pressing, across),
-        ca.cross(patch.arm, own) + ca.vertcat(0, slope.lead * creep_aside, 0),
+        ca.vertcat(ahead_force - ca.dot(pressed, sections) / track.stretch, across),
+        ca.cross(patch.arm, own) + turning + ca.vertcat(0, slope.lead * creep_aside, 0),
         creep_along,
         -creep_along * slides[0] - creep_aside * slides[1],
         patch.approach,
         (normal - elastic) * closing,
-        0.4 * elastic * ca.fmax(patch.approach, 0),
+        patch.stored,
     )

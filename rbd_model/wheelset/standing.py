@@ -21,17 +21,10 @@ from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.hertz import moving_ellipse
 from rbd_model.vehicle.assembly import Assembly
 from rbd_model.wheelset.in_space import OnTrack
-from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, TurningTrack
+from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, TurningTrack, WheelPress
 from rbd_model.wheelset.profiles_of import ProfilesOf, SideOf
-from rbd_model.wheelset.touch import SIDES, Placement, Wheel
-from rbd_model.wheelset.touching_patch import (
-    PROFILE_TERMS,
-    LineOfRecord,
-    TouchingPatch,
-    find_nearest_in,
-    patch_of_wheel,
-)
-from rbd_model.wheelset.wheel_on_patches import WheelPress
+from rbd_model.wheelset.touch import SIDES, Wheel
+from rbd_model.wheelset.touching_patch import TouchingPatch, touching_patch
 from rbd_model.wheelset.wheel_on_record import FLANGES, TREADS, wheel_on_record
 
 #: Approach at which a contact's stiffness is evaluated [m]; its value does not matter.
@@ -43,8 +36,8 @@ KEPT_ERROR, LOAD_ERROR = 0.005, 1e-6
 ROUNDS, LARGEST_FALL, LARGEST_LIFT = 8, 0.1e-3, 0.2e-3
 #: Times that both wheels are lifted at the start: a tilt moves their patches sideways, on a slope up or down.
 TILTS = 3
-#: Rows of a `PatchState` that `wheel_on_record` is given: all but the nearest point.
-STATE = PatchState.symbols("state").vector.numel() - 1
+#: Rows of a `PatchState`.
+STATE = PatchState.symbols("state").vector.numel()
 
 
 def sinking(assembly: Assembly, number: int, profiles: ProfilesOf) -> ca.SX:
@@ -126,15 +119,15 @@ def lift_of_wheel_at_start(contact: Contact, on_line: bool) -> Part:
     counts = wheel.arguments.numel(), wheel.constants.numel()
     given = ca.SX.sym("given", sum(counts) + 1)
     own, constants, load = ca.vertsplit(given, [0, counts[0], sum(counts), sum(counts) + 1])
-    state, zero = PatchState.of(ca.vertcat(own[:STATE], 0)), ca.SX(0)
+    state, zero = PatchState.of(own[:STATE]), ca.SX(0)
     state = replace(state, sideways=zero, rise=zero, roll_rate=zero, yaw_rate=zero, slopes=ca.SX.zeros(2))
     track = TurningTrack.straight().vector if on_line else ca.SX(0, 1)
-    fixed = PatchConstants.of(ca.vertcat(constants[:8], ca.SX.zeros(2), constants[8:-1]))
+    fixed = PatchConstants.of(constants[:-1])
     place = ca.vertcat(state.offset, state.height, state.yaw, state.roll)
     place = ca.vertcat(place, fixed.cosines, fixed.wheel, fixed.shear_modulus, constants[-1])
 
     def press(lift: ca.SX, when: ca.SX) -> tuple[ca.SX, ca.SX]:
-        lifted = replace(state, height=state.height + lift).vector[:STATE]
+        lifted = replace(state, height=state.height + lift).vector
         pressed = WheelPress.of(chain.call(wheel, ca.vertcat(lifted, track), constants, when=when))
         # The slope needs no creep forces.
         chain.call(load_on_wheel(contact.poisson_ratio), lift, place, when=when)
@@ -179,21 +172,17 @@ def load_on_patch(flange: bool, poisson_ratio: float) -> Part:
     that of spin (3.99), as in `sinking_of_wheel`.
     """
     lift, constants, chain = ca.SX.sym("lift"), ca.SX.sym("constants", 14), Chain()
-    (offset, height, yaw, roll), cosines, record = ca.vertsplit(constants[:4]), constants[4:8], constants[13]
-    wheel, modulus, lifted = constants[8:12], constants[12], height + lift
-    placement = Placement(yaw, roll, cosines, offset)
-    near = find_nearest_in(chain, record, flange, (placement, Wheel(*ca.vertsplit(wheel)), lifted))
-    direction = ca.vertcat(*LineOfRecord.of(chain, record, flange).cosine_and_sine)
-    given = ca.vertcat(offset, lifted, yaw, roll, near.position)
-    fixed = ca.vertcat(cosines, wheel, direction, near.pieces.vector)
-    patch = TouchingPatch.of(chain.call(patch_of_wheel(PROFILE_TERMS, PROFILE_TERMS), given, fixed))
+    offset, height, yaw, roll = ca.vertsplit(constants[:4])
+    modulus, record = constants[12], constants[13]
+    fixed = ca.vertcat(constants[4:12], modulus / (1 - poisson_ratio), record)
+    given = ca.vertcat(offset, height + lift, yaw, roll)
+    patch = TouchingPatch.of(chain.call(touching_patch(flange), given, fixed))
     shape = patch.curvature_along, patch.curvature_across
-    normal = elastic_force(patch.approach, *shape, modulus, poisson_ratio)
     slope = patch.across[0] / patch.across[1]
     logarithm, semi_axis = moving_ellipse(*shape, ca.SX(1.0), modulus, poisson_ratio)
     of_angle = smooth_kalker_coefficients(logarithm, poisson_ratio).c23 * 2 * patch.curvature_along * slope
     of_spin = modulus * semi_axis**3 * of_angle
-    load = normal * patch.across[1] * (1 + of_spin * slope)
+    load = patch.push[1] + patch.load * patch.across[1] * of_spin * slope
     return Part(f"load_on_{'flange' if flange else 'tread'}_{_word(poisson_ratio)}", lift, constants, load, chain)
 
 

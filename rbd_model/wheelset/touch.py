@@ -65,7 +65,11 @@ def touch(placement: Placement, on: Wheel, position: ca.SX, piece: ca.SX) -> Tou
 
     piece: of the wheel's profile at s.
     """
-    profile, slope = polynomials(piece, position, 1)
+    return touch_at(placement, on, position, *polynomials(piece, position, 1))
+
+
+def touch_at(placement: Placement, on: Wheel, position: ca.SX, profile: ca.SX, slope: ca.SX) -> Touch:
+    """Return the same from the height [m] and the slope of the wheel's profile there, (3.54), (3.77)."""
     axes, radius = turned_by(placement.cosines), on.radius - profile
     along = axes[0, :].T
     # -sin(theta) t1 - side w' t2 + cos(theta) t3 = 0: the normal is across the rail, whose direction is t.

@@ -1,343 +1,305 @@
-"""One patch of a wheel on its rail in 3D: its nearest point, its approach to the rail, and its curvatures.
+"""One patch of a wheel on its rail in 3D: stored energy, elastic forces, and the place for the creep forces.
 
-This is like `rolling_contact`, but wheel and rail may be apart or penetrate each other. Along a `Patch` their distance
-is measured square to its direction. The nearest point of rigid profiles, without yaw, comes from a table. One step of
-Newton's method from there finds the common normal, eqs (3.54), (3.57), if the wheel yaws.
+A patch is a table over the offset of its wheel (`rbd_model.contact.bearing`). The offset and the distance of a wheel
+that rolls and yaws are those of an equal wheel that does neither: a roll moves the wheel about the centre of the rail's
+arc, and a yaw moves the contact ahead on the wheel, where it lies further out and higher, (3.54). Elastic forces are
+the derivatives of the stored energy by the coordinates, so that the contact is conservative in any motion.
 """
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
 
 from fmu_src.chain import Bundle, Chain, Part, rows
 from fmu_src.piecewise import look_up, look_up_in, numbers_in, polynomials
+from fmu_src.records import Record
 from rbd_model.body.kinematics import turned_by
-from rbd_model.contact.patches import Patch
-from rbd_model.contact.profiles import DEGREE, KNOT_DISTANCE, Profile
-from rbd_model.wheelset.touch import Pieces, Placement, Touch, Wheel, follow_cosines, touch
+from rbd_model.contact.bearing import APPROACHES, AT_FIRST, CUBIC, IN_CONTACT
+from rbd_model.contact.elastic import SMALLEST_APPROACH
+from rbd_model.contact.pair_table import PATCH
+from rbd_model.wheelset.touch import Placement, Wheel, follow_cosines, touch_at
 
-#: Least sum of the curvatures of wheel and rail across the track in the search for a common normal [1/m]. Largest step
-#: from the nearest point of the table [m]: half of a profile's piece, beyond which its polynomial is not valid.
-LEAST_CURVATURE, LARGEST_STEP = 0.5, KNOT_DISTANCE / 10
+#: Numbers of a `pair_table.PATCH`, and places of its tables with the terms of a piece.
+NUMBERS = [one.name for one in PATCH.numbers]
+TABLES = {one.name: (place, 1 + one.degree) for place, one in enumerate(PATCH.tables)}
+#: Places of the quantities of each approach in the table `in_contact`.
+STARTS = [len(IN_CONTACT) * place for place in range(len(APPROACHES))]
+#: Exponent of the wheel's radius in Hertz' stiffness, for A near B (Johnson 1985, section 4.2).
+OF_RADIUS = 0.25
+
+
+class PatchTable(Protocol):
+    """Numbers and tables of a patch."""
+
+    def number(self, chain: Chain, name: str) -> ca.SX:
+        """Return a number of `pair_table.PATCH`."""
+
+    def piece(self, chain: Chain, name: str, place: ca.SX) -> ca.SX:
+        """Return the origin and the coefficients of a table's piece."""
+
+
+@dataclass(frozen=True)
+class InRecord:
+    """The patch in a record of a contact table: data of an instance."""
+
+    record: ca.SX
+
+    def number(self, chain: Chain, name: str) -> ca.SX:
+        """Implement `PatchTable`."""
+        return numbers_in(chain, self.record, len(NUMBERS))[NUMBERS.index(name)]
+
+    def piece(self, chain: Chain, name: str, place: ca.SX) -> ca.SX:
+        """Implement `PatchTable`."""
+        return look_up_in(chain, self.record, *TABLES[name], place)
+
+
+@dataclass(frozen=True)
+class InNumbers:
+    """The patch with numbers of its own."""
+
+    record: Record
+
+    def number(self, chain: Chain, name: str) -> ca.SX:
+        """Implement `PatchTable`."""
+        return ca.SX(self.record.number(name))
+
+    def piece(self, chain: Chain, name: str, place: ca.SX) -> ca.SX:
+        """Implement `PatchTable`."""
+        breakpoints, coefficients = self.record.tables[TABLES[name][0]]
+        return look_up(chain, name, np.array(breakpoints), np.array(coefficients), place)
+
+
+@dataclass(frozen=True)
+class Stands:
+    """A wheel over its rail: distances of its y = 0 from the rail's [m], outwards and up, (3.77)."""
+
+    outwards: ca.SX
+    up: ca.SX
+    placement: Placement
+    wheel: Wheel
+
+    @classmethod
+    def of(cls, placement: Placement, on: Wheel, height: ca.SX) -> Stands:
+        """Return that of a wheel; height [m]: of the wheelset's centre over the rail."""
+        origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
+        outwards = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
+        return cls(outwards, height + origin[2], placement, on)
+
+    @property
+    def roll(self) -> tuple[ca.SX, ca.SX]:
+        """Cosine and sine of its roll, outwards down."""
+        return self.placement.cosines[2], self.wheel.side * self.placement.cosines[3]
+
+    def along_and_square(
+        self, direction: tuple[ca.SX, ca.SX], slope: ca.SX, radius: ca.SX, place: ca.SX | float = 0.0
+    ) -> tuple[ca.SX, ca.SX]:
+        """Return its distances along and square to the direction of a patch (cosine, sine) without yaw [m].
+
+        With the slope t of the profile, a yawed wheel touches r t yaw ahead of its axle, (3.54). There its contour lies
+        further out by r t yaw^2 and higher by half of r t^2 yaw^2. Its breadth shrinks with cos yaw. place [m]: on the
+        profile.
+        """
+        cosine, sine = self.placement.cosines[0], self.placement.cosines[1]
+        ahead = radius * slope * sine**2
+        outwards = self.outwards + ahead - place * (1 - cosine)
+        up = self.up + ahead * slope / 2
+        return direction[0] * outwards + direction[1] * up, direction[0] * up - direction[1] * outwards
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The point of a patch that is nearest to its rail, (3.77), (3.78).
+
+    approach [m]: estimated to some hundredths of a millimetre, enough to determine which patches touch.
+    """
+
+    position: ca.SX
+    on_rail: ca.SX
+    approach: ca.SX
+
+
+def first_offset(chain: Chain, patch: PatchTable, stands: Stands) -> tuple[ca.SX, ca.SX]:
+    """Return the offset without roll and yaw [m], to within the arcs of the rail, and the distance square to it,
+    (3.77).
+    """
+    direction = patch.number(chain, "cosine"), patch.number(chain, "sine")
+    along, square = stands.along_and_square(direction, direction[1] / direction[0], stands.wheel.radius)
+    return along + patch.number(chain, "radius") * stands.roll[1], square
+
+
+def find_nearest(chain: Chain, patch: PatchTable, flange: bool, stands: Stands) -> Nearest:
+    """Return the nearest point of a patch, (3.77), (3.78)."""
+    offset, square = first_offset(chain, patch, stands)
+    position, gap = (polynomials(patch.piece(chain, name, offset), offset, 0)[0] for name in ("nearest", "gap"))
+    lever = patch.number(chain, "middle") if flange else position
+    return Nearest(position, stands.outwards + position, -gap - square - lever * stands.roll[1])
 
 
 @dataclass(frozen=True)
 class TouchingPatch(Bundle):
-    """The point where a patch touches or would touch; vectors in the wheelset's yaw-roll axes, except for `across`."""
+    """Contact of a patch; vectors in the wheelset's yaw-roll axes, except for `across`.
 
-    arm: ca.SX = rows(3)  # from the wheelset's centre to the nearest point of the wheel [m] (P)
+    `push`: minus the derivatives of the stored energy by lateral position, height [N], yaw and roll [N.m].
+    """
+
+    arm: ca.SX = rows(3)  # from the wheelset's centre to the contact on the wheel [m] (P)
     normal: ca.SX = rows(3)  # unit vector into the wheel
     across: ca.SX = rows(2)  # the normal in the axes of the track, its y and z
     approach: ca.SX = rows(1)  # by which the bodies press into each other [m]; negative where they are apart
     curvature_along: ca.SX = rows(1)  # A of eq. (3.83) [1/m]
     curvature_across: ca.SX = rows(1)  # B [1/m]
     position: ca.SX = rows(1)  # on the wheel's profile [m]
+    load: ca.SX = rows(1)  # elastic normal force [N]
+    stored: ca.SX = rows(1)  # energy [J]
+    push: ca.SX = rows(4)
 
 
-@dataclass(frozen=True)
-class Meeting:
-    """Wheel and rail square to a patch's direction: their distance [m], and the remaining error of the common
-    normal.
+def touch_patch(
+    chain: Chain, patch: PatchTable, place: tuple[ca.SX, ...], fixed: tuple[ca.SX, Wheel, ca.SX]
+) -> TouchingPatch:
+    """Return the contact of a patch: Hertz' energy U = E* k d^2.5 over the offset o, and its derivatives.
+
+    Johnson (1985), section 4.2, (3.82)-(3.88). With the distance z(o) at rest, d = -z - z_0(o).
+
+    place: lateral position, height [m], yaw, roll. fixed: direction cosines, the wheel, E* [Pa].
     """
-
-    gap: ca.SX
-    mismatch: ca.SX  # sine of the angle between the normals
-    uprightness: ca.SX  # of the wheel's normal in the patch's axes
-    curvature: ca.SX  # of wheel and rail together, 2 B [1/m]
-
-
-def along_and_square(one: Touch, height: ca.SX, direction: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return coordinates of a point of the wheel (3.77) from the rail's origin along a patch's direction and square to
-    it.
-
-    height [m]: of the wheelset's centre over the rail; direction: its cosine and sine.
-    """
-    up = height + one.centre
-    return direction[0] * one.on_rail + direction[1] * up, direction[0] * up - direction[1] * one.on_rail
-
-
-def meet(one: Touch, on: Wheel, height: ca.SX, direction: ca.SX, bend: ca.SX, rail: ca.SX) -> Meeting:
-    """Return distance and normals of a wheel's point and the rail beside it, as (3.54).
-
-    bend: of the wheel's profile.
-    """
-    along, square = along_and_square(one, height, direction)
-    value, slope, rail_bend = polynomials(rail, along, 2)
-    unit = 1 / ca.sqrt(1 + slope**2)
-    outward = on.side * one.across[0]
-    leaning = direction[0] * outward + direction[1] * one.across[1]
-    upright = direction[0] * one.across[1] - direction[1] * outward
-    curvature = bend * one.unit**3 - rail_bend * unit**3
-    return Meeting(square - value, unit * (leaning + slope * upright), upright, curvature)
-
-
-@lru_cache
-def patch_of_wheel(wheel_terms: int, rail_terms: int) -> Part:
-    """Return the part for a `TouchingPatch`, from lateral position, height, yaw, roll and the table's nearest point.
-
-    Equations (3.54), (3.83). Constants: direction cosines, the wheel, direction of the patch, and pieces of both
-    profiles with `wheel_terms` and `rail_terms` terms.
-    """
-    given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 10 + wheel_terms + rail_terms)
-    lateral, height, yaw, roll, guess = ca.vertsplit(given)
-    cosines, on, direction = constants[:4], Wheel(*ca.vertsplit(constants[4:8])), constants[8:10]
-    wheel, rail = constants[10 : 10 + wheel_terms], constants[10 + wheel_terms :]
-    chain = Chain()
-    follow_cosines(chain, cosines, given[2:4])
+    (lateral, height, yaw, roll), (cosines, on, modulus) = place, fixed
     placement = Placement(yaw, roll, cosines, lateral)
+    stands = Stands.of(placement, on, height)
+    direction = patch.number(chain, "cosine"), patch.number(chain, "sine")
+    first = first_offset(chain, patch, stands)[0]
+    at_first = dict(zip(AT_FIRST, _cubics(patch.piece(chain, "at_first", first), first, 0), strict=True))
+    offset, square = _without_roll(stands, direction, {name: values[0] for name, values in at_first.items()})
 
-    def at(position: ca.SX) -> tuple[Touch, Meeting]:
-        one = touch(placement, on, position, wheel)
-        return one, meet(one, on, height, direction, polynomials(wheel, position, 2)[2], rail)
+    scale = modulus * (on.radius / patch.number(chain, "wheel_radius")) ** OF_RADIUS
+    energy = Energy.of(_cubics(patch.piece(chain, "in_contact", offset), offset, 1), square, scale)
+    coordinates = ca.vertcat(lateral, height, cosines)
+    moves = ca.jacobian(ca.vertcat(offset, square), coordinates)
+    moves = ca.horzcat(moves[:, :2], moves[:, 2:4] @ _turn(cosines[:2]), moves[:, 4:] @ _turn(cosines[2:]))
+    push = energy.by_square * moves[1, :] + energy.by_offset * moves[0, :]
 
-    first, nearly = at(guess)
-    step = nearly.mismatch * first.unit / ca.fmax(nearly.curvature, LEAST_CURVATURE)
-    position = guess + ca.fmax(ca.fmin(step, LARGEST_STEP), -LARGEST_STEP)
-    one, meeting = at(position)
-    approach = -meeting.gap * meeting.uprightness
-    shape = one.unit / (2 * one.radius), meeting.curvature / 2
-    results = TouchingPatch(one.arm, one.normal, one.across, approach, *shape, position)
-    return Part(f"patch_{wheel_terms}_{rail_terms}", given, constants, results.vector, chain)
-
-
-@dataclass(frozen=True)
-class Line:
-    """The line along which a patch is described: `direction` [rad], `radius` [m] and `square` [m] of a `Patch`."""
-
-    direction: float
-    radius: float
-    square: float
-
-    @classmethod
-    def of(cls, patch: Patch) -> Line:
-        """Return that of a patch."""
-        return cls(patch.direction, patch.radius, patch.square)
-
-    @property
-    def cosine_and_sine(self) -> tuple[float, float]:
-        """Cosine and sine of its slope (section 3.3.2)."""
-        return float(ca.cos(self.direction)), float(ca.sin(self.direction))
+    (cosine, sine), upright = direction, 1 / ca.sqrt(1 + energy.steep**2)
+    slope = (sine - cosine * energy.steep) / (cosine + sine * energy.steep)
+    one = touch_at(placement, on, energy.place, energy.depth, slope)
+    return TouchingPatch(
+        one.arm,
+        one.normal,
+        one.across,
+        energy.approach * upright,
+        one.unit / (2 * one.radius),
+        energy.curvature,
+        energy.place,
+        energy.by_square / upright,
+        energy.stored,
+        push.T,
+    )
 
 
 @dataclass(frozen=True)
-class LineOfRecord:
-    """The same of a patch in a contact table (`pair_table.PATCH`): numbers of an instance. A tread's line is level."""
+class Energy:
+    """Energy of a contact by its offset and distance, and the contact's quantities, between both APPROACHES.
 
-    cosine_and_sine: tuple[ca.SX | float, ca.SX | float]
-    radius: ca.SX
-    square: ca.SX
-
-    @classmethod
-    def of(cls, chain: Chain, record: ca.SX, flange: bool) -> LineOfRecord:
-        """Return that of the patch in a record."""
-        numbers = numbers_in(chain, record, 4 if flange else 2)
-        return cls((numbers[2], numbers[3]) if flange else (1.0, 0.0), numbers[0], numbers[1])
-
-
-@dataclass(frozen=True)
-class Outline:
-    """A wheel's outline in the axes of a patch, from the rail's origin, including its motion by yaw and roll.
-
-    along, square [m]: of its y = 0; cosine, sine: of its roll.
+    `by_offset`, `by_square`: minus the derivatives of the energy by offset and distance square to the patch [N]. `steep`:
+    slope of the distance at rest over the offset.
     """
 
-    along: ca.SX
-    square: ca.SX
-    cosine: ca.SX
-    sine: ca.SX
-
-    @classmethod
-    def of(cls, line: Line | LineOfRecord, placement: Placement, on: Wheel, height: ca.SX) -> Outline:
-        """Return that of a wheel at a `placement`; height [m]: of the wheelset's centre over the rail.
-
-        A wheel that yaws touches ahead of or behind its axle if it is steep. With the slope tan(g) of the direction,
-        this distance is r tan(g) yaw, (3.54). It moves the outline outwards by r tan(g) yaw^2 and up by half of r
-        tan(g)^2 yaw^2.
-        """
-        origin = turned_by(placement.cosines) @ ca.vertcat(0, on.side * on.wheel_half_distance, -on.radius)
-        outward = on.side * (placement.lateral + origin[1]) - on.rail_half_distance
-        up = height + origin[2]
-        cosine, sine = line.cosine_and_sine
-        slope, yawed = sine / cosine, on.radius * sine * placement.yaw**2
-        level, leaning = placement.cosines[2], on.side * placement.cosines[3]
-        return cls(
-            cosine * outward + sine * up + yawed * (1 + slope**2 / 2),
-            cosine * up - sine * outward - yawed * slope / 2,
-            level,
-            leaning,
-        )
-
-    def at(self, along: ca.SX, square: ca.SX | float) -> tuple[ca.SX, ca.SX]:
-        """Return along and square coordinates from the rail's origin of a point with these from its y = 0 [m],
-        (3.77).
-        """
-        return self.along + self.cosine * along - self.sine * square, (
-            self.square + self.sine * along + self.cosine * square
-        )
-
-
-@dataclass(frozen=True)
-class Nearest:
-    """The point of a patch that is nearest to its rail without yaw, (3.77), (3.78).
-
-    approach [m]: estimated to some hundredths of a millimetre, enough to determine which patches touch.
-    """
-
-    position: ca.SX
-    pieces: Pieces
-    on_rail: ca.SX  # position on the rail's profile in the patch's axes [m]
+    stored: ca.SX
+    by_offset: ca.SX
+    by_square: ca.SX
+    steep: ca.SX
     approach: ca.SX
+    place: ca.SX
+    depth: ca.SX
+    curvature: ca.SX
 
+    @classmethod
+    def of(cls, cubics: list[list[ca.SX]], square: ca.SX, scale: ca.SX) -> Energy:
+        """Return U = U_1 + x (U_2 - U_1) of both parabolas, U_i = E* k_i d_i^2.5; x depends on d_1, Johnson (1985).
 
-HashableTable = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]
+        cubics: of the table `in_contact` with their first derivatives. square [m]: distance; scale [Pa]: E*.
+        """
+        light, usual = (Parabola.of(cubics[start : start + len(IN_CONTACT)], square, scale) for start in STARTS)
+        low, high = APPROACHES
+        share = ca.fmin(ca.fmax((light.approach - low) / (high - low), 0), 1)
+        part, growing = share**2 * (3 - 2 * share), 6 / (high - low) * share * (1 - share)
+        passing = growing * (usual.stored - light.stored)
 
+        def between(name: str) -> ca.SX:
+            first = getattr(light, name)
+            return first + part * (getattr(usual, name) - first)
 
-def _hashable(breakpoints: np.ndarray, coefficients: np.ndarray) -> HashableTable:
-    return tuple(breakpoints.tolist()), tuple(map(tuple, coefficients.tolist()))
+        rest = (between(name) for name in ("steep", "approach", "place", "depth", "curvature"))
+        by_offset = between("by_offset") + passing * light.steep
+        return cls(between("stored"), by_offset, between("by_square") + passing, *rest)
 
 
 @dataclass(frozen=True)
-class PatchTables:
-    """Data of a wheel's `Patch` for parts: its line, and breakpoints and coefficients of four tables, as tuples.
+class Parabola:
+    """The same for one of both parabolas."""
 
-    nearest, along: those of the patch; wheel, rail: contours.
-    """
-
-    flange: bool
-    line: Line
-    nearest: HashableTable
-    along: HashableTable
-    wheel: HashableTable
-    rail: HashableTable
+    stored: ca.SX
+    by_offset: ca.SX
+    by_square: ca.SX
+    steep: ca.SX
+    approach: ca.SX
+    place: ca.SX
+    depth: ca.SX
+    curvature: ca.SX
 
     @classmethod
-    def of(cls, patch: Patch, wheel: Profile) -> PatchTables:
-        """Return those of a patch of a wheel with this profile."""
-        tables = (patch.nearest, patch.along, wheel.pieces, patch.rail.pieces)
-        return cls(patch.flange, Line.of(patch), *(_hashable(*one) for one in tables))
+    def of(cls, cubics: list[list[ca.SX]], square: ca.SX, scale: ca.SX) -> Parabola:
+        """Return Hertz' energy E* k d^2.5 with d = -z - z_0(o), Johnson (1985), section 4.2."""
+        (rest, steep), (stiffness, stiffer), (place, _), (depth, _), (curvature, _) = cubics
+        approach = -(square + rest)
+        pressed = ca.if_else(approach > SMALLEST_APPROACH, approach, SMALLEST_APPROACH)
+        of_approach = scale * pressed * ca.sqrt(pressed)
+        load = 2.5 * stiffness * of_approach
+        of_approach *= pressed
+        by_offset = load * steep - stiffer * of_approach
+        return cls(stiffness * of_approach, by_offset, load, steep, approach, place, depth, curvature)
 
 
-def find_nearest(chain: Chain, patch: PatchTables, at: tuple[Placement, Wheel, ca.SX]) -> Nearest:
-    """Return the nearest point of a patch, pieces of both profiles there, and their relative position, (3.77), (3.78).
+def _without_roll(stands: Stands, direction: tuple[ca.SX, ca.SX], at: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+    """Return offset and square distance of the wheel without yaw and roll that has the same overlap [m], (3.77)."""
+    along, square = stands.along_and_square(direction, at["slope"], stands.wheel.radius - at["depth"], at["place"])
+    cosine, sine = stands.roll
+    beside, below = at["centre_along"] - along, at["centre_square"] - square
+    return (
+        at["centre_along"] - cosine * beside - sine * below,
+        at["centre_square"] + sine * beside - cosine * below,
+    )
 
-    at: position of the wheelset, its wheel, and its height over the rail.
+
+def _turn(cosine_and_sine: ca.SX) -> ca.SX:
+    return ca.vertcat(-cosine_and_sine[1], cosine_and_sine[0])
+
+
+def _cubics(piece: ca.SX, place: ca.SX, order: int) -> list[list[ca.SX]]:
+    """Return values and derivatives of the packed cubics of a piece."""
+    starts = range(1, piece.numel(), CUBIC)
+    return [polynomials(ca.vertcat(piece[0], piece[start : start + CUBIC]), place, order) for start in starts]
+
+
+@lru_cache
+def touching_patch(flange: bool) -> Part:
+    """Return the part for the `TouchingPatch` in a record, from lateral position, height, yaw and roll, (3.82)-(3.88).
+
+    Constants: direction cosines, the wheel, E* [Pa], record.
     """
-    placement, on, height = at
-    given = ca.vertcat(placement.lateral, height, placement.yaw, placement.roll)
-    constants = ca.vertcat(placement.cosines, on.vector)
-    found = chain.call(nearest_point(patch), given, constants)
-    of_wheel = 2 + len(patch.wheel[1][0])
-    pieces = Pieces(found[1:of_wheel], found[of_wheel:])
-    beside = beside_rail(patch.line, pieces.wheel.numel(), pieces.rail.numel())
-    lies = chain.call(beside, ca.vertcat(given, found[0]), ca.vertcat(constants, pieces.vector))
-    return Nearest(found[0], pieces, lies[0], lies[1])
+    record = ca.SX.sym("record")
+    return part_of_patch("flange" if flange else "tread", InRecord(record), record)
 
 
-def _placed(given: ca.SX, constants: ca.SX) -> tuple[Chain, tuple[Placement, Wheel, ca.SX]]:
-    """Return a chain, and a wheel's position from arguments (lateral, height, yaw, roll) and constants."""
-    chain, cosines = Chain(), constants[:4]
+def part_of_patch(name: str, patch: PatchTable, record: ca.SX | None = None) -> Part:
+    """Return the same of any patch; record: that of the patch, if it is data of an instance."""
+    given, constants, chain = ca.SX.sym("given", 4), ca.SX.sym("constants", 9), Chain()
+    cosines, on = constants[:4], Wheel(*ca.vertsplit(constants[4:8]))
     follow_cosines(chain, cosines, given[2:4])
-    placement = Placement(given[2], given[3], cosines, given[0])
-    return chain, (placement, Wheel(*ca.vertsplit(constants[4:8])), given[1])
-
-
-@lru_cache
-def nearest_point(patch: PatchTables) -> Part:
-    """Return the part for the position on the wheel's profile nearest to the rail, and both profiles' pieces there.
-
-    Equations (3.77), (3.78). Arguments: lateral position, height, yaw and roll; constants: direction cosines and the
-    wheel. In the wheel's axes, a roll moves the rail's arc as its centre moves.
-    """
-    given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 8)
-    chain, at = _placed(given, constants)
-    outline = Outline.of(patch.line, *at)
-    offset = outline.along + patch.line.radius * at[1].side * constants[3]
-
-    def piece(name: str, table: HashableTable, place: ca.SX) -> ca.SX:
-        return look_up(chain, name, np.array(table[0]), np.array(table[1]), place)
-
-    guess = polynomials(piece("nearest", patch.nearest, offset), offset, 0)[0]
-    same = patch.along == patch.nearest  # on the tread
-    beside = guess if same else polynomials(piece("along", patch.along, offset), offset, 0)[0]
-    on_rail = outline.at(beside, patch.line.square)[0]
-    results = ca.vertcat(guess, piece("wheel", patch.wheel, guess), piece("rail", patch.rail, on_rail))
-    name = hashlib.sha256(repr(patch).encode()).hexdigest()[:12]
-    return Part(f"nearest_{name}", given, constants, results, chain)
-
-
-#: Terms of a piece of a profile, with its origin; and of a table of nearest points without.
-PROFILE_TERMS, NEAREST_TERMS = 2 + DEGREE, 4
-#: Places of the tables of a `pair_table.PATCH`.
-NEAREST, ALONG, WHEEL, RAIL = range(4)
-
-
-def find_nearest_in(chain: Chain, record: ca.SX, flange: bool, at: tuple[Placement, Wheel, ca.SX]) -> Nearest:
-    """Return the same as `find_nearest` for the patch in a record of a contact table, (3.77), (3.78)."""
-    placement, on, height = at
-    given = ca.vertcat(placement.lateral, height, placement.yaw, placement.roll)
-    constants = ca.vertcat(placement.cosines, on.vector, record)
-    found = chain.call(nearest_in_record(flange), given, constants)
-    pieces = Pieces(found[1 : 1 + PROFILE_TERMS], found[1 + PROFILE_TERMS :])
-    lies = chain.call(beside_in_record(flange), ca.vertcat(given, found[0]), ca.vertcat(constants, pieces.vector))
-    return Nearest(found[0], pieces, lies[0], lies[1])
-
-
-@lru_cache
-def nearest_in_record(flange: bool) -> Part:
-    """Return the part `nearest_point` of the patches in records, (3.77), (3.78); the record is the last constant."""
-    given, constants = ca.SX.sym("given", 4), ca.SX.sym("constants", 9)
-    chain, at = _placed(given, constants)
-    line = LineOfRecord.of(chain, constants[8], flange)
-    outline = Outline.of(line, *at)
-    offset = outline.along + line.radius * at[1].side * constants[3]
-
-    def piece(table: int, terms: int, place: ca.SX) -> ca.SX:
-        return look_up_in(chain, constants[8], table, terms, place)
-
-    guess = polynomials(piece(NEAREST, NEAREST_TERMS, offset), offset, 0)[0]
-    beside = polynomials(piece(ALONG, NEAREST_TERMS, offset), offset, 0)[0] if flange else guess
-    on_rail = outline.at(beside, line.square)[0]
-    results = ca.vertcat(guess, *(piece(table, 1 + DEGREE, at) for table, at in ((WHEEL, guess), (RAIL, on_rail))))
-    return Part(f"nearest_on_{_place(flange)}", given, constants, results, chain)
-
-
-@lru_cache
-def beside_in_record(flange: bool) -> Part:
-    """Return the part `beside_rail` of the patches in records, (3.78)."""
-    given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 9 + 2 * PROFILE_TERMS)
-    chain, at = _placed(given, constants)
-    line, pieces = LineOfRecord.of(chain, constants[8], flange), constants[9:]
-    results = _beside(line, at, given[4], pieces[:PROFILE_TERMS], pieces[PROFILE_TERMS:])
-    return Part(f"beside_{_place(flange)}", given, constants, results, chain)
-
-
-def _place(flange: bool) -> str:
-    return "flange" if flange else "tread"
-
-
-@lru_cache
-def beside_rail(line: Line, wheel_terms: int, rail_terms: int) -> Part:
-    """Return the part for the nearest point's position on the rail's profile [m] and its approach [m], (3.78).
-
-    Arguments: those of `nearest_point` and its position. Constants: the same, and pieces of both profiles.
-    """
-    given, constants = ca.SX.sym("given", 5), ca.SX.sym("constants", 8 + wheel_terms + rail_terms)
-    chain, at = _placed(given, constants)
-    wheel, rail = constants[8 : 8 + wheel_terms], constants[8 + wheel_terms :]
-    results = _beside(line, at, given[4], wheel, rail)
-    name = hashlib.sha256(repr(line).encode()).hexdigest()[:12]
-    return Part(f"beside_{name}_{wheel_terms}_{rail_terms}", given, constants, results, chain)
-
-
-def _beside(
-    line: Line | LineOfRecord, at: tuple[Placement, Wheel, ca.SX], guess: ca.SX, wheel: ca.SX, rail: ca.SX
-) -> ca.SX:
-    outline, (cosine, sine) = Outline.of(line, *at), line.cosine_and_sine
-    rises = polynomials(wheel, guess, 0)[0]
-    along, square = outline.at(cosine * guess + sine * rises, cosine * rises - sine * guess)
-    return ca.vertcat(along, polynomials(rail, along, 0)[0] - square)
+    found = touch_patch(chain, patch, tuple(ca.vertsplit(given)), (cosines, on, constants[8]))
+    whole = constants if record is None else ca.vertcat(constants, record)
+    return Part(f"touching_{name}", given, whole, found.vector, chain)

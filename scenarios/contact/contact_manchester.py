@@ -24,18 +24,19 @@ from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import ContactPatch
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
+from rbd_model.contact.creep_of_wheel import creep_of_wheel
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.distance import LEFT, RIGHT, Stand, Strips, stand_of, strips_at, touching
-from rbd_model.contact.elastic import elastic_force
 from rbd_model.contact.geometry import STANDARD_GAUGE, Pair
 from rbd_model.contact.hertz import POISSON_RATIO, moving_ellipse
 from rbd_model.contact.normal import Steel, patches
-from rbd_model.contact.patches import Patch, patches_of
+from rbd_model.contact.pair_table import patch_record
+from rbd_model.contact.patches import Part, patches_of
 from rbd_model.contact.profiles import from_points, wheel_s1002
 from rbd_model.contact.strips import WheelVelocity, creepages_of, place_of, rolling, total, under_load
-from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, Press, find_patch, pressing_patch
-from rbd_model.wheelset.touch import Placement, Wheel
-from rbd_model.wheelset.touching_patch import Line, PatchTables, find_nearest
+from rbd_model.wheelset.pressing_patch import PatchConstants, PatchState, TurningTrack, find_patch, press
+from rbd_model.wheelset.touch import Wheel
+from rbd_model.wheelset.touching_patch import InNumbers, part_of_patch
 from scenarios.bench.wheel_on_strips import CONSTANT_FRICTION, NO_SPEED, wheel_under_load
 from scenarios.benchmark.case_file import CASES, read_case
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, THESIS, TRAILING, plt, titled
@@ -194,7 +195,7 @@ def elastic_patches(contact: Contact) -> list[Elastic]:
     return [elastic_patch(patch, contact) for patch in patches_of(manchester_pair().left)]
 
 
-def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
+def elastic_patch(part: Part, contact: Contact) -> Elastic:
     """Return one patch as a function of lateral position, height, yaw, roll, speed and rates of rotation in the
     wheelset's axes.
     """
@@ -203,24 +204,19 @@ def elastic_patch(patch: Patch, contact: Contact) -> Elastic:
     lateral, height, yaw, roll, forward, roll_rate, pitch_rate, yaw_rate = ca.vertsplit(given)
     cosines = direction_cosines(yaw, roll)
     wheel = Wheel(*map(ca.SX, (LEFT, pair.radius, pair.wheel_half_distance, pair.rail_half_distance)))
-    nearest = find_nearest(
-        system, PatchTables.of(patch, pair.wheel), (Placement(yaw, roll, cosines, lateral), wheel, height)
-    )
     still, rates, place = ca.SX(0), (roll_rate, pitch_rate, yaw_rate), (lateral, height, yaw, roll)
-    state = PatchState(forward, still, still, *rates, *place, ca.SX.zeros(2), ca.SX(FRICTION), nearest.position)
-    direction = ca.SX(Line.of(patch).cosine_and_sine)
+    state = PatchState(forward, still, still, *rates, *place, ca.SX.zeros(2), ca.SX(FRICTION))
     steel = ca.SX(NO_SPEED), modulus, ca.SX(CONSTANT_FRICTION)
-    fixed = PatchConstants(cosines, wheel.vector, direction, *steel, still, gauge_face=ca.SX(1))
-    terms = nearest.pieces.wheel.numel(), nearest.pieces.rail.numel()
-    part = pressing_patch(*terms, patch.flange, contact)
-    press = Press.of(system.call(part, state.vector, ca.vertcat(fixed.vector, nearest.pieces.vector)))
-    found = find_patch(system, state, fixed, nearest.pieces)
+    fixed = PatchConstants(cosines, wheel.vector, *steel, still, gauge_face=ca.SX(1))
+    touching = part_of_patch("manchester", InNumbers(patch_record(pair.left, part)))
+    found = find_patch(system, state, fixed, touching, contact.poisson_ratio)
+    creeping = creep_of_wheel(contact.law_of(part.flange), "flange" if part.flange else "tread")
+    pressed = press(system, state, TurningTrack.straight(), fixed, found, creeping)
     shape = found.curvature_along, found.curvature_across
-    load = elastic_force(found.approach, *shape, modulus, contact.poisson_ratio)
-    pressure = 1.5 * load / (ca.pi * moving_ellipse(*shape, load, modulus, contact.poisson_ratio)[1] ** 2)
+    pressure = 1.5 * found.load / (ca.pi * moving_ellipse(*shape, found.load, modulus, contact.poisson_ratio)[1] ** 2)
     on_rail = lateral + (turned_by(cosines) @ found.arm)[1] - pair.rail_half_distance
     angle = ca.atan2(-found.across[0], found.across[1])
-    results = system.expand(ca.vertcat(press.force, load, pressure, found.position, on_rail, angle))
+    results = system.expand(ca.vertcat(pressed.force, found.load, pressure, found.position, on_rail, angle))
     return Elastic(ca.Function("bearing", [given], [results]))
 
 

@@ -20,7 +20,7 @@ from rbd_model.contact.depth import Contact
 from rbd_model.contact.hertz import POISSON_RATIO, ellipse_shape
 from rbd_model.levels.models import STRIPS, places_of
 from rbd_model.vehicle.parameters import tables_5_1_and_5_2
-from rbd_model.wheelset.wheel_on_record import patch_of_record
+from rbd_model.wheelset.pressing_patch import pressing_patch
 from tests.quick_library import quick_library
 
 #: Torques of a wheelset [N.m]: one at which every law with Kalker's slope is linear, and a third of that which locks
@@ -107,7 +107,7 @@ def test_poissons_ratio_is_that_of_a_run_and_one_beyond_its_limits_is_refused() 
         return float(run["slip_ratio_1"][-1]) * stiffness
 
     assert product(0.28) == pytest.approx(product(POISSON_RATIO), rel=1e-4)
-    words = [patch_of_record(False, Contact(2, poisson_ratio=nu), on_line=False).name for nu in (POISSON_RATIO, 0.28)]
+    words = [pressing_patch(False, Contact(2, poisson_ratio=nu)).name for nu in (POISSON_RATIO, 0.28)]
     assert words[0] != words[1]
     with pytest.raises(ValueError, match=r"poisson_ratio must be 0 to 0\.5; got 0\.6"):
         bb.run("bogie", 1.0, level=1, poisson_ratio=0.6)

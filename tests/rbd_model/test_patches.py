@@ -11,12 +11,10 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 import pytest
-from scipy.interpolate import PPoly
 from scipy.special import ellipe, ellipk
 
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import System, model_of
-from rbd_model.body.kinematics import direction_cosines
 from rbd_model.contact.creep.kalker_linear import kalker_linear
 from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CreepLaw
@@ -26,13 +24,11 @@ from rbd_model.contact.distance import touching
 from rbd_model.contact.elastic import damped, elastic_force
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
-from rbd_model.contact.patches import patches_of, stand_on_treads
+from rbd_model.contact.patches import parts_of, patches_of, positions_of, stand_on_treads
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
 from rbd_model.vehicle.description import as_sum
 from rbd_model.vehicle.ready import two_axle_bogie, wheelset_under_frame
-from rbd_model.wheelset.touch import Placement, Wheel, touch
-from rbd_model.wheelset.touching_patch import Line, Outline, along_and_square
 from scenarios.bench.climbing_wheelset import INTERVAL, climbing_wheelset, push
 from scenarios.contact import contact_manchester as manchester
 from tests.quick_library import quick_library
@@ -57,10 +53,6 @@ PLACE_BAND = 0.02e-3
 FORCE_BAND = 0.09
 #: Least distance from the cut between two parts of a wheel to the contact of each [m].
 CLEAR = 1e-3
-#: Distance from the contact within which the piece of the rail's profile may be looked up [m]; pieces are 0.5 mm long.
-#: The first applies where the slope of the wheel is within BEARING_SLOPE [rad] of its patch's direction, the second
-#: elsewhere, where it seldom carries load.
-BESIDE, WELL_BESIDE, BEARING_SLOPE = 0.05e-3, 0.2e-3, 0.1
 #: Wheel load of the chapter 5 bogie [N], and relative deviation at its start: spin reduces the load slightly.
 STATIC_LOAD, AT_REST = (60000 / 2 + 1200) * 9.81 / 2, 1e-4
 #: Load error of 8 strips at the approach of an ellipse, as in test_strips_in_c.py; tolerances of numerical derivatives.
@@ -91,13 +83,15 @@ def test_bodies_that_are_apart_do_not_press_and_damping_does_not_pull() -> None:
 
 
 @pytest.mark.parametrize("pair", [thesis_pair, synthetic_pair])
-def test_synthetic_wheel_bears_on_two_arcs_of_its_rail_and_on_its_flange(pair) -> None:  # type: ignore[no-untyped-def]
-    """R300 and R80 of the 60 kg rail. On level rails the flange touches before contact could jump to the second arc."""
-    tread, shoulder, flange = patches_of(pair().left)
-    assert (tread.direction, shoulder.direction) == (0.0, 0.0)
-    assert [tread.radius, shoulder.radius] == pytest.approx([0.300, 0.080], rel=0.1)
+def test_synthetic_wheel_bears_on_its_tread_and_on_its_flange(pair) -> None:  # type: ignore[no-untyped-def]
+    """R300 of the 60 kg rail under the tread. A ridge of 19 um between two places of the tread lies within a contact."""
+    one = pair().left
+    tread, flange = patches_of(one)
+    assert (tread.direction, tread.flange, flange.flange) == (0.0, False, True)
+    assert tread.radius == pytest.approx(0.300, rel=0.1)
     assert math.degrees(flange.direction) == pytest.approx(70.3, abs=0.5)
-    assert flange.limits[1] < shoulder.limits[0] < -30e-3 < shoulder.limits[1] < tread.limits[0] < -10e-3
+    assert -36e-3 < positions_of(one)[tread.first] < -30e-3
+    assert len(parts_of(one)) == 3
 
 
 def test_no_part_touches_at_its_cut() -> None:
@@ -105,59 +99,11 @@ def test_no_part_touches_at_its_cut() -> None:
     part.
     """
     for one in (synthetic_pair().left, european_pair().left):
+        s = positions_of(one)
         for outer, inner in pairwise(patches_of(one)):
-            cut = inner.limits[1]
-            assert np.min(outer.nearest[1][:, 0]) > cut + CLEAR
-            assert np.max(inner.nearest[1][:, 0]) < cut - CLEAR
-
-
-@pytest.mark.parametrize("pair", [synthetic_pair, european_pair])
-def test_pieces_of_a_rail_are_those_where_the_wheel_is_nearest(pair) -> None:  # type: ignore[no-untyped-def]
-    """Compare with the surface of revolution of a wheel that rolls and yaws, (3.77)."""
-    rng, one = np.random.default_rng(5), pair().left
-    axle, height = ca.SX.sym("axle", 3), ca.SX(one.radius)
-    placement = Placement(axle[1], axle[2], direction_cosines(axle[1], axle[2]), axle[0])
-    on = Wheel(*map(ca.SX, (1.0, one.radius, one.wheel_half_distance, one.rail_half_distance)))
-    for patch in patches_of(one):
-        line, place = Line.of(patch), ca.SX.sym("place")
-        direction = line.cosine_and_sine
-        piece = ca.SX.sym("piece", 1 + one.wheel.pieces[1].shape[1])
-        outline = Outline.of(line, placement, on, height)
-        roll = patch.radius * ca.sin(axle[2])
-        exact = along_and_square(touch(placement, on, place, piece), height, ca.SX(direction))[0]
-        look = ca.Function("look", [axle], [outline.along + roll])
-        beside = ca.Function("beside", [axle, place], [outline.at(place, patch.square)[0]])
-        true = ca.Function("true", [axle, place, piece], [exact])
-        nearest, along = (PPoly(rows.T[::-1], knots) for knots, rows in (patch.nearest, patch.along))
-        for offset in rng.uniform(nearest.x[0], nearest.x[-1], 50):
-            at = [0.0, rng.uniform(-0.01, 0.01), rng.uniform(-3e-3, 3e-3)]
-            at[0] = (offset - float(look(at))) / direction[0]
-            s = float(nearest(offset))
-            number = min(int(np.searchsorted(one.wheel.pieces[0], s, "right")) - 1, len(one.wheel.pieces[1]) - 1)
-            rows = [one.wheel.pieces[0][number], *one.wheel.pieces[1][number]]
-            bears = abs(math.atan(float(one.wheel.height(np.array(s), 1))) - patch.direction) < BEARING_SLOPE
-            off = abs(float(beside(at, float(along(offset)))) - float(true(at, s, rows)))
-            assert off < (BESIDE if bears else WELL_BESIDE), (patch.limits, at)
-
-
-def test_wheel_s1002_has_more_patches_and_none_of_them_jumps() -> None:
-    """Offsets 0.1 mm apart have their nearest points close together, unless these are at an end of the patch."""
-    patches = patches_of(european_pair().left)
-    assert len(patches) == 4
-    for patch in patches:
-        nearest = patch.nearest[1][:, 0]
-        inside = np.minimum(nearest - patch.limits[0], patch.limits[1] - nearest) > 0.1e-3
-        steps = np.abs(np.diff(nearest))[inside[1:] & inside[:-1]]
-        assert steps.size > 10
-        assert steps.max() < 2e-3
-
-
-def test_each_patch_of_s1002_bears_on_one_arc_of_its_rail() -> None:
-    """R300, R80 and R13 of 60E1 (EN 13674-1): a roll turns the rail relative to the wheel about the centres of these
-    arcs.
-    """
-    radii = [patch.radius for patch in patches_of(european_pair().left)]
-    assert radii == pytest.approx([0.300, 0.080, 0.013, 0.013], rel=0.01)
+            cut = s[inner.last]
+            assert np.nanmin(outer.nearest) > cut + CLEAR
+            assert np.nanmax(inner.nearest) < cut - CLEAR
 
 
 @pytest.mark.parametrize("shift", [3.0, 7.0, 10.0])

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 import bogie_braking as bb
-from rbd_model.contact import patches as patches_in_python
 from rbd_model.contact.geometry import Pair, contact_at, thesis_pair
 from rbd_model.contact.measured import read_profile
-from rbd_model.contact.patches import check_ellipses, patches_of, stand_on_treads
+from rbd_model.contact.patches import parts_of, patches_of, positions_of, stand_on_treads
 from rbd_model.contact.profiles import from_points
 from rbd_model.contact.strips_in_c import MOST_SEGMENTS, segments_of, wheel_on_strips
 from rbd_model.vehicle.description import Vehicle
@@ -41,13 +40,12 @@ def vehicle_on(pair: Pair) -> Vehicle:
 def test_parts_that_jump_too_often_are_joined(wheel: str) -> None:
     """Their contacts jump every tenth of a millimetre of shift in the flange root, those of A on the tread too."""
     one = pair_of(wheel).left
-    patches = patches_of(one, MOST_SEGMENTS)
-    assert 3 <= len(patches) <= MOST_SEGMENTS < len(patches_of(pair_of("A").left))
-    for patch in patches:
-        offsets, places = patch.nearest[0], patch.nearest[1][:, 0]
-        assert offsets.size >= 6
-        assert np.all(np.diff(offsets) > 0.0)
-        assert np.all((places >= patch.limits[0]) & (places <= patch.limits[1]))
+    parts, s = parts_of(one, most=MOST_SEGMENTS), positions_of(one)
+    assert 3 <= len(parts) <= MOST_SEGMENTS < len(parts_of(pair_of("A").left))
+    for part in parts:
+        places = part.nearest[np.isfinite(part.nearest)]
+        assert places.size >= 6
+        assert np.all((places >= s[part.first]) & (places <= s[part.last - 1]))
     # Segments cover the profile from one end to the other, without a gap wider than the pitch of the search.
     ends = segments_of(one)
     assert [high for _, high in ends[:-1]] == [low for low, _ in ends[1:]]
@@ -59,24 +57,15 @@ def test_parts_that_jump_too_often_are_joined(wheel: str) -> None:
             assert stand.roll == pytest.approx(rigid.roll, abs=1e-7)
 
 
-@pytest.mark.parametrize(("height", "length", "count"), [(20e-6, 8e-3, 9), (50e-6, 4e-3, 10)])
-def test_worn_wheel_has_a_patch_for_each_wave(height: float, length: float, count: int) -> None:
-    """A wave of some micrometres is enough, as on measured wheels. The flange is behind the treads, its tip is one."""
+@pytest.mark.parametrize(("height", "length"), [(5e-6, 8e-3), (2e-6, 4e-3)])
+def test_waves_within_a_contact_make_no_patches(height: float, length: float) -> None:
+    """Measured wheels have waves of micrometres. At contact model 3 each wave is a part, at contact model 2 none is."""
     one = pair_of("B").left
     y = np.arange(*one.wheel.limits, 0.25e-3)
     worn = from_points("worn", "waves", y, one.wheel.height(y) + height * np.cos(2 * np.pi * y / length))
-    patches = patches_of(replace(one, wheel=worn))
-    assert len(patches) >= count
-    assert [patch.flange for patch in patches] == sorted(patch.flange for patch in patches)
-    assert patches[-1].flange
-    assert np.all(np.diff(patches[-1].nearest[1][:, 0]) <= 0.0)
-
-
-def test_wheel_with_more_patches_than_a_table_holds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    check_ellipses(pair_of("A").left)
-    monkeypatch.setattr(patches_in_python, "MOST_PATCHES", 11)
-    with pytest.raises(ValueError, match=r"has 12, with jumps from y = -37.5 to 28.9 mm"):
-        check_ellipses(pair_of("A").left)
+    wavy = replace(one, wheel=worn)
+    assert len(patches_of(wavy)) == len(patches_of(one)) == 2
+    assert len(parts_of(wavy)) > len(parts_of(one))
 
 
 def test_a_pair_whose_contact_jumps_is_refused_at_depth_1() -> None:

@@ -1,0 +1,216 @@
+"""How a part of a wheel bears on its rail over its offset: one stored energy for a contact of any shape.
+
+Hertz' theory presumes one curvature over the whole contact. A measured or conformal pair has none: its profiles have
+waves and joints of arcs within the contact. Here the gap of a part at an offset is replaced by the parabola that has
+the same overlap as this gap over the breadth of the contact. With the depth d and the gap h(y) above the lowest point,
+
+    F(d) = integral of (d - h)^2 over h < d,    F = 16/15 d_e^2.5 / B^0.5,    F' = 8/3 d_e^1.5 / B^0.5
+
+define the effective depth d_e = 2.5 F / F' and the effective curvature B. A parabola keeps its own depth and curvature.
+F is Winkler's energy of strips (Johnson 1985, section 4.3). It is smooth in the offset, also where the lowest point
+jumps or two places bear. The parabola depends on the depth: each offset has two, at the APPROACHES of a light and of a
+usual wheel load. The energy of the contact is that of Hertz' theory with this parabola, U = 0.4 K d^2.5, (3.82)-(3.88).
+Between both approaches it passes from one to the other.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline, CubicSpline, PPoly
+
+from rbd_model.contact.elastic import stiffness_of
+from rbd_model.contact.profiles import Profile
+
+#: Effective depths at which a parabola is fitted [m]: the approaches of a wheel of 0.46 m on a head of 0.3 m under 6
+#: and 50 kN.
+APPROACHES = 15e-6, 60e-6
+#: Least height of a ridge between two places that bear as two contacts [m]: half of the larger approach (assumed).
+LEAST_RIDGE = 30e-6
+#: Largest height above the lowest point at which a place can bear [m], and rounds of Newton's method for the depth.
+DEEPEST, ROUNDS = 0.6e-3, 12
+#: Least curvature of a rail's head over the breadth of a contact [1/m]; a flatter one is turned about a far point.
+LEAST_BEND = 1.0
+#: Least cosine of a contact angle: that of 85 degrees.
+LEAST_COSINE = 0.087
+#: Quantities of both tables of a `Bearing`, in the order of their cubics.
+CUBIC = 4  # terms of each
+AT_FIRST = ("centre_along", "centre_square", "slope", "place", "depth")
+IN_CONTACT = ("height", "stiffness", "place", "depth", "curvature")  # for each of APPROACHES
+
+
+@dataclass(frozen=True)
+class Contour:
+    """A part of a wheel and its rail in axes along `direction` [rad], from the origin of each.
+
+    `place` [m] are points of the wheel's profile, `along` and `square` [m] the same points in these axes, `depth` [m]
+    their height in the profile. `rail` is in these axes.
+    """
+
+    direction: float
+    place: np.ndarray
+    along: np.ndarray
+    square: np.ndarray
+    depth: np.ndarray
+    rail: Profile
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """The overlap of a part with its rail at one offset, at an effective depth.
+
+    `height` [m]: effective distance of wheel and rail at rest, `curvature` [1/m] square to the contact, B of (3.83).
+    `place`, `depth` [m]: mean place on the wheel, weighted with the square of the overlap as in Vollebregt (2020), and
+    height of the wheel's profile there. `bend` [1/m]: curvature of the rail there.
+    """
+
+    height: float
+    curvature: float
+    place: float
+    depth: float
+    bend: float
+
+
+def overlap_at(part: Contour, offset: float, approach: float) -> Overlap | None:
+    """Return the overlap at an offset of the wheel's y = 0 from the rail's and an effective depth [m]; None if the part
+    is beside its rail.
+    """
+    rail = part.rail.height(part.along + offset)
+    gap = part.square - rail
+    beside = np.isfinite(gap)
+    if not np.any(beside):
+        return None
+    lowest = float(np.min(gap[beside]))
+    near = np.flatnonzero(beside & (np.where(beside, gap, np.inf) < lowest + DEEPEST))
+    rise, width = gap[near] - lowest, _widths(part.along)[near]
+    slopes, bends = (part.rail.height(part.along[near] + offset, order) for order in (1, 2))
+    depth, slope = approach, 0.0
+    for _ in range(ROUNDS):
+        inside = np.maximum(depth - rise, 0.0)
+        weights = inside * width
+        half, energy, area = float(np.sum(weights)), float(inside @ weights), float(np.sum(width[inside > 0.0]))
+        slope = float(weights @ slopes) / half
+        wanted = approach * math.sqrt(1 + slope**2)
+        effective = 1.25 * energy / half  # 2.5 F / F', F' = 2 half
+        change = 1.25 * (2.0 - energy * area / half**2)
+        depth = min(max(depth + (wanted - effective) / max(change, 0.2), wanted / 2), DEEPEST)
+        if abs(wanted - effective) < 1e-13:
+            break
+    curvature = (16 / 15 * effective**2.5 / energy) ** 2
+    upright = 1 / math.sqrt(1 + slope**2)
+    weights = inside * weights / energy
+    return Overlap(
+        lowest + depth - effective,
+        curvature * upright**3,
+        float(weights @ part.place[near]),
+        float(weights @ part.depth[near]),
+        -float(weights @ bends) * upright**3,
+    )
+
+
+def _widths(along: np.ndarray) -> np.ndarray:
+    """Return the breadth of each point [m]."""
+    return np.gradient(along)
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """How a part bears over its offset: breakpoints and rows of cubics, packed one behind the other.
+
+    `at_first` holds AT_FIRST: the centre of the rail's arc [m], about which a roll leaves the rail unchanged; the slope
+    of the contact against the wheel's axis; the place on the wheel and its height in the profile [m]. `in_contact`
+    holds IN_CONTACT: effective distance [m]; stored energy over E* d^2.5 [m^0.5], with d square to the axes of the
+    part; place and height [m]; curvature [1/m].
+    """
+
+    at_first: tuple[np.ndarray, np.ndarray]
+    in_contact: tuple[np.ndarray, np.ndarray]
+
+
+def rigid_lines(part: Contour, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least distance of rigid profiles at each offset and its place on the wheel [m], (3.77), (3.78).
+
+    Beside the rail they are those of the last offset over it.
+    """
+    gaps = [part.square - part.rail.height(part.along + offset) for offset in offsets]
+    known = np.array([bool(np.any(np.isfinite(gap))) for gap in gaps])
+    lowest = [int(np.nanargmin(gap)) if over else 0 for gap, over in zip(gaps, known, strict=True)]
+    places = np.where(known, part.place[lowest], -np.inf)
+    if part.direction:
+        # The contact moves from the root to the tip. Before, the back of the flange may lie over the turned rail.
+        known[: int(np.argmax(places))] = False
+    least = [gap[here] for gap, here in zip(gaps, lowest, strict=True)]
+    return _filled(offsets, known, least), _filled(offsets, known, places)
+
+
+def bearing_of(part: Contour, offsets: np.ndarray, radius: float) -> Bearing:
+    """Return how a part bears (3.82)-(3.88).
+
+    offsets [m]: equally spaced. radius [m]: of the wheel at y = 0.
+    """
+    light, usual = (_over(part, offsets, approach) for approach in APPROACHES)
+    at_first = [_smoothed(offsets, value) for value in _centre(part, offsets, usual)]
+    in_contact = [curve for found in (light, usual) for curve in _curves(part, offsets, found, radius)]
+    return Bearing(_packed(offsets, at_first), _packed(offsets, in_contact))
+
+
+def _over(part: Contour, offsets: np.ndarray, approach: float) -> dict[str, np.ndarray]:
+    """Return each quantity of an `Overlap` at all offsets."""
+    rows = [overlap_at(part, float(offset), approach) for offset in offsets]
+    known = np.array([row is not None for row in rows])
+    if part.direction:
+        known[: int(np.argmax(rigid_lines(part, offsets)[1]))] = False
+    values = {name: [0.0 if row is None else getattr(row, name) for row in rows] for name in Overlap.__annotations__}
+    return {name: _filled(offsets, known, value) for name, value in values.items()}
+
+
+def _curves(part: Contour, offsets: np.ndarray, found: dict[str, np.ndarray], radius: float) -> list[PPoly]:
+    """Return the curves of IN_CONTACT at one approach."""
+    height = CubicSpline(offsets, found["height"])
+    slope = -height(offsets, 1)
+    upright = 1 / np.sqrt(1 + slope**2)
+    leaning = np.maximum(np.cos(part.direction + np.arctan(slope)), LEAST_COSINE)
+    rolling = leaning / (2 * (radius - found["depth"]))
+    stiffness = 0.4 * stiffness_of(rolling, found["curvature"]) * upright**2.5
+    rest = stiffness, found["place"], found["depth"], found["curvature"]
+    return [height, *(_smoothed(offsets, value) for value in rest)]
+
+
+def _centre(part: Contour, offsets: np.ndarray, found: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Return the quantities of AT_FIRST."""
+    slope = -CubicSpline(offsets, found["height"])(offsets, 1)
+    upright = 1 / np.sqrt(1 + slope**2)
+    cosine, sine = math.cos(part.direction), math.sin(part.direction)
+    level = (sine + cosine * slope) / (cosine - sine * slope)
+    arc = 1 / np.maximum(found["bend"], LEAST_BEND)
+    along = cosine * found["place"] + sine * found["depth"] + offsets
+    square = cosine * found["depth"] - sine * found["place"] - found["height"]
+    return along + arc * slope * upright, square - arc * upright, level, found["place"], found["depth"]
+
+
+def _filled(offsets: np.ndarray, known: np.ndarray, values: list[float] | np.ndarray) -> np.ndarray:
+    """Return values with those beside the known offsets replaced by the nearest known ones."""
+    return np.interp(offsets, offsets[known], np.array(values)[known])
+
+
+def _smoothed(x: np.ndarray, y: np.ndarray) -> PPoly:
+    """Return the cubic B-spline with these control points: twice differentiable, and never beyond the points."""
+    step = x[1] - x[0]
+    knots = x[0] + step * np.arange(-2, x.size + 2)
+    spline = PPoly.from_spline(BSpline(knots, y, 3))
+    keep = slice(3, -3)
+    return PPoly(spline.c[:, keep], spline.x[3:-3])
+
+
+def _packed(offsets: np.ndarray, curves: list[PPoly]) -> tuple[np.ndarray, np.ndarray]:
+    """Return breakpoints and the coefficients of all curves in one row for each piece, lowest power first."""
+    first, last = offsets[1], offsets[-2]
+    places = offsets[1:-1]
+    rows = []
+    for curve in curves:
+        pieces = np.searchsorted(curve.x, (places[:-1] + places[1:]) / 2) - 1
+        assert np.allclose(curve.x[pieces], places[:-1], rtol=0.0, atol=1e-9 * (last - first))
+        rows.append(curve.c[::-1, pieces].T)
+    return places, np.hstack(rows)
