@@ -27,7 +27,7 @@ from readers.storage import write_whole
 from readers.text import BadInputError, rows_of, shown, text_of
 
 #: Format of the file, in its first row after the remarks.
-VERSION = 1
+VERSION = 2
 #: Name of the last row; constants of its hash (sealed.h).
 CHECKSUM, SEAL_BEGIN, FACTOR, WHOLE = "checksum", 14695981039346656037, 1099511628211, 2**64 - 1
 #: Largest difference of cosine^2 + sine^2 from 1.

@@ -204,8 +204,8 @@ def touch_patch(
 class Energy:
     """Energy of a contact by its offset and distance, and the contact's quantities, between both APPROACHES.
 
-    `by_offset`, `by_square`: minus the derivatives of the energy by offset and distance square to the patch [N]. `steep`:
-    slope of the distance at rest over the offset.
+    `by_offset`, `by_square`: minus the derivatives of the energy by offset and distance square to the patch [N].
+    `steep`: slope of the distance at rest over the offset.
     """
 
     stored: ca.SX

@@ -15,11 +15,12 @@ import bogie_braking as bb
 from fmu_src.kernel import Kernel, SimulationError
 from fmu_src.records import OwnRecord
 from fmu_src.system import Model, System, Variable, model_of
+from rbd_model.contact.bearing import CUBIC
 from rbd_model.contact.depth import Contact
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair
 from rbd_model.contact.pair_file import PAIR_FILE, read_pairs, write_pair
 from rbd_model.contact.pair_table import MOST_PATCHES, pair_record, side_record
-from rbd_model.contact.patches import patches_of
+from rbd_model.contact.patches import parts_of
 from rbd_model.levels.models import DEFAULT_TOLERANCE, model_of_levels, places_of
 from rbd_model.levels.spatial import spatial_vehicle
 from rbd_model.track.irregularity import irregular_track, section_5_3
@@ -32,6 +33,8 @@ from tests.quick_library import quick_library
 
 #: Profiles of EN 15302.
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
+#: Error of that power for 10 % of the radius, at curvatures across up to six times those along.
+STIFFNESS_OF_RADIUS = 0.01
 #: Flange forces that show contact [N], and a difference that no rounding makes [m].
 FLANGE_TOUCHES, MOVES_OTHERWISE = 1e3, 1e-4
 
@@ -56,24 +59,30 @@ def test_a_table_that_is_read_is_the_one_that_was_written(sides: Sides, tmp_path
     assert sides.left.wheel.name in path.read_text(encoding="utf-8").splitlines()[1]
 
 
-def test_nearest_points_do_not_depend_on_the_radius_of_a_wheel() -> None:
+def test_only_the_stiffness_depends_on_the_radius_of_a_wheel() -> None:
+    """The runtime scales it with the radius of the instance to the power of a quarter, Johnson (1985), section 4.2."""
     one = own_pair().left
     smaller = replace(one, radius=0.9 * one.radius)
-    assert side_record(smaller, 0.0).lists == side_record(one, 0.0).lists
+    whole, other = (side_record(side, 0.0).lists[0][0] for side in (one, smaller))
+    assert other.tables[:3] == whole.tables[:3]
+    (first, rows), (again, scaled) = whole.tables[3], other.tables[3]
+    assert again == first
+    ratios = np.array(scaled)[:, CUBIC] / np.array(rows)[:, CUBIC]
+    assert ratios == pytest.approx(0.9**0.25, rel=STIFFNESS_OF_RADIUS)
 
 
 #: How a file is damaged, and the sentence that says so.
 DAMAGES = {
-    "another file": (r"contact_pair,1", "distance,curvature", "the row must be 'contact_pair' with 1 more cells"),
-    "a later format": (r"contact_pair,1", "contact_pair,2", "the format must be 1; got 2"),
+    "another file": (r"contact_pair,2", "distance,curvature", "the row must be 'contact_pair' with 1 more cells"),
+    "an older format": (r"contact_pair,2", "contact_pair,1", "the format must be 2; got 1"),
     "no number": (r"mean_radius,.*", "mean_radius,big", r"mean_radius must be a number from 0.1 to 1; got big"),
     "millimetres": (r"mean_radius,.*", "mean_radius,460", r"mean_radius must be a number from 0.1 to 1; got 460"),
     "too long a table": (
-        r"table,wheel,\d+",
-        "table,wheel,20001",
-        "the length of wheel must be a number from 1 to 20000",
+        r"table,in_contact,\d+",
+        "table,in_contact,20001",
+        "the length of in_contact must be a number from 1 to 20000",
     ),
-    "a broken count": (r"table,wheel,\d+", "table,wheel,2.5", "the length of wheel must be a whole number"),
+    "a broken count": (r"table,in_contact,\d+", "table,in_contact,2.5", "the length of in_contact must be a whole number"),
     "no patches": (
         r"list,treads,\d",
         "list,treads,0",
@@ -81,12 +90,12 @@ DAMAGES = {
     ),
     "no direction": (r"sine,0.9.*", "sine,0.5", "cosine and sine above must be those of one angle"),
     "no breadth": (r"rail_ends,.*", "rail_ends,-0.5", "rail_begins above must be below rail_ends"),
-    "no number in a row": (r"(table,along,.*\n.*),[^,]*\n", r"\1,nan\n", "a coefficient must be a number"),
-    "a row that goes back": (r"(table,along,.*\n.*\n)[^,]*", r"\1-0.9", "breakpoints of along must grow"),
-    "a short row": (r"(table,along,.*\n.*),[^,]*\n", r"\1\n", "a row of along must have 5 numbers here; got 4"),
+    "no number in a row": (r"(table,at_first,.*\n.*),[^,]*\n", r"\1,nan\n", "a coefficient must be a number"),
+    "a row that goes back": (r"(table,at_first,.*\n.*\n)[^,]*", r"\1-0.9", "breakpoints of at_first must grow"),
+    "a short row": (r"(table,at_first,.*\n.*),[^,]*\n", r"\1\n", "a row of at_first must have 21 numbers here; got 20"),
     "a changed digit": (r"mean_radius,0.4\d*", "mean_radius,0.47", "the checksum must be [0-9a-f]{16}"),
     "a second end": (r"\Z", "list,sides,1\n", "the row must be 'contact_pair' with 1 more cells"),
-    "half a file": (r"(?s)table,rail.*", "", "the row must be 'table'; the file ends"),
+    "half a file": (r"(?s)table,in_contact.*", "", "the row must be 'table'; the file ends"),
 }
 
 
@@ -168,9 +177,9 @@ def test_a_pair_on_wheelset_1_changes_the_contact_of_wheelset_1_alone(files: dic
     assert not np.array_equal(own[-1, 1], other[-1, 1])  # the frame joins them
 
 
-def test_worn_wheel_of_twelve_patches_carries_the_vehicle(tmp_path: Path) -> None:
+def test_worn_wheel_whose_contact_jumps_eleven_times_carries_the_vehicle(tmp_path: Path) -> None:
     worn = bb.pair(REFERENCE / "en15302_RUIC519A.csv", REFERENCE / "en15302_SUIC519A.csv")
-    assert len(patches_of(worn.left)) == 12
+    assert len(parts_of(worn.left)) == 12
     path = write_pair(worn, tmp_path / "worn.csv")
     kernel = Kernel(quick_library(model_on(own_pair())), initial_speed=20.0, profile_file=str(path))
     kernel.initialise()

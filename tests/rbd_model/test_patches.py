@@ -84,7 +84,7 @@ def test_bodies_that_are_apart_do_not_press_and_damping_does_not_pull() -> None:
 
 @pytest.mark.parametrize("pair", [thesis_pair, synthetic_pair])
 def test_synthetic_wheel_bears_on_its_tread_and_on_its_flange(pair) -> None:  # type: ignore[no-untyped-def]
-    """R300 of the 60 kg rail under the tread. A ridge of 19 um between two places of the tread lies within a contact."""
+    """R300 of the 60 kg rail under the tread. A ridge of 19 um on the tread lies within a contact."""
     one = pair().left
     tread, flange = patches_of(one)
     assert (tread.direction, tread.flange, flange.flange) == (0.0, False, True)
