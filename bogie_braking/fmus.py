@@ -56,8 +56,8 @@ def write_fmu(
 ) -> Path:
     """Build the FMU of your own vehicle, system or model, and validate it.
 
-    A vehicle from a file with 2 or 4 axles needs no compiler: its FMU is the built-in one with the file's values as
-    start values.
+    A vehicle from a file with 2 or 4 axles, and without tables of forces, needs no compiler: its FMU is the built-in
+    one with the file's values as start values.
 
     Parameters
     ----------
@@ -102,8 +102,13 @@ def write_fmu(
         _with_values(what, path, kind, level)
     else:
         contents = what.vehicle if isinstance(what, DataSheet) else what
+        resistance = what.resistance if isinstance(what, DataSheet) else {}
+        if resistance:
+            _check_native(kind)
         with ONE_WRITES:
             build(model_from(contents, places_of(level)), path)
+        if resistance:
+            write_whole(path, with_start_values(path, resistance))
     if isinstance(what, DataSheet) and what.profile_files:
         write_whole(path, archive_bytes(contents_of(path) | {PAIR: one_table(what.profile_files)}))
     problems = validate_fmu(str(path))
@@ -115,12 +120,17 @@ def write_fmu(
 def _with_values(sheet: DataSheet, path: Path, kind: str, level: int | None) -> None:
     """Write the built-in FMU of a vehicle from a file, with its values. Raises ValueError if `kind` is not native."""
     assert sheet.fmu is not None
+    _check_native(kind)
+    values = sheet.values | ({} if level is None else {"level": float(level)})
+    write_whole(path, with_start_values(fmu(sheet.fmu), values))
+
+
+def _check_native(kind: str) -> None:
+    """Raise ValueError if a kind of FMU does not read start values from a file in it."""
     if kind != "native":
         raise ValueError(
             f"kind must be native for a vehicle from a file; got {kind}. Its values are read by native FMUs."
         )
-    values = sheet.values | ({} if level is None else {"level": float(level)})
-    write_whole(path, with_start_values(fmu(sheet.fmu), values))
 
 
 def one_table(paths: Sequence[Path]) -> bytes:

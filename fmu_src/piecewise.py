@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fmu_src.c_literals import c_array, c_number
 from fmu_src.chain import Chain, Part
@@ -19,12 +20,12 @@ from fmu_src.records import Pieces
 EQUAL = 1e-9
 
 
-def interpolation(breakpoints: Sequence[float], values: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+def interpolation(breakpoints: ArrayLike, values: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Return the straight lines through points, for `look_up`.
 
     Parameters
     ----------
-    breakpoints, values : sequence of float
+    breakpoints, values : array_like
         The points, shape (n,) each.
 
     Returns

@@ -21,6 +21,7 @@ from products.vehicle_entries import (
     number_of,
     parameter_entry,
 )
+from products.vehicle_tables import FORCE_TABLES, ForceTable, force_tables, with_force_tables
 from rbd_model.contact.geometry import synthetic_pair
 from rbd_model.contact.pair_file import read_pairs
 from rbd_model.vehicle.description import Vehicle
@@ -63,7 +64,7 @@ WITH_EFFECT = {1: AT_POINT, 2: AT_POINT | IN_PLANE}
 #: Longest name of a vehicle.
 LONGEST_NAME = 60
 #: Tables of a file beside the entries at its top.
-TABLES = ("resistance", "brake", "parameters")
+TABLES = ("resistance", "brake", *FORCE_TABLES, "parameters")
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,8 @@ class DataSheet:
         How each value was found that the file does not give, by the parameter's name.
     profile_files : tuple of Path
         Contact tables for level 3, of all wheelsets or of each; empty: the synthetic pair.
+    tables : mapping of str to ForceTable
+        Forces by tables, "bump_stop" and "yaw_damper".
     """
 
     name: str
@@ -96,10 +99,16 @@ class DataSheet:
     brake: SheetBrake | None = None
     assumed: Mapping[str, str] = field(default_factory=dict)
     profile_files: tuple[Path, ...] = ()
+    tables: Mapping[str, ForceTable] = field(default_factory=dict)
 
     @property
     def fmu(self) -> str | None:
-        """Name of the built-in FMU that the values suit; None if its equations have to be compiled."""
+        """Name of the built-in FMU that the values suit; None if its equations have to be compiled.
+
+        Tables of forces are part of the equations.
+        """
+        if self.tables:
+            return None
         return BRAKED_FMU if self.brake and self.axles == 4 else FMU_OF_AXLES.get(self.axles)
 
     @property
@@ -124,7 +133,7 @@ class DataSheet:
             return replace(found, name=self.name, wheelsets=wheelsets)
         assert isinstance(self.parameters, VehicleParameters)
         make = four_axle_vehicle if self.axles == 4 else six_axle_vehicle
-        return make(self.name, self.parameters, synthetic_pair(), self.like == "coach")
+        return with_force_tables(make(self.name, self.parameters, synthetic_pair(), self.like == "coach"), self.tables)
 
     @property
     def mass(self) -> float:
@@ -192,6 +201,7 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
     if not isinstance(title, str) or not title.isprintable() or not 0 < len(title) <= LONGEST_NAME:
         limit = f"name must be a printable text of at most {LONGEST_NAME} characters"
         raise ValueError(f"{limit}; got {shown(title)}. Put it in quotes, or shorten it.")
+    forces = force_tables({table: tables[table] for table in FORCE_TABLES}, axles)
     profiles = _profile_files(read.get("profile_file", []))
     given = {key: number_of(ENTRIES[key], value, key) for key, value in read.items() if key in ENTRIES}
     given.pop("axles", None)
@@ -212,7 +222,7 @@ def sheet_of(read: Mapping[str, Any], name: str = "vehicle") -> DataSheet:
         assumed |= dict(brake.assumed)
     if "length" in given and "pivot_distance" in {**given, **tables["parameters"]}:
         check_length(parameters, given["length"])
-    return DataSheet(title, like, axles, parameters, resistance, brake, assumed, profiles)
+    return DataSheet(title, like, axles, parameters, resistance, brake, assumed, profiles, forces)
 
 
 def _profile_files(given: object) -> tuple[Path, ...]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE, Entry, number_of
 from products.vehicle_file import DataSheet
+from products.vehicle_tables import rows_of_tables
 from rbd_model.vehicle.parameters import VehicleParameters
 from readers.storage import write_whole
 
@@ -42,7 +43,7 @@ def built_in_sheet(name: str) -> DataSheet:
 
 
 def toml_of_sheet(sheet: DataSheet) -> str:
-    """Return the text of a file with every parameter of a vehicle, its brake and its profiles.
+    """Return the text of a file with every parameter of a vehicle, its brake, its profiles and its tables of forces.
 
     Reading it gives the same vehicle. A parameter is written as an entry of the data sheet where this is exact,
     otherwise in [parameters].
@@ -60,6 +61,7 @@ def toml_of_sheet(sheet: DataSheet) -> str:
         rows += [f'{named[one][0]} = "{value!r} {named[one][1]}"' for one, value in sheet.resistance.items()]
     if sheet.brake is not None:
         rows += ["", "[brake]", *(f"{key} = {_literal(value)}" for key, value in sheet.brake.entries.items())]
+    rows += rows_of_tables(sheet.tables)
     rows += ["", "[parameters]"]
     for item in fields(sheet.parameters):
         if item.name not in written:
@@ -89,7 +91,7 @@ def _exact(key: str, entry: Entry, values: dict[str, float]) -> str | None:
 
 
 def write_vehicle(sheet: DataSheet, path: str | Path) -> Path:
-    """Write a vehicle as a TOML file: parameters, brake, resistance and the path of its contact table.
+    """Write a vehicle as a TOML file: parameters, brake, resistance, tables of forces, path of its contact table.
 
     Reading it gives the same vehicle. Values that were assumed are then stated.
 

@@ -236,6 +236,7 @@ PLUMBING = {
         "initial_offsets",
     },
     "rbd_model/vehicle/description.py": {"as_sum", "size_of", "wheelset_name", "check", "relations_of"},
+    "rbd_model/vehicle/force_table.py": {"both_sides", "damper_fault", "lines", "spring_fault"},
     "rbd_model/wheelset/yielding_rails.py": {"add_give", "rows_of"},
     "brake_controller/point_table.py": {"with_default"},
     "brake_controller/cylinder.py": {"alone", "brake_model"},

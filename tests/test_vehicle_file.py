@@ -31,6 +31,11 @@ from scenarios.bench.drive import RIGID, settled, system_of
 SHEET = {"name": "Own", "tare": "38 t", "load": "6 t", "wheel_diameter": "900 mm", "length": "24.5 m"}
 #: Entries of a brake on treads.
 BRAKE = {"deceleration": "1.1 m/s2", "application_time": "1.5 s"}
+#: Tables of forces: a bump stop, and a yaw damper that saturates.
+TABLES = {
+    "bump_stop": {"travel": ["25 mm", "35 mm"], "force": [0, "5 kN"], "height": "0.65 m"},
+    "yaw_damper": {"rate": [0, 0.02, "40 mm/s"], "force": ["0 kN", "12 kN", 12000.0], "half_spacing": "1.2 m"},
+}
 #: Relative error of a stopping distance: creep of braked wheels on dry rails shortens nothing and lengthens by less.
 CREEP = 3e-4
 #: Relative difference of growth in time and eigenvalue: 1 s after the start creepages still change by some percent.
@@ -49,6 +54,67 @@ def test_a_built_in_vehicle_survives_the_way_through_a_file(name: str, tmp_path:
     again = bb.read_vehicle(write_vehicle(sheet, tmp_path / "vehicle.toml"))
     assert again.parameters == sheet.parameters
     assert not again.assumed
+
+
+def test_tables_of_forces_survive_the_way_through_a_file(tmp_path: Path) -> None:
+    sheet = sheet_of(SHEET | TABLES)
+    again = bb.read_vehicle(write_vehicle(sheet, tmp_path / "vehicle.toml"))
+    assert again.tables == sheet.tables
+    assert again.vehicle == sheet.vehicle
+    assert again.tables["yaw_damper"].places == (0.0, 0.02, 0.04)
+    assert bb.read_vehicle(write_vehicle(again, tmp_path / "again.toml")).tables == sheet.tables
+
+
+def test_tables_of_forces_are_connections_of_body_and_frames() -> None:
+    """They replace the bump stops of the coach, and are compiled."""
+    sheet = sheet_of(SHEET | TABLES)
+    assert sheet.fmu is None
+    parts = {one.name: one for one in sheet.vehicle.connections}
+    stops = [one for one in parts.values() if isinstance(one, bb.parts.BumpStop)]
+    assert [one.name for one in stops] == ["front_bump_stop", "rear_bump_stop"]
+    assert {one.force for one in stops} == {(0.0, 5e3)}
+    heights = [sheet.vehicle.number(parts[one].place[2]) for one in ("rear_bump_stop", "rear_yaw_damper")]
+    assert heights == pytest.approx([0.65 - 0.45, sheet.parameters.values()["secondary_height"]])
+    damper = parts["front_yaw_damper"]
+    assert isinstance(damper, bb.parts.TableDamper)
+    assert [sheet.vehicle.number(size) for size in damper.place[:2]] == [
+        sheet.vehicle.number("pivot_distance") / 2,
+        1.2,
+    ]
+    assert (damper.both_sides, damper.direction) == (True, "longitudinal")
+
+
+def test_a_yaw_damper_of_a_file_acts_in_a_run_and_in_its_fmu(tmp_path: Path) -> None:
+    """It joins body and frames along the track too, so that a braked body moves less over its bogies."""
+    soft = SHEET | {"parameters": {"traction_rod_stiffness": 0.0, "traction_rod_damping": 0.0}}
+    resistance = {"resistance": {"constant": "20 kN"}}
+    names = ["body_pitch", "speed"]
+    runs = []
+    for more in ({}, {"yaw_damper": TABLES["yaw_damper"]}):
+        sheet = sheet_of(soft | more | resistance)
+        runs.append(
+            bb.run(sheet, 3.0, None, names, 0.01, level=2, initial_speed=20.0, brake_torque_1=9e3)
+            if more
+            else bb.run(
+                sheet.vehicle,
+                3.0,
+                None,
+                names,
+                0.01,
+                level=2,
+                initial_speed=20.0,
+                brake_torque_1=9e3,
+                **sheet.resistance,
+            )
+        )
+    swing = [np.ptp(one["body_pitch"][-100:]) for one in runs]
+    assert swing[1] < 0.5 * swing[0]
+    with bb.FmuInstance(
+        bb.write_fmu(sheet, tmp_path / "own.fmu", level=2), initial_speed=20.0, brake_torque_1=9e3
+    ) as fmu:
+        fmu.start()
+        fmu.step(0.0, 3.0)
+        assert fmu["speed"] == pytest.approx(runs[1]["speed"][-1], rel=1e-6)
 
 
 @pytest.mark.parametrize("name", names_of_examples())
@@ -291,6 +357,34 @@ REFUSED = [
     ({"tare": True}, "tare must be from 100 to 1e+06 kg; got true"),
     ({"brake": BRAKE | {"friction_law": {}}}, "[brake] friction_law must be one of"),
     ({"brake": BRAKE | {"shoes": 2.5}}, "[brake] shoes must be an integer from 1 to 16; got 2.5. Round it."),
+    ({"yaw_damper": {"rate": [0, 0.02]}}, "[yaw_damper] force must be given; got none. Add it."),
+    ({"yaw_damper": {"rate": [0, 1], "force": [0, 1]}}, "[yaw_damper] half_spacing must be given; got none. Add it."),
+    ({"yaw_damper": TABLES["yaw_damper"] | {"rate": 0.02}}, "[yaw_damper] rate must be a list of numbers; got 0.02."),
+    (
+        {"yaw_damper": TABLES["yaw_damper"] | {"rate": [0, 20, 40]}},
+        "[yaw_damper] rate must be from 0 to 10 m/s; got 20.",
+    ),
+    (
+        {"yaw_damper": TABLES["yaw_damper"] | {"force": [0, "12 kN", "6 kN"]}},
+        "[yaw_damper] force must not fall at the ends, whose slopes continue; got",
+    ),
+    ({"yaw_damper": TABLES["yaw_damper"] | {"forces": []}}, "[yaw_damper] 'forces' is not a known entry. Did you mean"),
+    (
+        {"bump_stop": {"travel": [0.0, 0.01], "force": [0, 1e4]}},
+        "[bump_stop] travel must begin with the clearance, above 0; got 0 m.",
+    ),
+    (
+        {"bump_stop": {"travel": ["20 mm", "10 mm"], "force": [0, 1e4]}},
+        "[bump_stop] travel must rise from point to point; got 0.01 after 0.02.",
+    ),
+    (
+        {"bump_stop": {"travel": ["20 m", "30 m"], "force": [0, 1]}},
+        "[bump_stop] travel must be from 0 to 1 m; got 20 m",
+    ),
+    (
+        {"axles": 2, "length": "9 m"} | TABLES,
+        "[bump_stop] must be left out with 2 axles, which have no bogies; got one. Remove it.",
+    ),
     ({"parameters": {"flange_at_rail": 0.5}}, "[parameters] flange_at_rail must be an integer from 0 to 1; got 0.5"),
 ]
 
@@ -330,6 +424,14 @@ def test_parameters_are_not_written_over_the_vehicle(tmp_path: Path, capsys: pyt
     assert main(["vehicle", "parameters", str(path), "--out", str(path)]) == 2
     assert f"--out must be another file than FILE; got {path} twice" in capsys.readouterr().err
     assert path.read_bytes() == before
+
+
+def test_a_vehicle_with_tables_of_forces_has_no_parameter_set(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write_vehicle(sheet_of(SHEET | TABLES), tmp_path / "mine.toml")
+    assert main(["vehicle", "parameters", str(path)]) == 2
+    assert "[bump_stop] must be left out for a parameter set; got one." in capsys.readouterr().err
 
 
 def test_growth_in_time_is_an_eigenvalue_only_where_the_creep_law_has_a_slope() -> None:

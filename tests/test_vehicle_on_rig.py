@@ -96,6 +96,10 @@ def test_a_vehicle_with_discs_has_them_in_every_stop(tmp_path: Path) -> None:
             "full_pressure must be at most 500 kPa, the pressure of the rig's reservoir; got 510",
         ),
         (("1.0 s", "61 s"), "application_time must be at most 60 s on the test rig; got 61 s."),
+        (
+            ("[brake]", "[bump_stop]\ntravel = [0.02, 0.04]\nforce = [0, 1e4]\n[brake]"),
+            "[bump_stop] must be left out on the test rig, whose springs are linear; got one.",
+        ),
         (("38 t", "38"), "tare must be"),
     ],
 )

@@ -107,6 +107,9 @@ def write_parameters(chosen: argparse.Namespace) -> None:
     from rbd_model.contact.pair_file import PAIR_FILE, joined
 
     sheet = read_vehicle(chosen.file)
+    if sheet.tables:
+        table = next(iter(sheet.tables))
+        raise BadInputError(f"[{table}] must be left out for a parameter set; got one. Write its FMU: vehicle fmu.")
     if sheet.fmu is None:
         raise BadInputError(f"axles must be 2 or 4 for a parameter set; got {sheet.axles}. Write its FMU: vehicle fmu.")
     path = chosen.out or chosen.file.with_suffix(".ssv")
@@ -142,6 +145,7 @@ def entries_text() -> str:
     """Return the list of entries, with units and limits."""
     from products.vehicle_brakes import BRAKE_ENTRIES
     from products.vehicle_entries import ENTRIES, LIKE, RESISTANCE
+    from products.vehicle_tables import FORCE_TABLES
 
     rows = [
         "name      any text",
@@ -149,7 +153,8 @@ def entries_text() -> str:
         *(f"like      {name}: {about}" for name, (about, _) in LIKE.items()),
     ]
     tables = {"": ENTRIES, "[resistance]": {key: entry for key, (_, entry) in RESISTANCE.items()}}
-    for table, entries in (tables | {"[brake]": BRAKE_ENTRIES}).items():
+    tables |= {"[brake]": BRAKE_ENTRIES} | {f"[{table}]": entries for table, entries in FORCE_TABLES.items()}
+    for table, entries in tables.items():
         rows += ["", table] if table else [""]
         rows += ["acts_on            treads or discs"] if table == "[brake]" else []
         for key, entry in entries.items():

@@ -57,14 +57,15 @@ def check_of(sheet: DataSheet, with_modes: bool = True, progress: Callable[[str]
     sheet : DataSheet
         The vehicle.
     with_modes : bool
-        Also compute modes and the critical speed, with 2 and 4 axles; this compiles the equations in 3D.
+        Also compute modes and the critical speed, with 2 and 4 axles and without tables of forces; this compiles the
+        equations in 3D.
     progress : callable
         Receives a line about each part before it starts.
     """
     progress("axle loads at rest")
     loads = axle_loads(sheet)
     modes, critical = None, None
-    if with_modes and sheet.axles != 6:
+    if with_modes and sheet.fmu is not None:
         progress("natural modes and critical speed in 3D")
         modes, critical = tuple(modes_of(sheet, MODES_AT)), critical_speed_of(sheet)
     distances = None

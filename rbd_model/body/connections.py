@@ -18,25 +18,27 @@ from itertools import accumulate
 import casadi as ca
 import numpy as np
 
-from fmu_src.piecewise import look_up, polynomials
+from fmu_src.piecewise import interpolation, look_up, polynomials
 from rbd_model.body.kinematics import axis_of
 from rbd_model.body.relation import Relation, Stretch
 from rbd_model.vehicle.assembly import Assembly, Sizes
 from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
-    BumpStop,
     FrictionSlider,
     Place,
     SeriesDamper,
     Springs,
     SuspensionElement,
+    TableDamper,
+    TableSpring,
     Torsion,
 )
+from rbd_model.vehicle.force_table import lines
 from rbd_model.vehicle.scales import NOMINAL_TRAVEL, NOMINAL_TRAVEL_SPEED
 
-#: Travel beyond the last point of a bump stop over which its last slope continues [m]; no vehicle reaches its end.
-BEYOND = 1.0
+#: Travel [m] and rate [m/s] beyond the ends of a table over which the last slope continues; no vehicle reaches them.
+BEYOND, BEYOND_RATE = 1.0, 10.0
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def connect(assembly: Assembly, connection: SuspensionElement, relation: Relatio
 
 
 #: Connections without states of their own.
-STATELESS = (Springs, Torsion, BumpStop)
+STATELESS = (Springs, Torsion, TableSpring, TableDamper)
 
 
 def connect_stateless(sizes: Sizes, connection: SuspensionElement, relation: Relation) -> Effect:
@@ -109,8 +111,10 @@ def connect_stateless(sizes: Sizes, connection: SuspensionElement, relation: Rel
         return torsion(sizes, connection, relation)
     if isinstance(connection, Springs):
         return springs(sizes, connection, relation)
-    assert isinstance(connection, BumpStop)
-    return sum_of([bump_stop(sizes, connection, relation, place) for _, place in connection.sides()])
+    if isinstance(connection, TableSpring):
+        return sum_of([table_spring(sizes, connection, relation, side, place) for side, place in connection.sides()])
+    assert isinstance(connection, TableDamper)
+    return sum_of([table_damper(sizes, connection, relation, place) for _, place in connection.sides()])
 
 
 def springs(sizes: Sizes, connection: Springs, relation: Relation) -> Effect:
@@ -162,20 +166,41 @@ def torsion(sizes: Sizes, connection: Torsion, relation: Relation) -> Effect:
     return Effect(none, -relation.axes.T @ moment, moment, stiffness * way**2 / 2, damping * rate**2)
 
 
-def bump_stop(sizes: Sizes, connection: BumpStop, relation: Relation, place: Place) -> Effect:
-    """Return a force by straight lines over the travel, odd, with its potential, instead of the spring of (3.38)."""
-    travel, force = np.array(connection.travel), np.array(connection.force)
-    slope = (force[-1] - force[-2]) / (travel[-1] - travel[-2])
-    travel, force = np.append(travel, travel[-1] + BEYOND), np.append(force, force[-1] + slope * BEYOND)
-    points, forces = np.concatenate([-travel[::-1], travel]), np.concatenate([-force[::-1], force])
+def table_spring(sizes: Sizes, connection: TableSpring, relation: Relation, side: str, place: Place) -> Effect:
+    """Return a force by straight lines over the travel, with its potential, instead of the spring of (3.38).
+
+    A spring that carries rests where its table has the preload.
+    """
+    points, forces = lines(connection.travel, connection.force, BEYOND)
     slopes = np.diff(forces) / np.diff(points)
     steps = np.diff(points) * (forces[:-1] + forces[1:]) / 2
-    energy = np.array(list(accumulate(steps, initial=0.0)))[:-1] - np.sum(steps[: len(travel)])
+    energy = np.array(list(accumulate(steps, initial=0.0)))
+    pieces = np.column_stack([(energy - energy[np.searchsorted(points, 0.0)])[:-1], forces[:-1], slopes / 2])
     stretch = relation.stretch(sizes, place)
     way = stretch.way[DIRECTIONS.index(connection.direction)]
-    pieces = np.column_stack([energy, forces[:-1], slopes / 2])
+    if connection.carries:
+        way = way + travel_at_rest(sizes, connection, sizes.preload(side))
     potential, pull = polynomials(look_up(sizes.chain, connection.name, points, pieces, way), way, 1)
     return Effect.of(relation, stretch, along(connection.direction, pull), potential, ca.SX(0))
+
+
+def travel_at_rest(sizes: Sizes, connection: TableSpring, preload: ca.SX) -> ca.SX:
+    """Return the travel at which a table instead of (3.38) has the preload [m]: forces and travels are exchanged."""
+    travel, force = (np.array(one) for one in connection.under_load)
+    slope = (force[1] - force[0]) / (travel[1] - travel[0])
+    further = np.array([force[0] - slope * BEYOND, *force]), np.array([travel[0] - BEYOND, *travel])
+    points, pieces = interpolation(*further)
+    (found,) = polynomials(look_up(sizes.chain, connection.name, points, pieces, -preload), -preload, 0)
+    return found
+
+
+def table_damper(sizes: Sizes, connection: TableDamper, relation: Relation, place: Place) -> Effect:
+    """Return a force by straight lines over the rate, instead of the damper of (3.38)."""
+    points, pieces = interpolation(*lines(connection.rate, connection.force, BEYOND_RATE))
+    stretch = relation.stretch(sizes, place)
+    rate = stretch.rate[DIRECTIONS.index(connection.direction)]
+    (pull,) = polynomials(look_up(sizes.chain, connection.name, points, pieces, rate), rate, 0)
+    return Effect.of(relation, stretch, along(connection.direction, pull), ca.SX(0), pull * rate)
 
 
 def series_damper(

@@ -18,6 +18,7 @@ from rbd_model.contact.creep.kalker import checked_ratio
 from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.geometry import Pair, Sides, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
+from rbd_model.vehicle.force_table import both_sides, damper_fault, spring_fault
 from readers.text import shown
 from readers.units import likely_unit
 
@@ -239,6 +240,11 @@ class Springs(SuspensionElement):
         """True if it has a preload."""
         return self.stiffness[2] != 0.0
 
+    @property
+    def share(self) -> Size:
+        """Stiffness by which it shares a weight with other springs [N/m]."""
+        return self.stiffness[2]
+
 
 @dataclass(frozen=True)
 class Torsion(SuspensionElement):
@@ -262,8 +268,52 @@ class Torsion(SuspensionElement):
 
 
 @dataclass(frozen=True)
-class BumpStop(SuspensionElement):
-    """A piecewise linear force over the travel along one direction, the same in both senses.
+class TableSpring(SuspensionElement):
+    """A force over the travel along one direction: straight lines through points, such as a progressive spring.
+
+    The travel is that of the upper end less the lower one: compression of a vertical spring is below 0. Points from 0
+    on apply to both senses, with opposite signs of travel and force. Beyond the ends the last slopes continue. A
+    vertical spring without clearance carries its share of the weight that rests on it, and rests at this point of its
+    table. Springs share by the mean slopes of their tables under compression.
+
+    Parameters
+    ----------
+    name, upper, lower, place, both_sides
+        As in `SuspensionElement`.
+    direction : str
+        "longitudinal", "lateral" or "vertical".
+    travel : tuple of float
+        Increasing travels [m]. If the first is above 0, it is the clearance.
+    force : tuple of float
+        Forces [N] there, which do not fall: 0 at the travel 0, or at the clearance.
+    """
+
+    direction: str = "vertical"
+    travel: tuple[float, ...] = ()
+    force: tuple[float, ...] = ()
+
+    @property
+    def carries(self) -> bool:
+        """True if it has a preload: it is vertical, and pushes as soon as it is compressed."""
+        below = self.under_load[1]
+        return self.direction == "vertical" and len(below) > 1 and below[-2] < 0.0
+
+    @property
+    def under_load(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Its points at compression, from the largest one to 0: travels [m] and forces [N]."""
+        pairs = [pair for pair in zip(*both_sides(self.travel, self.force), strict=True) if pair[0] < 0.0]
+        return (*(float(x) for x, _ in pairs), 0.0), (*(float(f) for _, f in pairs), 0.0)
+
+    @property
+    def share(self) -> Size:
+        """Stiffness by which it shares a weight with other springs [N/m]."""
+        travel, force = self.under_load
+        return force[0] / travel[0]
+
+
+@dataclass(frozen=True)
+class BumpStop(TableSpring):
+    """A `TableSpring` with a clearance, the same in both senses. It carries no weight.
 
     Parameters
     ----------
@@ -278,7 +328,29 @@ class BumpStop(SuspensionElement):
     """
 
     direction: str = "lateral"
-    travel: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class TableDamper(SuspensionElement):
+    """A force over the rate along one direction: straight lines through points, such as a yaw damper that saturates.
+
+    The rate is that of the upper end less that of the lower one. Points from 0 on apply to both senses, with opposite
+    signs of rate and force. Beyond the ends the last slopes continue: two last points with the same force are a limit.
+
+    Parameters
+    ----------
+    name, upper, lower, place, both_sides
+        As in `SuspensionElement`.
+    direction : str
+        "longitudinal", "lateral" or "vertical".
+    rate : tuple of float
+        Increasing rates [m/s]. They begin at 0, or include both senses.
+    force : tuple of float
+        Forces [N] there, with the sign of the rate; 0 at the rate 0. The last ones do not fall.
+    """
+
+    direction: str = "longitudinal"
+    rate: tuple[float, ...] = ()
     force: tuple[float, ...] = ()
 
 
@@ -434,9 +506,9 @@ class Vehicle:
         ]
 
     @property
-    def carrying(self) -> list[Springs]:
+    def carrying(self) -> list[Springs | TableSpring]:
         """The connections that have a preload."""
-        return [one for one in self.connections if isinstance(one, Springs) and one.carries]
+        return [one for one in self.connections if isinstance(one, Springs | TableSpring) and one.carries]
 
 
 def check(vehicle: Vehicle) -> None:
@@ -534,20 +606,21 @@ def _check_ends(vehicle: Vehicle, connection: SuspensionElement) -> None:
 
 
 def _check_law(vehicle: Vehicle, connection: SuspensionElement) -> None:
-    """Check the names of directions and angles, and the points of a bump stop."""
+    """Check the names of directions and angles, and the points of tables."""
     for word, known in (("direction", DIRECTIONS), ("angle", ANGLES)):
         value = getattr(connection, word, known[0])
         if value not in known:
             raise _refused(vehicle, f"{connection.name} has the {word} {value}; give one of {', '.join(known)}")
-    if isinstance(connection, BumpStop):
-        travel, force = connection.travel, connection.force
-        rising = all(before < after for before, after in pairwise((0.0, *travel)))
-        if len(travel) != len(force) or len(travel) < 2 or not rising or force[0] != 0.0:
-            sentence = (
-                f"{connection.name} has the travel {travel} and the force {force}; give at least two points of both, "
-                "travel rising from above 0, the first with the force 0"
-            )
-            raise _refused(vehicle, sentence)
+    fault = ""
+    if isinstance(connection, TableSpring):
+        fault = spring_fault(connection.travel, connection.force, False)
+        fault = fault or spring_fault(connection.travel, connection.force, connection.carries)
+    if isinstance(connection, TableDamper):
+        fault = damper_fault(connection.rate, connection.force)
+    if isinstance(connection, BumpStop) and not fault and not connection.travel[0] > 0.0:
+        fault = f"travel must begin with the clearance, above 0; got {connection.travel[0]:g} m. Take a TableSpring."
+    if fault:
+        raise _refused(vehicle, f"{connection.name}: {fault.removesuffix('.')}")
 
 
 def _check_places(vehicle: Vehicle) -> None:

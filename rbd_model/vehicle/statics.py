@@ -56,7 +56,7 @@ def share_of_supports(
         return ca.vertcat(*[ca.SX(entry) for motion, entry in kept.items() if motion not in body.held])
 
     supports = [
-        (name, ca.SX(value(connection.stiffness[2])), row(place))
+        (name, ca.SX(value(connection.share)), row(place))
         for connection in vehicle.carrying
         if connection.upper == body.name
         for name, place in connection.sides()

@@ -6,16 +6,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from rbd_model.vehicle.description import (
     ANGLES,
     DIRECTIONS,
-    BumpStop,
     FrictionSlider,
     SeriesDamper,
     Size,
     Springs,
     SuspensionElement,
+    TableDamper,
+    TableSpring,
     Torsion,
     Vehicle,
 )
@@ -156,14 +158,16 @@ def wrenches(
         stretch = between(number(*place), ends, carriers)
         if isinstance(connection, Springs):
             law = beside_a_damper(number(*connection.stiffness), number(*connection.damping), preload)
-        elif isinstance(connection, BumpStop):
-            law = stop(connection)
+        elif isinstance(connection, TableSpring):
+            law = along_a_table(connection, preload)
+        elif isinstance(connection, TableDamper):
+            law = Law(lambda way: 0.0, lambda rate: table_force(connection.rate, connection.force, rate))
         elif isinstance(connection, SeriesDamper):
             law = behind_a_spring(float(number(connection.stiffness)[0]), 0.0, states[f"{side}_travel"], 0.0)
         elif isinstance(connection, FrictionSlider):
             sizes = number(connection.stiffness, connection.damping)
             law = behind_a_spring(*sizes.tolist(), states[f"{side}_travel"], states[f"{side}_travel_rate"])
-        if isinstance(connection, (BumpStop, SeriesDamper, FrictionSlider)):
+        if not isinstance(connection, Springs):
             stretch = component(stretch, DIRECTIONS.index(connection.direction))
         total += wrenches_of(stretch, law, ends, step)
     return total
@@ -189,16 +193,28 @@ def behind_a_spring(stiffness: float, damping: float, travel: float, travel_rate
     )
 
 
-def stop(connection: BumpStop) -> Law:
-    """Return the law of a force that is piecewise linear in the travel."""
-    return Law(lambda way: stop_energy(connection.travel, connection.force, float(way[0])))
+def table_force(places: tuple[float, ...], forces: tuple[float, ...], at: np.ndarray) -> np.ndarray:
+    """Return a piecewise linear force through points on one side, extrapolated and odd [N]."""
+    x, f = np.array([0.0, *places]), np.array([0.0, *forces])
+    slope, reached = (f[-1] - f[-2]) / (x[-1] - x[-2]), np.abs(at)
+    there = np.where(reached > x[-1], f[-1] + slope * (reached - x[-1]), np.interp(reached, x, f))
+    return np.asarray(np.sign(at) * there)
 
 
-def stop_energy(travel: tuple[float, ...], force: tuple[float, ...], way: float) -> float:
+def along_a_table(connection: TableSpring, preload: float) -> Law:
+    """Return the law of a force that is piecewise linear in the travel, from where it carries the preload."""
+    points = connection.travel, connection.force
+
+    def excess(travel: float) -> float:
+        return float(table_force(*points, np.array(travel))) - preload
+
+    rest = brentq(excess, 0.0, 1.0, xtol=1e-15) if connection.carries else 0.0
+    return Law(lambda way: table_energy(*points, float(way[0]) - rest))
+
+
+def table_energy(travel: tuple[float, ...], force: tuple[float, ...], way: float) -> float:
     """Return the work of a piecewise linear force through (travel, force), extrapolated and symmetric [J]."""
-    x, f = np.array([0.0, *travel]), np.array([0.0, *force])
-    slope, reached = (f[-1] - f[-2]) / (x[-1] - x[-2]), abs(way)
-    before = x < reached
-    there = f[-1] + slope * (reached - x[-1]) if reached > x[-1] else np.interp(reached, x, f)
-    x, f = np.append(x[before], reached), np.append(f[before], there)
+    reached = abs(way)
+    x = np.array([0.0, *[one for one in travel if one < reached], reached])
+    f = table_force(travel, force, x)
     return float(np.sum(np.diff(x) * (f[:-1] + f[1:])) / 2)

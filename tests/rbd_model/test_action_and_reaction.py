@@ -19,7 +19,15 @@ from rbd_model.body.kinematics import Body, pitch_rotation, yaw_roll
 from rbd_model.body.loads import Loads
 from rbd_model.body.relation import End
 from rbd_model.vehicle.assembly import Assembly, assemble
-from rbd_model.vehicle.description import BumpStop, FrictionSlider, SeriesDamper, Springs, Torsion
+from rbd_model.vehicle.description import (
+    BumpStop,
+    FrictionSlider,
+    SeriesDamper,
+    Springs,
+    TableDamper,
+    TableSpring,
+    Torsion,
+)
 from rbd_model.vehicle.ready import passenger_coach
 
 #: Tolerance of sums that cancel, as a share of their largest term.
@@ -38,6 +46,8 @@ LAWS = {
     "pitch": (Torsion, {"angle": "pitch", "stiffness": 1e6, "damping": 1e4}),
     "yaw": (Torsion, {"angle": "yaw", "stiffness": 1e6, "damping": 1e4}),
     "bump_stop": (BumpStop, {"direction": "lateral", "travel": (0.01, 0.02), "force": (0.0, 1e5)}),
+    "table_spring": (TableSpring, {"direction": "vertical", "travel": (0.0, 0.01, 0.02), "force": (0.0, 1e4, 5e4)}),
+    "table_damper": (TableDamper, {"direction": "longitudinal", "rate": (0.0, 0.1, 0.2), "force": (0.0, 1e4, 1e4)}),
     "series_damper": (SeriesDamper, {"direction": "longitudinal", "stiffness": 1e6, "damping": 1e4}),
     "friction_slider": (
         FrictionSlider,

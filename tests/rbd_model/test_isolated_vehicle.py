@@ -21,6 +21,8 @@ from rbd_model.vehicle.description import (
     RigidBody,
     SeriesDamper,
     Springs,
+    TableDamper,
+    TableSpring,
     Torsion,
     Vehicle,
 )
@@ -58,6 +60,9 @@ def everything() -> Vehicle:
         Springs("behind", **ends[0], place=(-0.5, 0.6, 1.0), both_sides=True, stiffness=stiff, damping=soft),
         Springs("link", **boxed, place=(-0.4, 0.7, 0.3), both_sides=True, stiffness=(1e6, 2e6, 0.0), damping=soft),
     ]
+    # Its mean slope is the stiffness of the springs beside it, so that all carry the same.
+    under = {"travel": (0.0, 0.05, 0.1), "force": (0.0, 2e4, 1e5)}
+    connections.append(TableSpring("progressive", **ends[0], place=(0.0, 0.6, 1.0), both_sides=True, **under))
     for number, both in enumerate((*ends, boxed)):
         at = {"place": (0.2 - 0.4 * number, 0.3, 0.4), "both_sides": False, **both}
         # Axle boxes pitch with the body at the other end.
@@ -68,6 +73,7 @@ def everything() -> Vehicle:
         rubbing = {"capacity": 500.0, "slider_mass": 5.0}
         connections += [
             BumpStop(f"stop_{number}", **at, direction="lateral", travel=(0.01, 0.02, 0.2), force=(0.0, 2e4, 4e5)),
+            TableDamper(f"saturating_{number}", **at, direction="lateral", rate=(0.0, 0.1, 0.2), force=(0.0, 1e3, 1e3)),
             SeriesDamper(f"damper_{number}", **at, direction="longitudinal", **sizes),
             FrictionSlider(f"slider_{number}", **at, direction="vertical", **sizes, **rubbing),
         ]
