@@ -28,7 +28,7 @@ from fmu_src.codegen import generate
 from fmu_src.compile import CompilerError
 from fmu_src.native_fmu import PLATFORMS, binary_of, build_native_fmu
 from products.braking_curves.fmu import build_curves, curves_in_c
-from products.building import NATIVE, build_all, extras, license_text
+from products.building import LINEAR, NATIVE, build_all, extras, license_text, linear_kernel_file, linear_model
 from products.parameter_sets import write_sets
 from products.prebuilt import PAGE, write_contents
 from products.protection.rig_in_c import SHIPPED, binary_of_rig
@@ -74,6 +74,9 @@ def fill(folder: Path, platform: str) -> None:
         kernel = folder / "kernel" / f"{name}{suffix}"
         kernel.parent.mkdir(exist_ok=True)
         kernel.write_bytes(binary_of(generate(model), targets, fmu=False))
+    for name in LINEAR:
+        kernel = folder / linear_kernel_file(name, suffix)
+        kernel.write_bytes(binary_of(generate(linear_model(name)), targets, fmu=False))
     (folder / "train").mkdir(exist_ok=True)
     for own in (train_in_c(), coupler_in_c(), curves_in_c(), *map(sensor_in_c, SENSORS)):
         (folder / "train" / f"{own.name}{suffix}").write_bytes(binary_of_arrays(own, targets))

@@ -6,7 +6,7 @@ import re
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
@@ -21,7 +21,7 @@ from fmu_src.python_fmu import build_python_fmu
 from fmu_src.references import reference_files
 from fmu_src.step_fmu import build_step_fmu
 from fmu_src.step_fmu_in_c import build_step_fmu_in_c
-from fmu_src.system import StepInC, StepInPython, Variable
+from fmu_src.system import Model, StepInC, StepInPython, Variable
 from fmu_src.terminals import FILE, ICON, terminals_and_icons
 from products.build_notes import remembered, remembered_path
 from products.experiments import experiments_of
@@ -32,9 +32,12 @@ from products.registry import FMUS, model_of
 from products.registry import variables_of as written_variables
 from products.sources import ROOT
 from products.terminals import terminals_of
+from rbd_model.levels.models import model_of_levels, places_of
 from readers.storage import write_whole, writing
 from readers.text import BadInputError
 
+#: Vehicles whose small motions are analysed with `linear_model`.
+LINEAR = ("bogie", "vehicle")
 #: Native for FMI 2.0 and for FMI 3.0; pythonfmu brings its own binaries.
 NATIVE = ("native", "fmi3")
 KINDS = (*NATIVE, "python")
@@ -164,6 +167,28 @@ def kernel_at(name: str, place: int, before: Callable[[], None] | None = None) -
 
     with ONE_WRITES:
         return remembered_path(name, f"system {place}, {_kernel_file(name)}", [model_at, build_library], built)
+
+
+def linear_model(name: str) -> Model:
+    """Return a vehicle of the registry at level 3 with contact model 2 and Kalker's linear creep."""
+    make = FMUS[name].vehicle
+    assert make is not None
+    vehicle = replace(make(), creep_law="kalker-linear")
+    return model_of_levels(vehicle.name, "Small motions", vehicle, places_of(3, 2, on_line=False))
+
+
+def linear_kernel_file(name: str, suffix: str) -> str:
+    """Return the path of the kernel of `linear_model` in a release."""
+    return f"kernel/{name}-linear{suffix}"
+
+
+def linear_kernel_of(name: str) -> Path:
+    """Return the path of the library of `linear_model`, compiled if missing."""
+    file = linear_kernel_file(name, library_suffix())
+    with ONE_WRITES:
+        return prebuilt_from_these(file) or remembered_path(
+            name, file, [linear_model, build_library], lambda: build_library(linear_model(name))
+        )
 
 
 @lru_cache

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 import bogie_braking as bb
 from bogie_braking.__main__ import main
 from bogie_braking.machines import unfolded
-from bogie_braking.vehicle_files.check import FRICTION, RAILS, SPEEDS, Check, axle_loads, growth_of, modes_of
+from bogie_braking.vehicle_files.check import RAILS, SPEEDS, Check, axle_loads
 from bogie_braking.vehicle_files.page import write_page
 from fmu_src.archive import contents_of
 from fmu_src.effects import without_effect
@@ -24,9 +24,7 @@ from products.vehicle_file import WITH_EFFECT, sheet_of
 from products.vehicle_toml import EXAMPLES, built_in_sheet, names_of_examples, write_vehicle
 from rbd_model.contact.geometry import thesis_pair
 from rbd_model.contact.pair_file import read_pairs, write_pair
-from rbd_model.linear import oscillations
 from readers.text import FileError
-from scenarios.bench.drive import RIGID, settled, system_of
 
 SHEET = {"name": "Own", "tare": "38 t", "load": "6 t", "wheel_diameter": "900 mm", "length": "24.5 m"}
 #: Entries of a brake on treads.
@@ -38,8 +36,6 @@ TABLES = {
 }
 #: Relative error of a stopping distance: creep of braked wheels on dry rails shortens nothing and lengthens by less.
 CREEP = 3e-4
-#: Relative difference of growth in time and eigenvalue: 1 s after the start creepages still change by some percent.
-SLOPE = 0.03
 
 
 @pytest.mark.parametrize(("older", "name", "law"), [("cast-iron", "cast-iron-p6", 2)])
@@ -432,17 +428,6 @@ def test_a_vehicle_with_tables_of_forces_has_no_parameter_set(
     path = write_vehicle(sheet_of(SHEET | TABLES), tmp_path / "mine.toml")
     assert main(["vehicle", "parameters", str(path)]) == 2
     assert "[bump_stop] must be left out for a parameter set; got one." in capsys.readouterr().err
-
-
-def test_growth_in_time_is_an_eigenvalue_only_where_the_creep_law_has_a_slope() -> None:
-    """A resistance gives Polach's law a slope for small motions. Without it a coach hunts at a lower speed."""
-    sheet, resistance = built_in_sheet("coach"), 650.0
-    values = sheet.parameters.values() | RIGID | {f"friction_{number}": FRICTION for number in (1, 2, 3, 4)}
-    values |= {"rolling_resistance_torque": resistance, "constant_speed": 1.0, "initial_speed": 95.0}
-    found = oscillations(system_of("vehicle", **RIGID), np.array(settled("vehicle", **values).linearise().jacobian))
-    assert growth_of(sheet, 95.0, resistance) == pytest.approx(max(mode.growth for mode in found), rel=SLOPE)
-    assert growth_of(sheet, 96.0) < 0.0 < growth_of(sheet, 98.0)
-    assert max(mode.growth for mode in modes_of(sheet, 98.0)) < 0.0
 
 
 def test_the_page_opens_with_a_distance_and_the_number_of_assumed_values(tmp_path: Path) -> None:

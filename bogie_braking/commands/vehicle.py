@@ -1,7 +1,7 @@
 """Your own vehicle from a file with the numbers of its data sheet (TOML).
 
-  bogie-braking vehicle check mine.toml                 axle loads, modes, critical speed, stopping distances; a page
-  bogie-braking vehicle check mine.toml --quick         without modes and critical speed
+  bogie-braking vehicle check mine.toml                 axle loads, modes, critical speeds, stopping distances; page
+  bogie-braking vehicle check mine.toml --quick         without modes and critical speeds
   bogie-braking vehicle fmu mine.toml --out mine.fmu    the FMU of the vehicle; no compiler for 2 and 4 axles
   bogie-braking vehicle parameters mine.toml            its parameters as mine.ssv, for an FMU that you have
   bogie-braking vehicle export coach --out coach.toml   a built-in vehicle as a file: coach, coal-wagon or bogie
@@ -31,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the actions of `vehicle` and their options."""
     describe(parser, __doc__)
     actions = parser.add_subparsers(dest="action", required=True, metavar="{check,fmu,parameters,export,entries}")
-    check = actions.add_parser("check", help="loads, modes, critical speed and stops of a file, with a page")
+    check = actions.add_parser("check", help="loads, modes, critical speeds and stops of a file, with a page")
     check.add_argument("file", type=Path, help="the vehicle")
-    check.add_argument("--quick", action="store_true", help="without modes and critical speed")
+    check.add_argument("--quick", action="store_true", help="without modes and critical speeds")
     text = "folder of the page and its picture (default: results)"
     check.add_argument("--out", type=Path, default=Path("results"), help=text)
     fmu = actions.add_parser("fmu", help="write the FMU of a file")

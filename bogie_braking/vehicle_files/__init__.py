@@ -1,1 +1,1 @@
-"""Checks of vehicle files: loads, modes, critical speed, stops; their picture and page; the command `vehicle`."""
+"""Checks of vehicle files: loads, modes, critical speeds, stops; their figure and page; the command `vehicle`."""

@@ -11,26 +11,30 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bogie_braking.vehicle_files.check import (
-    FRICTION,
     KILOMETRES_PER_HOUR,
     OVERDAMPED,
     RAILS,
     SPEEDS,
     Check,
+    Hunting,
     motion_of,
 )
+from bogie_braking.vehicle_files.hunting import FASTEST, FRICTION, HIGHEST, LARGE, TOLERANCE
 from bogie_braking.vehicle_files.picture import picture
+from rbd_model.contact.creep.laws import DEFAULT_LAW
 from readers.storage import write_whole
 from scenarios.reporting.plots import plt
 
 #: Speed of the stop in the first sentences [km/h].
 LEAD_SPEED = 120
+#: Ratio of both critical speeds below which the table has a note.
+MUCH_BELOW = 0.95
 #: A table: its title, names of its columns, rows.
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 
 
 def tables_of(check: Check) -> list[Table]:
-    """Return the tables of a check: loads, stops, modes, assumed values."""
+    """Return the tables of a check: loads, stops, modes, critical speeds, assumed values."""
     sheet = check.sheet
     found: list[Table] = [
         (
@@ -50,17 +54,39 @@ def tables_of(check: Check) -> list[Table]:
     if check.modes is not None:
         shown = [one for one in check.modes if one.damping_ratio < OVERDAMPED]
         rows = [(f"{one.frequency:.2f}", f"{100 * one.damping_ratio:.0f} %", motion_of(one, sheet)) for one in shown]
-        found.append((f"Natural modes at 36 km/h; {critical_words(check)}", ("Hz", "damping", "motion"), rows))
+        found.append((f"Natural modes at 36 km/h, up to {HIGHEST:g} Hz", ("Hz", "damping", "motion"), rows))
+    if check.hunting is not None:
+        found.append(critical_table(check, check.hunting))
     found.append(("Assumed, as the file does not give them", ("value", "source"), grouped(check)))
     return found
 
 
-def critical_words(check: Check) -> str:
-    """Return the critical speed in words."""
-    profiles = f"built-in profiles, friction {FRICTION:g}"
-    if check.critical is None or math.isinf(check.critical):
-        return f"no hunting up to 430 km/h ({profiles})"
-    return f"hunting above {check.critical * KILOMETRES_PER_HOUR:.0f} km/h ({profiles})"
+def critical_table(check: Check, hunting: Hunting) -> Table:
+    """Return the table of critical speeds, how they were computed, and a note if they differ much."""
+    sheet = check.sheet
+    dampers = [name for name in sheet.parameters.values() if name.endswith("_damping") and name != "contact_damping"]
+    assumed = sum(name in sheet.assumed for name in dampers)
+    large = f"runs from {1e3 * hunting.start:.1f} mm, creep law {DEFAULT_LAW}, tolerance {TOLERANCE:g}"
+    rows = [
+        ("small motion grows above", *speed_cells(hunting.linear), "eigenvalues, Kalker's linear creep"),
+        ("large motion persists from", *speed_cells(hunting.large), large),
+        ("profiles", "", "", ", ".join(path.name for path in sheet.profile_files) or "built-in synthetic pair"),
+        ("dampers", "", "", f"{assumed} of {len(dampers)} assumed, as the {sheet.like}" if assumed else "of the file"),
+    ]
+    if hunting.large < MUCH_BELOW * hunting.linear:
+        rows.append(("between both speeds", "", "", "a disturbance, such as a switch, can start lasting hunting"))
+    elif hunting.linear < hunting.large:
+        words = f"a large motion decays below {1e3 * LARGE:g} mm, a small one grows"
+        rows.append(("between both speeds", "", "", words))
+    title = f"Critical speeds on straight smooth track, friction {FRICTION:g}"
+    return title, ("motion", "km/h", "m/s", "computed with"), rows
+
+
+def speed_cells(speed: float) -> tuple[str, str]:
+    """Return a critical speed in km/h and m/s; above the largest speed that is searched, this limit."""
+    if math.isinf(speed):
+        return f"none up to {FASTEST * KILOMETRES_PER_HOUR:.0f}", f"none up to {FASTEST:g}"
+    return f"{speed * KILOMETRES_PER_HOUR:.0f}", f"{speed:.1f}"
 
 
 def grouped(check: Check) -> list[tuple[str, str]]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
 from bogie_braking.vehicle_files.check import KILOMETRES_PER_HOUR, OVERDAMPED, RAILS, SPEEDS, Check
+from bogie_braking.vehicle_files.hunting import FASTEST
 from rbd_model.vehicle.parameters import VehicleParameters
 from scenarios.reporting.plots import BOGIE, FOUR, LEADING, LINES, TRAILING, one_word, plt, titled
 
@@ -33,9 +33,17 @@ def message(check: Check) -> str:
     if check.distances is not None:
         at = SPEEDS.index(120.0)
         return f"{name}, {mass}: 120 km/h to rest in {check.distances[at, 0]:.0f} m (dry)"
-    if check.critical is not None and math.isfinite(check.critical):
-        return f"{name}, {mass}, hunts above {check.critical * KILOMETRES_PER_HOUR:.0f} km/h"
+    if check.hunting is not None:
+        return f"{name}, {mass}, {hunting_words(check)}"
     return f"{name} has {mass} on {check.sheet.axles} axles"
+
+
+def hunting_words(check: Check) -> str:
+    """Return the lower one of both critical speeds in words."""
+    lowest = min(check.hunting.linear, check.hunting.large) if check.hunting else math.inf
+    if math.isinf(lowest):
+        return f"no hunting up to {FASTEST * KILOMETRES_PER_HOUR:.0f} km/h"
+    return f"may hunt from {lowest * KILOMETRES_PER_HOUR:.0f} km/h"
 
 
 def side_view(axis: Axes, check: Check) -> None:
@@ -87,9 +95,7 @@ def modes(axis: Axes, check: Check) -> None:
     axis.set_xscale("log")
     axis.set_xticks((0.5, 1, 2, 5, 10, 20, 50), labels=("0.5", "1", "2", "5", "10", "20", "50"))
     axis.set_ylim(bottom=min(0.0, *(one.damping_ratio for one in shown)))
-    limit = np.inf if check.critical is None else check.critical * KILOMETRES_PER_HOUR
-    words = f"hunts above {limit:.0f} km/h" if math.isfinite(limit) else "does not hunt up to 430 km/h"
-    axis.annotate(words, (0.97, 0.95), xycoords="axes fraction", ha="right", va="top")
+    axis.annotate(hunting_words(check), (0.97, 0.95), xycoords="axes fraction", ha="right", va="top")
 
 
 def empty(axis: Axes, words: str) -> None:
