@@ -222,6 +222,7 @@ PLUMBING = {
     "rbd_model/track/smoothing.py": {"smooth"},
     "rbd_model/track/line_table.py": {"along_line"},
     "rbd_model/wheelset/elastic.py": {"surroundings"},
+    "rbd_model/wheelset/pressing_patch.py": {"law_name"},
     "rbd_model/track/recovery.py": {"rail_adhesion"},
     "rbd_model/body/relation.py": {"narrow"},
     "rbd_model/body/suspension.py": {"call", "entries"},

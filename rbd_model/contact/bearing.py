@@ -74,8 +74,9 @@ class Overlap:
 
 
 def overlap_at(part: Contour, offset: float, approach: float) -> Overlap | None:
-    """Return the overlap at an offset of the wheel's y = 0 from the rail's and an effective depth [m]; None if the part
-    is beside its rail.
+    """Return the overlap at an offset of the wheel's y = 0 from the rail's [m], (3.77); None beside the rail.
+
+    approach [m]: effective depth.
     """
     rail = part.rail.height(part.along + offset)
     gap = part.square - rail

@@ -41,7 +41,7 @@ def stiffness_fit() -> StiffnessFit:
 
 
 def stiffness_of(along: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """Return N / (E* delta^1.5) [m^0.5] of Hertz' contact from its curvatures A and B [1/m], as `elastic_force`."""
+    """Return N / (E* delta^1.5) [m^0.5] of Hertz' contact from its curvatures A and B (3.83) [1/m]."""
     fit = stiffness_fit()
     across = np.maximum(across, along * np.exp(-fit.limit))
     q = np.minimum(np.log(across / along), fit.limit)

@@ -71,7 +71,7 @@ class Part:
 
 
 def patches_of(one: Side) -> tuple[Part, ...]:
-    """Return the parts of a wheel that are patches of contact model 2, from the field side to the flange."""
+    """Return the parts of a wheel that are patches of contact model 2, from the field side on (section 9.4.1)."""
     return parts_of(one, LEAST_RIDGE)
 
 
@@ -187,7 +187,7 @@ def gaps_of(one: Side, s: np.ndarray) -> list[np.ndarray]:
 def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: int, least: float) -> int | None:
     """Return the index at which to cut a part whose nearest point jumps, or None: the highest point of the jump.
 
-    least [m]: height of the ridge over both places, below which the part is not cut.
+    least [m]: height of the ridge over both places, square to the steeper one, below which the part is not cut.
 
     Section 9.4.1. A roll moves the wheel along each arc of the rail by its radius times the roll. It therefore moves a
     jump from one arc to another by the difference of both. The jump is relevant if wheelsets that roll by up to TILT
@@ -204,7 +204,8 @@ def ridge(one: Side, s: np.ndarray, gaps: list[np.ndarray], first: int, last: in
         near = (offsets[after - 1] - reached <= offsets) & (offsets <= offsets[after] + reached)
         if np.any(bears & near):
             low, high = sorted(places[after - 1 : after + 1])
-            if ridge_height(own[after - 1 : after + 1], low, high) >= least:
+            steep = float(np.max(np.abs(one.wheel.height(s[[first + low, first + high]], 1))))
+            if ridge_height(own[after - 1 : after + 1], low, high) >= least * math.sqrt(1 + steep**2):
                 return first + low + int(np.argmax(own[after, low:high]))
     return None
 

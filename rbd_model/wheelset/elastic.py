@@ -39,7 +39,7 @@ from rbd_model.wheelset.pressing_patch import (
 from rbd_model.wheelset.profiles_of import ProfilesOf, record_of
 from rbd_model.wheelset.standing import press_at_start, sinking, stand_at_start
 from rbd_model.wheelset.touch import SIDES, Placement, Wheel
-from rbd_model.wheelset.touching_patch import InNumbers, Stands, find_nearest
+from rbd_model.wheelset.touching_patch import InNumbers, Stands, near_rail
 from rbd_model.wheelset.wheel_on_record import (
     FLANGES,
     TREADS,
@@ -250,7 +250,7 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     state = replace(state, slopes=slopes)
     parts = parts_of(one, most=MOST_SEGMENTS)
     stands = Stands.of(replace(stance.placement, lateral=state.offset), wheel, state.height)
-    nearest = [find_nearest(assembly.system, InNumbers(line_record(one, part)), part.flange, stands) for part in parts]
+    nearest = [near_rail(assembly.system, InNumbers(line_record(one, part)), part.flange, stands) for part in parts]
     nu, (*steel, surface, damping, gauge_face) = assembly.contact.poisson_ratio, surroundings(assembly)
     without_slip = surface[: surface.numel() - 1]
     constants = ca.vertcat(wheel.vector, *steel, without_slip, damping, gauge_face, nu, assembly.on_line)

@@ -19,7 +19,7 @@ from fmu_src.chain import Bundle, Chain, Part, rows
 from fmu_src.piecewise import look_up, look_up_in, numbers_in, polynomials
 from fmu_src.records import Record
 from rbd_model.body.kinematics import turned_by
-from rbd_model.contact.bearing import APPROACHES, AT_FIRST, CUBIC, IN_CONTACT
+from rbd_model.contact.bearing import APPROACHES, CUBIC, IN_CONTACT
 from rbd_model.contact.elastic import SMALLEST_APPROACH
 from rbd_model.contact.pair_table import PATCH
 from rbd_model.wheelset.touch import Placement, Wheel, follow_cosines, touch_at
@@ -113,10 +113,7 @@ class Stands:
 
 @dataclass(frozen=True)
 class Nearest:
-    """The point of a patch that is nearest to its rail, (3.77), (3.78).
-
-    approach [m]: estimated to some hundredths of a millimetre, enough to determine which patches touch.
-    """
+    """The point of a patch that is nearest to its rail, and its approach [m], (3.77), (3.78)."""
 
     position: ca.SX
     on_rail: ca.SX
@@ -132,12 +129,28 @@ def first_offset(chain: Chain, patch: PatchTable, stands: Stands) -> tuple[ca.SX
     return along + patch.number(chain, "radius") * stands.roll[1], square
 
 
-def find_nearest(chain: Chain, patch: PatchTable, flange: bool, stands: Stands) -> Nearest:
-    """Return the nearest point of a patch, (3.77), (3.78)."""
+def near_rail(chain: Chain, patch: PatchTable, flange: bool, stands: Stands) -> Nearest:
+    """Return the nearest point of a patch of a wheel that yaws and rolls little, (3.77), (3.78).
+
+    The approach is estimated to some hundredths of a millimetre up to 2 mrad of roll and 10 mrad of yaw.
+    """
     offset, square = first_offset(chain, patch, stands)
-    position, gap = (polynomials(patch.piece(chain, name, offset), offset, 0)[0] for name in ("nearest", "gap"))
-    lever = patch.number(chain, "middle") if flange else position
-    return Nearest(position, stands.outwards + position, -gap - square - lever * stands.roll[1])
+    lever = patch.number(chain, "middle") if flange else _line(chain, patch, "nearest", offset)
+    return _nearest(chain, patch, stands, offset, square + lever * stands.roll[1])
+
+
+def find_nearest(chain: Chain, patch: PatchTable, stands: Stands) -> Nearest:
+    """Return the nearest point of a patch at any yaw and roll, (3.77), (3.78)."""
+    return _nearest(chain, patch, stands, *_without_roll(chain, patch, stands))
+
+
+def _nearest(chain: Chain, patch: PatchTable, stands: Stands, offset: ca.SX, square: ca.SX) -> Nearest:
+    position = _line(chain, patch, "nearest", offset)
+    return Nearest(position, stands.outwards + position, -_line(chain, patch, "gap", offset) - square)
+
+
+def _line(chain: Chain, patch: PatchTable, name: str, offset: ca.SX) -> ca.SX:
+    return polynomials(patch.piece(chain, name, offset), offset, 0)[0]
 
 
 @dataclass(frozen=True)
@@ -172,10 +185,7 @@ def touch_patch(
     placement = Placement(yaw, roll, cosines, lateral)
     stands = Stands.of(placement, on, height)
     direction = patch.number(chain, "cosine"), patch.number(chain, "sine")
-    first = first_offset(chain, patch, stands)[0]
-    at_first = dict(zip(AT_FIRST, _cubics(patch.piece(chain, "at_first", first), first, 0), strict=True))
-    offset, square = _without_roll(stands, direction, {name: values[0] for name, values in at_first.items()})
-
+    offset, square = _without_roll(chain, patch, stands)
     scale = modulus * (on.radius / patch.number(chain, "wheel_radius")) ** OF_RADIUS
     energy = Energy.of(_cubics(patch.piece(chain, "in_contact", offset), offset, 1), square, scale)
     coordinates = ca.vertcat(lateral, height, cosines)
@@ -264,15 +274,16 @@ class Parabola:
         return cls(stiffness * of_approach, by_offset, load, steep, approach, place, depth, curvature)
 
 
-def _without_roll(stands: Stands, direction: tuple[ca.SX, ca.SX], at: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+def _without_roll(chain: Chain, patch: PatchTable, stands: Stands) -> tuple[ca.SX, ca.SX]:
     """Return offset and square distance of the wheel without yaw and roll that has the same overlap [m], (3.77)."""
-    along, square = stands.along_and_square(direction, at["slope"], stands.wheel.radius - at["depth"], at["place"])
-    cosine, sine = stands.roll
-    beside, below = at["centre_along"] - along, at["centre_square"] - square
-    return (
-        at["centre_along"] - cosine * beside - sine * below,
-        at["centre_square"] + sine * beside - cosine * below,
+    first = first_offset(chain, patch, stands)[0]
+    centre_along, centre_square, slope, place, depth = (
+        values[0] for values in _cubics(patch.piece(chain, "at_first", first), first, 0)
     )
+    direction = patch.number(chain, "cosine"), patch.number(chain, "sine")
+    along, square = stands.along_and_square(direction, slope, stands.wheel.radius - depth, place)
+    (cosine, sine), beside, below = stands.roll, centre_along - along, centre_square - square
+    return centre_along - cosine * beside - sine * below, centre_square + sine * beside - cosine * below
 
 
 def _turn(cosine_and_sine: ca.SX) -> ca.SX:
@@ -296,7 +307,7 @@ def touching_patch(flange: bool) -> Part:
 
 
 def part_of_patch(name: str, patch: PatchTable, record: ca.SX | None = None) -> Part:
-    """Return the same of any patch; record: that of the patch, if it is data of an instance."""
+    """Return the same of any patch, (3.82)-(3.88); record: that of the patch, if it is data of an instance."""
     given, constants, chain = ca.SX.sym("given", 4), ca.SX.sym("constants", 9), Chain()
     cosines, on = constants[:4], Wheel(*ca.vertsplit(constants[4:8]))
     follow_cosines(chain, cosines, given[2:4])

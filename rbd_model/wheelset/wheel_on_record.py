@@ -22,14 +22,14 @@ from rbd_model.wheelset.pressing_patch import (
     pressing_patch,
 )
 from rbd_model.wheelset.touch import Placement, Wheel
-from rbd_model.wheelset.touching_patch import InRecord, Nearest, Stands, find_nearest
+from rbd_model.wheelset.touching_patch import InRecord, Nearest, Stands, find_nearest, near_rail
 
 #: Places of the lists of a `pair_table.SIDE`.
 TREADS, FLANGES = (
     next(place for place, one in enumerate(SIDE.lists) if one.name == name) for name in ("treads", "flanges")
 )
-#: Largest distance from the rail at which a patch is evaluated [m], and roll above which it is in any case [rad].
-MAY_TOUCH, ROLLED = 0.6e-3, 2e-3
+#: Largest distance from the rail at which a patch is evaluated [m]; roll and yaw above which it is in any case [rad].
+MAY_TOUCH, ROLLED, YAWED = 0.6e-3, 2e-3, 15e-3
 
 
 @dataclass(frozen=True)
@@ -57,18 +57,19 @@ def nearest_of(chain: Chain, feeling: Feeling, record: ca.SX, flange: bool) -> N
     """Return the point of the patch in a record that is nearest to the rail, (3.77), (3.78)."""
     state, wheel = feeling.state, Wheel(*ca.vertsplit(feeling.fixed.wheel))
     placement = Placement(state.yaw, state.roll, feeling.fixed.cosines, state.offset)
-    return find_nearest(chain, InRecord(record), flange, Stands.of(placement, wheel, state.height))
+    return near_rail(chain, InRecord(record), flange, Stands.of(placement, wheel, state.height))
 
 
 @lru_cache
 def asked_of_record(flange: bool, on_line: bool) -> Part:
     """Return the part whose result is above 0 if the patch in a record may touch, (3.78); as `pressing_patch`.
 
-    Up to ROLLED, the roll of the patch and the slope of the rail change the gap by less than MAY_TOUCH.
+    Up to ROLLED and YAWED, roll, yaw and the slope of the rail change the gap by less than MAY_TOUCH.
     """
     (feeling, record), chain = symbols_of_feeling(on_line), Chain()
     near = nearest_of(chain, feeling, record, flange)
-    asked = ca.fmax(MAY_TOUCH + near.approach, ca.fabs(feeling.fixed.cosines[3]) - ROLLED)
+    yaw, roll = ca.fabs(feeling.fixed.cosines[1]), ca.fabs(feeling.fixed.cosines[3])
+    asked = ca.fmax(MAY_TOUCH + near.approach, ca.fmax(roll - ROLLED, yaw - YAWED))
     name = f"asked_of_{'flange' if flange else 'tread'}{'_on_line' if on_line else ''}"
     return Part(name, *given_of(feeling, record), asked, chain)
 
@@ -107,7 +108,7 @@ def watched_patch(flange: bool) -> Part:
     chain = Chain()
     placement = Placement(given[2], given[3], constants[:4], given[0])
     patch, stands = InRecord(constants[8]), Stands.of(placement, Wheel(*ca.vertsplit(constants[4:8])), given[1])
-    near = find_nearest(chain, patch, flange, stands)
+    near = find_nearest(chain, patch, stands)
     steep = near.position < patch.number(chain, "steep_begins")
     results = ca.if_else(steep, -1, near.approach), ca.if_else(steep, near.approach, -1), -near.position
     return Part(f"watched_{'flange' if flange else 'tread'}", given, constants, ca.vertcat(*results), chain)
@@ -136,7 +137,7 @@ def room_of_patch() -> Part:
     given, constants, chain = ca.SX.sym("given", 4), ca.SX.sym("constants", 12), Chain()
     placement = Placement(given[2], given[3], constants[:4], given[0])
     stands = Stands.of(placement, Wheel(*ca.vertsplit(constants[4:8])), given[1])
-    near = find_nearest(chain, InRecord(constants[11]), False, stands)
+    near = find_nearest(chain, InRecord(constants[11]), stands)
     return Part("room_of_patch", given, constants, -room_on(near, constants[8], (constants[9], constants[10])), chain)
 
 

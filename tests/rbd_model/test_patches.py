@@ -20,7 +20,6 @@ from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CreepLaw
 from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.depth import DEPTHS, Contact
-from rbd_model.contact.distance import touching
 from rbd_model.contact.elastic import damped, elastic_force
 from rbd_model.contact.geometry import Sides, european_pair, synthetic_pair, thesis_pair
 from rbd_model.contact.hertz import POISSON_RATIO
@@ -46,8 +45,8 @@ POWERS = ("brake_power", "creep_power", "damping_power")
 ENERGY_BAND = 1e-6
 #: Tolerance between an elastic and a rigid tread: the approach, 0.13 mm, over a lateral displacement of some mm.
 DEPTH_BAND = 0.02
-#: Tolerance between the contact of rigid profiles by Newton's method and by a search [m]: the pitch of that search.
-PLACE_BAND = 0.02e-3
+#: Tolerance of the place of a contact [m]; the squared overlap of exact theory is that of deformed surfaces.
+PLACE_BAND = 0.05e-3
 #: Difference of forces from exact theory, as a share of mu N. It is the known error of the flange's creep law
 #: (`contact-manchester`) and detects any increase.
 FORCE_BAND = 0.09
@@ -106,13 +105,11 @@ def test_no_part_touches_at_its_cut() -> None:
             assert np.nanmax(inner.nearest) < cut - CLEAR
 
 
-@pytest.mark.parametrize("shift", [3.0, 7.0, 10.0])
-def test_patch_presses_where_the_rigid_wheelset_touches_that_rolls(shift: float) -> None:
+@pytest.mark.parametrize("shift", [1.0, 3.0, 7.0, 10.0])
+def test_patch_presses_where_exact_theory_has_it(shift: float) -> None:
     """The left wheel while the right one climbs. The roll of up to 11 mrad alone moves the nearest point by 2 mm."""
-    stand, motion = manchester.case("left", shift)
-    _, place = touching(manchester.manchester_pair(), stand)
-    pressed = max(manchester.bearings(stand, motion), key=lambda one: one.load)
-    assert pressed.on_wheel == pytest.approx(place, abs=PLACE_BAND)
+    pressed = max(manchester.bearings(*manchester.case("left", shift)), key=lambda one: one.load)
+    assert pressed.on_rail == pytest.approx(manchester.exact("left")[shift].place, abs=PLACE_BAND)
     # The benchmark's wheelset is also yawed; its vertical force is the load.
     assert pressed.up == pytest.approx(manchester.LOAD, rel=1e-6)
 
