@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from bogie_braking.commands.shared import add_speech, add_track, describe
 from bogie_braking.exit_status import HOLDS
@@ -18,18 +19,21 @@ from rbd_model.contact.measured_pair import fault_at, gauge_of
 from rbd_model.contact.pair_file import write_pair
 from rbd_model.contact.pair_table import LARGEST_SHIFT
 from rbd_model.contact.patches import parts_of, positions_of
+from rbd_model.contact.profiles import Profile
 from readers.command_line import check_folder, check_out, make_folder_of
 from readers.storage import write_whole
 from readers.text import BadInputError
 from scenarios.bench.pair_running import COMPARED, FILE_AMPLITUDES, FILE_SHIFTS, WORDS, Running, running_of
 from scenarios.bench.profile_files import profiles, sides_of, within
 from scenarios.reporting.pair_picture import draw_pair
+from scenarios.reporting.smoothing_picture import draw_smoothing
 
 ABOUT = """Make a contact table from the profiles of a wheel and a rail: tables of y and z, SIMPACK (.prw, .prr),
 MiniProf (.whl, .ban, .mpt). The table is the value of profile_file of vehicles and FMUs. The command prints what it
-applied, found and assumed, and draws contacts, patches, radius difference and conicity (EN 15302).
+applied, found and assumed, and draws contacts, patches, radius difference and conicity (EN 15302). A second picture
+shows the smoothing of the profiles.
 
-  bogie-braking profile wheel.prw rail.prr                       writes pair.csv and pair.png
+  bogie-braking profile wheel.prw rail.prr                       writes pair.csv, pair.png, pair-smoothing.png
   bogie-braking profile worn.whl 60e1.ban --inclination 40       a rail that stands upright in its file
   bogie-braking profile left.whl rail.ban --right-wheel right.whl --diameter 918 920
 """
@@ -59,13 +63,16 @@ def run(chosen: argparse.Namespace) -> int:
     found = running_of(sides, FILE_SHIFTS, FILE_AMPLITUDES)
     patches = patches_by_side(sides)
     picture = chosen.out.with_suffix(".png")
-    save_picture(found, patches, picture)
+    smoothing = picture.with_stem(f"{picture.stem}-smoothing")
+    save_picture(draw_pair(found, patches, message(found, patches)), picture)
+    save_picture(draw_smoothing(profiles_of(sides)), smoothing)
     about = findings(found, patches)
     if chosen.json:
-        print(json.dumps({**about, "picture": str(picture), "table": str(chosen.out)}, indent=2))
+        files = {"picture": picture, "picture of smoothing": smoothing, "table": chosen.out}
+        print(json.dumps({**about, **{name: str(path) for name, path in files.items()}}, indent=2))
     elif not chosen.quiet:
         show(about)
-        print(f"Picture: {picture}")
+        print(f"Pictures: {picture}, {smoothing}")
     write_table(sides, chosen.out)
     if not (chosen.json or chosen.quiet):
         print(f"Contact table: {chosen.out}")
@@ -145,12 +152,16 @@ def limits_of(side: Side) -> list[tuple[float, float]]:
     return [(float(places[part.first]), float(places[part.last - 1])) for part in parts_of(side)]
 
 
-def save_picture(found: Running, patches: Limits, path: Path) -> None:
-    """Save the picture of a pair, whose title is its message."""
+def profiles_of(sides: Sides) -> list[Profile]:
+    """Return the different profiles of a pair, wheels first."""
+    return list(dict.fromkeys([one.wheel for one in sides.both] + [one.rail for one in sides.both]))
+
+
+def save_picture(figure: Figure, path: Path) -> None:
+    """Save a picture and close it."""
     from matplotlib import pyplot as plt
 
     data = BytesIO()
-    figure = draw_pair(found, patches, message(found, patches))
     figure.savefig(data, format="png", dpi=110)
     plt.close(figure)
     make_folder_of(path)

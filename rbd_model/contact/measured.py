@@ -45,7 +45,7 @@ def read_profile(
     """Read a measured contour: a table of y and z, a file of the MiniProf or of SIMPACK (`readers.profiles`).
 
     A contour that is upside down is turned, as is one whose gauge side is at positive y. Points below an overhang, as
-    of the head of a rail, are ignored. Only the spline smooths the noise (`from_points`): EN 15302 leaves the method
+    of the head of a rail, are ignored. Noise is smoothed once, by `profiles.smoothed`: EN 15302 leaves the method
     open and uses the conicity as the criterion.
 
     Parameters

@@ -7,8 +7,8 @@ negative y; z is positive upwards. A wheel's z is the height of its lower contou
 the nominal contact point.
 
 The splines are quintic, because contact needs the contour's curvature and the chapter 3 formulation its third
-derivative (section 3.3.2). They are smoothed at a knot distance of 0.5 mm: 2 um of noise in measured points would
-otherwise give ten times the crown's curvature.
+derivative (section 3.3.2). Their knots are 0.5 mm apart. All derivatives of a profile are those of its one spline. The
+spline of a measured contour is smoothed by `smoothed`.
 """
 
 from collections.abc import Mapping
@@ -17,13 +17,23 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import Akima1DInterpolator, BSpline, PPoly, make_lsq_spline
+from scipy.interpolate import BSpline, PPoly, make_lsq_spline
+from scipy.linalg import solve
 
 from rbd_model.contact.gauge_side import GaugeSide
 from readers.contours import FEWEST_POINTS, LARGEST_BREADTH
 
 DEGREE = 5
 KNOT_DISTANCE = 0.5e-3
+#: Cut-off wavelength of the smoothing of measured contours [m]: waves of this length lose half of their height.
+#: Assumed: a few times the half breadth of a contact. It is the shortest length whose curvature is right within 2 1/m
+#: in noise of 2 um. CONTACT states its penalty by a filter length in the same way (Vollebregt, `smooth_profile`).
+SMOOTHING = 3e-3
+#: Largest mean distance over SMOOTHING / 3 of the points from the smoothed contour [m], or times the median distance of
+#: all points. Where it is exceeded, the length is halved, up to HALVINGS times. It is 2.4 um where R80 joins R13.
+SHARP, SHARP_OVER_NOISE, HALVINGS = 5e-6, 3.0, 3
+#: Squared cosine of the steepest slope for which the penalty is exact, 85 degrees; steeper walls are not followed.
+LEAST_UPRIGHT = float(np.cos(np.radians(85.0)) ** 2)
 #: Distance of the points on given arcs and lines [m].
 POINT_DISTANCE = 0.02e-3
 #: Depth below the top of the rails at which the gauge is measured [m] (EN 13848-1).
@@ -38,6 +48,7 @@ class Profile:
 
     For a contour from a file: `gauge_side` is the side of its y towards the middle of the track. `notes` are sentences
     on what was applied, found or assumed. `facts` are numbers of its header for a pair [m] (`readers.contours`).
+    `points` are those of a measured contour, rows (y, z) [m].
     Profiles are equal if name, source and every number of the spline are equal.
     """
 
@@ -47,6 +58,7 @@ class Profile:
     gauge_side: GaugeSide | None = None
     notes: tuple[str, ...] = ()
     facts: Mapping[str, float] = field(default_factory=dict)
+    points: np.ndarray | None = field(default=None, repr=False)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Profile) and self._content == other._content
@@ -77,12 +89,10 @@ class Profile:
 
 
 def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike, measured: bool = False) -> Profile:
-    """Return the least-squares quintic spline through points (section 3.3.2), with knots every KNOT_DISTANCE.
+    """Return the quintic spline through points (section 3.3.2), with knots every KNOT_DISTANCE.
 
-    Measured contours have walls, as the sides of a rail's head. Knots cannot follow these, and a spline that tries
-    rings over the gauge corner: by 0.18 mm on a 60E1 head. Points of a measured contour therefore weigh as much as the
-    squared cosine of its slope. The error, square to the contour, is then below 3 um up to 75 degrees. Points further
-    apart than the knots are joined by straight lines, those of a measured contour by a smooth curve (Akima 1970).
+    It is the least-squares spline, or for a measured contour `smoothed`. Points further apart than the knots are joined
+    by straight lines, those of a measured contour by the smooth curve.
 
     Parameters
     ----------
@@ -91,7 +101,7 @@ def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike, measured: bo
     y, z : array, shape (n,)
         Points of the contour [m], y increasing.
     measured : bool
-        Whether the points may have walls and large distances.
+        Whether the points may have noise, walls and large distances.
 
     Raises
     ------
@@ -106,16 +116,71 @@ def from_points(name: str, source: str, y: ArrayLike, z: ArrayLike, measured: bo
     if not 1e3 * breadth <= LARGEST_BREADTH:
         limit = LARGEST_BREADTH / 1e3
         raise ValueError(f"Profile {name}: y must span at most {limit:g} m; got {breadth:g} m. Give metres.")
+    if measured:
+        return Profile(name, source, smoothed(y_array, z_array), points=np.column_stack([y_array, z_array]))
     if np.diff(y_array).max() > KNOT_DISTANCE:
         # Points further apart than the knots are joined by straight lines. The spline then smooths these.
         fine = np.arange(y_array[0], y_array[-1], KNOT_DISTANCE / 4)
-        between = Akima1DInterpolator(y_array, z_array, method="makima")(fine) if measured else None
-        z_array, y_array = np.interp(fine, y_array, z_array) if between is None else between, fine
-    count = max(1, round((y_array[-1] - y_array[0]) / KNOT_DISTANCE))
-    inner = np.linspace(y_array[0], y_array[-1], count + 1)
-    knots = np.concatenate([[inner[0]] * DEGREE, inner, [inner[-1]] * DEGREE])
-    weights = 1 / (1 + np.gradient(z_array, y_array) ** 2) if measured else None
-    return Profile(name, source, make_lsq_spline(y_array, z_array, knots, DEGREE, w=weights))
+        z_array, y_array = np.interp(fine, y_array, z_array), fine
+    return Profile(name, source, make_lsq_spline(y_array, z_array, _knots(y_array), DEGREE))
+
+
+def _knots(y: np.ndarray) -> np.ndarray:
+    """Return the knots of a spline over the positions y [m], about KNOT_DISTANCE apart."""
+    count = max(1, round((y[-1] - y[0]) / KNOT_DISTANCE))
+    inner = np.linspace(y[0], y[-1], count + 1)
+    return np.concatenate([[inner[0]] * DEGREE, inner, [inner[-1]] * DEGREE])
+
+
+def smoothed(y: np.ndarray, z: np.ndarray, length: float = SMOOTHING) -> BSpline:
+    """Return the quintic smoothing spline through the points of a measured contour, Eilers and Marx (1996).
+
+    Along an even contour it minimises the integral of squared distance + (length / 2 pi)^6 (third derivative)^2. It
+    passes waves of a wavelength w by 1 / (1 + (length / w)^6). On a slope, distance, derivative and length are those
+    along it: the terms are weighted with the 4th and 10th power of the slope's cosine. Walls, as the sides of a rail's
+    head, therefore weigh little, and the spline does not ring over the gauge corner. `docs/profiles.md` has the errors
+    over the length.
+
+    A corner that is sharper than `length` allows is real if the mean of the points leaves the spline there by more than
+    SHARP. The length is halved around it.
+
+    Parameters
+    ----------
+    y, z : array, shape (n,)
+        Points of the contour [m], y increasing.
+    length : float
+        Cut-off wavelength [m].
+    """
+    knots = _knots(y)
+    edges, upright = knots[DEGREE:-DEGREE], 1 / (1 + np.gradient(z, y) ** 2)
+    # The squared third derivative is a polynomial of degree 4 between knots: three points of Gauss are exact.
+    place, share = np.polynomial.legendre.leggauss(3)
+    half = np.diff(edges)[:, None] / 2
+    at = ((edges[1:] + edges[:-1])[:, None] / 2 + half * place).ravel()
+    penalty = (half * share).ravel() * np.maximum(np.interp(at, y, upright), LEAST_UPRIGHT) ** 5
+    third = BSpline(knots, np.eye(knots.size - DEGREE - 1), DEGREE)(at, nu=3)
+    design = BSpline.design_matrix(y, knots, DEGREE)
+    weights = np.gradient(y) * upright**2
+    data, target = (design.T @ design.multiply(weights[:, None])).toarray(), design.T @ (weights * z)
+    lengths = np.full(at.size, length)
+    for number in range(HALVINGS + 1):
+        matrix = data + third.T @ ((penalty * (lengths / (2 * np.pi)) ** 6)[:, None] * third)
+        scale = 1 / np.sqrt(np.diag(matrix))
+        spline = BSpline(knots, scale * solve(scale[:, None] * matrix * scale, scale * target, assume_a="pos"), DEGREE)
+        sharp = _sharp(y, (spline(y) - z) * np.sqrt(upright), length)
+        if not sharp.size or number == HALVINGS:
+            break
+        near = np.searchsorted(sharp, at + length / 2) > np.searchsorted(sharp, at - length / 2)
+        lengths[near] /= 2
+    return spline
+
+
+def _sharp(y: np.ndarray, off: np.ndarray, length: float) -> np.ndarray:
+    """Return the positions [m] where the mean distance [m] over a third of the length exceeds the limit."""
+    area = np.concatenate([[0.0], np.cumsum(np.diff(y) * (off[1:] + off[:-1]) / 2)])
+    low, high = np.maximum(y - length / 6, y[0]), np.minimum(y + length / 6, y[-1])
+    mean = (np.interp(high, y, area) - np.interp(low, y, area)) / (high - low)
+    return np.asarray(y[np.abs(mean) > max(SHARP, SHARP_OVER_NOISE * float(np.median(np.abs(off))))])
 
 
 #: Distances from the middle of the head [m] at which R300 meets R80 and R80 meets R13. Those of 60E1 are from the

@@ -39,6 +39,10 @@ def simpack(path: Path, points: np.ndarray, keys: str = "") -> Path:
     return path
 
 
+#: Change of a conicity by smoothing; noise of 2 um scatters it by 0.004. EN 15302 allows 0.05 or half of it.
+SMOOTHED = 0.002
+
+
 def brute_force_conicity(wheel: np.ndarray, rail: np.ndarray, amplitude: float) -> float:
     """Return the equivalent conicity by another method: points, no splines; the wave is integrated in time.
 
@@ -77,9 +81,13 @@ def test_conicity_is_that_of_an_independent_calculation(amplitude: float, tmp_pa
     flange = 28.0 / (1 + np.exp((y + 45.0) / 1.5))
     wheel = np.column_stack([y, hollow - flange])
     pair = bb.pair(simpack(tmp_path / "w.prw", wheel), simpack(tmp_path / "r.prr", RAIL), gauge=1.435)
-    shifted = RAIL + np.array([1e3 * (pair.left.rail_half_distance - pair.left.wheel_half_distance), 0.0])
+    beside = np.array([1e3 * (pair.left.rail_half_distance - pair.left.wheel_half_distance), 0.0])
     found = float(equivalent_conicity(pair, np.array([amplitude / 1e3]), rolls=False)[0])
-    assert found == pytest.approx(brute_force_conicity(wheel, shifted, amplitude), rel=0.01)
+    smooth = [1e3 * np.column_stack([one.points[:, 0], one.height(one.points[:, 0])])
+              for one in (pair.left.wheel, pair.left.rail) if one.points is not None]  # fmt: skip
+    assert found == pytest.approx(brute_force_conicity(smooth[0], smooth[1] + beside, amplitude), rel=0.01)
+    # Through the points themselves: joints of the rail's arcs are rounded.
+    assert found == pytest.approx(brute_force_conicity(wheel, RAIL + beside, amplitude), abs=SMOOTHED)
 
 
 def numbers_of(pair: Sides) -> np.ndarray:

@@ -76,7 +76,8 @@ def test_a_rail_from_its_other_side_is_told_and_changes_nothing(
     about = json.loads((tmp_path / "contact-geometry" / "summary.json").read_text())
     assert "of the wheel y- (its flange lies there), of the rail y+ (it leans 1:20 to" in about["parameters"]["left"]
     [found] = [row["simulated"] for row in about["rows"] if row["quantity"] == "equivalent conicity at 3 mm"]
-    assert found == pytest.approx(np.interp(3.0, *en_15302("E1")[:2]), abs=1e-3)
+    # Smoothing changes it by 0.002; 2 um of noise scatter it by 0.004. The standard's limits are 0.05.
+    assert found == pytest.approx(np.interp(3.0, *en_15302("E1")[:2]), abs=4e-3)
     capsys.readouterr()
     assert main(["run", "contact-geometry", *given, "--gauge-side", "y+", "y-"]) == 2
     assert "with its gauge side at y- it leans 1:20 outwards. Give the side y+" in capsys.readouterr().err
@@ -117,7 +118,7 @@ def test_rail_that_stands_upright_in_its_file_is_laid_inclined_without_what_over
     path.write_text("\n".join(f"{y:.6f}, {z:.6f}" for y, z in head))
     rail = sides_from_files(Options(wheel=[wheel("A")], rail=[path], inclination=20.0)).left.rail
     on_head = np.linspace(-0.030, 0.030, 100)
-    assert np.abs(rail.height(on_head) - rail_60kg().height(on_head)).max() < 1e-6
+    assert np.abs(rail.height(on_head) - rail_60kg().height(on_head)).max() < 3e-6  # joints of arcs
     assert rail.limits[0] == pytest.approx(rail_60kg().limits[0], abs=1e-4)
 
 
