@@ -16,7 +16,8 @@ Between both approaches it passes from one to the other.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline, PPoly
@@ -73,42 +74,56 @@ class Overlap:
     bend: float
 
 
-def overlap_at(part: Contour, offset: float, approach: float) -> Overlap | None:
-    """Return the overlap at an offset of the wheel's y = 0 from the rail's [m], (3.77); None beside the rail.
+def overlaps_at(part: Contour, offset: float) -> list[Overlap] | None:
+    """Return the overlap at each of APPROACHES, at an offset of the wheel's y = 0 from the rail's [m], (3.77).
 
-    approach [m]: effective depth.
+    None if the part is beside its rail.
     """
-    rail = part.rail.height(part.along + offset)
-    gap = part.square - rail
+    gap = part.square - part.rail.height(part.along + offset)
     beside = np.isfinite(gap)
     if not np.any(beside):
         return None
     lowest = float(np.min(gap[beside]))
     near = np.flatnonzero(beside & (np.where(beside, gap, np.inf) < lowest + DEEPEST))
-    rise, width = gap[near] - lowest, _widths(part.along)[near]
     slopes, bends = (part.rail.height(part.along[near] + offset, order) for order in (1, 2))
-    depth, slope = approach, 0.0
-    for _ in range(ROUNDS):
-        inside = np.maximum(depth - rise, 0.0)
-        weights = inside * width
-        half, energy, area = float(np.sum(weights)), float(inside @ weights), float(np.sum(width[inside > 0.0]))
-        slope = float(weights @ slopes) / half
-        wanted = approach * math.sqrt(1 + slope**2)
-        effective = 1.25 * energy / half  # 2.5 F / F', F' = 2 half
-        change = 1.25 * (2.0 - energy * area / half**2)
-        depth = min(max(depth + (wanted - effective) / max(change, 0.2), wanted / 2), DEEPEST)
-        if abs(wanted - effective) < 1e-13:
-            break
-    curvature = (16 / 15 * effective**2.5 / energy) ** 2
-    upright = 1 / math.sqrt(1 + slope**2)
-    weights = inside * weights / energy
-    return Overlap(
-        lowest + depth - effective,
-        curvature * upright**3,
-        float(weights @ part.place[near]),
-        float(weights @ part.depth[near]),
-        -float(weights @ bends) * upright**3,
-    )
+    rail = Near(gap[near] - lowest, _widths(part.along)[near], part.place[near], part.depth[near], slopes, bends)
+    return [replace(one, height=one.height + lowest) for one in (rail.overlap(approach) for approach in APPROACHES)]
+
+
+@dataclass(frozen=True)
+class Near:
+    """Points of a part near its rail: height above the lowest one, breadth, `place` and `depth` as in `Contour` [m];
+    slope [1] and second derivative [1/m] of the rail there.
+    """
+
+    rise: np.ndarray
+    width: np.ndarray
+    place: np.ndarray
+    depth: np.ndarray
+    slope: np.ndarray
+    bend: np.ndarray
+
+    def overlap(self, approach: float) -> Overlap:
+        """Return the overlap with this effective depth [m]; its height is that above the lowest point."""
+        depth, slope = approach, 0.0
+        for _ in range(ROUNDS):
+            inside = np.maximum(depth - self.rise, 0.0)
+            weights = inside * self.width
+            half, energy = float(np.sum(weights)), float(inside @ weights)
+            area = float(np.sum(self.width[inside > 0.0]))
+            slope = float(weights @ self.slope) / half
+            wanted = approach * math.sqrt(1 + slope**2)
+            effective = 1.25 * energy / half  # 2.5 F / F', F' = 2 half
+            change = 1.25 * (2.0 - energy * area / half**2)
+            depth = min(max(depth + (wanted - effective) / max(change, 0.2), wanted / 2), DEEPEST)
+            if abs(wanted - effective) < 1e-13:
+                break
+        upright = 1 / math.sqrt(1 + slope**2)
+        curvature = (16 / 15 * effective**2.5 / energy) ** 2 * upright**3
+        weights = inside * weights / energy
+        means = (float(weights @ one) for one in (self.place, self.depth, self.bend))
+        place, height, bend = means
+        return Overlap(depth - effective, curvature, place, height, -bend * upright**3)
 
 
 def _widths(along: np.ndarray) -> np.ndarray:
@@ -151,20 +166,22 @@ def bearing_of(part: Contour, offsets: np.ndarray, radius: float) -> Bearing:
 
     offsets [m]: equally spaced. radius [m]: of the wheel at y = 0.
     """
-    light, usual = (_over(part, offsets, approach) for approach in APPROACHES)
+    light, usual = _over(part, offsets)
     at_first = [_smoothed(offsets, value) for value in _centre(part, offsets, usual)]
     in_contact = [curve for found in (light, usual) for curve in _curves(part, offsets, found, radius)]
     return Bearing(_packed(offsets, at_first), _packed(offsets, in_contact))
 
 
-def _over(part: Contour, offsets: np.ndarray, approach: float) -> dict[str, np.ndarray]:
-    """Return each quantity of an `Overlap` at all offsets."""
-    rows = [overlap_at(part, float(offset), approach) for offset in offsets]
+def _over(part: Contour, offsets: np.ndarray) -> Iterator[dict[str, np.ndarray]]:
+    """Yield each quantity of an `Overlap` at all offsets, for each of APPROACHES."""
+    rows = [overlaps_at(part, float(offset)) for offset in offsets]
     known = np.array([row is not None for row in rows])
     if part.direction:
         known[: int(np.argmax(rigid_lines(part, offsets)[1]))] = False
-    values = {name: [0.0 if row is None else getattr(row, name) for row in rows] for name in Overlap.__annotations__}
-    return {name: _filled(offsets, known, value) for name, value in values.items()}
+    for which in range(len(APPROACHES)):
+        own = [None if row is None else row[which] for row in rows]
+        values = {name: [0.0 if one is None else getattr(one, name) for one in own] for name in Overlap.__annotations__}
+        yield {name: _filled(offsets, known, value) for name, value in values.items()}
 
 
 def _curves(part: Contour, offsets: np.ndarray, found: dict[str, np.ndarray], radius: float) -> list[PPoly]:

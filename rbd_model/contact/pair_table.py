@@ -148,8 +148,8 @@ def side_record(one: Side, stands: float) -> Record:
         )
     limits = *one.wheel.limits, *one.rail.limits
     numbers = one.wheel_half_distance, one.rail_half_distance, *limits, *shape_at(one, stands)
-    every = [(patch.flange, patch_record(one, patch)) for patch in patches]
-    lists = tuple(tuple(record for flange, record in every if flange == asked) for asked in (False, True))
+    every = list(zip(patches, patch_records(one), strict=True))
+    lists = tuple(tuple(record for patch, record in every if patch.flange == asked) for asked in (False, True))
     return Record(SIDE, numbers, (), lists)
 
 
@@ -161,6 +161,12 @@ def shape_at(one: Side, on_wheel: float) -> tuple[float, float, float]:
     place = np.array(on_wheel)
     depth, slope, bend = (float(one.wheel.height(place, n)) for n in range(3))
     return depth, slope, (bend - float(one.rail.height(place, 2))) / (2 * math.sqrt(1 + slope**2) ** 3)
+
+
+@lru_cache(maxsize=64)
+def patch_records(one: Side) -> tuple[Record, ...]:
+    """Return the records of all patches of a wheel (section 9.4.1)."""
+    return tuple(patch_record(one, patch) for patch in patches_of(one))
 
 
 def patch_record(one: Side, part: Part) -> Record:
