@@ -22,7 +22,7 @@ from products.registry import FMUS, SELECTORS, fmu_named
 from products.registry import model_of as model_of_fmu
 from products.vehicle_file import DataSheet
 from rbd_model.contact.creep.law import CreepLaw
-from rbd_model.contact.creep.laws import LAWS
+from rbd_model.contact.creep.laws import DEFAULT_LAW, LAWS
 from rbd_model.contact.creep.own_law import check_own_law
 from rbd_model.contact.pair_file import PAIR_FILE, joined
 from rbd_model.levels.models import (
@@ -40,7 +40,7 @@ from rbd_model.wheelset.rigid import check_one_contact
 #: Accepted by `run`, `Simulation`, `sweep` and `fit`.
 Runnable = str | Model | System | Vehicle
 #: Key of a compiled vehicle.
-Key = tuple[bytes, CreepLaw]
+Key = tuple[bytes, CreepLaw | None]
 #: Error of an integration step in nominal values of the states, unless a model sets its own.
 TOLERANCE = 1e-6
 #: The default level of detail, and all levels.
@@ -139,8 +139,8 @@ def _law_named(law: object) -> str:
         name = f"{getattr(law, '__name__', 'law')} (own)"
         LAWS[name] = law
         return name
-    if not isinstance(law, str) or law not in LAWS:
-        those = ", ".join(one for one in LAWS if not one.endswith("(own)"))
+    if not isinstance(law, str) or law not in (DEFAULT_LAW, *LAWS):
+        those = ", ".join(one for one in (DEFAULT_LAW, *LAWS) if not one.endswith("(own)"))
         raise ValueError(f"creep_law must be one of {those}, or a function of a ContactPatch; got {shown(law)}.")
     return law
 
@@ -302,7 +302,7 @@ def announce(name: str, place: int) -> None:
 
 def _key(what: Vehicle) -> Key:
     """Return the bytes of a vehicle, as its parts may be lists, which have no hash, and its creep law."""
-    return pickle.dumps(what), LAWS[what.creep_law]
+    return pickle.dumps(what), LAWS.get(what.creep_law)
 
 
 @lru_cache

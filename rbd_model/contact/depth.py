@@ -15,6 +15,8 @@ DEPTHS = {
     2: "tread and flange as two elastic patches at their places",
     3: "as many patches of any shape as the profiles have, by strips",
 }
+#: The creep law of a contact model by default: that of the thesis, and one that is right with spin.
+DEFAULT_LAWS: dict[int, CreepLaw] = {1: polach, 2: kalker_to_coulomb}
 #: Creep laws that a contact model does not use.
 UNUSED: dict[int, tuple[str, ...]] = {1: ("flange_law",), 2: (), 3: ("creep_law", "flange_law")}
 
@@ -23,11 +25,10 @@ UNUSED: dict[int, tuple[str, ...]] = {1: ("flange_law",), 2: (), 3: ("creep_law"
 class Contact:
     """The contact of wheels and rails: `depth`, a key of DEPTHS, the creep laws, and Poisson's ratio of the steel.
 
-    The `flange_law` is that of the patches of a flange at model 2; model 1 has no such patches. A flange spins while it
-    slides everywhere. In Polach's law spin then reduces the lateral force. In that of Shen, Hedrick and Elkins it turns
-    the force. With `kalker_to_coulomb` the force opposes the mean sliding. contact-manchester computes the distance of
-    each law from exact theory: docs/limits.md, Creep laws. The default of treads is the law of the thesis. At model 3
-    neither law is used: each strip creeps by FASTSIM with flexibilities of its own.
+    The `creep_law` is that of treads, the `flange_law` that of the patches of a flange at model 2; model 1 has no such
+    patches. None: that of DEFAULT_LAWS. At model 3 neither law is used: each strip creeps by FASTSIM with flexibilities
+    of its own. Spin reduces the lateral force in Polach's law and turns it in that of Shen, Hedrick and Elkins; with
+    `kalker_to_coulomb` the force is near that of exact theory (docs/limits.md, Creep laws).
 
     Raises
     ------
@@ -37,8 +38,8 @@ class Contact:
     """
 
     depth: int = 1
-    creep_law: CreepLaw = polach
-    flange_law: CreepLaw = kalker_to_coulomb
+    creep_law: CreepLaw | None = None
+    flange_law: CreepLaw | None = None
     poisson_ratio: float = POISSON_RATIO
 
     def __post_init__(self) -> None:
@@ -46,13 +47,14 @@ class Contact:
             known = "; ".join(f"{number}: {text}" for number, text in DEPTHS.items())
             raise ValueError(f"There is no contact model {self.depth}; give one of {known}.")
         for name in UNUSED[self.depth]:
-            if getattr(self, name) is not getattr(Contact, name):  # the law by default
+            if getattr(self, name) is not None:
                 raise ValueError(f"Contact model {self.depth} does not use a {name}; leave it out, or take model 2.")
         checked_ratio(self.poisson_ratio)
 
     def law_of(self, flange: bool) -> CreepLaw:
         """Return the creep law of a patch of a flange or, otherwise, of a tread."""
-        return law_of_ratio(self.flange_law if flange else self.creep_law, self.poisson_ratio)
+        own = self.flange_law if flange else self.creep_law
+        return law_of_ratio(own or DEFAULT_LAWS[self.depth], self.poisson_ratio)
 
 
 #: The contact of the thesis.

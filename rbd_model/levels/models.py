@@ -57,7 +57,7 @@ def system_at(vehicle: Vehicle, place: int) -> System:
     if number < 2:
         return (point_vehicle, planar_vehicle)[number](vehicle, on_line)
     depth = DEPTH_ON_LINE if on_line else list(DEPTHS)[number - 2]
-    contact = Contact(depth, LAWS[vehicle.creep_law], poisson_ratio=vehicle.poisson_ratio)
+    contact = Contact(depth, LAWS.get(vehicle.creep_law), poisson_ratio=vehicle.poisson_ratio)
     return spatial_vehicle(vehicle, irregular_track(section_5_3()), contact, on_line)
 
 

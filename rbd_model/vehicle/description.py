@@ -446,7 +446,8 @@ class Vehicle:
     pulls : tuple of Pull
         External forces on bodies or wheelsets.
     creep_law : str
-        A key of LAWS, for treads. Strips (contact model 3) have their own law and accept only the default.
+        A key of LAWS, for treads, or "default": Polach's law at levels 1 and 2 and in contact model 1,
+        kalker-to-coulomb in contact model 2. Strips (contact model 3) have their own law and accept only "default".
     poisson_ratio : float
         Poisson's ratio of wheels and rails [1], 0 to 0.5: of Kalker's coefficients and of the contact's stiffness.
 
@@ -518,8 +519,8 @@ def check(vehicle: Vehicle) -> None:
     for name, count in names.items():
         if count > 1:
             raise _refused(vehicle, f"{name} is there {count} times; give each part its own name")
-    if not isinstance(vehicle.creep_law, str) or vehicle.creep_law not in LAWS:
-        law, known = vehicle.creep_law, ", ".join(LAWS)
+    if vehicle.creep_law not in (laws := [DEFAULT_LAW, *LAWS]):
+        law, known = vehicle.creep_law, ", ".join(laws)
         raise _refused(vehicle, f"creep_law must be one of {known}; got {shown(law)}. Name one, or add yours to LAWS")
     checked_ratio(vehicle.poisson_ratio)
     if not vehicle.bodies or not vehicle.wheelsets:

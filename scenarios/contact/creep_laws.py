@@ -81,14 +81,13 @@ KINDS = ("pure creepage", "mixed", "spin-dominated", "saturated")
 SATURATED = 0.95
 #: Limit of the default and of the laws in HOLDING, in every kind of case [% of mu N].
 EVERYWHERE = 5.0
-DEFAULT = "Polach"
+DEFAULT = "Kalker to Coulomb"
 MARCHING = ("FaStrip 8 x 8", "FaStrip 12 x 12", "strip theory 8 x 8")
 HOLDING = (*MARCHING, "table of FaStrip 12 x 12", "table of exact theory")
 #: Limits at random states, within 99 % of them [% of mu N]: for the marching laws, and for the table of exact theory.
 AT_RANDOM = {"FASTSIM 14 x 14": 8.5, "FaStrip 12 x 12": 8.5, "table of exact theory": 3.0}
+STATES = (exact_states.EACH, exact_states.TOGETHER, exact_states.BEYOND)
 OUR_EXACT = "Kalker's exact theory, own oracle"
-#: The random states at which the sum of all three linear forces, not each of them, is at most three mu N.
-TOGETHER = "states up to three in all"
 #: Target cost of one evaluation [us]; measured, without a verdict.
 TO_REACH = {"Polach": 0.1, "table of FaStrip 12 x 12": 0.3, "table of exact theory": 0.3, "FASTSIM 10 x 10": 3.0}
 
@@ -97,13 +96,12 @@ TO_REACH = {"Polach": 0.1, "table of FaStrip 12 x 12": 0.3, "table of exact theo
 class Measured:
     """Measured errors and costs of a law.
 
-    distance: largest distance from the exact theory by kind of case [% of mu N], then at random states and at those
-    whose linear forces are small in sum; value and slopes: time of one evaluation, without and with derivatives [s].
+    distance: largest distance from the exact theory by kind of case [% of mu N]; at_random: by set of states; value and
+    slopes: time of one evaluation, without and with derivatives [s].
     """
 
     distance: Mapping[str, float]
-    at_random: exact_states.Distance
-    together: exact_states.Distance
+    at_random: Mapping[str, exact_states.Distance]
     value: float
     with_slopes: float
 
@@ -143,8 +141,8 @@ def measure() -> dict[str, Measured]:
     for name, law in counting(LAWS.items(), "creep laws", unit="law"):
         distance = distances(law)
         by_kind = {kind: float(distance[kinds == number].max()) for number, kind in enumerate(KINDS)}
-        at_random, together = exact_states.distance(law), exact_states.distance(law, together=True)
-        found[name] = Measured(by_kind, at_random, together, cost(law, points, False), cost(law, points, True))
+        at_random = {states: exact_states.distance(law, states) for states in STATES}
+        found[name] = Measured(by_kind, at_random, cost(law, points, False), cost(law, points, True))
     return found
 
 
@@ -176,7 +174,7 @@ def rows_of(found: Mapping[str, Measured]) -> list[Row]:
             quantity = f"{name}: {kind}, largest distance"
             rows.append(measured(quantity, "% of mu N", one.distance[kind], SOURCE, asked(name), words))
     for name, one in found.items():
-        for states, off in (("random states", one.at_random), (TOGETHER, one.together)):
+        for states, off in one.at_random.items():
             for words, value in (("mean", off.mean), ("99 %", off.most), ("largest", off.largest)):
                 bound = at_most(AT_RANDOM[name]) if name in AT_RANDOM and words == "99 %" else None
                 rows.append(measured(f"{name}: {states}, {words}", "% of mu N", value, OUR_EXACT, bound))
@@ -233,7 +231,9 @@ def draw(found: Mapping[str, Measured], slopes: bool) -> Figure:
     figure, grid = plt.subplots(3, 2, figsize=(10.5, 11.5), sharex=True, sharey=True)
     costs = {name: 1e6 * (one.with_slopes if slopes else one.value) for name, one in found.items()}
     for axis, part in zip(grid[2], ("mean", "most"), strict=True):
-        draw_kind(axis, {name: (costs[name], getattr(one.at_random, part)) for name, one in found.items()})
+        draw_kind(
+            axis, {name: (costs[name], getattr(one.at_random[exact_states.EACH], part)) for name, one in found.items()}
+        )
     grid[2, 0].set_title(f"mean of {exact_states.COUNT} random states, to three times saturation")
     grid[2, 1].set_title("99 % of them are nearer")
     for axis, kind in zip(grid.ravel(), KINDS, strict=False):

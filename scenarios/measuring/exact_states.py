@@ -1,6 +1,6 @@
 """Random states of a contact patch and their forces by Kalker's exact theory, for the tolerances of fast creep laws.
 
-`python -m scenarios.measuring.exact_states` recomputes the table in some twenty minutes.
+`python -m scenarios.measuring.exact_states` recomputes the table in some thirty minutes.
 """
 
 import math
@@ -19,6 +19,10 @@ TABLE = Path(__file__).parent / "exact_states.csv"
 COLUMNS = "axis_ratio,longitudinal,lateral,spin,force_longitudinal,force_lateral"
 #: Number of states, their seed, the slenderest ellipse, and the largest linear force of each creepage, over mu N.
 COUNT, SEED, SLENDEREST, LARGEST = 1000, 29, 20.0, 3.0
+#: Number of further states and the largest linear force of each of their creepages.
+FURTHER, FARTHEST = 300, (10.0, 10.0, 40.0)
+#: Sets of states: the first ones; those of them whose total linear force is at most LARGEST; further ones above it.
+EACH, TOGETHER, BEYOND = "random states", "states up to three in all", "states beyond three in all"
 #: Cells of the exact theory along and across, by a/b up to a limit. In a wide patch with spin, slip turns about a point
 #: within a length a, which the strips must resolve. STRIPS times b/a strips are 0.6 a wide in the middle. With 20 x 20
 #: cells everywhere forces differ by up to 4 % of mu N at a/b = 1/15; with 60 strips instead of 80 by 0.4.
@@ -45,11 +49,13 @@ def counts(axis_ratio: float) -> tuple[int, int]:
 
 def random_states() -> np.ndarray:
     """Return rows of a/b, creepages and spin as for `exact`: a/b uniform in its logarithm, linear forces uniform."""
-    generator = np.random.default_rng(SEED)
-    ratio = np.exp(generator.uniform(-np.log(SLENDEREST), np.log(SLENDEREST), COUNT))
-    linear = generator.uniform(-LARGEST, LARGEST, (COUNT, 3))
-    points = np.column_stack([np.zeros((COUNT, 5)), ratio, np.ones(COUNT)])
-    return np.column_stack([ratio, linear / with_coefficients(points)[:, 7:]])
+    generator, rows = np.random.default_rng(SEED), []
+    for count, largest in ((COUNT, LARGEST), (FURTHER, np.array(FARTHEST))):
+        ratio = np.exp(generator.uniform(-np.log(SLENDEREST), np.log(SLENDEREST), count))
+        linear = generator.uniform(-1.0, 1.0, (count, 3)) * largest
+        points = np.column_stack([np.zeros((count, 5)), ratio, np.ones(count)])
+        rows.append(np.column_stack([ratio, linear / with_coefficients(points)[:, 7:]]))
+    return np.vstack(rows)
 
 
 def write() -> None:
@@ -60,7 +66,7 @@ def write() -> None:
 
 
 def read() -> tuple[np.ndarray, np.ndarray]:
-    """Return the states, shape (1000, 4), and exact forces over mu N, shape (1000, 2)."""
+    """Return the states, shape (1300, 4), and exact forces over mu N, shape (1300, 2)."""
     table = np.loadtxt(TABLE, delimiter=",", skiprows=1)
     return table[:, :4], table[:, 4:]
 
@@ -85,11 +91,16 @@ def distances(law: CreepLaw) -> np.ndarray:
     return np.asarray(100 * np.hypot(*(values(law, points_of(states)) / (LOAD * FRICTION) - forces).T))
 
 
-def distance(law: CreepLaw, together: bool = False) -> Distance:
-    """Return the distance over all states, or (`together`) over those whose total linear force is at most LARGEST."""
-    found = distances(law)
-    if together:
-        found = found[linear_forces(read()[0]) <= LARGEST]
+def chosen(states: str = EACH) -> np.ndarray:
+    """Return which rows are in a set of states, of EACH, TOGETHER and BEYOND."""
+    total = linear_forces(read()[0])
+    first = np.arange(total.size) < COUNT
+    return {EACH: first, TOGETHER: first & (total <= LARGEST), BEYOND: ~first & (total > LARGEST)}[states]
+
+
+def distance(law: CreepLaw, states: str = EACH) -> Distance:
+    """Return the distance over a set of states, of EACH, TOGETHER and BEYOND."""
+    found = distances(law)[chosen(states)]
     return Distance(float(found.mean()), float(np.quantile(found, 0.99)), float(found.max()))
 
 

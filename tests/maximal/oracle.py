@@ -13,12 +13,11 @@ from tests.maximal.hertz import load_of, semi_axes_of
 from tests.maximal.joints import Carriers, End, Ends, on_bodies, wrenches
 from tests.maximal.motion import Moving, accelerations
 from tests.maximal.rails import Course, Rails, Shifted
-from tests.maximal.slip import Rolling, kalker_to_coulomb, polach
+from tests.maximal.slip import Rolling, kalker_to_coulomb
 from tests.maximal.statics import preloads
 from tests.maximal.touch import Touch, Wheel, touches
 
-#: Slope above which a contact lies on the flange. A flange contact has its own creep law and carries load in addition
-#: to a tread contact.
+#: Slope above which a contact lies on the flange. It carries load in addition to a tread contact.
 FLANGE_SLOPE = math.tan(math.radians(20.0))
 #: Grid pitch of the contact search [m], and step of the displacements that give the direction of a normal force [m],
 #: [rad].
@@ -174,7 +173,7 @@ class Oracle:
             if touch.approach <= 0.0:
                 continue
             on_flange = touch.slope > FLANGE_SLOPE
-            pushed, creeping = self.press(rail, body, touch, friction, on_flange)
+            pushed, creeping = self.press(rail, body, touch, friction)
             wrench += pushed
             force += track.T @ pushed[:3]
             creep += creeping
@@ -191,9 +190,7 @@ class Oracle:
         """Return the axes of the track (columns) at a body's centre."""
         return np.asarray(self.course.axes(self.course.place_of(centre[None]))[0])
 
-    def press(
-        self, rail: GivenWay, body: Moving, touch: Touch, friction: float, flange: bool
-    ) -> tuple[np.ndarray, float]:
+    def press(self, rail: GivenWay, body: Moving, touch: Touch, friction: float) -> tuple[np.ndarray, float]:
         """Return the wrench of one contact on the wheelset (6,), and its creep force along the rail [N]."""
         number = self.vehicle.number
         modulus = number("shear_modulus")
@@ -212,7 +209,7 @@ class Oracle:
         creepages = np.array(slides) / math.hypot(forward, least)
         axes = semi_axes_of(load, *curvatures, modulus)
         patch = Rolling(tuple(creepages.tolist()), load, friction, axes, modulus)  # type: ignore[arg-type]
-        along, aside = (kalker_to_coulomb if flange else polach)(patch)
+        along, aside = kalker_to_coulomb(patch)
         creep = along * touch.along + aside * sideways
         return load * by_place + np.concatenate([creep, np.cross(touch.arm, creep)]), along
 

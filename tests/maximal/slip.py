@@ -79,52 +79,36 @@ class Rolling:
     shear_modulus: float
 
 
-def polach(patch: Rolling) -> tuple[float, float]:
-    """Return forces on the wheel along and sideways [N] with spin: O. Polach (1999) in chapter 3's form,
-    (3.92)-(3.105).
-
-    The force of spin has the sign of right-handed axes and is divided by the creepage that includes the spin.
-    """
-    (x, y, spin), (a, b) = patch.creepages, patch.semi_axes
-    c11, c22, c23 = kalker(a / b)
-    limit = patch.friction * patch.load
-    corrected = y + spin * a if abs(y + spin * a) > abs(y) else y
-    total = math.hypot(x, corrected)
-    if total == 0.0:
-        return 0.0, 0.0
-    plain = math.hypot(x, y)
-    mean = math.hypot(c11 * x, c22 * y) / plain if plain > 0.0 else c22
-    gradient = math.pi / 4 * patch.shear_modulus * a * b * mean * total / limit
-    force = -2 * limit / math.pi * (gradient / (1 + gradient**2) + math.atan(gradient))
-
-    # The force due to spin only.
-    shape = 1 + 6.3 * (1 - math.exp(-a / b))
-    e = 8 / 3 * patch.shear_modulus * b * math.sqrt(a * b) / limit * c23 * abs(corrected) / shape
-    d = (e**2 - 1) / (e**2 + 1)
-    part = e * (d**3 / 3 - d**2 / 2 + 1 / 6) - math.sqrt((1 - d**2) ** 3) / 3
-    from_spin = 9 / 16 * a * limit * part * shape * spin / total
-    return force * x / total, force * y / total + from_spin
-
-
 def kalker_to_coulomb(patch: Rolling) -> tuple[float, float]:
-    """Return forces on the wheel [N]: Kalker's linear ones, reduced together by the cubic of Vermeulen and Johnson.
+    """Return forces on the wheel [N]: adhesion that saturates, and sliding about a pole, as springs in series.
 
-    Their direction turns to the mean sliding with the square of the linear force of creepage, half at 3 mu N.
+    The constants are those of the law; the pole is displaced by the lag of stress behind the sliding.
     """
     (x, y, spin), (a, b) = patch.creepages, patch.semi_axes
     c11, c22, c23 = kalker(a / b)
     limit = patch.friction * patch.load
-    of_creepage = patch.shear_modulus * a * b * np.array([c11 * x, c22 * y]) / limit
-    linear = of_creepage + np.array([0.0, patch.shear_modulus * (a * b) ** 1.5 * c23 * spin / limit])
-    size, creepage = float(np.linalg.norm(linear)), math.hypot(x, y)
+    unit = patch.shear_modulus * a * b / limit
+    ahead, aside, turning = unit * c11 * x, unit * c22 * y, unit * math.sqrt(a * b) * c23 * spin
+    whole = math.hypot(ahead, aside + turning)
+    most = 2.75 * math.sqrt(a / b)
+    falls = 1 + turning**2 + 3 * (turning / most) ** 2 * (turning**2 + 0.7 * a / b * whole**2)
+    lagging = aside + turning * math.sqrt((1 + 3 * turning**2) / falls)
+    size = math.hypot(ahead, lagging)
     if size == 0.0:
         return 0.0, 0.0
-    force = 1 - (1 - size / 3) ** 3 if size < 3.0 else 1.0
-    direction = linear / size
-    if creepage > 0.0:
-        # The variance of the spin's sliding across that of the creepage, under Hertz's pressure.
-        across = spin**2 * ((a * x) ** 2 + (b * y) ** 2) / (5 * creepage**2)
-        part = float(of_creepage @ of_creepage)
-        part /= part + 9.0
-        direction = (1 - part) * direction + part * np.array([x, y]) / math.sqrt(creepage**2 + across)
-    return float(-limit * force * direction[0]), float(-limit * force * direction[1])
+    plain = math.hypot(ahead, aside)
+    end = 1 + 2 * plain**2 / (plain**2 + 3 * turning**2)
+    part = min(size / end, 1.0)
+    held = end * part + (3 - 2 * end) * part**2 + (end - 2) * part**3
+
+    slides = np.array([x, lagging / (unit * c22)])
+    distant = 1 / (1 + 0.13 * spin**2 * (a**2 + b**2) / (slides @ slides))
+    far = 0.2 * ((a * x) ** 2 + (b * slides[1]) ** 2) / (slides @ slides)
+    near = (8 / (3 * math.pi)) ** 2 * (a * b + np.array([b, a]) ** 2) / 2
+    mean = slides / np.sqrt(slides @ slides + spin**2 * (distant * far + (1 - distant) * near))
+    slid = float(np.linalg.norm(mean))
+    both = 1 / math.sqrt(1 / held**2 + 1 / slid**2 - 1)
+    ends = 25 * (unit * spin) ** 2 * ((c11 * b) ** 2 + (c22 * a) ** 2)
+    turned = 1 / (1 + 4 / (whole**2 + ends))
+    force = (1 - turned) * np.array([ahead, lagging]) / size + turned * mean / slid
+    return float(-limit * both * force[0]), float(-limit * both * force[1])

@@ -13,7 +13,8 @@ from scipy.integrate import quad
 from fmu_src.kernel import Kernel, Library
 from fmu_src.system import model_of
 from rbd_model.contact.creep.kalker import kalker_coefficients
-from rbd_model.contact.creep.law import ContactPatch, Reduction
+from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
+from rbd_model.contact.creep.law import ContactPatch, CreepLaw, Reduction
 from rbd_model.contact.creep.polach import polach, polach_force
 from rbd_model.contact.hertz import ellipse_shape
 from rbd_model.levels.models import DEFAULT_TOLERANCE, levels
@@ -86,16 +87,32 @@ def test_creep_force_is_that_of_polach_2005(name: str, creepage: float) -> None:
     assert float(both[0]) == pytest.approx(float(found), rel=1e-9)
 
 
-def test_small_creepages_give_kalkers_slopes_times_the_mean_reduction() -> None:
+@pytest.mark.parametrize("law", [polach, kalker_to_coulomb])
+def test_small_creepages_give_kalkers_slopes_times_the_mean_reduction(law: CreepLaw) -> None:
     """Checks longitudinal creepage, lateral creepage and spin."""
     (a, b), kalker = SEMI_AXES, kalker_coefficients(ca.SX(1.2))
     mean = (wet().law.adhesion_reduction + wet().law.slip_reduction) / 2
     slopes = (a * b * float(kalker.c11), a * b * float(kalker.c22), (a * b) ** 1.5 * float(kalker.c23))
     for axis, (size, slope) in enumerate(zip((1e-7, 1e-7, 1e-5), slopes, strict=True)):
         creepages = tuple(ca.SX(size if number == axis else 0) for number in range(3))
-        law = (ca.SX(75e3), ca.SX(0.3), SEMI_AXES, ca.SX(STEEL), kalker, reduction(wet()))
-        found = polach(ContactPatch((creepages[0], creepages[1], creepages[2]), *law))
+        patch = (ca.SX(75e3), ca.SX(0.3), SEMI_AXES, ca.SX(STEEL), kalker, reduction(wet()))
+        found = law(ContactPatch((creepages[0], creepages[1], creepages[2]), *patch))
         assert float(found[min(axis, 1)]) == pytest.approx(-mean * STEEL * slope * size, rel=1e-4)
+
+
+@pytest.mark.parametrize("condition", [dry(), wet()], ids=["dry", "wet"])
+def test_contamination_leaves_the_law_of_elastic_patches_the_share_of_polachs(condition: RailCondition) -> None:
+    """At any creepage without spin: the force over that of clean surfaces, Polach (2005); at last all of friction."""
+    kalker, (a, b), limit = kalker_coefficients(ca.SX(1.2)), SEMI_AXES, 0.3 * 75e3
+    for creepage in (1e-5, 1e-3, 4e-3, 1e2):
+        patch = (ca.SX(creepage), ca.SX(0), ca.SX(0)), ca.SX(75e3), ca.SX(0.3), SEMI_AXES, ca.SX(STEEL), kalker
+        clean, left = (
+            float(kalker_to_coulomb(ContactPatch(*patch, *more))[0]) for more in ((), (reduction(condition),))
+        )
+        gradient = math.pi / 4 * STEEL * a * b * float(kalker.c11) / limit * creepage
+        of_clean = 2 / math.pi * (gradient / (1 + gradient**2) + math.atan(gradient))
+        assert left == pytest.approx(clean * utilised(condition, gradient) / of_clean, rel=1e-6)
+    assert left == pytest.approx(-limit, rel=1e-3)
 
 
 def test_clean_surfaces_have_the_law_of_1999() -> None:

@@ -403,7 +403,7 @@ def test_an_odd_number_of_strips_is_refused() -> None:
 ASKED: dict[str, tuple[CreepLaw, float, float | None]] = {
     "polach": (polach, 5.5, None),
     "shen_hedrick_elkins": (shen_hedrick_elkins, 5.5, None),
-    "kalker_to_coulomb": (kalker_to_coulomb, 5.5, None),
+    "kalker_to_coulomb": (kalker_to_coulomb, 3.0, 6.0),
     "johnson_vermeulen": (johnson_vermeulen, 6.5, None),
     "fastsim": (fastsim(10), 4.0, 8.0),
     "fastrip": (fastrip(8), 2.5, 5.0),

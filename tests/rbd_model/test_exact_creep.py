@@ -18,12 +18,26 @@ from rbd_model.contact.creep.fastsim import fastsim
 from rbd_model.contact.creep.kalker import kalker_coefficients, smooth_kalker_coefficients
 from rbd_model.contact.creep.kalker_to_coulomb import kalker_to_coulomb
 from rbd_model.contact.creep.law import CreepLaw
+from rbd_model.contact.creep.polach import polach
 from rbd_model.contact.creep.shen_hedrick_elkins import shen_hedrick_elkins
 from rbd_model.contact.creep.tabulated import axes, patch_at
 from scenarios.contact.creep_laws import exact as published
 from scenarios.measuring.creep_cost import SHEAR_MODULUS, symbols, values, with_coefficients
 from scenarios.measuring.creep_cost import forces as law_at
-from scenarios.measuring.exact_states import LARGEST, counts, distance, linear_forces, points_of, random_states, read
+from scenarios.measuring.exact_states import (
+    BEYOND,
+    COUNT,
+    EACH,
+    LARGEST,
+    TOGETHER,
+    counts,
+    distance,
+    distances,
+    linear_forces,
+    points_of,
+    random_states,
+    read,
+)
 
 #: Published rows on two grids.
 ROWS = Path(__file__).parents[1] / "data" / "creep" / "exact.csv"
@@ -149,29 +163,44 @@ def test_stored_states_are_those_of_the_maker() -> None:
         assert found == pytest.approx(forces[number], abs=1e-4)
 
 
-#: Limits at random states [% of mu N], mean and 99 %: of all, and of those whose linear force is at most three times mu
-#: N. Measured, all and limited: FASTSIM 6.1 and 17.5, 5.5 and 17.0, with 48 cells 6.2 and 17.3. FaStrip 3.8 and 10.8,
-#: 3.3 and 10.2, with 32 cells 3.2 and 10.0. More cells do not bring these theories closer. The published versions, with
-#: 21 rows of equal elements, have errors of 4.9 and 16.0 (FASTSIM), 6.3 and 18.6 (FaStrip).
-AT_RANDOM: dict[str, tuple[CreepLaw, tuple[float, float], tuple[float, float]]] = {
-    "FASTSIM 14 x 14": (fastsim(14), (6.6, 18.0), (6.0, 17.5)),
-    "FaStrip 12 x 12": (fastrip(12), (4.1, 11.3), (3.6, 10.6)),
-    "table of exact theory": (exact_law, (0.7, 3.0), (0.6, 3.0)),
+#: Limits at random states [% of mu N], mean and 99 %: of all, of those whose linear force is at most three times mu N,
+#: and of further ones beyond. Measured, all and limited: FASTSIM 6.1 and 17.5, 5.5 and 17.0, with 48 cells 6.2 and
+#: 17.3. FaStrip 3.8 and 10.8, 3.3 and 10.2, with 32 cells 3.2 and 10.0. More cells do not bring these theories closer.
+#: The published versions, with 21 rows of equal elements, have 4.9 and 16.0 (FASTSIM), 6.3 and 18.6 (FaStrip).
+AT_RANDOM: dict[str, tuple[CreepLaw, dict[str, tuple[float, float]]]] = {
+    "FASTSIM 14 x 14": (fastsim(14), {EACH: (6.6, 18.0), TOGETHER: (6.0, 17.5)}),
+    "FaStrip 12 x 12": (fastrip(12), {EACH: (4.1, 11.3), TOGETHER: (3.6, 10.6)}),
+    "Kalker to Coulomb": (kalker_to_coulomb, {EACH: (4.0, 13.0), TOGETHER: (4.0, 13.0)}),
+    "table of exact theory": (exact_law, {EACH: (0.7, 3.0), TOGETHER: (0.6, 3.0), BEYOND: (0.7, 3.0)}),
 }
 
 
 @pytest.mark.parametrize("name", AT_RANDOM)
 def test_distance_at_random_states_is_what_is_told(name: str) -> None:
-    law, *bands = AT_RANDOM[name]
-    for together, (mean, most) in zip((False, True), bands, strict=True):
-        found = distance(law, together)
+    law, bands = AT_RANDOM[name]
+    for states, (mean, most) in bands.items():
+        found = distance(law, states)
         assert found.mean < mean
         assert found.most < most
 
 
+#: Smallest a/b of the states to half of which the default law is fitted. Mean error, that of 99 % and the largest at
+#: the other half [% of mu N]. FaStrip has 10.8 at 99 % of all states, Polach's law 76.
+FITTED_FROM, HELD_OUT, HELD_OUT_MOST, HELD_OUT_LARGEST = 0.2, 3.6, 10.4, 11.8
+
+
+def test_default_law_is_as_near_at_states_to_which_it_is_not_fitted() -> None:
+    states = read()[0][:COUNT]
+    off, wide = distances(kalker_to_coulomb)[:COUNT], states[:, 0] < FITTED_FROM
+    fitted, others = (off[number::2][~wide[number::2]] for number in (0, 1))
+    found = (others.mean(), np.quantile(others, 0.99), others.max())
+    assert found == pytest.approx((HELD_OUT, HELD_OUT_MOST, HELD_OUT_LARGEST), abs=0.06)
+    assert others.mean() == pytest.approx(fitted.mean(), rel=0.15)
+
+
 def test_half_of_the_random_states_ask_for_three_times_friction_together() -> None:
     """This is the volume of a ball in a cube, pi/6."""
-    share = np.mean(linear_forces(read()[0]) <= LARGEST)
+    share = np.mean(linear_forces(read()[0])[:COUNT] <= LARGEST)
     assert share == pytest.approx(math.pi / 6, abs=0.05)
 
 
@@ -227,9 +256,9 @@ def test_fastrip_follows_strong_spin_where_enough_cells_follow_its_slip() -> Non
     assert off[1] > 2 * NAMED  # FASTSIM fails there, so the test can detect a fault
 
 
-#: Creepages, spin [1/m], load [N], friction and semi-axes [m] of a flange. Error limit of its law [% of mu N]; that of
-#: Shen, Hedrick and Elkins is 30 % off.
-FLANGE, FLANGE_ERROR = (0.01, 0.005, 1.85, 14e3, 0.3, 6.52e-3, 0.383e-3), 3.0
+#: Creepages, spin [1/m], load [N], friction and semi-axes [m] of a flange. Error limit of the default law [% of mu N];
+#: that of Shen, Hedrick and Elkins is 30 % off.
+FLANGE, FLANGE_ERROR = (0.01, 0.005, 1.85, 14e3, 0.3, 6.52e-3, 0.383e-3), 5.0
 
 
 def test_flange_slides_against_its_mean_sliding_although_it_spins() -> None:
@@ -239,7 +268,28 @@ def test_flange_slides_against_its_mean_sliding_although_it_spins() -> None:
     laws = (kalker_to_coulomb, shen_hedrick_elkins)
     off = [100 * np.hypot(*(interpreted(law, point)[0] / (0.3 * 14e3) - truth)) for law in laws]
     assert off[0] < FLANGE_ERROR
-    assert off[1] > 8 * FLANGE_ERROR
+    assert off[1] > 5 * FLANGE_ERROR
+
+
+#: Limit of the default law ahead and sideways on the Manchester contact benchmark, at frictions of 0.1 to 0.5, and its
+#: largest errors [% of mu N].
+BOTH_WAYS, MANCHESTER_AHEAD, MANCHESTER_ASIDE = 5.0, 2.4, 4.4
+
+
+def test_default_law_is_near_at_every_half_millimetre_of_the_manchester_benchmark_at_any_friction() -> None:
+    """Patches of model 2 by their ellipses, loads and creepages. Some of them have spin of 60 times saturation."""
+    rows = list(csv.DictReader((ROWS.parent / "manchester.csv").read_text(encoding="utf-8").splitlines()))
+    table = np.array([[float(value) for name, value in row.items() if name != "wheel"] for row in rows])[:, 1:]
+    points, truth = table[:, :7] * (1, 1, 1, 1, 1, 1e-3, 1e-3), table[:, 7:]
+    off = [
+        100 * np.abs(values(law, points) / (points[:, 3] * points[:, 4])[:, None] - truth)
+        for law in (kalker_to_coulomb, polach)
+    ]
+    assert off[0].max() < BOTH_WAYS < off[1].max() / 4
+    assert off[0].max(axis=0) == pytest.approx((MANCHESTER_AHEAD, MANCHESTER_ASIDE), abs=0.06)
+    ratio, given = scaled(points[:3])
+    found = [exact(half_space(float(one), counts(one)), each).forces for one, each in zip(ratio, given, strict=True)]
+    assert np.array(found) == pytest.approx(truth[:3], abs=1e-4)
 
 
 def test_points_of_states_are_as_the_oracle_has_them() -> None:

@@ -66,7 +66,7 @@ def test_strips_are_left_out_where_a_law_would_not_act_on_them() -> None:
 
 
 def test_a_law_of_a_script_is_one_line_and_a_wrong_name_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(ValueError, match="creep_law must be one of polach"):
+    with pytest.raises(ValueError, match="creep_law must be one of default, polach"):
         replace(vehicle("bogie"), creep_law="mine")
     monkeypatch.setitem(LAWS, "mine", shen_hedrick_elkins)
     assert slip_ratio("mine", LARGE, 1) == slip_ratio("shen-hedrick-elkins", LARGE, 1)
@@ -116,7 +116,7 @@ def test_poissons_ratio_is_that_of_a_run_and_one_beyond_its_limits_is_refused() 
 def test_a_creep_law_that_does_not_exist_is_refused(tmp_path: Path) -> None:
     for wrong in ("fast", 3, None):
         with pytest.raises(
-            ValueError, match=r"creep_law must be one of polach, .*, or a function of a ContactPatch; got"
+            ValueError, match=r"creep_law must be one of default, polach, .*, or a function of a ContactPatch; got"
         ):
             bb.run("bogie", 1.0, level=1, creep_law=wrong)
     vary = {"friction_1": [0.1, 0.2]}

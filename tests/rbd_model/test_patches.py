@@ -114,11 +114,11 @@ def test_patch_presses_where_exact_theory_has_it(shift: float) -> None:
     assert pressed.up == pytest.approx(manchester.LOAD, rel=1e-6)
 
 
-def test_flange_slides_by_its_own_law_and_the_tread_by_its_own() -> None:
+def test_flange_and_tread_slide_by_the_law_of_elastic_patches_or_by_their_own() -> None:
     """Right wheel of the Manchester benchmark: flange contact at 7 mm, tread contact at 3 mm."""
     exact = manchester.exact("right")
     by_default, by_user = Contact(2), Contact(2, creep_law=kalker_linear)
-    own, others = Contact(2, polach, kalker_to_coulomb), Contact(2, kalker_to_coulomb, polach)
+    own, others = Contact(2, kalker_to_coulomb, kalker_to_coulomb), Contact(2, polach, polach)
 
     def outwards(shift: float, contact: Contact) -> float:
         return -sum(one.outwards for one in manchester.bearings(*manchester.case("right", shift), contact))
