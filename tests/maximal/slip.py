@@ -90,16 +90,16 @@ def kalker_to_coulomb(patch: Rolling) -> tuple[float, float]:
     unit = patch.shear_modulus * a * b / limit
     ahead, aside, turning = unit * c11 * x, unit * c22 * y, unit * math.sqrt(a * b) * c23 * spin
     whole = math.hypot(ahead, aside + turning)
-    most = 2.75 * math.sqrt(a / b)
-    falls = 1 + turning**2 + 3 * (turning / most) ** 2 * (turning**2 + 0.7 * a / b * whole**2)
-    lagging = aside + turning * math.sqrt((1 + 3 * turning**2) / falls)
+    most = 2.8 * math.sqrt(a / b)
+    falls = 1 + 1.8 * turning**2 + 5 * (turning / most) ** 2 * (turning**2 + 0.7 * a / b * whole**2)
+    lagging = aside + turning * math.sqrt((1 + 5 * turning**2) / falls)
     size = math.hypot(ahead, lagging)
     if size == 0.0:
         return 0.0, 0.0
     plain = math.hypot(ahead, aside)
-    end = 1 + 2 * plain**2 / (plain**2 + 3 * turning**2)
-    part = min(size / end, 1.0)
-    held = end * part + (3 - 2 * end) * part**2 + (end - 2) * part**3
+    of_spin = size - 4 / 27 * size**3 if size < 1.5 else 1.0
+    of_creepage = 1 - (1 - size / 3) ** 3 if size < 3.0 else 1.0
+    held = (plain**2 * of_creepage + 2.4 * turning**2 * of_spin) / (plain**2 + 2.4 * turning**2)
 
     slides = np.array([x, lagging / (unit * c22)])
     distant = 1 / (1 + 0.13 * spin**2 * (a**2 + b**2) / (slides @ slides))

@@ -186,7 +186,7 @@ def test_distance_at_random_states_is_what_is_told(name: str) -> None:
 
 #: Smallest a/b of the states to half of which the default law is fitted. Mean error, that of 99 % and the largest at
 #: the other half [% of mu N]. FaStrip has 10.8 at 99 % of all states, Polach's law 76.
-FITTED_FROM, HELD_OUT, HELD_OUT_MOST, HELD_OUT_LARGEST = 0.2, 3.6, 10.4, 11.8
+FITTED_FROM, HELD_OUT, HELD_OUT_MOST, HELD_OUT_LARGEST = 0.2, 3.6, 10.4, 11.7
 
 
 def test_default_law_is_as_near_at_states_to_which_it_is_not_fitted() -> None:
@@ -256,6 +256,25 @@ def test_fastrip_follows_strong_spin_where_enough_cells_follow_its_slip() -> Non
     assert off[1] > 2 * NAMED  # FASTSIM fails there, so the test can detect a fault
 
 
+#: Tolerance of the slopes of the default law at zero creepage with the spin of treads, over Kalker's: ahead, aside.
+SLOPES = (0.1, 0.05)
+
+
+@pytest.mark.parametrize(("ratio", "turning"), [(0.7, 0.1), (0.7, 0.2), (1.5, 0.1), (1.5, 0.2)])
+def test_default_law_has_the_slopes_of_exact_theory_about_steady_spin(ratio: float, turning: float) -> None:
+    """Eigenvalues of a vehicle depend on them; turning: linear force of the spin over mu N."""
+    state = np.array([[ratio, 0.0, 0.0, 1.0]])
+    coefficients = with_coefficients(points_of(state))[0, 7:]
+    steps = np.repeat(0.02 * np.eye(2, 3), 2, axis=0) * [[1], [-1], [1], [-1]] + [0.0, 0.0, turning]
+    states = np.column_stack([np.full(4, ratio), steps / coefficients])
+    truth = np.array([exact(half_space(ratio, COARSE), row[1:]).forces for row in states])
+    points = points_of(states)
+    found = values(kalker_to_coulomb, points) / (points[:, 3] * points[:, 4])[:, None]
+    for axis, limit in enumerate(SLOPES):
+        slope, true = ((one[2 * axis, axis] - one[2 * axis + 1, axis]) / 0.04 for one in (found, truth))
+        assert slope == pytest.approx(true, abs=limit)
+
+
 #: Creepages, spin [1/m], load [N], friction and semi-axes [m] of a flange. Error limit of the default law [% of mu N];
 #: that of Shen, Hedrick and Elkins is 30 % off.
 FLANGE, FLANGE_ERROR = (0.01, 0.005, 1.85, 14e3, 0.3, 6.52e-3, 0.383e-3), 5.0
@@ -273,7 +292,7 @@ def test_flange_slides_against_its_mean_sliding_although_it_spins() -> None:
 
 #: Limit of the default law ahead and sideways on the Manchester contact benchmark, at frictions of 0.1 to 0.5, and its
 #: largest errors [% of mu N].
-BOTH_WAYS, MANCHESTER_AHEAD, MANCHESTER_ASIDE = 5.0, 2.4, 4.4
+BOTH_WAYS, MANCHESTER_AHEAD, MANCHESTER_ASIDE = 5.0, 3.2, 4.3
 
 
 def test_default_law_is_near_at_every_half_millimetre_of_the_manchester_benchmark_at_any_friction() -> None:

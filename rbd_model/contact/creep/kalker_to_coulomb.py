@@ -5,19 +5,21 @@ import math
 import casadi as ca
 
 from rbd_model.contact.creep.law import ContactPatch, Reduction
+from rbd_model.contact.creep.shen_hedrick_elkins import saturated_share
 
-#: Linear force over mu N at which a patch saturates: without spin that of Vermeulen and Johnson (1964), and of spin
-#: alone. The stress of spin is largest where the bound is, so that it grows linearly almost up to the bound.
-WITHOUT_SPIN, OF_SPIN = 3.0, 1.0
+#: Linear force of spin alone over mu N at which a patch saturates. The stress of spin is largest where the bound is
+#: large, so that its force has no second-order loss.
+OF_SPIN = 1.5
 #: Mean of (x/a)^2 under Hertz's pressure. Half of the square of 8/(3 pi), the inverse of the slope by which the mean
 #: unit vector of sliding about a pole grows with the pole's distance from the middle of a circle.
 FAR, NEAR = 0.2, 32 / (9 * math.pi**2)
 #: Fitted constants, with two digits: least squares over every second state of `exact_states` with a/b above 0.2. The
-#: errors in docs/limits.md are those of the other states. LAG_AT_MOST: lag of large spin, over (a/b)^(1/2). LAG_FALLS:
-#: its fall with the linear force. SPIN_SATURATES: weight of spin in the saturation. PARTS: squared distance of the pole
-#: at which FAR and NEAR have equal weights. TURNS, SPIN_TURNS: linear force, and weight of spin in it, at which half of
-#: the force has the direction of the sliding.
-LAG_AT_MOST, LAG_FALLS, SPIN_SATURATES, PARTS, TURNS, SPIN_TURNS = 2.75, 0.7, 3.0, 0.13, 2.0, 25.0
+#: errors in docs/limits.md are those of the other states. GROWTH, LOSS: growth of the lag with spin. LAG_AT_MOST: lag
+#: of large spin, over (a/b)^(1/2). LAG_FALLS: its fall with the linear force. SPIN_SATURATES: weight of spin in the
+#: saturation. PARTS: squared distance of the pole at which FAR and NEAR have equal weights. TURNS, SPIN_TURNS: linear
+#: force, and weight of spin in it, at which half of the force has the direction of the sliding.
+GROWTH, LOSS, LAG_AT_MOST, LAG_FALLS = 5.0, 1.8, 2.8, 0.7
+SPIN_SATURATES, PARTS, TURNS, SPIN_TURNS = 2.4, 0.13, 2.0, 25.0
 #: Smallest creepage, and smallest force over mu N, that are distinguished from 0.
 FLOOR = 1e-12
 
@@ -27,10 +29,10 @@ def kalker_to_coulomb(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
 
     A patch with spin slides about a pole at (-xi_y, xi_x) / spin. Because the surfaces are elastic, stress follows the
     sliding with a lag, so that spin acts as an additional lateral creepage. Its linear force is that of Kalker; for
-    large spin it is constant. With it, the force of adhesion saturates as a cubic, and the force of sliding is the mean
-    of the unit vectors of sliding under Hertz's pressure. The inverse squares of both add up. The direction turns from
-    that of Kalker's forces to that of sliding. Contamination reduces the adhesion by the ratio of Polach (2005). The
-    forms are our own, see LAG_AT_MOST.
+    large spin it is constant. With it, the force of adhesion saturates, without spin as in Vermeulen, Johnson (1964).
+    The force of sliding is the mean of the unit vectors of sliding under Hertz's pressure. The inverse squares of both
+    add up. The direction turns from that of Kalker's forces to that of sliding. Contamination reduces the adhesion by
+    the ratio of Polach (2005). The forms are our own, see GROWTH.
     """
     x, y, spin = patch.creepages
     (a, b), kalker, limit = patch.semi_axes, patch.kalker, patch.friction * patch.load
@@ -39,15 +41,17 @@ def kalker_to_coulomb(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
     per_y = stiffness * kalker.c22
     ahead, aside, turning = stiffness * kalker.c11 * x, per_y * y, stiffness * ca.sqrt(area) * kalker.c23 * spin
     linear, square = ahead**2 + (aside + turning) ** 2, turning**2
-    growth = 1 + square * (1 + 3 / LAG_AT_MOST**2 * (square * b / a + LAG_FALLS * linear))
-    aside_with_lag = aside + turning * ca.sqrt((1 + 3 * square) / growth)
+    falls = 1 + square * (LOSS + GROWTH / LAG_AT_MOST**2 * (square * b / a + LAG_FALLS * linear))
+    aside_with_lag = aside + turning * ca.sqrt((1 + GROWTH * square) / falls)
     size = ca.sqrt(ahead**2 + aside_with_lag**2 + FLOOR**2)
     of_creepage = ahead**2 + aside**2 + FLOOR**2
     share = of_creepage / (of_creepage + SPIN_SATURATES * square)
-    held = saturated(size, OF_SPIN + (WITHOUT_SPIN - OF_SPIN) * share) * remaining(size, patch.reduction)
+    spinning = ca.fmin(size / OF_SPIN, 1)
+    spinning = spinning * (3 - spinning**2) / 2
+    held = spinning + share * (size * saturated_share(size) - spinning)
+    held = held * remaining(size, patch.reduction)
 
-    slides_y = aside_with_lag / per_y
-    slides_x, slides_y, mean = mean_sliding(x, slides_y, spin, (a, b))
+    slides_x, slides_y, mean = mean_sliding(x, aside_with_lag / per_y, spin, (a, b))
     both = limit * held / ca.sqrt(mean + held**2 * (1 - mean))
     ends = (stiffness * spin) ** 2 * ((kalker.c11 * b) ** 2 + (kalker.c22 * a) ** 2)
     turned = linear + SPIN_TURNS * ends
@@ -55,15 +59,6 @@ def kalker_to_coulomb(patch: ContactPatch) -> tuple[ca.SX, ca.SX]:
     by_adhesion, by_sliding = both * (1 - turned) * ca.sqrt(mean) / size, both * turned
     along = by_adhesion * ahead + by_sliding * slides_x
     return -along, -(by_adhesion * aside_with_lag + by_sliding * slides_y)
-
-
-def saturated(size: ca.SX, most: ca.SX) -> ca.SX:
-    """Return the force over mu N of a linear force: the cubic with slope 1 at 0 that ends level at `most` with 1.
-
-    At 3 it is that of Vermeulen and Johnson (1964).
-    """
-    part = ca.fmin(size / most, 1)
-    return part * (most + part * (3 - 2 * most + part * (most - 2)))
 
 
 def remaining(size: ca.SX, reduction: Reduction) -> ca.SX:
