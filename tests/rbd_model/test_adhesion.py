@@ -102,7 +102,7 @@ def test_small_creepages_give_kalkers_slopes_times_the_mean_reduction(law: Creep
 
 @pytest.mark.parametrize("condition", [dry(), wet()], ids=["dry", "wet"])
 def test_contamination_leaves_the_law_of_elastic_patches_the_share_of_polachs(condition: RailCondition) -> None:
-    """At any creepage without spin: the force over that of clean surfaces, Polach (2005); at last all of friction."""
+    """At any creepage without spin: the force over that of clean surfaces, Polach (2005), up to all of friction."""
     kalker, (a, b), limit = kalker_coefficients(ca.SX(1.2)), SEMI_AXES, 0.3 * 75e3
     for creepage in (1e-5, 1e-3, 4e-3, 1e2):
         patch = (ca.SX(creepage), ca.SX(0), ca.SX(0)), ca.SX(75e3), ca.SX(0.3), SEMI_AXES, ca.SX(STEEL), kalker
