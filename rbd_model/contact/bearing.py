@@ -10,14 +10,15 @@ define the effective depth d_e = 2.5 F / F' and the effective curvature B. A par
 F is Winkler's energy of strips (Johnson 1985, section 4.3). It is smooth in the offset, also where the lowest point
 jumps or two places bear. The parabola depends on the depth: each offset has two, at the APPROACHES of a light and of a
 usual wheel load. The energy of the contact is that of Hertz' theory with this parabola, U = 0.4 K d^2.5, (3.82)-(3.88).
-Between both approaches it passes from one to the other.
+Between both approaches it passes from one to the other. Each has the energy and the force that result if the contact is
+pressed from 0 to its approach, with the parabola of each depth.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline, PPoly
@@ -28,6 +29,8 @@ from rbd_model.contact.profiles import Profile
 #: Effective depths at which a parabola is fitted [m]: the approaches of a wheel of 0.46 m on a head of 0.3 m under 6
 #: and 50 kN.
 APPROACHES = 15e-6, 60e-6
+#: Effective depths over which the force is integrated [m]; APPROACHES are among them.
+DEPTHS = 5e-6, 10e-6, 15e-6, 25e-6, 40e-6, 60e-6
 #: Least height of a ridge between two places that bear as two contacts [m]: half of the larger approach (assumed).
 LEAST_RIDGE = 30e-6
 #: Largest height above the lowest point at which a place can bear [m], and rounds of Newton's method for the depth.
@@ -47,7 +50,7 @@ class Contour:
     """A part of a wheel and its rail in axes along `direction` [rad], from the origin of each.
 
     `place` [m] are points of the wheel's profile, `along` and `square` [m] the same points in these axes, `depth` [m]
-    their height in the profile. `rail` is in these axes.
+    their height in the profile. `rail` is in these axes. `radius` [m]: of the wheel at y = 0.
     """
 
     direction: float
@@ -56,18 +59,21 @@ class Contour:
     square: np.ndarray
     depth: np.ndarray
     rail: Profile
+    radius: float
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """The overlap of a part with its rail at one offset, at an effective depth.
+    """The overlap of a part with its rail at one offset, at one of APPROACHES.
 
-    `height` [m]: effective distance of wheel and rail at rest, `curvature` [1/m] square to the contact, B of (3.83).
-    `place`, `depth` [m]: mean place on the wheel, weighted with the square of the overlap as in Vollebregt (2020), and
-    height of the wheel's profile there. `bend` [1/m]: curvature of the rail there.
+    `height` [m]: effective distance of wheel and rail at rest; `stiffness` [m^0.5]: stored energy over E* d^2.5, with d
+    square to the axes of the part; `curvature` [1/m] square to the contact, B of (3.83). `place`, `depth` [m]: mean
+    place on the wheel, weighted with the square of the overlap as in Vollebregt (2020), and height of the wheel's
+    profile there. `bend` [1/m]: curvature of the rail there.
     """
 
     height: float
+    stiffness: float
     curvature: float
     place: float
     depth: float
@@ -87,7 +93,39 @@ def overlaps_at(part: Contour, offset: float) -> list[Overlap] | None:
     near = np.flatnonzero(beside & (np.where(beside, gap, np.inf) < lowest + DEEPEST))
     slopes, bends = (part.rail.height(part.along[near] + offset, order) for order in (1, 2))
     rail = Near(gap[near] - lowest, _widths(part.along)[near], part.place[near], part.depth[near], slopes, bends)
-    return [replace(one, height=one.height + lowest) for one in (rail.overlap(approach) for approach in APPROACHES)]
+    found, energy, before, press = [], 0.0, 0.0, 0.0
+    for approach in DEPTHS:
+        parabola = rail.parabola(approach)
+        force = parabola.force(part)
+        power = math.log(force / press) / math.log(parabola.whole / before) if energy else 1.5
+        energy += (force * parabola.whole - press * before) / (power + 1)
+        before, press = parabola.whole, force
+        if approach in APPROACHES:
+            deep = 2.5 * energy / force
+            rest = parabola.curvature, parabola.place, parabola.depth, parabola.bend
+            found.append(Overlap(lowest + before - deep, energy / deep**2.5, *rest))
+    return found
+
+
+@dataclass(frozen=True)
+class Parabola:
+    """The parabola of an overlap: `whole` and `effective` depth [m], `slope` of the rail, the rest as in `Overlap`."""
+
+    whole: float
+    effective: float
+    slope: float
+    curvature: float
+    place: float
+    depth: float
+    bend: float
+
+    def force(self, part: Contour) -> float:
+        """Return the force square to the axes of the part over E* [m2]: Hertz, Johnson (1985), section 4.2."""
+        upright = 1 / math.sqrt(1 + self.slope**2)
+        leaning = max(math.cos(part.direction + math.atan(self.slope)), LEAST_COSINE)
+        rolling = leaning / (2 * (part.radius - self.depth))
+        stiffness = float(stiffness_of(np.array(rolling), np.array(self.curvature)))
+        return stiffness * (self.effective * upright) ** 1.5 * upright
 
 
 @dataclass(frozen=True)
@@ -103,8 +141,8 @@ class Near:
     slope: np.ndarray
     bend: np.ndarray
 
-    def overlap(self, approach: float) -> Overlap:
-        """Return the overlap with this effective depth [m]; its height is that above the lowest point."""
+    def parabola(self, approach: float) -> Parabola:
+        """Return the parabola with the overlap of this effective depth, normal to the contact [m]."""
         depth, slope = approach, 0.0
         for _ in range(ROUNDS):
             inside = np.maximum(depth - self.rise, 0.0)
@@ -121,9 +159,8 @@ class Near:
         upright = 1 / math.sqrt(1 + slope**2)
         curvature = (16 / 15 * effective**2.5 / energy) ** 2 * upright**3
         weights = inside * weights / energy
-        means = (float(weights @ one) for one in (self.place, self.depth, self.bend))
-        place, height, bend = means
-        return Overlap(depth - effective, curvature, place, height, -bend * upright**3)
+        place, height, bend = (float(weights @ one) for one in (self.place, self.depth, self.bend))
+        return Parabola(depth, effective, slope, curvature, place, height, -bend * upright**3)
 
 
 def _widths(along: np.ndarray) -> np.ndarray:
@@ -161,14 +198,14 @@ def rigid_lines(part: Contour, offsets: np.ndarray) -> tuple[np.ndarray, np.ndar
     return _filled(offsets, known, least), _filled(offsets, known, places)
 
 
-def bearing_of(part: Contour, offsets: np.ndarray, radius: float) -> Bearing:
+def bearing_of(part: Contour, offsets: np.ndarray) -> Bearing:
     """Return how a part bears (3.82)-(3.88).
 
-    offsets [m]: equally spaced. radius [m]: of the wheel at y = 0.
+    offsets [m]: equally spaced.
     """
     light, usual = _over(part, offsets)
     at_first = [_smoothed(offsets, value) for value in _centre(part, offsets, usual)]
-    in_contact = [curve for found in (light, usual) for curve in _curves(part, offsets, found, radius)]
+    in_contact = [curve for found in (light, usual) for curve in _curves(offsets, found)]
     return Bearing(_packed(offsets, at_first), _packed(offsets, in_contact))
 
 
@@ -184,16 +221,10 @@ def _over(part: Contour, offsets: np.ndarray) -> Iterator[dict[str, np.ndarray]]
         yield {name: _filled(offsets, known, value) for name, value in values.items()}
 
 
-def _curves(part: Contour, offsets: np.ndarray, found: dict[str, np.ndarray], radius: float) -> list[PPoly]:
+def _curves(offsets: np.ndarray, found: dict[str, np.ndarray]) -> list[PPoly]:
     """Return the curves of IN_CONTACT at one approach."""
-    height = CubicSpline(offsets, found["height"])
-    slope = -height(offsets, 1)
-    upright = 1 / np.sqrt(1 + slope**2)
-    leaning = np.maximum(np.cos(part.direction + np.arctan(slope)), LEAST_COSINE)
-    rolling = leaning / (2 * (radius - found["depth"]))
-    stiffness = 0.4 * stiffness_of(rolling, found["curvature"]) * upright**2.5
-    rest = stiffness, found["place"], found["depth"], found["curvature"]
-    return [height, *(_smoothed(offsets, value) for value in rest)]
+    height, *rest = (found[name] for name in IN_CONTACT)
+    return [CubicSpline(offsets, height), *(_smoothed(offsets, value) for value in rest)]
 
 
 def _centre(part: Contour, offsets: np.ndarray, found: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:

@@ -178,7 +178,7 @@ def patch_record(one: Side, part: Part) -> Record:
             f"{one.rail.name} bears at {angle:.0f} degrees. Change where they have y = 0, or {AT_MODEL_3}."
         )
     rigid = line_record(one, part)
-    bearing = bearing_of(contour_of(one, part), offsets_of(one), one.radius)
+    bearing = bearing_of(contour_of(one, part), offsets_of(one))
     tables = *rigid.tables[:2], pieces_of(*bearing.at_first), pieces_of(*bearing.in_contact)
     return Record(PATCH, rigid.numbers, tables)
 

@@ -80,7 +80,7 @@ def contour_of(one: Side, part: Part) -> Contour:
     first, last = positions_of(one)[[part.first, part.last - 1]]
     place = np.arange(first, last, PATCH_PITCH * math.cos(part.direction))
     depth = one.wheel.height(place)
-    return Contour(part.direction, place, *in_direction(place, depth, part.direction), depth, part.rail)
+    return Contour(part.direction, place, *in_direction(place, depth, part.direction), depth, part.rail, one.radius)
 
 
 @lru_cache
