@@ -66,10 +66,10 @@ class Contour:
 class Overlap:
     """The overlap of a part with its rail at one offset, at one of APPROACHES.
 
-    `height` [m]: effective distance of wheel and rail at rest; `stiffness` [m^0.5]: stored energy over E* d^2.5, with d
-    square to the axes of the part; `curvature` [1/m] square to the contact, B of (3.83). `place`, `depth` [m]: mean
-    place on the wheel, weighted with the square of the overlap as in Vollebregt (2020), and height of the wheel's
-    profile there. `bend` [1/m]: curvature of the rail there.
+    `height` [m]: effective distance of wheel and rail at rest. `stiffness` [m^0.5]: stored energy over E* d^2.5, with d
+    square to the axes of the part. `curvature` [1/m]: square to the contact, B of (3.83). `place` [m]: mean place on the
+    wheel, weighted with the square of the overlap (Vollebregt 2020). `depth` [m]: height of the wheel's profile there.
+    `bend` [1/m]: curvature of the rail there.
     """
 
     height: float
@@ -172,10 +172,9 @@ def _widths(along: np.ndarray) -> np.ndarray:
 class Bearing:
     """How a part bears over its offset: breakpoints and rows of cubics, packed one behind the other.
 
-    `at_first` holds AT_FIRST: the centre of the rail's arc [m], about which a roll leaves the rail unchanged; the slope
-    of the contact against the wheel's axis; the place on the wheel and its height in the profile [m]. `in_contact`
-    holds IN_CONTACT: effective distance [m]; stored energy over E* d^2.5 [m^0.5], with d square to the axes of the
-    part; place and height [m]; curvature [1/m].
+    `at_first` holds AT_FIRST. A roll about the centre of the rail's arc [m] leaves the rail unchanged. The slope of the
+    contact is that against the wheel's axis. The place on the wheel has its height in the profile [m]. `in_contact`
+    holds IN_CONTACT for each of APPROACHES, as an `Overlap` has them.
     """
 
     at_first: tuple[np.ndarray, np.ndarray]

@@ -33,9 +33,9 @@ QUADRATURE = 5e-3
 CLOSED = 1e-4
 #: Error of central differences over 1e-7 of a coordinate, as a share of the largest force or moment.
 DIFFERENCES = 1e-5
-#: Load at a height beside that of strips, the largest error on treads and root of S1002 and of A of EN 15302.
+#: Load at a height compared with that of strips, the largest error on treads and root of S1002 and of A of EN 15302.
 OF_STRIPS = 0.07
-#: Largest wheel load in a curve entry beside that of the synthetic pair, which bears on arcs alone; steps beside its.
+#: Largest wheel load in a curve entry and steps, over those of the synthetic pair, which bears on arcs alone.
 LOADS, STEPS = 1.1, 2.0
 
 
