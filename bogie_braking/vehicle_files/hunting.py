@@ -17,9 +17,9 @@ from rbd_model.contact.pair_file import PAIR_FILE, joined
 from rbd_model.linear import Mode, critical_speed, oscillations
 from scenarios.bench.drive import SETTLED, prepare
 
-#: Speeds between which critical speeds are searched [m/s]: the upper limit is 576 km/h, as no train on wheels was
-#: faster than 574.8 km/h (2007). Distance of the speeds at which the linear growth is computed [m/s].
-SLOWEST, FASTEST, STEP = 10.0, 160.0, 5.0
+#: Speeds between which critical speeds are searched [m/s]: the upper limit is the largest initial speed of a vehicle.
+#: Distance of the speeds at which the linear growth is computed [m/s].
+SLOWEST, FASTEST, STEP = 10.0, 150.0, 5.0
 #: Friction of the rails.
 FRICTION = 0.4
 #: Frequency above which modes are those of wheelsets on their contacts [Hz]: they stand on rigid rails here.

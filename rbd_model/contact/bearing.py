@@ -66,10 +66,10 @@ class Contour:
 class Overlap:
     """The overlap of a part with its rail at one offset, at one of APPROACHES.
 
-    `height` [m]: effective distance of wheel and rail at rest. `stiffness` [m^0.5]: stored energy over E* d^2.5, with d
-    square to the axes of the part. `curvature` [1/m]: square to the contact, B of (3.83). `place` [m]: mean place on the
-    wheel, weighted with the square of the overlap (Vollebregt 2020). `depth` [m]: height of the wheel's profile there.
-    `bend` [1/m]: curvature of the rail there.
+    `height` [m]: effective distance of wheel and rail at rest. `stiffness` [m^0.5]: stored energy over E* d^2.5,
+    where d is square to the axes of the part. `curvature` [1/m]: square to the contact, B of (3.83). `place` [m]:
+    mean place on the wheel, weighted with the square of the overlap (Vollebregt 2020). `depth` [m]: height of the
+    wheel's profile there. `bend` [1/m]: curvature of the rail there.
     """
 
     height: float

@@ -49,10 +49,11 @@ def _table(name: str, degree: int) -> TableOfRecord:
 STEEP = math.radians(10.0)
 #: Most patches of a tread or of a flange.
 MOST_PATCHES = 64
-#: A patch of a wheel. `cosine` and `sine` are those of the direction along which the patch is described. The steepest
-#: part of the flange, on which a wheel climbs, lies below `steep_begins`. `gap` is the distance of wheel and
-#: rail square to it, by the offset, without roll, and `nearest` its place on the wheel; `middle` is a place along it on
-#: the wheel. `at_first` and `in_contact` are those of a `bearing.Bearing`, for wheels of `wheel_radius` at y = 0.
+#: A patch of a wheel. `cosine` and `sine` are those of the direction along which the patch is described. The flange
+#: lies below `flange_begins`, its steepest part, on which a wheel climbs, below `steep_begins`. `gap` is the distance
+#: of wheel and rail square to it, by the offset, without roll, and `nearest` its place on the wheel; `middle` is a
+#: place along it on the wheel. `at_first` and `in_contact` are those of a `bearing.Bearing`, for wheels of
+#: `wheel_radius` at y = 0.
 PATCH = RecordKind(
     "patch",
     (
@@ -60,6 +61,7 @@ PATCH = RecordKind(
         NumberOfRecord("cosine", "1", 0.0, 1.0),
         NumberOfRecord("sine", "1", -1.0, 1.0),
         _place("middle"),
+        _place("flange_begins"),
         _place("steep_begins"),
         NumberOfRecord("wheel_radius", "m", *RADII),
     ),
@@ -191,17 +193,24 @@ def line_record(one: Side, part: Part) -> Record:
     middle = float(np.median(in_direction(nearest, one.wheel.height(nearest), part.direction)[0]))
     nothing: Pieces = ((0.0, 1.0), ((0.0,),))
     tables = lines_over(offsets, gap), lines_over(offsets, nearest), nothing, nothing
-    return Record(PATCH, (part.radius, *turned, middle, steep_begins(one), one.radius), tables)
+    return Record(PATCH, (part.radius, *turned, middle, *flange_of_wheel(one), one.radius), tables)
 
 
 @lru_cache
-def steep_begins(one: Side) -> float:
-    """Return the place on a wheel [m] below which its flange is within STEEP of its largest angle (section 9.4.1)."""
+def flange_of_wheel(one: Side) -> tuple[float, float]:
+    """Return the places on a wheel [m] where its flange begins and where its steepest part begins (section 9.4.1).
+
+    The flange is steeper than TREAD_SLOPE, its steepest part is within STEEP of its largest angle.
+    """
     place = np.arange(*one.wheel.limits, TABLE_PITCH)
     angle = np.arctan(one.wheel.height(place, 1))
     steepest = int(np.argmax(np.where(place < 0.0, angle, -np.inf)))
-    beyond = np.flatnonzero(angle[steepest:] < angle[steepest] - STEEP)
-    return float(place[steepest + (beyond[0] if beyond.size else 0)])
+
+    def begins(least: float) -> float:
+        flatter = np.flatnonzero(angle[steepest:] < least)
+        return float(place[steepest + (flatter[0] if flatter.size else 0)])
+
+    return begins(TREAD_SLOPE), begins(float(angle[steepest]) - STEEP)
 
 
 def lines_over(offsets: np.ndarray, values: np.ndarray) -> Pieces:

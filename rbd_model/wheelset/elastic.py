@@ -11,7 +11,7 @@ from rbd_model.body.bodies import start_along
 from rbd_model.body.connections import Load
 from rbd_model.body.kinematics import Body, axes_rate, direction_cosines, turned_by
 from rbd_model.contact.geometry import Side
-from rbd_model.contact.pair_table import line_record
+from rbd_model.contact.pair_table import flange_of_wheel, line_record
 from rbd_model.contact.patches import parts_of, patches_of
 from rbd_model.contact.strips_in_c import MOST_SEGMENTS, OF_SEGMENT, wheel_on_strips
 from rbd_model.track.irregularity import Section
@@ -260,7 +260,8 @@ def press_strips(assembly: Assembly, number: int, index: int, stance: Stance, bo
     *others, steepest = (near.approach for near in nearest)
     ends = stance.profiles.sides[index]
     treads = [near for near, part in zip(nearest, parts, strict=True) if not part.flange]
-    of_treads = [room_on(near, ends.wheel_limits[1], ends.rail_limits) for near in treads]
+    begins = ca.SX(flange_of_wheel(one)[0])
+    of_treads = [room_on(near, begins, ends.wheel_limits[1], ends.rail_limits) for near in treads]
     room = ca.vertcat(ca.mmin(ca.vertcat(*of_treads)), nearest[-1].position - ends.wheel_limits[0])
     return WheelFound(pressed, [patch.force for patch in each], (ca.mmax(ca.vertcat(*others)), steepest), room)
 

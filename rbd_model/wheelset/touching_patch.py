@@ -1,9 +1,9 @@
 """One patch of a wheel on its rail in 3D: stored energy, elastic forces, and the place for the creep forces.
 
-A patch is a table over the offset of its wheel (`rbd_model.contact.bearing`). A wheel that rolls and yaws has the offset
-and the distance of an equal wheel that does neither. A roll moves the wheel about the centre of the rail's arc. A yaw
-moves the contact ahead on the wheel, where it lies further out and higher, (3.54). Elastic forces are the derivatives
-of the stored energy by the coordinates, so that the contact is conservative in any motion.
+A patch is a table over the offset of its wheel (`rbd_model.contact.bearing`). A wheel that rolls and yaws has the
+offset and the distance of an equal wheel that does neither. A roll moves the wheel about the centre of the rail's arc.
+A yaw moves the contact ahead on the wheel, where it lies further out and higher, (3.54). Elastic forces are the
+derivatives of the stored energy by the coordinates, so that the contact is conservative in any motion.
 """
 
 from __future__ import annotations

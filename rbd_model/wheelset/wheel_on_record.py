@@ -118,12 +118,16 @@ def watched_patch(flange: bool) -> Part:
 BEARS_SOON, ROOM_OF_GAP = 0.3e-3, 100.0
 
 
-def room_on(near: Nearest, wheel_end: ca.SX | float, rail_ends: tuple[ca.SX | float, ca.SX | float]) -> ca.SX:
+def room_on(
+    near: Nearest, flange: ca.SX, wheel_end: ca.SX | float, rail_ends: tuple[ca.SX | float, ca.SX | float]
+) -> ca.SX:
     """Return the distance of a patch of a tread from the field side of its wheel and from both ends of its rail [m].
 
-    Section 9.4.1. A patch that does not bear soon has more: its nearest point may be at an end of the rail.
+    Section 9.4.1. A patch that does not bear soon has more: its nearest point may be at an end of the rail. A contact
+    on the flange lies at the rail's gauge face, where the profile may end. flange [m]: place where it begins.
     """
-    room = ca.fmin(wheel_end - near.position, ca.fmin(near.on_rail - rail_ends[0], rail_ends[1] - near.on_rail))
+    room = ca.fmin(wheel_end - near.position, rail_ends[1] - near.on_rail)
+    room = ca.if_else(near.position > flange, ca.fmin(room, near.on_rail - rail_ends[0]), room)
     return room + ROOM_OF_GAP * ca.fmax(-near.approach - BEARS_SOON, 0)
 
 
@@ -137,8 +141,11 @@ def room_of_patch() -> Part:
     given, constants, chain = ca.SX.sym("given", 4), ca.SX.sym("constants", 12), Chain()
     placement = Placement(given[2], given[3], constants[:4], given[0])
     stands = Stands.of(placement, Wheel(*ca.vertsplit(constants[4:8])), given[1])
-    near = find_nearest(chain, InRecord(constants[11]), stands)
-    return Part("room_of_patch", given, constants, -room_on(near, constants[8], (constants[9], constants[10])), chain)
+    patch = InRecord(constants[11])
+    near, flange = find_nearest(chain, patch, stands), patch.number(chain, "flange_begins")
+    return Part(
+        "room_of_patch", given, constants, -room_on(near, flange, constants[8], (constants[9], constants[10])), chain
+    )
 
 
 @lru_cache
