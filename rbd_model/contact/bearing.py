@@ -69,7 +69,7 @@ class Overlap:
     `height` [m]: effective distance of wheel and rail at rest. `stiffness` [m^0.5]: stored energy over E* d^2.5,
     where d is square to the axes of the part. `curvature` [1/m]: square to the contact, B of (3.83). `place` [m]:
     mean place on the wheel, weighted with the square of the overlap (Vollebregt 2020). `depth` [m]: height of the
-    wheel's profile there. `bend` [1/m]: curvature of the rail there.
+    wheel's profile there. `tilt`, `bend` [1/m]: slope and curvature of the rail there.
     """
 
     height: float
@@ -77,6 +77,7 @@ class Overlap:
     curvature: float
     place: float
     depth: float
+    tilt: float
     bend: float
 
 
@@ -102,7 +103,7 @@ def overlaps_at(part: Contour, offset: float) -> list[Overlap] | None:
         before, press = parabola.whole, force
         if approach in APPROACHES:
             deep = 2.5 * energy / force
-            rest = parabola.curvature, parabola.place, parabola.depth, parabola.bend
+            rest = parabola.curvature, parabola.place, parabola.depth, parabola.tilt, parabola.bend
             found.append(Overlap(lowest + before - deep, energy / deep**2.5, *rest))
     return found
 
@@ -117,6 +118,7 @@ class Parabola:
     curvature: float
     place: float
     depth: float
+    tilt: float
     bend: float
 
     def force(self, part: Contour) -> float:
@@ -159,8 +161,9 @@ class Near:
         upright = 1 / math.sqrt(1 + slope**2)
         curvature = (16 / 15 * effective**2.5 / energy) ** 2 * upright**3
         weights = inside * weights / energy
-        place, height, bend = (float(weights @ one) for one in (self.place, self.depth, self.bend))
-        return Parabola(depth, effective, slope, curvature, place, height, -bend * upright**3)
+        means = (float(weights @ one) for one in (self.place, self.depth, self.slope, self.bend))
+        place, height, tilt, bend = means
+        return Parabola(depth, effective, slope, curvature, place, height, tilt, -bend * upright**3)
 
 
 def _widths(along: np.ndarray) -> np.ndarray:
@@ -229,13 +232,14 @@ def _curves(offsets: np.ndarray, found: dict[str, np.ndarray]) -> list[PPoly]:
 def _centre(part: Contour, offsets: np.ndarray, found: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
     """Return the quantities of AT_FIRST."""
     slope = -CubicSpline(offsets, found["height"])(offsets, 1)
-    upright = 1 / np.sqrt(1 + slope**2)
     cosine, sine = math.cos(part.direction), math.sin(part.direction)
     level = (sine + cosine * slope) / (cosine - sine * slope)
-    arc = 1 / np.maximum(found["bend"], LEAST_BEND)
+    # The normal at the mean place passes through the centre of an arc. The slope of the distance has other weights.
+    tilt, arc = found["tilt"], 1 / np.maximum(found["bend"], LEAST_BEND)
+    straight = 1 / np.sqrt(1 + tilt**2)
     along = cosine * found["place"] + sine * found["depth"] + offsets
     square = cosine * found["depth"] - sine * found["place"] - found["height"]
-    return along + arc * slope * upright, square - arc * upright, level, found["place"], found["depth"]
+    return along + arc * tilt * straight, square - arc * straight, level, found["place"], found["depth"]
 
 
 def _filled(offsets: np.ndarray, known: np.ndarray, values: list[float] | np.ndarray) -> np.ndarray:

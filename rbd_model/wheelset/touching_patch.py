@@ -101,13 +101,14 @@ class Stands:
         """Return its distances along and square to the direction of a patch (cosine, sine) without yaw [m].
 
         With the slope t of the profile, a yawed wheel touches r t yaw ahead of its axle, (3.54). There its contour lies
-        further out by r t yaw^2 and higher by half of r t^2 yaw^2. Its breadth shrinks with cos yaw. place [m]: on the
-        profile.
+        further out by r t yaw^2 and higher by half of r t^2 yaw^2, both turned by the roll. Its breadth shrinks with
+        cos yaw. place [m]: on the profile.
         """
         cosine, sine = self.placement.cosines[0], self.placement.cosines[1]
         ahead = radius * slope * sine**2
-        outwards = self.outwards + ahead - place * (1 - cosine)
-        up = self.up + ahead * slope / 2
+        higher, (level, leaning) = ahead * slope / 2, self.roll
+        outwards = self.outwards + level * ahead - leaning * higher - place * (1 - cosine)
+        up = self.up + level * higher + leaning * ahead
         return direction[0] * outwards + direction[1] * up, direction[0] * up - direction[1] * outwards
 
 
