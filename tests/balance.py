@@ -14,21 +14,19 @@ from pathlib import Path
 import numpy as np
 
 from fmu_src.kernel import Kernel
-from rbd_model.contact.patches import Part, patches_of
+from rbd_model.contact.patches import SEARCH_PITCH, Part, patches_of
 from rbd_model.track.line import Segment, line_of
 from rbd_model.track.line_table import GAUGE
 from rbd_model.vehicle.description import Vehicle, wheelset_name
 from tests.maximal.correspondence import bodies_of, rates_of
 from tests.maximal.machine import SIDES, Machine
 from tests.maximal.motion import Moving
+from tests.maximal.overlap import part_of
 from tests.maximal.rails import Course, RailData, Rails, prisms
-from tests.maximal.touch import Touch, Wheel, axle_axes, touches
+from tests.maximal.touch import Wheel
 
-#: Grid of the contact search [m]; start and length of a line of one curve [m].
+#: Pitch of the places across a contact [m]; start and length of a line of one curve [m].
 GRID, BEGIN, LENGTH = 0.05e-3, -30.0, 3000.0
-#: Half range of the angle about the axle [rad] in which the nearest point of a tread is searched; yaw moves it away
-#: from the lowest point.
-FADING = 0.01
 #: `prisms` or `swept`.
 Shape = Callable[[Course, RailData], Rails]
 #: States of a wheelset that a level may not have.
@@ -136,30 +134,20 @@ def in_plane(now: Now, kernel: Kernel) -> list[Reaction]:
 
 @dataclass(frozen=True)
 class OnRail:
-    """A wheel on its rail: number and body of its wheelset, its side, its surface and where that is nearest."""
+    """A wheel on its rail: number and body of its wheelset, its side and its surface, and the shear modulus [Pa]."""
 
     number: int
     side: int
     body: Moving
     wheel: Wheel
     rails: Rails
-    near: list[Touch]
+    modulus: float
 
     def arm(self, patch: Part) -> np.ndarray:
-        """Return the vector from the wheelset's centre to the point where a patch carries load [m].
-
-        A patch that fades, or lies flat on its rail beyond its limits, has no contact point of its own. Its load then
-        acts at the last point of its table towards the field side, at the angle about the axle where the wheel is
-        nearest to the rail.
-        """
-        last = np.max(patch.nearest[1][:, 0]) + LARGEST_STEP
-        own = [one for one in self.near if one.approach > 0.0 and patch.limits[0] <= one.across <= last]
-        if own:
-            return max(own, key=lambda one: one.approach).arm
-        rail, turned = self.rails(self.body.position), np.linspace(-FADING, FADING, 401)
-        across = np.full_like(turned, last)
-        points = self.wheel.points(across, turned, axle_axes(self.body, rail.along(self.body.position)))
-        return np.asarray(points[np.argmin(rail.distance(self.body.position + points))])
+        """Return the vector from the wheelset's centre to the line along which a patch carries load [m]."""
+        low = self.wheel.profile.limits[0] + SEARCH_PITCH
+        ends = low + SEARCH_PITCH * patch.first, low + SEARCH_PITCH * (patch.last - 1)
+        return part_of(self.body, self.wheel, self.rails, GRID, self.modulus, ends).on_line
 
 
 def wheels(machine: Machine, now: Now, base: float, shape: Shape = prisms) -> Iterator[OnRail]:
@@ -171,7 +159,7 @@ def wheels(machine: Machine, now: Now, base: float, shape: Shape = prisms) -> It
             beside, above = (now.value.get(name, 0.0) for name in (f"track_{number}", f"track_{number}_{word}"))
             rail = RailData(side, (machine.half_distance + side * beside, base + above), machine.curve)
             wheel, rails = oracle.wheel_of(number, index), shape(now.course, rail)
-            yield OnRail(number, side, body, wheel, rails, touches(body, wheel, rails, GRID))
+            yield OnRail(number, side, body, wheel, rails, now.vehicle.number("shear_modulus"))
 
 
 def in_space(machine: Machine, now: Now, kernel: Kernel, base: float, shape: Shape = prisms) -> list[Reaction]:

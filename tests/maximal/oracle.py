@@ -9,19 +9,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rbd_model.vehicle.description import SuspensionElement, Vehicle, wheelset_name
-from tests.maximal.hertz import load_of, semi_axes_of
+from tests.maximal.hertz import semi_axes_of
 from tests.maximal.joints import Carriers, End, Ends, on_bodies, wrenches
 from tests.maximal.motion import Moving, accelerations
+from tests.maximal.overlap import STEP, Contact, contacts
 from tests.maximal.rails import Course, Rails, Shifted
 from tests.maximal.slip import Rolling, kalker_to_coulomb
 from tests.maximal.statics import preloads
-from tests.maximal.touch import Touch, Wheel, touches
+from tests.maximal.touch import Wheel
 
 #: Slope above which a contact lies on the flange. It carries load in addition to a tread contact.
 FLANGE_SLOPE = math.tan(math.radians(20.0))
-#: Grid pitch of the contact search [m], and step of the displacements that give the direction of a normal force [m],
-#: [rad].
-GRID, STEP = 0.05e-3, 1e-5
+#: Pitch of the places across a contact [m].
+GRID = 0.05e-3
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,8 @@ class Oracle:
 
     `rails`: the left and the right one, on the course; `Rails` gives the surface for a wheelset's centre. `carriers`:
     the bodies whose axes give the directions of a connection. `below`: stiffness [N/m] and damping [N.s/m] of the track
-    below a wheelset, in the order of `give`. `square`: use `Touch.square` instead of the curvatures of a yawed wheel,
-    the one simplification of the fast model. `grid`, `step` [m]: pitch of the contact search and step of differences.
+    below a wheelset, in the order of `give`. `square`: use the curvature along the rail of a wheel square to it,
+    the one simplification of the fast model. `grid`, `step` [m]: pitch of the places across and step of differences.
     """
 
     vehicle: Vehicle
@@ -166,14 +166,12 @@ class Oracle:
 
     def wheel(self, number: int, rail: GivenWay, body: Moving, friction: float) -> tuple[np.ndarray, WheelForces]:
         """Return the wrench of the rail on a wheel about the wheelset's centre (6,), and its forces."""
-        found = touches(body, self.wheel_of(number, rail.index), rail, self.grid)
+        modulus, on = self.vehicle.number("shear_modulus"), self.wheel_of(number, rail.index)
         track = self.track(body.position)
         wrench, force, creep, flange = np.zeros(6), np.zeros(3), 0.0, 0.0
-        for touch in found:
-            if touch.approach <= 0.0:
-                continue
-            on_flange = touch.slope > FLANGE_SLOPE
-            pushed, creeping = self.press(rail, body, touch, friction)
+        for contact in contacts(body, on, rail, self.grid, modulus, self.square, self.step):
+            on_flange = contact.slope > FLANGE_SLOPE
+            pushed, creeping = self.press(rail, body, contact, friction)
             wrench += pushed
             force += track.T @ pushed[:3]
             creep += creeping
@@ -190,41 +188,27 @@ class Oracle:
         """Return the axes of the track (columns) at a body's centre."""
         return np.asarray(self.course.axes(self.course.place_of(centre[None]))[0])
 
-    def press(self, rail: GivenWay, body: Moving, touch: Touch, friction: float) -> tuple[np.ndarray, float]:
+    def press(self, rail: GivenWay, body: Moving, contact: Contact, friction: float) -> tuple[np.ndarray, float]:
         """Return the wrench of one contact on the wheelset (6,), and its creep force along the rail [N]."""
         number = self.vehicle.number
-        modulus = number("shear_modulus")
-        by_place, moved = self.parting(rail, body, touch), rail.speed(body)
-        closing = float(by_place[:3] @ moved - by_place @ body.twist)
-        curvatures = touch.square if self.square else touch.curvatures
-        elastic = load_of(touch.approach, *curvatures, modulus)
-        load = elastic * max(1 + number("contact_damping") * closing, 0.0)
+        modulus, moved = number("shear_modulus"), rail.speed(body)
+        closing = float(contact.parting[:3] @ moved - contact.parting @ body.twist)
+        load = contact.load * max(1 + number("contact_damping") * closing, 0.0)
+        elastic = contact.push + (load - contact.load) * contact.parting
         if load <= 0.0:
-            return np.zeros(6), 0.0
+            return elastic, 0.0
 
-        sideways = np.cross(touch.normal, touch.along)
-        sliding = body.velocity + np.cross(body.rate, touch.arm) - moved
+        sideways = np.cross(contact.normal, contact.along)
+        sliding = body.velocity + np.cross(body.rate, contact.arm) - moved
         least, forward = number("creepage_speed"), float(self.track(body.position)[:, 0] @ body.velocity)
-        slides = sliding @ touch.along, sliding @ sideways, body.rate @ touch.normal * np.clip(forward / least, -1, 1)
+        slides = (
+            sliding @ contact.along,
+            sliding @ sideways,
+            body.rate @ contact.normal * np.clip(forward / least, -1, 1),
+        )
         creepages = np.array(slides) / math.hypot(forward, least)
-        axes = semi_axes_of(load, *curvatures, modulus)
+        axes = semi_axes_of(load, *contact.curvatures, modulus)
         patch = Rolling(tuple(creepages.tolist()), load, friction, axes, modulus)  # type: ignore[arg-type]
         along, aside = kalker_to_coulomb(patch)
-        creep = along * touch.along + aside * sideways
-        return load * by_place + np.concatenate([creep, np.cross(touch.arm, creep)]), along
-
-    def parting(self, rail: GivenWay, body: Moving, touch: Touch) -> np.ndarray:
-        """Return the change of the wheel's distance from its rail at the contact per small displacement of the
-        wheelset, (6,).
-
-        This is, by virtual work, the direction and the moment arm of a unit normal force.
-        """
-        ends = []
-        for sign in (1, -1):
-            found = []
-            for way in sign * self.step * np.eye(6):
-                moved = body.displaced(way)
-                arm = moved.axes @ body.axes.T @ touch.arm
-                found.append(rail(moved.position).distance((moved.position + arm)[None])[0])
-            ends.append(np.array(found))
-        return (ends[0] - ends[1]) / (2 * self.step) / touch.steepness
+        creep = along * contact.along + aside * sideways
+        return elastic + np.concatenate([creep, np.cross(contact.arm, creep)]), along

@@ -115,11 +115,6 @@ class Curve:
         away = ((z - rho) - (y - u) * slope) / np.sqrt(1 + slope**2)
         return away.reshape(shape), u.reshape(shape)
 
-    def curvature(self, outward: float, up: float) -> float:
-        """Return the curvature of the contour nearest to a point [1/m], positive for a convex rail head."""
-        u = self.distance(np.array([outward]), np.array([up]))[1]
-        return float((-self.height(u, 2) / (1 + self.height(u, 1) ** 2) ** 1.5)[0])
-
 
 @dataclass(frozen=True)
 class RailData:
@@ -133,10 +128,6 @@ class RailData:
         """Return the distance from the contour of points of a section, given in track axes [m]."""
         return self.curve.distance(self.side * across - self.middle[0], up - self.middle[1])[0]
 
-    def curvature(self, across: float, up: float) -> float:
-        """Return the curvature of the contour nearest to a point of a section [1/m]."""
-        return self.curve.curvature(self.side * across - self.middle[0], up - self.middle[1])
-
 
 class Surface(Protocol):
     """A rail as a 3D surface."""
@@ -146,9 +137,6 @@ class Surface(Protocol):
 
     def along(self, point: np.ndarray) -> np.ndarray:
         """Return the unit vector of the rail's direction near a point."""
-
-    def curvature(self, point: np.ndarray) -> float:
-        """Return the curvature of the contour near a point, in its section [1/m]."""
 
 
 @dataclass(frozen=True)
@@ -165,10 +153,6 @@ class Shifted:
     def along(self, point: np.ndarray) -> np.ndarray:
         """Implement `Surface.along`."""
         return self.rail.along(point - self.way)
-
-    def curvature(self, point: np.ndarray) -> float:
-        """Implement `Surface.curvature`."""
-        return self.rail.curvature(point - self.way)
 
 
 #: Maps a wheelset's centre to the rail surface that its wheel touches.
@@ -192,11 +176,6 @@ class Prism:
         """Implement `Surface.along`."""
         return np.asarray(self.course.axes(self.place)[0][:, 0])
 
-    def curvature(self, point: np.ndarray) -> float:
-        """Implement `Surface.curvature`."""
-        local = self.course.axes(self.place)[0].T @ (point - self.course.origin(self.place)[0])
-        return self.rail.curvature(float(local[1]), float(local[2]))
-
 
 @dataclass(frozen=True)
 class Swept:
@@ -219,11 +198,6 @@ class Swept:
         ends = place + np.array([-STEP, STEP])
         before, behind = self.course.origin(ends) + self.course.axes(ends) @ beside
         return np.asarray((behind - before) / np.linalg.norm(behind - before))
-
-    def curvature(self, point: np.ndarray) -> float:
-        """Implement `Surface.curvature`."""
-        place = float(self.course.place_of(point[None])[0])
-        return Prism(self.course, place, self.rail).curvature(point)
 
 
 def prisms(course: Course, rail: RailData) -> Rails:

@@ -49,22 +49,13 @@ class Wheel:
 class Touch:
     """Point where a part of a wheel is nearest to its rail, or deepest in it.
 
-    `arm` [m]: position of the wheel's point, from the wheelset's centre. `normal`: into the wheel. `along`: the rail's
-    direction. `approach` [m]: penetration, negative if the bodies are apart. `curvatures` [1/m]: A along and B across,
-    halves of those of the gap. `square`: the same if the wheel were square to its rail, from the curvatures of both
-    bodies (Meusnier's theorem). `across` [m]: coordinate on the wheel's profile. `slope`: of the profile there.
-    `steepness`: distance in the section per displacement along the normal, 1 where the section is square to the rail.
+    `approach` [m]: penetration, negative if the bodies are apart. `across` [m]: coordinate on the wheel's profile.
+    `slope`: of the profile there.
     """
 
-    arm: np.ndarray
-    normal: np.ndarray
-    along: np.ndarray
     approach: float
-    curvatures: tuple[float, float]
-    square: tuple[float, float]
     across: float
     slope: float
-    steepness: float
 
 
 def axle_axes(wheelset: Moving, ahead: np.ndarray) -> np.ndarray:
@@ -102,42 +93,29 @@ def look_closer(
     """Refine one place with ever finer grids down to `step` [m], then with the paraboloid through the last grid."""
     centre, scale = np.array(start), np.array([1.0, 1 / wheel.radius])
 
-    def look(size: float, reach: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return steps from the centre [m], points from the wheelset's centre and their distances from the rail."""
+    def look(size: float, reach: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return steps from the centre and distances from the rail there [m]."""
         one = size * np.arange(-reach, reach + 1)
         steps = np.stack(np.meshgrid(one, one, indexing="ij"), axis=-1).reshape(-1, 2)
         across, turned = (centre + steps * scale).T
         points = wheel.points(np.clip(across, *wheel.profile.limits), turned, axle)
-        return steps, points, surface.distance(wheelset.position + points)
+        return steps, surface.distance(wheelset.position + points)
 
     size = max(PITCH, TURN_PITCH * wheel.radius)
     while size > step:
         size = max(size / CLOSER, step)
-        steps, _, gap = look(size, POINTS)
+        steps, gap = look(size, POINTS)
         centre = centre + steps[np.argmin(gap)] * scale
     for _ in range(ROUNDS):
-        steps, _, gap = look(step, STENCIL)
-        _, gradient, hessian = paraboloid(steps, gap)
-        centre = centre - np.linalg.solve(hessian, gradient) * scale
+        steps, gap = look(step, STENCIL)
+        _, steep, hessian = paraboloid(steps, gap)
+        centre = centre - np.linalg.solve(hessian, steep) * scale
 
     centre[0] = np.clip(centre[0], *wheel.profile.limits)
     arm = wheel.points(centre[0], centre[1], axle)
-    gradient = gradient_at(surface, wheelset.position + arm)
-    steepness = float(np.linalg.norm(gradient))
-    normal = gradient / steepness
-    along = surface.along(wheelset.position + arm)
-    along = along - normal * (normal @ along)
-    along = along / np.linalg.norm(along)
-    depth = -float(surface.distance(wheelset.position + arm[None])[0]) / steepness
-    # Curvatures are evaluated where the bodies just touch: separated by as much as they penetrate.
-    _, points, _ = look(step, STENCIL)
-    on_plane = (points - arm) @ np.column_stack([along, np.cross(normal, along)])
-    bend = paraboloid(on_plane, surface.distance(wheelset.position + depth * normal + points))[2] / steepness / 2
-    height, slope, curve = (float(wheel.profile.height(centre[0], n)) for n in range(3))
-    upright = 1 / np.hypot(1.0, slope)
-    across_both = curve * upright**3 + surface.curvature(wheelset.position + arm)
-    square = upright / (2 * (wheel.radius - height)), across_both / 2
-    return Touch(arm, normal, along, depth, (bend[0, 0], bend[1, 1]), square, float(centre[0]), slope, steepness)
+    point = wheelset.position + arm
+    depth = -float(surface.distance(point[None])[0]) / float(np.linalg.norm(gradient(surface, point[None])))
+    return Touch(depth, float(centre[0]), float(wheel.profile.height(centre[0], 1)))
 
 
 def paraboloid(places: np.ndarray, values: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
@@ -148,10 +126,11 @@ def paraboloid(places: np.ndarray, values: np.ndarray) -> tuple[float, np.ndarra
     return float(level), np.array([first, second]) / SCALE, np.array([[xx, xy], [xy, yy]]) / SCALE**2
 
 
-def gradient_at(surface: Surface, point: np.ndarray) -> np.ndarray:
-    """Return the gradient of the distance from a rail at a point, by central differences; along the normal, 1 on a
-    prism.
+def gradient(surface: Surface, points: np.ndarray) -> np.ndarray:
+    """Return the gradient of the distance from a rail at points, shape (n, 3), by central differences.
+
+    On a prism it has the length 1.
     """
-    ways = DIFFERENCE * np.concatenate([np.eye(3), -np.eye(3)])
-    gap = surface.distance(point + ways)
-    return np.asarray((gap[:3] - gap[3:]) / (2 * DIFFERENCE))
+    ways = DIFFERENCE * np.eye(3)
+    ends = [surface.distance(points + way) - surface.distance(points - way) for way in ways]
+    return np.stack(ends, axis=-1) / (2 * DIFFERENCE)
