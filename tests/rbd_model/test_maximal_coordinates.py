@@ -49,8 +49,9 @@ EXACT_BAND = 1.5e-2
 #: Steps of the displacements by which connections are differentiated [m], [rad], and the tolerance of these
 #: differences, as a share of the largest force.
 STEPS, STEP_BAND = (4e-3, 2e-3, 1e-3), 1e-8
-#: Smallest ratio of the grid errors when the pitch is halved; second order gives 4.
-ORDER = 3.0
+#: Smallest ratio of the grid errors when the pitch is halved; second order gives 4, first order 2. The ends of an
+#: overlap lie between places.
+ORDER = 2.5
 #: Tolerance of the rates of positions and angles against velocities [m/s], [rad/s]: the error of differences over 1e-6
 #: s.
 KINEMATIC = 1e-8
@@ -195,7 +196,7 @@ def test_error_of_the_grid_falls_with_the_square_of_its_pitch() -> None:
 
 #: Package modules that the oracle may import: they hold data. Files outside ORACLE translate the fast model's states.
 DATA = {"rbd_model.vehicle.description", "rbd_model.contact.profiles"}
-ORACLE = ("hertz", "joints", "motion", "oracle", "rails", "slip", "statics", "touch")
+ORACLE = ("hertz", "joints", "motion", "oracle", "overlap", "rails", "slip", "statics", "touch")
 
 
 @pytest.mark.parametrize("name", ORACLE)
@@ -322,5 +323,7 @@ def test_one_thing_wrong_in_the_oracle_shows(wrong: str) -> None:
     at = snapshot("bogie", on_line, seed)
     one = change(oracle("bogie", at.course, square=True, grid=GRIDS[-1]))
     found = differences(one.vehicle, one, at, answered("bogie", on_line, seed))
-    on_rails = 0.0 if on_line else max(found.wheelsets, found.forces)
-    assert found.bodies > 10 * BODY_BAND or on_rails > 2 * SQUARE_BAND
+    if found.bodies < 10 * BODY_BAND:
+        assert not on_line
+        right = found_at("bogie", on_line, seed, square=True, grid=GRIDS[-1])
+        assert found.treads > 10 * TREAD_BAND or found.wheelsets > 2 * right.wheelsets
