@@ -32,7 +32,7 @@ from rbd_model.contact.pair_file import write_pair
 DATA = Path(__file__).parent / "data" / "contact"
 #: Linear critical speed of the coach [m/s], and its change by ten times the drag of section 8.3 on each wheelset [N.m]:
 #: 650 N.m is 1.5 % of the friction of its wheels.
-COACH, DRAG, CHANGE = 96.72, 650.0, 0.1
+COACH, DRAG, CHANGE = 96.66, 650.0, 0.1
 #: Relative error of a growth from a run: round-off and other motions at its ends.
 GROWTH = 0.02
 #: Relative distance from the lowest speed of a large motion at which runs persist or end, and their length [s].

@@ -252,12 +252,14 @@ def press(
     creep_along, creep_aside = share * creep[0], share * creep[1]
     ahead_force, side_force, pressing = slope.forces(creep_along, creep_aside, normal - elastic)
     own = ahead_force * along + side_force * sideways + pressing * patch.normal
-    pressed = patch.push[:2] + (normal - elastic) * patch.across
-    across = patch.push[:2] + pressing * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
-    turning = ca.vertcat(patch.push[3], 0, patch.push[2] / fixed.cosines[2])
+    across = pressing * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
+    pushed, moment = patch.push[:2], ca.vertcat(patch.push[3], 0, patch.push[2] / fixed.cosines[2])
+    # What the elastic force does on a rail whose section moves and turns as the wheelset moves along: virtual work.
+    moving = state.slopes + ca.cross(track.turning, ca.vertcat(0, state.offset, state.height))[1:]
+    behind = (ca.dot(pushed, moving) + ca.dot(axes @ moment, track.turning)) / track.stretch
     return Press(
-        ca.vertcat(ahead_force - ca.dot(pressed, sections) / track.stretch, across),
-        ca.cross(patch.arm, own) + turning + ca.vertcat(0, slope.lead * creep_aside, 0),
+        ca.vertcat(ahead_force - behind - drift * pressing, pushed + across),
+        ca.cross(patch.arm, own) + moment + ca.vertcat(0, slope.lead * creep_aside, 0),
         creep_along,
         -creep_along * slides[0] - creep_aside * slides[1],
         patch.approach,
