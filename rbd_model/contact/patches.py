@@ -216,6 +216,8 @@ def ridge_height(gaps: np.ndarray, low: int, high: int) -> float:
     gaps [m]: at the offsets before and after the jump, shape (2, n).
     """
     ends, tops = gaps[:, [low, high]], np.max(gaps[:, low : high + 1], axis=1)
+    if not np.all(np.isfinite([*ends.ravel(), *tops])):
+        return math.inf  # beside the rail
     apart = ends[:, 0] - ends[:, 1]
     share = float(apart[0] / (apart[0] - apart[1])) if apart[0] * apart[1] < 0.0 else 0.5
     return float(np.interp(share, [0.0, 1.0], tops - ends[:, 0]))

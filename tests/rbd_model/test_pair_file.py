@@ -64,7 +64,7 @@ def test_only_the_stiffness_depends_on_the_radius_of_a_wheel() -> None:
     one = own_pair().left
     smaller = replace(one, radius=0.9 * one.radius)
     whole, other = (side_record(side, 0.0).lists[0][0] for side in (one, smaller))
-    assert other.tables[:3] == whole.tables[:3]
+    assert other.tables[:2] == whole.tables[:2]
     (first, rows), (again, scaled) = whole.tables[3], other.tables[3]
     assert again == first
     ratios = np.array(scaled)[:, CUBIC] / np.array(rows)[:, CUBIC]

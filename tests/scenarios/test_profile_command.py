@@ -11,9 +11,7 @@ from matplotlib import pyplot as plt
 
 from bogie_braking.__main__ import main
 from bogie_braking.commands import profile
-from rbd_model.contact import patches
 from rbd_model.contact.pair_file import read_pairs
-from rbd_model.contact.pair_table import pair_record
 from scenarios.thesis import contact_geometry
 
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
@@ -68,16 +66,6 @@ def test_profile_and_scenario_have_one_conicity_and_one_gauge(
         assert (f"equivalent conicity at 3 mm: {note}" in found["notes"]) == touches
         assert (note in json.dumps(row)) == touches
         capsys.readouterr()
-
-
-def test_pair_that_the_table_cannot_hold_is_drawn_and_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(patches, "MOST_PATCHES", 6)
-    pair_record.cache_clear()
-    assert main(["profile", HOLLOW, RAIL, "--out", str(tmp_path / "pair.csv")]) == 2
-    assert "the contact must move without jumps on at most 6 parts of a wheel" in capsys.readouterr().err
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["pair-smoothing.png", "pair.png"]
 
 
 def test_outlier_is_refused_or_dropped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
