@@ -254,7 +254,7 @@ def press(
     own = ahead_force * along + side_force * sideways + pressing * patch.normal
     across = pressing * patch.across + side_force * ca.vertcat(patch.across[1], -patch.across[0])
     pushed, moment = patch.push[:2], ca.vertcat(patch.push[3], 0, patch.push[2] / fixed.cosines[2])
-    # What the elastic force does on a rail whose section moves and turns as the wheelset moves along: virtual work.
+    # The rail's section moves and turns as the wheelset moves along: the elastic force does virtual work on it.
     moving = state.slopes + ca.cross(track.turning, ca.vertcat(0, state.offset, state.height))[1:]
     behind = (ca.dot(pushed, moving) + ca.dot(axes @ moment, track.turning)) / track.stretch
     return Press(
