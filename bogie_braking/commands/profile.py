@@ -18,7 +18,7 @@ from rbd_model.contact.geometry import Side, Sides, contact_at
 from rbd_model.contact.measured_pair import fault_at, gauge_of
 from rbd_model.contact.pair_file import write_pair
 from rbd_model.contact.pair_table import LARGEST_SHIFT
-from rbd_model.contact.patches import parts_of, positions_of
+from rbd_model.contact.patches import patches_of, positions_of
 from rbd_model.contact.profiles import Profile
 from readers.command_line import check_folder, check_out, make_folder_of
 from readers.storage import write_whole
@@ -136,7 +136,7 @@ def patches_by_side(sides: Sides) -> Limits:
             found[word] = limits_of(side)
         except ValueError as error:
             raise BadInputError(f"{side.wheel.name} on {side.rail.name}: {error}") from error
-        if all(part.flange for part in parts_of(side)):
+        if all(part.flange for part in patches_of(side)):
             low, high = 1e3 * found[word][-1][0], 1e3 * found[word][0][1]
             names = f"{side.wheel.name} on {side.rail.name}"
             raise BadInputError(
@@ -147,9 +147,9 @@ def patches_by_side(sides: Sides) -> Limits:
 
 
 def limits_of(side: Side) -> list[tuple[float, float]]:
-    """Return the limits of a wheel's parts whose contact moves without jumps [m]."""
+    """Return the limits of the patches of a wheel [m]."""
     places = positions_of(side)
-    return [(float(places[part.first]), float(places[part.last - 1])) for part in parts_of(side)]
+    return [(float(places[part.first]), float(places[part.last - 1])) for part in patches_of(side)]
 
 
 def profiles_of(sides: Sides) -> list[Profile]:

@@ -35,7 +35,7 @@ def test_profile_writes_table_and_picture_and_prints_what_it_found(
     assert plt.get_fignums() == []
     found = json.loads(capsys.readouterr().out)
     assert found["gauge [mm]"] == pytest.approx(1437.0, abs=1e-3)
-    assert found["patches, left and right"] == [4, 4]
+    assert found["patches, left and right"] == [2, 2]
     assert "left radius at the tape circle: 459 mm, given; right 460 mm, given" in found["notes"]
     for name in ("pair.png", "pair-smoothing.png"):
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
