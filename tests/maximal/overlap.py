@@ -1,7 +1,7 @@
 """Compute how a wheel bears on its rail from the overlap of both bodies: one stored energy for a contact of any shape.
 
-Each place on the wheel's profile has a gap, its least distance from the rail. Ridges separate contacts. In each contact the gap g is replaced by a parabola B x^2 with the same overlap. With a
-plane at the level c above the rail,
+Each place on the wheel's profile has a gap, its least distance from the rail. Ridges separate contacts. In each contact
+the gap g is replaced by a parabola B x^2 with the same overlap. With a plane at the level c above the rail,
 
     F(c) = integral of (c - g)^2 over g < c,    effective depth d_e = 2.5 F / F',    B = (16 d_e^2.5 / (15 F))^2,
 

@@ -66,8 +66,11 @@ def test_boundary_found_by_bisection_is_the_predicted_one(machine: Machine) -> N
 
 
 def test_bouncing_on_elastic_contacts_limits_explicit_steps_at_high_speed() -> None:
-    """If creep is the fastest mode, contact models 1 and 2 have one limit. At 60 m/s a vibration sets the limit."""
-    assert limit(PATCHES, 10.0) == pytest.approx(limit(SPATIAL, 10.0), rel=1e-3)
+    """If creep is the fastest mode, contact models 1 and 2 have one limit, but for the slopes of their laws.
+
+    At 60 m/s a vibration sets the limit.
+    """
+    assert limit(PATCHES, 10.0) == pytest.approx(limit(SPATIAL, 10.0), rel=0.02)
     assert limit(PATCHES, 60.0) < 0.99 * limit(SPATIAL, 60.0)
     assert boundary(PATCHES, 60.0) == pytest.approx(limit(PATCHES, 60.0), rel=0.01)  # of scenario stability-atlas
 

@@ -240,9 +240,7 @@ MISSES = {
         "15 m/s: forced peak",
         "25 m/s: natural frequency in the spectrum",
     },
-    "contact-model": {
-        f"model {depth}: largest error of one state, median about the default over the tolerance" for depth in (2, 3)
-    },
+    "contact-model": {"model 3: largest error of one state, median about the default over the tolerance"},
     "contact-manchester": {
         f"{depth}: largest miss of {quantity}"
         for depth in ("model 1, one ellipse", "model 2, ellipses that part")
