@@ -27,7 +27,7 @@ class FallingFriction(ParameterSet):
 
 
 def constant_friction() -> FallingFriction:
-    """Return friction as in the thesis: it does not fall, and surfaces are clean."""
+    """Return friction as in the thesis, section 3.4: it does not fall, and surfaces are clean."""
     return FallingFriction(friction_ratio=1.0, friction_decay=0.0, adhesion_reduction=1.0, slip_reduction=1.0)
 
 
