@@ -158,7 +158,7 @@ def profiles_of(sides: Sides) -> list[Profile]:
 
 
 def save_picture(figure: Figure, path: Path) -> None:
-    """Save a picture and close it."""
+    """Save a figure and close it."""
     from matplotlib import pyplot as plt
 
     data = BytesIO()

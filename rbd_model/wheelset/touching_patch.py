@@ -8,7 +8,7 @@ derivatives of the stored energy by the coordinates, so that the contact is cons
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from typing import Protocol
 
@@ -92,7 +92,7 @@ class Stands:
 
     @property
     def roll(self) -> tuple[ca.SX, ca.SX]:
-        """Cosine and sine of its roll, outwards down."""
+        """Cosine and sine of its roll, positive if its field side moves up."""
         return self.placement.cosines[2], self.wheel.side * self.placement.cosines[3]
 
     def along_and_square(
@@ -188,7 +188,9 @@ def touch_patch(
     direction = patch.number(chain, "cosine"), patch.number(chain, "sine")
     offset, square = _without_roll(chain, patch, stands)
     scale = modulus * (on.radius / patch.number(chain, "wheel_radius")) ** OF_RADIUS
-    energy = Energy.of(_cubics(patch.piece(chain, "in_contact", offset), offset, 1), square, scale)
+    cubics = _cubics(patch.piece(chain, "in_contact", offset), offset, 1)
+    light, usual = (Energy.of_parabola(cubics[start : start + len(IN_CONTACT)], square, scale) for start in STARTS)
+    energy = Energy.between(light, usual)
     coordinates = ca.vertcat(lateral, height, cosines)
     moves = ca.jacobian(ca.vertcat(offset, square), coordinates)
     moves = ca.horzcat(moves[:, :2], moves[:, 2:4] @ _turn(cosines[:2]), moves[:, 4:] @ _turn(cosines[2:]))
@@ -229,42 +231,11 @@ class Energy:
     curvature: ca.SX
 
     @classmethod
-    def of(cls, cubics: list[list[ca.SX]], square: ca.SX, scale: ca.SX) -> Energy:
-        """Return U = U_1 + x (U_2 - U_1) of both parabolas, U_i = E* k_i d_i^2.5; x depends on d_1, Johnson (1985).
+    def of_parabola(cls, cubics: list[list[ca.SX]], square: ca.SX, scale: ca.SX) -> Energy:
+        """Return Hertz' energy E* k d^2.5 with d = -z - z_0(o), Johnson (1985), section 4.2.
 
-        cubics: of the table `in_contact` with their first derivatives. square [m]: distance; scale [Pa]: E*.
+        cubics: IN_CONTACT at one approach with their first derivatives. square [m]: distance; scale [Pa]: E*.
         """
-        light, usual = (Parabola.of(cubics[start : start + len(IN_CONTACT)], square, scale) for start in STARTS)
-        low, high = APPROACHES
-        share = ca.fmin(ca.fmax((light.approach - low) / (high - low), 0), 1)
-        part, growing = share**2 * (3 - 2 * share), 6 / (high - low) * share * (1 - share)
-        passing = growing * (usual.stored - light.stored)
-
-        def between(name: str) -> ca.SX:
-            first = getattr(light, name)
-            return first + part * (getattr(usual, name) - first)
-
-        rest = (between(name) for name in ("steep", "approach", "place", "depth", "curvature"))
-        by_offset = between("by_offset") + passing * light.steep
-        return cls(between("stored"), by_offset, between("by_square") + passing, *rest)
-
-
-@dataclass(frozen=True)
-class Parabola:
-    """The same for one of both parabolas."""
-
-    stored: ca.SX
-    by_offset: ca.SX
-    by_square: ca.SX
-    steep: ca.SX
-    approach: ca.SX
-    place: ca.SX
-    depth: ca.SX
-    curvature: ca.SX
-
-    @classmethod
-    def of(cls, cubics: list[list[ca.SX]], square: ca.SX, scale: ca.SX) -> Parabola:
-        """Return Hertz' energy E* k d^2.5 with d = -z - z_0(o), Johnson (1985), section 4.2."""
         (rest, steep), (stiffness, stiffer), (place, _), (depth, _), (curvature, _) = cubics
         approach = -(square + rest)
         pressed = ca.if_else(approach > SMALLEST_APPROACH, approach, SMALLEST_APPROACH)
@@ -273,6 +244,17 @@ class Parabola:
         of_approach *= pressed
         by_offset = load * steep - stiffer * of_approach
         return cls(stiffness * of_approach, by_offset, load, steep, approach, place, depth, curvature)
+
+    @classmethod
+    def between(cls, light: Energy, usual: Energy) -> Energy:
+        """Return U = U_1 + x (U_2 - U_1) of the parabolas of both APPROACHES; x depends on the approach of the first."""
+        low, high = APPROACHES
+        share = ca.fmin(ca.fmax((light.approach - low) / (high - low), 0), 1)
+        part, growing = share**2 * (3 - 2 * share), 6 / (high - low) * share * (1 - share)
+        passing = growing * (usual.stored - light.stored)
+        pairs = ((getattr(light, one.name), getattr(usual, one.name)) for one in fields(cls))
+        found = cls(*(first + part * (second - first) for first, second in pairs))
+        return replace(found, by_offset=found.by_offset + passing * light.steep, by_square=found.by_square + passing)
 
 
 def _without_roll(chain: Chain, patch: PatchTable, stands: Stands) -> tuple[ca.SX, ca.SX]:

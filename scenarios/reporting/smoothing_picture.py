@@ -1,4 +1,4 @@
-"""The picture of the smoothing of measured profiles: how far their points lie off the contour, and its curvature."""
+"""The figure of the smoothing of measured profiles: how far their points lie off the contour, and its curvature."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ class Paths:
     def least(self, body: Moving, wheel: Wheel, surface: Surface, spread: float = SPREAD) -> tuple[np.ndarray, Paths]:
         """Return the least distance from the rail on each path [m], and the paths from these places.
 
-        By a parabola over three angles, `spread` [rad] apart.
+        The least distance is that of a parabola through three angles, `spread` [rad] apart.
         """
         axle = axle_axes(body, surface.along(body.position))
         turns = spread * np.array([-1.0, 0.0, 1.0])
@@ -153,7 +153,7 @@ class Places:
         return self.paths.least(body, self.wheel, self.rails(body.position))[0] / self.steep
 
     def parabolas(self, body: Moving, modulus: float, flatter: float) -> tuple[Parabola, Parabola]:
-        """Return the parabolas of both depths with the energies of their course.
+        """Return the parabolas at LIGHT and USUAL with the energies of their course.
 
         modulus [Pa]: shear modulus; flatter: factor on the curvature along the rail. The force is a power of the level
         between two depths.

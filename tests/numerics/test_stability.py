@@ -66,7 +66,7 @@ def test_boundary_found_by_bisection_is_the_predicted_one(machine: Machine) -> N
 
 
 def test_bouncing_on_elastic_contacts_limits_explicit_steps_at_high_speed() -> None:
-    """If creep is the fastest mode, contact models 1 and 2 have one limit, but for the slopes of their laws.
+    """If creep is the fastest mode, contact models 1 and 2 have one limit, except for the slopes of their laws.
 
     At 60 m/s a vibration sets the limit.
     """

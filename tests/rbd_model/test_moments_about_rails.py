@@ -34,9 +34,9 @@ VEHICLES: dict[str, Callable[[], Vehicle]] = {"bogie": two_axle_bogie, "coach": 
 TORQUE, RAMP = {"bogie": 15e3, "coach": 5e3}, 1.0
 #: Tolerances of forces, as a share of the weight, and of moments, as a share of the largest moment of one rail. On
 #: level rails no contact is searched for; velocities of 20 m/s are differentiated over 1e-6 s. In 3D the reactions act
-#: along the lines of action of the oracle's elastic forces. On treads of one arc the imbalance is 1e-6. Where a tread
-#: passes from its cone to the transition arc and a rail from R300 to R80, a table without roll has lines of action up
-#: to 0.3 mm beside those of a wheel that rolls by 1 mrad. The creep force acts up to 0.8 mm beside the elastic one.
+#: along the lines of action of the oracle's elastic forces. On treads of one arc the imbalance is 1e-6. A table without
+#: roll has lines of action up to 0.3 mm from those of a wheel that rolls by 1 mrad, where cone and transition arc meet
+#: R300 and R80. The creep force acts up to 0.8 mm from the elastic one.
 #: Measured 2.4e-4 in the short run, and 3.7e-4 on soft vertical springs.
 FORCE_BAND, PLANE_BAND, SPACE_BAND = 1e-9, 2e-9, 5e-4
 FACTORS = (0.1, 1.0, 10.0)
