@@ -247,7 +247,7 @@ class Energy:
 
     @classmethod
     def between(cls, light: Energy, usual: Energy) -> Energy:
-        """Return U = U_1 + x (U_2 - U_1) of the parabolas of both APPROACHES; x depends on the approach of the first."""
+        """Return U = U_1 + x (U_2 - U_1) of the parabolas of both APPROACHES; x depends on that of the first."""
         low, high = APPROACHES
         share = ca.fmin(ca.fmax((light.approach - low) / (high - low), 0), 1)
         part, growing = share**2 * (3 - 2 * share), 6 / (high - low) * share * (1 - share)
