@@ -93,7 +93,8 @@ def overlaps_at(part: Contour, offset: float) -> list[Overlap] | None:
     lowest = float(np.min(gap[beside]))
     near = np.flatnonzero(beside & (np.where(beside, gap, np.inf) < lowest + DEEPEST))
     slopes, bends = (part.rail.height(part.along[near] + offset, order) for order in (1, 2))
-    rail = Near(gap[near] - lowest, _widths(part.along)[near], part.place[near], part.depth[near], slopes, bends)
+    rise, width = gap[near] - lowest, _widths(part.along)[near]
+    rail = Near(part.direction, rise, width, part.place[near], part.depth[near], slopes, bends)
     found, energy, before, press = [], 0.0, 0.0, 0.0
     for approach in DEPTHS:
         parabola = rail.parabola(approach)
@@ -133,9 +134,10 @@ class Parabola:
 @dataclass(frozen=True)
 class Near:
     """Points of a part near its rail: height above the lowest one, breadth, `place` and `depth` as in `Contour` [m];
-    slope [1] and second derivative [1/m] of the rail there.
+    slope [1] and second derivative [1/m] of the rail there. `direction` [rad]: of the part.
     """
 
+    direction: float
     rise: np.ndarray
     width: np.ndarray
     place: np.ndarray
@@ -163,6 +165,10 @@ class Near:
         weights = inside * weights / energy
         means = (float(weights @ one) for one in (self.place, self.depth, self.slope, self.bend))
         place, height, tilt, bend = means
+        # Along the slope, a gap h square to the axes belongs to a point h slope / (1 + slope^2) before.
+        before = slope * upright**2 * (depth - 2 / 3 * float(weights @ inside))
+        cosine, sine = math.cos(self.direction), math.sin(self.direction)
+        place, height = place - before * (cosine - sine * slope), height - before * (sine + cosine * slope)
         return Parabola(depth, effective, slope, curvature, place, height, tilt, -bend * upright**3)
 
 

@@ -39,10 +39,9 @@ SETTLED, MEASURED = 40.0, 10.0
 HAND_OVER = (2.0, 4.0)
 #: Time at rest and its sampling interval [s], largest movement [m] and largest delay after the brakes' release [s].
 STANDING, INTERVAL, MOVED, LATE = 86400.0, 5.0, 1e-4, 1e-3
-#: Tolerance of accelerations and terminal speed. In 3D wheels roll on the radius of their contact; the slip, which
-#: refers to the nominal radius, includes this. The braking force does not: on a cone the mean place of a contact is 10
-#: um from its lowest point, where the radius is 0.5 um smaller (1.1e-6). The integration has 1e-8.
-BAND = 2e-6
+#: Tolerance of accelerations and terminal speed: integration to 1e-6. In 3D wheels roll on the radius of their contact;
+#: the slip, which refers to the nominal radius, includes this.
+BAND = 1e-6
 RECORDED = ("speed", "distance", "slip_ratio_1", "slip_ratio_2")
 COLOURS = {"point": LEADING, "planar": TRAILING, "spatial": GREY}
 STYLES = {"point": "-", "planar": "--", "spatial": ":"}
