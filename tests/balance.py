@@ -25,6 +25,8 @@ from tests.maximal.overlap import part_of
 from tests.maximal.rails import Course, RailData, Rails, prisms
 from tests.maximal.touch import Wheel
 
+#: Force [N] up to which a patch is unloaded: the least approach of a contact (`contact/elastic.py`) leaves 1e-8 N.
+UNLOADED = 1e-6
 #: Pitch of the places across a contact [m]; start and length of a line of one curve [m].
 GRID, BEGIN, LENGTH = 0.05e-3, -30.0, 3000.0
 #: `prisms` or `swept`.
@@ -170,7 +172,7 @@ def in_space(machine: Machine, now: Now, kernel: Kernel, base: float, shape: Sha
         for which, patch in enumerate(patches_of(data.pair.both[(1 - one.side) // 2])):
             names = [f"force_{which}_{one.number}_{SIDES[one.side]}_{row}" for row in ("ahead", "aside", "above")]
             force = np.array([kernel[name] for name in names])
-            if force.any():
+            if np.max(np.abs(force)) > UNLOADED:
                 found.append(Reaction(one.body.position + one.arm(patch), track @ force))
     return found + [one for number, _ in now.vehicle.numbered for one in holding(now, kernel, number)]
 

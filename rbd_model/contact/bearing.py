@@ -99,7 +99,8 @@ def overlaps_at(part: Contour, offset: float) -> list[Overlap] | None:
     for approach in DEPTHS:
         parabola = rail.parabola(approach)
         force = parabola.force(part)
-        power = math.log(force / press) / math.log(parabola.whole / before) if energy else 1.5
+        deeper = energy > 0.0 and parabola.whole > before  # on a wall, all depths are DEEPEST
+        power = math.log(force / press) / math.log(parabola.whole / before) if deeper else 1.5
         energy += (force * parabola.whole - press * before) / (power + 1)
         before, press = parabola.whole, force
         if approach in APPROACHES:

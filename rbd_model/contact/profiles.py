@@ -30,7 +30,7 @@ KNOT_DISTANCE = 0.5e-3
 #: in noise of 2 um. CONTACT states its penalty by a filter length in the same way (Vollebregt, `smooth_profile`).
 SMOOTHING = 3e-3
 #: Largest mean distance over SMOOTHING / 3 of the points from the smoothed contour [m], or times the median distance of
-#: all points. Where they are farther, the length is halved up to HALVINGS times. They are 2.4 um where R80 joins R13.
+#: all points. The length is halved up to HALVINGS times if they are farther. They are 2.4 um where R80 joins R13.
 SHARP, SHARP_OVER_NOISE, HALVINGS = 5e-6, 3.0, 3
 #: Squared cosine of the steepest slope for which the penalty is exact, 85 degrees; steeper walls are not followed.
 LEAST_UPRIGHT = float(np.cos(np.radians(85.0)) ** 2)
