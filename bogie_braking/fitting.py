@@ -215,7 +215,7 @@ def fit(
     values: dict[str, Value],
 ) -> Fit:
     """Fit parameters of a vehicle or a brake; arguments, result and errors are those of `calibration.fit`."""
-    what, values = unfolded(what, values)
+    given, (what, values) = values, unfolded(what, values)
     machine = machine_of(what, values, line_or_none(line) is not None)
     table = _table(measured, machine, options.columns)
     what = model_from(what) if isinstance(what, System) else what
@@ -223,8 +223,9 @@ def fit(
     data = data_of(table, names, driven, options)
     last = rows_until(options.until, data.clock)
     first = begin_of(parameters, machine, driven)
-    not_both(parameters, values, "as a parameter to be fitted and as a value")
-    not_both(driven, values, "as a column of the measured data and as a value")
+    not_both(parameters, given, "as a parameter to be fitted and as a value")
+    not_both(driven, given, "as a column of the measured data and as a value")
+    values = {name: value for name, value in values.items() if name not in {*parameters, *driven}}  # those of a file
     runs = _Runs(what, line, values, tuple(parameters), first, names, data, last)
     limits = np.array([[machine.variables[one].minimum, machine.variables[one].maximum] for one in parameters])
     if "initial_speed" not in parameters:

@@ -9,7 +9,6 @@ from fmpy.validation import validate_fmu
 
 from bogie_braking.checks import known
 from bogie_braking.machines import LEVELS, model_from
-from fmu_src.archive import archive_bytes, contents_of
 from fmu_src.chain import ONE_WRITES
 from fmu_src.native_fmu import build_native_fmu, build_native_fmu3
 from fmu_src.python_fmu import build_python_fmu
@@ -24,7 +23,7 @@ from readers.storage import write_whole
 from readers.text import text_of
 
 #: Contact table among the resources of an FMU.
-PAIR = "resources/pair.csv"
+PAIR = "pair.csv"
 BUILD = {"native": build_native_fmu, "fmi3": build_native_fmu3, "python": build_python_fmu}
 
 
@@ -98,39 +97,35 @@ def write_fmu(
         raise ValueError(f"level must be 1, 2 or 3, or left out for all of them; got {level!r}.")
     if path.suffix != ".fmu":
         raise ValueError(f"{path} must end with .fmu, the only name under which hosts take an FMU.")
-    if isinstance(what, DataSheet) and what.fmu is not None:
-        _with_values(what, path, kind, level)
+    if isinstance(what, DataSheet):
+        _of_a_sheet(what, path, kind, level)
     else:
-        contents = what.vehicle if isinstance(what, DataSheet) else what
-        resistance = what.resistance if isinstance(what, DataSheet) else {}
-        if resistance:
-            _check_native(kind)
         with ONE_WRITES:
-            build(model_from(contents, places_of(level)), path)
-        if resistance:
-            write_whole(path, with_start_values(path, resistance))
-    if isinstance(what, DataSheet) and what.profile_files:
-        write_whole(path, archive_bytes(contents_of(path) | {PAIR: one_table(what.profile_files)}))
+            build(model_from(what, places_of(level)), path)
     problems = validate_fmu(str(path))
     if problems:
         raise ValueError(f"{path} is not a valid FMU: {' '.join(map(str, problems))}")
     return path
 
 
-def _with_values(sheet: DataSheet, path: Path, kind: str, level: int | None) -> None:
-    """Write the built-in FMU of a vehicle from a file, with its values. Raises ValueError if `kind` is not native."""
-    assert sheet.fmu is not None
-    _check_native(kind)
-    values = sheet.values | ({} if level is None else {"level": float(level)})
-    write_whole(path, with_start_values(fmu(sheet.fmu), values))
+def _of_a_sheet(sheet: DataSheet, path: Path, kind: str, level: int | None) -> None:
+    """Write the FMU of a vehicle from a file: the built-in one, or that of its equations, with its values and tables.
 
-
-def _check_native(kind: str) -> None:
-    """Raise ValueError if a kind of FMU does not read start values from a file in it."""
-    if kind != "native":
+    Raises ValueError if `kind` is "python" and there are values: it reads none.
+    """
+    data = {PAIR: one_table(sheet.profile_files)} if sheet.profile_files else {}
+    values = sheet.values | ({} if level is None else {"level": float(level)}) if sheet.fmu else dict(sheet.resistance)
+    if kind == "python" and (sheet.fmu or values or data):
         raise ValueError(
-            f"kind must be native for a vehicle from a file; got {kind}. Its values are read by native FMUs."
+            "kind must be native or fmi3 for a vehicle from a file; got python. Its values are read by native FMUs."
         )
+    if sheet.fmu is not None:
+        made = fmu(sheet.fmu, kind)
+    else:
+        with ONE_WRITES:
+            BUILD[kind](model_from(sheet.vehicle, places_of(level)), path)
+        made = path
+    write_whole(path, with_start_values(made, values, data, sheet.name))
 
 
 def one_table(paths: Sequence[Path]) -> bytes:

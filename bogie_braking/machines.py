@@ -113,7 +113,8 @@ def unfolded(what: Runnable | DataSheet, values: Mapping[str, Any]) -> tuple[Run
     in_space = values.get("level", LEVEL) == LEVELS[-1]
     table = {PAIR_FILE.variable.name: joined(what.profile_files)} if what.profile_files and in_space else {}
     given = {name: value for name, value in values.items() if name not in table or value != ""}
-    if what.fmu is None:
+    if what.fmu is None or {CREEP_LAW, STEEL} & {*values}:
+        # Equations of its own: they have its masses and springs, and not the parameters of other levels.
         return _with_contact(what.vehicle, dict(what.resistance) | table | given)
     return _with_contact(what.fmu, what.values_at(values.get("level", LEVEL)) | table | given)
 

@@ -23,6 +23,7 @@ from fmu_src.batch import Ends, run_batch
 from fmu_src.cosimulation.recording import Recording
 from fmu_src.system import System
 from products.study.points import outcomes_from
+from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
 from readers.renamed import FormerNames
 
@@ -167,7 +168,7 @@ class Runs:
 
 
 def rare(
-    what: Runnable,
+    what: Runnable | DataSheet,
     duration: float,
     output: str,
     limit: float,
@@ -187,7 +188,7 @@ def rare(
 
     Parameters
     ----------
-    what : str, Vehicle, System or Model
+    what : str, DataSheet, Vehicle, System or Model
         Vehicle or brake, as in `run`.
     duration : float
         Duration of each run [s].
@@ -242,7 +243,8 @@ def rare(
         raise ValueError(f"{min(twice)} must have a distribution or a number; got both.")
     what = model_from(what) if isinstance(what, System) else what
     middle = values_of(distributions, np.zeros((1, len(distributions))))
-    library, _ = prepared(what, line, {**values, **middle})
+    library, prepared_values = prepared(what, line, {**values, **middle})
+    shared = {name: value for name, value in prepared_values.items() if name not in middle}
     variables = variables_of_batch(library)
     names = [known(output, variables, "variable")] + [one for one in (STILL.get(output),) if one in variables]
     once((*middle, output), "column")
@@ -250,7 +252,7 @@ def rare(
         path = file_of(line, folder)
 
         def make(given: dict[str, Numbers]) -> list[Ends]:
-            return [run_batch(library, {**values, **given}, duration, names, threads, path)]
+            return [run_batch(library, {**shared, **given}, duration, names, threads, path)]
 
         if executor is not None:
             make = partial(made_by, executor, partial(one_task, what, duration, names, line, values))
@@ -364,7 +366,7 @@ def made_by(
 
 
 def one_task(
-    what: Runnable,
+    what: Runnable | DataSheet,
     duration: float,
     names: Sequence[str],
     line: Line | None,

@@ -170,10 +170,11 @@ def sweep(
     """
     duration, line = seconds("the duration", duration), line_or_none(line)
     own_law = callable(values.get(CREEP_LAW))
-    what, values = unfolded(what, values)
-    check_executor(executor, what, own_law)
     columns = columns_of(vary)
     not_both(columns, values, "as a column of what varies and as a value")
+    what, values = unfolded(what, values)
+    values = {name: value for name, value in values.items() if name not in columns}  # those of a file may vary
+    check_executor(executor, what, own_law)
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     what = model_from(what) if isinstance(what, System) else what
     what = known(what, FMUS, "FMU") if isinstance(what, str) else what
@@ -232,7 +233,7 @@ def head_of(
     if own_law or isinstance(what, System | Model):
         raise refused
     try:
-        rest = hashlib.sha256(pickle.dumps((what, line, values))).hexdigest()[:24]
+        rest = hashlib.sha256(pickle.dumps((what, line, values, contents_of_files(values)))).hexdigest()[:24]
     except (pickle.PicklingError, AttributeError, TypeError):
         raise refused from None
     held = {name: float(value) for name, value in values.items() if is_number(value)}
@@ -246,7 +247,14 @@ def head_of(
     }
 
 
-def check_executor(executor: Any, what: Runnable, own_law: bool = False) -> None:
+def contents_of_files(values: Mapping[str, Value]) -> list[bytes]:
+    """Return the digests of the files that values name: paths alone do not decide an answer."""
+    texts = [value for value in values.values() if isinstance(value, str)]
+    files = [Path(one.strip()) for text in texts for one in text.split(";")]
+    return [hashlib.sha256(file.read_bytes()).digest() for file in files if file.is_file()]
+
+
+def check_executor(executor: Any, what: Runnable | DataSheet, own_law: bool = False) -> None:
     """Raise TypeError if it is not an executor, or if the equations cannot be sent to one."""
     if not (executor is None or callable(getattr(executor, "submit", None))):
         raise TypeError(f"executor must be an executor of concurrent.futures, or None; got {shown(executor)}.")

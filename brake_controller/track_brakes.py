@@ -83,7 +83,8 @@ def track_braking() -> ca.Function:
     p = dict(zip(named(TrackBrakes), ca.vertsplit(given), strict=True))
     o = dict(zip(ORDERED, ca.vertsplit(order), strict=True))
     fast = ca.fabs(speed)
-    falls = ca.if_else(o["pipe"] - AMBIENT < p["applied_below"], 1, 0)
+    low = ca.logic_and(p["applied_below"] > 0, o["pipe"] - AMBIENT < p["applied_below"])  # a vent pulls below ambient
+    falls = ca.if_else(low, 1, 0)
     begins = ca.if_else(ca.fmax(fast - p["magnetic_from"], o["lowered"]) > 0, falls, 0)
     down = ca.if_else(fast >= p["magnetic_lift"], ca.fmax(ca.if_else(o["share"] > 0, 1, 0), begins), 0)
     attracted, lowered = ramped(o["lowered"], down, p["magnetic_rise"], o["step"])

@@ -10,14 +10,14 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from fmu_src import __version__
 from fmu_src.archive import write_archive
 from fmu_src.c_literals import c_array, c_number, c_text
 from fmu_src.compile import FMI_HEADERS, plain_library
-from fmu_src.identifier import identifier
+from fmu_src.identity import identifier, with_data
 from fmu_src.model_description import DISPLAY_UNITS, LOG_CATEGORIES, NOMINAL, UNITS
 from fmu_src.native_fmu import STANDARD_HEADERS, binary_for
 from fmu_src.objects import ARRAYS, FACES, OF_BOTH, OF_SLAVES, RUNTIME, able
@@ -59,7 +59,7 @@ class ArraysInC:
 def token_of(given: ArraysInC) -> str:
     """Return the token that modelDescription.xml and the binary have in common."""
     texts = _with_headers(dict(given.sources) | _faces())
-    return identifier([repr((given.arrays, sorted(texts.items())))])
+    return identifier([repr((given.name, given.description, given.arrays, sorted(texts.items())))])
 
 
 def _faces() -> dict[str, str]:
@@ -97,12 +97,18 @@ def binary_of_arrays(given: ArraysInC, targets: Sequence[str] = ()) -> bytes:
 
 @dataclass(frozen=True)
 class Lengths:
-    """Lengths of the arrays of one object, and start values of parameters and inputs, in the order of the arrays."""
+    """Lengths of the arrays of one object, and start values of parameters and inputs, in the order of the arrays.
+
+    data: files that the object reads, by their names in resources/. title: name of the model for people; empty: that of
+    the object.
+    """
 
     lengths: Sequence[int]
     starts: Sequence[Sequence[float]]
     step_size: float
     stop_time: float
+    data: Mapping[str, bytes] = field(default_factory=dict)
+    title: str = ""
 
 
 def build_arrays_fmu(
@@ -115,7 +121,7 @@ def build_arrays_fmu(
     given : ArraysInC
         The object.
     of : Lengths
-        Lengths of its arrays, their start values and the default experiment.
+        Lengths of its arrays, their start values, its data and the default experiment.
     path : Path
         The FMU.
     version : int
@@ -123,7 +129,7 @@ def build_arrays_fmu(
     binaries : mapping of str to bytes
         By their places in binaries/.
     extras : mapping of str to bytes
-        Further files by their names in the archive, including the resources of the object.
+        Further files by their names in the archive.
     """
     about = (description2 if version == 2 else description3)(given, of)
     files = {"modelDescription.xml": about.encode()}
@@ -133,7 +139,8 @@ def build_arrays_fmu(
     files |= {f"sources/{name}": (FMI_HEADERS / name).read_bytes() for name in STANDARD_HEADERS[version]}
     if version == 3:
         files["sources/buildDescription.xml"] = build_description(given).encode()
-    write_archive(path, files | dict(extras))
+    files |= extras
+    write_archive(path, with_data(files, of.data, of.title) if of.data else files)
 
 
 def sources_for(given: ArraysInC, version: int) -> dict[str, str]:

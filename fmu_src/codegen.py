@@ -14,7 +14,7 @@ from fmu_src.elimination import Elimination, elimination, elimination_source
 from fmu_src.equations import Generated, functions, table_ranks
 from fmu_src.equations_in_c import TABLE_FILE, equations_in_c
 from fmu_src.exchange import exchanged, serves_exchange
-from fmu_src.identifier import identifier
+from fmu_src.identity import identifier
 from fmu_src.model_description import model_description
 from fmu_src.objects import FACES, KERNEL, RUNTIME
 from fmu_src.progress import counting
@@ -78,6 +78,7 @@ RUNTIME_HEADERS = (
     "piecewise.h",
     "readable.h",
     "resources.h",
+    "identity.h",
     "sealed.h",
     "duration.h",
     "stepper.h",

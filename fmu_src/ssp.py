@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fmu_src import parameter_file
@@ -28,12 +28,21 @@ PARAMETERS_FILE = "resources/{}.ssv"
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU in the system: its name there, the file, parameters and start values, and outputs to show besides."""
+    """An FMU in the system: its name there, the file, parameters and start values, and outputs to show besides.
+
+    archived: name of its file in the archive; empty: that of `fmu`.
+    """
 
     name: str
     fmu: Path
     parameters: Mapping[str, float]
     shown: Sequence[str] = ()
+    archived: str = ""
+
+    @property
+    def file(self) -> str:
+        """Name of its file in the archive."""
+        return self.archived or self.fmu.name
 
 
 @dataclass(frozen=True)
@@ -71,10 +80,8 @@ def write_ssp(
     ValueError
         If an FMU has no variable of a name.
     """
-    contents = {
-        f"resources/{component.fmu.name}": with_start_values(component.fmu, component.parameters)
-        for component in components
-    }
+    components = _with_own_files(components)
+    contents = {f"resources/{one.file}": with_start_values(one.fmu, one.parameters) for one in components}
     contents["SystemStructure.ssd"] = xml_file(_structure(name, components, connections, experiment))
     root = ET.Element("ssv:ParameterSet", {"version": "1.0", "name": name, "xmlns:ssv": NAMESPACES["xmlns:ssv"]})
     parameters = ET.SubElement(root, "ssv:Parameters")
@@ -82,6 +89,12 @@ def write_ssp(
         _parameters(parameters, component, f"{component.name}.")
     contents[PARAMETERS_FILE.format(name)] = xml_file(root)
     write_archive(path, contents)
+
+
+def _with_own_files(components: Sequence[Component]) -> list[Component]:
+    """Return components whose files have names of their own: FMUs of one name in different folders differ."""
+    names = [one.fmu.name for one in components]
+    return [replace(one, archived=f"{one.name}.fmu") if names.count(one.fmu.name) > 1 else one for one in components]
 
 
 def _structure(
@@ -115,7 +128,7 @@ def _component(elements: ET.Element, system: str, component: Component, connecti
         "ssd:Component",
         name=component.name,
         type="application/x-fmu-sharedlibrary",
-        source=f"resources/{component.fmu.name}",
+        source=f"resources/{component.file}",
     )
     connectors = ET.SubElement(element, "ssd:Connectors")
     inputs = [c.target[1] for c in connections if c.target[0] == component.name]

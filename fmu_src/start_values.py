@@ -1,4 +1,4 @@
-"""A native FMU with its own start values, for masters that set none: the same binary, a file in its resources."""
+"""A native FMU with its own start values, for masters that set none: the same binary, files in its resources."""
 
 from __future__ import annotations
 
@@ -7,16 +7,19 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fmu_src.archive import archive_bytes, contents_of, xml_file
+from fmu_src.identity import with_data
 from fmu_src.parameter_file import text_of
 
-#: File of start values, rows NAME,VALUE, that the binary reads instead of its own, face.c.
-FILE = "resources/start_values.csv"
+#: File of start values among the resources, rows NAME,VALUE, that the binary reads instead of its own, face.c.
+FILE = "start_values.csv"
 #: File that marks an archive whose binary reads FILE; that of pythonfmu does not.
 NATIVE = "sources/model.c"
 
 
-def with_start_values(fmu: Path, values: Mapping[str, float]) -> bytes:
-    """Return the archive of a native FMU of FMI 2.0 that starts with these values, in its description too.
+def with_start_values(
+    fmu: Path, values: Mapping[str, float], data: Mapping[str, bytes] | None = None, title: str = ""
+) -> bytes:
+    """Return the archive of a native FMU that starts with these values, in its description too, with its own GUID.
 
     Parameters
     ----------
@@ -24,6 +27,10 @@ def with_start_values(fmu: Path, values: Mapping[str, float]) -> bytes:
         The FMU. An archive that is not native is returned as it is.
     values : mapping of str to float
         Start values by name, in SI units.
+    data : mapping of str to bytes, optional
+        Other files that its binary reads, by their names in resources/.
+    title : str
+        Name of the model for people; empty: as it is.
 
     Raises
     ------
@@ -31,15 +38,18 @@ def with_start_values(fmu: Path, values: Mapping[str, float]) -> bytes:
         If the FMU has no variable of a name, or an integer is not whole.
     """
     contents = contents_of(fmu)
-    if not values or NATIVE not in contents:
+    if not (values or data or title) or NATIVE not in contents:
         return fmu.read_bytes()
     about = ET.fromstring(contents["modelDescription.xml"])
-    variables = {str(element.get("name")): element[0] for element in about.iter("ScalarVariable")}
+    variables = {str(element.get("name")): element for element in about.iterfind("ModelVariables/*")}
     rows = []
     for name, value in values.items():
         if name not in variables:
             raise ValueError(f"{fmu.name} has no variable {name}; its modelDescription.xml lists them.")
-        text = text_of(name, value, variables[name].tag == "Real")
-        variables[name].set("start", text)
+        # In FMI 2.0 the type is an element within the variable.
+        typed = next(iter(variables[name]), variables[name])
+        text = text_of(name, value, typed.tag in ("Real", "Float64"))
+        typed.set("start", text)
         rows.append(f"{name},{text}\n")
-    return archive_bytes(contents | {"modelDescription.xml": xml_file(about), FILE: "".join(rows).encode()})
+    described = contents | {"modelDescription.xml": xml_file(about)}
+    return archive_bytes(with_data(described, {FILE: "".join(rows).encode()} | dict(data or {}), title))

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from fmu_src.archive import write_archive
-from fmu_src.identifier import identifier
+from fmu_src.identity import identifier
 from fmu_src.model_description import model_description
 from fmu_src.objects import PYTHON
 from fmu_src.python_fmu import joined, packed

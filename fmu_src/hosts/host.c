@@ -2,7 +2,8 @@
 @2@ * Opening the binary: cc -I../sources host.c -ldl -o host && ./host ../binaries/linux64/@MODEL@.so NAME=VALUE ...
 @3@ * Opening the binary: cc -I../sources host.c -ldl -o host && ./host ../binaries/x86_64-linux/@MODEL@.so NAME=VALUE ...
  * Linked with sources: cc -I../sources -DFMI@N@_FUNCTION_PREFIX=@MODEL@_ host.c ../sources/all.c -lm -o host
- *                      && ./host NAME=VALUE ... */
+ *                      && ./host NAME=VALUE ...
+ * Data of the FMU are in its folder resources: beside the binary's folder, or, for a linked program, RESOURCES. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,6 +29,10 @@
 #define DECLARE(function) static function##TYPE *function;
 #define LOAD(function) memcpy(&function, (void *[]){FIND(library, #function)}, sizeof(void *));
 FUNCTIONS(DECLARE)
+#endif
+
+#ifndef RESOURCES
+#define RESOURCES "../resources"
 #endif
 
 /* Names, value references and types (real, integer) from modelDescription.xml. */
@@ -78,15 +83,19 @@ static void require(fmi@N@Status status, const char *what) {
 
 int main(int count, char **argument) {
     int next = 1;
+    char resources[4096] = RESOURCES;
 #ifndef FMI@N@_FUNCTION_PREFIX
     void *library = count > next ? (void *)OPEN(argument[next++]) : NULL;
     require(library ? fmi@N@OK : fmi@N@Error, "The library as the first argument");
     FUNCTIONS(LOAD)
+    const char *last = strrchr(argument[1], '/');
+    snprintf(resources, sizeof resources, "%.*s../../resources", last ? (int)(last + 1 - argument[1]) : 0, argument[1]);
 #endif
 @2@    const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
-@2@    fmi2Component fmu = fmi2Instantiate("host", fmi2CoSimulation, "@GUID@", "", &callbacks, fmi2False, fmi2False);
-@3@    fmi3Instance fmu = fmi3InstantiateCoSimulation("host", "@GUID@", "", fmi3False, fmi3False, fmi3False, fmi3False, NULL,
-@3@                                                   0, NULL, log_message, NULL);
+@2@    fmi2Component fmu = fmi2Instantiate("host", fmi2CoSimulation, "@GUID@", resources, &callbacks, fmi2False,
+@2@                                        fmi2False);
+@3@    fmi3Instance fmu = fmi3InstantiateCoSimulation("host", "@GUID@", resources, fmi3False, fmi3False, fmi3False, fmi3False,
+@3@                                                   NULL, 0, NULL, log_message, NULL);
     require(fmu ? fmi@N@OK : fmi@N@Error, "The instance");
     while (next < count) set(fmu, argument[next++]);
 @2@    require(fmi2SetupExperiment(fmu, fmi2False, 0.0, 0.0, fmi2False, 0.0), "The start time");

@@ -1,5 +1,6 @@
 // A host for @MODEL@.fmu in C++17 on one page: sets what is named, makes 100 steps of 10 ms and prints the outputs.
 // c++ -std=c++17 -I../sources host.cpp -ldl -o host && ./host ../binaries/linux64/@MODEL@.so NAME=VALUE ...
+// Data of the FMU are in its folder resources, beside that of its binaries.
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -27,14 +28,17 @@ const std::vector<Variable> SETTABLE = {
 class Library {
   public:
 #ifdef _WIN32
-    explicit Library(const char *path) : handle(LoadLibraryA(path)) {}
+    explicit Library(const std::string &path) : path(path), handle(LoadLibraryA(path.c_str())) {}
     void *find(const char *name) const { return reinterpret_cast<void *>(GetProcAddress(handle, name)); }
+    const std::string path;
     HMODULE handle;
 #else
-    explicit Library(const char *path) : handle(dlopen(path, RTLD_NOW)) {}
+    explicit Library(const std::string &path) : path(path), handle(dlopen(path.c_str(), RTLD_NOW)) {}
     void *find(const char *name) const { return handle ? dlsym(handle, name) : nullptr; }
+    const std::string path;
     void *handle;
 #endif
+    std::string resources() const { return path.substr(0, path.find_last_of("/\\") + 1) + "../../resources"; }
 };
 
 static void require(fmi2Status status, const std::string &what) {
@@ -49,8 +53,8 @@ static void log_message(fmi2ComponentEnvironment, fmi2String instance, fmi2Statu
 class Fmu {
   public:
     explicit Fmu(const Library &library) : library(library) {
-        instance = function<fmi2InstantiateTYPE>("fmi2Instantiate")("host", fmi2CoSimulation, "@GUID@", "", &callbacks,
-                                                                    fmi2False, fmi2False);
+        instance = function<fmi2InstantiateTYPE>("fmi2Instantiate")(
+            "host", fmi2CoSimulation, "@GUID@", library.resources().c_str(), &callbacks, fmi2False, fmi2False);
         require(instance ? fmi2OK : fmi2Error, "The instance");
     }
     ~Fmu() { function<fmi2FreeInstanceTYPE>("fmi2FreeInstance")(instance); }

@@ -1,5 +1,6 @@
 // A host for @MODEL@.fmu in C# on one page: sets what is named, makes 100 steps of 10 ms and prints the outputs.
 // Beside the program lies ../binaries/linux64/@MODEL@.so as lib@MODEL@.so, on Windows win64/@MODEL@.dll.
+// Data of the FMU are in its folder resources, here as seen from the folder where the program runs.
 // Mono: mcs host.cs && mono host.exe NAME=VALUE ...; .NET: a console project with this file.
 using System;
 using System.Collections.Generic;
@@ -12,7 +13,7 @@ class Variables : Dictionary<string, KeyValuePair<uint, char>> {
 }
 
 static class Host {
-    const string Library = "@MODEL@";
+    const string Library = "@MODEL@", Resources = "../resources";
     const int CoSimulation = 1, Warning = 1, Error = 3;
 
     static readonly Variables Settable = new Variables {
@@ -73,7 +74,7 @@ static class Host {
         IntPtr memory = Marshal.AllocHGlobal(Marshal.SizeOf(callbacks)), fmu = IntPtr.Zero;
         Marshal.StructureToPtr(callbacks, memory, false);
         try {
-            fmu = fmi2Instantiate("host", CoSimulation, "@GUID@", "", memory, 0, 0);
+            fmu = fmi2Instantiate("host", CoSimulation, "@GUID@", Resources, memory, 0, 0);
             Run(fmu, assignments);
             return 0;
         } catch (Exception refused) {

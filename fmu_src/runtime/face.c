@@ -1,6 +1,7 @@
 /* Shared part of the FMI 2.0 and FMI 3.0 interfaces: order of calls, log, references, saved states. The object holds the
  * values. */
 #include "face.h"
+#include "identity.h"
 #include "readable.h"
 #include "sealed.h"
 
@@ -104,24 +105,38 @@ kernel_status face_log(component *self, int logging, size_t count, const char *c
 
 /* ---- from phase to phase ---- */
 
-/* The object of the files in a folder that the host has named in the words of its standard; null: and why. */
-static fmu_object *from_resources(const component *self, const char *resources, char problem[MESSAGE_SIZE]) {
-    if (!resources || !*resources) return OBJECT.make(NULL, self->exchange, problem);
+/* Return the folder of the resources, which the host has named in the words of its standard; NULL, and why. */
+static char *folder_of(const component *self, const char *resources, char problem[MESSAGE_SIZE]) {
     char *folder = (char *)malloc(strlen(resources) + 1);
-    const bool placed = folder && self->standard->place(resources, folder, problem);
-    fmu_object *made = placed ? OBJECT.make(folder, self->exchange, problem) : NULL;
+    if (folder && self->standard->place(resources, folder, problem)) return folder;
+    free(folder);
+    return NULL;
+}
+
+/* Return whether the token is that of the binary, or of data in the folder (NULL: none); false, with one message, if not. */
+static bool is_known(const char *token, const char *folder, char problem[MESSAGE_SIZE]) {
+    if (strcmp(token, OBJECT.token()) == 0) return true;
+    if (folder) return identity_is(folder, token, OBJECT.token(), problem);
+    strcpy(problem, "The identifier of modelDescription.xml is not that of the binary alone. If the FMU has data of its own, give "
+                    "the location of its resources; got none. Otherwise build both together.");
+    return false;
+}
+
+static fmu_object *make_object(const component *self, const char *resources, char problem[MESSAGE_SIZE]) {
+    const char *wrong = NULL;
+    if (!*self->name) wrong = "The instance must have a name; got none.";
+    else if (self->exchange && !OBJECT.exchange) wrong = "This FMU has no model exchange. Import it for co-simulation.";
+    if (wrong) strcpy(problem, wrong);
+    char *folder = !wrong && resources && *resources ? folder_of(self, resources, problem) : NULL;
+    const bool placed = !wrong && (folder || !resources || !*resources);
+    fmu_object *made = placed && is_known(self->token, folder, problem) ? OBJECT.make(folder, self->exchange, problem) : NULL;
     free(folder);
     return made;
 }
 
-static fmu_object *make_object(const component *self, const char *token, const char *resources, char problem[MESSAGE_SIZE]) {
-    const char *wrong = NULL;
-    if (!*self->name) wrong = "The instance must have a name; got none.";
-    else if (!token || strcmp(token, OBJECT.token()) != 0)
-        wrong = "The identifier of modelDescription.xml is not that of the binary; build both together.";
-    else if (self->exchange && !OBJECT.exchange) wrong = "This FMU has no model exchange. Import it for co-simulation.";
-    if (wrong) strcpy(problem, wrong);
-    return wrong ? NULL : from_resources(self, resources, problem);
+static char *copy_of(const char *text) {
+    char *copy = (char *)malloc(strlen(text ? text : "") + 1);
+    return copy ? strcpy(copy, text ? text : "") : NULL;
 }
 
 component *face_instantiate(const component *log, const char *name, const char *token, const char *resources, int logging) {
@@ -132,15 +147,13 @@ component *face_instantiate(const component *log, const char *name, const char *
     self->logged = logging ? EVERYTHING : 0;
     self->variables = OBJECT.variables();
     self->stride = OBJECT.stride();
-    self->name = (char *)malloc(strlen(name ? name : "") + 1);
-    if (self->name) {
-        strcpy(self->name, name ? name : "");
-        self->object = make_object(self, token, resources, problem);
-    }
+    self->name = copy_of(name);
+    self->token = copy_of(token);
+    if (self->name && self->token) self->object = make_object(self, resources, problem);
     if (self->object) {
         listen(self);
         if (face_reset(self) <= KERNEL_WARNING) return self;
-    } else if (self->name) {
+    } else if (self->name) { /* which the log shows */
         make_readable(problem); /* it may quote a path with any content */
         (void)face_error(self, problem);
     }
@@ -152,6 +165,7 @@ void face_free(component *self) {
     if (!self) return;
     if (self->object) OBJECT.dispose(self->object);
     free(self->name);
+    free(self->token);
     free(self);
 }
 
@@ -393,9 +407,9 @@ typedef struct {
 
 static size_t block_size(const component *self) { return sizeof(saved_phase) + OBJECT.block_size(self->object); }
 
-/* A state belongs to one binary and to the files that its object was made of. */
+/* A state belongs to one FMU and to the files that its object was made of. */
 static unsigned long long model_of(const component *self) {
-    const unsigned long long model = seal_model(OBJECT.token()), mark = OBJECT.mark ? OBJECT.mark(self->object) : 0;
+    const unsigned long long model = seal_model(self->token), mark = OBJECT.mark ? OBJECT.mark(self->object) : 0;
     return OBJECT.mark ? seal_hash(model, &mark, sizeof mark) : model;
 }
 

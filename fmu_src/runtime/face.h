@@ -42,7 +42,7 @@ struct component {
     bool events;               /* co-simulation with event mode, requested by the host */
     unsigned variables, stride; /* of the object */
     double start_time;
-    char *name;
+    char *name, *token;
     const face_standard *standard;
     void (*logger)(void);      /* the host's callback, of the type that `tell` calls */
     void *environment;

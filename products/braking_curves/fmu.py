@@ -93,10 +93,11 @@ def build_curves_fmu(
     _check(gradients)
     given, entries = curves_in_c(), every()
     lengths = [len(entry.starts) for entry in entries]
-    of = Lengths(lengths, [entry.starts for entry in entries], STEP, STOP)
     rows = [] if gradients is None else [*gradients.starts, *gradients.permille]
     numbers = np.array([len(rows) // 2, *rows], "<f8")
-    files = {"documentation/licenses/license.txt": license_text(), "resources/gradients.bin": numbers.tobytes()}
+    data = {"gradients.bin": numbers.tobytes()}
+    of = Lengths(lengths, [entry.starts for entry in entries], STEP, STOP, data)
+    files = {"documentation/licenses/license.txt": license_text()}
     build_arrays_fmu(given, of, path, version, binaries_of(given, version, all_platforms), files)
 
 

@@ -49,6 +49,7 @@ def build_train(
             line=along,
             all_platforms=all_platforms,
             extras=files,
+            title=consist.stem if consist else "",
         )
         problems += announce(path, time.perf_counter() - begin)
     return problems

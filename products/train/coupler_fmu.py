@@ -54,6 +54,7 @@ def build_coupler_fmu(
 ) -> None:
     """Writes the FMU of a coupler, for FMI 2 or 3. extras: more files of the archive. Raises CompilerError."""
     constants = np.array(coupler.constants(), "<f8")
-    files = {"resources/coupler.bin": constants.tobytes()} | (extras or {})
-    of = Lengths([1] * len(ARRAYS), [[0.0], [1.0], [0.0], [0.0], [0.0]], 0.001, 10.0)
-    build_arrays_fmu(coupler_in_c(), of, path, version, binaries_of(coupler_in_c(), version, all_platforms), files)
+    data = {"coupler.bin": constants.tobytes()}
+    of = Lengths([1] * len(ARRAYS), [[0.0], [1.0], [0.0], [0.0], [0.0]], 0.001, 10.0, data)
+    binaries = binaries_of(coupler_in_c(), version, all_platforms)
+    build_arrays_fmu(coupler_in_c(), of, path, version, binaries, extras or {})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import fmpy
@@ -102,10 +103,13 @@ def build_train_fmu(
     line: Line | None = None,
     all_platforms: bool = False,
     extras: dict[str, bytes] | None = None,
+    title: str = "",
 ) -> None:
-    """Writes the FMU of a consist on a line, for FMI 2 or 3. extras: more files of the archive; CompilerError."""
+    """Writes the FMU of a consist on a line, for FMI 2 or 3.
+
+    extras: more files of the archive. title: name of the model for people. Raises CompilerError.
+    """
     numbers = np.ascontiguousarray(numbers_of(consist, settings or Settings(), line), "<f8")
-    files = {"resources/train.bin": numbers.tobytes()} | (extras or {})
-    build_arrays_fmu(
-        train_in_c(), lengths_of(consist), path, version, binaries_of(train_in_c(), version, all_platforms), files
-    )
+    of = replace(lengths_of(consist), data={"train.bin": numbers.tobytes()}, title=title)
+    binaries = binaries_of(train_in_c(), version, all_platforms)
+    build_arrays_fmu(train_in_c(), of, path, version, binaries, extras or {})
