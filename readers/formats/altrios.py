@@ -3,7 +3,10 @@
 Fields as ALTRIOS writes them, in SI units; numbers of a train name cars by their car_type. The resistance of a car is,
 by its module train/resistance,
 
-    R = axles x bearing + (rolling_ratio + davis_b v) W + 0.5 rho cd_area v^2,    W = m g
+    R = axles x bearing + (rolling_ratio + davis_b v) W + rho cd_area v^2,    W = m g
+
+Its drag has no factor 1/2 (kind/aerodynamic.rs). `cd_area_vec` of a train replaces the cd_area of all cars, and the
+means of rolling_ratio and davis_b act on the weight of the locomotives too (train_config.rs).
 
 `braking_ratio` is the brake force over the weight (its module train/rail_vehicle). ALTRIOS takes it as retardation,
 0.11 g loaded and 0.25 g empty. The figures are those of AAR net braking ratios, the force of all shoes over the weight.
@@ -12,8 +15,8 @@ They are read so, with a friction of the shoes on top. This is assumed, not ALTR
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +59,8 @@ LIMITS: dict[str, tuple[float, float, str]] = {
     "davis_b": (0.0, 1.0, "s/m"),
     "area": (0.0, 100.0, "m2"),
 }
+#: Numbers that are 0 where a car does not have them; ALTRIOS itself refuses such a car.
+OPTIONAL = {"rotating", "bearing", "davis_b", "area"}
 #: Fields without a column, each with the reason.
 LEFT = {
     "brake_count": "a number of control valves; a vehicle has one distributor",
@@ -68,10 +73,11 @@ LEFT = {
     "Braking Ratio Empty": "the loaded state is read",
     "Mass Static Empty (kg)": "the loaded state is read",
 }
+#: Spellings of a locomotive's numbers.
+UNITS = {"mass": ("mass_kilograms", "mass", "mass_kg"), "force_max": ("force_max_newtons", "force_max")}
 #: Fields of a train without a column.
 LEFT_OF_TRAIN = {
     "train_type": "it does not affect the brake",
-    "cd_area_vec": "drag by place in the train has no column; each car has its own cd_area",
     "history": "a recorded run",
     "state": "a recorded run",
     "save_interval": "a setting of ALTRIOS",
@@ -80,10 +86,16 @@ LEFT_OF_TRAIN = {
 
 @dataclass(frozen=True)
 class Car:
-    """A car: its numbers by the names in SPELLINGS, and its name."""
+    """A car: its name, its numbers by the names in SPELLINGS, and those of them that its file does not have."""
 
     name: str
     numbers: Mapping[str, float]
+    missing: tuple[str, ...] = ()
+
+    def with_area(self, area: float) -> Car:
+        """Return the car with another drag area [m2]."""
+        missing = tuple(one for one in self.missing if one not in SPELLINGS["area"])
+        return replace(self, numbers={**self.numbers, "area": area}, missing=missing)
 
 
 def read_altrios(path: Path) -> Imported:
@@ -102,7 +114,7 @@ def read_altrios(path: Path) -> Imported:
     config = train if isinstance(train, dict) else read
     rows = _locomotives(read, source, notes)
     if "n_cars_by_type" in config or "rail_vehicles" in config:
-        rows += _cars_of_train(config, path, notes)
+        rows = _hauled(rows, cars := _cars_of_train(config, path, notes), notes) + _rows_of_cars(cars, source, notes)
         _tell_train(config, read, rows, notes)
     elif not rows:
         rows = _car_rows(_car(read, source), 1, source, notes)
@@ -111,7 +123,8 @@ def read_altrios(path: Path) -> Imported:
 
 
 def _number(read: Mapping[str, Any], what: str, source: str, default: float | None = None) -> float:
-    """Return a number of a car by any spelling. Raises FileError if it is missing without a default."""
+    """Return a number of a car by any spelling. Raises FileError for another unit, or if it has no default either."""
+    _check_units(read, {what: SPELLINGS[what]}, source)
     for name in SPELLINGS[what]:
         if read.get(name) is not None:
             low, high, unit = LIMITS[what]
@@ -119,6 +132,16 @@ def _number(read: Mapping[str, Any], what: str, source: str, default: float | No
     if default is None:
         raise FileError(f"{source} must have {SPELLINGS[what][0]}; got {shown(', '.join(map(str, read)))}. Add it.")
     return default
+
+
+def _check_units(read: Mapping[str, Any], fields: Mapping[str, Sequence[str]], source: str) -> None:
+    """Raise FileError if a field has another unit in its name than ALTRIOS writes, as length_feet or Length (ft)."""
+    known = {name for names in (*SPELLINGS.values(), *fields.values()) for name in names}
+    for names in fields.values():
+        begins = tuple(f"{one.partition('(')[0]}(" if "(" in one else f"{one}_" for one in names[1:])
+        for name in read:
+            if str(name) not in known and str(name).startswith(begins):
+                raise FileError(f"{source} must have {names[0]}; got {shown(name)}. Convert it to this unit.")
 
 
 def _car(read: Mapping[str, Any], source: str) -> Car:
@@ -130,7 +153,8 @@ def _car(read: Mapping[str, Any], source: str) -> Car:
         numbers["mass"] = _number(read, "base", source) + _number(read, "freight", source, 0.0)
     else:
         numbers["mass"] = _number(read, "static", source)
-    return Car(_printable(name), numbers)
+    stated = {what for what, names in SPELLINGS.items() if any(read.get(one) is not None for one in names)}
+    return Car(_printable(name), numbers, tuple(SPELLINGS[what][0] for what in numbers.keys() & OPTIONAL - stated))
 
 
 def _printable(name: Any) -> str:
@@ -148,11 +172,13 @@ def _car_rows(car: Car, count: int, source: str, notes: Notes) -> list[Row]:
     notes.converted("mass_rot_per_axle: 100 x axle_count x mass_rot_per_axle / mass -> rotating [%]")
     row["resistance_a"] = rounded(n["axles"] * n["bearing"] + n["rolling"] * weight)
     row["resistance_b"] = rounded(n["davis_b"] * weight)
-    row["resistance_c"] = rounded(0.5 * AIR * n["area"])
+    row["resistance_c"] = rounded(AIR * n["area"])
     notes.converted(
         "bearing_res_per_axle, rolling_ratio, davis_b, cd_area: axles x bearing + rolling_ratio x weight, davis_b x "
-        f"weight, 0.5 x {AIR:g} kg/m3 x cd_area -> resistance_a, _b, _c (weight with {GRAVITY:g} m/s2)"
+        f"weight, {AIR:g} kg/m3 x cd_area (no factor 1/2) -> resistance_a, _b, _c (weight with {GRAVITY:g} m/s2)"
     )
+    for name in sorted(car.missing):
+        notes.assumed(f"{name}: missing; 0.")
     row |= _brake(n, weight, notes)
     parts = fitting(row, notes, source)
     return [{**part, "count": count} for part in parts] if len(parts) == 1 else parts * count
@@ -178,32 +204,87 @@ def _brake(n: Mapping[str, float], weight: float, notes: Notes) -> Row:
     }
 
 
-def _cars_of_train(config: Mapping[str, Any], path: Path, notes: Notes) -> list[Row]:
-    """Return the rows of a train's cars in the order of n_cars_by_type. Raises FileError."""
+def _cars_of_train(config: Mapping[str, Any], path: Path, notes: Notes) -> list[tuple[Car, int]]:
+    """Return a train's cars and their numbers, in the order of n_cars_by_type. Raises FileError."""
     source = str(path)
     counts, stated = config.get("n_cars_by_type"), config.get("rail_vehicles", [])
     if not isinstance(counts, dict) or not isinstance(stated, list):
         raise FileError(f"{source} must have n_cars_by_type with names and numbers; got {shown(counts)}. Correct it.")
-    cars = {}
+    known = {}
     for number, one in enumerate(stated):
         if not isinstance(one, dict):
             raise FileError(f"{source}: rail_vehicles must hold cars; got {shown(one)}. Correct it.")
-        cars[str(one.get("car_type"))] = _car(one, f"{source}, car {number + 1}")
-    rows: list[Row] = []
-    for name, count in counts.items():
+        known[str(one.get("car_type"))] = _car(one, f"{source}, car {number + 1}")
+    for count in counts.values():
         if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= MOST:
             raise FileError(
                 f"{source}: n_cars_by_type must have integers from 0 to {MOST}; got {shown(count)}. Correct it."
             )
-        car = cars.get(str(name)) or _car_beside(str(name), path)
-        rows += _car_rows(car, count, source, notes) if count else []
-        if len(rows) > MOST:
-            raise FileError(f"{source} must have at most {MOST} vehicles; got more. Take cars away.")
-    notes.vehicle = ""
+    if sum(counts.values()) > MOST:
+        raise FileError(f"{source} must have at most {MOST} vehicles; got more. Take cars away.")
+    cars = [(known.get(str(name)) or _car_beside(str(name), path), count) for name, count in counts.items() if count]
     notes.taken("n_cars_by_type -> count")
     if len(counts) > 1:
         notes.assumed("The order of the cars is that of n_cars_by_type; a train of ALTRIOS is a sum without an order.")
+    return _with_areas(cars, config.get("cd_area_vec"), source, notes)
+
+
+def _with_areas(cars: list[tuple[Car, int]], areas: Any, source: str, notes: Notes) -> list[tuple[Car, int]]:
+    """Return cars with the mean of the drag areas of a train, if it states these. Raises FileError."""
+    if areas is None:
+        return cars
+    total = sum(count for _, count in cars)
+    if not isinstance(areas, list) or len(areas) != total:
+        raise FileError(f"{source}: cd_area_vec must have {total} numbers, one a car; got {shown(areas)}. Correct it.")
+    low, high, unit = LIMITS["area"]
+    numbers = [named_number(one, "cd_area_vec", source) for one in areas]
+    mean = sum(checked(one, "cd_area_vec", (low, high), unit, source) for one in numbers) / max(total, 1)
+    notes.converted("cd_area_vec: its mean for each car, in place of cd_area; the drag of the train is that of the sum")
+    return [(car.with_area(mean), count) for car, count in cars]
+
+
+def _rows_of_cars(cars: list[tuple[Car, int]], source: str, notes: Notes) -> list[Row]:
+    """Return the rows of a train's cars."""
+    rows: list[Row] = []
+    for car, count in cars:
+        rows += _car_rows(car, count, source, notes)
+    notes.vehicle = ""
+    if len({car.numbers["ratio"] for car, _ in cars}) > 1:
+        notes.assumed(
+            "braking_ratio of unlike cars: each is that of its car; ALTRIOS takes their mean by number times the mass "
+            "of all cars."
+        )
     return rows
+
+
+def _hauled(locomotives: list[Row], cars: list[tuple[Car, int]], notes: Notes) -> list[Row]:
+    """Return locomotives with the mean rolling_ratio and davis_b of the cars, as ALTRIOS takes them for all weight."""
+    total = sum(car.numbers["mass"] * count for car, count in cars)
+    if not locomotives or not total:
+        return locomotives
+    ratio, slope = (
+        sum(car.numbers[name] * car.numbers["mass"] * count for car, count in cars) / total
+        for name in ("rolling", "davis_b")
+    )
+    notes.vehicle = "locomotives"
+    notes.converted(
+        "rolling_ratio, davis_b: their means over the mass of the cars x weight -> resistance_a, _b of a locomotive "
+        "with mass; ALTRIOS has no drag of a locomotive -> resistance_c = 0"
+    )
+    notes.vehicle = ""
+    return [_with_resistance(row, ratio, slope) for row in locomotives]
+
+
+def _with_resistance(row: Row, ratio: float, slope: float) -> Row:
+    """Return a locomotive with its resistance over weight [1] and its rise with speed [s/m], if it has a mass."""
+    if "mass" not in row:
+        return row
+    weight = 1e3 * row["mass"] * GRAVITY
+    return row | {
+        "resistance_a": rounded(ratio * weight),
+        "resistance_b": rounded(slope * weight),
+        "resistance_c": 0.0,
+    }
 
 
 def _car_beside(name: str, path: Path) -> Car:
@@ -235,7 +316,8 @@ def _locomotives(read: Mapping[str, Any], source: str, notes: Notes) -> list[Row
         if not isinstance(one, dict):
             raise FileError(f"{place} must be a locomotive; got {shown(one)}. Correct it.")
         row: Row = {"kind": "locomotive", "name": f"locomotive {number + 1}"}
-        given = one.get("mass_kilograms", one.get("mass"))
+        _check_units(one, UNITS, place)
+        given = next((one[name] for name in UNITS["mass"] if one.get(name) is not None), None)
         if given is None:
             notes.assumed("Mass of a locomotive: missing; that of the kind.")
         else:
@@ -243,7 +325,8 @@ def _locomotives(read: Mapping[str, Any], source: str, notes: Notes) -> list[Row
             notes.taken("loco_vec mass -> mass [t]")
         rows.append(row | _motors(one, place, notes))
     notes.assumed(
-        "Length, running resistance and brake of a locomotive: those of the kind; ALTRIOS does not have them."
+        "Length, rotating mass and brake of a locomotive, and without cars its running resistance: those of the kind; "
+        "ALTRIOS does not have them."
     )
     notes.left("Powertrain of a locomotive: efficiencies, limits of engine and battery, and dynamic brakes.")
     return rows
@@ -254,7 +337,7 @@ def _motors(one: Mapping[str, Any], place: str, notes: Notes) -> Row:
     drive = next((inner for inner in _within(one) if "edrv" in inner), {}).get("edrv", {})
     given = [
         next((read[name] for name in names if isinstance(read, dict) and read.get(name) is not None), None)
-        for read, names in ((one, ("force_max_newtons", "force_max")), (drive, ("pwr_out_max_watts", "pwr_out_max")))
+        for read, names in ((one, UNITS["force_max"]), (drive, ("pwr_out_max_watts", "pwr_out_max")))
     ]
     if None in given:
         notes.left("Motors of a locomotive: they need force_max and pwr_out_max of edrv.")

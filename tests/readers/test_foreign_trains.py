@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -200,7 +201,7 @@ def test_an_altrios_car_has_the_numbers_of_its_file(tmp_path: Path) -> None:
     assert (row["mass"], row["length"], row["valve"]) == (130.0, 18.0, "head")
     assert row["rotating"] == pytest.approx(100 * 4 * 750 / 130e3, rel=ROUNDED)
     for speed in SPEEDS:
-        own = 4 * 40.26 + (1.546e-3 + 1e-5 * speed) * weight + 0.5 * AIR * 4.087 * speed**2
+        own = 4 * 40.26 + (1.546e-3 + 1e-5 * speed) * weight + AIR * 4.087 * speed**2
         assert resistance(found, speed) == pytest.approx(own, rel=ROUNDED)
     assert row["shoe_force"] == pytest.approx(0.11 * 130 * G, rel=ROUNDED)
     assert (row["friction"], row["friction_value"]) == ("constant", 0.3)
@@ -220,6 +221,72 @@ def test_an_altrios_train_has_its_cars_and_locomotives(tmp_path: Path) -> None:
     ]
     assert whole(found, "mass") == pytest.approx(2 * 195 + 15 * 130)
     assert told(found, "assumed", "a train of ALTRIOS is a sum without an order")
+
+
+#: Cars of ALTRIOS 1.1.0 (rolling_stock/Manifest_Loaded.yaml, Intermodal_Empty.yaml) and its default locomotive.
+MANIFEST = """car_type: Manifest_Loaded
+length_meters: 18.0
+axle_count: 4
+mass_static_base_kilograms: 28500.0
+mass_freight_kilograms: 101500.0
+braking_ratio: 0.11
+mass_rot_per_axle_kilograms: 750.0
+bearing_res_per_axle_newtons: 40.26
+rolling_ratio: 0.001546
+davis_b_seconds_per_meter: 1.0e-5
+cd_area_square_meters: 4.087
+"""
+EMPTY = {
+    "Manifest_Loaded": "Empty",
+    "101500.0": "0.0",
+    "0.11": "0.25",
+    "40.26": "80.0",
+    "0.001546": "0.00075",
+    "4.087": "4",
+}
+
+
+def train_of_altrios(folder: Path, loaded: int, empty: int, more: str = "") -> Imported:
+    empty_car = MANIFEST
+    for old, new in EMPTY.items():
+        empty_car = empty_car.replace(old, new)
+    (folder / "Manifest_Loaded.yaml").write_text(MANIFEST)
+    (folder / "Empty.yaml").write_text(empty_car)
+    cars = f"n_cars_by_type:\n  Manifest_Loaded: {loaded}\n  Empty: {empty}\n"
+    return read(folder, "train.yaml", f"{cars}{more}loco_con:\n  loco_vec:\n  - mass_kilograms: 195000.0\n")
+
+
+def test_the_resistance_of_an_altrios_train_is_that_of_altrios(tmp_path: Path) -> None:
+    """State of SetSpeedTrainSim of altrios 1.1.0 at 20 m/s: rolling, bearing, davis_b and aero [N], mass_rot [kg]."""
+    found = train_of_altrios(tmp_path, 10, 5)
+    assert resistance(found, 0.0) == pytest.approx(23551.27 + 3210.40, rel=1e-3)
+    assert resistance(found, 20.0) == pytest.approx(23551.27 + 3210.40 + 3210.01 + 29826.30, rel=1e-3)
+    assert whole(found, "mass") == pytest.approx(1637.5)
+    rotating = sum(10 * row["mass"] * row["rotating"] * row.get("count", 1) for row in found.rows if "rotating" in row)
+    assert rotating == pytest.approx(45000.0, rel=ROUNDED)
+    assert told(found, "assumed", "their mean by number")
+
+
+def test_drag_areas_of_an_altrios_train_replace_those_of_its_cars(tmp_path: Path) -> None:
+    """res_aero of altrios 1.1.0 at 20 m/s with cd_area_vec [3, 5, 7]: 7350 N."""
+    found = train_of_altrios(tmp_path, 2, 1, "cd_area_vec: [3.0, 5.0, 7.0]\n")
+    assert whole(found, "resistance_c") * 400 == pytest.approx(7350.0, rel=1e-6)
+    with pytest.raises(FileError, match=r"cd_area_vec must have 3 numbers, one a car; got \[3.0\]"):
+        train_of_altrios(tmp_path, 2, 1, "cd_area_vec: [3.0]\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [("cd_area_square_meters", "cd_area_square_feet"), ("davis_b_seconds_per_meter", "Davis B (h/mi)")],
+)
+def test_a_number_of_an_altrios_car_in_another_unit_is_refused(name: str, other: str, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=f"must have {name}; got {re.escape(other)}. Convert it to this unit."):
+        read(tmp_path, "car.yaml", MANIFEST.replace(name, other))
+    missing = read(tmp_path, "car.yaml", MANIFEST.replace(name, "unknown"))
+    assert told(missing, "assumed", f"{name}: missing; 0.")
+    text = "loco_con:\n  loco_vec:\n  - mass_pounds: 430000\n"
+    with pytest.raises(FileError, match="must have mass_kilograms; got mass_pounds"):
+        read(tmp_path, "loco.yaml", text)
 
 
 def test_a_car_from_a_table_of_altrios_has_its_columns_names(tmp_path: Path) -> None:
