@@ -109,11 +109,42 @@ def test_a_consist_has_the_numbers_of_its_files(encoding: str, tmp_path: Path) -
     assert wagons["release_time"] == pytest.approx(3.4 / 0.25, rel=1e-9)
 
 
-def test_a_flipped_vehicle_has_its_front_coupler_behind_it(tmp_path: Path) -> None:
+def test_a_flipped_vehicle_has_the_second_coupler_of_its_file_behind_it(tmp_path: Path) -> None:
+    """Open Rails, MSTSWagon.cs: Coupler. By hand: 7 x (1 + 5) MN/m; 2 cm / 2 x 5 / 6 = 8.33 mm."""
     head, _, last = read_foreign(written(tmp_path)).rows
-    assert (head["coupler"], head["coupler_stiffness"], head["coupler_slack"]) == ("draft-gear", 1.0, 10.0)
-    assert head["coupler_strength"] == 2000.0
-    assert last["coupler"] == "rigid"
+    assert head["coupler"] == "rigid"
+    assert (last["coupler"], last["coupler_stiffness"], last["coupler_strength"]) == ("draft-gear", 42.0, 2000.0)
+    assert last["coupler_slack"] == pytest.approx(25 / 3)
+
+
+@pytest.mark.parametrize(
+    ("spring", "stiffness", "slack"),
+    [
+        ("Stiffness ( 1e6N/m 5e6N/m ) r0 ( 0 2cm )", 42.0, 25 / 3),
+        ("r0 ( 0 2cm ) Stiffness ( 1e6N/m 5e6N/m )", 42.0, 20 / 3),
+        ("Stiffness ( 1e6N/m 5e6N/m ) r0 ( 20cm 30cm )", 20.0, 12.0),
+        ("Stiffness ( 1e6N/m 5e6N/m )", 42.0, 12.0),
+        ("r0 ( 0 9m )", 210.0, 100.0),
+        ("Stiffness ( 1e6N/m 0 ) r0 ( 0 2cm )", 7.0, 1.0),
+        ("Stiffness ( -9e6N/m 1e6N/m ) r0 ( 0 3cm )", 210.0, 10.0),
+    ],
+)
+def test_a_simple_coupler_has_stiffness_and_slack_of_open_rails(
+    spring: str, stiffness: float, slack: float, tmp_path: Path
+) -> None:
+    """Open Rails, MSTSWagon.cs: GetSimpleCouplerStiffnessNpM, SetSimpleStiffness and SetSimpleR0."""
+    path = tmp_path / "one.wag"
+    path.write_text(f"Wagon ( one Size ( 3 4 14m ) Mass ( 20t ) Coupling ( Type ( Automatic ) Spring ( {spring} ) ) )")
+    row = imported_consist(path)[1].rows[0]
+    assert (row["coupler_stiffness"], row["coupler_slack"]) == (pytest.approx(stiffness), pytest.approx(slack))
+
+
+def test_couplings_of_an_included_file_replace_those_before_them(tmp_path: Path) -> None:
+    """The third Coupling is the first of its vehicle, the fourth the second (MSTSWagon.cs)."""
+    path = tmp_path / "one.wag"
+    springs = "".join(f"Coupling ( Spring ( Stiffness ( {one}e6N/m 0 ) ) )" for one in (1, 2, 3))
+    path.write_text(f"Wagon ( one Size ( 3 4 14m ) Mass ( 20t ) {springs} )")
+    assert read_foreign(path).rows[0]["coupler_stiffness"] == 21.0
 
 
 def test_a_hand_brake_is_a_parking_brake_beside_which_the_larger_force_acts(tmp_path: Path) -> None:

@@ -126,13 +126,13 @@ def test_what_is_imported_and_written_is_read_again(file: Path, ending: str, tmp
 
 
 def test_a_coupler_has_slack_stiffness_and_strength_of_its_file(tmp_path: Path) -> None:
-    """r0 ( 0 2cm ) is a slack of 10 mm; 1 MN/m gives 20 kN at 30 mm."""
-    spring = "Spring ( Stiffness ( 1e6N/m 5e6N/m ) Break ( 2e6N 2e6N ) r0 ( 0 2cm ) )"
+    """r0 ( 0 2cm ) with equal stiffnesses is a slack of 5 mm; 7 x (1 + 1) MN/m gives 350 kN at 30 mm."""
+    spring = "Spring ( Stiffness ( 1e6N/m 1e6N/m ) Break ( 2e6N 2e6N ) r0 ( 0 2cm ) )"
     path = tmp_path / "hopper.wag"
     path.write_text(WAGON.rstrip()[:-1] + f"Coupling ( Type ( Automatic ) {spring} ) )")
     coupler = imported_consist(path)[0].vehicles[0].coupler
     loading = coupler.tension[0]
-    assert np.interp([0.01, 0.03], loading.ways, loading.forces) == pytest.approx([0.0, 20e3], abs=1e-6)
+    assert np.interp([0.005, 0.03], loading.ways, loading.forces) == pytest.approx([0.0, 350e3], abs=1e-6)
     assert coupler.strength == 2e6
     path.write_text(WAGON.rstrip()[:-1] + f"Coupling ( Type ( Bar ) {spring} ) )")
     assert imported_consist(path)[0].vehicles[0].coupler == rigid()
