@@ -1,9 +1,9 @@
 """Couplers of Open Rails and MSTS vehicles as columns of a consist.
 
-The coupler behind a vehicle is the first Coupling of its file, and the second one if the vehicle is flipped. A third and
-a fourth replace these two: files that are included have them. The simple coupler of Open Rails has a slack, and beyond
-it one stiffness in both senses. This stiffness is 7 times the sum of both values of Stiffness if r0 begins with 0, else
-20 MN/m (its source, MSTSWagon.cs: GetSimpleCouplerStiffnessNpM, SetSimpleR0, and TrainCar.cs).
+The coupler behind a vehicle is the first Coupling of its file, and the second one if the vehicle is flipped. A third
+and a fourth replace these two: files that are included have them. The simple coupler of Open Rails has a slack, and
+beyond it one stiffness in both senses. This stiffness is 7 times the sum of both values of Stiffness if r0 begins with
+0, else 20 MN/m (its source, MSTSWagon.cs: GetSimpleCouplerStiffnessNpM, SetSimpleR0, and TrainCar.cs).
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ def _spring(own: Fields, notes: Notes) -> Row:
         before = list(own.blocks).index("r0") < list(own.blocks).index("stiffness") if own.has("Stiffness") else False
         row["coupler_slack"] = rounded(1e3 * _slack(near, far or 0.0, DEFAULTS if before else stiffness))
         notes.converted(
-            "Coupling r0 that begins with 0: half of its second value x the second Stiffness over their sum, 1 to 100 mm "
-            "-> coupler_slack [mm]"
+            "Coupling r0 that begins with 0: half of its second value x the second Stiffness over their sum, 1 to 100 "
+            "mm -> coupler_slack [mm]"
         )
     else:
         row["coupler_slack"] = rounded(1e3 * SLACK)

@@ -118,6 +118,33 @@ def test_railml_2_changes_become_transitions_arcs_and_vertical_curves(tmp_path: 
     assert "speedChanges: speed limits do not belong to the line" in line.account.left
 
 
+@pytest.mark.parametrize("tag", ["gradientChange", "radiusChange"])
+def test_a_change_against_the_track_stands_beside_one_along_it(tag: str, tmp_path: Path) -> None:
+    alone = RAILML2.replace('id="g2" pos="400"', 'id="g2" pos="300"')
+    if tag == "radiusChange":
+        alone = RAILML2.replace('id="r5" pos="660"', 'id="r5" pos="660" dir="down"')
+    with pytest.raises(FileError, match=f"track t1: {tag} with dir down must stand beside one with dir up; got it alo"):
+        line_of(tmp_path / "infra.xml", alone)
+    with pytest.raises(FileError, match="dir of gradientChange must be up or down; got sideways"):
+        line_of(tmp_path / "infra.xml", RAILML2.replace('dir="down"', 'dir="sideways"'))
+    line = line_of(tmp_path / "infra.xml", RAILML2)
+    assert "gradientChange with dir down: the 1 with dir up at their places are read" in line.account.left
+
+
+def test_a_curve_of_railml_3_against_its_net_element_has_the_other_sign(tmp_path: Path) -> None:
+    text = railml3().replace('posBegin="160" posEnd="400"/>', 'posBegin="400" posEnd="160" keepsOrientation="false"/>')
+    text = text.replace('posBegin="300" posEnd="500"/>', 'posBegin="300" posEnd="500" keepsOrientation="false"/>')
+    line = line_of(tmp_path / "infra.railml", text)
+    assert line.value("curvature", [130.0, 300.0]) == pytest.approx([1 / 1200, 1 / 600], abs=1e-12)
+    assert line.value("cant", 300.0) == pytest.approx(0.09)
+    assert line.value("gradient", [100.0, 400.0]) == pytest.approx([0.005, 0.003])
+    text = railml3().replace('id="lgradientCurve0"', 'id="lgradientCurve0" applicationDirection="reverse"')
+    with pytest.raises(FileError, match="applicationDirection of gradientCurve gradientCurve0 must be both or normal"):
+        line_of(tmp_path / "infra.railml", text)
+    with pytest.raises(FileError, match="keepsOrientation must be true or false; got perhaps"):
+        line_of(tmp_path / "infra.railml", railml3().replace("posBegin", 'keepsOrientation="perhaps" posBegin'))
+
+
 def curve_of_3(tag: str, begin: float, end: float, **more: object) -> str:
     given = " ".join(f'{name}="{value}"' for name, value in more.items())
     place = f'<associatedNetElement netElementRef="ne1" posBegin="{begin}" posEnd="{end}"/>'
