@@ -34,7 +34,7 @@ OSRD: dict[str, Any] = {
     "inertia_coefficient": 1.048,
     "const_gamma": 0.3,
     "primary_category": "FREIGHT_TRAIN",
-    "rolling_resistance": {"type": "davis", "A": 25.08, "B": 67.7, "C": 10.8},
+    "rolling_resistance": {"type": "davis", "A": 2508.0, "B": 67.7, "C": 10.8},
     "effort_curves": {"modes": {}},
 }
 CAR = """---
@@ -169,7 +169,7 @@ def test_an_osrd_train_keeps_its_sums(tmp_path: Path) -> None:
     assert whole(found, "mass") == pytest.approx(2090.0, rel=ROUNDED)
     assert whole(found, "length") == pytest.approx(750.0, rel=ROUNDED)
     for speed in SPEEDS:
-        assert resistance(found, speed) == pytest.approx(25.08 + 67.7 * speed + 10.8 * speed**2, rel=1e-8)
+        assert resistance(found, speed) == pytest.approx(2508.0 + 67.7 * speed + 10.8 * speed**2, rel=1e-8)
     for row in found.rows:
         assert (row["kind"], row["deceleration"]) == ("wagon", 0.3)
         assert row["rotating"] == pytest.approx(4.8, rel=ROUNDED)
@@ -179,7 +179,7 @@ def test_an_osrd_train_keeps_its_sums(tmp_path: Path) -> None:
 
 def test_what_is_doubtful_in_an_osrd_train_is_told(tmp_path: Path) -> None:
     found = read(tmp_path, "freight.json", json.dumps(OSRD))
-    assert told(found, "assumed", "25.08 N is 0.012 N/t")
+    assert told(found, "assumed", "A is 1.2 N/t; trains have 3 N/t")
     assert told(found, "assumed", "deceleration of operation")
     assert told(found, "assumed", "is a whole train")
     assert told(found, "left", "effort_curves: it has no mode")
@@ -189,6 +189,37 @@ def test_what_is_doubtful_in_an_osrd_train_is_told(tmp_path: Path) -> None:
     found = read(tmp_path, "old.json", json.dumps(old | {"rolling_resistance": {"A": 9e4, "B": 12, "C": 5000}}))
     assert {row["deceleration"] for row in found.rows} == {0.5}
     assert told(found, "assumed", "at 108 km/h is 2.2e+03 N/t")
+
+
+def test_a_resistance_of_osrd_per_mass_is_that_of_its_whole_train(tmp_path: Path) -> None:
+    """OSRD's fast_rolling_stock.json before June 2026 and since: 900 t, 5400 N or 0.006 N/kg at rest."""
+    whole_train = {"type": "davis", "A": 5400.0, "B": 200.0, "C": 12.0}
+    a_kilogram = {name: value / 9e5 if name != "type" else value for name, value in whole_train.items()}
+    for given, kind, words in ((whole_train, "taken", "of the whole train"), (a_kilogram, "converted", "per kg")):
+        found = read(tmp_path, "fast.json", json.dumps(OSRD | {"mass": 9e5, "rolling_resistance": given}))
+        for speed in SPEEDS:
+            assert resistance(found, speed) == pytest.approx(5400.0 + 200.0 * speed + 12.0 * speed**2, rel=1e-8)
+        assert told(found, kind, words)
+    still = read(tmp_path, "still.json", json.dumps(OSRD | {"rolling_resistance": {"A": 0, "B": 0, "C": 2.5e-5}}))
+    assert resistance(still, 10.0) == pytest.approx(2.5e-3 * 2.09e6)
+    none = read(tmp_path, "none.json", json.dumps(OSRD | {"rolling_resistance": {"A": 0, "B": 0, "C": 0}}))
+    assert resistance(none, 30.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"A": 25.08, "B": 67.7, "C": 10.8}, "0.012 N/t or 2.51e+04 N/t at rest"),  # A in kN
+        ({"A": 1.2, "B": 0.0, "C": 0.0}, "0.000574 N/t or 1.2e+03 N/t at rest"),  # A in daN/t
+        ({"A": 0.006, "B": 200.0, "C": 12.0}, "2.87e-06 N/t or 6 N/t at rest"),  # A alone per mass
+        ({"A": 0.0, "B": 0.5, "C": 0.0}, "0.00718 N/t or 1.5e+04 N/t at 108 km/h"),
+    ],
+)
+def test_a_resistance_of_osrd_that_no_train_has_is_refused(given: dict[str, float], words: str, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=re.escape(words)):
+        read(tmp_path, "unit.json", json.dumps(OSRD | {"rolling_resistance": given}))
+    with pytest.raises(FileError, match=r"rolling_resistance\.C must be a number; got null"):
+        read(tmp_path, "unit.json", json.dumps(OSRD | {"rolling_resistance": {"A": 5000.0, "B": 1.0}}))
 
 
 # -- ALTRIOS ---------------------------------------------------------------------------------------------------------

@@ -210,8 +210,8 @@ def test_with_a_force_beyond_its_limits_its_brake_is_left_out(text: str, sentenc
 
 
 def test_a_resistance_beyond_its_limit_is_refused_with_it(tmp_path: Path) -> None:
-    path = tmp_path / "unit.json"
-    path.write_text(json.dumps(json.loads(FILES["unit.json"]) | {"rolling_resistance": {"A": 1, "B": 1, "C": 1e8}}))
+    path = tmp_path / "hopper.wag"
+    path.write_text(WAGON.replace("ORTSDavis_C ( 5 )", "ORTSDavis_C ( 2000 )"))
     with pytest.raises(ValueError, match=r"resistance_c must be a number from 0 to 1000 N/\(m/s\)\^2; got "):
         imported_consist(path)
 
