@@ -148,24 +148,28 @@ def _mass(fields: Fields, loads: list[float], path: Path, notes: Notes) -> float
 
 def _length(fields: Fields, path: Path, notes: Notes) -> float:
     """Return the length [m]. Raises FileError if the file has none."""
-    words = fields.words("Size")
-    length = fields.number("Size", "m", 2) if len(words) >= 3 else None
+    length = fields.number("Size", "m", 2)
     if length is None or length <= 0.0:
-        raise FileError(f"{path} must have Size ( width height length ); got {shown(' '.join(words))}. Correct it.")
+        words = " ".join(fields.words("Size"))
+        raise FileError(f"{path} must have Size ( width height length ); got {shown(words)}. Correct it.")
     notes.taken("Size, third value -> length [m]")
     return rounded(length)
 
 
 def _resistance(fields: Fields, notes: Notes) -> Row:
-    """Return Davis' a + b v + c v^2 [N], which Open Rails takes where all three are above 0, or nothing."""
+    """Return Davis' a + b v + c v^2 [N] as it stands; Open Rails takes it where none of the three is 0."""
     names = {"ORTSDavis_A": "N", "ORTSDavis_B": "N/(m/s)", "ORTSDavis_C": "N/(m/s)^2"}
     found = [fields.number(name, unit) for name, unit in names.items()]
-    if found[0] is None:
-        notes.assumed("Running resistance: the file has no ORTSDavis_A, B, C; that of the vehicle's kind applies.")
+    default = "Open Rails takes its own formula, 6.374 N/t m + 516 N + 0.4936 N/(m/s)/t m v + 1.113 N/(m/s)^2 v^2"
+    if found == [None, None, None]:
+        notes.assumed(
+            "Running resistance: the file has no ORTSDavis_A, B, C; that of the vehicle's kind applies, where "
+            f"{default}."
+        )
         return {}
     notes.taken("ORTSDavis_A, _B, _C -> resistance_a, _b, _c [N, N/(m/s), N/(m/s)^2]")
-    if None in found:
-        notes.assumed("ORTSDavis: a coefficient that is missing is 0.")
+    if not all(found):
+        notes.assumed(f"ORTSDavis with a coefficient that is 0 or missing: read as it stands, where {default}.")
     return {f"resistance_{letter}": rounded(value or 0.0) for letter, value in zip("abc", found, strict=True)}
 
 

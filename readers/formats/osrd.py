@@ -32,9 +32,9 @@ from readers.text import FileError, shown, text_of
 
 #: Length to which a train is divided [m]: that of a coach (UIC 567). Assumed.
 PART = 26.4
-#: Running resistance at rest below which, and at a speed [m/s] above which, a unit is doubtful [N/t]; limits of the
-#: reading at rest, and at that speed, where it is the weight [N/t]. Assumed.
+#: Running resistance at rest below which, and at a speed [m/s] above which, a unit is doubtful [N/t]. Assumed.
 LITTLE, MUCH, FAST = 3.0, 500.0, 30.0
+#: Least resistance at rest that is read, and largest one at that speed, the weight [N/t]. Assumed.
 LEAST, MOST_FAST = 0.3, 9806.65
 #: Fields without a column, each with the reason.
 LEFT = {

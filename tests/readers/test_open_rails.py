@@ -276,7 +276,60 @@ def test_a_table_of_friction_is_a_friction_that_changes_with_speed(force: str, t
     path.write_text(f"{start} 0 0.4 60 0.1 100 0.3 ) )")
     assert told(read_foreign(path), "assumed", "deviates by 63 % from the table")
     path.write_text(f"{start} 0 0.4 60 ) )")
-    assert told(read_foreign(path), "left", "it is not pairs of a speed that grows")
+    with pytest.raises(FileError, match="row 1: ORTSBrakeShoeFriction must be pairs of a speed that grows"):
+        read_foreign(path)
+
+
+@pytest.mark.parametrize(
+    ("field", "column", "due"),
+    [
+        ("ORTSDavis_C ( 5.8N/m/s^2 )", "resistance_c", 5.8),
+        ("ORTSDavis_C ( 5.8 N/m/s^2 )", "resistance_c", 5.8),
+        ('ORTSDavis_C ( "0.0058kN/(m/s)^2" )', "resistance_c", 5.8),
+        ('ORTSDavis_C ( "1N/(km/h)^2" )', "resistance_c", 12.96),
+        ('ORTSDavis_B ( "10N/(km/h)" )', "resistance_b", 36.0),
+        ("ORTSDavis_B ( 36kg/s )", "resistance_b", 36.0),
+        ("MaxBrakeForce ( 5daN )", "brake_force", 0.05),
+        ("MaxBrakeForce ( 5 kN )", "brake_force", 5.0),
+        ("MaxReleaseRate ( 10kPa/s )", "release_time", (64 * PSI - 0.4) / 0.1),
+    ],
+)
+def test_a_unit_of_a_number_is_that_of_any_reader(field: str, column: str, due: float, tmp_path: Path) -> None:
+    path = tmp_path / "one.wag"
+    path.write_text(f"Wagon ( one Type ( Freight ) Size ( 3 m 4 m 14 m ) Mass ( 20t ) {field} )")
+    assert read_foreign(path).rows[0][column] == pytest.approx(due, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "field",
+    [
+        *("ORTSDavis_C ( 5.8kips )", "ORTSDavis_C ( 5.8 kips )", "ORTSDavis_A ( none )", "ORTSDavis_B ( )"),
+        *("MaxBrakeForce ( 13000 pounds )", "BrakePipeVolume ( 3hogsheads )", "MaxApplicationRate ( 1bar/h )"),
+        *("ORTSNumberCarBrakeShoes ( 8pairs )", "MaxHandbrakeForce ( 20x )", "TripleValveRatio ( 2.5:1 )"),
+        *("ORTSDavis_C ( 5.8N/(m/s)^2 )", "ORTSDavis_C ( 5.8 N/(m/s) )"),
+        "Coupling ( Spring ( Stiffness ( 1e6N/m 5e6lbf/yd ) ) )",
+    ],
+)
+def test_a_unit_that_is_unknown_is_refused_and_not_0(field: str, tmp_path: Path) -> None:
+    path = tmp_path / "one.wag"
+    path.write_text(
+        f"Wagon ( one Type ( Freight ) Size ( 3 4 14m ) Mass ( 20t )\n{field} ORTSMaxBrakeShoeForce ( 9kN ) )"
+    )
+    with pytest.raises(FileError, match=r"one\.wag, row 2: \w+ must be a number( in .*)?; got '.*'\. Correct it"):
+        read_foreign(path)
+
+
+def test_a_resistance_that_open_rails_ignores_is_told(tmp_path: Path) -> None:
+    """MSTSWagon.cs, UpdateTrainBaseResistance: a coefficient of 0 turns ORTSDavis off."""
+    path = tmp_path / "one.wag"
+    for fields, words in (
+        ("ORTSDavis_A ( 1200N ) ORTSDavis_B ( 0 ) ORTSDavis_C ( 5.8 )", "read as it stands"),
+        ("", ""),
+    ):
+        path.write_text(f"Wagon ( one Type ( Freight ) Size ( 3 4 14m ) Mass ( 20t ) {fields} )")
+        found = read_foreign(path)
+        assert found.rows[0].get("resistance_a") == (1200.0 if fields else None)
+        assert told(found, "assumed", f"{words}, where Open Rails takes its own formula")
 
 
 def test_freight_animations_load_a_wagon(tmp_path: Path) -> None:
@@ -312,7 +365,10 @@ def test_a_remark_that_hides_a_field_is_told(tmp_path: Path) -> None:
     [
         ("", "must have a block Wagon ( ); got none."),
         ("Wagon ( one Size ( 3 4 14m ) )", "must have Mass in kg, t or lb; got null."),
-        ("Wagon ( one Size ( 3 4 14m ) Mass ( 3,5t ) )", "must have Mass in kg, t or lb; got 3,5t."),
+        (
+            "Wagon ( one Size ( 3 4 14m ) Mass ( 3,5t ) )",
+            "row 1: Mass must be a number in kg, g, t, lb, t-us, t-uk; got '3,5t'.",
+        ),
         ("Wagon ( one Size ( 3 4 ) Mass ( 20t ) )", "must have Size ( width height length )"),
         ('Wagon ( one Size ( 3 4 14m ) Mass ( 20t ) Name ( "a )', "a text in quotes must end"),
         ("Wagon ( one Size ( 3 4 14m ) Mass ( 20t ", "must close the bracket of 'mass'"),
