@@ -17,11 +17,12 @@ from readers.formats import Imported, Row
 from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import AIR, GRAVITY, MOST, checked, fitting, rounded, whole_train
 from readers.text import FileError, lines_of, quoted, shown, text_of
+from readers.units import quantity_of
 
 #: Largest file [bytes].
 LARGEST = 8_000_000
 #: A number, and a remark behind it; a decimal comma is not one.
-NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:[^\d.,].*)?", re.ASCII)
+NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)([^\d.,].*)?", re.ASCII)
 #: Names of a version in the first line.
 VERSION = re.compile(r"(bve(1200000|1210000|1220000|2000000|2060000)|openbve\s*\d*)", re.IGNORECASE)
 #: Sections by all their names, in small letters.
@@ -64,6 +65,21 @@ NUMBERS: dict[str, tuple[str, int, float, float, float]] = {
     "FrontCarIsAMotorCar": ("car", 5, 1, -1e9, 1e9),
     "WidthOfACar": ("car", 6, 2.6, 0.1, 10.0),
     "HeightOfACar": ("car", 7, 3.6, 0.1, 10.0),
+}
+#: Units of numbers that have one, as OpenBVE's manual states them.
+UNITS = {
+    "Deceleration": "km/h/s",
+    "DelayBrakeUp": "s",
+    "BrakeCylinderUp": "kPa/s",
+    "BrakeCylinderDown": "kPa/s",
+    "BrakeControlSpeed": "km/h",
+    "BrakeCylinderServiceMaximumPressure": "kPa",
+    "BrakeCylinderEmergencyMaximumPressure": "kPa",
+    "MotorCarMass": "t",
+    "TrailerCarMass": "t",
+    "LengthOfACar": "m",
+    "WidthOfACar": "m",
+    "HeightOfACar": "m",
 }
 #: Share of the rate of filling that a brake without a brake pipe has in service.
 SERVICE = 0.3
@@ -138,10 +154,14 @@ def _number(name: str, sections: dict[str, list[tuple[int, str]]], path: Path, n
 
 
 def _read(text: str, name: str, limits: tuple[float, float], place: str) -> float:
-    """Return the number at the beginning of a line. Raises FileError."""
+    """Return the number at the beginning of a line. Raises FileError, also for another unit behind it."""
     found = NUMBER.fullmatch(text.strip())
     if found is None or len(found[1]) > 40:
         raise FileError(f"{place}: {name} must be a number with a decimal point; got {quoted(text)}. Correct it.")
+    behind = (found[2] or "").split()
+    unit = UNITS.get(name, "")
+    if behind and behind[0] != unit and behind[0][0].isalpha() and quantity_of(behind[0].removesuffix("/s")):
+        raise FileError(f"{place}: {name} must be in {unit or 'no unit'}; got {quoted(text)}. Convert it.")
     return checked(float(found[1]), name, limits, "", place)
 
 

@@ -114,6 +114,7 @@ def _name(read: dict[str, Any], path: Path) -> str:
 def _rotating(read: dict[str, Any], source: str, notes: Notes) -> Row:
     """Return the share of rotating mass [%] of inertia_coefficient k, 100 (k - 1)."""
     if read.get("inertia_coefficient") is None:
+        notes.assumed("Rotating mass: the file has no inertia_coefficient; that of the vehicle's kind applies.")
         return {}
     factor = checked(
         named_number(read["inertia_coefficient"], "inertia_coefficient", source),

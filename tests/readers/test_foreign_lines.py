@@ -212,6 +212,16 @@ def test_a_landxml_alignment_has_the_elements_cant_and_heights_of_its_file(tmp_p
     assert "appliedCant is in mm (the schema has no unit): up to 100 mm" in line.account.assumed
 
 
+def test_what_a_line_lacks_is_told(tmp_path: Path) -> None:
+    line = line_of(tmp_path / "land.xml", landxml("").replace("<Units></Units>", ""))
+    assert "lengths are in m: the file has no Units" in line.account.assumed
+    bare = {"track_sections": [{"id": "T", "length": 100.0}]}
+    line = line_of(tmp_path / "infra.json", json.dumps(bare))
+    assert "track sections T are level: they have no slopes" in line.account.assumed
+    line = line_of(tmp_path / "net.yaml", "- idx_curr: 0\n  length_meters: 100.0\n")
+    assert "links 0 are level: they have no elevs" in line.account.assumed
+
+
 def test_landxml_in_feet_and_with_bloss_curves(tmp_path: Path) -> None:
     line = line_of(tmp_path / "land.xml", landxml('<Imperial linearUnit="USSurveyFoot"/>').replace('"100"', '"4"'))
     foot = 1200 / 3937
@@ -247,6 +257,7 @@ DAMAGED = {
         (),
         "radius of Curve must be a number",
     ),
+    "no unit": ("a.xml", landxml("<Imperial/>"), (), "linearUnit must be one of meter"),
     "an unknown unit": ("a.xml", landxml('<Metric linearUnit="league"/>'), (), "linearUnit must be one of meter"),
     "a parabola too long": (
         "a.xml",

@@ -386,6 +386,12 @@ def test_an_openbve_train_has_the_numbers_of_its_file(tmp_path: Path) -> None:
     assert row["dead_time"] == 0.3
 
 
+def test_a_unit_or_a_remark_behind_a_number_of_openbve_changes_nothing(tmp_path: Path) -> None:
+    plain = read(tmp_path, "train.dat", BVE)
+    text = BVE.replace("#CAR\n35", "#CAR\n35 t").replace("#PRESSURE\n500", "#PRESSURE\n500kPa, in service")
+    assert read(tmp_path, "train.dat", text).rows == plain.rows
+
+
 def test_an_automatic_brake_fills_at_the_whole_rate(tmp_path: Path) -> None:
     text = (
         BVE.replace("#BRAKE\n1\n2", "#BRAKE\n2\n0")
@@ -470,6 +476,24 @@ def test_a_formation_gives_its_vehicles_what_they_lack(tmp_path: Path) -> None:
         assert resistance(found, speed) == pytest.approx(own, rel=ROUNDED)
 
 
+def test_a_coefficient_that_railml_or_osrd_lacks_is_told(tmp_path: Path) -> None:
+    bare = '<railML><rollingstock><vehicles><vehicle id="a" bruttoWeight="50" length="20">{}</vehicle></vehicles>'
+    text = f"{bare}</rollingstock></railML>"
+    drag = '<drivingResistance><info rollingResistance="1.5" airDragCoefficient="0.8"/></drivingResistance>'
+    assert told(read(tmp_path, "a.xml", text.format(drag)), "assumed", "crossSectionArea: missing; 0.")
+    davis = '<drivingResistance><daviesFormulaFactors constantFactorA="500"/></drivingResistance>'
+    found = read(tmp_path, "a.xml", text.format(davis))
+    assert told(found, "assumed", "speedDependentFactorB, squareSpeedDependentFactorC: missing; 0.")
+    stock = {name: value for name, value in OSRD.items() if name != "inertia_coefficient"}
+    assert told(read(tmp_path, "a.json", json.dumps(stock)), "assumed", "the file has no inertia_coefficient")
+
+
+def test_a_table_of_railml_without_a_unit_is_told(tmp_path: Path) -> None:
+    text = RAILML.replace('<rail3:valueTable xValueUnit="km/h" yValueUnit="kN">', "<rail3:valueTable>")
+    assert text != RAILML
+    assert told(read(tmp_path, "ic.xml", text), "assumed", "a unit of its table is missing; km/h and N.")
+
+
 def test_a_table_of_deceleration_becomes_its_mean_over_a_stop(tmp_path: Path) -> None:
     """A constant 0.8 m/s2, and steps whose mean by hand is v^2 / 2 over int v / a dv."""
     table = (
@@ -535,7 +559,16 @@ LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;">]><railml>&b;</
             RAILML.replace('"84"', '"84 t"'),
             "bruttoWeight of vehicle loco must be a number up to 1e+12; got 84 t.",
         ),
-        ("a.xml", RAILML.replace('yValueUnit="kN"', 'yValueUnit="lbf"'), "must be over km/h or m/s"),
+        ("a.xml", RAILML.replace('yValueUnit="kN"', 'yValueUnit="stone"'), "must be over km/h or m/s"),
+        ("a.xml", RAILML.replace('yValueUnit="kN"', 'yValueUnit="m/s/s"'), "in N or daN or kN; got km/h and m/s/s."),
+        ("train.dat", BVE.replace("#CAR\n35", "#CAR\n35 kg"), "MotorCarMass must be in t; got '35 kg'."),
+        ("train.dat", BVE.replace("4.2      ; dec", "1.2 m/s2 ; dec"), "must be in km/h/s; got '1.2 m/s2'."),
+        ("train.dat", BVE.replace("#PRESSURE\n500", "#PRESSURE\n500 bar"), "Pressure must be in kPa; got '500 bar'."),
+        (
+            "train.dat",
+            BVE.replace("#MOVE\n500\n200\n500\n500\n1000", "#MOVE\n1\n2\n3\n4\n5 bar/s"),
+            "in kPa/s; got '5 bar/s'",
+        ),
         ("a.xml", RAILML.replace('"26.4"', '"0.9"'), "length must be from 3 to 31 m; got 0.9 m."),
         ("a.xml", UNIT.replace('vehicleCount="2"', 'vehicleCount="0"'), "must have 1 to 2000 vehicles; got 0."),
         ("a.txt", "", "must end in one of .con"),
