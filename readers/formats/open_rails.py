@@ -14,7 +14,7 @@ from readers.formats.notes import Notes
 from readers.formats.open_rails_coupler import coupler_of
 from readers.formats.open_rails_text import Block, Reader
 from readers.formats.open_rails_vehicle import vehicle_of
-from readers.formats.vehicle_rows import MOST, fitting, whole_train
+from readers.formats.vehicle_rows import MOST, fitting, rounded, whole_train
 from readers.text import FileError
 
 #: Names that a message about missing files lists.
@@ -35,14 +35,19 @@ def read_open_rails(path: Path) -> Imported:
         files = _files(path, entries)
     else:
         entries, files = [Block("wagon")], [path]
-    read: dict[Path, tuple[Row, list[Block]]] = {}
+    read: dict[Path, tuple[Row, list[Block], float]] = {}
     rows: list[Row] = []
+    led = False
     for entry, file in zip(entries, files, strict=True):
         if file not in read:
             notes.begin(file.name)
             read[file] = vehicle_of(file, notes)
         notes.vehicle = file.name
-        row, couplings = read[file]
+        row, couplings, share = read[file]
+        if led and row["kind"] == "locomotive" and "resistance_c" in row:
+            row = row | {"resistance_c": rounded(share * row["resistance_c"])}
+            notes.converted(f"ORTSDavis_C of a locomotive behind the first one: x {share:g}, as in Open Rails")
+        led = led or row["kind"] == "locomotive"
         flipped = entry.last("flip") is not None or "flip" in [word.lower() for word in entry.words]
         rows += fitting(row | coupler_of(couplings, flipped, notes), notes, str(file))
         if flipped:

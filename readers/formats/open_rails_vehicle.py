@@ -26,8 +26,11 @@ KINDS = {
     "tender": "wagon",
     "eot": "wagon",
 }
+#: Share of its drag that a locomotive has behind the first one (MSTSWagon.cs, TrailLocoResistanceFactor).
+TRAILING = 0.2083
 #: Fields that are taken.
 TAKEN = (
+    "ORTSTrailLocomotiveResistanceFactor",
     "Type",
     "Mass",
     "Size",
@@ -65,8 +68,10 @@ TAKEN = (
 )
 
 
-def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
-    """Return a vehicle as a row without coupler, and its couplings from the front.
+def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block], float]:
+    """Return a vehicle as a row without coupler, its couplings in the order of the file, and its share of drag.
+
+    The share is that of the drag of a locomotive that does not lead the train.
 
     Raises
     ------
@@ -94,7 +99,8 @@ def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
     row |= brake_of(fields, notes) | hand_brake_of(fields, notes) | drive_of(_engines(root), notes)
     row |= branch_of(fields, row["length"], notes)
     _tell_left(fields, root, notes)
-    return row, [block for block in blocks if block.name == "coupling"]
+    share = fields.number("ORTSTrailLocomotiveResistanceFactor", "1") or TRAILING
+    return row, [block for block in blocks if block.name == "coupling"], share
 
 
 def _kind(fields: Fields, path: Path, notes: Notes) -> str:

@@ -20,6 +20,8 @@ from readers.text import FileError
 
 #: Acceleration of gravity [m/s2] and density of air [kg/m3] in the numbers by hand.
 G, AIR = 9.80665, 1.225
+#: Density of air of OpenBVE, at 20 degC (Atmosphere.cs) [kg/m3].
+WARM = 101325 * 0.0289644 / (8.31447 * 293.15)
 #: Speeds of the resistances that are compared [m/s].
 SPEEDS = (0.0, 15.0, 30.0)
 #: Rows have 10 significant digits.
@@ -374,7 +376,7 @@ def test_an_openbve_train_has_the_numbers_of_its_file(tmp_path: Path) -> None:
     assert whole(found, "length") == 100.0
     assert [row["mass"] for row in found.rows for _ in range(row.get("count", 1))] == [35, 25, 35, 25, 35]
     for speed in SPEEDS:
-        own = 0.0025 * 155e3 * G + 0.5 * AIR * 1.2 * (6 + 4 * 2) * speed**2
+        own = 0.0025 * 155e3 * G + 0.5 * WARM * 1.2 * (6 + 4 * 2) * speed**2
         assert resistance(found, speed) == pytest.approx(own, rel=1e-8)
     row = found.rows[0]
     assert (row["brake"], row["full_pressure"], row["rotating"], row["valve"]) == ("ep-direct", 5.0, 0.0, "head")
@@ -408,8 +410,8 @@ def test_missing_numbers_are_openbves_defaults(tmp_path: Path) -> None:
     assert whole(found, "mass") == 61.0
     row = found.rows[0]
     assert row["deceleration"] == pytest.approx(1 / 3.6, rel=ROUNDED)
-    assert row["resistance_c"] == pytest.approx(0.5 * AIR * 1.1 * 0.65 * 2.6 * 3.6, rel=ROUNDED)
-    assert found.rows[1]["resistance_c"] == pytest.approx(0.5 * AIR * 1.1 * 0.2 * 2.6 * 3.6, rel=ROUNDED)
+    assert row["resistance_c"] == pytest.approx(0.5 * WARM * 1.1 * 0.6 * 2.6 * 3.6, rel=ROUNDED)
+    assert found.rows[1]["resistance_c"] == pytest.approx(0.5 * WARM * 1.1 * 0.2 * 2.6 * 3.6, rel=ROUNDED)
     assert told(found, "assumed", "TrailerCarMass: missing; OpenBVE's default of 1")
 
 

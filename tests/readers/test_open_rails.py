@@ -332,6 +332,18 @@ def test_a_resistance_that_open_rails_ignores_is_told(tmp_path: Path) -> None:
         assert told(found, "assumed", f"{words}, where Open Rails takes its own formula")
 
 
+def test_a_locomotive_behind_the_first_one_has_the_drag_of_open_rails(tmp_path: Path) -> None:
+    """MSTSWagon.cs: 0.2083 of it, or ORTSTrailLocomotiveResistanceFactor."""
+    path = written(tmp_path)
+    head, _, last = read_foreign(path).rows
+    assert last["resistance_c"] == pytest.approx(0.2083 * head["resistance_c"])
+    assert (last["resistance_a"], last["resistance_b"]) == (head["resistance_a"], head["resistance_b"])
+    engine = tmp_path / "TRAINS" / "TRAINSET" / "Big Power" / "Power.ENG"
+    engine.write_text(ENGINE.replace("Type ( Engine )", "Type ( Engine ) ORTSTrailLocomotiveResistanceFactor ( 0.5 )"))
+    head, _, last = read_foreign(path).rows
+    assert last["resistance_c"] == pytest.approx(0.5 * head["resistance_c"])
+
+
 def test_freight_animations_load_a_wagon(tmp_path: Path) -> None:
     path = tmp_path / "one.wag"
     path.write_text(

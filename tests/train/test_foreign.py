@@ -92,7 +92,7 @@ def by_hand(name: str, speed: float) -> tuple[float, float]:
     if name == "Coal.yaml":
         weight = 130e3 * G
         return 4 * 40.26 + 0.001546 * weight + 1.225 * 4.087 * speed**2, 0.3 * 0.11 * weight
-    drag = 0.5 * 1.225 * 1.2 * (6 + 3 * 2)
+    drag = 0.5 * 101325 * 0.0289644 / (8.31447 * 293.15) * 1.2 * (6 + 3 * 2)
     return 0.0025 * 120e3 * G + drag * speed**2, 1.0 * 120e3
 
 
