@@ -26,7 +26,7 @@ KINDS = {
     "tender": "wagon",
     "eot": "wagon",
 }
-#: Share of its drag that a locomotive has behind the first one (MSTSWagon.cs, TrailLocoResistanceFactor).
+#: Share of its drag that a locomotive has that does not lead the train (MSTSWagon.cs, TrailLocoResistanceFactor).
 TRAILING = 0.2083
 #: Fields that are taken.
 TAKEN = (
@@ -166,7 +166,7 @@ def _resistance(fields: Fields, notes: Notes) -> Row:
     """Return Davis' a + b v + c v^2 [N] as it stands; Open Rails takes it where none of the three is 0."""
     names = {"ORTSDavis_A": "N", "ORTSDavis_B": "N/(m/s)", "ORTSDavis_C": "N/(m/s)^2"}
     found = [fields.number(name, unit) for name, unit in names.items()]
-    default = "Open Rails takes its own formula, 6.374 N/t m + 516 N + 0.4936 N/(m/s)/t m v + 1.113 N/(m/s)^2 v^2"
+    default = "Open Rails takes its own formula, with 516 N and 6.374 N/t at rest"
     if found == [None, None, None]:
         notes.assumed(
             "Running resistance: the file has no ORTSDavis_A, B, C; that of the vehicle's kind applies, where "
@@ -174,6 +174,7 @@ def _resistance(fields: Fields, notes: Notes) -> Row:
         )
         return {}
     notes.taken("ORTSDavis_A, _B, _C -> resistance_a, _b, _c [N, N/(m/s), N/(m/s)^2]")
+    notes.left("Starting resistance below 5 mph, which Open Rails has instead of ORTSDavis: it has no column.")
     if not all(found):
         notes.assumed(f"ORTSDavis with a coefficient that is 0 or missing: read as it stands, where {default}.")
     return {f"resistance_{letter}": rounded(value or 0.0) for letter, value in zip("abc", found, strict=True)}
