@@ -169,7 +169,7 @@ def of_osrd() -> list[Quantity]:
 
 
 def of_altrios() -> list[Quantity]:
-    """Return those of ALTRIOS, a loaded car; tests hold a train to a run of altrios 1.1.0."""
+    """Return those of ALTRIOS, a loaded car; tests compare a train with a run of altrios 1.1.0."""
     weight = 130e3 * G_ALTRIOS
     still = 4 * 40.26 + 0.001546 * weight
     rows = [

@@ -61,19 +61,19 @@ class Fields:
         Raises
         ------
         FileError
-            If the field begins with another word than a number, or the unit is unknown or has brackets.
+            If the field begins with another word than a number, or its unit is unknown.
         """
         block = self.blocks.get(name.lower())
         if block is None:
             return None
-        places = [place for place, word in enumerate(block.words) if BEGIN.match(word)]
-        if not places or places[0] != 0 or block.blocks:  # brackets of a unit begin a block
-            inner = [f"{one.name}({' '.join(one.words)})" for one in block.blocks]
-            raise self._refusal(block, name, quantity, " ".join([*inner, *block.words]))
+        words = _joined(block)
+        places = [place for place, word in enumerate(words) if BEGIN.match(word)]
+        if not places or places[0] != 0:
+            raise self._refusal(block, name, quantity, " ".join(words))
         if len(places) <= at:
             return None
-        text = block.words[places[at]]
-        behind = block.words[places[at] + 1 : places[at] + 2]
+        text = words[places[at]]
+        behind = words[places[at] + 1 : places[at] + 2]
         found = measured(text, quantity)
         if found is None or not math.isfinite(found[0]):
             raise self._refusal(block, name, quantity, text)
@@ -109,3 +109,12 @@ class Fields:
                 continue
             for near in difflib.get_close_matches(name, list(of_taken), 1, ALIKE):
                 self.notes.left(f"{quoted(name)} is unknown and is not read; did you mean {of_taken[near]}?")
+
+
+def _joined(block: Block) -> list[str]:
+    """Return the words of a field, joined again where brackets of a unit began a block, as in 0.4*(ft^3)."""
+    if not block.blocks:
+        return block.words
+    unit = "".join(f"{one.name}({' '.join(one.words)})" for one in block.blocks)
+    first = [word for word in block.words[:1] if BEGIN.match(word)]
+    return ["".join([*first, unit, *block.words[len(first) :]])]

@@ -128,7 +128,11 @@ def test_a_change_against_the_track_stands_beside_one_along_it(tag: str, tmp_pat
     with pytest.raises(FileError, match="dir of gradientChange must be up or down; got sideways"):
         line_of(tmp_path / "infra.xml", RAILML2.replace('dir="down"', 'dir="sideways"'))
     line = line_of(tmp_path / "infra.xml", RAILML2)
-    assert "gradientChange with dir down: the 1 with dir up at their places are read" in line.account.left
+    assert "gradientChange with dir down, 1 in number: those with dir up are read" in line.account.left
+    both = RAILML2.replace('id="g2d" pos="400"', 'id="g2d" pos="1000"').replace('id="g1" pos="0"', 'id="g1" pos="50"')
+    line = line_of(tmp_path / "infra.xml", both)
+    assert line.value("gradient", 900.0) == pytest.approx(0.01)
+    assert "track t1 is level before its first gradientChange, at 50 m" in line.account.assumed
 
 
 def test_a_curve_of_railml_3_against_its_net_element_has_the_other_sign(tmp_path: Path) -> None:

@@ -285,6 +285,9 @@ def test_a_table_of_friction_is_a_friction_that_changes_with_speed(force: str, t
     [
         ("ORTSDavis_C ( 5.8N/m/s^2 )", "resistance_c", 5.8),
         ("ORTSDavis_C ( 5.8 N/m/s^2 )", "resistance_c", 5.8),
+        ("ORTSDavis_C ( 5.8N/(m/s)^2 )", "resistance_c", 5.8),
+        ("ORTSDavis_C ( 5.8 N/(m/s)^2 )", "resistance_c", 5.8),
+        ("ORTSAuxiliaryResCapacity ( 2*(ft^3) )", "auxiliary", 2 * 28.316846592),
         ('ORTSDavis_C ( "0.0058kN/(m/s)^2" )', "resistance_c", 5.8),
         ('ORTSDavis_C ( "1N/(km/h)^2" )', "resistance_c", 12.96),
         ('ORTSDavis_B ( "10N/(km/h)" )', "resistance_b", 36.0),
@@ -306,7 +309,7 @@ def test_a_unit_of_a_number_is_that_of_any_reader(field: str, column: str, due: 
         *("ORTSDavis_C ( 5.8kips )", "ORTSDavis_C ( 5.8 kips )", "ORTSDavis_A ( none )", "ORTSDavis_B ( )"),
         *("MaxBrakeForce ( 13000 pounds )", "BrakePipeVolume ( 3hogsheads )", "MaxApplicationRate ( 1bar/h )"),
         *("ORTSNumberCarBrakeShoes ( 8pairs )", "MaxHandbrakeForce ( 20x )", "TripleValveRatio ( 2.5:1 )"),
-        *("ORTSDavis_C ( 5.8N/(m/s)^2 )", "ORTSDavis_C ( 5.8 N/(m/s) )"),
+        *("ORTSDavis_C ( 5.8N/(m/s) )", "ORTSDavis_C ( 5.8 N/(m/s) )"),
         "Coupling ( Spring ( Stiffness ( 1e6N/m 5e6lbf/yd ) ) )",
     ],
 )
