@@ -60,7 +60,7 @@ LIMITS: dict[str, tuple[float, float, str]] = {
     "area": (0.0, 100.0, "m2"),
 }
 #: Numbers that are 0 where a car does not have them; ALTRIOS itself refuses such a car.
-OPTIONAL = {"rotating", "bearing", "davis_b", "area"}
+OPTIONAL = {"freight", "rotating", "bearing", "davis_b", "area"}
 #: Fields without a column, each with the reason.
 LEFT = {
     "brake_count": "a number of control valves; a vehicle has one distributor",
@@ -154,7 +154,8 @@ def _car(read: Mapping[str, Any], source: str) -> Car:
     else:
         numbers["mass"] = _number(read, "static", source)
     stated = {what for what, names in SPELLINGS.items() if any(read.get(one) is not None for one in names)}
-    return Car(_printable(name), numbers, tuple(SPELLINGS[what][0] for what in numbers.keys() & OPTIONAL - stated))
+    due = OPTIONAL if "base" in stated else OPTIONAL - {"freight"}
+    return Car(_printable(name), numbers, tuple(SPELLINGS[what][0] for what in due - stated))
 
 
 def _printable(name: Any) -> str:

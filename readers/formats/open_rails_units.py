@@ -48,6 +48,7 @@ _FACTORS: dict[str, dict[str, float]] = {
         "n/m/s^2": 1.0,
         "nm/s^2": 1.0,
         "ns^2/m^2": 1.0,
+        "ns2/m2": 1.0,
         "n/(m/s)^2": 1.0,
         "lbf/mph^2": POUND_FORCE / MILE_PER_HOUR**2,
         "lb/mph^2": POUND_FORCE / MILE_PER_HOUR**2,

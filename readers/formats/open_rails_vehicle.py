@@ -167,11 +167,9 @@ def _resistance(fields: Fields, notes: Notes) -> Row:
     names = {"ORTSDavis_A": "N", "ORTSDavis_B": "N/(m/s)", "ORTSDavis_C": "N/(m/s)^2"}
     found = [fields.number(name, unit) for name, unit in names.items()]
     default = "Open Rails takes its own formula, with 516 N and 6.374 N/t at rest"
-    if found == [None, None, None]:
-        notes.assumed(
-            "Running resistance: the file has no ORTSDavis_A, B, C; that of the vehicle's kind applies, where "
-            f"{default}."
-        )
+    if found[0] is None:
+        told = "no ORTSDavis_A" if any(one is not None for one in found) else "no ORTSDavis_A, B, C"
+        notes.assumed(f"Running resistance: the file has {told}; that of the vehicle's kind applies, where {default}.")
         return {}
     notes.taken("ORTSDavis_A, _B, _C -> resistance_a, _b, _c [N, N/(m/s), N/(m/s)^2]")
     notes.left("Starting resistance below 5 mph, which Open Rails has instead of ORTSDavis: it has no column.")

@@ -3,7 +3,7 @@
 Fields as OSRD's schema of rolling stock has them, in SI units. The resistance A + B v + C v^2 is that of the whole
 train in files before June 2026. Since then, and for towed stock since 2024, it is that of a kilogram
 (editoast/schemas/src/rolling_stock/rolling_resistance.rs: RollingResistanceRaw, RollingResistancePerWeight). No field
-states which of them a file has. A train has 0.3 to 500 N/t at rest, which only one reading meets.
+states which of them a file has. A train has 0.3 to 50 N/t at rest, which only one reading meets.
 """
 
 from __future__ import annotations
@@ -34,8 +34,10 @@ from readers.text import FileError, shown, text_of
 PART = 26.4
 #: Running resistance at rest below which, and at a speed [m/s] above which, a unit is doubtful [N/t]. Assumed.
 LITTLE, MUCH, FAST = 3.0, 500.0, 30.0
-#: Least resistance at rest that is read, and largest one at that speed, the weight [N/t]. Assumed.
-LEAST, MOST_FAST = 0.3, 9806.65
+#: Limits of a resistance that is read, at rest or, without A, at that speed, and its largest one there, the weight
+#: [N/t]. Assumed: a train in kN instead of N has 1000 times less, and as N/kg more than these.
+READ = {"at rest": (0.3, 50.0), f"at {3.6 * FAST:g} km/h": (0.3, MUCH)}
+MOST_FAST = 9806.65
 #: Fields without a column, each with the reason.
 LEFT = {
     "max_speed": "it does not affect braking",
@@ -163,11 +165,12 @@ def _unit_of_resistance(found: dict[str, float], mass: float, source: str) -> fl
         return 1.0
     name, value = ("at rest", found["A"]) if found["A"] else (f"at {3.6 * FAST:g} km/h", fast)
     readings = {1.0: value / mass, 1e3 * mass: 1e3 * value}
-    fitting = [factor for factor, one in readings.items() if LEAST <= one <= MUCH]
+    least, most = READ[name]
+    fitting = [factor for factor, one in readings.items() if least <= one <= most]
     if len(fitting) != 1 or fast * fitting[0] > MOST_FAST * mass:
         whole, own = readings.values()
         raise FileError(
-            f"{source}: rolling_resistance must be {LEAST:g} to {MUCH:g} N/t {name} and below the weight at "
+            f"{source}: rolling_resistance must be {least:g} to {most:g} N/t {name} and below the weight at "
             f"{3.6 * FAST:g} km/h, of the whole train in N or of a kilogram in N/kg; got A = {found['A']:g}, B = "
             f"{found['B']:g}, C = {found['C']:g}: {whole:.3g} N/t or {own:.3g} N/t {name}. Convert all to N, m/s."
         )

@@ -220,6 +220,9 @@ def test_a_resistance_of_osrd_per_mass_is_that_of_its_whole_train(tmp_path: Path
 def test_a_resistance_of_osrd_that_no_train_has_is_refused(given: dict[str, float], words: str, tmp_path: Path) -> None:
     with pytest.raises(FileError, match=re.escape(words)):
         read(tmp_path, "unit.json", json.dumps(OSRD | {"rolling_resistance": given}))
+    light = OSRD | {"mass": 60e3, "length": 100.0, "rolling_resistance": {"A": 0.36, "B": 0.012, "C": 0.0008}}  # in kN
+    with pytest.raises(FileError, match=r"0\.006 N/t or 360 N/t at rest"):
+        read(tmp_path, "unit.json", json.dumps(light))
     with pytest.raises(FileError, match=r"rolling_resistance\.C must be a number; got null"):
         read(tmp_path, "unit.json", json.dumps(OSRD | {"rolling_resistance": {"A": 5000.0, "B": 1.0}}))
 
@@ -317,6 +320,8 @@ def test_a_number_of_an_altrios_car_in_another_unit_is_refused(name: str, other:
         read(tmp_path, "car.yaml", MANIFEST.replace(name, other))
     missing = read(tmp_path, "car.yaml", MANIFEST.replace(name, "unknown"))
     assert told(missing, "assumed", f"{name}: missing; 0.")
+    empty = read(tmp_path, "car.yaml", MANIFEST.replace("mass_freight_kilograms", "unknown"))
+    assert told(empty, "assumed", "mass_freight_kilograms: missing; 0.")
     text = "loco_con:\n  loco_vec:\n  - mass_pounds: 430000\n"
     with pytest.raises(FileError, match="must have mass_kilograms; got mass_pounds"):
         read(tmp_path, "loco.yaml", text)

@@ -299,7 +299,7 @@ def test_a_table_of_friction_is_a_friction_that_changes_with_speed(force: str, t
 )
 def test_a_unit_of_a_number_is_that_of_any_reader(field: str, column: str, due: float, tmp_path: Path) -> None:
     path = tmp_path / "one.wag"
-    path.write_text(f"Wagon ( one Type ( Freight ) Size ( 3 m 4 m 14 m ) Mass ( 20t ) {field} )")
+    path.write_text(f"Wagon ( one Type ( Freight ) Size ( 3 m 4 m 14 m ) Mass ( 20t ) ORTSDavis_A ( 1 ) {field} )")
     assert read_foreign(path).rows[0][column] == pytest.approx(due, rel=1e-9)
 
 
@@ -325,13 +325,14 @@ def test_a_unit_that_is_unknown_is_refused_and_not_0(field: str, tmp_path: Path)
 def test_a_resistance_that_open_rails_ignores_is_told(tmp_path: Path) -> None:
     """MSTSWagon.cs, UpdateTrainBaseResistance: a coefficient of 0 turns ORTSDavis off."""
     path = tmp_path / "one.wag"
-    for fields, words in (
-        ("ORTSDavis_A ( 1200N ) ORTSDavis_B ( 0 ) ORTSDavis_C ( 5.8 )", "read as it stands"),
-        ("", ""),
+    for fields, rest, words in (
+        ("ORTSDavis_A ( 1200N ) ORTSDavis_B ( 0 ) ORTSDavis_C ( 5.8 )", 1200.0, "read as it stands"),
+        ("ORTSDavis_C ( 5.8 )", None, "the file has no ORTSDavis_A; that of the vehicle's kind applies"),
+        ("", None, "the file has no ORTSDavis_A, B, C; that of the vehicle's kind applies"),
     ):
         path.write_text(f"Wagon ( one Type ( Freight ) Size ( 3 4 14m ) Mass ( 20t ) {fields} )")
         found = read_foreign(path)
-        assert found.rows[0].get("resistance_a") == (1200.0 if fields else None)
+        assert found.rows[0].get("resistance_a") == rest
         assert told(found, "assumed", f"{words}, where Open Rails takes its own formula")
 
 
