@@ -81,7 +81,7 @@ screenshots: $(VENV)/test-installed
 
 # Writes what is generated of the README, EQUATIONS.md and the pages in docs/ anew, from the code and docs/data/.
 pages: $(VENV)/demo-installed
-	for page in charts counts numbers_of_pages equations variables catalogue benchmark; do $(RUN) docs/generate/$$page.py || exit 1; done
+	for page in charts counts numbers_of_pages equations variables catalogue benchmark importers; do $(RUN) docs/generate/$$page.py || exit 1; done
 
 # Wheels with compiled FMUs inside, sdist, archive of FMUs, live page, checksums, into dist/: 15 min the first time.
 release: $(VENV)/test-installed

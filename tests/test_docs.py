@@ -36,7 +36,10 @@ MADE = (
     "rbd_model/contact/creep/carter.py",
     "brake_controller/distributors/direct.py",
 )
-GENERATORS = ("charts", "counts", "numbers_of_pages", "equations", "variables", "catalogue", "benchmark", "slide_bound")
+GENERATORS = (
+    *("charts", "counts", "numbers_of_pages", "equations", "variables", "catalogue", "benchmark", "slide_bound"),
+    "importers",
+)
 #: A file with its folder, optionally followed by a name in it.
 PLACE = re.compile(r'(?<![\w/.*"-])((?:[\w-]+/)+[\w-]+(?:\.\w+)+)(?::[ :](\w+(?:\.\w+)*)(?=[`|<\s]))?')
 

@@ -3,7 +3,10 @@
 Fields as ALTRIOS writes them, in SI units; numbers of a train name cars by their car_type. The resistance of a car is,
 by its module train/resistance,
 
-    R = axles x bearing + (rolling_ratio + davis_b v) W + 0.5 rho cd_area v^2,    W = m g
+    R = axles x bearing + (rolling_ratio + davis_b v) W + rho cd_area v^2,    W = m g
+
+Its drag has no factor 1/2 (kind/aerodynamic.rs). `cd_area_vec` of a train replaces the cd_area of all cars, and the
+means of rolling_ratio and davis_b act on the weight of the locomotives too (train_config.rs).
 
 `braking_ratio` is the brake force over the weight (its module train/rail_vehicle). ALTRIOS takes it as retardation,
 0.11 g loaded and 0.25 g empty. The figures are those of AAR net braking ratios, the force of all shoes over the weight.
@@ -12,12 +15,13 @@ They are read so, with a friction of the shoes on top. This is assumed, not ALTR
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from readers.formats import Imported, Row
+from readers.formats.altrios_car import LIMITS, Car, car_of
+from readers.formats.altrios_locomotives import hauled, locomotives_of
 from readers.formats.any_case import in_any_case
 from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import AIR, GRAVITY, MOST, checked, fitting, named_number, rounded, whole_train
@@ -28,34 +32,6 @@ from readers.yaml_files import yaml_of
 FRICTION = 0.3
 #: Shoes of an axle. Assumed.
 SHOES = 2
-#: Spellings of each number of a car, the newest first.
-SPELLINGS: dict[str, tuple[str, ...]] = {
-    "length": ("length_meters", "length", "Length (m)"),
-    "axles": ("axle_count", "Axle Count"),
-    "base": ("mass_static_base_kilograms", "mass_static_base", "Mass Static Base (kg)"),
-    "freight": ("mass_freight_kilograms", "mass_freight", "Mass Freight (kg)"),
-    "static": ("mass_static_kilograms", "mass_static", "Mass Static Loaded (kg)"),
-    "ratio": ("braking_ratio", "Braking Ratio", "Braking Ratio Loaded"),
-    "rotating": ("mass_rot_per_axle_kilograms", "mass_rot_per_axle", "mass_extra_per_axle", "Mass Extra per Axle (kg)"),
-    "bearing": ("bearing_res_per_axle_newtons", "bearing_res_per_axle", "Bearing Res per Axle (N)"),
-    "rolling": ("rolling_ratio", "Rolling Ratio"),
-    "davis_b": ("davis_b_seconds_per_meter", "davis_b", "Davis B (s/m)"),
-    "area": ("cd_area_square_meters", "cd_area", "drag_area", "Cd*A (m^2)", "Drag Area Cd*A Loaded (m^2)"),
-}
-#: Limits of each number.
-LIMITS: dict[str, tuple[float, float, str]] = {
-    "length": (1.0, 1000.0, "m"),
-    "axles": (1, 400, ""),
-    "base": (100.0, 1e7, "kg"),
-    "freight": (0.0, 1e7, "kg"),
-    "static": (100.0, 1e7, "kg"),
-    "ratio": (0.0, 2.0, ""),
-    "rotating": (0.0, 1e5, "kg"),
-    "bearing": (0.0, 1e5, "N"),
-    "rolling": (0.0, 0.1, ""),
-    "davis_b": (0.0, 1.0, "s/m"),
-    "area": (0.0, 100.0, "m2"),
-}
 #: Fields without a column, each with the reason.
 LEFT = {
     "brake_count": "a number of control valves; a vehicle has one distributor",
@@ -71,19 +47,10 @@ LEFT = {
 #: Fields of a train without a column.
 LEFT_OF_TRAIN = {
     "train_type": "it does not affect the brake",
-    "cd_area_vec": "drag by place in the train has no column; each car has its own cd_area",
     "history": "a recorded run",
     "state": "a recorded run",
     "save_interval": "a setting of ALTRIOS",
 }
-
-
-@dataclass(frozen=True)
-class Car:
-    """A car: its numbers by the names in SPELLINGS, and its name."""
-
-    name: str
-    numbers: Mapping[str, float]
 
 
 def read_altrios(path: Path) -> Imported:
@@ -100,41 +67,14 @@ def read_altrios(path: Path) -> Imported:
     notes, source = Notes(), str(path)
     train = read.get("train_config", read)
     config = train if isinstance(train, dict) else read
-    rows = _locomotives(read, source, notes)
+    rows = locomotives_of(read, source, notes)
     if "n_cars_by_type" in config or "rail_vehicles" in config:
-        rows += _cars_of_train(config, path, notes)
+        rows = hauled(rows, cars := _cars_of_train(config, path, notes), notes) + _rows_of_cars(cars, source, notes)
         _tell_train(config, read, rows, notes)
     elif not rows:
-        rows = _car_rows(_car(read, source), 1, source, notes)
+        rows = _car_rows(car_of(read, source), 1, source, notes)
         _tell_left(read, LEFT, notes)
     return notes.imported(whole_train(rows, notes, source))
-
-
-def _number(read: Mapping[str, Any], what: str, source: str, default: float | None = None) -> float:
-    """Return a number of a car by any spelling. Raises FileError if it is missing without a default."""
-    for name in SPELLINGS[what]:
-        if read.get(name) is not None:
-            low, high, unit = LIMITS[what]
-            return checked(named_number(read[name], name, source), name, (low, high), unit, source)
-    if default is None:
-        raise FileError(f"{source} must have {SPELLINGS[what][0]}; got {shown(', '.join(map(str, read)))}. Add it.")
-    return default
-
-
-def _car(read: Mapping[str, Any], source: str) -> Car:
-    """Return a car of its file. Raises FileError."""
-    name = read.get("car_type", read.get("Car Type", "car"))
-    numbers = {what: _number(read, what, source) for what in ("length", "axles", "ratio", "rolling")}
-    numbers |= {what: _number(read, what, source, 0.0) for what in ("rotating", "bearing", "davis_b", "area")}
-    if any(one in read for one in SPELLINGS["base"]):
-        numbers["mass"] = _number(read, "base", source) + _number(read, "freight", source, 0.0)
-    else:
-        numbers["mass"] = _number(read, "static", source)
-    return Car(_printable(name), numbers)
-
-
-def _printable(name: Any) -> str:
-    return "".join(one if one.isprintable() else " " for one in str(name))[:60].strip() or "car"
 
 
 def _car_rows(car: Car, count: int, source: str, notes: Notes) -> list[Row]:
@@ -148,11 +88,13 @@ def _car_rows(car: Car, count: int, source: str, notes: Notes) -> list[Row]:
     notes.converted("mass_rot_per_axle: 100 x axle_count x mass_rot_per_axle / mass -> rotating [%]")
     row["resistance_a"] = rounded(n["axles"] * n["bearing"] + n["rolling"] * weight)
     row["resistance_b"] = rounded(n["davis_b"] * weight)
-    row["resistance_c"] = rounded(0.5 * AIR * n["area"])
+    row["resistance_c"] = rounded(AIR * n["area"])
     notes.converted(
         "bearing_res_per_axle, rolling_ratio, davis_b, cd_area: axles x bearing + rolling_ratio x weight, davis_b x "
-        f"weight, 0.5 x {AIR:g} kg/m3 x cd_area -> resistance_a, _b, _c (weight with {GRAVITY:g} m/s2)"
+        f"weight, {AIR:g} kg/m3 x cd_area (no factor 1/2) -> resistance_a, _b, _c (weight with {GRAVITY:g} m/s2)"
     )
+    for name in sorted(car.missing):
+        notes.assumed(f"{name}: missing; 0.")
     row |= _brake(n, weight, notes)
     parts = fitting(row, notes, source)
     return [{**part, "count": count} for part in parts] if len(parts) == 1 else parts * count
@@ -178,31 +120,56 @@ def _brake(n: Mapping[str, float], weight: float, notes: Notes) -> Row:
     }
 
 
-def _cars_of_train(config: Mapping[str, Any], path: Path, notes: Notes) -> list[Row]:
-    """Return the rows of a train's cars in the order of n_cars_by_type. Raises FileError."""
+def _cars_of_train(config: Mapping[str, Any], path: Path, notes: Notes) -> list[tuple[Car, int]]:
+    """Return a train's cars and their numbers, in the order of n_cars_by_type. Raises FileError."""
     source = str(path)
     counts, stated = config.get("n_cars_by_type"), config.get("rail_vehicles", [])
     if not isinstance(counts, dict) or not isinstance(stated, list):
         raise FileError(f"{source} must have n_cars_by_type with names and numbers; got {shown(counts)}. Correct it.")
-    cars = {}
+    known = {}
     for number, one in enumerate(stated):
         if not isinstance(one, dict):
             raise FileError(f"{source}: rail_vehicles must hold cars; got {shown(one)}. Correct it.")
-        cars[str(one.get("car_type"))] = _car(one, f"{source}, car {number + 1}")
-    rows: list[Row] = []
-    for name, count in counts.items():
+        known[str(one.get("car_type"))] = car_of(one, f"{source}, car {number + 1}")
+    for count in counts.values():
         if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= MOST:
             raise FileError(
                 f"{source}: n_cars_by_type must have integers from 0 to {MOST}; got {shown(count)}. Correct it."
             )
-        car = cars.get(str(name)) or _car_beside(str(name), path)
-        rows += _car_rows(car, count, source, notes) if count else []
-        if len(rows) > MOST:
-            raise FileError(f"{source} must have at most {MOST} vehicles; got more. Take cars away.")
-    notes.vehicle = ""
+    if sum(counts.values()) > MOST:
+        raise FileError(f"{source} must have at most {MOST} vehicles; got more. Take cars away.")
+    cars = [(known.get(str(name)) or _car_beside(str(name), path), count) for name, count in counts.items() if count]
     notes.taken("n_cars_by_type -> count")
     if len(counts) > 1:
         notes.assumed("The order of the cars is that of n_cars_by_type; a train of ALTRIOS is a sum without an order.")
+    return _with_areas(cars, config.get("cd_area_vec"), source, notes)
+
+
+def _with_areas(cars: list[tuple[Car, int]], areas: Any, source: str, notes: Notes) -> list[tuple[Car, int]]:
+    """Return cars with the mean of the drag areas of a train, if it states these. Raises FileError."""
+    if areas is None:
+        return cars
+    total = sum(count for _, count in cars)
+    if not isinstance(areas, list) or len(areas) != total:
+        raise FileError(f"{source}: cd_area_vec must have {total} numbers, one a car; got {shown(areas)}. Correct it.")
+    low, high, unit = LIMITS["area"]
+    numbers = [named_number(one, "cd_area_vec", source) for one in areas]
+    mean = sum(checked(one, "cd_area_vec", (low, high), unit, source) for one in numbers) / max(total, 1)
+    notes.converted("cd_area_vec: its mean for each car, in place of cd_area; the drag of the train is that of the sum")
+    return [(car.with_area(mean), count) for car, count in cars]
+
+
+def _rows_of_cars(cars: list[tuple[Car, int]], source: str, notes: Notes) -> list[Row]:
+    """Return the rows of a train's cars."""
+    rows: list[Row] = []
+    for car, count in cars:
+        rows += _car_rows(car, count, source, notes)
+    notes.vehicle = ""
+    if len({car.numbers["ratio"] for car, _ in cars}) > 1:
+        notes.assumed(
+            "braking_ratio of unlike cars: each is that of its car; ALTRIOS takes their mean by number times the mass "
+            "of all cars."
+        )
     return rows
 
 
@@ -214,64 +181,10 @@ def _car_beside(name: str, path: Path) -> Car:
             if found is not None:
                 read = yaml_of(found)
                 if isinstance(read, dict):
-                    return _car(read, str(found))
+                    return car_of(read, str(found))
     raise FileError(
         f"{path} must have the car {quoted(name)} in rail_vehicles, or in {name}.yaml beside it; got neither. Add it."
     )
-
-
-def _locomotives(read: Mapping[str, Any], source: str, notes: Notes) -> list[Row]:
-    """Return the rows of the locomotives in loco_con or loco_vec, none if the file has none. Raises FileError."""
-    consist = read.get("loco_con", read)
-    stated = consist.get("loco_vec") if isinstance(consist, dict) else None
-    if stated is None:
-        return []
-    if not isinstance(stated, list) or len(stated) > MOST:
-        raise FileError(f"{source}: loco_vec must be a list of at most {MOST} locomotives; got another. Correct it.")
-    rows: list[Row] = []
-    notes.begin("locomotives")
-    for number, one in enumerate(stated):
-        place = f"{source}, locomotive {number + 1}"
-        if not isinstance(one, dict):
-            raise FileError(f"{place} must be a locomotive; got {shown(one)}. Correct it.")
-        row: Row = {"kind": "locomotive", "name": f"locomotive {number + 1}"}
-        given = one.get("mass_kilograms", one.get("mass"))
-        if given is None:
-            notes.assumed("Mass of a locomotive: missing; that of the kind.")
-        else:
-            row["mass"] = rounded(checked(1e-3 * named_number(given, "mass", place), "mass", (1.0, 300.0), "t", place))
-            notes.taken("loco_vec mass -> mass [t]")
-        rows.append(row | _motors(one, place, notes))
-    notes.assumed(
-        "Length, running resistance and brake of a locomotive: those of the kind; ALTRIOS does not have them."
-    )
-    notes.left("Powertrain of a locomotive: efficiencies, limits of engine and battery, and dynamic brakes.")
-    return rows
-
-
-def _motors(one: Mapping[str, Any], place: str, notes: Notes) -> Row:
-    """Return the largest force of a locomotive and the power of its electric drivetrain, if it states both."""
-    drive = next((inner for inner in _within(one) if "edrv" in inner), {}).get("edrv", {})
-    given = [
-        next((read[name] for name in names if isinstance(read, dict) and read.get(name) is not None), None)
-        for read, names in ((one, ("force_max_newtons", "force_max")), (drive, ("pwr_out_max_watts", "pwr_out_max")))
-    ]
-    if None in given:
-        notes.left("Motors of a locomotive: they need force_max and pwr_out_max of edrv.")
-        return {}
-    force, power = (named_number(value, name, place) for value, name in zip(given, ("force_max", "edrv"), strict=True))
-    checked(1e-3 * force, "force_max", (0.1, 2000.0), "kN", place)
-    checked(1e-3 * power, "pwr_out_max of edrv", (1.0, 30e3), "kW", place)
-    notes.taken("force_max -> traction_force [kN], pwr_out_max of edrv -> traction_power [kW]")
-    return {"traction_force": rounded(1e-3 * force), "traction_power": rounded(1e-3 * power)}
-
-
-def _within(read: Any, depth: int = 4) -> Iterator[Mapping[str, Any]]:
-    """Yield a mapping and those inside it."""
-    if isinstance(read, dict):
-        yield read
-        for inner in read.values() if depth else ():
-            yield from _within(inner, depth - 1)
 
 
 def _tell_left(read: Mapping[str, Any], reasons: Mapping[str, str], notes: Notes) -> None:

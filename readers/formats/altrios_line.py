@@ -66,6 +66,9 @@ def read_altrios_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
         "headings grow clockwise, as those of a compass: a falling one is a curve to the left; --mirror exchanges them",
         "the cant is 0: ALTRIOS has none",
     ]
+    for field, words in (("elevs", "level"), ("headings", "straight")):
+        if bare := [name for name, _ in route if not links[name].get(field)]:
+            account.assumed.append(f"links {listed(bare)} are {words}: they have no {field}")
     for (name, back), (other, turned) in pairwise(route):
         follow = {str(links[other if back else name].get(key)) for key in NEXT}
         if back != turned or (name if back else other) not in follow:

@@ -72,16 +72,18 @@ def read_landxml(path: Path, asked: Sequence[str] = ()) -> Alignment:
             f"{source}: one alignment must be named with --tracks; the file has {listed(found)}. Name one of these."
         )
     name = asked[0] if asked else next(iter(found))
-    unit, unit_name, imperial = _unit(root, source)
     account = Account(taken=[f"alignment {shown(name)}: elements in plan, stations, rotations"])
+    unit, unit_name, imperial = _unit(root, source, account)
     if unit != 1.0:
         account.converted.append(f"lengths: {unit_name} to m, times {unit:.10g}")
     return _alignment(found[name], source, unit, imperial, account)
 
 
-def _unit(root: ET.Element, source: str) -> tuple[float, str, bool]:
+def _unit(root: ET.Element, source: str, account: Account) -> tuple[float, str, bool]:
     units = next(inside(root, "Metric", "Imperial"), None)
-    name = "meter" if units is None else units.get("linearUnit", "meter")
+    if units is None:
+        account.assumed.append("lengths are in m: the file has no Units")
+    name = "meter" if units is None else units.get("linearUnit", "")
     if name.lower() not in UNITS:
         raise FileError(f"{source}: linearUnit must be one of {', '.join(UNITS)}; got {shown(name)}. Correct it.")
     return UNITS[name.lower()], name, units is not None and units.tag == "Imperial"

@@ -11,7 +11,7 @@ from pathlib import Path
 from readers.formats import Imported, Row
 from readers.formats.any_case import in_any_case
 from readers.formats.notes import Notes
-from readers.formats.open_rails_fields import Fields
+from readers.formats.open_rails_coupler import coupler_of
 from readers.formats.open_rails_text import Block, Reader
 from readers.formats.open_rails_vehicle import vehicle_of
 from readers.formats.vehicle_rows import MOST, fitting, rounded, whole_train
@@ -19,8 +19,6 @@ from readers.text import FileError
 
 #: Names that a message about missing files lists.
 LISTED = 3
-#: Slack of a coupler whose r0 does not begin with 0, and largest slack [m], as Open Rails takes them.
-SLACK, MOST_SLACK = 0.012, 0.1
 
 
 def read_open_rails(path: Path) -> Imported:
@@ -37,18 +35,23 @@ def read_open_rails(path: Path) -> Imported:
         files = _files(path, entries)
     else:
         entries, files = [Block("wagon")], [path]
-    read: dict[Path, tuple[Row, list[Block]]] = {}
+    read: dict[Path, tuple[Row, list[Block], float]] = {}
     rows: list[Row] = []
+    led = False
     for entry, file in zip(entries, files, strict=True):
         if file not in read:
             notes.begin(file.name)
             read[file] = vehicle_of(file, notes)
         notes.vehicle = file.name
-        row, couplings = read[file]
+        row, couplings, share = read[file]
+        if led and row["kind"] == "locomotive" and "resistance_c" in row:
+            row = row | {"resistance_c": rounded(share * row["resistance_c"])}
+            notes.converted(f"ORTSDavis_C of a locomotive behind the first one: x {share:g}, as in Open Rails")
+        led = led or row["kind"] == "locomotive"
         flipped = entry.last("flip") is not None or "flip" in [word.lower() for word in entry.words]
-        rows += fitting(row | _coupler(couplings, flipped, notes), notes, str(file))
+        rows += fitting(row | coupler_of(couplings, flipped, notes), notes, str(file))
         if flipped:
-            notes.taken("Flip: the coupler behind the vehicle is its front one")
+            notes.taken("Flip: the coupler behind the vehicle is the second one of its file")
     return notes.imported(whole_train(rows, notes, str(path)))
 
 
@@ -110,47 +113,3 @@ def _place(folder: Path, own: str, name: str) -> Path | None:
                 if found is not None:
                     return found
     return in_any_case(folder, name)
-
-
-def _coupler(couplings: list[Block], flipped: bool, notes: Notes) -> Row:
-    """Return the coupler behind a vehicle: its last one, or its first one if it is flipped."""
-    if not couplings:
-        notes.assumed("Coupling: missing; a screw coupler.")
-        return {}
-    block = couplings[0] if flipped else couplings[-1]
-    own = Fields(block.blocks, notes)
-    kind = own.word("Type")
-    rigid = own.word("CouplingHasRigidConnection") not in ("", "0", "false") or (
-        own.has("CouplingHasRigidConnection") and not own.word("CouplingHasRigidConnection")
-    )
-    if rigid or kind == "bar":
-        notes.taken("Coupling: rigid connection or Bar -> coupler = rigid")
-        return {"coupler": "rigid"}
-    row: Row = {"coupler": "draft-gear" if kind == "automatic" else "screw"}
-    notes.taken("Coupling: Automatic -> draft-gear, others -> screw")
-    spring = own.blocks.get("spring")
-    if spring is None:
-        return row
-    return row | _spring(Fields(spring.blocks, notes), notes)
-
-
-def _spring(own: Fields, notes: Notes) -> Row:
-    """Return stiffness, slack and strength of a coupler."""
-    row: Row = {}
-    if any(name.startswith("orts") for name in own.blocks):
-        notes.left("Coupling, ORTS fields of advanced couplers: Open Rails reads their stiffness as a force.")
-        return row
-    if stiffness := own.number("Stiffness", "N/m"):
-        row["coupler_stiffness"] = rounded(1e-6 * stiffness)
-        notes.taken("Coupling Stiffness, first value -> coupler_stiffness [MN/m]")
-    near, far = own.number("r0", "m"), own.number("r0", "m", 1) if len(own.words("r0")) > 1 else None
-    if near is not None:
-        slack = min(far / 2, MOST_SLACK) if near == 0.0 and far else SLACK
-        row["coupler_slack"] = rounded(1e3 * slack)
-        notes.converted("Coupling r0: half of the second value if the first is 0, else 12 mm -> coupler_slack [mm]")
-    if strength := own.number("Break", "N"):
-        row["coupler_strength"] = rounded(1e-3 * strength)
-        notes.taken("Coupling Break, first value -> coupler_strength [kN]")
-    if own.has("Damping"):
-        notes.left("Coupling Damping: friction of the coupler is that of its kind.")
-    return row

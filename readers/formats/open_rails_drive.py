@@ -11,8 +11,9 @@ from readers.formats.drive_tables import STRONGEST, drive_table
 from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
 from readers.formats.open_rails_text import Block
-from readers.formats.open_rails_units import measured
+from readers.formats.open_rails_units import measured, units_of
 from readers.formats.vehicle_rows import rounded
+from readers.text import FileError, quoted
 
 #: Names of a curve, the one that is valid first.
 TRACTION_CURVES = ("ORTSMaxTractiveForceCurves", "MaxTractiveForceCurves")
@@ -37,16 +38,26 @@ def _curve(fields: Fields, names: tuple[str, ...], column: str, notes: Notes) ->
     positions = {}
     for block in fields.blocks[name.lower()].blocks:
         share = measured(block.name, "1")
-        numbers = [measured(word, ("km/h curve", "N")[n % 2]) for n, word in enumerate(block.words)]
-        good = share is not None and len(numbers) % 2 == 0 and None not in numbers
-        if not good or share is None:
+        values = [_value(block, name, at) for at in range(len(block.words))]
+        if share is None or len(values) % 2:
             notes.left(f"{name}: it is not positions with pairs of a speed and a force.")
             return {}
-        values = [one[0] for one in numbers if one is not None]
         positions[share[0]] = list(zip(values[::2], values[1::2], strict=True))
     if len(positions) > 1:
         notes.left(f"{name}: curves of lower positions; a share of the highest one is taken instead.")
     return drive_table(column, positions[max(positions)], name, notes) if positions else {}
+
+
+def _value(block: Block, name: str, at: int) -> float:
+    """Return a speed [km/h] or a force [N] of a curve by its place. Raises FileError if it cannot be read."""
+    quantity = ("km/h curve", "N")[at % 2]
+    found = measured(block.words[at], quantity)
+    if found is None:
+        raise FileError(
+            f"{block.source}, row {block.row}: {name} must be numbers in {' or '.join(units_of(quantity))}; got "
+            f"{quoted(block.words[at])}. Correct it."
+        )
+    return found[0]
 
 
 def _traction(fields: Fields, notes: Notes) -> Row:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Sequence
 
 from readers.formats.notes import Notes
 from readers.formats.open_rails_text import Block
-from readers.formats.open_rails_units import FACTORS, measured
-from readers.text import quoted
+from readers.formats.open_rails_units import FACTORS, measured, units_of
+from readers.text import FileError, quoted
 
+#: Begin of a word that is a number.
+BEGIN = re.compile(r"[+-]?\.?\d")
 #: Likeness from which an unknown name is a misspelt one.
 ALIKE = 0.9
 
@@ -23,7 +26,7 @@ class Fields:
     blocks : sequence of Block
         Blocks of the vehicle; of equal names the last one is valid.
     notes : Notes
-        Where a field that cannot be read is told.
+        Receives sentences about units behind a blank and misspelt names.
     """
 
     def __init__(self, blocks: Sequence[Block], notes: Notes) -> None:
@@ -44,7 +47,7 @@ class Fields:
         return name.lower() in self.blocks
 
     def number(self, name: str, quantity: str, at: int = 0) -> float | None:
-        """Return a number of a field in the unit of its quantity, None if it is missing or cannot be read.
+        """Return a number of a field in the unit of its quantity, None if the file does not have it.
 
         Parameters
         ----------
@@ -54,34 +57,48 @@ class Fields:
             A name in FACTORS.
         at : int
             Which of its numbers, from 0.
-        """
-        words = self.words(name)
-        if len(words) <= at:
-            if self.has(name):
-                self.notes.left(f"{name}: it has no number.")
-            return None
-        found = measured(words[at], quantity)
-        if found is None or not math.isfinite(found[0]):
-            units = ", ".join(unit for unit in FACTORS[quantity] if unit)
-            self.notes.left(f"{name}: {quoted(words[at])} is not a number{f' in {units}' if units else ''}.")
-            return None
-        return self._with_unit_behind(name, words, at, quantity, found)
 
-    def _with_unit_behind(
-        self, name: str, words: list[str], at: int, quantity: str, found: tuple[float, str]
-    ) -> float | None:
-        """Return a number with a unit that stands apart from it, which Open Rails does not read."""
-        number, unit = found
-        behind = words[at + 1].lower() if len(words) > at + 1 else ""
-        apart = measured(f"1{behind}", quantity) if behind[:1].isalpha() else None
-        if unit or not apart or not apart[1]:
-            return number
-        if math.isclose(FACTORS[quantity][apart[1]], FACTORS[quantity][""]):
-            return number
-        self.notes.assumed(
-            f"{name}: {words[at]} {words[at + 1]} is read with its unit; Open Rails ignores a unit behind a blank."
+        Raises
+        ------
+        FileError
+            If the field begins with another word than a number, or its unit is unknown.
+        """
+        block = self.blocks.get(name.lower())
+        if block is None:
+            return None
+        words = _joined(block)
+        places = [place for place, word in enumerate(words) if BEGIN.match(word)]
+        if not places or places[0] != 0:
+            raise self._refusal(block, name, quantity, " ".join(words))
+        if len(places) <= at:
+            return None
+        text = words[places[at]]
+        behind = words[places[at] + 1 : places[at] + 2]
+        found = measured(text, quantity)
+        if found is None or not math.isfinite(found[0]):
+            raise self._refusal(block, name, quantity, text)
+        if found[1] or not behind or BEGIN.match(behind[0]) or getattr(behind[0], "in_quotes", False):
+            return found[0]
+        return self._with_unit_behind(block, name, quantity, text, behind[0])
+
+    def _with_unit_behind(self, block: Block, name: str, quantity: str, number: str, unit: str) -> float:
+        """Return a number with a unit that stands apart from it, which Open Rails does not read. Raises FileError."""
+        found = measured(f"{number}{unit}", quantity)
+        if found is None:
+            raise self._refusal(block, name, quantity, f"{number} {unit}")
+        if not math.isclose(FACTORS[quantity][found[1]], FACTORS[quantity][""]):
+            self.notes.assumed(
+                f"{name}: {number} {unit} is read with its unit; Open Rails ignores a unit behind a blank."
+            )
+        return found[0]
+
+    def _refusal(self, block: Block, name: str, quantity: str, text: str) -> FileError:
+        """Return the error about a number that cannot be read."""
+        units = ", ".join(one for one in units_of(quantity) if "(" not in one)
+        return FileError(
+            f"{block.source}, row {block.row}: {name} must be a number{f' in {units}' if units else ''}; got "
+            f"{quoted(text)}. Correct it, and write a remark as comment ( )."
         )
-        return number / FACTORS[quantity][""] * FACTORS[quantity][apart[1]]
 
     def misspelt(self, known: Sequence[str], taken: Sequence[str]) -> None:
         """Tell names that are unknown and nearly those of fields that are taken."""
@@ -92,3 +109,12 @@ class Fields:
                 continue
             for near in difflib.get_close_matches(name, list(of_taken), 1, ALIKE):
                 self.notes.left(f"{quoted(name)} is unknown and is not read; did you mean {of_taken[near]}?")
+
+
+def _joined(block: Block) -> list[str]:
+    """Return the words of a field, joined again where brackets of a unit began a block, as in 0.4*(ft^3)."""
+    if not block.blocks:
+        return block.words
+    unit = "".join(f"{one.name}({' '.join(one.words)})" for one in block.blocks)
+    first = [word for word in block.words[:1] if BEGIN.match(word)]
+    return ["".join([*first, unit, *block.words[len(first) :]])]

@@ -15,6 +15,7 @@ from readers.formats import Row
 from readers.formats.notes import Notes
 from readers.formats.open_rails_fields import Fields
 from readers.formats.vehicle_rows import rounded
+from readers.text import FileError, quoted
 
 #: Speeds V2 that are tried [km/h], the number of speeds at which a fit is compared, and its least friction.
 HALF_SPEEDS, SAMPLES, LEAST = np.geomspace(1.0, 1000.0, 601), 201, 0.001
@@ -36,7 +37,7 @@ def friction_of_table(fields: Fields, notes: Notes, at_rims: bool) -> Row:
     at_rims : bool
         Whether the force of the brake is that at the rims, behind the friction at standstill.
     """
-    table = _table(fields, notes)
+    table = _table(fields)
     if not table:
         return {}
     speeds, frictions = np.array(table).T
@@ -77,18 +78,25 @@ def fitted(speeds: np.ndarray, frictions: np.ndarray) -> tuple[float, float, flo
     return float(fast[best]), float(HALF_SPEEDS[best]), float(off[best])
 
 
-def _table(fields: Fields, notes: Notes) -> list[tuple[float, float]]:
-    """Return speeds [km/h] that grow, and friction, none if the file has no such table."""
-    if not fields.has("ORTSBrakeShoeFriction"):
+def _table(fields: Fields) -> list[tuple[float, float]]:
+    """Return speeds [km/h] that grow, and friction, none if the file has no such table. Raises FileError."""
+    block = fields.blocks.get("ortsbrakeshoefriction")
+    if block is None:
         return []
-    try:
-        numbers = [float(word) for word in fields.words("ORTSBrakeShoeFriction")]
-    except ValueError:
-        numbers = []
+    numbers = [_number(word) for word in block.words]
     pairs = list(zip(numbers[::2], numbers[1::2], strict=False))
-    good = len(pairs) >= 2 and len(numbers) % 2 == 0
-    good = good and all(math.isfinite(a) and a >= 0.0 and 0.01 <= b <= 1.0 for a, b in pairs)
+    good = len(pairs) >= 2 and len(numbers) % 2 == 0 and all(a >= 0.0 and 0.01 <= b <= 1.0 for a, b in pairs)
     if good and all(b[0] > a[0] for a, b in pairwise(pairs)):
         return pairs
-    notes.left("ORTSBrakeShoeFriction: it is not pairs of a speed that grows and a friction from 0.01 to 1.")
-    return []
+    raise FileError(
+        f"{block.source}, row {block.row}: ORTSBrakeShoeFriction must be pairs of a speed that grows, in km/h, and a "
+        f"friction from 0.01 to 1; got {quoted(' '.join(block.words))}. Correct it."
+    )
+
+
+def _number(text: str) -> float:
+    """Return the number of a word, NaN if it is not one."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

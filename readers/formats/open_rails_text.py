@@ -40,9 +40,10 @@ class Word(str):
 
 @dataclass
 class Block:
-    """A block: its name in small letters, the row of its name, and its words and blocks in their order."""
+    """A block: its name in small letters, file and row of its name, and its words and blocks in their order."""
 
     name: str
+    source: str = ""
     row: int = 0
     words: list[str] = field(default_factory=list)
     blocks: list[Block] = field(default_factory=list)
@@ -157,7 +158,7 @@ class Reader:
             )
         if named is not None:
             stack[-1].words.pop()
-        block = Block("" if named is None else named.lower(), word.row)
+        block = Block("" if named is None else named.lower(), words.source, word.row)
         stack[-1].blocks.append(block)
         stack.append(block)
 

@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from readers.units import SPELLINGS
+
 #: A number, with commas between groups of three digits, and its unit; a remark may follow after #.
 NUMBER = re.compile(r"(?P<number>[+-]?(?:\d+(?:,\d{3})*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?),?\s*(?P<unit>[^#]*)(?:#.*)?")
 POUND, FOOT, INCH, MILE_PER_HOUR = 0.45359237, 0.3048, 0.0254, 0.44704
@@ -28,33 +30,31 @@ _FACTORS: dict[str, dict[str, float]] = {
         "in": INCH,
         "in/2": INCH / 2,
     },
-    "km/h": {
-        "": 3.6 * MILE_PER_HOUR,
-        "mph": 3.6 * MILE_PER_HOUR,
-        "km/h": 1.0,
-        "kmh": 1.0,
-        "kph": 1.0,
-        "m/s": 3.6,
-    },
-    "km/h curve": {"": 3.6, "mph": 3.6 * MILE_PER_HOUR, "km/h": 1.0, "kmh": 1.0, "kph": 1.0, "m/s": 3.6},
+    "km/h": {"": 3.6 * MILE_PER_HOUR, "mph": 3.6 * MILE_PER_HOUR, "km/h": 1.0, "m/s": 3.6},
+    "km/h curve": {"": 3.6, "mph": 3.6 * MILE_PER_HOUR, "km/h": 1.0, "m/s": 3.6},
     "W": {"": 1.0, "w": 1.0, "kw": 1e3, "hp": 550 * POUND_FORCE * FOOT},
     "N": {"": 1.0, "n": 1.0, "kn": 1e3, "mn": 1e6, "lbf": POUND_FORCE, "lb": POUND_FORCE},
     "N/s": {"": 1.0, "n/s": 1.0, "kn/s": 1e3, "lbf/s": POUND_FORCE},
     "N/(m/s)": {
         "": 1.0,
         "n/m/s": 1.0,
-        "ns/m": 1.0,
         "n/(m/s)": 1.0,
         "lbf/mph": POUND_FORCE / MILE_PER_HOUR,
         "lb/mph": POUND_FORCE / MILE_PER_HOUR,
+        "kg/s": 1.0,
     },
     "N/(m/s)^2": {
         "": 1.0,
+        "n/m/s^2": 1.0,
         "nm/s^2": 1.0,
         "ns^2/m^2": 1.0,
+        "ns2/m2": 1.0,
         "n/(m/s)^2": 1.0,
         "lbf/mph^2": POUND_FORCE / MILE_PER_HOUR**2,
         "lb/mph^2": POUND_FORCE / MILE_PER_HOUR**2,
+        "n/(m^2/s^2)": 1.0,
+        "n/m^2/s^2": 1.0,
+        "kg/m": 1.0,
     },
     "bar": {"": PSI} | _PRESSURES,
     "bar/s": {"": PSI}
@@ -63,21 +63,48 @@ _FACTORS: dict[str, dict[str, float]] = {
     "l": {
         "": _FOOT3,
         "ft^3": _FOOT3,
-        "*(ft^3)": _FOOT3,
         "in^3": _FOOT3 / 1728,
-        "*(in^3)": _FOOT3 / 1728,
         "m^3": 1e3,
-        "*(m^3)": 1e3,
         "l": 1.0,
         "g-us": _GALLON,
         "gal": _GALLON,
         "gals": _GALLON,
         "g-uk": 4.54609,
+        "*(ft^3)": _FOOT3,
+        "*(in^3)": _FOOT3 / 1728,
+        "*(m^3)": 1e3,
     },
     "N/m": {"": 1.0, "n/m": 1.0, "kn/m": 1e3, "mn/m": 1e6, "kn/mm": 1e6, "lbf/in": POUND_FORCE / INCH},
 }
+#: Quantities of the table of all readers, whose units are read too, and the factor from its SI unit.
+_SHARED = {
+    "kg": ("mass", 1.0),
+    "m": ("length", 1.0),
+    "km/h": ("speed", 3.6),
+    "km/h curve": ("speed", 3.6),
+    "W": ("power", 1.0),
+    "N": ("force", 1.0),
+    "N/(m/s)": ("force per speed", 1.0),
+    "N/(m/s)^2": ("force per speed squared", 1.0),
+    "bar": ("pressure", 1e-5),
+    "l": ("volume", 1e3),
+    "N/m": ("stiffness", 1.0),
+}
+#: Most units that a message lists.
+LISTED = 6
 #: Factors to SI, but pressures to bar and volumes to litres (factors of NIST SP 811).
-FACTORS: Mapping[str, Mapping[str, float]] = MappingProxyType(_FACTORS)
+FACTORS: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        name: {unit.lower(): factor * up / down for unit, (up, down) in SPELLINGS.get(of, {}).items()} | own
+        for name, own in _FACTORS.items()
+        for of, factor in (_SHARED.get(name, ("", 1.0)),)
+    }
+)
+
+
+def units_of(quantity: str) -> list[str]:
+    """Return the first units of a quantity that Open Rails has."""
+    return [unit for unit in _FACTORS[quantity] if unit][:LISTED]
 
 
 def measured(text: str, quantity: str) -> tuple[float, str] | None:

@@ -26,8 +26,11 @@ KINDS = {
     "tender": "wagon",
     "eot": "wagon",
 }
+#: Share of its drag that a locomotive has that does not lead the train (MSTSWagon.cs, TrailLocoResistanceFactor).
+TRAILING = 0.2083
 #: Fields that are taken.
 TAKEN = (
+    "ORTSTrailLocomotiveResistanceFactor",
     "Type",
     "Mass",
     "Size",
@@ -65,8 +68,10 @@ TAKEN = (
 )
 
 
-def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
-    """Return a vehicle as a row without coupler, and its couplings from the front.
+def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block], float]:
+    """Return a vehicle as a row without coupler, its couplings in the order of the file, and its share of drag.
+
+    The share is that of the drag of a locomotive that does not lead the train.
 
     Raises
     ------
@@ -94,7 +99,8 @@ def vehicle_of(path: Path, notes: Notes) -> tuple[Row, list[Block]]:
     row |= brake_of(fields, notes) | hand_brake_of(fields, notes) | drive_of(_engines(root), notes)
     row |= branch_of(fields, row["length"], notes)
     _tell_left(fields, root, notes)
-    return row, [block for block in blocks if block.name == "coupling"]
+    share = fields.number("ORTSTrailLocomotiveResistanceFactor", "1") or TRAILING
+    return row, [block for block in blocks if block.name == "coupling"], share
 
 
 def _kind(fields: Fields, path: Path, notes: Notes) -> str:
@@ -148,24 +154,27 @@ def _mass(fields: Fields, loads: list[float], path: Path, notes: Notes) -> float
 
 def _length(fields: Fields, path: Path, notes: Notes) -> float:
     """Return the length [m]. Raises FileError if the file has none."""
-    words = fields.words("Size")
-    length = fields.number("Size", "m", 2) if len(words) >= 3 else None
+    length = fields.number("Size", "m", 2)
     if length is None or length <= 0.0:
-        raise FileError(f"{path} must have Size ( width height length ); got {shown(' '.join(words))}. Correct it.")
+        words = " ".join(fields.words("Size"))
+        raise FileError(f"{path} must have Size ( width height length ); got {shown(words)}. Correct it.")
     notes.taken("Size, third value -> length [m]")
     return rounded(length)
 
 
 def _resistance(fields: Fields, notes: Notes) -> Row:
-    """Return Davis' a + b v + c v^2 [N], which Open Rails takes where all three are above 0, or nothing."""
+    """Return Davis' a + b v + c v^2 [N] as it stands; Open Rails takes it where none of the three is 0."""
     names = {"ORTSDavis_A": "N", "ORTSDavis_B": "N/(m/s)", "ORTSDavis_C": "N/(m/s)^2"}
     found = [fields.number(name, unit) for name, unit in names.items()]
+    default = "Open Rails takes its own formula, with 516 N and 6.374 N/t at rest"
     if found[0] is None:
-        notes.assumed("Running resistance: the file has no ORTSDavis_A, B, C; that of the vehicle's kind applies.")
+        told = "no ORTSDavis_A" if any(one is not None for one in found) else "no ORTSDavis_A, B, C"
+        notes.assumed(f"Running resistance: the file has {told}; that of the vehicle's kind applies, where {default}.")
         return {}
     notes.taken("ORTSDavis_A, _B, _C -> resistance_a, _b, _c [N, N/(m/s), N/(m/s)^2]")
-    if None in found:
-        notes.assumed("ORTSDavis: a coefficient that is missing is 0.")
+    notes.left("Starting resistance below 5 mph, which Open Rails has instead of ORTSDavis: it has no column.")
+    if not all(found):
+        notes.assumed(f"ORTSDavis with a coefficient that is 0 or missing: read as it stands, where {default}.")
     return {f"resistance_{letter}": rounded(value or 0.0) for letter, value in zip("abc", found, strict=True)}
 
 

@@ -3,8 +3,8 @@
 Sections begin with #. Each line of a section is one number, by its position; text behind ; is a remark. Versions of the
 file differ in #ACCELERATION, in lists of delays by notch (from 1534 on), in #DELAY of the electric brake (from 18230
 on), and in #HANDLE. Of these, only the delay of the brake has a column. #PERFORMANCE was #DECELERATION, and #CAB was
-#COCKPIT. Units, defaults and positions are those of OpenBVE's manual; the places of motor cars and the drag are those
-of its source.
+#COCKPIT. Units, defaults and positions are those of OpenBVE's manual. The places of motor cars, areas and drag are
+those of its source (TrainDatParser.cs, BVEAxle.cs, and Atmosphere.cs with air of 20 degC).
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from pathlib import Path
 
 from readers.formats import Imported, Row
 from readers.formats.notes import Notes
-from readers.formats.vehicle_rows import AIR, GRAVITY, MOST, checked, fitting, rounded, whole_train
+from readers.formats.vehicle_rows import GRAVITY, MOST, checked, fitting, rounded, whole_train
 from readers.text import FileError, lines_of, quoted, shown, text_of
+from readers.units import quantity_of
 
 #: Largest file [bytes].
 LARGEST = 8_000_000
 #: A number, and a remark behind it; a decimal comma is not one.
-NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:[^\d.,].*)?", re.ASCII)
+NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)([^\d.,].*)?", re.ASCII)
 #: Names of a version in the first line.
 VERSION = re.compile(r"(bve(1200000|1210000|1220000|2000000|2060000)|openbve\s*\d*)", re.IGNORECASE)
 #: Sections by all their names, in small letters.
@@ -65,12 +66,29 @@ NUMBERS: dict[str, tuple[str, int, float, float, float]] = {
     "WidthOfACar": ("car", 6, 2.6, 0.1, 10.0),
     "HeightOfACar": ("car", 7, 3.6, 0.1, 10.0),
 }
+#: Units of numbers that have one, as OpenBVE's manual states them.
+UNITS = {
+    "Deceleration": "km/h/s",
+    "DelayBrakeUp": "s",
+    "BrakeCylinderUp": "kPa/s",
+    "BrakeCylinderDown": "kPa/s",
+    "BrakeControlSpeed": "km/h",
+    "BrakeCylinderServiceMaximumPressure": "kPa",
+    "BrakeCylinderEmergencyMaximumPressure": "kPa",
+    "MotorCarMass": "t",
+    "TrailerCarMass": "t",
+    "LengthOfACar": "m",
+    "WidthOfACar": "m",
+    "HeightOfACar": "m",
+}
 #: Share of the rate of filling that a brake without a brake pipe has in service.
 SERVICE = 0.3
 #: Share of a pressure at which a cylinder counts as full, and pressure at which it counts as empty [kPa] (UIC 540).
 FULL, EMPTY = 0.95, 40.0
-#: Frontal area over width x height of the first car and of those behind it.
-FIRST_AREA, NEXT_AREA = 0.65, 0.2
+#: Frontal area over width x height of the first car, without width and height in the file, and of those behind it.
+FIRST_AREA, BARE_AREA, NEXT_AREA = 0.65, 0.6, 0.2
+#: Density of air at 101325 Pa and 293.15 K [kg/m3], which a route may change.
+AIR = 101325 * 0.0289644 / (8.31447 * 293.15)
 BRAKES = ("electromagnetic straight air brake", "electric command brake", "automatic air brake")
 
 
@@ -138,10 +156,14 @@ def _number(name: str, sections: dict[str, list[tuple[int, str]]], path: Path, n
 
 
 def _read(text: str, name: str, limits: tuple[float, float], place: str) -> float:
-    """Return the number at the beginning of a line. Raises FileError."""
+    """Return the number at the beginning of a line. Raises FileError, also for another unit behind it."""
     found = NUMBER.fullmatch(text.strip())
     if found is None or len(found[1]) > 40:
         raise FileError(f"{place}: {name} must be a number with a decimal point; got {quoted(text)}. Correct it.")
+    behind = (found[2] or "").split()
+    unit = UNITS.get(name, "")
+    if behind and behind[0] != unit and behind[0][0].isalpha() and quantity_of(behind[0].removesuffix("/s")):
+        raise FileError(f"{place}: {name} must be in {unit or 'no unit'}; got {quoted(text)}. Convert it.")
     return checked(float(found[1]), name, limits, "", place)
 
 
@@ -183,7 +205,8 @@ def _areas(
 ) -> tuple[float, float]:
     """Return the frontal areas of the first car and of the others [m2]."""
     found, lines = [], sections["car"]
-    for position, name, share in ((9, "ExposedFrontalArea", FIRST_AREA), (10, "UnexposedFrontalArea", NEXT_AREA)):
+    first = FIRST_AREA if any(text for _, text in lines[6:8]) else BARE_AREA
+    for position, name, share in ((9, "ExposedFrontalArea", first), (10, "UnexposedFrontalArea", NEXT_AREA)):
         if position < len(lines) and lines[position][1]:
             row, text = lines[position]
             found.append(_read(text, name, (0.01, 100.0), f"{path}, row {row}"))
@@ -232,7 +255,7 @@ def _tell(given: dict[str, float], notes: Notes) -> None:
     """Tell what is taken, and fields without a column."""
     notes.taken("MotorCarMass, TrailerCarMass -> mass [t]; LengthOfACar -> length [m]; numbers of cars -> count")
     notes.converted("CoefficientOfRollingResistance x weight -> resistance_a [N]")
-    notes.converted(f"0.5 x {AIR:g} kg/m3 x AerodynamicDragCoefficient x frontal area -> resistance_c")
+    notes.converted(f"0.5 x {AIR:.5g} kg/m3 x AerodynamicDragCoefficient x frontal area -> resistance_c")
     notes.converted("Rotating masses: OpenBVE has none -> rotating = 0 %")
     most, service = given["BrakeCylinderEmergencyMaximumPressure"], given["BrakeCylinderServiceMaximumPressure"]
     if most > service:

@@ -1,6 +1,9 @@
 """Rolling stock of OSRD (JSON): a whole train or unit, divided into equal vehicles.
 
-Fields as OSRD's schema of rolling stock has them: SI units, resistance A + B v + C v^2 of the whole train.
+Fields as OSRD's schema of rolling stock has them, in SI units. The resistance A + B v + C v^2 is that of the whole
+train in files before June 2026. Since then, and for towed stock since 2024, it is that of a kilogram
+(editoast/schemas/src/rolling_stock/rolling_resistance.rs: RollingResistanceRaw, RollingResistancePerWeight). No field
+states which of them a file has. A train has 0.3 to 50 N/t at rest, which only one reading meets.
 """
 
 from __future__ import annotations
@@ -31,6 +34,10 @@ from readers.text import FileError, shown, text_of
 PART = 26.4
 #: Running resistance at rest below which, and at a speed [m/s] above which, a unit is doubtful [N/t]. Assumed.
 LITTLE, MUCH, FAST = 3.0, 500.0, 30.0
+#: Limits of a resistance that is read, at rest or, without A, at that speed, and its largest one there, the weight
+#: [N/t]. Assumed: a train in kN instead of N has 1000 times less, and as N/kg more than these.
+READ = {"at rest": (0.3, 50.0), f"at {3.6 * FAST:g} km/h": (0.3, MUCH)}
+MOST_FAST = 9806.65
 #: Fields without a column, each with the reason.
 LEFT = {
     "max_speed": "it does not affect braking",
@@ -109,6 +116,7 @@ def _name(read: dict[str, Any], path: Path) -> str:
 def _rotating(read: dict[str, Any], source: str, notes: Notes) -> Row:
     """Return the share of rotating mass [%] of inertia_coefficient k, 100 (k - 1)."""
     if read.get("inertia_coefficient") is None:
+        notes.assumed("Rotating mass: the file has no inertia_coefficient; that of the vehicle's kind applies.")
         return {}
     factor = checked(
         named_number(read["inertia_coefficient"], "inertia_coefficient", source),
@@ -122,7 +130,7 @@ def _rotating(read: dict[str, Any], source: str, notes: Notes) -> Row:
 
 
 def _resistance(read: dict[str, Any], mass: float, source: str, notes: Notes) -> Row:
-    """Return A + B v + C v^2 of the whole train; a small A is told."""
+    """Return A + B v + C v^2 of the whole train of a mass [t], also if the file states them per mass."""
     given = read.get("rolling_resistance")
     if not isinstance(given, dict):
         notes.assumed("Running resistance: the file has no rolling_resistance; that of the vehicle's kind applies.")
@@ -130,14 +138,51 @@ def _resistance(read: dict[str, Any], mass: float, source: str, notes: Notes) ->
     if (kind := str(given.get("type", "davis")).lower()) != "davis":
         notes.left(f"rolling_resistance: the type {shown(kind)} has no column; give A, B and C of Davis.")
         return {}
-    found = {name: named_number(given.get(name, 0.0), f"rolling_resistance.{name}", source) for name in "ABC"}
+    found = {name: named_number(given.get(name), f"rolling_resistance.{name}", source) for name in "ABC"}
     for name, value in found.items():
         checked(value, f"rolling_resistance.{name}", (0.0, 1e9), "", source)
-    notes.taken("rolling_resistance A, B, C -> resistance_a, _b, _c [N, N/(m/s), N/(m/s)^2], shared by the vehicles")
+    factor = _unit_of_resistance(found, mass, source)
+    where = "-> resistance_a, _b, _c [N, N/(m/s), N/(m/s)^2], shared by the vehicles"
+    if factor == 1.0:
+        notes.taken(f"rolling_resistance A, B, C, of the whole train {where}")
+    else:
+        notes.converted(f"rolling_resistance A, B, C, per kg, as OSRD has them since June 2026: x mass {where}")
+    found = {name: factor * value for name, value in found.items()}
+    _tell_doubtful(found, mass, notes)
+    return {f"resistance_{name.lower()}": rounded(value) for name, value in found.items()}
+
+
+def _unit_of_resistance(found: dict[str, float], mass: float, source: str) -> float:
+    """Return 1 for a resistance of the whole train of a mass [t], or the mass [kg] for one per kilogram.
+
+    Raises
+    ------
+    FileError
+        If neither is the resistance of a train, or both are.
+    """
+    fast = found["A"] + found["B"] * FAST + found["C"] * FAST**2
+    if fast == 0.0:
+        return 1.0
+    name, value = ("at rest", found["A"]) if found["A"] else (f"at {3.6 * FAST:g} km/h", fast)
+    readings = {1.0: value / mass, 1e3 * mass: 1e3 * value}
+    least, most = READ[name]
+    fitting = [factor for factor, one in readings.items() if least <= one <= most]
+    if len(fitting) != 1 or fast * fitting[0] > MOST_FAST * mass:
+        whole, own = readings.values()
+        raise FileError(
+            f"{source}: rolling_resistance must be {least:g} to {most:g} N/t {name} and below the weight at "
+            f"{3.6 * FAST:g} km/h, of the whole train in N or of a kilogram in N/kg; got A = {found['A']:g}, B = "
+            f"{found['B']:g}, C = {found['C']:g}: {whole:.3g} N/t or {own:.3g} N/t {name}. Convert all to N, m/s."
+        )
+    return fitting[0]
+
+
+def _tell_doubtful(found: dict[str, float], mass: float, notes: Notes) -> None:
+    """Report a resistance that few trains have."""
     if found["A"] < LITTLE * mass:
         notes.assumed(
-            f"rolling_resistance A = {found['A']:g} N is {found['A'] / mass:.3g} N/t; trains have {LITTLE:g} N/t and "
-            "more. It is read as it stands. Check whether the file means kN."
+            f"rolling_resistance A is {found['A'] / mass:.3g} N/t; trains have {LITTLE:g} N/t and more. It is read as "
+            "it stands. Check its unit."
         )
     fast = found["A"] + found["B"] * FAST + found["C"] * FAST**2
     if fast > MUCH * mass:
@@ -145,7 +190,6 @@ def _resistance(read: dict[str, Any], mass: float, source: str, notes: Notes) ->
             f"rolling_resistance at {3.6 * FAST:g} km/h is {fast / mass:.3g} N/t; trains have less than {MUCH:g} N/t. "
             "It is read as it stands. Check its units."
         )
-    return {f"resistance_{name.lower()}": rounded(value) for name, value in found.items()}
 
 
 def _traction(read: dict[str, Any], source: str, notes: Notes) -> Row:

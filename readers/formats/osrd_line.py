@@ -65,6 +65,9 @@ def read_osrd_line(path: Path, asked: Sequence[str] = ()) -> Alignment:
         "a positive radius is a curve to the left: OSRD does not use the side; --mirror exchanges the sides",
         "the cant is 0: OSRD has none",
     ]
+    for field, words in (("slopes", "level"), ("curves", "straight")):
+        if bare := [name for name, _ in route if sections[name].get(field) is None]:
+            account.assumed.append(f"track sections {listed(bare)} are {words}: they have no {field}")
     _check_links(read, route, account)
     return joined(tracks, source, account)
 

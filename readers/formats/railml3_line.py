@@ -3,6 +3,8 @@
 Signs and units are those of wiki3.railml.org (IS:horizontalCurve, IS:gradientCurve): a negative radius is a curve to
 the left, 0 is straight; azimuths grow clockwise, in degrees; gradients are in per mille; superelevations in mm. A curve
 lies on a net element by posBegin and posEnd of its associatedNetElement, by linear coordinates, or by intrinsic ones.
+Where keepsOrientation is false, the location runs against its net element, and the signs of its curve are turned
+(RTM:associatedNetElement).
 """
 
 from __future__ import annotations
@@ -29,11 +31,12 @@ CONSTANT, CHANGING = (
 
 @dataclass(frozen=True)
 class Curve:
-    """An element of geometry and its place on a net element [m]."""
+    """An element of geometry and its place on a net element [m]; `sign` is -1 if it runs against the net element."""
 
     element: ET.Element
     begin: float
     end: float
+    sign: float = 1.0
 
 
 def read_railml3(infrastructure: ET.Element, asked: Sequence[str], source: str) -> Alignment:
@@ -75,15 +78,37 @@ def _located(elements: Sequence[ET.Element], lengths: dict[str, float], source: 
     """Return curves by net element, in the order of their places. Raises FileError."""
     found: dict[str, list[Curve]] = {}
     for one in elements:
+        _check_direction(one, source)
         for place in inside(one, "associatedNetElement"):
             name = place.get("netElementRef", "")
+            sign = _sign(place, source)
             begin, end = (_measure(place, side, lengths.get(name, 0.0), source) for side in ("Begin", "End"))
+            begin, end = (end, begin) if sign < 0.0 and end < begin else (begin, end)
             if not end - begin >= SHORTEST:
                 raise FileError(
                     f"{source}: {name_of(one)} must end after its begin; got {begin:g} to {end:g} m. Correct it."
                 )
-            found.setdefault(name, []).append(Curve(one, begin, end))
+            found.setdefault(name, []).append(Curve(one, begin, end, sign))
     return {name: sorted(curves, key=lambda curve: curve.begin) for name, curves in found.items()}
+
+
+def _check_direction(element: ET.Element, source: str) -> None:
+    """Raise FileError if a location applies against its net element alone, which turns no sign by the schema."""
+    for one in inside(element, "linearLocation", "spotLocation"):
+        if one.get("applicationDirection", "both") not in ("both", "normal", "unknown"):
+            raise FileError(
+                f"{source}: applicationDirection of {name_of(element)} must be both or normal; got "
+                f"{shown(one.get('applicationDirection'))}. State the curve in the direction of its net element."
+            )
+
+
+def _sign(place: ET.Element, source: str) -> float:
+    """Return 1 for a location in the direction of its net element, -1 against it. Raises FileError."""
+    signs = {"true": 1.0, "1": 1.0, "false": -1.0, "0": -1.0}
+    given = place.get("keepsOrientation", "true").strip().lower()
+    if given not in signs:
+        raise FileError(f"{source}: keepsOrientation must be true or false; got {shown(given)}. Correct it.")
+    return signs[given]
 
 
 def _measure(place: ET.Element, side: str, length: float, source: str) -> float:
@@ -121,9 +146,9 @@ def _bend(one: Curve, source: str) -> float:
         return 0.0
     radius = attribute(one.element, "radius", source, 1e9)
     if radius:
-        return -1.0 / radius
+        return -one.sign / radius
     turn = required(one.element, "deltaAzimuth", source, 720.0)
-    return -math.radians(turn) / (one.end - one.begin)
+    return -one.sign * math.radians(turn) / (one.end - one.begin)
 
 
 def _pieces(curves: Sequence[Curve], values: Sequence[float | None], form: Callable[[ET.Element], str]) -> list[Piece]:
@@ -151,7 +176,7 @@ def _gradient(curves: Sequence[Curve], source: str) -> list[Piece]:
     for one in curves:
         slope = attribute(one.element, "gradient", source, 500.0)
         changes = one.element.get("curveType") == "arc" or slope is None
-        values.append(None if changes else (slope or 0.0) / 1000.0)
+        values.append(None if changes else one.sign * (slope or 0.0) / 1000.0)
     pieces = _pieces(curves, values, lambda _: LINEAR)
     for number, one in enumerate(curves):
         change = attribute(one.element, "deltaGradient", source, 1000.0)

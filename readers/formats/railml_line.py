@@ -2,7 +2,9 @@
 
 Version 2 (wiki2.railml.org, IS:radiusChange, IS:gradientChange): a radius in m holds from its position to the next
 change, or, if the change describes a transition curve, at its position alone; superelevation is in mm, slope in per
-mille. The wiki does not state the side of a positive radius in version 2; version 3 states the right one.
+mille. The wiki does not state the side of a positive radius in version 2; version 3 states the right one. A change with
+`dir` down describes the other direction of travel. Beside one in the direction of the track at the same place, or at
+an end of such a track, it adds nothing. Alone, its sign and its range are not stated, and it is refused.
 """
 
 from __future__ import annotations
@@ -25,6 +27,8 @@ from readers.xml_files import inside, xml_of
 LONGEST, SHORTEST = 1e7, 0.01
 #: Letters by which descriptions of transition curves are found, and their form.
 TRANSITIONS = {"clothoid": LINEAR, "parabola": LINEAR, "transition": LINEAR, "bloss": BLOSS}
+#: Directions of a change: along the track, and against it.
+ALONG, AGAINST = ("", "up", "both", "none", "unknown"), "down"
 LEFT = {
     "speedChanges": "speed limits do not belong to the line",
     "electrificationChanges": "power does not affect braking",
@@ -107,27 +111,53 @@ def _ends(track: ET.Element, source: str) -> tuple[float, float]:
 
 def _track(element: ET.Element, name: str, begin: float, end: float, source: str, account: Account) -> Track:
     bends, slopes = [], []
-    for one in inside(element, "radiusChange"):
+    what = f"{source}, track {shown(name)}"
+    for one in _along(element, "radiusChange", (begin, end), what, account):
         radius = required(one, "radius", source, 1e9)
         height = attribute(one, "superelevation", source, 300.0) or 0.0
         bend = -1.0 / radius if radius else 0.0
         described = (one.get("geometryElementDescription") or "").lower()
         form = next((form for word, form in TRANSITIONS.items() if word in described), None)
         bends.append(Change(_place(one, begin, end, source), bend, math.copysign(height / 1000.0, bend), form))
-    for one in inside(element, "gradientChange"):
-        if one.get("dir") != "down":  # the same place, seen from the other end
-            slope = required(one, "slope", source, 500.0) / 1000.0
-            length = attribute(one, "transitionLength", source, LONGEST)
-            radius = attribute(one, "transitionRadius", source, 1e9) or 0.0
-            curve = radius if length is None else length
-            place = _place(one, begin, end, source)
-            slopes.append(Change(place, slope, curve=abs(curve), by_radius=length is None))
+    for one in _along(element, "gradientChange", (begin, end), what, account):
+        slope = required(one, "slope", source, 500.0) / 1000.0
+        length = attribute(one, "transitionLength", source, LONGEST)
+        radius = attribute(one, "transitionRadius", source, 1e9) or 0.0
+        curve = radius if length is None else length
+        place = _place(one, begin, end, source)
+        slopes.append(Change(place, slope, curve=abs(curve), by_radius=length is None))
+    for changes, tag, words in ((bends, "radiusChange", "straight"), (slopes, "gradientChange", "level")):
+        first = min((one.place for one in changes), default=0.0)
+        if first >= SHORTEST:
+            account.assumed.append(f"track {name} is {words} before its first {tag}, at {begin + first:g} m")
     if not bends:
         account.assumed.append(f"track {name} is straight: it has no radiusChange")
     if not slopes:
         account.assumed.append(f"track {name} is level: it has no gradientChange")
     curvature, cant = _between(sorted(bends, key=lambda one: one.place), end - begin)
     return Track(name, end - begin, curvature, cant, _slopes(sorted(slopes, key=lambda one: one.place), end - begin))
+
+
+def _along(track: ET.Element, tag: str, ends: Sequence[float], what: str, account: Account) -> list[ET.Element]:
+    """Return the changes in the direction of a track with these ends. Raises FileError for others that stand alone."""
+    found: dict[str, list[ET.Element]] = {"along": [], AGAINST: []}
+    for one in inside(track, tag):
+        direction = one.get("dir", "").strip().lower()
+        if direction not in (*ALONG, AGAINST):
+            raise FileError(f"{what}: dir of {tag} must be up or down; got {shown(one.get('dir'))}. Correct it.")
+        found[AGAINST if direction == AGAINST else "along"].append(one)
+    places = [required(one, "pos", what, LONGEST) for one in found["along"]]
+    places += ends if places else []
+    for one in found[AGAINST]:
+        place = required(one, "pos", what, LONGEST)
+        if not any(abs(place - other) < SHORTEST for other in places):
+            raise FileError(
+                f"{what}: {tag} with dir down must stand beside one with dir up; got it alone at {place:g} m. State "
+                "the change in the direction of the track."
+            )
+    if found[AGAINST]:
+        account.left.append(f"{tag} with dir down, {len(found[AGAINST])} in number: those with dir up are read")
+    return found["along"]
 
 
 def _place(one: ET.Element, begin: float, end: float, source: str) -> float:

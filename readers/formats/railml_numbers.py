@@ -7,16 +7,22 @@ from itertools import pairwise
 
 import numpy as np
 
+from readers.formats.notes import Notes
 from readers.formats.vehicle_rows import checked
 from readers.formats.xml_numbers import attribute
 from readers.text import FileError, shown
+from readers.units import SPELLINGS, different_units
 from readers.xml_files import inside
 
 #: Largest size of a number.
 LARGEST = 1e12
-#: Factors of the units of tables to km/h, m/s2 and N.
-SPEEDS = {"": 1.0, "km/h": 1.0, "kmh": 1.0, "m/s": 3.6}
-VALUES = {"": 1.0, "n": 1.0, "kn": 1e3, "m/s/s": 1.0, "m/s2": 1.0, "m/s^2": 1.0}
+#: Factors of the units of tables, in small letters, to km/h, N and m/s2; without a unit a table is in these.
+UNITS: dict[str, dict[str, float]] = {
+    quantity: {unit.lower(): factor * up / down for unit, (up, down) in SPELLINGS[quantity].items()} | {"": 1.0}
+    for quantity, factor in (("speed", 3.6), ("force", 1.0), ("acceleration", 1.0))
+}
+UNITS["acceleration"]["m/s/s"] = 1.0
+DEFAULT = {"force": "N", "acceleration": "m/s2"}
 #: Most rows of a table.
 MOST = 10_000
 
@@ -27,29 +33,43 @@ def number_of(element: ET.Element, name: str, limits: tuple[float, float], sourc
     return None if value is None else checked(value, f"{name} of {element.tag}", limits, "", source)
 
 
-def table_of(element: ET.Element, source: str) -> list[tuple[float, float]]:
+def table_of(element: ET.Element, quantity: str, source: str, notes: Notes) -> list[tuple[float, float]]:
     """Return the rows of a valueTable inside an element: speed [km/h] and value [SI], sorted by speed.
+
+    Parameters
+    ----------
+    element : Element
+        The element.
+    quantity : str
+        `force` or `acceleration`.
+    source : str
+        Begin of messages.
+    notes : Notes
+        Receives the units that the table does not state.
 
     Raises
     ------
     FileError
-        If a unit is unknown, a number cannot be read, or a speed occurs twice.
+        If a unit is unknown or of another quantity, a number cannot be read, or a speed occurs twice.
     """
     table = next(inside(element, "valueTable"), None)
     if table is None:
         return []
     units = (table.get("xValueUnit", "").strip().lower(), table.get("yValueUnit", "").strip().lower())
-    if units[0] not in SPEEDS or units[1] not in VALUES:
+    if units[0] not in UNITS["speed"] or units[1] not in UNITS[quantity]:
+        own = " or ".join(different_units(DEFAULT[quantity])[:3])
         raise FileError(
-            f"{source}: the table of {element.tag} must be over km/h or m/s, in N, kN or m/s/s; got "
+            f"{source}: the table of {element.tag} must be over km/h or m/s, in {own}; got "
             f"{shown(' and '.join(units))}. Correct its units."
         )
+    if "" in units:
+        notes.assumed(f"{element.tag}: a unit of its table is missing; km/h and {DEFAULT[quantity]}.")
     found = []
     for line in inside(table, "valueLine"):
         speed = number_of(line, "xValue", (0.0, 1000.0), source)
         value = next((number_of(one, "yValue", (-1e9, 1e9), source) for one in inside(line, "value")), None)
         if speed is not None and value is not None:
-            found.append((speed * SPEEDS[units[0]], value * VALUES[units[1]]))
+            found.append((speed * UNITS["speed"][units[0]], value * UNITS[quantity][units[1]]))
     found.sort()
     if len(found) > MOST or any(a[0] == b[0] for a, b in pairwise(found)):
         raise FileError(f"{source}: the table of {element.tag} must have each speed once; got another. Correct it.")

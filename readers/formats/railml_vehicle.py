@@ -76,7 +76,7 @@ def _motors(vehicle: ET.Element, place: str, notes: Notes) -> Row:
         return {}
     if len(efforts) > 1:
         notes.left(f"tractiveEffort: {len(efforts)} tables; the first one is read.")
-    return drive_table("traction_table", table_of(efforts[0], place), "tractiveEffort", notes)
+    return drive_table("traction_table", table_of(efforts[0], "force", place, notes), "tractiveEffort", notes)
 
 
 def _kind(vehicle: ET.Element, notes: Notes) -> str:
@@ -136,9 +136,12 @@ def davis_of_train(element: ET.Element, weight: float, place: str, notes: Notes)
         if rolling is not None or (drag is not None and area is not None):
             notes.converted("rollingResistance [N/kN] x weight -> resistance_a [N]")
             notes.converted(f"0.5 x {AIR:g} kg/m3 x airDragCoefficient x crossSectionArea -> resistance_c")
+            names = {"rollingResistance": rolling, "airDragCoefficient": drag, "crossSectionArea": area}
+            if missing := [name for name, value in names.items() if value is None]:
+                notes.assumed(f"{', '.join(missing)}: missing; 0.")
             return 1e-3 * (rolling or 0.0) * weight, 0.0, 0.5 * AIR * (drag or 0.0) * (area or 0.0)
     if element.tag in ("drivingResistance", "trainResistance"):
-        found = fitted(table_of(element, place))
+        found = fitted(table_of(element, "force", place, notes))
         if found is not None:
             notes.converted(f"Table of resistance: fitted by a + b v + c v^2, largest error {found[1]:.3g} N")
             return found[0]
@@ -148,7 +151,10 @@ def davis_of_train(element: ET.Element, weight: float, place: str, notes: Notes)
 
 def _davies(davies: ET.Element, place: str, notes: Notes) -> tuple[float, float, float] | None:
     names = ("constantFactorA", "speedDependentFactorB", "squareSpeedDependentFactorC")
-    a, b, c = (number_of(davies, one, (0.0, 1e7), place) or 0.0 for one in names)
+    found = [number_of(davies, one, (0.0, 1e7), place) for one in names]
+    if missing := [name for name, one in zip(names, found, strict=True) if one is None]:
+        notes.assumed(f"daviesFormulaFactors, {', '.join(missing)}: missing; 0.")
+    a, b, c = (one or 0.0 for one in found)
     if davies.get("massDependent", "false").lower() in ("true", "1"):
         notes.left("daviesFormulaFactors with massDependent: their unit of mass is not known here.")
         return None
@@ -216,14 +222,14 @@ def _statement(chosen: ET.Element, mass: float, place: str, notes: Notes) -> Row
 def _by_table(vehicle: ET.Element, place: str, notes: Notes) -> Row:
     """Return the mean deceleration of a decelerationTable, or the forces of a brakeEffort over speed."""
     element = next(inside(vehicle, "decelerationTable"), None)
-    mean = mean_deceleration(table_of(element, place)) if element is not None else None
+    mean = mean_deceleration(table_of(element, "acceleration", place, notes)) if element is not None else None
     if mean is not None:
         notes.converted(
             "decelerationTable: mean over the distance of a stop from its highest speed -> deceleration [m/s2]"
         )
         return {"deceleration": rounded(mean)}
     element = next(inside(vehicle, "brakeEffort"), None)
-    return _effort(table_of(element, place), notes) if element is not None else {}
+    return _effort(table_of(element, "force", place, notes), notes) if element is not None else {}
 
 
 def _effort(table: list[tuple[float, float]], notes: Notes) -> Row:

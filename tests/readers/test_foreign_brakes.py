@@ -280,7 +280,7 @@ def test_a_train_of_openbve_decelerates_as_it_states(speed: float, tmp_path: Pat
     """4.2 km/h/s, and the resistance (0.0025 W + 0.5 rho 1.2 A v^2) / m of 155 t and 14 m2 in all."""
     found = imported(tmp_path, "train.dat", BVE)
     own, at = deceleration(found, speed)
-    assert own == pytest.approx(4.2 / 3.6 + 0.0025 * G + 0.5 * 1.225 * 1.2 * 14 * at**2 / 155e3, rel=CLOSE)
+    assert own == pytest.approx(4.2 / 3.6 + 0.0025 * G + 0.5 * 1.2041 * 1.2 * 14 * at**2 / 155e3, rel=CLOSE)
     assert [brake_force(one, at) / one.mass for one in found.vehicles] == pytest.approx([4.2 / 3.6] * 5, rel=CLOSE)
 
 

@@ -13,6 +13,7 @@ from products.train.consist_file import consist_of
 from products.train.train import Train
 from readers.formats import Imported
 from readers.formats.trains import read_foreign
+from readers.text import FileError
 
 #: Pound-force [N], mile per hour [m/s], horsepower [W] (NIST SP 811).
 POUND, MILE, HORSE = 4.4482216152605, 0.44704, 745.69987158227
@@ -94,10 +95,13 @@ def test_curves_of_open_rails_are_those_of_the_highest_position(tmp_path: Path) 
 
 
 def test_a_curve_that_cannot_be_read_is_left_out(tmp_path: Path) -> None:
-    for curve in ("1 ( 0 1e5 5 )", "1 ( 5 1e5 0 1e5 )", "1 ( 0 1e5 1e-9 9e4 )", "1 ( 0 1e5 5 -3 )", "1 ( 0 one 5 2 )"):
+    for curve in ("1 ( 0 1e5 5 )", "1 ( 5 1e5 0 1e5 )", "1 ( 0 1e5 1e-9 9e4 )", "1 ( 0 1e5 5 -3 )"):
         found = read(tmp_path, "power.eng", ENGINE % f"ORTSMaxTractiveForceCurves ( {curve} )")
         assert "traction_table" not in found.rows[0]
         assert told(found, "left", "ORTSMaxTractiveForceCurves: it is not ")
+    for curve in ("1 ( 0 one 5 2 )", "1 ( 0 1e5 5mach 2 )"):
+        with pytest.raises(FileError, match="ORTSMaxTractiveForceCurves must be numbers in "):
+            read(tmp_path, "power.eng", ENGINE % f"ORTSMaxTractiveForceCurves ( {curve} )")
 
 
 def test_an_effort_curve_of_osrd_is_shared_by_the_vehicles_of_the_unit(tmp_path: Path) -> None:

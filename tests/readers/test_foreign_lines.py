@@ -118,6 +118,37 @@ def test_railml_2_changes_become_transitions_arcs_and_vertical_curves(tmp_path: 
     assert "speedChanges: speed limits do not belong to the line" in line.account.left
 
 
+@pytest.mark.parametrize("tag", ["gradientChange", "radiusChange"])
+def test_a_change_against_the_track_stands_beside_one_along_it(tag: str, tmp_path: Path) -> None:
+    alone = RAILML2.replace('id="g2" pos="400"', 'id="g2" pos="300"')
+    if tag == "radiusChange":
+        alone = RAILML2.replace('id="r5" pos="660"', 'id="r5" pos="660" dir="down"')
+    with pytest.raises(FileError, match=f"track t1: {tag} with dir down must stand beside one with dir up; got it alo"):
+        line_of(tmp_path / "infra.xml", alone)
+    with pytest.raises(FileError, match="dir of gradientChange must be up or down; got sideways"):
+        line_of(tmp_path / "infra.xml", RAILML2.replace('dir="down"', 'dir="sideways"'))
+    line = line_of(tmp_path / "infra.xml", RAILML2)
+    assert "gradientChange with dir down, 1 in number: those with dir up are read" in line.account.left
+    both = RAILML2.replace('id="g2d" pos="400"', 'id="g2d" pos="1000"').replace('id="g1" pos="0"', 'id="g1" pos="50"')
+    line = line_of(tmp_path / "infra.xml", both)
+    assert line.value("gradient", 900.0) == pytest.approx(0.01)
+    assert "track t1 is level before its first gradientChange, at 50 m" in line.account.assumed
+
+
+def test_a_curve_of_railml_3_against_its_net_element_has_the_other_sign(tmp_path: Path) -> None:
+    text = railml3().replace('posBegin="160" posEnd="400"/>', 'posBegin="400" posEnd="160" keepsOrientation="false"/>')
+    text = text.replace('posBegin="300" posEnd="500"/>', 'posBegin="300" posEnd="500" keepsOrientation="false"/>')
+    line = line_of(tmp_path / "infra.railml", text)
+    assert line.value("curvature", [130.0, 300.0]) == pytest.approx([1 / 1200, 1 / 600], abs=1e-12)
+    assert line.value("cant", 300.0) == pytest.approx(0.09)
+    assert line.value("gradient", [100.0, 400.0]) == pytest.approx([0.005, 0.003])
+    text = railml3().replace('id="lgradientCurve0"', 'id="lgradientCurve0" applicationDirection="reverse"')
+    with pytest.raises(FileError, match="applicationDirection of gradientCurve gradientCurve0 must be both or normal"):
+        line_of(tmp_path / "infra.railml", text)
+    with pytest.raises(FileError, match="keepsOrientation must be true or false; got perhaps"):
+        line_of(tmp_path / "infra.railml", railml3().replace("posBegin", 'keepsOrientation="perhaps" posBegin'))
+
+
 def curve_of_3(tag: str, begin: float, end: float, **more: object) -> str:
     given = " ".join(f'{name}="{value}"' for name, value in more.items())
     place = f'<associatedNetElement netElementRef="ne1" posBegin="{begin}" posEnd="{end}"/>'
@@ -185,6 +216,16 @@ def test_a_landxml_alignment_has_the_elements_cant_and_heights_of_its_file(tmp_p
     assert "appliedCant is in mm (the schema has no unit): up to 100 mm" in line.account.assumed
 
 
+def test_what_a_line_lacks_is_told(tmp_path: Path) -> None:
+    line = line_of(tmp_path / "land.xml", landxml("").replace("<Units></Units>", ""))
+    assert "lengths are in m: the file has no Units" in line.account.assumed
+    bare = {"track_sections": [{"id": "T", "length": 100.0}]}
+    line = line_of(tmp_path / "infra.json", json.dumps(bare))
+    assert "track sections T are level: they have no slopes" in line.account.assumed
+    line = line_of(tmp_path / "net.yaml", "- idx_curr: 0\n  length_meters: 100.0\n")
+    assert "links 0 are level: they have no elevs" in line.account.assumed
+
+
 def test_landxml_in_feet_and_with_bloss_curves(tmp_path: Path) -> None:
     line = line_of(tmp_path / "land.xml", landxml('<Imperial linearUnit="USSurveyFoot"/>').replace('"100"', '"4"'))
     foot = 1200 / 3937
@@ -220,6 +261,7 @@ DAMAGED = {
         (),
         "radius of Curve must be a number",
     ),
+    "no unit": ("a.xml", landxml("<Imperial/>"), (), "linearUnit must be one of meter"),
     "an unknown unit": ("a.xml", landxml('<Metric linearUnit="league"/>'), (), "linearUnit must be one of meter"),
     "a parabola too long": (
         "a.xml",

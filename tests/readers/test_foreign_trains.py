@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -19,6 +20,8 @@ from readers.text import FileError
 
 #: Acceleration of gravity [m/s2] and density of air [kg/m3] in the numbers by hand.
 G, AIR = 9.80665, 1.225
+#: Density of air of OpenBVE, at 20 degC (Atmosphere.cs) [kg/m3].
+WARM = 101325 * 0.0289644 / (8.31447 * 293.15)
 #: Speeds of the resistances that are compared [m/s].
 SPEEDS = (0.0, 15.0, 30.0)
 #: Rows have 10 significant digits.
@@ -33,7 +36,7 @@ OSRD: dict[str, Any] = {
     "inertia_coefficient": 1.048,
     "const_gamma": 0.3,
     "primary_category": "FREIGHT_TRAIN",
-    "rolling_resistance": {"type": "davis", "A": 25.08, "B": 67.7, "C": 10.8},
+    "rolling_resistance": {"type": "davis", "A": 2508.0, "B": 67.7, "C": 10.8},
     "effort_curves": {"modes": {}},
 }
 CAR = """---
@@ -168,7 +171,7 @@ def test_an_osrd_train_keeps_its_sums(tmp_path: Path) -> None:
     assert whole(found, "mass") == pytest.approx(2090.0, rel=ROUNDED)
     assert whole(found, "length") == pytest.approx(750.0, rel=ROUNDED)
     for speed in SPEEDS:
-        assert resistance(found, speed) == pytest.approx(25.08 + 67.7 * speed + 10.8 * speed**2, rel=1e-8)
+        assert resistance(found, speed) == pytest.approx(2508.0 + 67.7 * speed + 10.8 * speed**2, rel=1e-8)
     for row in found.rows:
         assert (row["kind"], row["deceleration"]) == ("wagon", 0.3)
         assert row["rotating"] == pytest.approx(4.8, rel=ROUNDED)
@@ -178,7 +181,7 @@ def test_an_osrd_train_keeps_its_sums(tmp_path: Path) -> None:
 
 def test_what_is_doubtful_in_an_osrd_train_is_told(tmp_path: Path) -> None:
     found = read(tmp_path, "freight.json", json.dumps(OSRD))
-    assert told(found, "assumed", "25.08 N is 0.012 N/t")
+    assert told(found, "assumed", "A is 1.2 N/t; trains have 3 N/t")
     assert told(found, "assumed", "deceleration of operation")
     assert told(found, "assumed", "is a whole train")
     assert told(found, "left", "effort_curves: it has no mode")
@@ -188,6 +191,40 @@ def test_what_is_doubtful_in_an_osrd_train_is_told(tmp_path: Path) -> None:
     found = read(tmp_path, "old.json", json.dumps(old | {"rolling_resistance": {"A": 9e4, "B": 12, "C": 5000}}))
     assert {row["deceleration"] for row in found.rows} == {0.5}
     assert told(found, "assumed", "at 108 km/h is 2.2e+03 N/t")
+
+
+def test_a_resistance_of_osrd_per_mass_is_that_of_its_whole_train(tmp_path: Path) -> None:
+    """OSRD's fast_rolling_stock.json before June 2026 and since: 900 t, 5400 N or 0.006 N/kg at rest."""
+    whole_train = {"type": "davis", "A": 5400.0, "B": 200.0, "C": 12.0}
+    a_kilogram = {name: value / 9e5 if name != "type" else value for name, value in whole_train.items()}
+    for given, kind, words in ((whole_train, "taken", "of the whole train"), (a_kilogram, "converted", "per kg")):
+        found = read(tmp_path, "fast.json", json.dumps(OSRD | {"mass": 9e5, "rolling_resistance": given}))
+        for speed in SPEEDS:
+            assert resistance(found, speed) == pytest.approx(5400.0 + 200.0 * speed + 12.0 * speed**2, rel=1e-8)
+        assert told(found, kind, words)
+    still = read(tmp_path, "still.json", json.dumps(OSRD | {"rolling_resistance": {"A": 0, "B": 0, "C": 2.5e-5}}))
+    assert resistance(still, 10.0) == pytest.approx(2.5e-3 * 2.09e6)
+    none = read(tmp_path, "none.json", json.dumps(OSRD | {"rolling_resistance": {"A": 0, "B": 0, "C": 0}}))
+    assert resistance(none, 30.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"A": 25.08, "B": 67.7, "C": 10.8}, "0.012 N/t or 2.51e+04 N/t at rest"),  # A in kN
+        ({"A": 1.2, "B": 0.0, "C": 0.0}, "0.000574 N/t or 1.2e+03 N/t at rest"),  # A in daN/t
+        ({"A": 0.006, "B": 200.0, "C": 12.0}, "2.87e-06 N/t or 6 N/t at rest"),  # A alone per mass
+        ({"A": 0.0, "B": 0.5, "C": 0.0}, "0.00718 N/t or 1.5e+04 N/t at 108 km/h"),
+    ],
+)
+def test_a_resistance_of_osrd_that_no_train_has_is_refused(given: dict[str, float], words: str, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=re.escape(words)):
+        read(tmp_path, "unit.json", json.dumps(OSRD | {"rolling_resistance": given}))
+    light = OSRD | {"mass": 60e3, "length": 100.0, "rolling_resistance": {"A": 0.36, "B": 0.012, "C": 0.0008}}  # in kN
+    with pytest.raises(FileError, match=r"0\.006 N/t or 360 N/t at rest"):
+        read(tmp_path, "unit.json", json.dumps(light))
+    with pytest.raises(FileError, match=r"rolling_resistance\.C must be a number; got null"):
+        read(tmp_path, "unit.json", json.dumps(OSRD | {"rolling_resistance": {"A": 5000.0, "B": 1.0}}))
 
 
 # -- ALTRIOS ---------------------------------------------------------------------------------------------------------
@@ -200,7 +237,7 @@ def test_an_altrios_car_has_the_numbers_of_its_file(tmp_path: Path) -> None:
     assert (row["mass"], row["length"], row["valve"]) == (130.0, 18.0, "head")
     assert row["rotating"] == pytest.approx(100 * 4 * 750 / 130e3, rel=ROUNDED)
     for speed in SPEEDS:
-        own = 4 * 40.26 + (1.546e-3 + 1e-5 * speed) * weight + 0.5 * AIR * 4.087 * speed**2
+        own = 4 * 40.26 + (1.546e-3 + 1e-5 * speed) * weight + AIR * 4.087 * speed**2
         assert resistance(found, speed) == pytest.approx(own, rel=ROUNDED)
     assert row["shoe_force"] == pytest.approx(0.11 * 130 * G, rel=ROUNDED)
     assert (row["friction"], row["friction_value"]) == ("constant", 0.3)
@@ -220,6 +257,74 @@ def test_an_altrios_train_has_its_cars_and_locomotives(tmp_path: Path) -> None:
     ]
     assert whole(found, "mass") == pytest.approx(2 * 195 + 15 * 130)
     assert told(found, "assumed", "a train of ALTRIOS is a sum without an order")
+
+
+#: Cars of ALTRIOS 1.1.0 (rolling_stock/Manifest_Loaded.yaml, Intermodal_Empty.yaml) and its default locomotive.
+MANIFEST = """car_type: Manifest_Loaded
+length_meters: 18.0
+axle_count: 4
+mass_static_base_kilograms: 28500.0
+mass_freight_kilograms: 101500.0
+braking_ratio: 0.11
+mass_rot_per_axle_kilograms: 750.0
+bearing_res_per_axle_newtons: 40.26
+rolling_ratio: 0.001546
+davis_b_seconds_per_meter: 1.0e-5
+cd_area_square_meters: 4.087
+"""
+EMPTY = {
+    "Manifest_Loaded": "Empty",
+    "101500.0": "0.0",
+    "0.11": "0.25",
+    "40.26": "80.0",
+    "0.001546": "0.00075",
+    "4.087": "4",
+}
+
+
+def train_of_altrios(folder: Path, loaded: int, empty: int, more: str = "") -> Imported:
+    empty_car = MANIFEST
+    for old, new in EMPTY.items():
+        empty_car = empty_car.replace(old, new)
+    (folder / "Manifest_Loaded.yaml").write_text(MANIFEST)
+    (folder / "Empty.yaml").write_text(empty_car)
+    cars = f"n_cars_by_type:\n  Manifest_Loaded: {loaded}\n  Empty: {empty}\n"
+    return read(folder, "train.yaml", f"{cars}{more}loco_con:\n  loco_vec:\n  - mass_kilograms: 195000.0\n")
+
+
+def test_the_resistance_of_an_altrios_train_is_that_of_altrios(tmp_path: Path) -> None:
+    """State of SetSpeedTrainSim of altrios 1.1.0 at 20 m/s: rolling, bearing, davis_b and aero [N], mass_rot [kg]."""
+    found = train_of_altrios(tmp_path, 10, 5)
+    assert resistance(found, 0.0) == pytest.approx(23551.27 + 3210.40, rel=1e-3)
+    assert resistance(found, 20.0) == pytest.approx(23551.27 + 3210.40 + 3210.01 + 29826.30, rel=1e-3)
+    assert whole(found, "mass") == pytest.approx(1637.5)
+    rotating = sum(10 * row["mass"] * row["rotating"] * row.get("count", 1) for row in found.rows if "rotating" in row)
+    assert rotating == pytest.approx(45000.0, rel=ROUNDED)
+    assert told(found, "assumed", "their mean by number")
+
+
+def test_drag_areas_of_an_altrios_train_replace_those_of_its_cars(tmp_path: Path) -> None:
+    """res_aero of altrios 1.1.0 at 20 m/s with cd_area_vec [3, 5, 7]: 7350 N."""
+    found = train_of_altrios(tmp_path, 2, 1, "cd_area_vec: [3.0, 5.0, 7.0]\n")
+    assert whole(found, "resistance_c") * 400 == pytest.approx(7350.0, rel=1e-6)
+    with pytest.raises(FileError, match=r"cd_area_vec must have 3 numbers, one a car; got \[3.0\]"):
+        train_of_altrios(tmp_path, 2, 1, "cd_area_vec: [3.0]\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [("cd_area_square_meters", "cd_area_square_feet"), ("davis_b_seconds_per_meter", "Davis B (h/mi)")],
+)
+def test_a_number_of_an_altrios_car_in_another_unit_is_refused(name: str, other: str, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=f"must have {name}; got {re.escape(other)}. Convert it to this unit."):
+        read(tmp_path, "car.yaml", MANIFEST.replace(name, other))
+    missing = read(tmp_path, "car.yaml", MANIFEST.replace(name, "unknown"))
+    assert told(missing, "assumed", f"{name}: missing; 0.")
+    empty = read(tmp_path, "car.yaml", MANIFEST.replace("mass_freight_kilograms", "unknown"))
+    assert told(empty, "assumed", "mass_freight_kilograms: missing; 0.")
+    text = "loco_con:\n  loco_vec:\n  - mass_pounds: 430000\n"
+    with pytest.raises(FileError, match="must have mass_kilograms; got mass_pounds"):
+        read(tmp_path, "loco.yaml", text)
 
 
 def test_a_car_from_a_table_of_altrios_has_its_columns_names(tmp_path: Path) -> None:
@@ -276,7 +381,7 @@ def test_an_openbve_train_has_the_numbers_of_its_file(tmp_path: Path) -> None:
     assert whole(found, "length") == 100.0
     assert [row["mass"] for row in found.rows for _ in range(row.get("count", 1))] == [35, 25, 35, 25, 35]
     for speed in SPEEDS:
-        own = 0.0025 * 155e3 * G + 0.5 * AIR * 1.2 * (6 + 4 * 2) * speed**2
+        own = 0.0025 * 155e3 * G + 0.5 * WARM * 1.2 * (6 + 4 * 2) * speed**2
         assert resistance(found, speed) == pytest.approx(own, rel=1e-8)
     row = found.rows[0]
     assert (row["brake"], row["full_pressure"], row["rotating"], row["valve"]) == ("ep-direct", 5.0, 0.0, "head")
@@ -286,6 +391,12 @@ def test_an_openbve_train_has_the_numbers_of_its_file(tmp_path: Path) -> None:
     assert told(found, "left", "600 kPa")
     assert told(found, "left", "OpenBVE counts them by cars")
     assert row["dead_time"] == 0.3
+
+
+def test_a_unit_or_a_remark_behind_a_number_of_openbve_changes_nothing(tmp_path: Path) -> None:
+    plain = read(tmp_path, "train.dat", BVE)
+    text = BVE.replace("#CAR\n35", "#CAR\n35 t").replace("#PRESSURE\n500", "#PRESSURE\n500kPa, in service")
+    assert read(tmp_path, "train.dat", text).rows == plain.rows
 
 
 def test_an_automatic_brake_fills_at_the_whole_rate(tmp_path: Path) -> None:
@@ -304,8 +415,8 @@ def test_missing_numbers_are_openbves_defaults(tmp_path: Path) -> None:
     assert whole(found, "mass") == 61.0
     row = found.rows[0]
     assert row["deceleration"] == pytest.approx(1 / 3.6, rel=ROUNDED)
-    assert row["resistance_c"] == pytest.approx(0.5 * AIR * 1.1 * 0.65 * 2.6 * 3.6, rel=ROUNDED)
-    assert found.rows[1]["resistance_c"] == pytest.approx(0.5 * AIR * 1.1 * 0.2 * 2.6 * 3.6, rel=ROUNDED)
+    assert row["resistance_c"] == pytest.approx(0.5 * WARM * 1.1 * 0.6 * 2.6 * 3.6, rel=ROUNDED)
+    assert found.rows[1]["resistance_c"] == pytest.approx(0.5 * WARM * 1.1 * 0.2 * 2.6 * 3.6, rel=ROUNDED)
     assert told(found, "assumed", "TrailerCarMass: missing; OpenBVE's default of 1")
 
 
@@ -370,6 +481,24 @@ def test_a_formation_gives_its_vehicles_what_they_lack(tmp_path: Path) -> None:
     for speed in SPEEDS:
         own = 3800 + 45 * 3.6 * speed + 2.5 * 12.96 * speed**2
         assert resistance(found, speed) == pytest.approx(own, rel=ROUNDED)
+
+
+def test_a_coefficient_that_railml_or_osrd_lacks_is_told(tmp_path: Path) -> None:
+    bare = '<railML><rollingstock><vehicles><vehicle id="a" bruttoWeight="50" length="20">{}</vehicle></vehicles>'
+    text = f"{bare}</rollingstock></railML>"
+    drag = '<drivingResistance><info rollingResistance="1.5" airDragCoefficient="0.8"/></drivingResistance>'
+    assert told(read(tmp_path, "a.xml", text.format(drag)), "assumed", "crossSectionArea: missing; 0.")
+    davis = '<drivingResistance><daviesFormulaFactors constantFactorA="500"/></drivingResistance>'
+    found = read(tmp_path, "a.xml", text.format(davis))
+    assert told(found, "assumed", "speedDependentFactorB, squareSpeedDependentFactorC: missing; 0.")
+    stock = {name: value for name, value in OSRD.items() if name != "inertia_coefficient"}
+    assert told(read(tmp_path, "a.json", json.dumps(stock)), "assumed", "the file has no inertia_coefficient")
+
+
+def test_a_table_of_railml_without_a_unit_is_told(tmp_path: Path) -> None:
+    text = RAILML.replace('<rail3:valueTable xValueUnit="km/h" yValueUnit="kN">', "<rail3:valueTable>")
+    assert text != RAILML
+    assert told(read(tmp_path, "ic.xml", text), "assumed", "a unit of its table is missing; km/h and N.")
 
 
 def test_a_table_of_deceleration_becomes_its_mean_over_a_stop(tmp_path: Path) -> None:
@@ -437,7 +566,16 @@ LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;">]><railml>&b;</
             RAILML.replace('"84"', '"84 t"'),
             "bruttoWeight of vehicle loco must be a number up to 1e+12; got 84 t.",
         ),
-        ("a.xml", RAILML.replace('yValueUnit="kN"', 'yValueUnit="lbf"'), "must be over km/h or m/s"),
+        ("a.xml", RAILML.replace('yValueUnit="kN"', 'yValueUnit="stone"'), "must be over km/h or m/s"),
+        ("a.xml", RAILML.replace('yValueUnit="kN"', 'yValueUnit="m/s/s"'), "in N or daN or kN; got km/h and m/s/s."),
+        ("train.dat", BVE.replace("#CAR\n35", "#CAR\n35 kg"), "MotorCarMass must be in t; got '35 kg'."),
+        ("train.dat", BVE.replace("4.2      ; dec", "1.2 m/s2 ; dec"), "must be in km/h/s; got '1.2 m/s2'."),
+        ("train.dat", BVE.replace("#PRESSURE\n500", "#PRESSURE\n500 bar"), "Pressure must be in kPa; got '500 bar'."),
+        (
+            "train.dat",
+            BVE.replace("#MOVE\n500\n200\n500\n500\n1000", "#MOVE\n1\n2\n3\n4\n5 bar/s"),
+            "in kPa/s; got '5 bar/s'",
+        ),
         ("a.xml", RAILML.replace('"26.4"', '"0.9"'), "length must be from 3 to 31 m; got 0.9 m."),
         ("a.xml", UNIT.replace('vehicleCount="2"', 'vehicleCount="0"'), "must have 1 to 2000 vehicles; got 0."),
         ("a.txt", "", "must end in one of .con"),

@@ -209,6 +209,7 @@ CHANGES: dict[str, dict[str, list[Change]]] = {
         "cd_area_square_meters": [car("4.087", "5.0")],
         "braking_ratio": [car("0.11", "0.12")],
         "n_cars_by_type": [swapped("train.yaml", TRAIN, "3", "4")],
+        "cd_area_vec": [("train.yaml", TRAIN, f"{TRAIN}cd_area_vec: [9, 9, 9]\n")],
         "rail_vehicles": [("train.yaml", TRAIN, f"{TRAIN}rail_vehicles:\n{INSIDE}")],
         "NAME.yaml": [("train.yaml", TRAIN, TRAIN.replace(" car", " other"))],
         "loco_vec": [swapped("train.yaml", LOCOMOTIVES, "mass: 195000", "mass: 185000")],

@@ -109,11 +109,42 @@ def test_a_consist_has_the_numbers_of_its_files(encoding: str, tmp_path: Path) -
     assert wagons["release_time"] == pytest.approx(3.4 / 0.25, rel=1e-9)
 
 
-def test_a_flipped_vehicle_has_its_front_coupler_behind_it(tmp_path: Path) -> None:
+def test_a_flipped_vehicle_has_the_second_coupler_of_its_file_behind_it(tmp_path: Path) -> None:
+    """Open Rails, MSTSWagon.cs: Coupler. By hand: 7 x (1 + 5) MN/m; 2 cm / 2 x 5 / 6 = 8.33 mm."""
     head, _, last = read_foreign(written(tmp_path)).rows
-    assert (head["coupler"], head["coupler_stiffness"], head["coupler_slack"]) == ("draft-gear", 1.0, 10.0)
-    assert head["coupler_strength"] == 2000.0
-    assert last["coupler"] == "rigid"
+    assert head["coupler"] == "rigid"
+    assert (last["coupler"], last["coupler_stiffness"], last["coupler_strength"]) == ("draft-gear", 42.0, 2000.0)
+    assert last["coupler_slack"] == pytest.approx(25 / 3)
+
+
+@pytest.mark.parametrize(
+    ("spring", "stiffness", "slack"),
+    [
+        ("Stiffness ( 1e6N/m 5e6N/m ) r0 ( 0 2cm )", 42.0, 25 / 3),
+        ("r0 ( 0 2cm ) Stiffness ( 1e6N/m 5e6N/m )", 42.0, 20 / 3),
+        ("Stiffness ( 1e6N/m 5e6N/m ) r0 ( 20cm 30cm )", 20.0, 12.0),
+        ("Stiffness ( 1e6N/m 5e6N/m )", 42.0, 12.0),
+        ("r0 ( 0 9m )", 210.0, 100.0),
+        ("Stiffness ( 1e6N/m 0 ) r0 ( 0 2cm )", 7.0, 1.0),
+        ("Stiffness ( -9e6N/m 1e6N/m ) r0 ( 0 3cm )", 210.0, 10.0),
+    ],
+)
+def test_a_simple_coupler_has_stiffness_and_slack_of_open_rails(
+    spring: str, stiffness: float, slack: float, tmp_path: Path
+) -> None:
+    """Open Rails, MSTSWagon.cs: GetSimpleCouplerStiffnessNpM, SetSimpleStiffness and SetSimpleR0."""
+    path = tmp_path / "one.wag"
+    path.write_text(f"Wagon ( one Size ( 3 4 14m ) Mass ( 20t ) Coupling ( Type ( Automatic ) Spring ( {spring} ) ) )")
+    row = imported_consist(path)[1].rows[0]
+    assert (row["coupler_stiffness"], row["coupler_slack"]) == (pytest.approx(stiffness), pytest.approx(slack))
+
+
+def test_couplings_of_an_included_file_replace_those_before_them(tmp_path: Path) -> None:
+    """The third Coupling is the first of its vehicle, the fourth the second (MSTSWagon.cs)."""
+    path = tmp_path / "one.wag"
+    springs = "".join(f"Coupling ( Spring ( Stiffness ( {one}e6N/m 0 ) ) )" for one in (1, 2, 3))
+    path.write_text(f"Wagon ( one Size ( 3 4 14m ) Mass ( 20t ) {springs} )")
+    assert read_foreign(path).rows[0]["coupler_stiffness"] == 21.0
 
 
 def test_a_hand_brake_is_a_parking_brake_beside_which_the_larger_force_acts(tmp_path: Path) -> None:
@@ -245,7 +276,76 @@ def test_a_table_of_friction_is_a_friction_that_changes_with_speed(force: str, t
     path.write_text(f"{start} 0 0.4 60 0.1 100 0.3 ) )")
     assert told(read_foreign(path), "assumed", "deviates by 63 % from the table")
     path.write_text(f"{start} 0 0.4 60 ) )")
-    assert told(read_foreign(path), "left", "it is not pairs of a speed that grows")
+    with pytest.raises(FileError, match="row 1: ORTSBrakeShoeFriction must be pairs of a speed that grows"):
+        read_foreign(path)
+
+
+@pytest.mark.parametrize(
+    ("field", "column", "due"),
+    [
+        ("ORTSDavis_C ( 5.8N/m/s^2 )", "resistance_c", 5.8),
+        ("ORTSDavis_C ( 5.8 N/m/s^2 )", "resistance_c", 5.8),
+        ("ORTSDavis_C ( 5.8N/(m/s)^2 )", "resistance_c", 5.8),
+        ("ORTSDavis_C ( 5.8 N/(m/s)^2 )", "resistance_c", 5.8),
+        ("ORTSAuxiliaryResCapacity ( 2*(ft^3) )", "auxiliary", 2 * 28.316846592),
+        ('ORTSDavis_C ( "0.0058kN/(m/s)^2" )', "resistance_c", 5.8),
+        ('ORTSDavis_C ( "1N/(km/h)^2" )', "resistance_c", 12.96),
+        ('ORTSDavis_B ( "10N/(km/h)" )', "resistance_b", 36.0),
+        ("ORTSDavis_B ( 36kg/s )", "resistance_b", 36.0),
+        ("MaxBrakeForce ( 5daN )", "brake_force", 0.05),
+        ("MaxBrakeForce ( 5 kN )", "brake_force", 5.0),
+        ("MaxReleaseRate ( 10kPa/s )", "release_time", (64 * PSI - 0.4) / 0.1),
+    ],
+)
+def test_a_unit_of_a_number_is_that_of_any_reader(field: str, column: str, due: float, tmp_path: Path) -> None:
+    path = tmp_path / "one.wag"
+    path.write_text(f"Wagon ( one Type ( Freight ) Size ( 3 m 4 m 14 m ) Mass ( 20t ) ORTSDavis_A ( 1 ) {field} )")
+    assert read_foreign(path).rows[0][column] == pytest.approx(due, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "field",
+    [
+        *("ORTSDavis_C ( 5.8kips )", "ORTSDavis_C ( 5.8 kips )", "ORTSDavis_A ( none )", "ORTSDavis_B ( )"),
+        *("MaxBrakeForce ( 13000 pounds )", "BrakePipeVolume ( 3hogsheads )", "MaxApplicationRate ( 1bar/h )"),
+        *("ORTSNumberCarBrakeShoes ( 8pairs )", "MaxHandbrakeForce ( 20x )", "TripleValveRatio ( 2.5:1 )"),
+        *("ORTSDavis_C ( 5.8N/(m/s) )", "ORTSDavis_C ( 5.8 N/(m/s) )"),
+        "Coupling ( Spring ( Stiffness ( 1e6N/m 5e6lbf/yd ) ) )",
+    ],
+)
+def test_a_unit_that_is_unknown_is_refused_and_not_0(field: str, tmp_path: Path) -> None:
+    path = tmp_path / "one.wag"
+    path.write_text(
+        f"Wagon ( one Type ( Freight ) Size ( 3 4 14m ) Mass ( 20t )\n{field} ORTSMaxBrakeShoeForce ( 9kN ) )"
+    )
+    with pytest.raises(FileError, match=r"one\.wag, row 2: \w+ must be a number( in .*)?; got '.*'\. Correct it"):
+        read_foreign(path)
+
+
+def test_a_resistance_that_open_rails_ignores_is_told(tmp_path: Path) -> None:
+    """MSTSWagon.cs, UpdateTrainBaseResistance: a coefficient of 0 turns ORTSDavis off."""
+    path = tmp_path / "one.wag"
+    for fields, rest, words in (
+        ("ORTSDavis_A ( 1200N ) ORTSDavis_B ( 0 ) ORTSDavis_C ( 5.8 )", 1200.0, "read as it stands"),
+        ("ORTSDavis_C ( 5.8 )", None, "the file has no ORTSDavis_A; that of the vehicle's kind applies"),
+        ("", None, "the file has no ORTSDavis_A, B, C; that of the vehicle's kind applies"),
+    ):
+        path.write_text(f"Wagon ( one Type ( Freight ) Size ( 3 4 14m ) Mass ( 20t ) {fields} )")
+        found = read_foreign(path)
+        assert found.rows[0].get("resistance_a") == rest
+        assert told(found, "assumed", f"{words}, where Open Rails takes its own formula")
+
+
+def test_a_locomotive_behind_the_first_one_has_the_drag_of_open_rails(tmp_path: Path) -> None:
+    """MSTSWagon.cs: 0.2083 of it, or ORTSTrailLocomotiveResistanceFactor."""
+    path = written(tmp_path)
+    head, _, last = read_foreign(path).rows
+    assert last["resistance_c"] == pytest.approx(0.2083 * head["resistance_c"])
+    assert (last["resistance_a"], last["resistance_b"]) == (head["resistance_a"], head["resistance_b"])
+    engine = tmp_path / "TRAINS" / "TRAINSET" / "Big Power" / "Power.ENG"
+    engine.write_text(ENGINE.replace("Type ( Engine )", "Type ( Engine ) ORTSTrailLocomotiveResistanceFactor ( 0.5 )"))
+    head, _, last = read_foreign(path).rows
+    assert last["resistance_c"] == pytest.approx(0.5 * head["resistance_c"])
 
 
 def test_freight_animations_load_a_wagon(tmp_path: Path) -> None:
@@ -281,7 +381,10 @@ def test_a_remark_that_hides_a_field_is_told(tmp_path: Path) -> None:
     [
         ("", "must have a block Wagon ( ); got none."),
         ("Wagon ( one Size ( 3 4 14m ) )", "must have Mass in kg, t or lb; got null."),
-        ("Wagon ( one Size ( 3 4 14m ) Mass ( 3,5t ) )", "must have Mass in kg, t or lb; got 3,5t."),
+        (
+            "Wagon ( one Size ( 3 4 14m ) Mass ( 3,5t ) )",
+            "row 1: Mass must be a number in kg, g, t, lb, t-us, t-uk; got '3,5t'.",
+        ),
         ("Wagon ( one Size ( 3 4 ) Mass ( 20t ) )", "must have Size ( width height length )"),
         ('Wagon ( one Size ( 3 4 14m ) Mass ( 20t ) Name ( "a )', "a text in quotes must end"),
         ("Wagon ( one Size ( 3 4 14m ) Mass ( 20t ", "must close the bracket of 'mass'"),

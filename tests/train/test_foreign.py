@@ -91,8 +91,8 @@ def by_hand(name: str, speed: float) -> tuple[float, float]:
         return 2000 + 30 * speed + 8 * speed**2, 0.7 * 1.05 * 200e3
     if name == "Coal.yaml":
         weight = 130e3 * G
-        return 4 * 40.26 + 0.001546 * weight + 0.5 * 1.225 * 4.087 * speed**2, 0.3 * 0.11 * weight
-    drag = 0.5 * 1.225 * 1.2 * (6 + 3 * 2)
+        return 4 * 40.26 + 0.001546 * weight + 1.225 * 4.087 * speed**2, 0.3 * 0.11 * weight
+    drag = 0.5 * 101325 * 0.0289644 / (8.31447 * 293.15) * 1.2 * (6 + 3 * 2)
     return 0.0025 * 120e3 * G + drag * speed**2, 1.0 * 120e3
 
 
@@ -126,13 +126,13 @@ def test_what_is_imported_and_written_is_read_again(file: Path, ending: str, tmp
 
 
 def test_a_coupler_has_slack_stiffness_and_strength_of_its_file(tmp_path: Path) -> None:
-    """r0 ( 0 2cm ) is a slack of 10 mm; 1 MN/m gives 20 kN at 30 mm."""
-    spring = "Spring ( Stiffness ( 1e6N/m 5e6N/m ) Break ( 2e6N 2e6N ) r0 ( 0 2cm ) )"
+    """r0 ( 0 2cm ) with equal stiffnesses is a slack of 5 mm; 7 x (1 + 1) MN/m gives 350 kN at 30 mm."""
+    spring = "Spring ( Stiffness ( 1e6N/m 1e6N/m ) Break ( 2e6N 2e6N ) r0 ( 0 2cm ) )"
     path = tmp_path / "hopper.wag"
     path.write_text(WAGON.rstrip()[:-1] + f"Coupling ( Type ( Automatic ) {spring} ) )")
     coupler = imported_consist(path)[0].vehicles[0].coupler
     loading = coupler.tension[0]
-    assert np.interp([0.01, 0.03], loading.ways, loading.forces) == pytest.approx([0.0, 20e3], abs=1e-6)
+    assert np.interp([0.005, 0.03], loading.ways, loading.forces) == pytest.approx([0.0, 350e3], abs=1e-6)
     assert coupler.strength == 2e6
     path.write_text(WAGON.rstrip()[:-1] + f"Coupling ( Type ( Bar ) {spring} ) )")
     assert imported_consist(path)[0].vehicles[0].coupler == rigid()
@@ -210,8 +210,8 @@ def test_with_a_force_beyond_its_limits_its_brake_is_left_out(text: str, sentenc
 
 
 def test_a_resistance_beyond_its_limit_is_refused_with_it(tmp_path: Path) -> None:
-    path = tmp_path / "unit.json"
-    path.write_text(json.dumps(json.loads(FILES["unit.json"]) | {"rolling_resistance": {"A": 1, "B": 1, "C": 1e8}}))
+    path = tmp_path / "hopper.wag"
+    path.write_text(WAGON.replace("ORTSDavis_C ( 5 )", "ORTSDavis_C ( 2000 )"))
     with pytest.raises(ValueError, match=r"resistance_c must be a number from 0 to 1000 N/\(m/s\)\^2; got "):
         imported_consist(path)
 
