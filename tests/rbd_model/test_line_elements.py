@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 
@@ -137,3 +138,22 @@ def test_tables_that_do_not_fit_are_refused_with_one_sentence(tmp_path: Path, ca
     elements, profile, message = REFUSED[case]
     with pytest.raises(FileError, match=message):
         line_of_text(tmp_path, elements, profile)
+
+
+def test_circles_of_a_survey_touch_and_two_points_at_one_place_are_one(tmp_path: Path) -> None:
+    """Circles of 2000 m between slopes of 0, 4 and -3 per cent touch; parabolas of this radius overlap by 0.1 m."""
+    angles = [math.atan(slope) for slope in (0.0, 0.04, -0.03)]
+    reaches = [2000.0 * math.tan(abs(b - a) / 2.0) for a, b in itertools.pairwise(angles)]
+    first, second = 100.0, 100.0 + sum(reaches) * math.cos(angles[1])
+    top, end = 0.04 * (second - first), second + 100.0
+    rows = f"0,0,\n{first},0,2000\n{second:.6f},{top:.6f},2000\n{end},{top - 3.0:.6f},\n"
+    line = line_of_text(
+        tmp_path, HEAD + f"straight,{end},,\n", f"chainage,height,radius\n{rows}{end + 0.004},{top - 3:.6f},\n"
+    )
+    assert end_of(line.rows)["height"] == pytest.approx(top - 3.0, abs=1e-5)
+    assert "vertical curves overlap by up to 0.1" in str(line.account)
+
+
+def test_a_huge_radius_is_straight(tmp_path: Path) -> None:
+    line = line_of_text(tmp_path, HEAD + "straight,50,,\narc,100,99999999,\n")
+    assert end_of(line.rows)["turn"] == pytest.approx(1e-6, rel=0.02)

@@ -151,6 +151,16 @@ def test_railml_3_curves_lie_on_their_net_element(tmp_path: Path) -> None:
     assert end_of(line.rows)["height"] == pytest.approx(0.5, abs=BAND)
 
 
+def test_curves_of_no_length_and_points_at_one_place_are_left_out(tmp_path: Path) -> None:
+    none = curve_of_3("horizontalCurve", 250, 250, curveType="arc", radius=600)
+    line = line_of(tmp_path / "infra.railml", railml3().replace("<gradientCurves>", f"{none}<gradientCurves>", 1))
+    assert line.length == pytest.approx(500.0, abs=BAND)
+    assert "horizontalCurve horizontalCurve250: it is shorter than 0.01 m" in line.account.left
+    again = "{offset: 0.0, heading: 0.0}, {offset: 0.004, heading: 0.0}"
+    line = line_of(tmp_path / "net.yaml", ALTRIOS.replace("{offset: 0.0, heading: 0.0}", again), "2")
+    assert end_of(line.rows)["turn"] == pytest.approx(-0.25, abs=BAND)
+
+
 def landxml(units: str = '<Metric linearUnit="meter"/>', spiral: str = "clothoid", more: str = "") -> str:
     return f"""<?xml version="1.0"?>
 <LandXML xmlns="http://www.landxml.org/schema/LandXML-1.2" version="1.2"><Units>{units}</Units><Alignments>
