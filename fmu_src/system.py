@@ -260,8 +260,8 @@ class TableFile:
     pieces : tuple of Piece
         Polynomials that equations can look up.
     source : str
-        C with the functions `check_row`, `complete` and `piece_between` of `table_file_description` (model.h). It may
-        call the functions of table_file.h; COLUMN_NAME and PIECE_NAME are the places of columns and pieces.
+        C with the functions `parts_before`, `complete` and `piece_between` of `table_file_description` (model.h). It
+        may call the functions of table_file.h; COLUMN_NAME and PIECE_NAME are the places of columns and pieces.
     """
 
     variable: Variable

@@ -20,8 +20,10 @@ from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
 from rbd_model.track.line_rows import checked_rows
-from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING
+from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING, WHOLE_TURN
+from readers.tables import MOST_ROWS as MOST_OF_FILE
 from readers.tables import read_table
+from readers.text import FileError
 
 #: Names of the columns of a line file.
 NAMES = tuple(column.name for column in LINE.columns)
@@ -467,15 +469,25 @@ def read_line(path: Path) -> Line:
         If the file is not a line; the message names file, row, column, value and remedy.
     """
     table = read_table(path, LINE.columns)
-    distance, curvature = table.numbers["distance"], np.abs(table.numbers["curvature"])
     table.check_rows()
     table.check_growth("distance", LINE.least_growth)
-    ways = np.diff(distance)
-    turns = np.maximum(curvature[1:], curvature[:-1]) * ways
-    for row in np.flatnonzero(turns > LARGEST_TURN)[:1].tolist():
+    curvature, ways = np.abs(table.numbers["curvature"]), np.diff(table.numbers["distance"])
+    turns = (curvature[1:] + curvature[:-1]) / 2.0 * ways
+    for row in np.flatnonzero(turns > WHOLE_TURN)[:1].tolist():
         text = f"the line turns by {turns[row]:.3g} rad over the {ways[row]:.6g} m from the row before"
-        raise table.refusal(row + 1, "curvature", f"{text}; give rows between, for {LARGEST_TURN:g} rad at most.")
-    return Line(table.numbers)
+        raise table.refusal(row + 1, "curvature", f"{text}; give rows between, for {WHOLE_TURN:g} rad at most.")
+    parts = np.maximum(np.ceil(np.maximum(curvature[1:], curvature[:-1]) * ways / LARGEST_TURN), 1.0).astype(int)
+    if not parts.sum() < MOST_OF_FILE:
+        raise FileError(f"{path} must have at most {MOST_OF_FILE} rows, with those added in curves. Split it.")
+    rows = table.numbers
+    return Line({name: _divided(one, parts) for name, one in rows.items()} if parts.max() > 1 else rows)
+
+
+def _divided(values: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Return values with linear ones between them, as many parts from row to row as given."""
+    part = np.arange(1, parts.sum() + 1) - np.repeat(np.cumsum(parts) - parts, parts)
+    many, first, last = np.repeat(parts, parts), np.repeat(values[:-1], parts), np.repeat(values[1:], parts)
+    return np.append(values[:1], np.where(part == many, last, first + part / many * (last - first)))
 
 
 def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:

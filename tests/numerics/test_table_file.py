@@ -29,11 +29,11 @@ MAP = TableFile(
     added=("volume",),
     pieces=(Piece("flow", "m3/s", 1), Piece("head", "m", 5), Piece("volume", "m3", 4, goes_on=True)),
     source="""
-static bool check_row(const table_file *self, int row, char *problem, size_t size) {
+static int parts_before(const table_file *self, int row, char *problem, size_t size) {
     const double change = self->column[COLUMN_FLOW][row] - self->column[COLUMN_FLOW][row - 1];
-    if (fabs(change) <= 1.0) return true;
+    if (fabs(change) <= 1.0) return 1;
     snprintf(problem, size, "the flow changes by %g m3/s at once; give rows between", change);
-    return false;
+    return 0;
 }
 
 static void complete(const table_file *self) {
