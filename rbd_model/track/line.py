@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from rbd_model.track.line_rows import checked_rows
 from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING, WHOLE_TURN
+from readers.storage import write_whole
 from readers.tables import MOST_ROWS as MOST_OF_FILE
 from readers.tables import read_table
 from readers.text import FileError
@@ -112,7 +113,7 @@ def straight(length: float, gradient: float = 0.0) -> Segment:
     return Segment(length, gradient=(gradient, gradient))
 
 
-def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) -> Segment:
+def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0, *, adverse: bool = False) -> Segment:
     """Return a curve of one radius.
 
     Parameters
@@ -122,9 +123,12 @@ def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) 
     radius : float
         Radius [m], positive for a curve to the left.
     cant : float
-        Cant [m], with the sign of the radius that it suits.
+        Cant [m], with the sign of the radius that it suits. In a table of elements cant has no sign of a side:
+        a positive one suits each curve.
     gradient : float
         Rise per metre [1].
+    adverse : bool
+        Whether the cant may have the other sign than the radius.
 
     Returns
     -------
@@ -134,10 +138,15 @@ def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) 
     Raises
     ------
     ValueError
-        If the radius is 0 m or not a number, or the length not above 0.
+        If the radius is 0 m or not a number, the length not above 0, or the cant adverse although not allowed.
     """
     if not isinstance(radius, Real) or radius == 0.0 or math.isnan(radius):
         raise ValueError(f"The radius of an arc must be a number other than 0 m; got {radius!r}. Use straight().")
+    if isinstance(cant, Real) and math.isfinite(radius) and cant * radius < 0.0 and not adverse:
+        raise ValueError(
+            f"The cant of an arc must have the sign of its radius, {radius:g} m, to suit it; got {cant:g} m. Give "
+            f"{-cant:g} m, or adverse=True for adverse cant."
+        )
     return Segment(length, (1 / radius, 1 / radius), (cant, cant), (gradient, gradient))
 
 
@@ -323,12 +332,12 @@ class Line:
         far = np.diff(s) > 2 * ROUNDING
         return np.sort(np.concatenate([s, s[:-1][far] + ROUNDING, s[1:][far] - ROUNDING]))
 
-    def write(self, path: Path) -> Path:
+    def write(self, path: str | Path) -> Path:
         """Write the file that a kernel reads, with all digits of each number.
 
         Parameters
         ----------
-        path : Path
+        path : str or Path
             The file.
 
         Returns
@@ -338,12 +347,12 @@ class Line:
 
         Raises
         ------
-        OSError
-            If it cannot be written.
+        StorageError
+            If it cannot be written; an OSError.
         """
-        lines = self.lines_of([name for name in NAMES if name in self.rows])
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        return path
+        place, lines = Path(path), self.lines_of([name for name in NAMES if name in self.rows])
+        write_whole(place, ("\n".join(lines) + "\n").encode(), synced=False)
+        return place
 
     def lines_of(self, names: Sequence[str]) -> list[str]:
         """Return the lines of that file with only these columns.
@@ -519,6 +528,7 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
         raise TypeError("The segments of a line must be a list, such as line_of([straight(100), arc(200, 400)]).")
     if not isinstance(start, Real) or not math.isfinite(start):
         raise ValueError(f"The start of a line must be a finite distance [m]; got {start!r}. Give a number.")
+    _check_segments(given)
     pieces = joined(given)
     joints = start + np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
     distances, values = [joints[0]], [pieces[0].ends[0]]
@@ -540,6 +550,20 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
             values.append((piece.ends[1] + pieces[number + 1].ends[0]) / 2)
     curvature, cant, gradient = np.array(values).T
     return Line(dict(zip(NAMES, (np.array(distances), curvature, cant, gradient), strict=False)))
+
+
+def _check_segments(segments: Sequence[Segment]) -> None:
+    """Raise ValueError for the first segment with a value that a line may not have; rows at joints have means."""
+    for number, segment in enumerate(segments, 1):
+        for column, pair in zip(LINE.columns[1:4], segment.ends.T.tolist(), strict=True):
+            value = max(pair, key=abs)
+            if not column.minimum <= value <= column.maximum:
+                unit = "" if column.unit == "1" else f" {column.unit}"
+                tells = f" (a radius of {1 / value:.4g} m)" if column.name == "curvature" else ""
+                raise ValueError(
+                    f"A line's {column.name} must be from {column.minimum:g} to {column.maximum:g}{unit}; got "
+                    f"{value:.6g}{unit}{tells} in segment {number}. Check value and unit."
+                )
 
 
 def joined(segments: Sequence[Segment]) -> list[Segment]:

@@ -77,6 +77,7 @@ def line_from_elements(path: str | Path, profile: str | Path | None = None, star
     end = curvature[-1].end
     account = Account(taken=[f"{len(curvature)} elements of {table.source}, {end - begin:.3f} m in plan"])
     gradient = [] if points is None else _gradients(points, begin, end, account)
+    account.assumed += _adverse(table)
     if points is None:
         account.assumed.append("the line is level: no profile was given")
     alignment = Alignment(str(path), begin, end, curvature, cant, gradient, True, account)
@@ -148,6 +149,15 @@ def _curvature(table: Table, row: int, kind: str) -> float:
 def _cant(table: Table, row: int, kind: str, curvature: float) -> float:
     cant = _optional(table, "cant", row) or 0.0
     return math.copysign(1.0, curvature) * cant if kind == ARC else cant if kind == STRAIGHT else 0.0
+
+
+def _adverse(table: Table) -> list[str]:
+    """Return a sentence on arcs whose cant does not suit them, if there are any."""
+    arcs = [KINDS[word] == ARC for word in table.words["type"]]
+    rows = [row for row, is_arc in enumerate(arcs) if is_arc and (_optional(table, "cant", row) or 0.0) < 0.0]
+    if not rows:
+        return []
+    return [f"cant of {len(rows)} arcs, the first in row {table.places[rows[0]]}, is negative: adverse in its curve"]
 
 
 def _profile(path: str | Path) -> Table:

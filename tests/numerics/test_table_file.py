@@ -120,3 +120,8 @@ def test_a_column_that_c_does_not_read_is_refused() -> None:
     for odd in (Column("kind", words=("a",)), Column("gap", filled=False), Column("count", whole=True)):
         with pytest.raises(ValueError, match=f"must be numbers, one in each row; got {odd.name}"):
             replace(MAP, columns=(*MAP.columns, odd))
+
+
+def test_a_model_whose_name_is_too_long_for_files_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"name of a model must have at most 200 bytes, .* got 201 in 'aaaa"):
+        model_of(System("a" * 201, "A long name"), 1e-6)
