@@ -117,7 +117,7 @@ def _with_events(log: Log) -> Log:
 def events_apart(time: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return increasing times, and which rows are kept.
 
-    Of rows of one time the last is kept, and the first, EVENT before it. At the begin the last alone is kept.
+    The first and the last row of a time are kept, the first EVENT earlier. At the begin the last alone is kept.
 
     Parameters
     ----------

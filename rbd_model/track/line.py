@@ -123,8 +123,7 @@ def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0, 
     radius : float
         Radius [m], positive for a curve to the left.
     cant : float
-        Cant [m], with the sign of the radius that it suits. In a table of elements cant has no sign of a side:
-        a positive one suits each curve.
+        Cant [m], with the sign of the radius that it suits.
     gradient : float
         Rise per metre [1].
     adverse : bool
@@ -528,7 +527,6 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
         raise TypeError("The segments of a line must be a list, such as line_of([straight(100), arc(200, 400)]).")
     if not isinstance(start, Real) or not math.isfinite(start):
         raise ValueError(f"The start of a line must be a finite distance [m]; got {start!r}. Give a number.")
-    _check_segments(given)
     pieces = joined(given)
     joints = start + np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
     distances, values = [joints[0]], [pieces[0].ends[0]]
@@ -548,6 +546,7 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
         if number + 1 < len(pieces):
             distances.append(last)
             values.append((piece.ends[1] + pieces[number + 1].ends[0]) / 2)
+    _check_segments(given)
     curvature, cant, gradient = np.array(values).T
     return Line(dict(zip(NAMES, (np.array(distances), curvature, cant, gradient), strict=False)))
 

@@ -152,7 +152,7 @@ def _cant(table: Table, row: int, kind: str, curvature: float) -> float:
 
 
 def _adverse(table: Table) -> list[str]:
-    """Return a sentence on arcs whose cant does not suit them, if there are any."""
+    """Return a message on arcs whose cant does not suit them, if there are any."""
     arcs = [KINDS[word] == ARC for word in table.words["type"]]
     rows = [row for row, is_arc in enumerate(arcs) if is_arc and (_optional(table, "cant", row) or 0.0) < 0.0]
     if not rows:
