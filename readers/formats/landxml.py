@@ -76,6 +76,8 @@ def read_landxml(path: Path, asked: Sequence[str] = ()) -> Alignment:
             f"{source}: one alignment must be named with --tracks; the file has {listed(found)}. Name one of these."
         )
     name = asked[0] if asked else next(iter(found))
+    if (many := sum(one.get("name") == name for one in inside(root, "Alignment"))) > 1:
+        raise FileError(f"{source}: the alignment {shown(name)} must be there once; got {many}. Rename the others.")
     unit, unit_name, imperial = _unit(root, source)
     account = Account(taken=[f"alignment {shown(name)}: elements in plan, stations, rotations"])
     if unit != 1.0:

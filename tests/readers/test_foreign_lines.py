@@ -118,6 +118,12 @@ def test_railml_2_changes_become_transitions_arcs_and_vertical_curves(tmp_path: 
     assert "speedChanges: speed limits do not belong to the line" in line.account.left
 
 
+def test_a_vertical_curve_of_railml_2_that_has_no_room_is_told(tmp_path: Path) -> None:
+    near = '<gradientChange id="g9" pos="410" slope="9"/></gradientChanges>'
+    line = line_of(tmp_path / "infra.xml", RAILML2.replace("</gradientChanges>", near))
+    assert any("the vertical curve at 400.0 m is shortened from 100.0 to 20.0 m" in one for one in line.account.assumed)
+
+
 def curve_of_3(tag: str, begin: float, end: float, **more: object) -> str:
     given = " ".join(f'{name}="{value}"' for name, value in more.items())
     place = f'<associatedNetElement netElementRef="ne1" posBegin="{begin}" posEnd="{end}"/>'
@@ -217,6 +223,12 @@ DAMAGED = {
         landxml(spiral="sineHalfWave"),
         (),
         "spiType must be one of clothoid, bloss; got sineHalf",
+    ),
+    "a name twice": (
+        "a.xml",
+        landxml(more='</Alignment><Alignment name="A">'),
+        (),
+        "the alignment A must be there once; got 2",
     ),
     "no rotation": (
         "a.xml",
