@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from numbers import Real
+from pathlib import Path
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -125,8 +126,9 @@ def line_or_none(line: Any) -> Line | None:
     """Return the line of a run. Raises TypeError if it is not a line."""
     if line is None or isinstance(line, Line):
         return line
+    remedy = f" Read a file with line_from_file({str(line)!r})." if isinstance(line, str | Path) else ""
     raise TypeError(
-        f"The line must be what line_of(...) returns, or None for straight, level track; got {shown(line)}."
+        f"The line must be what line_of(...) returns, or None for straight, level track; got {shown(line)}.{remedy}"
     )
 
 

@@ -33,6 +33,7 @@ from fmu_src.system import System
 from products.vehicle_file import DataSheet
 from rbd_model.track.line import Line
 from readers.log_columns import ColumnMap
+from readers.log_rows import after_events
 from readers.renamed import FormerNames
 
 if TYPE_CHECKING:
@@ -369,7 +370,7 @@ def parted(table: Recording, machine: Machine) -> tuple[list[str], list[str]]:
 
 def at_times(simulation: Simulation, names: Sequence[str], times: np.ndarray) -> np.ndarray:
     """Return outputs of a run at instants [s], shape (instants, names). After an early end the last values are used."""
-    steps = np.diff(times)
+    steps = np.diff(times[after_events(times)])
     step = max(float(np.min(steps)), SHORTEST_STEP * float(np.median(steps)), float(times[-1]) / MOST_ROWS)
     series = simulation.advance(float(times[-1]) + step, names, step)
     return np.column_stack([np.interp(times, series["time"], series[one]) for one in names])

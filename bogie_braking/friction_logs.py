@@ -15,6 +15,7 @@ from bogie_braking.checks import shown
 from fmu_src.cosimulation.measured import in_units_of, table_from
 from fmu_src.cosimulation.recording import Recording
 from readers.log_columns import ColumnMap
+from readers.log_rows import after_events
 
 Numbers = NDArray[np.float64]
 #: Columns of a log, and of each wheelset, with their units.
@@ -82,7 +83,8 @@ def _log(
 ) -> FrictionLog:
     table = _table(name, one, len(radii), columns)
     of_vehicle = [_column(name, table, column, unit) for column, unit in OF_VEHICLE.items()]
-    kept = np.isfinite(of_vehicle).all(axis=0)
+    kept = np.flatnonzero(np.isfinite(of_vehicle).all(axis=0))
+    kept = kept[after_events(of_vehicle[0][kept])]
     time, speed, distance = (values[kept] for values in of_vehicle)
     if time.size < 2 or np.any(np.diff(time) <= 0.0):
         raise ValueError(f"time of {name} must increase over at least two rows with speed and distance. Correct it.")

@@ -13,7 +13,7 @@ from bogie_braking.correlated import Errors, errors_of
 from bogie_braking.histories import Value
 from fmu_src.cosimulation.recording import Recording
 from readers.log_columns import ColumnMap
-from readers.log_rows import averaged, filled
+from readers.log_rows import after_events, averaged, filled
 
 #: Size of errors, relative to the range of the measured values, from which a run does not describe them.
 FAILS = 0.2
@@ -85,7 +85,8 @@ def data_of(table: Recording, names: Sequence[str], driven: Sequence[str], optio
             raise ValueError(f"interval must leave at least 2 rows; got {interval!r} s, which leaves one. Lower it.")
         clock = clock[0] - since(begin, clock)[0] + rows[:, 0]
     gap = None if longest_gap is None else seconds("longest_gap", longest_gap, LONGEST)
-    times, wanted = rows[:, 0], rows[:, 1 : 1 + len(names)]
+    times, wanted = rows[:, 0], rows[:, 1 : 1 + len(names)].copy()
+    wanted[~after_events(times)] = math.nan
     for name, values in zip(names, wanted.T, strict=True):
         if not np.any(np.isfinite(values)):
             raise ValueError(f"{name} must have at least one value in the measured data; got none.")

@@ -24,6 +24,7 @@ from products.train.numbers import Settings
 from products.train.train import Train
 from rbd_model.track.line import Line
 from readers.columns import Column
+from readers.log_rows import after_events
 from readers.tables import read_table
 
 #: Relative step of a parameter for a finite difference.
@@ -138,7 +139,10 @@ def _table(measured: Recording | str | Path) -> Recording:
     for name in names:
         if table.units[name] != units[name]:
             raise ValueError(f"{name} must be in {units[name]}; got {table.units[name]} in the measured data.")
-    found = Recording({name: units[name] for name in names}, np.column_stack([table[name] for name in names]))
+    rows = np.column_stack([table[name] for name in names])
+    if needs[0] == "time":
+        rows = rows[after_events(table["time"])]
+    found = Recording({name: units[name] for name in names}, rows)
     _check(found)
     return found
 

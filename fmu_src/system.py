@@ -203,6 +203,8 @@ class State:
         return ca.SX(self.starts())
 
 
+#: Longest name of a model [bytes]: files are named by it, with endings, and file systems have 255 bytes.
+LONGEST_NAME = 200
 #: Marks a missing system in `Model.choice`.
 NONE = -1
 #: Depth of operations to which places in a table file are compared: a distance is a sum of a few.
@@ -260,8 +262,8 @@ class TableFile:
     pieces : tuple of Piece
         Polynomials that equations can look up.
     source : str
-        C with the functions `check_row`, `complete` and `piece_between` of `table_file_description` (model.h). It may
-        call the functions of table_file.h; COLUMN_NAME and PIECE_NAME are the places of columns and pieces.
+        C with the functions `parts_before`, `complete` and `piece_between` of `table_file_description` (model.h). It
+        may call the functions of table_file.h; COLUMN_NAME and PIECE_NAME are the places of columns and pieces.
     """
 
     variable: Variable
@@ -1224,6 +1226,11 @@ class Model:
     reads_records: RecordFile | None = None
 
     def __post_init__(self) -> None:
+        if len(self.name.encode()) > LONGEST_NAME:
+            raise ValueError(
+                f"The name of a model must have at most {LONGEST_NAME} bytes, as it names files; got "
+                f"{len(self.name.encode())} in {self.name[:20]!r}... Shorten it."
+            )
         object.__setattr__(self, "variables", (*self.variables, *self._state_variables()))
         names = [variable.name for variable in self.variables]
         repeated = sorted({name for name in names if names.count(name) > 1})

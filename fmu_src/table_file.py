@@ -24,7 +24,7 @@ def table_file_source(file: TableFile, variable: int) -> str:
     members = [
         *(str(variable), *map(c_text, words), c_number(file.least_growth), c_number(file.rounding)),
         *(str(len(file.columns)), str(len(file.added)), "COLUMN_OF_FILE", "PIECE_OF_FILE"),
-        *(PREFIX + name for name in ("check_row", "complete", "piece_between")),
+        *(PREFIX + name for name in ("parts_before", "complete", "piece_between")),
     ]
     units = list(dict.fromkeys(column.unit for column in file.columns))
     columns_in_c = [_column(column, units.index(column.unit)) for column in file.columns]

@@ -16,6 +16,14 @@ MOST_PIECES, SHORTEST = 200_000, 0.01
 LINEAR, BLOSS = "linear", "bloss"
 #: Gap or overlap of consecutive pieces that is rounding of the file's numbers [m].
 ROUNDING = 2e-3
+#: Largest overlap of vertical curves that touch [m], and its part that grows with the distance of their points: heights
+#: are rounded, and parabolas are longer than circles. It is also limited as a share of that distance.
+OVERLAP, OVERLAP_SHARE, MOST_SHARE = 0.1, 0.005, 0.05
+
+
+def may_touch(taken: float, way: float) -> bool:
+    """Return whether two halves of vertical curves [m] between points a way apart [m] overlap by rounding at most."""
+    return taken - way <= min(OVERLAP + OVERLAP_SHARE * way, MOST_SHARE * way)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,10 @@ FASTEST = 120.0
 #: Deceleration above that of all brakes [m/s2] over a time [s] from above a speed [m/s], assumed. Higher ones are
 #: reported.
 STEEP, OVER, FAST = 2.0, 10.0, 30.0
+#: Time by which the first row of an event is moved before its last one [s], and its largest share of the step before.
+EVENT, EVENT_SHARE = 1e-5, 0.5
+#: Share of the different times from which repeated ones are not events, but times with too few digits.
+MOST_EVENTS = 0.5
 #: Share of an interval by which rounded times may be before its begin.
 ROUNDING = 1e-6
 
@@ -62,7 +66,10 @@ class Log:
 
 
 def in_order(log: Log) -> Log:
-    """Return the log without rows that have no time or repeat the row before, and tell gaps and missing values.
+    """Return the log without rows that have no time or repeat the row before, with messages on gaps and missing values.
+
+    Rows of one time with other values are an event of a simulation (super-dense time, FMI 2.0, section 3.1): the first
+    holds until there, the last from there on.
 
     Raises
     ------
@@ -82,6 +89,7 @@ def in_order(log: Log) -> Log:
             f"{log.source}: left out {count_of(np.sum(again))} equal to the row before, as row {first}."
         )
         log = log.rows(~again)
+    log = _with_events(log)
     time = log.numbers["time"]
     if time.size < 2:
         raise TableError(f"{log.source} must have at least 2 rows of values; it has {time.size}. Add rows.")
@@ -89,6 +97,46 @@ def in_order(log: Log) -> Log:
     _check_speeds(log)
     log.messages.extend([*_unlikely_speeds(log), *_gaps(log, np.diff(time))])
     return log
+
+
+def _with_events(log: Log) -> Log:
+    steps = np.diff(log.numbers["time"])
+    repeated = int(np.sum(steps == 0.0))
+    if not repeated or np.any(steps < 0.0) or repeated > MOST_EVENTS * (steps.size + 1 - repeated):
+        return log
+    time, keep = events_apart(log.numbers["time"])
+    first = log.places[1:][steps == 0.0][0]
+    log.messages.append(
+        f"{log.source}: {count_of(repeated)} with the time before and other values, as row {first}: an event, after "
+        "which the last row holds."
+    )
+    kept = log.rows(keep)
+    return replace(kept, numbers=kept.numbers | {"time": time})
+
+
+def events_apart(time: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return increasing times, and which rows are kept.
+
+    The first and the last row of a time are kept, the first EVENT earlier. At the begin the last alone is kept.
+
+    Parameters
+    ----------
+    time : array, shape (rows,)
+        Times that do not fall [s].
+    """
+    same = np.diff(time) == 0.0
+    first, last = ~np.append(False, same), ~np.append(same, False)
+    before = first & ~last & (time > time[0])
+    keep, moved = last | before, time.copy()
+    moved[before] -= np.minimum(EVENT, EVENT_SHARE * np.diff(time, prepend=time[0])[before])
+    return moved[keep], keep
+
+
+def after_events(time: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which rows are samples: all but the first one of each event."""
+    steps = np.diff(time)
+    most = min(1.01 * EVENT, EVENT_SHARE * float(np.median(steps))) if steps.size else 0.0
+    return np.append(~((steps > 0.0) & (steps <= most)), np.ones(min(time.size, 1), bool))
 
 
 def count_of(count: int) -> str:

@@ -9,6 +9,7 @@ NaN. A message tells each guess, each conversion that is not plain, and all that
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from readers.columns import Cells, Column, DecimalMark, Place, TableError, number_in, unit_factor
+from readers.columns import THOUSANDS, Cells, Column, DecimalMark, Place, TableError, number_in, unit_factor
 from readers.log_columns import ColumnMap, Found, Head, Naming, factor_of, head_of
 from readers.log_rows import Log, count_of, in_order
 from readers.log_times import Place as PlaceOfTimes
@@ -36,6 +37,8 @@ MANY = 10
 #: Rows by which columns of text are found.
 SAMPLE = 200
 MOST_ROWS = 4_000_000
+#: Minutes and seconds of a clock; a decimal mark and digits may follow.
+CLOCK_DIGITS = r":\d\d:\d\d"
 
 
 def read_log(
@@ -197,10 +200,20 @@ class _Reading:
             read = self._times if one.variable == "time" else self._values
             numbers[one.variable] = read(one, unit, column, rows, mark, messages)
             units[one.variable] = unit
+        mark.decimal = mark.decimal or self._has_decimal(mark)
         mark.check_thousands(self.begin.separator)
         names = ["time", *(one for one in numbers if one != "time")]
         ordered = {name: numbers[name] for name in names}
         return Log(self.begin.source, ordered, {name: units[name] for name in names}, rows, messages)
+
+    def _has_decimal(self, mark: DecimalMark) -> bool:
+        """Return whether a cell of any column, such as a clock, has the mark of the numbers as a decimal one."""
+        sign = "," if "," in mark.shown else "."
+        cells = (cell for _, row in self.begin.rows_behind() for cell in row if sign in cell)
+        decimals = re.compile(rf"{CLOCK_DIGITS}{re.escape(sign)}\d")
+        return bool(mark.shown) and any(
+            decimals.search(cell) or (number_in(cell) and not THOUSANDS.fullmatch(cell)) for cell in cells
+        )
 
     def _cells(self, one: Found, unit: str, rows: NDArray[np.int64]) -> Cells:
         column = Column(one.variable, unit, filled=False)

@@ -179,7 +179,7 @@ def findings(found: Running, patches: Limits) -> dict[str, Any]:
     """Return what was found, with units in the names."""
     gauge = gauge_of(found.sides)
     flanges = [None if math.isinf(one) else round(1e3 * one, 3) for one in found.flanges]
-    touched = found.flange_within(COMPARED)
+    notes = found.notes_at(COMPARED)
     return {
         "equivalent conicity at 3 mm [1]": round(found.conicity_at(COMPARED), 5),
         "gauge [mm]": None if gauge is None else round(1e3 * gauge, 3),
@@ -187,7 +187,7 @@ def findings(found: Running, patches: Limits) -> dict[str, Any]:
         "flange contact, left and right [mm]": flanges,
         "patches, left and right": [len(patches[word]) for word in WORDS],
         "ends": ends(found),
-        "notes": [*found.sides.notes, *[f"equivalent conicity at {1e3 * COMPARED:g} mm: {touched}"] * bool(touched)],
+        "notes": [*found.sides.notes, *(f"equivalent conicity at {1e3 * COMPARED:g} mm: {one}" for one in notes)],
     }
 
 

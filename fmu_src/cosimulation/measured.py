@@ -10,6 +10,7 @@ import numpy as np
 from fmu_src.cosimulation.recording import Recording
 from readers.column_names import tidy
 from readers.log_columns import COMMON, ColumnMap
+from readers.log_rows import events_apart
 from readers.logs import read_log
 from readers.units import factor
 
@@ -40,7 +41,8 @@ def table_from(
 def in_units_of(table: Recording, units: Mapping[str, str]) -> Recording:
     """Return a table whose columns have the names and units of variables, if these exist and can be converted to.
 
-    units: of the variables, by name. Other columns are unchanged, as are those in a unit of another quantity.
+    units: of the variables, by name. Other columns are unchanged, as are those in a unit of another quantity. Rows of
+    one time are an event, as in a log.
     """
     known = {tidy(name): name for name in units} | {name: name for name in units}
     names = {name: known.get(name, known.get(tidy(name), name)) for name in table.names}
@@ -53,4 +55,10 @@ def in_units_of(table: Recording, units: Mapping[str, str]) -> Recording:
         up, down = factors or (1.0, 1.0)
         found[own] = units[own] if factors else table.units[name]
         columns.append(table[name] if up == down == 1.0 else table[name] * up / down)
-    return Recording(found, np.column_stack(columns), table.messages, table.counts)
+    rows = np.column_stack(columns)
+    if "time" in found and rows.size and np.all(np.diff(table["time"]) >= 0.0):
+        place = list(found).index("time")
+        time, keep = events_apart(rows[:, place])
+        rows = rows[keep]
+        rows[:, place] = time
+    return Recording(found, rows, table.messages, table.counts)

@@ -156,8 +156,9 @@ typedef struct {
     int columns, added; /* in the file, and after them those that `complete` computes */
     const column_description *column;
     const piece_description *piece;
-    /* The model's rule for a row and the one before it: return whether it is met, and a message in `problem` if not. */
-    bool (*check_row)(const table_file *self, int row, char *problem, size_t size);
+    /* The model's rule for a row and the one before it. Return the number of parts between them; rows are added at their
+     * ends. Return 0, and a message in `problem`, if the rule is not met. */
+    int (*parts_before)(const table_file *self, int row, char *problem, size_t size);
     void (*complete)(const table_file *self);
     /* Coefficients of a piece on a part of the way from a row to the next (table_file.h), lowest power first; all are 0
      * before. */

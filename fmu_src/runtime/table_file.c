@@ -290,11 +290,12 @@ static bool read_value(reader *self, const cell_place *place, const char *cell) 
                        column->maximum, blank, unit, QUOTED, cell, blank, unit);
 }
 
-/* The first column grows from row to row, and the model may have a rule of its own for two rows. */
-static bool check_growth(reader *self) {
+/* The first column grows from row to row, and the model may have a rule of its own for two rows. Return the number of parts
+ * from the row before, 0 if the row is refused. */
+static int parts_before(reader *self) {
     const table_file_description *about = MODEL.table_file;
     const int row = self->made->rows;
-    if (row == 0) return true;
+    if (row == 0) return 1;
     const double before = self->made->column[0][row - 1], at = self->made->column[0][row];
     const char *unit = about->column[0].unit, *blank = *unit ? " " : "";
     if (!(at - before >= about->least_growth)) {
@@ -305,7 +306,27 @@ static bool check_growth(reader *self) {
                            about->least_growth, blank, unit, at, blank, unit, before, blank, unit);
     }
     char problem[PROBLEM_SIZE] = "";
-    return about->check_row(self->made, row, problem, sizeof problem) || refuse_file(self, "%s", problem);
+    const int parts = about->parts_before(self->made, row, problem, sizeof problem);
+    if (parts == 0) (void)refuse_file(self, "%s", problem);
+    return parts;
+}
+
+/* Add the row that was read, behind rows in which the values change linearly from the row before. */
+static bool add_rows(reader *self, int parts) {
+    double first[MOST_COLUMNS], last[MOST_COLUMNS];
+    for (int i = 0; i < self->places; ++i) {
+        const double *column = self->made->column[self->place[i].column];
+        first[i] = parts > 1 ? column[self->made->rows - 1] : 0.0;
+        last[i] = column[self->made->rows];
+    }
+    for (int part = 1; part <= parts; ++part, ++self->made->rows) {
+        if (!has_room(self)) return false;
+        const double share = (double)part / parts;
+        for (int i = 0; i < self->places; ++i)
+            self->made->column[self->place[i].column][self->made->rows] =
+                part == parts ? last[i] : first[i] + share * (last[i] - first[i]);
+    }
+    return true;
 }
 
 static bool refuse_nameless(reader *self, int at, const char *cell) {
@@ -334,9 +355,8 @@ static bool read_row(reader *self) {
     if (!any) return true;
     if (!empty && place < behind) empty = place;
     if (empty) return read_value(self, empty, "");
-    if (!check_growth(self)) return false;
-    ++self->made->rows;
-    return true;
+    const int parts = parts_before(self);
+    return parts > 0 && add_rows(self, parts);
 }
 
 static bool read_rows(reader *self) {

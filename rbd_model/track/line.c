@@ -6,16 +6,17 @@ enum { PLAN = 3 }; /* places ahead and aside, and the distance in the plan; each
 static const int PLAN_NEAR[PLAN] = {COLUMN_AHEAD, COLUMN_ASIDE, COLUMN_LEVEL};
 static const int PLAN_FAR[PLAN] = {COLUMN_AHEAD_FAR, COLUMN_ASIDE_FAR, COLUMN_LEVEL_FAR};
 
-/* Refuses rows between which the plan is not a polynomial, because they are too far apart. */
-static bool check_row(const table_file *self, int row, char *problem, size_t size) {
+/* Parts from the row before, in each of which the plan is close to a polynomial. The curvature is linear, so that the turn is
+ * that of its mean. */
+static int parts_before(const table_file *self, int row, char *problem, size_t size) {
     const double *at = self->column[COLUMN_DISTANCE], *curvature = self->column[COLUMN_CURVATURE];
-    const double way = at[row] - at[row - 1];
-    const double turn = fmax(fabs(curvature[row]), fabs(curvature[row - 1])) * way;
-    if (turn <= LARGEST_TURN) return true;
+    const double way = at[row] - at[row - 1], one = fabs(curvature[row - 1]), other = fabs(curvature[row]);
+    const double turn = (one + other) / 2.0 * way;
+    if (turn <= WHOLE_TURN) return (int)fmax(ceil(fmax(one, other) * way / LARGEST_TURN), 1.0);
     snprintf(problem, size,
              "the line turns by %.3g rad over the %.6g m from the row before; give rows between, for %g rad at most", turn, way,
-             LARGEST_TURN);
-    return false;
+             WHOLE_TURN);
+    return 0;
 }
 
 /* Derivatives of places by distance at a heading, of which `level` is that in the plan; and the change of them by a turn. */

@@ -20,8 +20,11 @@ from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
 from rbd_model.track.line_rows import checked_rows
-from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING
+from rbd_model.track.line_table import LARGEST_TURN, LINE, ROUNDING, WHOLE_TURN
+from readers.storage import write_whole
+from readers.tables import MOST_ROWS as MOST_OF_FILE
 from readers.tables import read_table
+from readers.text import FileError
 
 #: Names of the columns of a line file.
 NAMES = tuple(column.name for column in LINE.columns)
@@ -110,7 +113,7 @@ def straight(length: float, gradient: float = 0.0) -> Segment:
     return Segment(length, gradient=(gradient, gradient))
 
 
-def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) -> Segment:
+def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0, *, adverse: bool = False) -> Segment:
     """Return a curve of one radius.
 
     Parameters
@@ -123,6 +126,8 @@ def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) 
         Cant [m], with the sign of the radius that it suits.
     gradient : float
         Rise per metre [1].
+    adverse : bool
+        Whether the cant may have the other sign than the radius.
 
     Returns
     -------
@@ -132,10 +137,15 @@ def arc(length: float, radius: float, cant: float = 0.0, gradient: float = 0.0) 
     Raises
     ------
     ValueError
-        If the radius is 0 m or not a number, or the length not above 0.
+        If the radius is 0 m or not a number, the length not above 0, or the cant adverse although not allowed.
     """
     if not isinstance(radius, Real) or radius == 0.0 or math.isnan(radius):
         raise ValueError(f"The radius of an arc must be a number other than 0 m; got {radius!r}. Use straight().")
+    if isinstance(cant, Real) and math.isfinite(radius) and cant * radius < 0.0 and not adverse:
+        raise ValueError(
+            f"The cant of an arc must have the sign of its radius, {radius:g} m, to suit it; got {cant:g} m. Give "
+            f"{-cant:g} m, or adverse=True for adverse cant."
+        )
     return Segment(length, (1 / radius, 1 / radius), (cant, cant), (gradient, gradient))
 
 
@@ -321,12 +331,12 @@ class Line:
         far = np.diff(s) > 2 * ROUNDING
         return np.sort(np.concatenate([s, s[:-1][far] + ROUNDING, s[1:][far] - ROUNDING]))
 
-    def write(self, path: Path) -> Path:
+    def write(self, path: str | Path) -> Path:
         """Write the file that a kernel reads, with all digits of each number.
 
         Parameters
         ----------
-        path : Path
+        path : str or Path
             The file.
 
         Returns
@@ -336,12 +346,12 @@ class Line:
 
         Raises
         ------
-        OSError
-            If it cannot be written.
+        StorageError
+            If it cannot be written; an OSError.
         """
-        lines = self.lines_of([name for name in NAMES if name in self.rows])
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        return path
+        place, lines = Path(path), self.lines_of([name for name in NAMES if name in self.rows])
+        write_whole(place, ("\n".join(lines) + "\n").encode(), synced=False)
+        return place
 
     def lines_of(self, names: Sequence[str]) -> list[str]:
         """Return the lines of that file with only these columns.
@@ -467,15 +477,25 @@ def read_line(path: Path) -> Line:
         If the file is not a line; the message names file, row, column, value and remedy.
     """
     table = read_table(path, LINE.columns)
-    distance, curvature = table.numbers["distance"], np.abs(table.numbers["curvature"])
     table.check_rows()
     table.check_growth("distance", LINE.least_growth)
-    ways = np.diff(distance)
-    turns = np.maximum(curvature[1:], curvature[:-1]) * ways
-    for row in np.flatnonzero(turns > LARGEST_TURN)[:1].tolist():
+    curvature, ways = np.abs(table.numbers["curvature"]), np.diff(table.numbers["distance"])
+    turns = (curvature[1:] + curvature[:-1]) / 2.0 * ways
+    for row in np.flatnonzero(turns > WHOLE_TURN)[:1].tolist():
         text = f"the line turns by {turns[row]:.3g} rad over the {ways[row]:.6g} m from the row before"
-        raise table.refusal(row + 1, "curvature", f"{text}; give rows between, for {LARGEST_TURN:g} rad at most.")
-    return Line(table.numbers)
+        raise table.refusal(row + 1, "curvature", f"{text}; give rows between, for {WHOLE_TURN:g} rad at most.")
+    parts = np.maximum(np.ceil(np.maximum(curvature[1:], curvature[:-1]) * ways / LARGEST_TURN), 1.0).astype(int)
+    if not parts.sum() < MOST_OF_FILE:
+        raise FileError(f"{path} must have at most {MOST_OF_FILE} rows, with those added in curves. Split it.")
+    rows = table.numbers
+    return Line({name: _divided(one, parts) for name, one in rows.items()} if parts.max() > 1 else rows)
+
+
+def _divided(values: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Return values with linear ones between them, as many parts from row to row as given."""
+    part = np.arange(1, parts.sum() + 1) - np.repeat(np.cumsum(parts) - parts, parts)
+    many, first, last = np.repeat(parts, parts), np.repeat(values[:-1], parts), np.repeat(values[1:], parts)
+    return np.append(values[:1], np.where(part == many, last, first + part / many * (last - first)))
 
 
 def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
@@ -526,8 +546,23 @@ def line_of(segments: Iterable[Segment], start: float = 0.0) -> Line:
         if number + 1 < len(pieces):
             distances.append(last)
             values.append((piece.ends[1] + pieces[number + 1].ends[0]) / 2)
+    _check_segments(given)
     curvature, cant, gradient = np.array(values).T
     return Line(dict(zip(NAMES, (np.array(distances), curvature, cant, gradient), strict=False)))
+
+
+def _check_segments(segments: Sequence[Segment]) -> None:
+    """Raise ValueError for the first segment with a value that a line may not have; rows at joints have means."""
+    for number, segment in enumerate(segments, 1):
+        for column, pair in zip(LINE.columns[1:4], segment.ends.T.tolist(), strict=True):
+            value = max(pair, key=abs)
+            if not column.minimum <= value <= column.maximum:
+                unit = "" if column.unit == "1" else f" {column.unit}"
+                tells = f" (a radius of {1 / value:.4g} m)" if column.name == "curvature" else ""
+                raise ValueError(
+                    f"A line's {column.name} must be from {column.minimum:g} to {column.maximum:g}{unit}; got "
+                    f"{value:.6g}{unit}{tells} in segment {number}. Check value and unit."
+                )
 
 
 def joined(segments: Sequence[Segment]) -> list[Segment]:

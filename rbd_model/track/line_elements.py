@@ -7,13 +7,15 @@ ends. A vertical curve is a parabola: its gradient is linear in the chainage.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rbd_model.track.line_pieces import SourcedLine, line_of_alignment, sums
 from readers.account import Account
-from readers.alignment import BLOSS, LINEAR, Alignment, Piece
+from readers.alignment import BLOSS, LINEAR, SHORTEST, Alignment, Piece, may_touch
 from readers.columns import Column
 from readers.tables import Table, read_table
 
@@ -29,14 +31,14 @@ SIDES = {"left": 1.0, "l": 1.0, "right": -1.0, "r": -1.0}
 ELEMENTS = (
     Column("type", words=tuple(KINDS), required=True),
     Column("length", "m", 0.01, 1e6, required=True),
-    Column("radius", "m", -1e7, 1e7, filled=False),
+    Column("radius", "m", -1e12, 1e12, filled=False),
     Column("side", words=tuple(SIDES), filled=False),
     Column("cant", "m", -0.3, 0.3, filled=False),
 )
 PROFILE = (
     Column("chainage", "m", -1e7, 1e7, required=True),
     Column("height", "m", -1e4, 1e4, required=True),
-    Column("radius", "m", 0.0, 1e7, filled=False),
+    Column("radius", "m", 0.0, 1e12, filled=False),
 )
 #: Distance between chainage and end of the profile up to which both are one place [m]. Least radius of an arc [m].
 SAME, LEAST_RADIUS = 1e-3, 50.0
@@ -75,6 +77,7 @@ def line_from_elements(path: str | Path, profile: str | Path | None = None, star
     end = curvature[-1].end
     account = Account(taken=[f"{len(curvature)} elements of {table.source}, {end - begin:.3f} m in plan"])
     gradient = [] if points is None else _gradients(points, begin, end, account)
+    account.assumed += _adverse(table)
     if points is None:
         account.assumed.append("the line is level: no profile was given")
     alignment = Alignment(str(path), begin, end, curvature, cant, gradient, True, account)
@@ -148,10 +151,25 @@ def _cant(table: Table, row: int, kind: str, curvature: float) -> float:
     return math.copysign(1.0, curvature) * cant if kind == ARC else cant if kind == STRAIGHT else 0.0
 
 
+def _adverse(table: Table) -> list[str]:
+    """Return a message on arcs whose cant does not suit them, if there are any."""
+    arcs = [KINDS[word] == ARC for word in table.words["type"]]
+    rows = [row for row, is_arc in enumerate(arcs) if is_arc and (_optional(table, "cant", row) or 0.0) < 0.0]
+    if not rows:
+        return []
+    return [f"cant of {len(rows)} arcs, the first in row {table.places[rows[0]]}, is negative: adverse in its curve"]
+
+
 def _profile(path: str | Path) -> Table:
     points = read_table(path, PROFILE)
     points.check_rows()
-    points.check_growth("chainage", 0.1)
+    apart = np.diff(points.numbers["chainage"])
+    level = np.abs(np.diff(points.numbers["height"])) <= SHORTEST
+    keep = np.append(True, ~((np.abs(apart) < SHORTEST) & level))
+    if not np.any(points.numbers.get("radius", np.zeros(keep.size))[~keep] > 0.0):
+        numbers = {name: values[keep] for name, values in points.numbers.items()}
+        points = replace(points, numbers=numbers, places=points.places[keep])
+    points.check_growth("chainage", SHORTEST)
     return points
 
 
@@ -165,22 +183,29 @@ def _gradients(points: Table, begin: float, end: float, account: Account) -> lis
             raise points.refusal(
                 row, "radius", f"the first and the last point have no vertical curve; got {radii[row]:g} m. Remove it."
             )
-    halves = radii * np.abs(np.diff(slopes, prepend=slopes[0], append=slopes[-1])) / 2.0
+    halves = _fitted(points, radii * np.abs(np.diff(slopes, prepend=slopes[0], append=slopes[-1])) / 2.0, account)
     pieces: list[Piece] = []
     for row, slope in enumerate(slopes.tolist()):
         first, last = float(at[row] + halves[row]), float(at[row + 1] - halves[row + 1])
-        if last < first - SAME:
-            raise points.refusal(
-                row + 1,
-                "radius",
-                f"vertical curves must not overlap; got {first - last:.3f} m of overlap. Give smaller radii.",
-            )
         if row and halves[row] >= SAME:
             pieces.append(Piece(float(at[row] - halves[row]), first, float(slopes[row - 1]), slope))
-        if last - first >= 0.01:
+        if last - first >= SHORTEST:
             pieces.append(Piece(first, last, slope, slope))
     account.taken.append(f"{at.size} points of the profile {points.source}, {np.count_nonzero(radii)} vertical curves")
     return _over(pieces, begin, end, account)
+
+
+def _fitted(points: Table, halves: NDArray[np.float64], account: Account) -> NDArray[np.float64]:
+    """Return half lengths of parabolas; circles that touch are a little shorter (landxml_profile.py). TableError."""
+    ways, taken = np.diff(points.numbers["chainage"]), halves[1:] + halves[:-1]
+    for row, (one, way) in enumerate(zip(taken.tolist(), ways.tolist(), strict=True)):
+        if not may_touch(one, way):
+            over = f"vertical curves must not overlap; got {one - way:.3f} m of overlap"
+            raise points.refusal(row + 1, "radius", f"{over}. Give smaller radii.")
+    if np.max(taken - ways) > SAME:
+        account.assumed.append(f"vertical curves overlap by up to {np.max(taken - ways):.3f} m: they touch")
+    shares = np.pad(np.minimum(ways / np.maximum(taken, 1e-300), 1.0), 1, constant_values=1.0)
+    return halves * np.minimum(shares[1:], shares[:-1])
 
 
 def _over(pieces: list[Piece], begin: float, end: float, account: Account) -> list[Piece]:
@@ -198,7 +223,7 @@ def _over(pieces: list[Piece], begin: float, end: float, account: Account) -> li
     found = []
     for piece in pieces:
         first, last = max(piece.begin, begin), min(piece.end, end)
-        if last - first >= 0.01:
+        if last - first >= SHORTEST:
             ends = np.interp([first, last], [piece.begin, piece.end], [piece.first, piece.last]).tolist()
             found.append(Piece(first, last, *ends))
     return found

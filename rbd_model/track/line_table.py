@@ -17,10 +17,12 @@ GAUGE = 1.5
 #: Length on either side of a row over which a corner is rounded [m], so that the values are smooth for an integrator;
 #: assumed (the stiffness of rails has about this effect).
 ROUNDING = 1.0
-#: Largest turn between two rows [rad], between which the plan is a quintic. The quintic deviates from an arc by the
-#: radius times the sixth power of the turn over 46080: 0.3 um where a curve of 50 m has rows every 12.5 m. Number of
-#: rows in the shortest feature of a line that steps resolve.
-LARGEST_TURN, RESOLVING_ROWS = 0.25, 8.0
+#: Largest turn between two rows [rad], between which the plan is a quintic; rows are added between rows of a file that
+#: are further apart. The quintic deviates from an arc by the radius times the sixth power of the turn over 46080: 0.3
+#: um where a curve of 50 m has rows every 12.5 m. Largest turn between two rows of a file [rad], that of a loop.
+LARGEST_TURN, WHOLE_TURN = 0.25, 6.3
+#: Number of rows in the shortest feature of a line that steps resolve.
+RESOLVING_ROWS = 8.0
 #: Least change of gradient [1], curvature [1/m] or factor on friction [1] relative to a straight line that makes a row
 #: a corner: 1e-6 m/s2.
 LEAST_CORNER = 1e-7
@@ -67,7 +69,7 @@ PIECES = (
     Piece("shortest", "m", 0),  # length of the shortest thing that steps resolve
 )
 SOURCE = f"""static const double GAUGE = {GAUGE}, ROUNDING = {ROUNDING}, LARGEST_TURN = {LARGEST_TURN};
-static const double RESOLVING_ROWS = {RESOLVING_ROWS}, LEAST_CORNER = {LEAST_CORNER};
+static const double WHOLE_TURN = {WHOLE_TURN}, RESOLVING_ROWS = {RESOLVING_ROWS}, LEAST_CORNER = {LEAST_CORNER};
 {(Path(__file__).parent / "line.c").read_text(encoding="utf-8")}"""
 
 LINE = TableFile(

@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from readers.account import Account
-from readers.alignment import Alignment, Piece
+from readers.alignment import SHORTEST, Alignment, Piece
 from readers.documents import integer_in, is_number
 from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.text import FileError, shown
 from readers.yaml_files import yaml_of
 
-#: Largest file [bytes], longest link [m].
-LARGEST, LONGEST = 32_000_000, 1e6
+#: Largest file [bytes], longest link [m]. Difference of values that are one at one place [m, rad].
+LARGEST, LONGEST, SAME = 32_000_000, 1e6, 2e-4
 LEFT = {
     "speed_set": "speed limits do not belong to the line",
     "speed_sets": "speed limits do not belong to the line",
@@ -125,6 +125,7 @@ def _course(read: dict[str, Any], field: str, value: str, length: float, what: s
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise FileError(f"{what}: {field} must be a list of offsets and values; got {shown(given)}. Correct it.")
     found = [(_number(one, "offset", f"{what}, {field}"), _number(one, value, f"{what}, {field}")) for one in given]
+    found = found[:1] + [after for before, after in pairwise(found) if not _is_same(before, after)]
     for before, after in pairwise(found):
         if not after[0] > before[0]:
             raise FileError(
@@ -136,6 +137,11 @@ def _course(read: dict[str, Any], field: str, value: str, length: float, what: s
             "Correct them."
         )
     return found
+
+
+def _is_same(before: tuple[float, float], after: tuple[float, float]) -> bool:
+    """Return whether two points are one: at one place, with one value."""
+    return abs(after[0] - before[0]) < SHORTEST and abs(after[1] - before[1]) <= SAME
 
 
 def _track(read: dict[str, Any], name: str, length: float, what: str) -> Track:

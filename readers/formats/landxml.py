@@ -10,11 +10,13 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 from readers.account import Account
-from readers.alignment import BLOSS, LINEAR, Alignment, Piece
+from readers.alignment import BLOSS, LINEAR, SHORTEST, Alignment, Piece
+from readers.formats.landxml_plan import LARGEST_RADIUS, LONGEST, length_of, radius_of
 from readers.formats.landxml_profile import gradients_of
 from readers.formats.line_tracks import listed, tell_jumps
 from readers.formats.xml_numbers import attribute, name_of, required
@@ -32,7 +34,9 @@ UNITS = {
     "inch": 0.0254,
     "mile": 1609.344,
 }
-LONGEST = 1e7
+
+#: Largest difference of the stated length from that of the elements without a message [m].
+STATED = 0.1
 #: Spirals that are read, and the form of their curvature.
 SPIRALS = {"clothoid": LINEAR, "bloss": BLOSS}
 #: Largest cant that is read as metres: below it millimetres would be no cant.
@@ -72,6 +76,8 @@ def read_landxml(path: Path, asked: Sequence[str] = ()) -> Alignment:
             f"{source}: one alignment must be named with --tracks; the file has {listed(found)}. Name one of these."
         )
     name = asked[0] if asked else next(iter(found))
+    if (many := sum(one.get("name") == name for one in inside(root, "Alignment"))) > 1:
+        raise FileError(f"{source}: the alignment {shown(name)} must be there once; got {many}. Rename the others.")
     account = Account(taken=[f"alignment {shown(name)}: elements in plan, stations, rotations"])
     unit, unit_name, imperial = _unit(root, source, account)
     if unit != 1.0:
@@ -95,12 +101,13 @@ def _alignment(element: ET.Element, source: str, unit: float, imperial: bool, ac
     elements = [] if geometry is None else [one for one in geometry if one.tag not in ("Feature", "FeatureRef")]
     if not elements:
         raise FileError(f"{source}: {name_of(element)} must have a CoordGeom with elements; got none. Export it again.")
-    curvature, place = [], start
-    for number, one in enumerate(elements, 1):
-        first, last, form = _ends(one, unit, f"{source}, element {number}")
-        length = unit * required(one, "length", f"{source}, element {number}", LONGEST)
-        curvature.append(Piece(place, place + length, first, last, form))
-        place += length
+    curvature = _in_plan(elements, source, unit, start, account)
+    place = curvature[-1].end
+    stated = attribute(element, "length", source, LONGEST)
+    if stated is not None and abs(unit * stated - (place - start)) > STATED:
+        account.assumed.append(
+            f"the length is that of the elements, {place - start:.3f} m; {unit * stated:.3f} m is stated"
+        )
     account.converted.append(f"{len(elements)} elements: radius and rotation to curvature, cw to the right")
     cant = _cant(element, source, unit, imperial, curvature, account)
     gradient = gradients_of(element, source, unit, start, place, account)
@@ -108,6 +115,28 @@ def _alignment(element: ET.Element, source: str, unit: float, imperial: bool, ac
     alignment = Alignment(source, start, place, curvature, cant, gradient, True, account)
     tell_jumps(alignment)
     return alignment
+
+
+def _in_plan(elements: Sequence[ET.Element], source: str, unit: float, start: float, account: Account) -> list[Piece]:
+    """Return the curvature of the elements; the next one reaches over an element of no length. Raises FileError."""
+    pieces: list[Piece] = []
+    begin = place = start
+    short: list[float] = []
+    for number, one in enumerate(elements, 1):
+        what = f"{source}, element {number}"
+        first, last, form = _ends(one, unit, what)
+        length = length_of(one, unit, what)
+        place += length
+        if length < SHORTEST:
+            short.append(length)
+            continue
+        pieces.append(Piece(begin, place, first, last, form))
+        begin = place
+    if short:
+        account.left.append(f"{len(short)} elements shorter than {SHORTEST:g} m, together {sum(short):.4g} m")
+    if not pieces:
+        raise FileError(f"{source}: an alignment must have an element of {SHORTEST:g} m or more; got none. Check it.")
+    return [*pieces[:-1], replace(pieces[-1], end=place)]
 
 
 def _ends(one: ET.Element, unit: float, what: str) -> tuple[float, float, str]:
@@ -122,7 +151,7 @@ def _ends(one: ET.Element, unit: float, what: str) -> tuple[float, float, str]:
     if one.tag == "Curve":
         if one.get("crvType", "arc") != "arc":
             raise FileError(f"{what}: crvType must be arc; got {shown(one.get('crvType'))}. Replace the curve.")
-        bend = side * _bend(one, "radius", unit, what)
+        bend = side / radius_of(one, unit, what)
         return bend, bend, LINEAR
     kind = one.get("spiType", "clothoid")
     if kind not in SPIRALS:
@@ -133,7 +162,7 @@ def _ends(one: ET.Element, unit: float, what: str) -> tuple[float, float, str]:
 def _bend(one: ET.Element, name: str, unit: float, what: str) -> float:
     if one.get(name, "").strip().upper() in ("INF", "INFINITY"):
         return 0.0
-    radius = unit * required(one, name, what, LONGEST)
+    radius = unit * required(one, name, what, LARGEST_RADIUS)
     if not radius > 0.0:
         raise FileError(f"{what}: {name} must be above 0 or INF; got {radius:g} m. Correct it.")
     return 1.0 / radius

@@ -45,8 +45,9 @@ def read_railml3(infrastructure: ET.Element, asked: Sequence[str], source: str) 
         one.get("id", ""): attribute(one, "length", source, LONGEST) or 0.0
         for one in inside(infrastructure, "netElement")
     }
+    account = Account()
     groups = {
-        tag: _located(list(inside(infrastructure, tag)), lengths, source)
+        tag: _located(list(inside(infrastructure, tag)), lengths, source, account)
         for tag in ("horizontalCurve", "gradientCurve", "superelevationCurve")
     }
     reached: dict[str, float] = {}
@@ -54,7 +55,6 @@ def read_railml3(infrastructure: ET.Element, asked: Sequence[str], source: str) 
         for name, curves in group.items():
             reached[name] = max(reached.get(name, 0.0), lengths.get(name) or max(one.end for one in curves))
     route = route_of(reached, asked, source)
-    account = Account()
     tracks = []
     for name, back in route:
         bends, slopes, heights = (group.get(name, []) for group in groups.values())
@@ -74,7 +74,9 @@ def read_railml3(infrastructure: ET.Element, asked: Sequence[str], source: str) 
     return joined(tracks, source, account)
 
 
-def _located(elements: Sequence[ET.Element], lengths: dict[str, float], source: str) -> dict[str, list[Curve]]:
+def _located(
+    elements: Sequence[ET.Element], lengths: dict[str, float], source: str, account: Account
+) -> dict[str, list[Curve]]:
     """Return curves by net element, in the order of their places. Raises FileError."""
     found: dict[str, list[Curve]] = {}
     for one in elements:
@@ -84,7 +86,10 @@ def _located(elements: Sequence[ET.Element], lengths: dict[str, float], source: 
             sign = _sign(place, source)
             begin, end = (_measure(place, side, lengths.get(name, 0.0), source) for side in ("Begin", "End"))
             begin, end = (end, begin) if sign < 0.0 and end < begin else (begin, end)
-            if not end - begin >= SHORTEST:
+            if abs(end - begin) < SHORTEST:
+                account.left.append(f"{name_of(one)}: it is shorter than {SHORTEST:g} m")
+                continue
+            if not end > begin:
                 raise FileError(
                     f"{source}: {name_of(one)} must end after its begin; got {begin:g} to {end:g} m. Correct it."
                 )

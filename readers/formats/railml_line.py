@@ -17,7 +17,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from readers.account import Account
-from readers.alignment import BLOSS, LINEAR, Alignment, Piece
+from readers.alignment import BLOSS, LINEAR, OVERLAP, Alignment, Piece
 from readers.formats.line_tracks import Track, joined, listed, route_of
 from readers.formats.railml3_line import read_railml3
 from readers.formats.xml_numbers import attribute, required
@@ -135,7 +135,8 @@ def _track(element: ET.Element, name: str, begin: float, end: float, source: str
     if not slopes:
         account.assumed.append(f"track {name} is level: it has no gradientChange")
     curvature, cant = _between(sorted(bends, key=lambda one: one.place), end - begin)
-    return Track(name, end - begin, curvature, cant, _slopes(sorted(slopes, key=lambda one: one.place), end - begin))
+    gradient = _slopes(sorted(slopes, key=lambda one: one.place), end - begin, account)
+    return Track(name, end - begin, curvature, cant, gradient)
 
 
 def _along(track: ET.Element, tag: str, ends: Sequence[float], what: str, account: Account) -> list[ET.Element]:
@@ -181,7 +182,7 @@ def _between(changes: Sequence[Change], end: float) -> tuple[list[Piece], list[P
     return curvature, cant
 
 
-def _slopes(changes: Sequence[Change], end: float) -> list[Piece]:
+def _slopes(changes: Sequence[Change], end: float, account: Account) -> list[Piece]:
     """Return gradients from change to change; vertical curves lie half before and half behind their change."""
     pieces: list[Piece] = []
     place, steep = 0.0, 0.0
@@ -189,6 +190,9 @@ def _slopes(changes: Sequence[Change], end: float) -> list[Piece]:
         following = changes[number + 1].place if number + 1 < len(changes) else end
         length = one.curve * abs(one.value - steep) if one.by_radius else one.curve
         half = min(length / 2.0, one.place - place, following - one.place) if number else 0.0
+        if number and length - 2.0 * half > OVERLAP:
+            made = f"from {length:.1f} to {2.0 * half:.1f} m, the room that its neighbours leave"
+            account.assumed.append(f"the vertical curve at {one.place:.1f} m is shortened {made}")
         if one.place - half - place >= SHORTEST:
             pieces.append(Piece(place, one.place - half, steep, steep))
         if half >= SHORTEST:

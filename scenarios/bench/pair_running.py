@@ -47,13 +47,25 @@ class Running:
         """Return the equivalent conicity at an amplitude [m]."""
         return float(np.interp(amplitude, self.conicity["amplitude"], self.conicity["equivalent_conicity"]))
 
-    def flange_within(self, amplitude: float) -> str:
+    def notes_at(self, amplitude: float) -> list[str]:
+        """Return notes on the conicity at an amplitude [m]."""
+        return [note for note in (self._flange_within(amplitude), self._unguided_at(amplitude)) if note]
+
+    def _flange_within(self, amplitude: float) -> str:
         """Return a note if a flange touches within an amplitude [m] of the centre, or an empty string."""
         rooms = self.flanges[0] - self.centre, self.flanges[1] + self.centre
         room, word = min(zip(rooms, WORDS, strict=True))
         if room >= amplitude:
             return ""
         return f"with contact of the {word} flange, which begins at an amplitude of {1e3 * room:.3g} mm"
+
+    def _unguided_at(self, amplitude: float) -> str:
+        """Return a note if the conicity at an amplitude [m] is not above 0, or an empty string."""
+        conicity = self.conicity_at(amplitude)
+        if conicity > 0.0:
+            return ""
+        moves = "drive the wheelset outwards" if conicity < 0.0 else "do not guide the wheelset"
+        return f"not above 0, the profiles {moves}; the value is that of annex C of EN 15302, as annex B has none"
 
 
 def running_of(

@@ -36,7 +36,7 @@ from products.protection.settings import LONGEST_PERIOD
 from products.protection.single_controller import OneInC, OneOfMany
 from readers.command_line import quantity
 from readers.log_columns import ColumnMap
-from readers.log_rows import filled
+from readers.log_rows import after_events, filled
 from readers.text import FileError, quoted
 from scenarios.controllers.controller_loader import Given, controller_of
 from scenarios.controllers.table import write_document
@@ -222,15 +222,16 @@ def replay(log: Recording, name: str, form: Form, period: float | None) -> Repla
         The controller is called every `period` [s] with the last row before; None: at the rows' times.
     """
     count = wheelsets_in(log)
-    rows = log["time"]
+    samples = after_events(log["time"])
+    rows = log["time"][samples]
     times = rows if period is None else rows[0] + period * np.arange(int((rows[-1] - rows[0]) / period + SAME) + 1)
     last = np.searchsorted(rows, times + SAME * np.min(np.diff(rows)), "right") - 1
-    speeds = np.column_stack([log[one] for one in speeds_of(count)])[last]
+    speeds = np.column_stack([log[one][samples] for one in speeds_of(count)])[last]
     controller = one_of(name, form, count, period or float(np.median(np.diff(rows))))
     valves, message = commands_of(Supervised(controller, count), times, speeds)
     same: list[float | None] = []
     for place in range(count):
-        recorded = log.units.get(f"valve_{place + 1}") and log[f"valve_{place + 1}"][last][: len(valves)]
+        recorded = log.units.get(f"valve_{place + 1}") and log[f"valve_{place + 1}"][samples][last][: len(valves)]
         same.append(None if recorded is None or not len(valves) else float(np.mean(recorded == valves[:, place])))
     return Replayed(name, log, times, valves, tuple(same), message)
 

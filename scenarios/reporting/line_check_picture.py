@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from rbd_model.track.line import FRICTIONS, Line
 from rbd_model.track.line_check import Adhesion, Check, deficiency_of
 from rbd_model.track.line_points import LineFromPoints
-from scenarios.reporting.line_picture import draw_line, with_places_between
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled
+from scenarios.reporting.line_picture import LEAST, draw_line, with_places_between
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, plt, titled, widen
 
 #: Smallest curvature that is a curve in a title [1/m].
 STRAIGHT = 1e-6
@@ -31,6 +31,7 @@ def figure_of_check(line: Line, check: Check, speed: float, friction: float | No
     deficiency.plot(dense["distance"], lacking, color=LEADING)
     deficiency.axhline(0.0, color=BOGIE, linewidth=0.6)
     deficiency.set_title(f"cant deficiency at {3.6 * speed:.4g} km/h, outwards [mm]")
+    widen(deficiency, LEAST[1])
     deficiency.set_xlim(dense["distance"][0], dense["distance"][-1])
     if check.adhesion is not None:
         draw_friction(axes[-1], line, check.adhesion, friction or 1.0)

@@ -6,13 +6,15 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from rbd_model.track.line import Line
-from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above
+from scenarios.reporting.plots import BOGIE, LEADING, TRAILING, legend_above, widen
 
 #: Colours in curves to the left, on straight track, in curves to the right. A curve is steeper than a third of the
 #: largest curvature.
 LEFT_CURVE, STRAIGHT, RIGHT_CURVE = LEADING, BOGIE, TRAILING
 #: Largest number of distance marks on a plan, and largest distance between drawn places [m].
 MOST_MARKS, PITCH = 8, 5.0
+#: Least range of the axes of curvature [1/km], cant [mm], and gradient and height [per mille, m].
+LEAST = (0.01, 1.0, 0.1)
 
 
 def draw_line(axes: Sequence[Axes], line: Line) -> None:
@@ -33,7 +35,8 @@ def draw_line(axes: Sequence[Axes], line: Line) -> None:
     gradient.plot(distance, height(line), color=LEADING, linestyle="--", label="height [m]")
     legend_above(gradient)
     gradient.set_title("gradient [‰] and height above the start [m]")
-    for axis in axes[1:]:
+    for axis, least in zip(axes[1:], LEAST, strict=True):
+        widen(axis, least)
         axis.set_xlim(distance[0], distance[-1])
 
 

@@ -10,13 +10,15 @@ from matplotlib.figure import Figure
 
 from rbd_model.contact.geometry import Side
 from scenarios.bench.pair_running import COMPARED, WORDS, Running
-from scenarios.reporting.plots import LEADING, THREE, TRAILING, mark, plt, titled
+from scenarios.reporting.plots import LEADING, THREE, TRAILING, mark, plt, titled, widen
 
 #: Limits of a wheel's patches in its profile [m], by side.
 Patches = Mapping[str, Sequence[tuple[float, float]]]
 #: Height at which the wheels are drawn above the rails [mm], and number of shifts between drawn contacts.
 RAISED, EVERY = 12.0, 10
 GREY = "#999999"
+#: Least range of the axes of contact angles [deg], contact points [mm] and conicity [1].
+LEAST_ANGLE, LEAST_SHIFT, LEAST_CONICITY = 0.1, 0.1, 1e-3
 
 
 def draw_pair(found: Running, patches: Patches | None = None, title: str = "") -> Figure:
@@ -46,6 +48,8 @@ def draw_pair(found: Running, patches: Patches | None = None, title: str = "") -
     grid[2, 0].plot(1e3 * found.conicity["amplitude"], conicity, color=LEADING)
     grid[2, 0].set_ylim(min(0.0, 1.1 * np.min(conicity)), None)
     grid[2, 0].set(title="equivalent conicity [1] over amplitude", xlabel="amplitude [mm]")
+    for axis, least in ((grid[1, 1], LEAST_ANGLE), (grid[2, 1], LEAST_SHIFT), (grid[2, 0], LEAST_CONICITY)):
+        widen(axis, least)
     for axis in (grid[1, 0], grid[1, 1], grid[2, 1]):
         axis.set_xlabel("shift to the left [mm]")
     grid[1, 1].legend()

@@ -120,6 +120,13 @@ def message_of(figure: Figure) -> str:
     return " ".join(words)
 
 
+def widen(axis: Axes, least: float) -> None:
+    """Widen the y axis to a least range about its middle, so that rounding errors of a constant are not magnified."""
+    low, high = axis.get_ylim()
+    if high - low < least:
+        axis.set_ylim((low + high - least) / 2.0, (low + high + least) / 2.0)
+
+
 def label_edges(grid: np.ndarray, x_label: str, y_label: str) -> None:
     """Label a grid of axes whose columns share `x_label`, below the last row, and rows `y_label`, on the left."""
     for axis in grid[-1]:

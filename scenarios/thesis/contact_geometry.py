@@ -153,7 +153,7 @@ def rows_of_files(found: Running) -> list[Row]:
         rows.append(row(f"shift to the {word} at flange contact", "mm", 1e3 * flange))
         rows.append(row(f"contact angle {word}, running centred", "deg", float(np.degrees(angle))))
     for amplitude in PRINTED:
-        touched = found.flange_within(amplitude)
+        touched = "; ".join(found.notes_at(amplitude))
         rows.append(row(f"equivalent conicity at {1e3 * amplitude:g} mm", "1", found.conicity_at(amplitude), touched))
     return rows
 

@@ -168,7 +168,7 @@ BAD = {
     "an empty cell": (HEAD + "0,0,0,0\n1,0,,0\n", "row 3, column cant: .*the cell is empty"),
     "a cell too few": (HEAD + "0,0,0,0\n1,0,0\n", "row 3, column gradient: .*the cell is empty"),
     "a cell too many": (HEAD + "0,0,0,0\n1,0,0,0,0\n", "row 3: a row must have at most 4 values"),
-    "rows too far apart": (HEAD + "0,0.01,0,0\n29,0.01,0,0\n", "row 3: the line turns by 0.29 rad over the 29 m"),
+    "rows too far apart": (HEAD + "0,0.01,0,0\n700,0.01,0,0\n", "row 3: the line turns by 7 rad over the 700 m"),
     "a long row": (HEAD + "0,0,0,0" + "0" * 30000 + "\n", "row 2: a row must have at most 20000 characters"),
     "bytes": (HEAD + "0,0,0,\x01\n", "row 2: the character 1 is not text"),
     "a null byte": (HEAD + "0,0,\x00,0\n1,0,0,0\n", "row 2"),

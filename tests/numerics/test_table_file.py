@@ -29,11 +29,11 @@ MAP = TableFile(
     added=("volume",),
     pieces=(Piece("flow", "m3/s", 1), Piece("head", "m", 5), Piece("volume", "m3", 4, goes_on=True)),
     source="""
-static bool check_row(const table_file *self, int row, char *problem, size_t size) {
+static int parts_before(const table_file *self, int row, char *problem, size_t size) {
     const double change = self->column[COLUMN_FLOW][row] - self->column[COLUMN_FLOW][row - 1];
-    if (fabs(change) <= 1.0) return true;
+    if (fabs(change) <= 1.0) return 1;
     snprintf(problem, size, "the flow changes by %g m3/s at once; give rows between", change);
-    return false;
+    return 0;
 }
 
 static void complete(const table_file *self) {
@@ -120,3 +120,8 @@ def test_a_column_that_c_does_not_read_is_refused() -> None:
     for odd in (Column("kind", words=("a",)), Column("gap", filled=False), Column("count", whole=True)):
         with pytest.raises(ValueError, match=f"must be numbers, one in each row; got {odd.name}"):
             replace(MAP, columns=(*MAP.columns, odd))
+
+
+def test_a_model_whose_name_is_too_long_for_files_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"name of a model must have at most 200 bytes, .* got 201 in 'aaaa"):
+        model_of(System("a" * 201, "A long name"), 1e-6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
+from rbd_model.track.line import arc, line_of, straight
 from rbd_model.track.line_elements import line_from_elements
 from rbd_model.track.line_pieces import SourcedLine, end_of
 from readers.text import FileError
@@ -89,6 +91,27 @@ def test_cant_suits_its_curve_and_ramps_over_the_transitions(tmp_path: Path) -> 
     assert line.value("cant", 400.0) == 0.0
 
 
+def test_adverse_cant_is_told_in_a_table_and_refused_in_an_arc_unless_it_is_meant(tmp_path: Path) -> None:
+    line = line_of_text(tmp_path, HEAD + "straight,50,,\narc,100,-300,120\nstraight,50,,\narc,100,-300,-60\n")
+    assert "cant of 1 arcs, the first in row 5, is negative: adverse in its curve" in line.account.assumed
+    assert line.value("cant", np.array([100.0, 250.0])) == pytest.approx([-0.12, 0.06])
+    with pytest.raises(ValueError, match=r"sign of its radius, -300 m, .* got 0\.12 m\. Give -0\.12 m, or adverse"):
+        arc(100.0, -300.0, 0.12)
+    assert arc(100.0, -300.0, 0.12, adverse=True).cant == (0.12, 0.12)
+    assert arc(100.0, math.inf, -0.12).cant == (-0.12, -0.12)
+
+
+def test_a_value_beyond_its_limit_is_told_as_given_although_rows_at_joints_have_means(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"gradient must be from -0\.5 to 0\.5; got 6\.5 in segment 2\. Check"):
+        line_of([straight(1000.0), straight(500.0, 6.5)])
+    with pytest.raises(ValueError, match=r"curvature .* got -0\.05 1/m \(a radius of -20 m\) in segment 2"):
+        line_of([straight(100.0), arc(100.0, -20.0)])
+    path = line_of([straight(100.0)]).write(str(tmp_path / "line.csv"))
+    assert path == tmp_path / "line.csv"
+    with pytest.raises(OSError, match=r"Cannot write .*missing"):
+        line_of([straight(100.0)]).write(tmp_path / "missing" / "line.csv")
+
+
 def test_jumps_and_a_short_profile_are_told(tmp_path: Path) -> None:
     line = line_of_text(tmp_path, HEAD + "straight,100,,\narc,100,300,\n", "chainage,height\n0,0\n150,1.5\n")
     told = str(line.account)
@@ -137,3 +160,22 @@ def test_tables_that_do_not_fit_are_refused_with_one_sentence(tmp_path: Path, ca
     elements, profile, message = REFUSED[case]
     with pytest.raises(FileError, match=message):
         line_of_text(tmp_path, elements, profile)
+
+
+def test_circles_of_a_survey_touch_and_two_points_at_one_place_are_one(tmp_path: Path) -> None:
+    """Circles of 2000 m between slopes of 0, 4 and -3 per cent touch; parabolas of this radius overlap by 0.1 m."""
+    angles = [math.atan(slope) for slope in (0.0, 0.04, -0.03)]
+    reaches = [2000.0 * math.tan(abs(b - a) / 2.0) for a, b in itertools.pairwise(angles)]
+    first, second = 100.0, 100.0 + sum(reaches) * math.cos(angles[1])
+    top, end = 0.04 * (second - first), second + 100.0
+    rows = f"0,0,\n{first},0,2000\n{second:.6f},{top:.6f},2000\n{end},{top - 3.0:.6f},\n"
+    line = line_of_text(
+        tmp_path, HEAD + f"straight,{end},,\n", f"chainage,height,radius\n{rows}{end + 0.004},{top - 3:.6f},\n"
+    )
+    assert end_of(line.rows)["height"] == pytest.approx(top - 3.0, abs=1e-5)
+    assert "vertical curves overlap by up to 0.1" in str(line.account)
+
+
+def test_a_huge_radius_is_straight(tmp_path: Path) -> None:
+    line = line_of_text(tmp_path, HEAD + "straight,50,,\narc,100,99999999,\n")
+    assert end_of(line.rows)["turn"] == pytest.approx(1e-6, rel=0.02)

@@ -149,6 +149,12 @@ def test_a_curve_of_railml_3_against_its_net_element_has_the_other_sign(tmp_path
         line_of(tmp_path / "infra.railml", railml3().replace("posBegin", 'keepsOrientation="perhaps" posBegin'))
 
 
+def test_a_vertical_curve_of_railml_2_that_has_no_room_is_told(tmp_path: Path) -> None:
+    near = '<gradientChange id="g9" pos="410" slope="9"/></gradientChanges>'
+    line = line_of(tmp_path / "infra.xml", RAILML2.replace("</gradientChanges>", near))
+    assert any("the vertical curve at 400.0 m is shortened from 100.0 to 20.0 m" in one for one in line.account.assumed)
+
+
 def curve_of_3(tag: str, begin: float, end: float, **more: object) -> str:
     given = " ".join(f'{name}="{value}"' for name, value in more.items())
     place = f'<associatedNetElement netElementRef="ne1" posBegin="{begin}" posEnd="{end}"/>'
@@ -180,6 +186,16 @@ def test_railml_3_curves_lie_on_their_net_element(tmp_path: Path) -> None:
     assert line.value("cant", 300.0) == pytest.approx(-0.09)
     assert line.value("gradient", [100.0, 250.0, 400.0]) == pytest.approx([0.005, 0.001, -0.003])
     assert end_of(line.rows)["height"] == pytest.approx(0.5, abs=BAND)
+
+
+def test_curves_of_no_length_and_points_at_one_place_are_left_out(tmp_path: Path) -> None:
+    none = curve_of_3("horizontalCurve", 250, 250, curveType="arc", radius=600)
+    line = line_of(tmp_path / "infra.railml", railml3().replace("<gradientCurves>", f"{none}<gradientCurves>", 1))
+    assert line.length == pytest.approx(500.0, abs=BAND)
+    assert "horizontalCurve horizontalCurve250: it is shorter than 0.01 m" in line.account.left
+    again = "{offset: 0.0, heading: 0.0}, {offset: 0.004, heading: 0.0}"
+    line = line_of(tmp_path / "net.yaml", ALTRIOS.replace("{offset: 0.0, heading: 0.0}", again), "2")
+    assert end_of(line.rows)["turn"] == pytest.approx(-0.25, abs=BAND)
 
 
 def landxml(units: str = '<Metric linearUnit="meter"/>', spiral: str = "clothoid", more: str = "") -> str:
@@ -248,6 +264,12 @@ DAMAGED = {
         landxml(spiral="sineHalfWave"),
         (),
         "spiType must be one of clothoid, bloss; got sineHalf",
+    ),
+    "a name twice": (
+        "a.xml",
+        landxml(more='</Alignment><Alignment name="A">'),
+        (),
+        "the alignment A must be there once; got 2",
     ),
     "no rotation": (
         "a.xml",

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from readers.columns import TableError
-from readers.log_rows import averaged, filled
+from readers.log_rows import after_events, averaged, filled
 from readers.logs import read_log
 from scenarios.bench.torque_history import read_torque_history
 from scenarios.controllers.replay import read_log as read_replayed
@@ -278,3 +278,30 @@ def test_a_log_of_others_is_read() -> None:
         "left out 'engine_on' (no values).",
         "'time' has no unit; s is assumed.",
     ]
+
+
+def test_rows_of_one_time_are_an_event(log: Path) -> None:
+    """The first one holds until there, the last one from there on; those of an iteration between them fall away."""
+    log.write_text("time,speed\n0,9\n0,0\n1,0\n1,3\n1,5\n2,5\n3,5\n4,5\n5,5\n")
+    found = read_log(log, VARIABLES)
+    assert found.numbers["time"].tolist() == [0.0, 1.0 - 1e-5, 1.0, 2.0, 3.0, 4.0, 5.0]
+    assert found.numbers["speed"].tolist() == [0.0, 0.0, 5.0, 5.0, 5.0, 5.0, 5.0]
+    assert found.places.tolist() == [3, 4, 6, 7, 8, 9, 10]
+    assert any("3 rows with the time before and other values, as row 3: an event" in one for one in found.messages)
+    assert after_events(found.numbers["time"]).tolist() == [True, False, True, True, True, True, True]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time;speed;note\n0;1,000;0,1\n1;2,125;0,2\n",
+        "Uhrzeit;speed\n12:00:00,5;1,000\n12:00:01,5;2,125\n",
+        "time;speed;count\n2026-01-01 12:00:00,5;1,000;7\n2026-01-01 12:00:01,5;2,125;8\n",
+    ],
+)
+def test_any_column_and_the_clock_show_the_decimal_mark(text: str, log: Path) -> None:
+    log.write_text(text)
+    assert read_log(log, VARIABLES).numbers["speed"].tolist() == [1.0, 2.125]
+    log.write_text(text.replace("0,1", "1").replace("0,2", "2").replace(",5", ".5"))
+    with pytest.raises(TableError, match="numbers must have one reading"):
+        read_log(log, VARIABLES)

@@ -17,7 +17,7 @@ from fmu_src import compile as compiling
 from fmu_src.codegen import RUNTIME
 from fmu_src.table_file import table_file_source
 from rbd_model.track.line import NAMES, read_line
-from rbd_model.track.line_table import LINE
+from rbd_model.track.line_table import LARGEST_TURN, LINE
 from readers.text import FileError
 from readers.units import SPELLINGS, factor, twins_of
 from tests.fmu.sanitized import SANITIZERS
@@ -125,6 +125,22 @@ def test_numbers_have_the_same_bits(host: Path, folder: Path) -> None:
     assert isinstance(read_in_python(path), np.ndarray)
 
 
+def test_rows_are_added_where_a_line_turns_far_from_row_to_row(host: Path, folder: Path) -> None:
+    """A clothoid of 400 m to 500 m by its end rows turns by 0.4 rad, an arc of 300 m by 1.1 rad, a loop by 6.28 rad."""
+    head, paths = "distance,curvature,cant,gradient,left_friction\n", list[Path]()
+    for rows in ("0,0,0,0,1\n400,0.002,0.1,0.01,0.3\n700,0.002,0.1,0,1\n", "0,0.02,0,0,1\n314.159,0.02,0,0,1\n"):
+        paths.append(folder / f"far{len(paths)}.csv")
+        paths[-1].write_text(head + rows, encoding="utf-8")
+    assert check_twins(host, paths) == 2
+    clothoid, loop = (read_line(path) for path in paths)
+    at = np.array([0.0, 100.0, 250.0, 400.0, 550.0, 700.0])
+    for name, wanted in (("curvature", [0.0, 0.002, 0.002]), ("cant", [0.0, 0.1, 0.1]), ("gradient", [0.0, 0.01, 0.0])):
+        found = np.interp(at, clothoid.rows["distance"], clothoid.rows[name])
+        assert found == pytest.approx(np.interp(at, [0, 400, 700], wanted), abs=1e-15)
+    assert np.max(np.diff(loop.rows["distance"])) <= LARGEST_TURN * 50.0
+    assert loop.rows["distance"].size == 27
+
+
 def test_each_unit_converts_alike(host: Path, folder: Path) -> None:
     """Check all known units; both readers refuse those of another quantity."""
     paths = []
@@ -174,9 +190,9 @@ SAID = {
     "distance,curvature,cant,gradient\n5,0,0,0\n\n4,0,0,0\n": (
         "row 4, column distance: values must grow by at least 0.001 m; got 4 m after 5 m. Sort the rows, or remove",
     ),
-    "distance,curvature,cant,gradient\n0,0.01,0,0\n29,0.01,0,0\n": (
+    "distance,curvature,cant,gradient\n0,0.01,0,0\n700,0.01,0,0\n": (
         "row 3",
-        "the line turns by 0.29 rad over the 29 m",
+        "the line turns by 7 rad over the 700 m",
     ),
     "distance,curvature,cant,gradient\n0,0,0,0\n": ("must have at least 2 rows of values; it has 1. Add rows.",),
     'distance,curvature,cant,gradient\n0,"0,0,0\n': ("row 2: quotes must close within the row. Remove the quotes.",),

@@ -66,7 +66,7 @@ def test_file_that_is_no_line_gets_one_sentence(
 
 def test_speed_leaves_no_more_cant_deficiency_than_it_may() -> None:
     def speed(radius: float, cant: float) -> float:
-        return speed_on(line_of([arc(100.0, radius, cant)]))
+        return speed_on(line_of([arc(100.0, radius, cant, adverse=True)]))
 
     assert speed_on(line_of([straight(100.0)])) == SPEED == speed(-5000.0, 0.0)
     tight = math.sqrt(9.81 * 150.0 * (0.05 + MOST_DEFICIENCY) / 1.5)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fmu_src.cosimulation.recording import Recording
-from scenarios.reporting.plots import MOST_WORDS, message_of, one_word, plt, titled
+from scenarios.reporting.plots import MOST_WORDS, message_of, one_word, plt, titled, widen
 from scenarios.reporting.report import Report, Row, save, value_of
 
 MESSAGE = "The trailing wheelset locks first above 0.7 of the adhesion"
@@ -60,3 +60,14 @@ def test_a_value_of_a_table_that_is_not_there_is_refused() -> None:
     for quantity in ("lock", "speed"):
         with pytest.raises(LookupError, match=quantity):
             value_of(rows, quantity)
+
+
+def test_rounding_errors_of_a_constant_are_not_magnified() -> None:
+    axis = plt.figure().add_subplot()
+    axis.plot([0.0, 1.0], [2.0, 2.0 + 1e-11])
+    widen(axis, 0.1)
+    assert axis.get_ylim() == pytest.approx((1.95, 2.05))
+    axis.plot([0.0, 1.0], [0.0, 3.0])
+    axis.autoscale()
+    widen(axis, 0.1)
+    assert axis.get_ylim()[1] > 3.0

@@ -11,7 +11,9 @@ from matplotlib import pyplot as plt
 
 from bogie_braking.__main__ import main
 from bogie_braking.commands import profile
+from fmu_src.cosimulation.recording import Recording
 from rbd_model.contact.pair_file import read_pairs
+from scenarios.bench.pair_running import Running
 from scenarios.thesis import contact_geometry
 
 REFERENCE = Path(__file__).parents[1] / "data" / "contact"
@@ -113,3 +115,12 @@ def test_bad_options_get_one_sentence(
     assert sentence in shown
     assert shown.count("\n") == 1
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("conicity", "words"), [(-0.01, "drive the wheelset outwards"), (0.0, "do not guide the")])
+def test_conicity_that_does_not_guide_has_a_note(conicity: float, words: str) -> None:
+    table = Recording({"amplitude": "m", "equivalent_conicity": "1"}, [[1e-3, 0.1], [3e-3, conicity]])
+    pair = Running(None, 0.0, None, (6e-3, 6e-3), None, table)  # type: ignore[arg-type]
+    [note] = pair.notes_at(3e-3)
+    assert words in note
+    assert pair.notes_at(1e-3) == []

@@ -134,7 +134,7 @@ def test_a_controller_in_c_that_gives_no_command_is_named(folder: Path) -> None:
             "log.csv, row 1: the column 'wheel_speed_1 [rpm]' in rpm needs the diameter of its wheel",
         ),
         (
-            "time [s],wheel_speed_1 [m/s]\n\n0,1\n1,1\n1,2\n",
+            "time [s],wheel_speed_1 [m/s]\n\n0,1\n1,1\n1,2\n1,3\n",
             "log.csv, row 5, column time: values must grow from row to row; got 1 s after 1 s.",
         ),
         (

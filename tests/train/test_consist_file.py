@@ -272,7 +272,11 @@ def test_what_is_no_line_is_told_in_one_sentence(tmp_path: Path, capsys: pytest.
         (1, {"force_error": "5 %"}, r"The error of the force must be at least 0, a share; got '5 %'\."),
         (1, {"distance_error": None}, r"The error of the distance must be at least 0, a share; got None\."),
         (1, {"releases": "no"}, r"releases must be True or False; got 'no'\."),
-        (1, {"line": "line.csv"}, r"The line must be what line_of\(\.\.\.\) returns, .* got 'line\.csv'\."),
+        (
+            1,
+            {"line": "line.csv"},
+            r"The line must be what line_of.* got 'line\.csv'\. Read a file with line_from_file\('line\.csv'\)\.",
+        ),
     ],
 )
 def test_what_makes_no_train_is_told_in_a_sentence(given: Any, more: dict[str, Any], sentence: str) -> None:
